@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+#
+# weft_add_plugin(role/name SOURCES a.cpp ... [LINK library ...]
+#                 [TESTS a_test.cpp ...] [LONG_TESTS b_test.cpp ...] [FOLDER folder])
+#
+# Builds <role>_<name>.so, which exports nothing but `weft_library`, and beside it the manifest
+# <role>_<name>.plugin.yaml; both in FOLDER where it is given, else in this tree's plugin folder or
+# another tree's build folder. The same function serves this tree and, after find_package(weft), any
+# other. Tests are built where GTest and weft_testing exist.
+
+set(WEFT_PLUGIN_CMAKE_DIR ${CMAKE_CURRENT_LIST_DIR})
+
+function(weft_add_plugin id)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "FOLDER" "SOURCES;LINK;TESTS;LONG_TESTS")
+  if(NOT id MATCHES "^[a-z][a-z0-9_]*/([a-z][a-z0-9_]*\\.)?[a-z][a-z0-9_]*$")
+    message(FATAL_ERROR "weft_add_plugin: '${id}' is not of the form role/name or role/vendor.name")
+  endif()
+  if(NOT arg_SOURCES)
+    message(FATAL_ERROR "weft_add_plugin(${id}): SOURCES is empty")
+  endif()
+  string(REPLACE "/" "_" name ${id})
+  if(arg_FOLDER)
+    set(folder ${arg_FOLDER})
+  elseif(PROJECT_NAME STREQUAL "weft")
+    set(folder ${PROJECT_BINARY_DIR}/lib/weft/plugins)
+  else()
+    set(folder ${PROJECT_BINARY_DIR})
+  endif()
+
+  # One compilation serves the library and the program that writes its manifest.
+  add_library(${name}_objects OBJECT ${arg_SOURCES})
+  set_target_properties(${name}_objects PROPERTIES
+    POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+  target_link_libraries(${name}_objects PUBLIC weft::sdk ${arg_LINK})
+
+  add_library(${name} MODULE)
+  target_link_libraries(${name} PRIVATE ${name}_objects)
+  set_target_properties(${name} PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${folder}
+    LINK_DEPENDS ${WEFT_PLUGIN_CMAKE_DIR}/weft_plugin.map)
+  target_link_options(${name} PRIVATE -Wl,--build-id=sha1
+    -Wl,--version-script=${WEFT_PLUGIN_CMAKE_DIR}/weft_plugin.map)
+
+  add_executable(${name}_describe)
+  target_link_libraries(${name}_describe PRIVATE ${name}_objects weft::describe)
+  set_target_properties(${name}_describe PROPERTIES
+    RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
+
+  if(TARGET weft_options)
+    target_link_libraries(${name}_objects PRIVATE weft_options)
+    target_link_libraries(${name} PRIVATE weft_options)
+    target_link_libraries(${name}_describe PRIVATE weft_options)
+  endif()
+
+  set(manifest ${folder}/${name}.plugin.yaml)
+  add_custom_command(OUTPUT ${manifest}
+    COMMAND ${name}_describe $<TARGET_FILE:${name}> ${manifest}
+    DEPENDS ${name} ${name}_describe
+    COMMENT "Describing ${id}" VERBATIM)
+  add_custom_target(${name}_manifest ALL DEPENDS ${manifest})
+  if(TARGET weft_plugins AND NOT arg_FOLDER)
+    add_dependencies(weft_plugins ${name}_manifest)
+  endif()
+
+  if(TARGET weft_testing AND TARGET GTest::gtest_main)
+    weft_add_plugin_test(${name} ${name}_test quick "${arg_TESTS}" "${arg_LINK}")
+    weft_add_plugin_test(${name} ${name}_long_test long "${arg_LONG_TESTS}" "${arg_LINK}")
+  endif()
+endfunction()
+
+function(weft_add_plugin_test name test label sources link)
+  if(NOT sources)
+    return()
+  endif()
+  weft_add_test(${test} ${label} SOURCES ${sources} LINK ${link})
+  add_dependencies(${test} ${name}_manifest)
+endfunction()
+
+# weft_add_test(name quick|long SOURCES ... [LINK ...]): a GoogleTest program that finds the plugins.
+function(weft_add_test name label)
+  cmake_parse_arguments(PARSE_ARGV 2 arg "" "" "SOURCES;LINK")
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE weft_testing GTest::gmock GTest::gtest_main ${arg_LINK})
+  if(TARGET weft_options)
+    target_link_libraries(${name} PRIVATE weft_options)
+  endif()
+  target_include_directories(${name} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
+  add_test(NAME ${name} COMMAND ${name})
+  set_tests_properties(${name} PROPERTIES LABELS ${label}
+    ENVIRONMENT "WEFT_PLUGIN_PATH=${PROJECT_BINARY_DIR}/lib/weft/plugins")
+endfunction()

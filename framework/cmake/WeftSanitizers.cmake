@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: Apache-2.0
+#
+# weft_enable_sanitizers(target): compiles and links whatever links the INTERFACE library `target`
+# with the sanitizers of the cache variable WEFT_SANITIZE, a comma-separated list of `address`,
+# `leak`, `undefined` and `thread`. An empty list does nothing. Undefined behaviour ends the program.
+
+function(weft_enable_sanitizers target)
+  string(REPLACE "," ";" sanitizers "${WEFT_SANITIZE}")
+  list(REMOVE_DUPLICATES sanitizers)
+  if(NOT sanitizers)
+    return()
+  endif()
+
+  foreach(sanitizer IN LISTS sanitizers)
+    if(NOT sanitizer MATCHES "^(address|leak|undefined|thread)$")
+      message(FATAL_ERROR "WEFT_SANITIZE: '${sanitizer}' is not one of address, leak, undefined, "
+        "thread; separate several by commas, without spaces")
+    endif()
+  endforeach()
+  if("thread" IN_LIST sanitizers AND ("address" IN_LIST sanitizers OR "leak" IN_LIST sanitizers))
+    message(FATAL_ERROR "WEFT_SANITIZE: 'thread' cannot be combined with 'address' or 'leak'; "
+      "use two build folders (presets asan and tsan)")
+  endif()
+  if(NOT CMAKE_CXX_COMPILER_ID MATCHES "^(GNU|Clang)$")
+    message(FATAL_ERROR "WEFT_SANITIZE needs GCC or Clang, not ${CMAKE_CXX_COMPILER_ID}")
+  endif()
+
+  list(JOIN sanitizers "," joined)
+  set(flags -fsanitize=${joined})
+  if("undefined" IN_LIST sanitizers)
+    list(APPEND flags -fno-sanitize-recover=undefined)
+  endif()
+  target_compile_options(${target} INTERFACE ${flags} -fno-omit-frame-pointer)
+  target_link_options(${target} INTERFACE ${flags})
+endfunction()

@@ -1,0 +1,149 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Builds and tests the repository on a fresh Debian 12; see --help.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+# shellcheck source=scripts/common.sh
+source scripts/common.sh
+
+usage() {
+  cat <<'TEXT'
+usage: scripts/test.sh [--long] [--jobs N]
+
+Installs missing packages, then configures, builds and tests the presets release and asan with the
+tests labelled `quick`. Exits 1 if anything failed.
+
+  --long    also: the tests labelled `long` in both presets, the quick tests in the preset tsan,
+            clang-format over all tracked sources, and clang-tidy where .clang-tidy exists
+  --jobs N  compile and test N at a time (default: cores + 1, at most one for each 2 GiB of memory)
+  --help    this text
+
+Tests on recorded data look for it in $WEFT_DATA. Where that is unset and ../shared/data exists, it
+is set to that folder; where there is none, those tests are skipped and listed at the end.
+Logs: build/<preset>/{configure,build,test-quick,test-long}.log
+TEXT
+}
+
+long=0
+jobs=$(weft_jobs)
+while (($#)); do
+  case $1 in
+    --long) long=1 ;;
+    --jobs)
+      jobs=${2:-}
+      [[ $jobs =~ ^[1-9][0-9]*$ ]] || { echo "test.sh: --jobs needs a number, not '$jobs'" >&2; exit 2; }
+      shift
+      ;;
+    -h | --help) usage; exit 0 ;;
+    *) echo "test.sh: unknown argument '$1'; see --help" >&2; exit 2 ;;
+  esac
+  shift
+done
+
+if [[ -z ${WEFT_DATA+set} && -d ../shared/data ]]; then
+  WEFT_DATA=$(cd ../shared/data && pwd)
+  export WEFT_DATA
+fi
+
+summary=()
+skipped=()
+failures=0
+
+# note RESULT SECONDS NAME [DETAIL]
+note() { summary+=("$(printf '%-8s %5s s  %s%s' "$1" "$2" "$3" "${4:+ ($4)}")"); }
+
+# step NAME LOG COMMAND...: runs, times and records it; its status is that of the command.
+step() {
+  local name=$1 log=$2 start=$SECONDS detail
+  shift 2
+  printf '%-16s ... ' "$name"
+  if weft_logged "$log" "$@"; then
+    detail=$(grep -oE '[0-9]+% tests passed.*|No tests were found.*' "$log" | tail -n 1 || true)
+    echo "ok, $((SECONDS - start)) s${detail:+, $detail}"
+    note ok $((SECONDS - start)) "$name" "$detail"
+    return 0
+  fi
+  failures=$((failures + 1))
+  note FAILED $((SECONDS - start)) "$name" "$log"
+  return 1
+}
+
+build() {
+  local preset=$1
+  step "$preset configure" "build/$preset/configure.log" cmake --preset "$preset" \
+    && step "$preset build" "build/$preset/build.log" cmake --build --preset "$preset" -j "$jobs"
+}
+
+# Adds tests that CTest or GoogleTest skipped in the last run of the preset.
+collect_skipped() {
+  local preset=$1 name log=build/$1/Testing/Temporary/LastTest.log
+  [[ -f $log ]] || return 0
+  while IFS= read -r name; do
+    skipped+=("$preset  $name")
+  done < <(
+    {
+      grep -oE '^\[  SKIPPED \] [A-Za-z_0-9/]+\.[^ ]+' "$log" | sed 's/^\[  SKIPPED \] //' || true
+      sed -nE 's/^ *[0-9]+\/[0-9]+ +Test +#[0-9]+: ([^ ]+) \.*\*\*\*(Skipped|Not Run).*/\1/p' \
+        "build/$preset/$2.log"
+    } | sort -u
+  )
+}
+
+run_tests() {
+  local preset=$1 label=$2 none=$3 status=0
+  step "$preset $label" "build/$preset/test-$label.log" \
+    ctest --preset "$preset" -L "^$label\$" -j "$jobs" --no-tests="$none" || status=1
+  collect_skipped "$preset" "test-$label"
+  return "$status"
+}
+
+build_and_test() {
+  local preset=$1
+  if ! build "$preset"; then
+    note "NOT RUN" 0 "$preset tests"
+    return 0
+  fi
+  run_tests "$preset" quick error || true
+  if ((long)) && [[ $preset != tsan ]]; then
+    run_tests "$preset" long ignore || true
+  fi
+}
+
+check_format() {
+  git rev-parse --is-inside-work-tree >/dev/null \
+    && git ls-files -z -- '*.h' '*.hpp' '*.c' '*.cpp' | xargs -0 -r clang-format --dry-run --Werror
+}
+
+check_tidy() {
+  run-clang-tidy -quiet -p build/release -j "$jobs" -extra-arg=-Wno-unknown-warning-option \
+    "$PWD/(framework|plugins|cli)/"
+}
+
+what="quick tests"
+((long == 0)) || what="quick and long tests"
+echo "Weft: $what, $jobs jobs, data: ${WEFT_DATA:-none}"
+step bootstrap build/bootstrap.log scripts/bootstrap.sh || exit 1
+build_and_test release
+build_and_test asan
+if ((long)); then
+  build_and_test tsan
+  step clang-format build/format.log check_format || true
+  if [[ -f .clang-tidy ]]; then
+    step clang-tidy build/tidy.log check_tidy || true
+  fi
+fi
+
+echo
+echo "Summary"
+printf '  %s\n' "${summary[@]}"
+if ((${#skipped[@]})); then
+  echo "Skipped tests"
+  printf '  %s\n' "${skipped[@]}"
+else
+  echo "No test was skipped."
+fi
+if ((failures)); then
+  echo "Failed steps: $failures, after $((SECONDS / 60)) min $((SECONDS % 60)) s."
+  exit 1
+fi
+echo "All passed in $((SECONDS / 60)) min $((SECONDS % 60)) s."
