@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The binary contract between the host and a plugin library, in C.
+ *
+ * ABI 0 is a draft: host and library must agree exactly on major and minor.
+ * Rules that hold for every function below:
+ *  - C linkage, never throws, returns a weft_status;
+ *  - text is UTF-8 and NUL-terminated; text inside arrays is u8 [n] without NUL;
+ *  - pointers passed in are valid until the function returns and are read-only unless said;
+ *  - one call at a time per instance, from any thread; create and destroy may run concurrently.
+ * Authors of plugins do not read this file: they include one header of weft/sdk.
+ */
+#ifndef WEFT_ABI_H_
+#define WEFT_ABI_H_
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define WEFT_ABI_MAGIC 0x54464557u /* "WEFT" */
+#define WEFT_ABI_MAJOR 0
+#define WEFT_ABI_MINOR 1
+#define WEFT_MAX_DIMENSIONS 4
+
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
+#error "Weft records are little-endian"
+#endif
+
+typedef enum weft_status {
+  WEFT_OK = 0,
+  WEFT_DEGENERATE = 1, /* outputs are usable but flagged; error->message says why */
+  WEFT_NO_RESULT = 2,  /* the data do not determine an answer; error->message says why */
+  WEFT_ERROR = 3,
+  WEFT_CANCELLED = 4
+} weft_status;
+
+typedef enum weft_dtype {
+  WEFT_U8 = 1,
+  WEFT_I8 = 2,
+  WEFT_U16 = 3,
+  WEFT_I16 = 4,
+  WEFT_I32 = 5,
+  WEFT_I64 = 6,
+  WEFT_F32 = 7,
+  WEFT_F64 = 8
+} weft_dtype;
+
+typedef enum weft_memory { WEFT_HOST = 0, WEFT_SHARED = 1, WEFT_DEVICE = 2 } weft_memory;
+
+typedef struct weft_array {
+  const char* name;
+  int32_t dtype; /* weft_dtype */
+  int32_t ndim;  /* 0 for a scalar */
+  int64_t shape[WEFT_MAX_DIMENSIONS];
+  int64_t stride[WEFT_MAX_DIMENSIONS]; /* bytes, signed; only axis 0 of an input may be padded */
+  void* data;
+  int32_t memory;  /* weft_memory */
+  int32_t reserved;
+  uint64_t handle; /* device memory only */
+} weft_array;
+
+typedef struct weft_record {
+  const char* slot;   /* the input or output it stands in: "correspondences", "previous.shape" */
+  const char* type;   /* catalogue name and version: "correspondences/1" */
+  uint64_t revision;  /* equal only for equal content; caches key on it; 0 is unknown */
+  uint64_t producer;  /* component handle of the producer, for warps; else 0 */
+  uint64_t count;
+  const weft_array* arrays;
+} weft_record;
+
+typedef struct weft_error {
+  int32_t code; /* weft::Errc; 0 is unset */
+  char where[128];
+  char message[1024]; /* cut on a character boundary */
+} weft_error;
+
+typedef enum weft_value_type {
+  WEFT_VALUE_F64 = 1,
+  WEFT_VALUE_I64 = 2,
+  WEFT_VALUE_BOOL = 3,        /* u8 */
+  WEFT_VALUE_CHOICE = 4,      /* const char* */
+  WEFT_VALUE_TEXT = 5,        /* const char* */
+  WEFT_VALUE_INPUT_PATH = 6,  /* const char*, absolute */
+  WEFT_VALUE_OUTPUT_PATH = 7, /* const char*, absolute */
+  WEFT_VALUE_COMPONENT = 8,   /* uint64_t handle for weft_host.invoke; in describe the default id */
+  WEFT_VALUE_LABELS = 9       /* const char* key, text, key, text ... */
+} weft_value_type;
+
+/* A typed parameter value; count > 1 or is_vector for vectors. */
+typedef struct weft_value {
+  const char* name;
+  int32_t type; /* weft_value_type */
+  int32_t is_vector;
+  uint64_t count;
+  const void* data; /* double, int64_t, uint8_t, const char* or uint64_t [count] */
+} weft_value;
+
+/* The declaration of a parameter, given to weft_describe.parameter. */
+typedef struct weft_parameter {
+  weft_value default_value; /* name and type stand here; a component's default is its id as text */
+  const char* unit;         /* "" where there is none */
+  const char* help;
+  double minimum; /* numbers only, inclusive; equal to maximum when unbounded */
+  double maximum;
+  const char* const* choices;
+  uint64_t choice_count;
+  const char* role; /* of a component parameter, else "" */
+  int32_t required;
+  int32_t reserved;
+} weft_parameter;
+
+typedef struct weft_describe {
+  void* context;
+  void (*parameter)(void* context, const weft_parameter* parameter);
+} weft_describe;
+
+struct weft_host;
+
+/* What a call brings; valid until the call returns. */
+typedef struct weft_call {
+  uint32_t struct_size;
+  int32_t method; /* numbered per role, see weft/sdk/roles.hpp */
+  const struct weft_host* host;
+  void* context; /* the host's own */
+  uint64_t seed; /* of this component in this frame */
+  uint64_t frame; /* 2^64-1 for offline calls */
+  int32_t threads;
+  int32_t reserved;
+} weft_call;
+
+typedef struct weft_host {
+  uint32_t struct_size;
+  uint32_t reserved;
+  /* A 64-byte aligned, contiguous, C-order array owned by the host, as part of the output record
+   * `slot` of type `type`. Asking again for the same array replaces it. Null when refused. */
+  void* (*alloc)(const weft_call* call, const char* slot, const char* type, const char* array,
+                 int32_t dtype, int32_t ndim, const int64_t* shape);
+  /* Non-zero when the plugin should return WEFT_CANCELLED; ask at least every 5 ms. */
+  int32_t (*cancelled)(const weft_call* call);
+  /* level: 0 debug, 1 info, 2 warning. From any thread. */
+  void (*log)(const weft_call* call, int32_t level, const char* text);
+  /* Calls another component. The records returned live until the calling process() returns. */
+  int32_t (*invoke)(const weft_call* call, uint64_t component, int32_t method,
+                    const weft_record* inputs, uint64_t input_count, const weft_record** outputs,
+                    uint64_t* output_count, weft_error* error);
+} weft_host;
+
+typedef struct weft_component {
+  uint32_t struct_size;
+  uint32_t flags; /* WEFT_FLAG_* */
+  const char* id; /* "filters/myneighbor" */
+  const char* version;
+  const char* summary;
+  const char* reference;
+  const char* licence;
+  const char* determinism; /* "exact" or "tolerance" */
+  const char* needs;       /* inputs required beyond those of the role, separated by spaces */
+  const char* reads;       /* inputs used when present */
+  const char* produces;    /* outputs, where the role leaves a choice; else "" */
+  int32_t (*describe)(const weft_describe* sink);
+  int32_t (*create)(const weft_value* values, uint64_t count, void** self, weft_error* error);
+  int32_t (*prepare)(void* self, const weft_call* call, const weft_record* inputs,
+                     uint64_t input_count, weft_error* error);
+  int32_t (*process)(void* self, const weft_call* call, const weft_record* inputs,
+                     uint64_t input_count, weft_error* error);
+  void (*destroy)(void* self);
+  const void* (*get_extension)(const char* name); /* null means absent */
+} weft_component;
+
+#define WEFT_FLAG_RANDOM 1u     /* draws from the seed */
+#define WEFT_FLAG_USES_TRUTH 2u /* may read ground_truth */
+
+typedef struct weft_library_table {
+  uint32_t magic;
+  uint16_t abi_major;
+  uint16_t abi_minor;
+  uint32_t struct_size;
+  uint32_t count;
+  const weft_component* const* components;
+  const char* isa;      /* processor features assumed by the compiler, separated by spaces */
+  const char* compiler;
+  uint64_t reserved[4]; /* zero */
+} weft_library_table; /* the one exported symbol is `weft_library` of this type */
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* WEFT_ABI_H_ */

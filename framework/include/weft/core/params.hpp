@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <weft/abi.h>
+
+#include <cstdint>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+#include <weft/core/result.hpp>
+
+namespace weft {
+
+/// Legal values of a number, both ends included; equal ends mean that any value is legal.
+struct Range {
+  double minimum;
+  double maximum;
+};
+
+/// Whether a parameter must be given.
+enum class Need { optional, required };
+
+/// A component that another one holds; typed by the classes of weft/sdk/nested.hpp.
+struct ComponentHandle {
+  const char* role;
+  const char* default_id;
+  std::uint64_t handle = 0;  ///< given by the host
+};
+
+/// Reads a component's parameters, once, in its constructor: one declaration each, from which the
+/// checks, the manifest, the documentation and the editor schema are made. The variable's value
+/// before the call is the default. Read all parameters unconditionally.
+class Params {
+ public:
+  /// Collects declarations.
+  explicit Params(const weft_describe* sink) : sink_(sink) {}
+  /// Fills variables with the values that were given.
+  Params(const weft_value* values, std::uint64_t count) : values_(values), count_(count) {}
+
+  void read(const char* name, double& value, const char* unit, Range range, const char* help,
+            Need need = Need::optional);
+  void read(const char* name, int& value, const char* unit, Range range, const char* help,
+            Need need = Need::optional);
+  void read(const char* name, std::int64_t& value, const char* unit, Range range, const char* help,
+            Need need = Need::optional);
+  void read(const char* name, bool& value, const char* help);
+  /// A vector of numbers, each within `range`.
+  void read(const char* name, std::vector<double>& values, const char* unit, Range range,
+            const char* help, Need need = Need::optional);
+  void text(const char* name, std::string& value, const char* help, Need need = Need::optional);
+  /// Absolute when read; a relative one stands in the file's folder.
+  void input_path(const char* name, std::string& value, const char* help,
+                  Need need = Need::optional);
+  /// Absolute when read; a relative one stands in the run folder.
+  void output_path(const char* name, std::string& value, const char* help);
+  /// A map from text to text, in its order; empty when not given.
+  void labels(const char* name, std::vector<std::pair<std::string, std::string>>& value,
+              const char* help);
+  /// One of several words.
+  template <class Enum>
+  void choice(const char* name, Enum& value,
+              std::initializer_list<std::pair<const char*, Enum>> choices, const char* help);
+  void component(const char* name, ComponentHandle& value, const char* help);
+
+  /// The first value that was illegal, if any.
+  const Result<void>& status() const { return status_; }
+
+ private:
+  const weft_value* find(const char* name, int type, bool vector = false);
+  void declare(weft_parameter parameter, const char* name, int type, const char* help,
+               const void* data, std::uint64_t count = 1);
+  template <class Number>
+  void read_number(const char* name, Number& value, int type, const char* unit, Range range,
+                   const char* help, Need need);
+  void read_text(const char* name, std::string& value, int type, const char* help, Need need);
+  void refuse(const char* name, const std::string& problem);
+
+  const weft_describe* sink_ = nullptr;
+  const weft_value* values_ = nullptr;
+  std::uint64_t count_ = 0;
+  Result<void> status_;
+};
+
+}  // namespace weft
+
+#include <weft/core/params_inline.hpp>

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace weft {
+
+/// Damerau-Levenshtein distance (optimal string alignment) in bytes: the least number of
+/// insertions, deletions, replacements and swaps of neighbours that turns `a` into `b`.
+inline std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before_last(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, replaced});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+        row[j] = std::min(row[j], before_last[j - 2] + 1);
+      }
+    }
+    std::swap(before_last, last);
+    std::swap(last, row);
+  }
+  return last[b.size()];
+}
+
+/// The candidate the writer of `word` most likely meant, or an empty string when none is near.
+/// Near is: at most max(2, length / 3) edits, ignoring case, and fewer than the shorter word has
+/// bytes; or else, one contains the other ('alpha', 'alpha_start'), the shorter having at least 3
+/// bytes. Fewer edits win, then the earlier candidate.
+inline std::string nearest(std::string_view word, const std::vector<std::string>& candidates) {
+  const auto lower = [](std::string_view text) {
+    std::string result(text);
+    for (char& c : result) {
+      if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    }
+    return result;
+  };
+  constexpr std::size_t kFar = static_cast<std::size_t>(-1);
+  const std::string wanted = lower(word);
+  std::string best;
+  std::size_t best_cost = kFar;
+  for (const std::string& candidate : candidates) {
+    const std::string other = lower(candidate);
+    const std::size_t shorter = std::min(wanted.size(), other.size());
+    const std::size_t longer = std::max(wanted.size(), other.size());
+    const std::size_t limit = std::max<std::size_t>(2, longer / 3);
+    std::size_t cost = kFar;
+    if (longer - shorter <= limit) {
+      const std::size_t edits = edit_distance(wanted, other);
+      if (edits <= limit && edits < shorter) cost = edits;
+    }
+    const bool contained =
+        other.find(wanted) != std::string::npos || wanted.find(other) != std::string::npos;
+    if (cost == kFar && shorter >= 3 && contained) cost = longer;  // more than any edits above
+    if (cost < best_cost) {
+      best = candidate;
+      best_cost = cost;
+    }
+  }
+  return best;
+}
+
+}  // namespace weft

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <weft/abi.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <initializer_list>
+#include <memory>
+#include <new>
+#include <stdexcept>
+#include <type_traits>
+
+namespace weft {
+
+template <class T>
+constexpr std::int32_t dtype_of() {
+  if constexpr (std::is_same_v<T, std::uint8_t>) return WEFT_U8;
+  if constexpr (std::is_same_v<T, std::int8_t>) return WEFT_I8;
+  if constexpr (std::is_same_v<T, std::uint16_t>) return WEFT_U16;
+  if constexpr (std::is_same_v<T, std::int16_t>) return WEFT_I16;
+  if constexpr (std::is_same_v<T, std::int32_t>) return WEFT_I32;
+  if constexpr (std::is_same_v<T, std::int64_t>) return WEFT_I64;
+  if constexpr (std::is_same_v<T, float>) return WEFT_F32;
+  if constexpr (std::is_same_v<T, double>) return WEFT_F64;
+}
+
+/// Bytes of one element; 0 for an unknown dtype.
+inline std::int64_t dtype_size(std::int32_t dtype) {
+  constexpr std::array<std::int64_t, 9> kSizes{0, 1, 1, 2, 2, 4, 8, 4, 8};
+  return dtype >= 1 && dtype <= 8 ? kSizes[static_cast<std::size_t>(dtype)] : 0;
+}
+
+inline const char* dtype_name(std::int32_t dtype) {
+  constexpr std::array<const char*, 9> kNames{"",    "u8",  "i8",  "u16", "i16",
+                                              "i32", "i64", "f32", "f64"};
+  return dtype >= 1 && dtype <= 8 ? kNames[static_cast<std::size_t>(dtype)] : "unknown";
+}
+
+/// A dense n-dimensional array: either it owns 64-byte aligned memory (shared by its copies) or it
+/// borrows memory that outlives it, as all inputs of a plugin do. Default-constructed: absent.
+template <class T>
+class Array {
+ public:
+  using Shape = std::array<std::int64_t, WEFT_MAX_DIMENSIONS>;
+
+  Array() = default;
+
+  /// Owned and zero-filled, C order. Throws std::length_error for a negative length or more than
+  /// four axes.
+  explicit Array(std::initializer_list<std::int64_t> shape)
+      : ndim_(static_cast<int>(shape.size())) {
+    const bool negative = std::any_of(shape.begin(), shape.end(), [](auto n) { return n < 0; });
+    if (negative || shape.size() > shape_.size()) {
+      throw std::length_error("an array has a negative length or more than four axes");
+    }
+    std::copy(shape.begin(), shape.end(), shape_.begin());
+    row_stride_ = row_elements();
+    const auto bytes = static_cast<std::size_t>(dim(0) * row_elements()) * sizeof(T);
+    constexpr std::align_val_t kAlignment{64};
+    owner_ = std::shared_ptr<void>(::operator new(bytes + 64, kAlignment),
+                                   [](void* p) { ::operator delete (p, std::align_val_t{64}); });
+    data_ = static_cast<T*>(owner_.get());
+    std::memset(data_, 0, bytes);
+  }
+
+  /// A view of memory that outlives it; `row_stride` counts elements between rows of axis 0.
+  static Array borrow(const T* data, int ndim, const Shape& shape, std::int64_t row_stride) {
+    Array view;
+    view.data_ = const_cast<T*>(data);
+    view.ndim_ = ndim;
+    view.shape_ = shape;
+    view.row_stride_ = row_stride;
+    return view;
+  }
+
+  bool present() const { return data_ != nullptr; }
+  int ndim() const { return ndim_; }
+  const Shape& shape() const { return shape_; }
+  std::int64_t dim(int axis) const {
+    return axis < ndim_ ? shape_[static_cast<std::size_t>(axis)] : 1;
+  }
+  /// Length of axis 0; 0 when absent.
+  std::int64_t rows() const { return present() ? dim(0) : 0; }
+  /// Number of elements.
+  std::int64_t size() const { return present() || ndim_ > 0 ? dim(0) * row_elements() : 0; }
+  /// Elements of one entry of axis 0.
+  std::int64_t row_elements() const { return dim(1) * dim(2) * dim(3); }
+  std::int64_t row_stride() const { return row_stride_; }
+  bool contiguous() const { return row_stride_ == row_elements(); }
+
+  const T* data() const { return data_; }
+  T* data() { return data_; }
+  const T* row(std::int64_t i) const { return data_ + i * row_stride_; }
+  T* row(std::int64_t i) { return data_ + i * row_stride_; }
+  const T& operator()(std::int64_t i, std::int64_t j = 0) const { return row(i)[j]; }
+  T& operator()(std::int64_t i, std::int64_t j = 0) { return row(i)[j]; }
+
+  /// The array as a row-major Eigen matrix [rows, Columns]; further axes are flattened.
+  template <int Columns>
+  auto matrix() const {
+    return Eigen::Map<const RowMajor<Columns>, 0, Eigen::OuterStride<>>(
+        data_, rows(), Columns, Eigen::OuterStride<>(row_stride_));
+  }
+  template <int Columns>
+  auto matrix() {
+    return Eigen::Map<RowMajor<Columns>, 0, Eigen::OuterStride<>>(
+        data_, rows(), Columns, Eigen::OuterStride<>(row_stride_));
+  }
+
+ private:
+  template <int Columns>
+  using RowMajor =
+      Eigen::Matrix<T, Eigen::Dynamic, Columns, Columns == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
+
+  std::shared_ptr<void> owner_;
+  T* data_ = nullptr;
+  int ndim_ = 0;
+  Shape shape_{};
+  std::int64_t row_stride_ = 0;
+};
+
+/// An owned array with the contents of a row-major expression: [rows, columns], or [rows] for one
+/// column.
+template <class T, class Derived>
+Array<T> make_array(const Eigen::MatrixBase<Derived>& values) {
+  Array<T> result = Derived::ColsAtCompileTime == 1 ? Array<T>({values.rows()})
+                                                    : Array<T>({values.rows(), values.cols()});
+  using RowMajor = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Eigen::Map<RowMajor>(result.data(), values.rows(), values.cols()) = values.template cast<T>();
+  return result;
+}
+
+}  // namespace weft

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <weft/data/catalogue.hpp>
+#include <weft/data/record_view.hpp>
+#include <weft/data/shape_pattern.hpp>
+
+namespace weft {
+
+inline const weft_array* find_array(const weft_record& record, std::string_view name) {
+  for (std::uint64_t i = 0; i < record.count; ++i) {
+    if (record.arrays[i].name == name) return &record.arrays[i];
+  }
+  return nullptr;
+}
+
+namespace detail {
+
+template <class T>
+Array<T> borrow_array(const weft_array& array) {
+  typename Array<T>::Shape shape{};
+  for (int axis = 0; axis < array.ndim; ++axis) {
+    shape[static_cast<std::size_t>(axis)] = array.shape[axis];
+  }
+  const std::int64_t row_stride =
+      array.ndim > 0 ? array.stride[0] / static_cast<std::int64_t>(sizeof(T)) : 1;
+  return Array<T>::borrow(static_cast<const T*>(array.data), array.ndim, shape, row_stride);
+}
+
+/// Fills the members of a noun from the arrays of a record; keeps the first error.
+class FieldReader {
+ public:
+  explicit FieldReader(const weft_record& record) : record_(record) {}
+
+  template <class T>
+  void operator()(Array<T>& member, const Field& field) {
+    if (const weft_array* array = checked(field, dtype_of<T>())) member = borrow_array<T>(*array);
+  }
+  template <class T>
+  requires std::is_arithmetic_v<T>
+  void operator()(T& member, const Field& field) {
+    if (const weft_array* array = checked(field, dtype_of<T>())) {
+      member = *static_cast<const T*>(array->data);
+    }
+  }
+  void operator()(std::string& member, const Field& field) {
+    if (const weft_array* array = checked(field, WEFT_U8)) {
+      member.assign(static_cast<const char*>(array->data),
+                    static_cast<std::size_t>(array->shape[0]));
+    }
+  }
+  void operator()(NamedArrays& member, const Field&) { collect(member.prefix, member.entries); }
+  void operator()(Diagnostics& member, const Field&) { collect("diag.", member.entries()); }
+
+  const std::string& error() const { return error_; }
+
+ private:
+  const weft_array* checked(const Field& field, std::int32_t dtype) {
+    const weft_array* array = find_array(record_, field.name);
+    std::string problem;
+    if (array == nullptr) {
+      if (!field.optional) problem = "is missing";
+    } else if (array->dtype != dtype) {
+      problem = std::string("has elements of type ") + dtype_name(array->dtype) + " where " +
+                dtype_name(dtype) + " is expected";
+    } else {
+      problem = lengths_.match(field.shape, *array);
+    }
+    if (problem.empty()) return array;
+    if (error_.empty()) {
+      error_ = std::string(record_.type) + ": array '" + field.name + "' " + problem;
+    }
+    return nullptr;
+  }
+
+  void collect(std::string_view prefix, std::vector<NamedArray>& entries) {
+    for (std::uint64_t i = 0; i < record_.count; ++i) {
+      const weft_array& array = record_.arrays[i];
+      if (array.dtype == WEFT_F64 && std::string_view(array.name).starts_with(prefix) &&
+          ShapePattern::check_layout(array).empty()) {
+        entries.push_back({array.name, borrow_array<double>(array)});
+      }
+    }
+  }
+
+  const weft_record& record_;
+  ShapePattern lengths_;
+  std::string error_;
+};
+
+/// Copies the members of a noun into arrays that `alloc` provides.
+template <class Alloc>
+class FieldWriter {
+ public:
+  explicit FieldWriter(Alloc& alloc) : alloc_(alloc) {}
+
+  template <class T>
+  void operator()(const Array<T>& member, const Field& field) {
+    if (member.present()) write(field.name, member);
+  }
+  template <class T>
+  requires std::is_arithmetic_v<T>
+  void operator()(const T& member, const Field& field) {
+    copy(field.name, dtype_of<T>(), 0, nullptr, &member, sizeof(T));
+  }
+  void operator()(const std::string& member, const Field& field) {
+    const auto length = static_cast<std::int64_t>(member.size());
+    copy(field.name, WEFT_U8, 1, &length, member.data(), member.size());
+  }
+  void operator()(const NamedArrays& member, const Field&) { write_all(member.entries); }
+  void operator()(const Diagnostics& member, const Field&) { write_all(member.entries()); }
+
+  /// The first array that was refused, else empty.
+  const std::string& refused() const { return refused_; }
+
+ private:
+  void* allocate(const char* name, std::int32_t dtype, int ndim, const std::int64_t* shape) {
+    void* target = alloc_(name, dtype, ndim, shape);
+    if (target == nullptr && refused_.empty()) refused_ = name;
+    return target;
+  }
+  template <class T>
+  void write(const char* name, const Array<T>& array) {
+    void* target = allocate(name, dtype_of<T>(), array.ndim(), array.shape().data());
+    if (target == nullptr) return;
+    const auto row_bytes = static_cast<std::size_t>(array.row_elements()) * sizeof(T);
+    if (array.ndim() == 0 || array.contiguous()) {
+      std::memcpy(target, array.data(), static_cast<std::size_t>(array.dim(0)) * row_bytes);
+      return;
+    }
+    for (std::int64_t i = 0; i < array.rows(); ++i) {
+      std::memcpy(static_cast<char*>(target) + static_cast<std::size_t>(i) * row_bytes,
+                  array.row(i), row_bytes);
+    }
+  }
+  void write_all(const std::vector<NamedArray>& entries) {
+    for (const NamedArray& entry : entries) write(entry.name.c_str(), entry.values);
+  }
+  void copy(const char* name, std::int32_t dtype, int ndim, const std::int64_t* shape,
+            const void* data, std::size_t bytes) {
+    void* target = allocate(name, dtype, ndim, shape);
+    if (target != nullptr && bytes > 0) std::memcpy(target, data, bytes);
+  }
+
+  Alloc& alloc_;
+  std::string refused_;
+};
+
+}  // namespace detail
+
+/// A noun that borrows the arrays of `record`. Fails with invalid_data when the record is of
+/// another type, or an array is missing or has the wrong type or shape.
+template <class Noun>
+Result<Noun> read_record(const weft_record& record) {
+  if (std::string_view(record.type) != Noun::kType) {
+    return Error{Errc::invalid_data,
+                 std::string("expected a record ") + Noun::kType + ", got " + record.type,
+                 {}};
+  }
+  Noun noun;
+  detail::FieldReader reader(record);
+  Noun::fields(noun, reader);
+  if (!reader.error().empty()) return Error{Errc::invalid_data, reader.error(), {}};
+  if constexpr (requires { noun.producer_handle; }) noun.producer_handle = record.producer;
+  if constexpr (requires { noun.revision; }) noun.revision = record.revision;
+  return noun;
+}
+
+/// Copies a noun out through alloc(name, dtype, ndim, shape) -> void* (null when refused).
+template <class Noun, class Alloc>
+Result<void> write_record(const Noun& noun, Alloc&& alloc) {
+  detail::FieldWriter<std::remove_reference_t<Alloc>> writer(alloc);
+  Noun::fields(noun, writer);
+  if (writer.refused().empty()) return {};
+  return Error{Errc::plugin_failure,
+               "the host refused the array '" + writer.refused() + "' of " + Noun::kType +
+                   ": an illegal name or shape, no output of the role, or short of memory",
+               {}};
+}
+
+}  // namespace weft

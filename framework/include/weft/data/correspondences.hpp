@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <weft/data/record.hpp>
+
+namespace weft {
+
+/// Matches between the template's texture and the image. Filters mark matches, they never drop or
+/// reorder them: `kept` is 1 for all until a filter speaks.
+struct Correspondences {
+  static constexpr const char* kType = "correspondences/1";
+  Array<double> template_px;              ///< [N,2] px of the texture
+  Array<double> image_px;                 ///< [N,2] px
+  Array<std::int32_t> template_keypoint;  ///< [N] index, -1 for none
+  Array<std::int32_t> image_keypoint;     ///< [N] index, -1 for none
+  Array<std::int32_t> face;               ///< [N] face of the template, -1 for none
+  Array<double> barycentrics;             ///< [N,3] weights in that face, sum 1
+  Array<double> distance;                 ///< [N] between the descriptors
+  Array<double> ratio;                    ///< [N] to the second nearest distance
+  Array<double> scale_ratio;              ///< [N] image scale / template scale
+  Array<double> angle_difference_rad;     ///< [N] rad, image minus template, in (-pi, pi]
+  Array<std::uint8_t> kept;               ///< [N] 1 unless a filter rejected it
+  Array<double> score;                    ///< [N] larger is more trusted; 1 before any filter
+
+  std::int64_t count() const { return template_px.rows(); }
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit(self.template_px, Field{"template_px", "N,2", "px of the texture", "in the template"});
+    visit(self.image_px, Field{"image_px", "N,2", "px", "in the image"});
+    visit(self.template_keypoint,
+          Field{"template_keypoint", "N", "index", "template keypoint, -1 for none", true});
+    visit(self.image_keypoint,
+          Field{"image_keypoint", "N", "index", "image keypoint, -1 for none", true});
+    visit(self.face, Field{"face", "N", "index", "face of the template, -1 for none"});
+    visit(self.barycentrics, Field{"barycentrics", "N,3", "", "weights in that face, sum 1"});
+    visit(self.distance, Field{"distance", "N", "", "between the descriptors", true});
+    visit(self.ratio, Field{"ratio", "N", "", "to the second nearest distance", true});
+    visit(self.scale_ratio, Field{"scale_ratio", "N", "", "image scale / template scale", true});
+    visit(self.angle_difference_rad,
+          Field{"angle_difference_rad", "N", "rad", "image minus template", true});
+    visit(self.kept, Field{"kept", "N", "0 or 1", "1 unless a filter rejected it"});
+    visit(self.score, Field{"score", "N", "", "larger is more trusted"});
+  }
+};
+
+/// A filter's verdict on each match.
+struct InlierMask {
+  static constexpr const char* kType = "inlier_mask/1";
+  Array<std::uint8_t> kept;  ///< [N] 1 for a match that is kept
+  Array<double> score;       ///< [N] larger is more trusted
+  Diagnostics diag;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit(self.kept, Field{"kept", "N", "0 or 1", "1 for a match that is kept"});
+    visit(self.score, Field{"score", "N", "", "larger is more trusted"});
+    visit(self.diag, Field{"diag.*", "*", "", "evidence", true});
+  }
+};
+
+/// How much each match counts in a fit.
+struct Weights {
+  static constexpr const char* kType = "weights/1";
+  Array<double> weight;  ///< [N] >= 0
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit(self.weight, Field{"weight", "N", "", "not negative"});
+  }
+};
+
+}  // namespace weft

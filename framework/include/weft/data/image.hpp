@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <weft/data/record.hpp>
+
+namespace weft {
+
+/// One undistorted frame. Pixel centres are at integer coordinates.
+struct Image {
+  static constexpr const char* kType = "image/1";
+  Array<std::uint8_t> pixels;  ///< [H,W] or [H,W,3] grey levels or BGR
+  std::string stem;            ///< [n] name of the frame without folder and extension
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit(self.pixels, Field{"pixels", "H,W,?", "grey level or BGR", "the undistorted image"});
+    visit(self.stem, Field{"stem", "*", "", "file name without folder and extension"});
+  }
+};
+
+/// When the frame was taken.
+struct Time {
+  static constexpr const char* kType = "time/1";
+  double t_s = 0.0;  ///< [] s since the first frame
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit(self.t_s, Field{"t_s", "", "s", "time since the first frame"});
+  }
+};
+
+/// How many frames a source has.
+struct Count {
+  static constexpr const char* kType = "count/1";
+  std::int64_t frames = -1;  ///< [] number of frames, -1 when unknown (a camera, a stream)
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit(self.frames, Field{"frames", "", "", "number of frames, -1 when unknown"});
+  }
+};
+
+/// The part of an image that may be used.
+struct Region {
+  static constexpr const char* kType = "region/1";
+  Array<std::uint8_t> mask;  ///< [H,W] 0 or 1
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit(self.mask, Field{"mask", "H,W", "0 or 1", "1 where the image may be used"});
+  }
+};
+
+}  // namespace weft

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+#include <weft/core/result.hpp>
+#include <weft/data/array.hpp>
+
+namespace weft {
+
+/// What the catalogue says of one array of a record. `shape` is "" for a scalar, else lengths or
+/// letters separated by commas ("N,2"); a letter has one value in a record. "*" takes any length,
+/// "H,W,?" an optional last axis.
+struct Field {
+  const char* name;
+  const char* shape;
+  const char* unit;  ///< unit and frame, "" where there is none
+  const char* meaning;
+  bool optional = false;
+  bool may_be_nan = false;  ///< NaN marks a missing value
+};
+
+/// An array beyond the catalogue: `diag.*` evidence or `model.*` of a warp.
+struct NamedArray {
+  std::string name;
+  Array<double> values;
+};
+
+/// Evidence that a component gives with its result: scalars go to frames.jsonl, arrays to dumps.
+class Diagnostics {
+ public:
+  void set(std::string name, double value) {
+    Array<double> scalar(std::initializer_list<std::int64_t>{});
+    *scalar.data() = value;
+    set(std::move(name), std::move(scalar));
+  }
+  void set(std::string name, Array<double> values) {
+    entries_.push_back({"diag." + std::move(name), std::move(values)});
+  }
+  const std::vector<NamedArray>& entries() const { return entries_; }
+  std::vector<NamedArray>& entries() { return entries_; }
+
+  /// The scalar of this name, or `fallback`.
+  double value(std::string_view name, double fallback) const {
+    for (const NamedArray& entry : entries_) {
+      if (std::string_view(entry.name).substr(5) == name && entry.values.ndim() == 0) {
+        return *entry.values.data();
+      }
+    }
+    return fallback;
+  }
+
+ private:
+  std::vector<NamedArray> entries_;
+};
+
+/// All arrays of a record whose names begin with a prefix, passed through untouched.
+struct NamedArrays {
+  const char* prefix;
+  std::vector<NamedArray> entries;
+
+  const Array<double>* find(std::string_view name) const {
+    for (const NamedArray& entry : entries) {
+      if (entry.name == name) return &entry.values;
+    }
+    return nullptr;
+  }
+};
+
+// A noun is a struct with
+//   static constexpr const char* kType = "name/version";
+//   template <class Self, class Visit> static void fields(Self& self, Visit&& visit);
+// whose visit(member, Field) calls are the catalogue: readers, writers, validation and the
+// documentation are made from them. Members are Array<T>, double, std::int64_t, std::int32_t,
+// std::string, NamedArrays or Diagnostics.
+
+}  // namespace weft

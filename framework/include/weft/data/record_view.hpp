@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <type_traits>
+#include <vector>
+#include <weft/data/record.hpp>
+
+namespace weft {
+
+/// A noun seen as a record, without a copy; the noun must outlive it.
+template <class Noun>
+class RecordView {
+ public:
+  RecordView(const char* slot, const Noun& noun) {
+    Noun::fields(noun, [this](const auto& member, const Field& field) { add(member, field.name); });
+    record_ = {slot, Noun::kType, 0, 0, arrays_.size(), arrays_.data()};
+    if constexpr (requires { noun.producer_handle; }) record_.producer = noun.producer_handle;
+    if constexpr (requires { noun.revision; }) record_.revision = noun.revision;
+  }
+  RecordView(const RecordView&) = delete;
+  RecordView& operator=(const RecordView&) = delete;
+
+  const weft_record& raw() const { return record_; }
+
+ private:
+  template <class T>
+  void add(const Array<T>& array, const char* name) {
+    if (!array.present()) return;
+    weft_array raw = empty(name, dtype_of<T>(), array.ndim(), array.data());
+    std::int64_t stride = sizeof(T);
+    for (int axis = array.ndim() - 1; axis >= 0; --axis) {
+      raw.shape[axis] = array.dim(axis);
+      raw.stride[axis] =
+          axis == 0 ? array.row_stride() * static_cast<std::int64_t>(sizeof(T)) : stride;
+      stride *= array.dim(axis);
+    }
+    arrays_.push_back(raw);
+  }
+  template <class T>
+  requires std::is_arithmetic_v<T>
+  void add(const T& value, const char* name) {
+    arrays_.push_back(empty(name, dtype_of<T>(), 0, &value));
+  }
+  void add(const std::string& text, const char* name) {
+    weft_array raw = empty(name, WEFT_U8, 1, text.data());
+    raw.shape[0] = static_cast<std::int64_t>(text.size());
+    raw.stride[0] = 1;
+    arrays_.push_back(raw);
+  }
+  void add(const NamedArrays& named, const char*) { add_all(named.entries); }
+  void add(const Diagnostics& diag, const char*) { add_all(diag.entries()); }
+  void add_all(const std::vector<NamedArray>& entries) {
+    for (const NamedArray& entry : entries) add(entry.values, entry.name.c_str());
+  }
+  static weft_array empty(const char* name, std::int32_t dtype, int ndim, const void* data) {
+    weft_array raw{};
+    raw.name = name;
+    raw.dtype = dtype;
+    raw.ndim = ndim;
+    raw.data = const_cast<void*>(data);
+    return raw;
+  }
+
+  std::vector<weft_array> arrays_;
+  weft_record record_{};
+};
+
+}  // namespace weft

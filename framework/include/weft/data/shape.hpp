@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <weft/data/record.hpp>
+
+namespace weft {
+
+/// `estimated` and `weak` are said by solvers, `predicted` and `lost` by the host only.
+enum class ShapeState : std::int32_t { none = 0, estimated = 1, weak = 2, predicted = 3, lost = 4 };
+
+inline const char* to_string(ShapeState state) {
+  constexpr const char* kNames[] = {"none", "estimated", "weak", "predicted", "lost"};
+  const auto index = static_cast<std::int32_t>(state);
+  return index >= 0 && index <= 4 ? kNames[index] : "invalid";
+}
+
+/// The template's mesh as the camera sees it.
+struct Shape {
+  static constexpr const char* kType = "shape/1";
+  Array<double> vertices_m;     ///< [V,3] m, camera frame
+  std::int32_t state = 1;       ///< [] ShapeState
+  std::int64_t age_frames = 0;  ///< [] frames since it was measured
+  double confidence = 1.0;      ///< [] 0 to 1
+  Array<std::uint8_t> source;   ///< [V] 1 measured, 0 filled in by the prior
+  Array<double> covariance_m2;  ///< [V,3,3] m^2, camera frame
+  Diagnostics diag;
+
+  ShapeState shape_state() const { return static_cast<ShapeState>(state); }
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit(self.vertices_m, Field{"vertices_m", "V,3", "m, camera", "vertices"});
+    visit(self.state, Field{"state", "", "", "1 estimated, 2 weak, 3 predicted, 4 lost"});
+    visit(self.age_frames, Field{"age", "", "frames", "since it was measured"});
+    visit(self.confidence, Field{"confidence", "", "0 to 1", "trust in the whole shape"});
+    visit(self.source, Field{"source", "V", "0 or 1", "1 measured, 0 filled in by the prior"});
+    visit(self.covariance_m2,
+          Field{"covariance_m2", "V,3,3", "m^2, camera", "of each vertex", true});
+    visit(self.diag, Field{"diag.*", "*", "", "evidence", true});
+  }
+};
+
+}  // namespace weft

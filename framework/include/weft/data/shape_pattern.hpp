@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <weft/data/array.hpp>
+
+namespace weft {
+
+/// Compares shapes of arrays with the patterns of the catalogue: "" is a scalar, a number is a
+/// length, a letter is one length throughout a record, "*" any length, a last "?" an optional axis
+/// of three (colour).
+class ShapePattern {
+ public:
+  /// Empty when it fits, else what is wrong, in words.
+  std::string match(std::string_view pattern, const weft_array& array) {
+    const std::string_view whole = pattern;
+    int axis = 0;
+    bool optional_axis = false;
+    while (!pattern.empty()) {
+      const std::size_t comma = pattern.find(',');
+      const std::string_view symbol = pattern.substr(0, comma);
+      pattern = comma == std::string_view::npos ? std::string_view{} : pattern.substr(comma + 1);
+      if (symbol == "?") {
+        optional_axis = true;
+        continue;
+      }
+      if (axis < array.ndim && array.shape[axis] < 0) return "has a negative length";
+      if (axis < array.ndim && !fits(symbol, array.shape[axis])) {
+        return "has length " + std::to_string(array.shape[axis]) + " on axis " +
+               std::to_string(axis) + " where " + expected(symbol) + " is expected";
+      }
+      ++axis;
+    }
+    const bool colour = optional_axis && array.ndim == axis + 1 && array.shape[axis] == 3;
+    if (array.ndim != axis && !colour) {
+      return "has " + std::to_string(array.ndim) + (array.ndim == 1 ? " axis" : " axes") +
+             " where " + (whole.empty() ? "a scalar" : "[" + std::string(whole) + "]") +
+             " is expected";
+    }
+    return check_layout(array);
+  }
+
+  /// Empty when the array can be read where it lies, else what is wrong, in words.
+  static std::string check_layout(const weft_array& array) {
+    if (array.memory == WEFT_DEVICE) return "lies in device memory";
+    if (array.data == nullptr) return "has no data";
+    if (array.ndim < 0 || array.ndim > WEFT_MAX_DIMENSIONS) return "has too many axes";
+    const std::int64_t element = dtype_size(array.dtype);
+    if (element == 0) return "has elements of an unknown type";
+    std::int64_t stride = element;
+    for (int axis = array.ndim - 1; axis >= 0; --axis) {
+      const bool may_be_padded = axis == 0 && array.ndim > 1;
+      if (array.stride[axis] != stride && !(may_be_padded && array.stride[axis] % element == 0)) {
+        return "is not laid out in C order";
+      }
+      stride *= array.shape[axis];
+    }
+    return {};
+  }
+
+ private:
+  bool fits(std::string_view symbol, std::int64_t length) {
+    const char first = symbol.front();
+    if (first == '*') return true;
+    if (first >= '0' && first <= '9') return std::to_string(length) == symbol;
+    std::int64_t& known = lengths_[index_of(first)];
+    if (known < 0) known = length;
+    return known == length;
+  }
+
+  /// "2", or "N = 5" once the record has said what N is.
+  std::string expected(std::string_view symbol) const {
+    const std::int64_t known = lengths_[index_of(symbol.front())];
+    const bool letter = symbol.front() < '0' || symbol.front() > '9';
+    return std::string(symbol) + (letter ? " = " + std::to_string(known) : "");
+  }
+
+  static std::size_t index_of(char letter) {
+    return static_cast<unsigned char>(letter - 'A') % kLetters;
+  }
+
+  static constexpr std::size_t kLetters = 26;
+  std::array<std::int64_t, kLetters> lengths_ = [] {
+    std::array<std::int64_t, kLetters> unknown{};
+    unknown.fill(-1);
+    return unknown;
+  }();
+};
+
+}  // namespace weft

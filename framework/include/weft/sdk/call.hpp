@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <weft/abi.h>
+
+#include <cstdint>
+#include <string>
+#include <weft/core/rng.hpp>
+
+namespace weft {
+
+/// What surrounds one call of a component. Valid until the call returns.
+class Call {
+ public:
+  explicit Call(const weft_call& raw) : raw_(&raw) {}
+
+  /// Index of the frame from 0; 2^64-1 in offline calls.
+  std::uint64_t frame() const { return raw_->frame; }
+  /// Of this component in this frame: the same however often and wherever the frame is run.
+  std::uint64_t seed() const { return raw_->seed; }
+  Rng rng() const { return Rng(raw_->seed); }
+  /// How many threads the component may use.
+  int threads() const { return raw_->threads; }
+  /// Ask at least every 5 ms, then return cancelled_error().
+  bool cancelled() const { return raw_->host->cancelled(raw_) != 0; }
+  void log_info(const std::string& text) const { raw_->host->log(raw_, 1, text.c_str()); }
+  void log_warning(const std::string& text) const { raw_->host->log(raw_, 2, text.c_str()); }
+
+  const weft_call& raw() const { return *raw_; }
+
+ private:
+  const weft_call* raw_;
+};
+
+}  // namespace weft

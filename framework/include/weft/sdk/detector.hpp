@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <weft/sdk/export.hpp>
+#include <weft/sdk/role.hpp>
+
+namespace weft {
+
+struct DetectorInput {
+  Call call;
+  Image image{};
+  std::optional<Region> region{};
+
+  template <class Self, class Visit>
+  static void slots(Self& self, Visit&& visit) {
+    visit("image", self.image);
+    visit("region", self.region);
+  }
+};
+
+/// Role `detectors`: keypoints with descriptors. It runs on every image, and once on the
+/// template's texture with the template's mask as region.
+class Detector : public Prepared {
+ public:
+  virtual Result<Keypoints> detect(const DetectorInput& in) = 0;
+
+  static Role role() {
+    return {"detectors",
+            {role_method<DetectorInput>("detect", {output_slot<Keypoints>("keypoints")})}};
+  }
+
+  std::int32_t process(ProcessCall& call) {
+    return call.run<DetectorInput>("keypoints", [&](const auto& in) { return detect(in); });
+  }
+};
+
+}  // namespace weft

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <exception>
+#include <memory>
+#include <weft/sdk/isa.hpp>
+#include <weft/sdk/process.hpp>
+
+namespace weft::detail {
+
+/// Runs `body` and turns an exception into an error: none crosses the boundary.
+template <class Body>
+std::int32_t guarded(weft_error* error, Body&& body) noexcept {
+  try {
+    return body();
+  } catch (const std::bad_alloc&) {
+    return report({Errc::plugin_failure, "out of memory", {}}, error);
+  } catch (const std::exception& thrown) {
+    return report({Errc::plugin_failure, std::string("threw: ") + thrown.what(), {}}, error);
+  } catch (...) {
+    return report({Errc::plugin_failure, "threw something that is no std::exception", {}}, error);
+  }
+}
+
+/// The functions of the contract for one component class.
+template <class T>
+struct Functions {
+  static std::int32_t describe(const weft_describe* sink) {
+    weft_error ignored{};
+    return guarded(&ignored, [&]() -> std::int32_t {
+      Params params(sink);
+      T described(params);
+      return WEFT_OK;
+    });
+  }
+  static std::int32_t create(const weft_value* values, std::uint64_t count, void** self,
+                             weft_error* error) {
+    return guarded(error, [&]() -> std::int32_t {
+      Params params(values, count);
+      auto created = std::make_unique<T>(params);
+      if (!params.status()) return report(params.status().error(), error);
+      *self = created.release();
+      return WEFT_OK;
+    });
+  }
+  static std::int32_t prepare(void* self, const weft_call* call, const weft_record* inputs,
+                              std::uint64_t count, weft_error* error) {
+    return guarded(error, [&]() -> std::int32_t {
+      if constexpr (requires(T & t, const PrepareInput& in) { t.prepare(in); }) {
+        ProcessCall process(*call, inputs, count, error);
+        return process.run_with<PrepareInput>(
+            [&](const PrepareInput& in) { return static_cast<T*>(self)->prepare(in); },
+            [](const auto&) { return Result<void>{}; });
+      }
+      return WEFT_OK;
+    });
+  }
+  static std::int32_t process(void* self, const weft_call* call, const weft_record* inputs,
+                              std::uint64_t count, weft_error* error) {
+    return guarded(error, [&]() -> std::int32_t {
+      ProcessCall process(*call, inputs, count, error);
+      return static_cast<T*>(self)->process(process);
+    });
+  }
+  static void destroy(void* self) { delete static_cast<T*>(self); }
+  static const void* get_extension(const char*) { return nullptr; }
+};
+
+template <class T>
+constexpr About about_of() {
+  if constexpr (requires { T::kAbout; }) {
+    return T::kAbout;
+  } else {
+    return {};
+  }
+}
+
+template <class T>
+constexpr weft_component make_component(const char* id, const char* version, const char* summary) {
+  constexpr About kAbout = about_of<T>();
+  return {sizeof(weft_component),
+          (kAbout.random ? WEFT_FLAG_RANDOM : 0U) | (kAbout.uses_truth ? WEFT_FLAG_USES_TRUTH : 0U),
+          id,
+          version,
+          summary,
+          kAbout.reference,
+          kAbout.licence,
+          kAbout.determinism,
+          kAbout.needs,
+          kAbout.reads,
+          kAbout.produces,
+          &Functions<T>::describe,
+          &Functions<T>::create,
+          &Functions<T>::prepare,
+          &Functions<T>::process,
+          &Functions<T>::destroy,
+          &Functions<T>::get_extension};
+}
+
+template <std::size_t Count>
+constexpr std::array<const weft_component*, Count> pointers_to(
+    const std::array<weft_component, Count>& components) {
+  std::array<const weft_component*, Count> pointers{};
+  for (std::size_t i = 0; i < Count; ++i) pointers[i] = &components[i];
+  return pointers;
+}
+
+}  // namespace weft::detail
+
+/// One component of a library: class, id, version, one sentence.
+#define WEFT_COMPONENT(Class, id, version, summary) \
+  ::weft::detail::make_component<Class>(id, version, summary)
+
+/// A library of several components.
+#define WEFT_LIBRARY(...)                                                                  \
+  namespace {                                                                              \
+  constexpr auto kWeftComponents = std::to_array<weft_component>({__VA_ARGS__});           \
+  constexpr auto kWeftPointers = ::weft::detail::pointers_to(kWeftComponents);             \
+  }                                                                                        \
+  extern "C" __attribute__((visibility("default"))) const weft_library_table weft_library; \
+  const weft_library_table weft_library = {WEFT_ABI_MAGIC,                                 \
+                                           WEFT_ABI_MAJOR,                                 \
+                                           WEFT_ABI_MINOR,                                 \
+                                           sizeof(weft_library_table),                     \
+                                           kWeftComponents.size(),                         \
+                                           kWeftPointers.data(),                           \
+                                           WEFT_ISA,                                       \
+                                           WEFT_COMPILER,                                  \
+                                           {0, 0, 0, 0}};
+
+/// A library of one component.
+#define WEFT_PLUGIN(Class, id, version, summary) \
+  WEFT_LIBRARY(WEFT_COMPONENT(Class, id, version, summary))

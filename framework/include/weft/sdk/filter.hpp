@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <weft/sdk/export.hpp>
+#include <weft/sdk/nested.hpp>
+#include <weft/sdk/role.hpp>
+
+namespace weft {
+
+struct FilterInput {
+  Call call;
+  Correspondences correspondences{};
+  std::optional<Template> templ{};
+  std::optional<Camera> camera{};
+  std::optional<Shape> previous_shape{};
+  std::optional<GroundTruth> ground_truth{};  ///< only for a component that declares uses_truth
+
+  template <class Self, class Visit>
+  static void slots(Self& self, Visit&& visit) {
+    visit("correspondences", self.correspondences);
+    visit("template", self.templ);
+    visit("camera", self.camera);
+    visit("previous.shape", self.previous_shape);
+    visit("ground_truth", self.ground_truth);
+  }
+};
+
+/// Role `filters`: marks matches as kept or rejected, with scores; never drops or reorders them.
+/// A match already rejected stays rejected: the host combines the masks.
+class Filter : public Prepared {
+ public:
+  virtual Result<InlierMask> filter(const FilterInput& in) = 0;
+
+  static Role role() {
+    return {"filters",
+            {role_method<FilterInput>("filter", {output_slot<InlierMask>("inlier_mask")})}};
+  }
+
+  std::int32_t process(ProcessCall& call) {
+    return call.run<FilterInput>("inlier_mask", [&](const auto& in) { return filter(in); });
+  }
+};
+
+}  // namespace weft

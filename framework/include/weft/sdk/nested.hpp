@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <weft/sdk/role.hpp>
+
+namespace weft {
+
+/// What a solver is given; also by a parent that holds one.
+struct SolverInput {
+  Call call;
+  Template templ{};
+  Camera camera{};
+  std::optional<Sightlines> sightlines{};
+  std::optional<Correspondences> correspondences{};
+  std::optional<Warp> warp{};  ///< evaluate it with weft::evaluate()
+  std::optional<Image> image{};
+  std::optional<Visibility> visibility{};
+  std::optional<KnownPoints> known_points{};
+  std::optional<Shape> previous_shape{};  ///< may be `lost`: see its state
+
+  template <class Self, class Visit>
+  static void slots(Self& self, Visit&& visit) {
+    visit("template", self.templ);
+    visit("camera", self.camera);
+    visit("sightlines", self.sightlines);
+    visit("correspondences", self.correspondences);
+    visit("warp", self.warp);
+    visit("image", self.image);
+    visit("visibility", self.visibility);
+    visit("known_points", self.known_points);
+    visit("previous.shape", self.previous_shape);
+  }
+};
+
+namespace detail {
+
+/// Calls `component` through the host; the noun borrows memory of the host that lives until the
+/// caller's own process() returns.
+template <class Output>
+Result<Output> invoke(const Call& call, std::uint64_t component, int method,
+                      const std::vector<weft_record>& inputs) {
+  const weft_record* outputs = nullptr;
+  std::uint64_t count = 0;
+  weft_error error{};
+  const std::int32_t status = call.raw().host->invoke(&call.raw(), component, method, inputs.data(),
+                                                      inputs.size(), &outputs, &count, &error);
+  if (status != WEFT_OK && status != WEFT_DEGENERATE) {
+    return Error{static_cast<Errc>(error.code), error.message, error.where};
+  }
+  for (std::uint64_t i = 0; i < count; ++i) {
+    if (std::string_view(outputs[i].type) != Output::kType) continue;
+    auto noun = read_record<Output>(outputs[i]);
+    if (noun && status == WEFT_DEGENERATE) return degenerate(*std::move(noun), error.message);
+    return noun;
+  }
+  return Error{Errc::plugin_failure, std::string("no ") + Output::kType + " was produced", {}};
+}
+
+}  // namespace detail
+
+/// Values and, up to `points.order`, derivatives of a warp, by whoever produced it.
+inline Result<WarpSamples> evaluate(const Call& call, const Warp& warp, const Points& points) {
+  const RecordView<Warp> warp_view("warp", warp);
+  const RecordView<Points> points_view("points", points);
+  return detail::invoke<WarpSamples>(call, warp.producer_handle, 1,
+                                     {warp_view.raw(), points_view.raw()});
+}
+
+/// A warp that a component holds: `WarpComponent warp_{"warps/bbs"};` and in the constructor
+/// `p.component("warp", warp_, "...")`.
+struct WarpComponent : ComponentHandle {
+  explicit WarpComponent(const char* default_component)
+      : ComponentHandle{"warps", default_component} {}
+
+  /// Fits the matches with kept = 1, weighted if `weights` is given.
+  Result<Warp> fit(const Call& call, const Correspondences& correspondences, const Template& templ,
+                   const Weights* weights = nullptr) const {
+    const RecordView<Correspondences> matches("correspondences", correspondences);
+    const RecordView<Template> template_view("template", templ);
+    std::vector<weft_record> inputs{matches.raw(), template_view.raw()};
+    std::optional<RecordView<Weights>> weights_view;
+    if (weights != nullptr) inputs.push_back(weights_view.emplace("weights", *weights).raw());
+    return detail::invoke<Warp>(call, handle, 0, inputs);
+  }
+};
+
+/// A solver that a component holds, for example as a start.
+struct SolverComponent : ComponentHandle {
+  explicit SolverComponent(const char* default_component)
+      : ComponentHandle{"solvers", default_component} {}
+
+  Result<Shape> solve(const SolverInput& in) const {
+    std::vector<weft_record> inputs;
+    const RecordView<Template> templ("template", in.templ);
+    const RecordView<Camera> camera("camera", in.camera);
+    inputs.push_back(templ.raw());
+    inputs.push_back(camera.raw());
+    std::optional<RecordView<Sightlines>> sightlines;
+    std::optional<RecordView<Correspondences>> correspondences;
+    std::optional<RecordView<Warp>> warp;
+    std::optional<RecordView<Image>> image;
+    std::optional<RecordView<Visibility>> visibility;
+    std::optional<RecordView<KnownPoints>> known_points;
+    std::optional<RecordView<Shape>> previous;
+    const auto add = [&inputs](auto& view, const char* slot, const auto& noun) {
+      if (noun) inputs.push_back(view.emplace(slot, *noun).raw());
+    };
+    add(sightlines, "sightlines", in.sightlines);
+    add(correspondences, "correspondences", in.correspondences);
+    add(warp, "warp", in.warp);
+    add(image, "image", in.image);
+    add(visibility, "visibility", in.visibility);
+    add(known_points, "known_points", in.known_points);
+    add(previous, "previous.shape", in.previous_shape);
+    return detail::invoke<Shape>(in.call, handle, 0, inputs);
+  }
+};
+
+}  // namespace weft

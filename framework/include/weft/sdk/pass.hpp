@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <weft/sdk/export.hpp>
+#include <weft/sdk/nested.hpp>
+#include <weft/sdk/role.hpp>
+
+namespace weft {
+
+struct PassInput {
+  Call call;
+  Template templ{};
+  Camera camera{};
+  std::optional<Warp> warp{};                 ///< evaluate it with weft::evaluate()
+  std::optional<WarpSamples> warp_samples{};  ///< at the template's vertices
+  std::optional<Correspondences> correspondences{};
+  std::optional<Shape> shape{};
+  std::optional<Visibility> visibility{};
+  std::optional<Shape> previous_shape{};
+  std::optional<Visibility> previous_visibility{};
+
+  template <class Self, class Visit>
+  static void slots(Self& self, Visit&& visit) {
+    visit("template", self.templ);
+    visit("camera", self.camera);
+    visit("warp", self.warp);
+    visit("warp_samples", self.warp_samples);
+    visit("correspondences", self.correspondences);
+    visit("shape", self.shape);
+    visit("visibility", self.visibility);
+    visit("previous.shape", self.previous_shape);
+    visit("previous.visibility", self.previous_visibility);
+  }
+};
+
+/// A pass fills what its About::produces names.
+struct PassOutput {
+  std::optional<Sightlines> sightlines{};
+  std::optional<Visibility> visibility{};
+  std::optional<Region> region{};
+};
+
+/// Role `passes`: prepares data for the solver from what is known of the frame.
+class Pass : public Prepared {
+ public:
+  virtual Result<PassOutput> run(const PassInput& in) = 0;
+
+  static Role role() {
+    return {"passes",
+            {role_method<PassInput>("run", {output_slot<Sightlines>("sightlines", false),
+                                            output_slot<Visibility>("visibility", false),
+                                            output_slot<Region>("region", false)})}};
+  }
+
+  std::int32_t process(ProcessCall& call) {
+    return call.run_with<PassInput>([&](const auto& in) { return run(in); },
+                                    [&](const PassOutput& out) {
+                                      Result<void> status =
+                                          call.write("sightlines", out.sightlines);
+                                      if (status) status = call.write("visibility", out.visibility);
+                                      if (status) status = call.write("region", out.region);
+                                      return status;
+                                    });
+  }
+};
+
+}  // namespace weft

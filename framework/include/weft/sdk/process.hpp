@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+#include <vector>
+#include <weft/core/params.hpp>
+#include <weft/data/codec.hpp>
+#include <weft/sdk/call.hpp>
+
+namespace weft {
+
+/// What a component says of itself, as `static constexpr weft::About kAbout{...}` in its class.
+struct About {
+  const char* reference = "";          ///< paper or standard
+  const char* licence = "Apache-2.0";  ///< SPDX id of the built library
+  const char* determinism = "exact";   ///< "exact" or "tolerance"
+  const char* needs = "";              ///< inputs required beyond those of the role
+  const char* reads = "";              ///< inputs used when present
+  const char* produces = "";           ///< outputs, where the role leaves a choice
+  bool random = false;                 ///< draws from the seed
+  bool uses_truth = false;             ///< may read ground_truth
+};
+
+/// Copies text into a fixed buffer, cut on a UTF-8 character boundary.
+template <std::size_t Size>
+void copy_text(char (&target)[Size], std::string_view text) {
+  std::size_t length = std::min(text.size(), Size - 1);
+  while (length > 0 && length < text.size() &&
+         (static_cast<unsigned char>(text[length]) & 0xC0U) == 0x80U) {
+    --length;
+  }
+  std::memcpy(target, text.data(), length);
+  target[length] = '\0';
+}
+
+/// Writes an Error into the caller's buffer and returns the status that belongs to it.
+inline std::int32_t report(const Error& error, weft_error* target) {
+  target->code = static_cast<std::int32_t>(error.code);
+  copy_text(target->where, error.where);
+  copy_text(target->message, error.message);
+  if (error.code == Errc::no_result) return WEFT_NO_RESULT;
+  return error.code == Errc::cancelled ? WEFT_CANCELLED : WEFT_ERROR;
+}
+
+/// One process() call: turns records into a role's typed input and its answer into records.
+class ProcessCall {
+ public:
+  ProcessCall(const weft_call& call, const weft_record* inputs, std::uint64_t count,
+              weft_error* error)
+      : call_(call), inputs_(inputs), count_(count), error_(error) {}
+
+  int method() const { return call_.method; }
+
+  /// Reads `Input`, calls `body(input)` and writes its Result as output `slot`.
+  template <class Input, class Body>
+  std::int32_t run(const char* slot, Body&& body) {
+    return run_with<Input>(body, [&](const auto& value) { return write(slot, value); });
+  }
+
+  /// As run(), where `store(value)` writes the outputs, with write().
+  template <class Input, class Body, class Store>
+  std::int32_t run_with(Body&& body, Store&& store) {
+    Input input{Call(call_)};
+    if (auto read = read_slots(input); !read) return report(read.error(), error_);
+    auto result = body(input);
+    if (!result) return report(result.error(), error_);
+    if constexpr (requires { *result; }) {
+      if (Result<void> stored = store(*result); !stored) return report(stored.error(), error_);
+      if (!result.degenerate_reason().empty()) {
+        copy_text(error_->message, result.degenerate_reason());
+        return WEFT_DEGENERATE;
+      }
+    }
+    return WEFT_OK;
+  }
+
+  template <class Noun>
+  Result<void> write(const char* slot, const Noun& noun) const {
+    return write_record(
+        noun, [&](const char* array, std::int32_t dtype, int ndim, const std::int64_t* shape) {
+          return call_.host->alloc(&call_, slot, Noun::kType, array, dtype, ndim, shape);
+        });
+  }
+  template <class Noun>
+  Result<void> write(const char* slot, const std::optional<Noun>& noun) const {
+    return noun ? write(slot, *noun) : Result<void>{};
+  }
+
+  /// Fills the slots of a role's input from the records of the call.
+  template <class Input>
+  Result<void> read_slots(Input& input) const {
+    Result<void> status;
+    Input::slots(input, [&](const char* slot, auto& member) {
+      if (status) status = read_slot(slot, member);
+    });
+    return status;
+  }
+
+ private:
+  template <class Noun>
+  Result<void> read_slot(const char* slot, Noun& member) const {
+    for (std::uint64_t i = 0; i < count_; ++i) {
+      if (std::string_view(inputs_[i].slot) == slot) return read_into(inputs_[i], member);
+    }
+    return Error{Errc::invalid_data, std::string("required input '") + slot + "' is absent", {}};
+  }
+  template <class Noun>
+  Result<void> read_slot(const char* slot, std::optional<Noun>& member) const {
+    for (std::uint64_t i = 0; i < count_; ++i) {
+      if (std::string_view(inputs_[i].slot) == slot) return read_into(inputs_[i], member.emplace());
+    }
+    return {};
+  }
+  template <class Noun>
+  Result<void> read_slot(const char* slot, std::vector<Noun>& members) const {
+    for (std::uint64_t i = 0; i < count_; ++i) {
+      if (std::string_view(inputs_[i].slot) != slot) continue;
+      if (auto read = read_into(inputs_[i], members.emplace_back()); !read) return read;
+    }
+    return {};
+  }
+  template <class Noun>
+  static Result<void> read_into(const weft_record& record, Noun& member) {
+    auto noun = read_record<Noun>(record);
+    if (!noun) return noun.error();
+    member = *std::move(noun);
+    return {};
+  }
+
+  const weft_call& call_;
+  const weft_record* inputs_;
+  std::uint64_t count_;
+  weft_error* error_;
+};
+
+/// What every component but sources and templates is given once, before the first frame.
+struct PrepareInput {
+  Call call;
+  Template templ{};
+  Camera camera{};
+
+  template <class Self, class Visit>
+  static void slots(Self& self, Visit&& visit) {
+    visit("template", self.templ);
+    visit("camera", self.camera);
+  }
+};
+
+}  // namespace weft

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
+#include <weft/sdk/process.hpp>
+
+namespace weft {
+
+/// One input or output of a role's method.
+struct RoleSlot {
+  std::string name;  ///< "correspondences", "previous.shape"
+  std::string type;  ///< record type, "correspondences/1"
+  bool required;     ///< in every use of the role
+};
+
+struct RoleMethod {
+  std::string name;
+  std::vector<RoleSlot> inputs;
+  std::vector<RoleSlot> outputs;
+};
+
+/// What a role may consume and produces; method numbers are positions in `methods`.
+struct Role {
+  std::string name;  ///< the folder: "filters"
+  std::vector<RoleMethod> methods;
+};
+
+namespace detail {
+
+template <class T>
+struct SlotNoun {
+  using Noun = T;
+  static constexpr bool kRequired = true;
+};
+template <class T>
+struct SlotNoun<std::optional<T>> {
+  using Noun = T;
+  static constexpr bool kRequired = false;
+};
+template <class T>
+struct SlotNoun<std::vector<T>> {
+  using Noun = T;
+  static constexpr bool kRequired = false;
+};
+
+}  // namespace detail
+
+template <class Noun>
+RoleSlot output_slot(const char* name, bool required = true) {
+  return {name, Noun::kType, required};
+}
+
+/// A method whose inputs are the slots of `Input`.
+template <class Input>
+RoleMethod role_method(const char* name, std::vector<RoleSlot> outputs) {
+  RoleMethod method{name, {}, std::move(outputs)};
+  const weft_call no_call{};
+  Input input{Call(no_call)};
+  Input::slots(input, [&](const char* slot, auto& member) {
+    using Slot = detail::SlotNoun<std::remove_cvref_t<decltype(member)>>;
+    method.inputs.push_back({slot, Slot::Noun::kType, Slot::kRequired});
+  });
+  return method;
+}
+
+/// The base of all roles but sources and templates: they are prepared once.
+class Prepared {
+ public:
+  virtual ~Prepared() = default;
+  /// Called once before the first frame: files, devices and checks across parameters belong here.
+  virtual Result<void> prepare(const PrepareInput& /*in*/) { return {}; }
+};
+
+/// An input without slots, for calls that need none.
+struct EmptyInput {
+  Call call;
+
+  template <class Self, class Visit>
+  static void slots(Self& /*self*/, Visit&& /*visit*/) {}
+};
+
+}  // namespace weft

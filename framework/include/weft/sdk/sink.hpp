@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <weft/sdk/export.hpp>
+#include <weft/sdk/nested.hpp>
+#include <weft/sdk/role.hpp>
+
+namespace weft {
+
+/// Everything known of a frame; a sink gets what its About names in `needs` and `reads`.
+struct SinkInput {
+  Call call;
+  std::optional<Image> image{};
+  std::optional<Camera> camera{};
+  std::optional<Time> time{};
+  std::optional<Template> templ{};
+  std::optional<Keypoints> keypoints{};
+  std::optional<Correspondences> correspondences{};
+  std::optional<Warp> warp{};
+  std::optional<WarpSamples> warp_samples{};
+  std::optional<Sightlines> sightlines{};
+  std::optional<Visibility> visibility{};
+  std::optional<Shape> shape{};  ///< `predicted` and `lost` ones too; see its state
+  std::optional<GroundTruth> ground_truth{};
+
+  template <class Self, class Visit>
+  static void slots(Self& self, Visit&& visit) {
+    visit("image", self.image);
+    visit("camera", self.camera);
+    visit("time", self.time);
+    visit("template", self.templ);
+    visit("keypoints", self.keypoints);
+    visit("correspondences", self.correspondences);
+    visit("warp", self.warp);
+    visit("warp_samples", self.warp_samples);
+    visit("sightlines", self.sightlines);
+    visit("visibility", self.visibility);
+    visit("shape", self.shape);
+    visit("ground_truth", self.ground_truth);
+  }
+};
+
+/// Role `sinks`: files, windows and streams. A killed run must leave readable files: write
+/// numbered files under a temporary name and rename them.
+class Sink : public Prepared {
+ public:
+  /// Called once, after prepare().
+  virtual Result<void> open(const Call& call) = 0;
+  /// Called for each frame, in frame order.
+  virtual Result<void> write(const SinkInput& in) = 0;
+  /// Called once, after the last frame, also when the run failed.
+  virtual Result<void> finish(const Call& call) = 0;
+
+  static Role role() {
+    return {"sinks",
+            {role_method<EmptyInput>("open", {}), role_method<SinkInput>("write", {}),
+             role_method<EmptyInput>("finish", {})}};
+  }
+
+  std::int32_t process(ProcessCall& call) {
+    const auto nothing = [](const auto&) { return Result<void>{}; };
+    if (call.method() == 0) {
+      return call.run_with<EmptyInput>([&](const auto& in) { return open(in.call); }, nothing);
+    }
+    if (call.method() == 1) {
+      return call.run_with<SinkInput>([&](const auto& in) { return write(in); }, nothing);
+    }
+    return call.run_with<EmptyInput>([&](const auto& in) { return finish(in.call); }, nothing);
+  }
+};
+
+}  // namespace weft

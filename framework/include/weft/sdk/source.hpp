@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <weft/sdk/export.hpp>
+#include <weft/sdk/role.hpp>
+
+namespace weft {
+
+/// What a source knows of one frame.
+struct SourceFrame {
+  std::optional<Image> image{};
+  std::optional<Time> time{};
+  std::optional<KnownPoints> known_points{};
+  std::optional<GroundTruth> ground_truth{};
+  std::optional<Correspondences> correspondences{};
+};
+
+/// Role `sources`: frames, the camera that took them, and truth where it is known. Images are
+/// undistorted here, so that everybody sees an ideal pinhole.
+class Source {
+ public:
+  virtual ~Source() = default;
+
+  /// Opens files or devices; returns the camera of the undistorted frames.
+  virtual Result<Camera> open(const Call& call) = 0;
+  /// Number of frames, -1 when unknown.
+  virtual std::int64_t count() const = 0;
+  /// Frame `index`, from 0. A frame that cannot be read is an error of that frame only. When the
+  /// count is unknown, no_result is the end.
+  virtual Result<SourceFrame> read(std::int64_t index, const Call& call) = 0;
+
+  static Role role() {
+    return {"sources",
+            {role_method<EmptyInput>("open", {output_slot<Camera>("camera")}),
+             role_method<EmptyInput>("count", {output_slot<Count>("count")}),
+             role_method<EmptyInput>(
+                 "read", {output_slot<Image>("image", false), output_slot<Time>("time", false),
+                          output_slot<KnownPoints>("known_points", false),
+                          output_slot<GroundTruth>("ground_truth", false),
+                          output_slot<Correspondences>("correspondences", false)})}};
+  }
+
+  std::int32_t process(ProcessCall& call) {
+    if (call.method() == 0) {
+      return call.run<EmptyInput>("camera", [&](const auto& in) { return open(in.call); });
+    }
+    if (call.method() == 1) {
+      return call.run<EmptyInput>("count",
+                                  [&](const auto&) { return Result<Count>(Count{count()}); });
+    }
+    const auto read_frame = [&](const EmptyInput& in) {
+      return read(static_cast<std::int64_t>(in.call.frame()), in.call);
+    };
+    return call.run_with<EmptyInput>(read_frame, [&](const SourceFrame& frame) {
+      Result<void> status = call.write("image", frame.image);
+      if (status) status = call.write("time", frame.time);
+      if (status) status = call.write("known_points", frame.known_points);
+      if (status) status = call.write("ground_truth", frame.ground_truth);
+      if (status) status = call.write("correspondences", frame.correspondences);
+      return status;
+    });
+  }
+};
+
+}  // namespace weft

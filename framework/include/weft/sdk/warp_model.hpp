@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <weft/sdk/export.hpp>
+#include <weft/sdk/role.hpp>
+
+namespace weft {
+
+struct FitInput {
+  Call call;
+  Correspondences correspondences{};  ///< only those with kept = 1 count
+  Template templ{};
+  std::optional<Weights> weights{};  ///< per match, 1 when absent
+
+  template <class Self, class Visit>
+  static void slots(Self& self, Visit&& visit) {
+    visit("correspondences", self.correspondences);
+    visit("template", self.templ);
+    visit("weights", self.weights);
+  }
+};
+
+struct EvaluateInput {
+  Call call;
+  Warp warp{};
+  Points points{};
+
+  template <class Self, class Visit>
+  static void slots(Self& self, Visit&& visit) {
+    visit("warp", self.warp);
+    visit("points", self.points);
+  }
+};
+
+/// Role `warps`: a smooth map from the template's texture to the image. evaluate() depends on the
+/// record only, never on what was fitted before.
+class WarpModel : public Prepared {
+ public:
+  virtual Result<Warp> fit(const FitInput& in) = 0;
+  virtual Result<WarpSamples> evaluate(const EvaluateInput& in) = 0;
+
+  static Role role() {
+    return {"warps",
+            {role_method<FitInput>("fit", {output_slot<Warp>("warp")}),
+             role_method<EvaluateInput>("evaluate", {output_slot<WarpSamples>("warp_samples")})}};
+  }
+
+  std::int32_t process(ProcessCall& call) {
+    if (call.method() == 0) {
+      return call.run<FitInput>("warp", [&](const auto& in) { return fit(in); });
+    }
+    return call.run<EvaluateInput>("warp_samples", [&](const auto& in) { return evaluate(in); });
+  }
+};
+
+}  // namespace weft
