@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+#include <weft/geometry/types.hpp>
+
+namespace weft {
+
+/// One list of indices for each vertex, stored one after the other.
+struct IndexLists {
+  std::vector<std::int32_t> offsets;  ///< [n+1] where each list starts in `items`
+  std::vector<std::int32_t> items;    ///< [.] indices, ascending within a list
+
+  Eigen::Index size() const { return static_cast<Eigen::Index>(offsets.size()) - 1; }
+
+  std::span<const std::int32_t> operator[](Eigen::Index i) const {
+    const auto first = static_cast<std::size_t>(offsets[static_cast<std::size_t>(i)]);
+    const auto last = static_cast<std::size_t>(offsets[static_cast<std::size_t>(i) + 1]);
+    return {items.data() + first, last - first};
+  }
+};
+
+namespace detail {
+
+/// Lists from (list, item) pairs.
+inline IndexLists gather(std::vector<std::pair<std::int32_t, std::int32_t>> pairs,
+                         Eigen::Index count) {
+  std::sort(pairs.begin(), pairs.end());
+  IndexLists lists;
+  lists.offsets.assign(static_cast<std::size_t>(count) + 1, 0);
+  lists.items.reserve(pairs.size());
+  for (const auto& [list, item] : pairs) {
+    ++lists.offsets[static_cast<std::size_t>(list) + 1];
+    lists.items.push_back(item);
+  }
+  for (std::size_t i = 1; i < lists.offsets.size(); ++i) lists.offsets[i] += lists.offsets[i - 1];
+  return lists;
+}
+
+}  // namespace detail
+
+/// The faces around each vertex. The indices must be in range.
+inline IndexLists vertex_faces(const FacesView& faces, Eigen::Index vertex_count) {
+  std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
+  pairs.reserve(static_cast<std::size_t>(3 * faces.rows()));
+  for (std::int32_t f = 0; f < faces.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) pairs.emplace_back(faces(f, k), f);
+  }
+  return detail::gather(std::move(pairs), vertex_count);
+}
+
+/// The vertices joined to each vertex by one of the (unique) edges.
+inline IndexLists vertex_neighbours(const EdgesView& edges, Eigen::Index vertex_count) {
+  std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
+  pairs.reserve(static_cast<std::size_t>(2 * edges.rows()));
+  for (Eigen::Index e = 0; e < edges.rows(); ++e) {
+    pairs.emplace_back(edges(e, 0), edges(e, 1));
+    pairs.emplace_back(edges(e, 1), edges(e, 0));
+  }
+  return detail::gather(std::move(pairs), vertex_count);
+}
+
+}  // namespace weft

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <weft/core/result.hpp>
+#include <weft/geometry/types.hpp>
+
+namespace weft {
+
+/// Faces of a grid of columns x rows vertices, vertex index = row * columns + column. The diagonal
+/// of the cell (column i, row j) runs from its top left to its bottom right vertex where i + j is
+/// even, across where it is odd, so that the mesh has no preferred diagonal.
+/// With column along u and row along v (down), all faces are counter-clockwise as the camera sees
+/// them: det(m1 - m0, m2 - m0) < 0 in pixels, and the normal points to the camera.
+inline Result<Faces> rectangular_grid_faces(std::int64_t columns, std::int64_t rows) {
+  constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
+  if (columns < 2 || rows < 2 || columns > kMost / rows) {
+    return Error{Errc::invalid_value,
+                 "a grid of " + std::to_string(columns) + " x " + std::to_string(rows) +
+                     " vertices is not possible: columns and rows must be at least 2 and their "
+                     "product below 2^31",
+                 {}};
+  }
+  Faces faces(2 * (columns - 1) * (rows - 1), 3);
+  Eigen::Index f = 0;
+  for (std::int64_t j = 0; j + 1 < rows; ++j) {
+    for (std::int64_t i = 0; i + 1 < columns; ++i) {
+      const auto top_left = static_cast<std::int32_t>(j * columns + i);
+      const std::int32_t top_right = top_left + 1;
+      const auto bottom_left = static_cast<std::int32_t>(top_left + columns);
+      const std::int32_t bottom_right = bottom_left + 1;
+      if ((i + j) % 2 == 0) {
+        faces.row(f++) << top_left, bottom_left, bottom_right;
+        faces.row(f++) << top_left, bottom_right, top_right;
+      } else {
+        faces.row(f++) << top_left, bottom_left, top_right;
+        faces.row(f++) << top_right, bottom_left, bottom_right;
+      }
+    }
+  }
+  return faces;
+}
+
+}  // namespace weft

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <queue>
+#include <span>
+#include <utility>
+#include <vector>
+#include <weft/geometry/mesh_adjacency.hpp>
+#include <weft/geometry/types.hpp>
+
+namespace weft {
+
+/// Whether points [N,3] lie in one plane, within 1e-6 of their largest distance to their mean. No
+/// points, and points that are not finite, do not.
+inline bool coplanar(const Points3View& points) {
+  if (points.rows() == 0 || !points.allFinite()) return false;
+  const Points3 centred = points.rowwise() - points.colwise().mean();
+  const double reach = centred.rowwise().norm().maxCoeff();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(centred.transpose() * centred);
+  return (centred * axes.eigenvectors().col(0)).cwiseAbs().maxCoeff() <= 1e-6 * reach;
+}
+
+/// A vertex and how far it is from where paths begin.
+struct PathStart {
+  std::int32_t vertex = 0;  ///< []
+  double length_m = 0.0;    ///< [] m, >= 0
+};
+
+/// Length in m of the shortest path along edges from the starts to every vertex [V]; infinite where
+/// there is none (Dijkstra). It is at least the length along the surface, and on fine regular
+/// meshes up to about 8 % longer. With `region` [V] paths stay on vertices where it is not 0.
+inline std::vector<double> path_lengths_m(const Points3View& vertices_m,
+                                          const IndexLists& neighbours,
+                                          std::span<const PathStart> starts,
+                                          std::span<const std::uint8_t> region = {}) {
+  using Entry = std::pair<double, std::int32_t>;
+  std::vector<double> lengths(static_cast<std::size_t>(vertices_m.rows()),
+                              std::numeric_limits<double>::infinity());
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+  const auto offer = [&](std::int32_t v, double length) {
+    double& known = lengths[static_cast<std::size_t>(v)];
+    if (length >= known || (!region.empty() && region[static_cast<std::size_t>(v)] == 0)) return;
+    known = length;
+    open.emplace(length, v);
+  };
+  for (const PathStart& start : starts) offer(start.vertex, start.length_m);
+  while (!open.empty()) {
+    const auto [length, v] = open.top();
+    open.pop();
+    if (length > lengths[static_cast<std::size_t>(v)]) continue;
+    for (const std::int32_t w : neighbours[v]) {
+      offer(w, length + (vertices_m.row(v) - vertices_m.row(w)).norm());
+    }
+  }
+  return lengths;
+}
+
+}  // namespace weft
