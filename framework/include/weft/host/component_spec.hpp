@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+#include <weft/host/arguments.hpp>
+#include <weft/host/registry.hpp>
+#include <weft/host/yaml.hpp>
+
+namespace weft::host {
+
+/// Where relative paths stand, and what ${NAME} is.
+struct PathRules {
+  std::string input_folder;   ///< of the file in which the paths stand
+  std::string output_folder;  ///< the run folder
+  std::function<std::optional<std::string>(const std::string&)> variable;
+
+  static PathRules of_process(std::string input_folder, std::string output_folder);
+};
+
+/// A component with its checked parameters, ready to be instantiated.
+struct ComponentSpec {
+  const Installed* installed = nullptr;
+  Arguments arguments;
+  std::vector<std::pair<std::string, ComponentSpec>> nested;  ///< by parameter name
+  yaml::Node effective;  ///< {use, params} with all defaults, paths as they were resolved
+
+  const ComponentManifest& component() const { return installed->component; }
+};
+
+/// Checks `use` and `params` (may be null) against what is installed, nested components included.
+/// Mistakes are appended to `problems`; nothing is returned when there are any.
+std::optional<ComponentSpec> resolve_component(const Registry& registry, const yaml::Node& use,
+                                               const yaml::Node* params, const PathRules& paths,
+                                               std::vector<yaml::Problem>& problems);
+
+/// Expands ${NAME} and ${NAME:-default}; the Error says which variable is not set.
+Result<std::string> expand_variables(const std::string& text, const PathRules& paths);
+
+}  // namespace weft::host

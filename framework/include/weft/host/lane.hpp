@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+#include <weft/host/component_spec.hpp>
+#include <weft/host/record.hpp>
+#include <weft/sdk/role.hpp>
+
+namespace weft::host {
+
+/// What a call of a component came to.
+struct Outcome {
+  weft_status status = WEFT_OK;
+  Error error;  ///< for degenerate its message is the reason
+  std::vector<std::pair<std::string, RecordPtr>> outputs;  ///< by slot
+
+  bool usable() const { return status == WEFT_OK || status == WEFT_DEGENERATE; }
+  RecordPtr find(std::string_view slot) const;
+};
+
+/// Time spent in one call of a component, nested ones included.
+struct Timing {
+  std::string component;  ///< "filters", "filters/warp": stage name and nested path
+  double ms = 0.0;
+};
+
+/// The frame number of calls that belong to no frame.
+inline constexpr std::uint64_t kOfflineFrame = ~std::uint64_t{0};
+
+class Instance;
+
+/// One set of component instances. The host enters a lane from one thread at a time.
+class Lane {
+ public:
+  using Log = std::function<void(const std::string& component, int level, const std::string& text)>;
+
+  Lane(std::uint64_t run_seed, Log log);
+  ~Lane();
+  Lane(const Lane&) = delete;
+  Lane& operator=(const Lane&) = delete;
+
+  /// Loads the library and creates the component and those nested in it.
+  Result<Instance*> instantiate(const ComponentSpec& spec, const std::string& stage);
+
+  /// Gives template and camera to an instance and to those nested in it.
+  Result<void> prepare(Instance& instance, const Record& templ, const Record& camera);
+
+  /// Calls a method of a component; outputs are validated. Never throws.
+  Outcome call(Instance& instance, int method, std::span<const weft_record> inputs,
+               std::uint64_t frame);
+
+  /// Evaluates a warp record at points, by its producer.
+  Outcome evaluate(const Record& warp, const Points& points, std::uint64_t frame);
+
+  /// Calls since the last time this was asked, in order of their end.
+  std::vector<Timing> take_timings();
+
+  /// Set from any thread to make plugins stop.
+  std::atomic<bool>& cancel() { return cancel_; }
+
+ private:
+  friend struct Callbacks;
+
+  struct Scope;
+  Result<Instance*> create(const ComponentSpec& spec, const std::string& stage,
+                           const std::string& path);
+  Outcome enter(Instance& instance, int method, std::span<const weft_record> inputs,
+                std::uint64_t frame, int depth);
+  Outcome finish(Instance& instance, Scope& scope, std::span<const weft_record> inputs,
+                 std::int32_t status, const weft_error& error);
+  weft_call make_call(const Instance& instance, Scope& scope, int method, std::uint64_t frame);
+  Instance* find(std::uint64_t handle) const;
+  std::uint64_t seed_for(const Instance& instance, std::uint64_t frame) const;
+
+  std::uint64_t run_seed_;
+  Log log_;
+  std::map<std::string, Role> roles_;
+  std::vector<std::unique_ptr<Instance>> instances_;  ///< handle - 1 is the index
+  std::vector<Timing> timings_;
+  std::uint64_t next_revision_ = 1;
+  std::atomic<bool> cancel_{false};
+};
+
+/// seed = XXH3_64(run_seed LE64, frame LE64, stage UTF-8, 0, nested path UTF-8).
+std::uint64_t component_seed(std::uint64_t run_seed, std::uint64_t frame, std::string_view stage,
+                             std::string_view nested_path);
+
+/// A revision that depends on the content alone.
+std::uint64_t content_revision(const Record& record);
+
+}  // namespace weft::host

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+#include <weft/data/codec.hpp>
+
+namespace weft::host {
+
+/// A record that the host owns: what a plugin allocated through the host, or a copy of a noun.
+class Record {
+ public:
+  explicit Record(std::string type) : type_(std::move(type)) {}
+
+  /// Zero-filled, 64-byte aligned, C order; replaces an array of the same name. Null when the
+  /// request is illegal or memory is short. Names have letters, digits, `_`, `-` and `.` only.
+  void* allocate(std::string_view name, std::int32_t dtype, std::int32_t ndim,
+                 const std::int64_t* shape);
+
+  const std::string& type() const { return type_; }
+  std::uint64_t revision() const { return revision_; }
+  void set_revision(std::uint64_t revision) { revision_ = revision; }
+  void set_producer(std::uint64_t component) { producer_ = component; }
+
+  /// The arrays as the contract sees them, valid while this record lives and is not changed.
+  weft_record view(const char* slot) const;
+
+  /// A copy of the array's entry, sharing its memory, from another record.
+  void share(const Record& other, std::string_view name);
+
+  template <class Noun>
+  static std::shared_ptr<Record> copy_of(const Noun& noun) {
+    auto record = std::make_shared<Record>(Noun::kType);
+    const auto allocate = [&](const char* name, std::int32_t dtype, int ndim,
+                              const std::int64_t* shape) {
+      return record->allocate(name, dtype, ndim, shape);
+    };
+    if (!write_record(noun, allocate)) return nullptr;
+    return record;
+  }
+
+ private:
+  struct Entry {
+    std::unique_ptr<std::string> name;  ///< stays where it is when entries move
+    std::shared_ptr<void> memory;
+  };
+  std::size_t slot_of(std::string_view name);
+
+  std::string type_;
+  std::uint64_t revision_ = 0;
+  std::uint64_t producer_ = 0;
+  std::vector<Entry> entries_;
+  std::vector<weft_array> arrays_;
+};
+
+using RecordPtr = std::shared_ptr<const Record>;
+
+/// The noun in a record, borrowing from it. The record was validated when it was made.
+template <class Noun>
+Result<Noun> view_as(const Record& record) {
+  return read_record<Noun>(record.view(""));
+}
+
+/// Whether a record has the arrays, types and shapes of the catalogue and holds no NaN or infinity
+/// where none is allowed; the Error names the array.
+Result<void> validate(const weft_record& record);
+
+/// Whether an output of a call is as long as the inputs that it speaks of: a mask as its matches,
+/// samples of a warp as the points, a shape and its visibility as the template's mesh.
+Result<void> check_lengths(const weft_record& output, std::span<const weft_record> inputs);
+
+}  // namespace weft::host

@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <chrono>
+#include <deque>
+#include <weft/host/lane.hpp>
+#include <weft/sdk/roles.hpp>
+
+namespace weft::host {
+
+/// A created component. Destroyed by its library's own function.
+class Instance {
+ public:
+  Instance(const weft_component* component, void* object) : table(component), self(object) {}
+  ~Instance() { table->destroy(self); }
+  Instance(const Instance&) = delete;
+  Instance& operator=(const Instance&) = delete;
+
+  std::string name() const { return path.empty() ? stage : stage + "/" + path; }
+  std::string role() const {
+    const std::string_view id = table->id;
+    return std::string(id.substr(0, id.find('/')));
+  }
+
+  const weft_component* table;
+  void* self;
+  std::string stage;
+  std::string path;  ///< of nested parameters: "start", "start/warp"
+  std::uint64_t handle = 0;
+  std::vector<Instance*> nested;
+  bool running = false;
+};
+
+namespace {
+
+constexpr int kDeepestNesting = 16;
+
+/// What a component wrote into the buffer, made to agree with its status; its id where it named no
+/// place.
+Error error_from(std::int32_t status, weft_error raw, const char* id) {
+  if (status == WEFT_OK) return {};
+  raw.where[sizeof(raw.where) - 1] = '\0';
+  raw.message[sizeof(raw.message) - 1] = '\0';
+  Error error{static_cast<Errc>(raw.code), raw.message, *raw.where != '\0' ? raw.where : id};
+  const bool known = raw.code > static_cast<std::int32_t>(Errc::no_result) &&
+                     raw.code < static_cast<std::int32_t>(Errc::cancelled);
+  if (status == WEFT_NO_RESULT) {
+    error.code = Errc::no_result;
+  } else if (status == WEFT_CANCELLED) {
+    error.code = Errc::cancelled;
+  } else if (!known) {
+    error.code = Errc::plugin_failure;
+  }
+  if (error.message.empty())
+    error.message = "gave no reason for its status " + std::to_string(status);
+  return error;
+}
+
+}  // namespace
+
+/// What one running call owns.
+struct Lane::Scope {
+  Lane& lane;
+  Instance& instance;
+  const RoleMethod* method;
+  int depth;
+  std::uint64_t frame;
+  std::vector<std::pair<std::string, std::shared_ptr<Record>>> outputs{};
+  std::deque<Outcome> nested{};                  ///< keeps records of nested calls alive
+  std::deque<std::vector<weft_record>> views{};  ///< of those records
+};
+
+/// The functions behind weft_host; none throws.
+struct Callbacks {
+  static void* alloc(const weft_call* call, const char* slot, const char* type, const char* array,
+                     std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape) try {
+    auto& scope = *static_cast<Lane::Scope*>(call->context);
+    if (slot == nullptr || type == nullptr || array == nullptr) return nullptr;
+    for (auto& [name, record] : scope.outputs) {
+      if (name == slot && record->type() == type) {
+        return record->allocate(array, dtype, ndim, shape);
+      }
+    }
+    if (scope.method == nullptr) return nullptr;
+    for (const RoleSlot& output : scope.method->outputs) {
+      if (output.name != slot || output.type != type) continue;
+      scope.outputs.emplace_back(slot, std::make_shared<Record>(type));
+      return scope.outputs.back().second->allocate(array, dtype, ndim, shape);
+    }
+    return nullptr;
+  } catch (...) {
+    return nullptr;
+  }
+
+  static std::int32_t cancelled(const weft_call* call) {
+    return static_cast<Lane::Scope*>(call->context)->lane.cancel_.load() ? 1 : 0;
+  }
+
+  static void log(const weft_call* call, std::int32_t level, const char* text) try {
+    auto& scope = *static_cast<Lane::Scope*>(call->context);
+    if (scope.lane.log_) scope.lane.log_(scope.instance.name(), level, text);
+  } catch (...) {
+    return;  // a message is not worth a crash
+  }
+
+  static std::int32_t invoke(const weft_call* call, std::uint64_t component, std::int32_t method,
+                             const weft_record* inputs, std::uint64_t count,
+                             const weft_record** outputs, std::uint64_t* output_count,
+                             weft_error* error) try {
+    auto& scope = *static_cast<Lane::Scope*>(call->context);
+    Instance* target = scope.lane.find(component);
+    if (target == nullptr) {
+      return report({Errc::not_found,
+                     "no component has the handle " + std::to_string(component) +
+                         "; was the warp made by this pipeline?",
+                     {}},
+                    error);
+    }
+    scope.nested.push_back(
+        scope.lane.enter(*target, method, {inputs, count}, scope.frame, scope.depth + 1));
+    const Outcome& outcome = scope.nested.back();
+    std::vector<weft_record>& views = scope.views.emplace_back();
+    for (const auto& [slot, record] : outcome.outputs) views.push_back(record->view(slot.c_str()));
+    *outputs = views.data();
+    *output_count = views.size();
+    if (outcome.status != WEFT_OK) report(outcome.error, error);
+    return outcome.status;
+  } catch (...) {
+    return report({Errc::plugin_failure, "the host is out of memory", {}}, error);
+  }
+};
+
+namespace {
+
+constexpr weft_host kHost{sizeof(weft_host), 0,
+                          &Callbacks::alloc, &Callbacks::cancelled,
+                          &Callbacks::log,   &Callbacks::invoke};
+
+/// A pass always fills what it says it produces; a source may lack truth or time in some frames.
+bool must_produce(const Instance& instance, const RoleSlot& output) {
+  if (output.required || instance.role() != "passes") return output.required;
+  const std::string produced = ' ' + std::string(instance.table->produces) + ' ';
+  return produced.find(' ' + output.name + ' ') != std::string::npos;
+}
+
+}  // namespace
+
+RecordPtr Outcome::find(std::string_view slot) const {
+  for (const auto& [name, record] : outputs) {
+    if (name == slot) return record;
+  }
+  return nullptr;
+}
+
+Lane::Lane(std::uint64_t run_seed, Log log) : run_seed_(run_seed), log_(std::move(log)) {
+  for (Role& role : all_roles()) roles_.emplace(role.name, role);
+}
+
+Lane::~Lane() = default;
+
+Result<Instance*> Lane::instantiate(const ComponentSpec& spec, const std::string& stage) {
+  return create(spec, stage, "");
+}
+
+Result<Instance*> Lane::create(const ComponentSpec& spec, const std::string& stage,
+                               const std::string& path) {
+  const auto table = load(*spec.installed);
+  if (!table) return table.error();
+  Arguments handles;
+  std::vector<Instance*> nested;
+  for (const auto& [parameter, child] : spec.nested) {
+    const auto instance = create(child, stage, path.empty() ? parameter : path + "/" + parameter);
+    if (!instance) return instance.error();
+    nested.push_back(*instance);
+    handles.add_component(parameter, (*instance)->handle);
+  }
+  std::vector<weft_value> values = spec.arguments.values();
+  values.insert(values.end(), handles.values().begin(), handles.values().end());
+  void* self = nullptr;
+  weft_error error{};
+  const std::int32_t status = (*table)->create(values.data(), values.size(), &self, &error);
+  if (status != WEFT_OK) return error_from(status, error, (*table)->id);
+  if (self == nullptr) {
+    return Error{Errc::plugin_failure, "created nothing and gave no reason", (*table)->id};
+  }
+  auto instance = std::make_unique<Instance>(*table, self);
+  instance->stage = stage;
+  instance->path = path;
+  instance->handle = instances_.size() + 1;
+  instance->nested = std::move(nested);
+  instances_.push_back(std::move(instance));
+  return instances_.back().get();
+}
+
+weft_call Lane::make_call(const Instance& instance, Scope& scope, int method, std::uint64_t frame) {
+  weft_call call{};
+  call.struct_size = sizeof(weft_call);
+  call.method = method;
+  call.host = &kHost;
+  call.context = &scope;
+  call.seed = seed_for(instance, frame);
+  call.frame = frame;
+  call.threads = 1;
+  return call;
+}
+
+std::uint64_t Lane::seed_for(const Instance& instance, std::uint64_t frame) const {
+  return component_seed(run_seed_, frame, instance.stage, instance.path);
+}
+
+Result<void> Lane::prepare(Instance& instance, const Record& templ, const Record& camera) {
+  for (Instance* nested : instance.nested) {
+    if (auto ready = prepare(*nested, templ, camera); !ready) return ready;
+  }
+  Scope scope{*this, instance, nullptr, 0, kOfflineFrame};
+  const weft_call call = make_call(instance, scope, 0, kOfflineFrame);
+  const weft_record inputs[] = {templ.view("template"), camera.view("camera")};
+  weft_error error{};
+  const std::int32_t status = instance.table->prepare(instance.self, &call, inputs, 2, &error);
+  if (status == WEFT_OK || status == WEFT_DEGENERATE) return {};
+  return error_from(status, error, instance.table->id);
+}
+
+Outcome Lane::call(Instance& instance, int method, std::span<const weft_record> inputs,
+                   std::uint64_t frame) {
+  return enter(instance, method, inputs, frame, 0);
+}
+
+Outcome Lane::evaluate(const Record& warp, const Points& points, std::uint64_t frame) {
+  const weft_record view = warp.view("warp");
+  Instance* producer = find(view.producer);
+  if (producer == nullptr) {
+    return {WEFT_ERROR, {Errc::not_found, "the warp's producer is gone", {}}, {}};
+  }
+  const RecordView<Points> points_view("points", points);
+  const weft_record inputs[] = {view, points_view.raw()};
+  return enter(*producer, 1, inputs, frame, 0);
+}
+
+Outcome Lane::enter(Instance& instance, int method, std::span<const weft_record> inputs,
+                    std::uint64_t frame, int depth) {
+  const auto refuse = [&](const std::string& message) {
+    return Outcome{WEFT_ERROR, {Errc::plugin_failure, message, instance.table->id}, {}};
+  };
+  if (instance.running) return refuse("was called while it was running");
+  if (depth > kDeepestNesting) return refuse("is nested too deeply");
+  const std::vector<RoleMethod>& methods = roles_.at(instance.role()).methods;
+  if (method < 0 || method >= static_cast<int>(methods.size())) {
+    return refuse("its role has no method " + std::to_string(method));
+  }
+  Scope scope{*this, instance, &methods[static_cast<std::size_t>(method)], depth, frame};
+  const weft_call call = make_call(instance, scope, method, frame);
+  weft_error error{};
+  const auto start = std::chrono::steady_clock::now();
+  instance.running = true;
+  const std::int32_t status =
+      instance.table->process(instance.self, &call, inputs.data(), inputs.size(), &error);
+  instance.running = false;
+  const std::chrono::duration<double, std::milli> elapsed =
+      std::chrono::steady_clock::now() - start;
+  timings_.push_back({instance.name(), elapsed.count()});
+  return finish(instance, scope, inputs, status, error);
+}
+
+Outcome Lane::finish(Instance& instance, Scope& scope, std::span<const weft_record> inputs,
+                     std::int32_t status, const weft_error& error) {
+  const auto broken = [&](const std::string& message) {
+    return Outcome{WEFT_ERROR, {Errc::plugin_failure, message, instance.table->id}, {}};
+  };
+  Outcome outcome;
+  outcome.status =
+      status >= WEFT_OK && status <= WEFT_CANCELLED ? static_cast<weft_status>(status) : WEFT_ERROR;
+  outcome.error = error_from(status, error, instance.table->id);
+  if (!outcome.usable()) return outcome;
+  for (auto& [slot, record] : scope.outputs) {
+    const weft_record view = record->view(slot.c_str());
+    auto valid = validate(view);
+    if (valid) valid = check_lengths(view, inputs);
+    if (!valid) return broken("returned an illegal output: " + valid.error().message);
+    record->set_revision(next_revision_++);
+    if (record->type() == Warp::kType) record->set_producer(instance.handle);
+    outcome.outputs.emplace_back(slot, std::move(record));
+  }
+  for (const RoleSlot& output : scope.method->outputs) {
+    if (must_produce(instance, output) && outcome.find(output.name) == nullptr) {
+      return broken("did not produce its output '" + output.name + "'");
+    }
+  }
+  return outcome;
+}
+
+Instance* Lane::find(std::uint64_t handle) const {
+  return handle >= 1 && handle <= instances_.size() ? instances_[handle - 1].get() : nullptr;
+}
+
+std::vector<Timing> Lane::take_timings() { return std::exchange(timings_, {}); }
+
+}  // namespace weft::host

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdlib>
+#include <weft/host/component_spec.hpp>
+
+namespace weft::host {
+
+PathRules PathRules::of_process(std::string input_folder, std::string output_folder) {
+  return {std::move(input_folder), std::move(output_folder),
+          [](const std::string& name) -> std::optional<std::string> {
+            const char* value = std::getenv(name.c_str());
+            return value != nullptr ? std::optional<std::string>(value) : std::nullopt;
+          }};
+}
+
+Result<std::string> expand_variables(const std::string& text, const PathRules& paths) {
+  std::string result;
+  std::size_t at = 0;
+  for (;;) {
+    const std::size_t start = text.find("${", at);
+    if (start == std::string::npos) return result + text.substr(at);
+    const std::size_t end = text.find('}', start);
+    if (end == std::string::npos) {
+      return Error{Errc::invalid_value, "'" + text + "' has ${ without }", {}};
+    }
+    const std::string inside = text.substr(start + 2, end - start - 2);
+    if (inside.find("${") != std::string::npos) {
+      return Error{Errc::invalid_value, "'" + text + "' has ${ inside ${...}", {}};
+    }
+    const std::size_t dash = inside.find(":-");
+    const std::string name = inside.substr(0, dash);
+    std::optional<std::string> value = paths.variable(name);
+    if ((!value || value->empty()) && dash != std::string::npos) value = inside.substr(dash + 2);
+    if (!value) {
+      return Error{
+          Errc::not_found,
+          "the variable " + name + " is not set; set it, or write ${" + name + ":-default}",
+          {}};
+    }
+    result += text.substr(at, start - at) + *value;
+    at = end + 1;
+  }
+}
+
+}  // namespace weft::host

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <new>
+#include <weft/host/record.hpp>
+
+namespace weft::host {
+namespace {
+
+constexpr std::int64_t kLargestArray = std::int64_t{1} << 40;  // bytes
+
+/// Bytes of an array, or -1 when the request is illegal.
+std::int64_t bytes_of(std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape) {
+  std::int64_t bytes = dtype_size(dtype);
+  if (bytes == 0 || ndim < 0 || ndim > WEFT_MAX_DIMENSIONS) return -1;
+  if (ndim > 0 && shape == nullptr) return -1;
+  bool empty = false;
+  for (int axis = 0; axis < ndim; ++axis) {
+    // An axis of length 0 does not excuse the others: strides must not overflow either.
+    const std::int64_t length = std::max<std::int64_t>(shape[axis], 1);
+    if (shape[axis] < 0 || bytes > kLargestArray / length) return -1;
+    bytes *= length;
+    empty = empty || shape[axis] == 0;
+  }
+  return empty ? 0 : bytes;
+}
+
+/// Whether a name can stand in files and reports.
+bool is_legal_name(std::string_view name) {
+  constexpr std::size_t kLongestName = 100;
+  const auto legal = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '-' || c == '.';
+  };
+  return !name.empty() && name.size() <= kLongestName &&
+         std::all_of(name.begin(), name.end(), legal);
+}
+
+template <class T>
+bool all_finite(const weft_array& array) {
+  if (array.ndim == 0) return std::isfinite(*static_cast<const T*>(array.data));
+  const Array<T> values = detail::borrow_array<T>(array);
+  for (std::int64_t i = 0; i < values.rows(); ++i) {
+    const T* row = values.row(i);
+    for (std::int64_t j = 0; j < values.row_elements(); ++j) {
+      if (!std::isfinite(row[j])) return false;
+    }
+  }
+  return true;
+}
+
+/// Visits the fields of a noun and finds numbers that are not finite.
+class FiniteCheck {
+ public:
+  explicit FiniteCheck(const weft_record& record) : record_(record) {}
+
+  template <class Member>
+  void operator()(const Member&, const Field& field) {
+    const weft_array* array = find_array(record_, field.name);
+    if (array == nullptr || field.may_be_nan || !problem_.empty()) return;
+    const bool finite = array->dtype == WEFT_F64   ? all_finite<double>(*array)
+                        : array->dtype == WEFT_F32 ? all_finite<float>(*array)
+                                                   : true;
+    if (!finite) {
+      problem_ = std::string(record_.type) + ": array '" + field.name + "' holds NaN or infinity";
+    }
+  }
+  const std::string& problem() const { return problem_; }
+
+ private:
+  const weft_record& record_;
+  std::string problem_;
+};
+
+}  // namespace
+
+std::size_t Record::slot_of(std::string_view name) {
+  for (std::size_t i = 0; i < arrays_.size(); ++i) {
+    if (*entries_[i].name == name) return i;
+  }
+  entries_.push_back({std::make_unique<std::string>(name), nullptr});
+  arrays_.emplace_back();
+  return arrays_.size() - 1;
+}
+
+void* Record::allocate(std::string_view name, std::int32_t dtype, std::int32_t ndim,
+                       const std::int64_t* shape) {
+  const std::int64_t bytes = bytes_of(dtype, ndim, shape);
+  if (bytes < 0 || !is_legal_name(name)) return nullptr;
+  constexpr std::align_val_t kAlignment{64};
+  const auto size = static_cast<std::size_t>(bytes) + 64;
+  void* memory = ::operator new(size, kAlignment, std::nothrow);
+  if (memory == nullptr) return nullptr;
+  std::memset(memory, 0, size);
+  const std::size_t index = slot_of(name);
+  entries_[index].memory.reset(memory,
+                               [](void* p) { ::operator delete (p, std::align_val_t{64}); });
+  weft_array array{};
+  array.name = entries_[index].name->c_str();
+  array.dtype = dtype;
+  array.ndim = ndim;
+  array.data = memory;
+  std::int64_t stride = dtype_size(dtype);
+  for (int axis = ndim - 1; axis >= 0; --axis) {
+    array.shape[axis] = shape[axis];
+    array.stride[axis] = stride;
+    stride *= shape[axis];
+  }
+  arrays_[index] = array;
+  return memory;
+}
+
+weft_record Record::view(const char* slot) const {
+  return {slot, type_.c_str(), revision_, producer_, arrays_.size(), arrays_.data()};
+}
+
+void Record::share(const Record& other, std::string_view name) {
+  for (std::size_t i = 0; i < other.arrays_.size(); ++i) {
+    if (*other.entries_[i].name != name) continue;
+    const std::size_t index = slot_of(name);
+    entries_[index].memory = other.entries_[i].memory;
+    arrays_[index] = other.arrays_[i];
+    arrays_[index].name = entries_[index].name->c_str();
+  }
+}
+
+Result<void> validate(const weft_record& record) {
+  Result<void> status =
+      Error{Errc::invalid_data, std::string("unknown record type ") + record.type, {}};
+  for_each_noun([&]<class Noun>(std::type_identity<Noun>) {
+    if (std::string_view(record.type) != Noun::kType) return;
+    const auto noun = read_record<Noun>(record);
+    if (!noun) {
+      status = noun.error();
+      return;
+    }
+    FiniteCheck check(record);
+    Noun::fields(*noun, check);
+    status = check.problem().empty() ? Result<void>{}
+                                     : Result<void>(Error{Errc::invalid_data, check.problem(), {}});
+  });
+  return status;
+}
+
+Result<void> check_lengths(const weft_record& output, std::span<const weft_record> inputs) {
+  struct Rule {
+    const char *type, *array, *slot, *input_array;
+  };
+  static constexpr Rule kRules[] = {
+      {InlierMask::kType, "kept", "correspondences", "kept"},
+      {WarpSamples::kType, "xy_px", "points", "xy_px"},
+      {Shape::kType, "vertices_m", "template", "vertices_m"},
+      {Visibility::kType, "visible", "template", "vertices_m"},
+  };
+  for (const Rule& rule : kRules) {
+    if (std::string_view(output.type) != rule.type) continue;
+    const weft_array* made = find_array(output, rule.array);
+    for (const weft_record& input : inputs) {
+      if (std::string_view(input.slot) != rule.slot) continue;
+      const weft_array* given = find_array(input, rule.input_array);
+      if (made == nullptr || given == nullptr || made->shape[0] == given->shape[0]) continue;
+      return Error{Errc::invalid_data,
+                   std::string(output.type) + " has " + std::to_string(made->shape[0]) +
+                       " entries for " + std::to_string(given->shape[0]) + " of the input '" +
+                       rule.slot + "'",
+                   {}};
+    }
+  }
+  return {};
+}
+
+}  // namespace weft::host
