@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+#include <weft/host/registry.hpp>
+
+namespace weft::cli {
+
+/// Exit codes of the program.
+inline constexpr int kDone = 0;
+inline constexpr int kFramesFailed = 1;
+inline constexpr int kBadConfiguration = 2;
+inline constexpr int kInputOutput = 3;
+
+/// What all commands share.
+struct Context {
+  std::vector<std::string> plugin_path;  ///< --plugin-path, in order
+  int exit_code = kDone;
+
+  host::Registry registry() const { return host::Registry::scan(host::search_path(plugin_path)); }
+};
+
+// Each adds its subcommand; its callback sets Context::exit_code.
+void add_run_command(CLI::App& app, Context& context);
+void add_check_command(CLI::App& app, Context& context);
+void add_plugins_command(CLI::App& app, Context& context);
+void add_eval_command(CLI::App& app, Context& context);
+void add_records_command(CLI::App& app, Context& context);
+
+/// Prints "error: where: message" to stderr.
+void print_error(const Error& error);
+
+}  // namespace weft::cli

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <map>
+#include <weft/core/statistics.hpp>
+#include <weft/pipeline/run.hpp>
+
+#include "commands.hpp"
+
+namespace weft::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A signal handler can reach nothing but an object with static storage.
+std::atomic<bool> interrupted{false};
+
+/// Progress on the terminal and what the summary needs.
+class Progress final : public RunObserver {
+ public:
+  explicit Progress(bool quiet) : show_bar_(!quiet && isatty(STDERR_FILENO) != 0) {}
+
+  void started(std::int64_t frames) override { total_ = frames; }
+
+  void frame_done(const FrameResult& frame) override {
+    ++done_;
+    ++states_[to_string(frame.state)];
+    for (const StageReport& report : frame.stages) {
+      if (stages_.count(report.stage) == 0) order_.push_back(report.stage);
+      Stage& stage = stages_[report.stage];
+      ++stage.statuses[static_cast<std::size_t>(report.status)];
+      if (report.status != StageStatus::skipped) stage.ms.push_back(report.ms);
+      const bool first_error = stage.first_error.empty();
+      if (report.status == StageStatus::error && first_error) {
+        stage.first_error =
+            fmt::format("frame {} ({}): {}", frame.index, frame.stem, report.reason);
+      }
+    }
+    if (show_bar_) draw_bar(frame);
+  }
+
+  void print_table() const {
+    if (show_bar_) fmt::print(stderr, "\r{:78}\r", "");
+    fmt::print("{:<16}{:>7}{:>12}{:>11}{:>9}{:>7}{:>9}{:>9}\n", "stage", "ok", "degenerate",
+               "no_result", "skipped", "error", "ms p50", "ms p95");
+    for (const std::string& name : order_) {
+      const Stage& stage = stages_.at(name);
+      const auto count = [&](StageStatus status) {
+        return stage.statuses[static_cast<std::size_t>(status)];
+      };
+      fmt::print("{:<16}{:>7}{:>12}{:>11}{:>9}{:>7}", name, count(StageStatus::ok),
+                 count(StageStatus::degenerate), count(StageStatus::no_result),
+                 count(StageStatus::skipped), count(StageStatus::error));
+      if (stage.ms.empty()) {
+        fmt::print("{:>9}{:>9}\n", "-", "-");
+      } else {
+        fmt::print("{:>9.2f}{:>9.2f}\n", percentile(stage.ms, 50.0), percentile(stage.ms, 95.0));
+      }
+    }
+    fmt::print("shapes: ");
+    for (const char* state : {"estimated", "weak", "predicted", "lost", "none"}) {
+      const auto found = states_.find(state);
+      if (found != states_.end()) fmt::print("{} {}  ", found->second, state);
+    }
+    fmt::print("\n");
+    for (const std::string& name : order_) {
+      const std::string& error = stages_.at(name).first_error;
+      if (!error.empty()) fmt::print("first error of {}: {}\n", name, error);
+    }
+  }
+
+ private:
+  struct Stage {
+    std::array<int, 5> statuses{};
+    std::vector<double> ms;
+    std::string first_error;
+  };
+
+  void draw_bar(const FrameResult& frame) const {
+    constexpr int kWidth = 40;
+    if (total_ <= 0) {
+      fmt::print(stderr, "\r{} frames, {:<40}", done_, to_string(frame.state));
+      return;
+    }
+    const auto filled = static_cast<int>(kWidth * done_ / total_);
+    fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {}/{} {:<10}", "", filled, "", kWidth - filled, done_,
+               total_, to_string(frame.state));
+  }
+
+  bool show_bar_;
+  std::int64_t total_ = -1;
+  std::int64_t done_ = 0;
+  std::vector<std::string> order_;
+  std::map<std::string, Stage> stages_;
+  std::map<std::string, int> states_;
+};
+
+/// runs/<pipeline>, or the first of runs/<pipeline>-2, -3 ... that does not exist.
+std::string free_folder(const std::string& pipeline) {
+  const std::string base = "runs/" + fs::path(pipeline).stem().string();
+  std::string folder = base;
+  for (int i = 2; fs::exists(folder); ++i) folder = base + "-" + std::to_string(i);
+  return folder;
+}
+
+void run(const std::string& file, std::string folder, bool quiet, Context& context) {
+  if (folder.empty()) folder = free_folder(file);
+  const auto registry = context.registry();
+  const auto [pipeline, report] = check_pipeline(file, registry, fs::absolute(folder).string());
+  if (!report.ok()) {
+    fmt::print(stderr, "{}", report.text());
+    context.exit_code = kBadConfiguration;
+    return;
+  }
+  std::signal(SIGINT, [](int) { interrupted = true; });
+  std::signal(SIGTERM, [](int) { interrupted = true; });
+  Progress progress(quiet);
+  const auto summary = run_pipeline(pipeline, folder, progress, interrupted);
+  if (!summary) {
+    print_error(summary.error());
+    const bool io = summary.error().code == Errc::io;
+    context.exit_code = io ? kInputOutput : kBadConfiguration;
+    return;
+  }
+  if (!quiet) progress.print_table();
+  fmt::print("{} frames, {} failed{}: {}\n", summary->frames, summary->failed,
+             summary->stopped ? ", stopped early" : "", summary->folder);
+  const bool gave_up = pipeline.config.stop_on_error && summary->failed > 0;
+  if (gave_up || summary->failed > pipeline.config.max_failed) context.exit_code = kFramesFailed;
+}
+
+void check(const std::string& file, Context& context) {
+  const auto registry = context.registry();
+  const auto [pipeline, report] =
+      check_pipeline(file, registry, fs::absolute(free_folder(file)).string());
+  if (report.ok()) {
+    fmt::print("{}: ok, {} stages, {} sinks\n", file, pipeline.config.stages.size(),
+               pipeline.config.sinks.size());
+    return;
+  }
+  fmt::print(stderr, "{}", report.text());
+  context.exit_code = kBadConfiguration;
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app, Context& context) {
+  struct Options {
+    std::string pipeline, folder;
+    bool quiet = false;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("run", "Run a pipeline on all frames of its source");
+  command->add_option("PIPELINE", options->pipeline, "Pipeline file (YAML)")->required();
+  command->add_option("--out", options->folder,
+                      "Run folder, new or empty (default: runs/<name of the pipeline>)");
+  command->add_flag("--quiet", options->quiet, "No progress bar and no table of stages");
+  command->callback(
+      [&context, options] { run(options->pipeline, options->folder, options->quiet, context); });
+}
+
+void add_check_command(CLI::App& app, Context& context) {
+  const auto pipeline = std::make_shared<std::string>();
+  CLI::App* command =
+      app.add_subcommand("check", "Check a pipeline without running it; lists all mistakes");
+  command->add_option("PIPELINE", *pipeline, "Pipeline file (YAML)")->required();
+  command->callback([&context, pipeline] { check(*pipeline, context); });
+}
+
+}  // namespace weft::cli

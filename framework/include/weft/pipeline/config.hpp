@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+#include <weft/host/component_spec.hpp>
+
+namespace weft {
+
+/// An input that a stage takes from a named output instead of the latest of its type.
+struct FromRule {
+  std::string slot;
+  std::vector<std::string> names;  ///< several for an input that takes several records
+  yaml::Position at;
+};
+
+/// One stage or sink of a pipeline.
+struct StageConfig {
+  std::string name;    ///< `as`, else the role, numbered from the second on: "filters", "filters#2"
+  bool named = false;  ///< `as` was given
+  std::vector<FromRule> from;
+  host::ComponentSpec component;
+  /// Detectors: the component with `template_params` over `params`, for the template's texture.
+  std::optional<host::ComponentSpec> on_template;
+  yaml::Position at;
+};
+
+/// A pipeline file, checked but not yet wired.
+struct PipelineConfig {
+  std::string file;
+  std::optional<StageConfig> source;
+  std::optional<StageConfig> templ;
+  std::vector<StageConfig> stages;
+  std::vector<StageConfig> sinks;
+  std::uint64_t seed = 0;
+  int lost_after = 30;         ///< [frames] a predicted shape older than this is lost
+  bool stop_on_error = false;  ///< else the run goes on after a failed frame
+  int max_failed = 0;          ///< failed frames that still count as success
+};
+
+/// Mistakes of one file, each at its place.
+struct ConfigReport {
+  std::string file;
+  std::vector<yaml::Problem> problems;
+  bool wirable = false;  ///< all stages are known, whatever else is wrong: wiring can be checked
+
+  bool ok() const { return problems.empty(); }
+  /// By place.
+  void sort();
+  /// One line a mistake: file:line:column: sentence.
+  std::string text() const;
+};
+
+/// Reads a pipeline file and checks everything but the wiring. All mistakes are reported in one
+/// pass, by place; a syntax error is reported alone. Use the configuration only when the report is
+/// ok, or for the wiring.
+std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
+                                                      const host::Registry& registry,
+                                                      const std::string& output_folder);
+
+/// The configuration with all defaults filled in and paths resolved, as YAML.
+std::string effective_yaml(const PipelineConfig& config);
+
+}  // namespace weft

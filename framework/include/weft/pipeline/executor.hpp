@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+#include <weft/host/lane.hpp>
+#include <weft/host/npz.hpp>
+#include <weft/pipeline/graph.hpp>
+
+namespace weft {
+
+enum class StageStatus { ok, degenerate, no_result, error, skipped };
+
+const char* to_string(StageStatus status);
+
+/// What one stage, or one sink, came to in one frame.
+struct StageReport {
+  std::string stage;
+  StageStatus status = StageStatus::ok;
+  std::string reason;  ///< of anything but ok; for skipped the first cause
+  double ms = 0.0;     ///< [ms] nested components included
+  std::vector<std::pair<std::string, double>> numbers;  ///< counts and scalar diagnostics
+};
+
+/// What enters the graph in one frame: the source's outputs, or why there are none.
+struct FrameInput {
+  std::uint64_t index = 0;
+  host::NamedRecords records;
+  std::string failure;  ///< empty when the source could read the frame
+};
+
+struct FrameResult {
+  std::uint64_t index = 0;
+  std::string stem;
+  std::vector<StageReport> stages;
+  std::vector<host::RecordPtr> values;  ///< one for each of Graph::values, null where absent
+  std::vector<std::string> causes;      ///< one for each value: why it is absent, if it is
+  host::RecordPtr shape;                ///< solved or predicted; null before the first one
+  ShapeState state = ShapeState::none;
+  std::int64_t age_frames = 0;        ///< [frames] since the shape was measured
+  std::vector<host::Timing> timings;  ///< of nested components too
+
+  /// A frame is failed when a stage, the source or a sink had an error; no_result is none.
+  bool failed() const;
+};
+
+/// Runs the stages of a wired pipeline, frame by frame.
+class Executor {
+ public:
+  /// Instantiates and prepares all stages and runs the detectors on the template.
+  static Result<std::unique_ptr<Executor>> create(const PipelineConfig& config, const Graph& graph,
+                                                  host::Lane& lane, host::RecordPtr templ,
+                                                  host::RecordPtr camera);
+
+  FrameResult process(const FrameInput& input);
+
+ private:
+  struct Stage {
+    const StageConfig* config;
+    const Node* node;
+    host::Instance* instance;
+    std::string role;
+    host::RecordPtr template_keypoints;  ///< detectors only
+  };
+
+  Executor(const PipelineConfig& config, const Graph& graph, host::Lane& lane,
+           host::RecordPtr templ, host::RecordPtr camera);
+  Result<void> detect_on_template(Stage& stage);
+  void place_given(const FrameInput& input, FrameResult& result) const;
+  StageReport run_stage(Stage& stage, FrameResult& result);
+  Result<std::vector<host::RecordPtr>> outputs_of(const Stage& stage, const host::Outcome& outcome,
+                                                  const FrameResult& result);
+  Result<void> store(const Stage& stage, const host::Outcome& outcome, FrameResult& result);
+  void settle_shape(FrameResult& result);
+  void remember(const FrameResult& result);
+
+  const PipelineConfig& config_;
+  const Graph& graph_;
+  host::Lane& lane_;
+  host::RecordPtr template_;
+  host::RecordPtr camera_;
+  Points vertices_;  ///< where warps are sampled
+  std::vector<Stage> stages_;
+  std::map<std::string, host::RecordPtr> previous_;  ///< by slot, as it stood after the last frame
+  std::int64_t frames_since_measured_ = 0;
+};
+
+/// Collects the inputs of a stage or sink; the reason is why a required one is absent, else empty.
+std::string gather(const Node& node, const FrameResult& result, std::vector<weft_record>& inputs);
+
+/// Status, reason and time of a call as a report.
+StageReport report_of(const std::string& stage, const host::Outcome& outcome, double ms);
+
+}  // namespace weft

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <weft/pipeline/executor.hpp>
+
+namespace weft {
+
+/// Told about the progress of a run, from the thread that runs it.
+class RunObserver {
+ public:
+  virtual ~RunObserver() = default;
+  /// `frames` is -1 when unknown.
+  virtual void started(std::int64_t frames) = 0;
+  virtual void frame_done(const FrameResult& frame) = 0;
+};
+
+struct RunSummary {
+  std::string folder;
+  std::int64_t frames = 0;
+  std::int64_t failed = 0;  ///< frames with an error in a stage, the source or a sink
+  bool stopped = false;     ///< by on_error: stop, or cancelled
+};
+
+/// A loaded, wired pipeline: what `weft check` checks and `weft run` runs.
+struct CheckedPipeline {
+  PipelineConfig config;
+  Graph graph;
+};
+
+/// Loads and wires a pipeline; use it only when the report is ok.
+std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file,
+                                                        const host::Registry& registry,
+                                                        const std::string& output_folder);
+
+/// Runs all frames of the source into `output_folder`, which must be new or empty. Fails with the
+/// first error before the first frame, or when the run folder cannot be written; errors of single
+/// frames are recorded and counted. `cancel` may be set from another thread or a signal handler.
+Result<RunSummary> run_pipeline(const CheckedPipeline& pipeline, const std::string& output_folder,
+                                RunObserver& observer, const std::atomic<bool>& cancel);
+
+}  // namespace weft

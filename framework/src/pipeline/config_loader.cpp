@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "config_loader.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <weft/core/suggest.hpp>
+
+namespace weft {
+namespace {
+
+using Words = std::vector<std::string>;
+
+/// A place in a pipeline where components may stand.
+struct Place {
+  const char* what;
+  Words keys;
+  Words roles;
+};
+
+const Place kSource{"the source", {"use", "params"}, {"sources"}};
+const Place kTemplate{"the template", {"use", "params"}, {"templates"}};
+const Place kStage{"a stage",
+                   {"use", "params", "as", "from", "template_params"},
+                   {"detectors", "matchers", "filters", "warps", "passes", "solvers"}};
+const Place kSink{"a sink", {"use", "params", "from"}, {"sinks"}};
+
+std::string joined(const Words& words) {
+  std::string all;
+  for (const std::string& word : words) all += (all.empty() ? "" : ", ") + word;
+  return all;
+}
+
+bool contains(const Words& words, const std::string& word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+class Loader {
+ public:
+  Loader(const host::Registry& registry, host::PathRules paths, PipelineConfig& config,
+         std::vector<yaml::Problem>& problems)
+      : registry_(registry), paths_(std::move(paths)), config_(config), problems_(problems) {}
+
+  void load(const yaml::Node& root) {
+    if (root.kind != yaml::Kind::map) {
+      complete_ = false;
+      return problem(root.at, "a pipeline is a map with the keys weft, source, template, stages");
+    }
+    refuse_unknown(root, "a pipeline",
+                   {"weft", "source", "template", "stages", "sinks", "seed", "lost_after",
+                    "on_error", "max_failed"});
+    check_version(root);
+    read_options(root);
+    config_.source = read_single(root, "source", kSource);
+    config_.templ = read_single(root, "template", kTemplate);
+    read_list(root, "stages", config_.stages, kStage);
+    read_list(root, "sinks", config_.sinks, kSink);
+  }
+
+  /// Whether each stage is a known component in a legal place, so that wiring can be checked.
+  bool complete() const { return complete_; }
+
+ private:
+  void problem(yaml::Position at, std::string message) {
+    problems_.push_back({at, std::move(message)});
+  }
+
+  void refuse_unknown(const yaml::Node& node, const std::string& what, const Words& keys) {
+    for (const yaml::Entry& entry : node.entries) {
+      if (contains(keys, entry.key)) continue;
+      const std::string near = nearest(entry.key, keys);
+      problem(entry.at, what + " has no key '" + entry.key + "'" +
+                            (near.empty() ? "; it may have: " + joined(keys)
+                                          : "; did you mean '" + near + "'?"));
+    }
+  }
+
+  void check_version(const yaml::Node& root) {
+    const yaml::Node* version = root.find("weft");
+    if (version == nullptr) {
+      problem(root.at, "the key 'weft' is missing; begin the file with: weft: 1");
+    } else if (yaml::as_int64(*version) != 1) {
+      problem(version->at, "'weft' must be 1, the version of the pipeline format");
+    }
+  }
+
+  void read_integer(const yaml::Node& root, const char* key, std::int64_t low, std::int64_t high,
+                    std::int64_t& target) {
+    const yaml::Node* node = root.find(key);
+    if (node == nullptr) return;
+    const auto number = yaml::as_int64(*node);
+    if (number && *number >= low && *number <= high) {
+      target = *number;
+    } else {
+      problem(node->at, std::string("'") + key + "' must be a whole number from " +
+                            std::to_string(low) + " to " + std::to_string(high));
+    }
+  }
+
+  void read_options(const yaml::Node& root) {
+    std::int64_t seed = 0, lost_after = config_.lost_after, max_failed = config_.max_failed;
+    read_integer(root, "seed", 0, INT64_MAX, seed);
+    read_integer(root, "lost_after", 0, 1'000'000, lost_after);
+    read_integer(root, "max_failed", 0, INT32_MAX, max_failed);
+    config_.seed = static_cast<std::uint64_t>(seed);
+    config_.lost_after = static_cast<int>(lost_after);
+    config_.max_failed = static_cast<int>(max_failed);
+    if (const yaml::Node* on_error = root.find("on_error")) {
+      config_.stop_on_error = on_error->scalar == "stop";
+      if (on_error->scalar != "stop" && on_error->scalar != "continue") {
+        problem(on_error->at, "'on_error' must be one of: continue, stop");
+      }
+    }
+  }
+
+  std::optional<StageConfig> read_single(const yaml::Node& root, const char* key,
+                                         const Place& place) {
+    const yaml::Node* node = root.find(key);
+    if (node == nullptr) {
+      complete_ = false;
+      problem(root.at, std::string("the key '") + key + "' is missing");
+      return std::nullopt;
+    }
+    StageConfig stage = read_component(*node, place);
+    stage.name = place.roles.front();
+    return stage;
+  }
+
+  /// One component; what is left out of it has been reported.
+  StageConfig read_component(const yaml::Node& node, const Place& place) {
+    StageConfig stage;
+    stage.at = node.at;
+    if (node.kind != yaml::Kind::map) {
+      complete_ = false;
+      problem(node.at, std::string(place.what) + " must be a component, such as {use: " +
+                           place.roles.back() + "/..., params: {...}}");
+      return stage;
+    }
+    refuse_unknown(node, place.what, place.keys);
+    const yaml::Node* use = node.find("use");
+    if (use == nullptr) {
+      complete_ = false;
+      problem(node.at, std::string(place.what) + " lacks the key 'use'");
+      return stage;
+    }
+    auto component =
+        host::resolve_component(registry_, *use, node.find("params"), paths_, problems_);
+    if (component) {
+      stage.component = *std::move(component);
+    } else {
+      stage.component.installed = registry_.find(use->scalar);
+    }
+    if (stage.component.installed == nullptr) {
+      complete_ = false;
+    } else if (!contains(place.roles, stage.component.component().role())) {
+      complete_ = false;
+      problem(use->at, "'" + use->scalar + "' cannot be " + place.what +
+                           "; legal roles: " + joined(place.roles));
+    }
+    return stage;
+  }
+
+  void read_list(const yaml::Node& root, const char* key, std::vector<StageConfig>& stages,
+                 const Place& place) {
+    const yaml::Node* list = root.find(key);
+    if (list == nullptr || yaml::is_null(*list)) return;
+    if (list->kind != yaml::Kind::sequence) {
+      complete_ = false;
+      return problem(list->at, std::string("'") + key +
+                                   "' must be a list, each item beginning with '- use: '");
+    }
+    std::map<std::string, int> used;
+    for (const yaml::Node& item : list->items) {
+      StageConfig stage = read_component(item, place);
+      const yaml::Node* use = item.find("use");
+      const std::string role = use != nullptr ? use->scalar.substr(0, use->scalar.find('/')) : "";
+      const int number = ++used[role];
+      stage.name = number == 1 ? role : role + "#" + std::to_string(number);
+      read_name(item, stage);
+      read_from(item, stage);
+      if (stage.component.installed != nullptr) read_template_params(item, stage);
+      stages.push_back(std::move(stage));
+    }
+  }
+
+  void read_name(const yaml::Node& item, StageConfig& stage) {
+    const yaml::Node* as = item.find("as");
+    if (as == nullptr) return;
+    const auto legal = [](char c) {
+      return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+    };
+    const std::string& name = as->scalar;
+    if (name.empty() || !std::all_of(name.begin(), name.end(), legal)) {
+      return problem(as->at, "'as' must be a name of a-z, 0-9 and _");
+    }
+    // Stages without a name bear that of their role, and 'previous' is the host's.
+    const bool of_role = contains(kStage.roles, name) || contains(kSink.roles, name) ||
+                         contains(kSource.roles, name) || contains(kTemplate.roles, name);
+    if (of_role || name == "previous") {
+      problem(as->at, "'as' must not be '" + name + "', which has a meaning of its own");
+    } else if (!names_.insert(name).second) {
+      problem(as->at, "the name '" + name + "' is used twice");
+    }
+    stage.name = name;
+    stage.named = true;
+  }
+
+  void read_from(const yaml::Node& item, StageConfig& stage) {
+    const yaml::Node* from = item.find("from");
+    if (from == nullptr) return;
+    if (from->kind != yaml::Kind::map) {
+      return problem(from->at, "'from' must be a map of inputs and names, such as {warp: NAME}");
+    }
+    for (const yaml::Entry& entry : from->entries) {
+      FromRule rule{entry.key, {}, entry.at};
+      const bool is_list = entry.value.kind == yaml::Kind::sequence;
+      const std::vector<yaml::Node> names =
+          is_list ? entry.value.items : std::vector<yaml::Node>{entry.value};
+      for (const yaml::Node& name : names) {
+        if (name.kind == yaml::Kind::scalar) rule.names.push_back(name.scalar);
+      }
+      if (names.empty() || rule.names.size() < names.size()) {
+        problem(entry.value.at, "'" + entry.key +
+                                    "' must be the name of a stage, or a list of "
+                                    "names");
+      } else {
+        stage.from.push_back(std::move(rule));
+      }
+    }
+  }
+
+  void read_template_params(const yaml::Node& item, StageConfig& stage) {
+    const yaml::Node* overrides = item.find("template_params");
+    if (overrides == nullptr) return;
+    if (stage.component.component().role() != "detectors") {
+      return problem(overrides->at, "only detectors have template_params");
+    }
+    if (overrides->kind != yaml::Kind::map) {
+      return problem(overrides->at, "template_params must be a map of names and values");
+    }
+    yaml::Node merged = *overrides;
+    if (const yaml::Node* params = item.find("params")) {
+      for (const yaml::Entry& entry : params->entries) {
+        if (merged.find(entry.key) == nullptr) merged.entries.push_back(entry);
+      }
+    }
+    std::vector<yaml::Problem> found;
+    stage.on_template =
+        host::resolve_component(registry_, *item.find("use"), &merged, paths_, found);
+    // A mistake in params has been reported already.
+    for (yaml::Problem& mistake : found) {
+      const bool known =
+          std::any_of(problems_.begin(), problems_.end(),
+                      [&](const yaml::Problem& other) { return other.at == mistake.at; });
+      if (!known) problems_.push_back(std::move(mistake));
+    }
+  }
+
+  const host::Registry& registry_;
+  host::PathRules paths_;
+  PipelineConfig& config_;
+  std::vector<yaml::Problem>& problems_;
+  std::set<std::string> names_;
+  bool complete_ = true;
+};
+
+}  // namespace
+
+bool load_config(const yaml::Node& root, const host::Registry& registry,
+                 const host::PathRules& paths, PipelineConfig& config,
+                 std::vector<yaml::Problem>& problems) {
+  Loader loader(registry, paths, config, problems);
+  loader.load(root);
+  return loader.complete();
+}
+
+}  // namespace weft

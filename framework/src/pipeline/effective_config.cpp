@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <weft/pipeline/config.hpp>
+
+namespace weft {
+namespace {
+
+yaml::Node scalar(std::string text, bool is_text = false) {
+  yaml::Node node;
+  node.kind = yaml::Kind::scalar;
+  node.scalar = std::move(text);
+  node.quoted = is_text;
+  return node;
+}
+
+yaml::Node effective_stage(const StageConfig& stage) {
+  yaml::Node node = stage.component.effective;
+  if (stage.named) node.entries.push_back({"as", {}, scalar(stage.name, true)});
+  if (!stage.from.empty()) {
+    yaml::Node from;
+    from.kind = yaml::Kind::map;
+    for (const FromRule& rule : stage.from) {
+      yaml::Node names;
+      names.kind = yaml::Kind::sequence;
+      for (const std::string& name : rule.names) names.items.push_back(scalar(name, true));
+      from.entries.push_back({rule.slot, {}, rule.names.size() == 1 ? names.items[0] : names});
+    }
+    node.entries.push_back({"from", {}, from});
+  }
+  if (stage.on_template) {
+    node.entries.push_back({"template_params", {}, *stage.on_template->effective.find("params")});
+  }
+  return node;
+}
+
+}  // namespace
+
+std::string effective_yaml(const PipelineConfig& config) {
+  yaml::Node root;
+  root.kind = yaml::Kind::map;
+  const auto add = [&](const char* key, yaml::Node node) {
+    root.entries.push_back({key, {}, std::move(node)});
+  };
+  const auto list = [](const std::vector<StageConfig>& stages) {
+    yaml::Node node;
+    node.kind = yaml::Kind::sequence;
+    for (const StageConfig& stage : stages) node.items.push_back(effective_stage(stage));
+    return node;
+  };
+  add("weft", scalar("1"));
+  add("seed", scalar(std::to_string(config.seed)));
+  add("lost_after", scalar(std::to_string(config.lost_after)));
+  add("on_error", scalar(config.stop_on_error ? "stop" : "continue"));
+  add("max_failed", scalar(std::to_string(config.max_failed)));
+  add("source", effective_stage(*config.source));
+  add("template", effective_stage(*config.templ));
+  add("stages", list(config.stages));
+  add("sinks", list(config.sinks));
+  return yaml::emit(root);
+}
+
+}  // namespace weft

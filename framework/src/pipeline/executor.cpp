@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <chrono>
+#include <weft/pipeline/checks.hpp>
+#include <weft/pipeline/compose.hpp>
+#include <weft/pipeline/executor.hpp>
+
+namespace weft {
+
+using host::Outcome;
+using host::Record;
+using host::RecordPtr;
+
+namespace {
+
+void add_count(const RecordPtr& record, const char* array, const char* name, StageReport& report) {
+  const weft_record view = record->view("");
+  if (const weft_array* values = find_array(view, array)) {
+    report.numbers.emplace_back(name, static_cast<double>(values->shape[0]));
+  }
+}
+
+/// Lengths that a reader of frames.jsonl wants, and scalars that the component calls evidence.
+void add_numbers(const RecordPtr& record, StageReport& report) {
+  const weft_record view = record->view("");
+  if (record->type() == Keypoints::kType) add_count(record, "xy_px", "keypoints", report);
+  if (record->type() == Sightlines::kType) add_count(record, "vertex", "sightlines", report);
+  if (record->type() == Correspondences::kType) {
+    add_count(record, "kept", "matches", report);
+    const auto matches = host::view_as<Correspondences>(*record);
+    const auto kept = matches->kept.matrix<1>().template cast<double>().sum();
+    report.numbers.emplace_back("kept", kept);
+  }
+  for (std::uint64_t i = 0; i < view.count; ++i) {
+    const weft_array& array = view.arrays[i];
+    const std::string_view name = array.name;
+    if (name.starts_with("diag.") && array.ndim == 0 && array.dtype == WEFT_F64) {
+      report.numbers.emplace_back(name, *static_cast<const double*>(array.data));
+    }
+  }
+}
+
+double since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+      .count();
+}
+
+}  // namespace
+
+const char* to_string(StageStatus status) {
+  constexpr const char* kNames[] = {"ok", "degenerate", "no_result", "error", "skipped"};
+  return kNames[static_cast<int>(status)];
+}
+
+bool FrameResult::failed() const {
+  return std::any_of(stages.begin(), stages.end(),
+                     [](const StageReport& report) { return report.status == StageStatus::error; });
+}
+
+StageReport report_of(const std::string& stage, const Outcome& outcome, double ms) {
+  StageReport report{stage, StageStatus::ok, {}, ms, {}};
+  if (outcome.status == WEFT_OK) return report;
+  report.status = outcome.status == WEFT_DEGENERATE  ? StageStatus::degenerate
+                  : outcome.status == WEFT_NO_RESULT ? StageStatus::no_result
+                                                     : StageStatus::error;
+  report.reason = outcome.error.message;
+  if (report.status == StageStatus::error && !outcome.error.where.empty()) {
+    report.reason = outcome.error.where + ": " + report.reason;
+  }
+  return report;
+}
+
+std::string gather(const Node& node, const FrameResult& result, std::vector<weft_record>& inputs) {
+  for (const InputLink& link : node.inputs) {
+    const auto index = static_cast<std::size_t>(link.value);
+    if (const RecordPtr& record = result.values[index]) {
+      inputs.push_back(record->view(link.slot.c_str()));
+    } else if (link.required) {
+      return result.causes[index];
+    }
+  }
+  return {};
+}
+
+Executor::Executor(const PipelineConfig& config, const Graph& graph, host::Lane& lane,
+                   RecordPtr templ, RecordPtr camera)
+    : config_(config),
+      graph_(graph),
+      lane_(lane),
+      template_(std::move(templ)),
+      camera_(std::move(camera)) {}
+
+Result<std::unique_ptr<Executor>> Executor::create(const PipelineConfig& config, const Graph& graph,
+                                                   host::Lane& lane, RecordPtr templ,
+                                                   RecordPtr camera) {
+  std::unique_ptr<Executor> executor(
+      new Executor(config, graph, lane, std::move(templ), std::move(camera)));
+  const auto sheet = host::view_as<Template>(*executor->template_);
+  if (!sheet) return sheet.error();
+  executor->vertices_ = {sheet->flat_px, 1};
+  for (std::size_t i = 0; i < config.stages.size(); ++i) {
+    const StageConfig& stage = config.stages[i];
+    const auto instance = lane.instantiate(stage.component, stage.name);
+    if (!instance) return instance.error();
+    if (auto ready = lane.prepare(**instance, *executor->template_, *executor->camera_); !ready) {
+      return ready.error();
+    }
+    executor->stages_.push_back(
+        {&stage, &graph.stages[i], *instance, stage.component.component().role(), nullptr});
+    if (auto found = executor->detect_on_template(executor->stages_.back()); !found) {
+      return found.error();
+    }
+  }
+  lane.take_timings();
+  return executor;
+}
+
+Result<void> Executor::detect_on_template(Stage& stage) {
+  if (stage.role != "detectors") return {};
+  host::Instance* instance = stage.instance;
+  if (stage.config->on_template) {
+    const auto own = lane_.instantiate(*stage.config->on_template, stage.config->name);
+    if (!own) return own.error();
+    if (auto ready = lane_.prepare(**own, *template_, *camera_); !ready) return ready;
+    instance = *own;
+  }
+  const auto texture = texture_input(*template_);
+  if (!texture) return texture.error();
+  const weft_record inputs[] = {texture->image->view("image"), texture->region->view("region")};
+  const Outcome outcome = lane_.call(*instance, 0, inputs, host::kOfflineFrame);
+  const std::string id = stage.config->component.component().id;
+  if (!outcome.usable()) return Error{outcome.error.code, outcome.error.message, id};
+  const auto located = locate_on_template(*outcome.find("keypoints"), *template_);
+  if (!located) return located.error();
+  if (host::view_as<Keypoints>(**located)->count() == 0) {
+    return Error{Errc::invalid_data,
+                 "finds no keypoints on the template's texture; use a texture with more contrast "
+                 "or another detector",
+                 id};
+  }
+  stage.template_keypoints = *located;
+  return {};
+}
+
+void Executor::place_given(const FrameInput& input, FrameResult& result) const {
+  for (std::size_t i = 0; i < graph_.values.size(); ++i) {
+    const ValueInfo& value = graph_.values[i];
+    if (value.stage >= 0) continue;
+    if (value.slot == "template") {
+      result.values[i] = template_;
+    } else if (value.slot == "camera") {
+      result.values[i] = camera_;
+    } else if (value.slot.starts_with("previous.")) {
+      const auto found = previous_.find(value.slot.substr(9));
+      if (found != previous_.end()) result.values[i] = found->second;
+    } else {
+      for (const auto& [slot, record] : input.records) {
+        if (slot == value.slot) result.values[i] = record;
+      }
+      result.causes[i] = "sources: " + (input.failure.empty() ? "no " + value.slot : input.failure);
+    }
+  }
+}
+
+FrameResult Executor::process(const FrameInput& input) {
+  FrameResult result;
+  result.index = input.index;
+  result.values.resize(graph_.values.size());
+  result.causes.resize(graph_.values.size());
+  place_given(input, result);
+  if (const int image = graph_.latest("image"); image >= 0) {
+    if (const RecordPtr& record = result.values[static_cast<std::size_t>(image)]) {
+      result.stem = host::view_as<Image>(*record)->stem;
+    }
+  }
+  for (Stage& stage : stages_) result.stages.push_back(run_stage(stage, result));
+  settle_shape(result);
+  remember(result);
+  result.timings = lane_.take_timings();
+  return result;
+}
+
+StageReport Executor::run_stage(Stage& stage, FrameResult& result) {
+  std::vector<weft_record> inputs;
+  const std::string cause = gather(*stage.node, result, inputs);
+  StageReport report{stage.config->name, StageStatus::skipped, cause, 0.0, {}};
+  if (cause.empty()) {
+    const auto start = std::chrono::steady_clock::now();
+    Outcome outcome = lane_.call(*stage.instance, 0, inputs, result.index);
+    if (outcome.usable()) {
+      if (auto stored = store(stage, outcome, result); !stored) {
+        const Error& error = stored.error();
+        const bool none = error.code == Errc::no_result;
+        const std::string id = stage.config->component.component().id;
+        outcome = {none ? WEFT_NO_RESULT : WEFT_ERROR, {error.code, error.message, id}, {}};
+      }
+    }
+    report = report_of(stage.config->name, outcome, since(start));
+    for (const int output : stage.node->outputs) {
+      const RecordPtr& record = result.values[static_cast<std::size_t>(output)];
+      if (record != nullptr && record != stage.template_keypoints) add_numbers(record, report);
+    }
+    if (stage.role == "filters" && outcome.usable()) {
+      add_numbers(outcome.find("inlier_mask"), report);
+    }
+  }
+  for (const int output : stage.node->outputs) {
+    const auto index = static_cast<std::size_t>(output);
+    if (result.values[index] != nullptr) continue;
+    const bool silent = report.reason.empty() || report.status == StageStatus::degenerate;
+    result.causes[index] = report.status == StageStatus::skipped ? cause
+                           : silent ? report.stage + ": no " + graph_.values[index].slot
+                                    : report.stage + ": " + report.reason;
+  }
+  return report;
+}
+
+Result<std::vector<RecordPtr>> Executor::outputs_of(const Stage& stage, const Outcome& outcome,
+                                                    const FrameResult& result) {
+  if (stage.role == "filters") {
+    const auto before = static_cast<std::size_t>(stage.node->inputs.front().value);
+    const auto composed = with_mask(*result.values[before], *outcome.find("inlier_mask"));
+    if (!composed) return composed.error();
+    return std::vector<RecordPtr>{*composed};
+  }
+  if (stage.role == "warps") {
+    const RecordPtr warp = outcome.find("warp");
+    const Outcome samples = lane_.evaluate(*warp, vertices_, result.index);
+    if (!samples.usable()) return samples.error;
+    return std::vector<RecordPtr>{warp, samples.find("warp_samples")};
+  }
+  if (stage.role == "detectors") {
+    return std::vector<RecordPtr>{outcome.find("keypoints"), stage.template_keypoints};
+  }
+  std::vector<RecordPtr> made;
+  for (const int output : stage.node->outputs) {
+    made.push_back(outcome.find(graph_.values[static_cast<std::size_t>(output)].slot));
+  }
+  return made;
+}
+
+Result<void> Executor::store(const Stage& stage, const Outcome& outcome, FrameResult& result) {
+  const auto made = outputs_of(stage, outcome, result);
+  if (!made) return made.error();
+  for (const RecordPtr& record : *made) {
+    if (record == nullptr) continue;
+    if (auto fits = check_fits(*record, *template_, *camera_); !fits) return fits;
+  }
+  for (std::size_t i = 0; i < made->size(); ++i) {
+    result.values[static_cast<std::size_t>(stage.node->outputs[i])] = (*made)[i];
+  }
+  return {};
+}
+
+void Executor::settle_shape(FrameResult& result) {
+  for (std::size_t i = 0; i < graph_.values.size(); ++i) {
+    if (graph_.values[i].slot == "shape" && result.values[i] != nullptr) {
+      result.shape = result.values[i];
+    }
+  }
+  if (result.shape != nullptr) {
+    frames_since_measured_ = 0;
+  } else if (const auto found = previous_.find("shape"); found != previous_.end()) {
+    ++frames_since_measured_;
+    result.shape = aged_shape(*found->second, frames_since_measured_, config_.lost_after);
+  }
+  if (result.shape == nullptr) return;
+  // Sinks see the frame's shape where the last solver's would be; no stage runs after this.
+  result.values[static_cast<std::size_t>(graph_.latest("shape"))] = result.shape;
+  const auto shape = host::view_as<Shape>(*result.shape);
+  result.state = shape->shape_state();
+  result.age_frames = shape->age_frames;
+}
+
+void Executor::remember(const FrameResult& result) {
+  for (std::size_t i = 0; i < graph_.values.size(); ++i) {
+    if (graph_.values[i].stage >= 0 && result.values[i] != nullptr) {
+      previous_[graph_.values[i].slot] = result.values[i];
+    }
+  }
+  if (result.shape != nullptr) previous_["shape"] = result.shape;
+}
+
+}  // namespace weft

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <map>
+#include <set>
+#include <weft/core/suggest.hpp>
+#include <weft/pipeline/graph.hpp>
+#include <weft/sdk/roles.hpp>
+
+namespace weft {
+namespace {
+
+/// What a component is given: `required` or used when present.
+struct Demand {
+  std::string slot;
+  bool required;
+};
+
+const Role& role_named(const std::map<std::string, Role>& roles, const std::string& name) {
+  return roles.at(name);
+}
+
+/// The method that takes a frame's data: the last one of sources and sinks' three, else the first.
+const RoleMethod& main_method(const Role& role) {
+  const std::size_t index = role.name == "sinks" ? 1 : role.name == "sources" ? 2 : 0;
+  return role.methods[index];
+}
+
+class Wiring {
+ public:
+  Wiring(const PipelineConfig& config, const host::Registry& registry,
+         std::vector<yaml::Problem>& problems)
+      : config_(config), registry_(registry), problems_(problems) {
+    for (Role& role : all_roles()) roles_.emplace(role.name, role);
+  }
+
+  Graph wire() {
+    add_given();
+    for (std::size_t i = 0; i < config_.stages.size(); ++i) {
+      const StageConfig& stage = config_.stages[i];
+      Node node = connect(stage);
+      for (const std::string& slot : products(stage)) {
+        node.outputs.push_back(add(slot, static_cast<int>(i), stage.name));
+      }
+      graph_.stages.push_back(std::move(node));
+    }
+    for (const StageConfig& sink : config_.sinks) graph_.sinks.push_back(connect(sink));
+    return std::move(graph_);
+  }
+
+ private:
+  int add(const std::string& slot, int stage, const std::string& name) {
+    graph_.values.push_back({slot, stage, name});
+    return static_cast<int>(graph_.values.size()) - 1;
+  }
+
+  /// Values that exist before the first stage. previous.* is fed back by the host.
+  void add_given() {
+    if (config_.source) {
+      const ComponentManifest& source = config_.source->component.component();
+      for (const RoleSlot& output : main_method(roles_.at("sources")).outputs) {
+        const auto& made = source.produces;
+        if (made.empty() || std::find(made.begin(), made.end(), output.name) != made.end()) {
+          add(output.name, -1, "sources");
+        }
+      }
+    }
+    add("camera", -1, "sources");
+    add("template", -1, "templates");
+    std::set<std::string> fed_back;
+    for (const StageConfig& stage : config_.stages) {
+      for (const std::string& slot : products(stage)) fed_back.insert(slot);
+    }
+    for (const std::string& slot : fed_back) add("previous." + slot, -1, "previous");
+  }
+
+  using ComponentManifest = host::ComponentManifest;
+
+  std::vector<std::string> products(const StageConfig& stage) const {
+    const std::string role = stage.component.component().role();
+    if (role == "detectors") return {"keypoints", "template_keypoints"};
+    if (role == "matchers" || role == "filters") return {"correspondences"};
+    if (role == "warps") return {"warp", "warp_samples"};
+    if (role == "solvers") return {"shape"};
+    return stage.component.component().produces;
+  }
+
+  /// What the component and those nested in it want of the role's inputs.
+  void collect(const host::ComponentSpec& spec, const RoleMethod& offered,
+               std::vector<Demand>& demands, yaml::Position at, bool nested) {
+    const ComponentManifest& component = spec.component();
+    const auto want = [&](const std::string& slot, bool required) {
+      const bool is_offered =
+          std::any_of(offered.inputs.begin(), offered.inputs.end(),
+                      [&](const RoleSlot& input) { return input.name == slot; });
+      if (!is_offered) {
+        if (!nested)
+          problems_.push_back({at, component.id + " wants '" + slot + "', which " +
+                                       component.role() + " are never given"});
+        return;
+      }
+      if (slot == "ground_truth" && !component.uses_truth && component.role() != "sinks") {
+        problems_.push_back({at, component.id + " reads ground_truth without saying uses_truth"});
+        return;
+      }
+      for (Demand& demand : demands) {
+        if (demand.slot != slot) continue;
+        demand.required = demand.required || required;
+        return;
+      }
+      demands.push_back({slot, required && !slot.starts_with("previous.")});
+    };
+    for (const RoleSlot& input : main_method(role_named(roles_, component.role())).inputs) {
+      if (input.required) want(input.name, true);
+    }
+    for (const std::string& slot : component.needs) want(slot, true);
+    for (const std::string& slot : component.reads) want(slot, false);
+    for (const auto& [parameter, child] : spec.nested) collect(child, offered, demands, at, true);
+  }
+
+  Node connect(const StageConfig& stage) {
+    const ComponentManifest& component = stage.component.component();
+    const RoleMethod& method = main_method(role_named(roles_, component.role()));
+    std::vector<Demand> demands;
+    collect(stage.component, method, demands, stage.at, false);
+    check_from(stage, demands);
+    Node node;
+    for (const Demand& demand : demands) {
+      const std::vector<int> values = choose(stage, demand.slot);
+      for (const int value : values) node.inputs.push_back({demand.slot, value, demand.required});
+      if (values.empty() && demand.required && !chosen(stage, demand.slot)) {
+        problems_.push_back({stage.at, missing(component.id, demand.slot)});
+      }
+    }
+    return node;
+  }
+
+  void check_from(const StageConfig& stage, const std::vector<Demand>& demands) {
+    std::vector<std::string> slots;
+    for (const Demand& demand : demands) slots.push_back(demand.slot);
+    const ComponentManifest& component = stage.component.component();
+    for (const FromRule& rule : stage.from) {
+      const bool read = std::find(slots.begin(), slots.end(), rule.slot) != slots.end();
+      if (rule.slot == "template_keypoints") {
+        problems_.push_back({rule.at, "'from' chooses both kinds of keypoints with: keypoints"});
+      } else if (!read) {
+        const std::string near = nearest(rule.slot, slots);
+        problems_.push_back({rule.at, component.id + " does not read '" + rule.slot + "'" +
+                                          (near.empty() ? "" : "; did you mean '" + near + "'?")});
+      } else if (rule.names.size() > 1 && !takes_several(component, rule.slot)) {
+        problems_.push_back({rule.at, component.id + " takes one '" + rule.slot + "' only"});
+      }
+    }
+  }
+
+  static bool takes_several(const ComponentManifest& component, const std::string& slot) {
+    return component.role() == "matchers" && slot == "correspondences";
+  }
+
+  /// The rule with which a stage chooses where a slot comes from, or null.
+  static const FromRule* chosen(const StageConfig& stage, const std::string& slot) {
+    const std::string chosen_by = slot == "template_keypoints" ? "keypoints" : slot;
+    for (const FromRule& rule : stage.from) {
+      if (rule.slot == chosen_by) return &rule;
+    }
+    return nullptr;
+  }
+
+  std::vector<int> choose(const StageConfig& stage, const std::string& slot) {
+    const FromRule* rule = chosen(stage, slot);
+    if (rule == nullptr) {
+      const int value = graph_.latest(slot);
+      return value >= 0 ? std::vector<int>{value} : std::vector<int>{};
+    }
+    std::vector<int> values;
+    for (const std::string& name : rule->names) {
+      const int value = named(slot, name);
+      if (value >= 0) {
+        values.push_back(value);
+      } else if (slot == rule->slot) {
+        problems_.push_back({rule->at, unknown_name(slot, name)});
+      }
+    }
+    return values;
+  }
+
+  std::string unknown_name(const std::string& slot, const std::string& name) const {
+    std::vector<std::string> names;
+    for (const ValueInfo& value : graph_.values) {
+      if (value.slot == slot) names.push_back(value.name);
+    }
+    const std::string near = nearest(name, names);
+    return "no earlier stage named '" + name + "' produces '" + slot + "'" +
+           (near.empty() ? "; name it with: as: " + name : "; did you mean '" + near + "'?");
+  }
+
+  int named(const std::string& slot, const std::string& name) const {
+    for (int i = static_cast<int>(graph_.values.size()) - 1; i >= 0; --i) {
+      const ValueInfo& value = graph_.values[static_cast<std::size_t>(i)];
+      if (value.slot == slot && value.name == name) return i;
+    }
+    return -1;
+  }
+
+  std::string missing(const std::string& id, const std::string& slot) const {
+    std::string message = id + " requires '" + slot + "', which no earlier stage produces";
+    std::string producers;
+    for (const host::Installed& entry : registry_.installed()) {
+      if (entry.shadowed) continue;
+      const std::string role = entry.component.role();
+      const auto& outputs =
+          roles_.count(role) > 0 ? main_method(roles_.at(role)).outputs : std::vector<RoleSlot>{};
+      const bool by_role = std::any_of(outputs.begin(), outputs.end(), [&](const RoleSlot& output) {
+        return output.name == slot || (slot == "warp_samples" && output.name == "warp") ||
+               (slot == "template_keypoints" && output.name == "keypoints");
+      });
+      const auto& made = entry.component.produces;
+      const bool listed = made.empty() || std::find(made.begin(), made.end(), slot) != made.end();
+      if (!by_role || !listed) continue;
+      producers += (producers.empty() ? "" : ", ") + entry.component.id;
+    }
+    if (producers.empty()) return message;
+    return message + ";\n    add one that produces it: " + producers;
+  }
+
+  const PipelineConfig& config_;
+  const host::Registry& registry_;
+  std::vector<yaml::Problem>& problems_;
+  std::map<std::string, Role> roles_;
+  Graph graph_;
+};
+
+}  // namespace
+
+int Graph::latest(const std::string& slot) const {
+  for (int i = static_cast<int>(values.size()) - 1; i >= 0; --i) {
+    if (values[static_cast<std::size_t>(i)].slot == slot) return i;
+  }
+  return -1;
+}
+
+Graph wire(const PipelineConfig& config, const host::Registry& registry,
+           std::vector<yaml::Problem>& problems) {
+  return Wiring(config, registry, problems).wire();
+}
+
+}  // namespace weft

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <chrono>
+#include <weft/pipeline/checks.hpp>
+#include <weft/pipeline/run.hpp>
+#include <weft/pipeline/run_folder.hpp>
+
+namespace weft {
+namespace {
+
+using host::Outcome;
+using host::RecordPtr;
+
+constexpr int kOpen = 0, kCount = 1, kRead = 2;  // methods of sources
+constexpr int kWrite = 1, kFinish = 2;           // methods of sinks
+
+struct Failed {
+  Error error;
+};
+
+/// The value of a Result, or an exception that ends run_pipeline with its error.
+template <class T>
+T need(Result<T> result) {
+  if (!result) throw Failed{result.error()};
+  return *std::move(result);
+}
+void need(const Result<void>& result) {
+  if (!result) throw Failed{result.error()};
+}
+
+RecordPtr need_output(const Outcome& outcome, const char* slot) {
+  if (!outcome.usable()) throw Failed{outcome.error};
+  return outcome.find(slot);
+}
+
+class Run {
+ public:
+  Run(const CheckedPipeline& pipeline, const std::string& folder, RunObserver& observer,
+      const std::atomic<bool>& cancel)
+      : config_(pipeline.config),
+        graph_(pipeline.graph),
+        observer_(observer),
+        cancel_(cancel),
+        lane_(pipeline.config.seed, {}),
+        folder_path_(folder) {}
+
+  RunSummary run() {
+    try {
+      open();
+      observer_.started(count_);
+      for (std::int64_t index = 0; count_ < 0 || index < count_; ++index) {
+        if (cancel_.load() || !frame(static_cast<std::uint64_t>(index))) break;
+      }
+    } catch (const Failed&) {
+      static_cast<void>(close_sinks());  // the first error is the one to report
+      throw;
+    }
+    need(close_sinks());
+    summary_.folder = folder_->path();
+    summary_.stopped = summary_.stopped || cancel_.load();
+    return summary_;
+  }
+
+ private:
+  struct Sink {
+    const StageConfig* config;
+    const Node* node;
+    host::Instance* instance;
+  };
+
+  void open() {
+    source_ = need(lane_.instantiate(config_.source->component, config_.source->name));
+    camera_ = need_output(lane_.call(*source_, kOpen, {}, host::kOfflineFrame), "camera");
+    check(check_camera(*camera_), *config_.source);
+    const RecordPtr count =
+        need_output(lane_.call(*source_, kCount, {}, host::kOfflineFrame), "count");
+    count_ = host::view_as<Count>(*count)->frames;
+    host::Instance* builder =
+        need(lane_.instantiate(config_.templ->component, config_.templ->name));
+    template_ = need_output(lane_.call(*builder, 0, {}, host::kOfflineFrame), "template");
+    check(check_template(*template_), *config_.templ);
+    executor_ = need(Executor::create(config_, graph_, lane_, template_, camera_));
+    // Not before: a run that cannot start leaves no folder behind.
+    folder_.emplace(need(RunFolder::create(folder_path_)));
+    need(folder_->begin(config_, *template_, *camera_));
+    open_sinks();
+    lane_.take_timings();
+  }
+
+  void open_sinks() {
+    for (std::size_t i = 0; i < config_.sinks.size(); ++i) {
+      const StageConfig& sink = config_.sinks[i];
+      host::Instance* instance = need(lane_.instantiate(sink.component, sink.name));
+      need(lane_.prepare(*instance, *template_, *camera_));
+      const Outcome opened = lane_.call(*instance, kOpen, {}, host::kOfflineFrame);
+      if (!opened.usable()) throw Failed{opened.error};
+      sinks_.push_back({&sink, &graph_.sinks[i], instance});
+    }
+  }
+
+  static void check(const Result<void>& valid, const StageConfig& stage) {
+    if (valid) return;
+    throw Failed{{valid.error().code, valid.error().message, stage.component.component().id}};
+  }
+
+  /// What the source gives, if it fits template and camera.
+  Outcome read_frame(std::uint64_t index) {
+    Outcome read = lane_.call(*source_, kRead, {}, index);
+    for (const auto& [slot, record] : read.outputs) {
+      const auto fits = check_fits(*record, *template_, *camera_);
+      if (fits) continue;
+      const std::string id = config_.source->component.component().id;
+      return {WEFT_ERROR, {fits.error().code, fits.error().message, id}, {}};
+    }
+    return read;
+  }
+
+  /// False when the run ends here.
+  bool frame(std::uint64_t index) {
+    const auto start = std::chrono::steady_clock::now();
+    Outcome read = read_frame(index);
+    const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
+    if (count_ < 0 && read.status == WEFT_NO_RESULT) return false;
+    const StageReport source_report = report_of(config_.source->name, read, ms.count());
+    FrameInput input{index, std::move(read.outputs), {}};
+    if (!read.usable()) input.failure = read.error.message;
+    FrameResult result = executor_->process(input);
+    result.stages.insert(result.stages.begin(), source_report);
+    for (const Sink& sink : sinks_) result.stages.push_back(write(sink, result));
+    for (const host::Timing& timing : lane_.take_timings()) result.timings.push_back(timing);
+    RecordPtr truth;
+    for (const auto& [slot, record] : input.records) {
+      if (slot == "ground_truth") truth = record;
+    }
+    need(folder_->add(result, truth));
+    ++summary_.frames;
+    summary_.failed += result.failed() ? 1 : 0;
+    observer_.frame_done(result);
+    summary_.stopped = result.failed() && config_.stop_on_error;
+    return !summary_.stopped;
+  }
+
+  StageReport write(const Sink& sink, const FrameResult& result) {
+    std::vector<weft_record> inputs;
+    const std::string cause = gather(*sink.node, result, inputs);
+    if (!cause.empty()) return {sink.config->name, StageStatus::skipped, cause, 0.0, {}};
+    const auto start = std::chrono::steady_clock::now();
+    const Outcome outcome = lane_.call(*sink.instance, kWrite, inputs, result.index);
+    const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
+    return report_of(sink.config->name, outcome, ms.count());
+  }
+
+  /// Finishes all sinks, whatever one of them says; the first error counts.
+  Result<void> close_sinks() {
+    Result<void> status;
+    for (const Sink& sink : sinks_) {
+      const Outcome closed = lane_.call(*sink.instance, kFinish, {}, host::kOfflineFrame);
+      if (!closed.usable() && status) {
+        status = Error{Errc::io, closed.error.message, closed.error.where};
+      }
+    }
+    return status;
+  }
+
+  const PipelineConfig& config_;
+  const Graph& graph_;
+  RunObserver& observer_;
+  const std::atomic<bool>& cancel_;
+  host::Lane lane_;
+  std::string folder_path_;
+  std::optional<RunFolder> folder_;
+  host::Instance* source_ = nullptr;
+  RecordPtr camera_;
+  RecordPtr template_;
+  std::int64_t count_ = -1;
+  std::unique_ptr<Executor> executor_;
+  std::vector<Sink> sinks_;
+  RunSummary summary_;
+};
+
+}  // namespace
+
+std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file,
+                                                        const host::Registry& registry,
+                                                        const std::string& output_folder) {
+  auto [config, report] = load_pipeline(file, registry, output_folder);
+  CheckedPipeline pipeline{std::move(config), {}};
+  if (report.wirable) pipeline.graph = wire(pipeline.config, registry, report.problems);
+  report.sort();
+  return {std::move(pipeline), std::move(report)};
+}
+
+Result<RunSummary> run_pipeline(const CheckedPipeline& pipeline, const std::string& output_folder,
+                                RunObserver& observer, const std::atomic<bool>& cancel) {
+  try {
+    return Run(pipeline, output_folder, observer, cancel).run();
+  } catch (const Failed& failed) {
+    return failed.error;
+  }
+}
+
+}  // namespace weft

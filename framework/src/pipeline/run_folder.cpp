@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <sys/utsname.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <weft/core/version.hpp>
+#include <weft/pipeline/run_folder.hpp>
+
+namespace weft {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+Error io_error(const std::string& file, const std::string& message) {
+  return {Errc::io, message, file};
+}
+
+Result<void> write_text(const std::string& file, const std::string& text) {
+  const std::string temporary = file + ".part";
+  std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
+  stream << text;
+  stream.close();
+  std::error_code code;
+  if (stream) fs::rename(temporary, file, code);
+  if (!stream || code) return io_error(file, "cannot be written; is the disk full?");
+  return {};
+}
+
+std::string processor() {
+  std::ifstream stream("/proc/cpuinfo");
+  for (std::string line; std::getline(stream, line);) {
+    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+  }
+  return "unknown";
+}
+
+void add_components(const host::ComponentSpec& spec, const std::string& stage,
+                    ordered_json& components) {
+  const host::Installed& installed = *spec.installed;
+  components.push_back({{"stage", stage},
+                        {"id", installed.component.id},
+                        {"version", installed.component.version},
+                        {"build_id", installed.library->build_id},
+                        {"licence", installed.component.licence},
+                        {"determinism", installed.component.determinism},
+                        {"library", installed.library->library}});
+  for (const auto& [parameter, child] : spec.nested) {
+    add_components(child, stage + "/" + parameter, components);
+  }
+}
+
+ordered_json provenance(const PipelineConfig& config) {
+  utsname system{};
+  uname(&system);
+  ordered_json components = ordered_json::array();
+  add_components(config.source->component, config.source->name, components);
+  add_components(config.templ->component, config.templ->name, components);
+  for (const auto* stages : {&config.stages, &config.sinks}) {
+    for (const StageConfig& stage : *stages) {
+      add_components(stage.component, stage.name, components);
+    }
+  }
+  return {{"weft", kVersion},
+          {"pipeline", config.file},
+          {"seed", config.seed},
+          {"reproducible", true},
+          {"machine", {{"processor", processor()}, {"system", system.release}}},
+          {"components", std::move(components)}};
+}
+
+std::string frame_name(std::uint64_t index) {
+  char name[32];
+  std::snprintf(name, sizeof(name), "%06llu", static_cast<unsigned long long>(index));
+  return name;
+}
+
+/// Counts without a decimal point; JSON has no NaN, so that becomes null.
+ordered_json number_json(double value) {
+  constexpr double kLargestExact = 9007199254740992.0;
+  if (value == std::floor(value) && std::abs(value) < kLargestExact) {
+    return static_cast<std::int64_t>(value);
+  }
+  return value;
+}
+
+ordered_json stage_json(const StageReport& report) {
+  ordered_json json{{"stage", report.stage}, {"status", to_string(report.status)}};
+  if (!report.reason.empty()) json["reason"] = report.reason;
+  json["ms"] = std::round(report.ms * 1000.0) / 1000.0;
+  for (const auto& [name, value] : report.numbers) json[name] = number_json(value);
+  return json;
+}
+
+/// Text of any bytes as JSON: what is no UTF-8 is replaced.
+std::string dump(const ordered_json& json, int indent = -1) {
+  return json.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+}  // namespace
+
+Result<RunFolder> RunFolder::create(const std::string& path) {
+  std::error_code code;
+  if (fs::exists(path, code) && !(fs::is_directory(path, code) && fs::is_empty(path, code))) {
+    return io_error(path, "exists and is not an empty folder; choose another with --out");
+  }
+  fs::create_directories(path + "/frames", code);
+  if (code) return io_error(path, "cannot be created: " + code.message());
+  RunFolder folder(fs::absolute(path).string());
+  folder.frames_.open(path + "/frames.jsonl");
+  if (!folder.frames_) return io_error(path + "/frames.jsonl", "cannot be created");
+  return folder;
+}
+
+Result<void> RunFolder::begin(const PipelineConfig& config, const host::Record& templ,
+                              const host::Record& camera) {
+  if (auto written = write_text(path_ + "/pipeline.yaml", effective_yaml(config)); !written) {
+    return written;
+  }
+  const std::string manifest = dump(provenance(config), 2) + "\n";
+  if (auto written = write_text(path_ + "/manifest.json", manifest); !written) return written;
+  const auto borrow = [](const host::Record& record) {
+    return host::RecordPtr(&record, [](const host::Record*) {});
+  };
+  return host::write_npz(path_ + "/template.npz",
+                         {{"template", borrow(templ)}, {"camera", borrow(camera)}});
+}
+
+Result<void> RunFolder::add(const FrameResult& frame, const host::RecordPtr& ground_truth) {
+  host::NamedRecords records;
+  if (frame.shape != nullptr) records.emplace_back("shape", frame.shape);
+  if (ground_truth != nullptr) records.emplace_back("ground_truth", ground_truth);
+  if (!records.empty()) {
+    const std::string file = path_ + "/frames/" + frame_name(frame.index) + ".npz";
+    if (auto written = host::write_npz(file, records); !written) return written;
+  }
+  ordered_json stages = ordered_json::array();
+  for (const StageReport& report : frame.stages) stages.push_back(stage_json(report));
+  ordered_json times = ordered_json::object();
+  std::map<std::string, double> sums;
+  for (const host::Timing& timing : frame.timings) sums[timing.component] += timing.ms;
+  for (const auto& [component, ms] : sums) times[component] = std::round(ms * 1000.0) / 1000.0;
+  const ordered_json line{
+      {"frame", frame.index},    {"stem", frame.stem},       {"state", to_string(frame.state)},
+      {"age", frame.age_frames}, {"failed", frame.failed()}, {"stages", std::move(stages)},
+      {"ms", std::move(times)}};
+  frames_ << dump(line) << std::endl;
+  if (!frames_) return io_error(path_ + "/frames.jsonl", "cannot be written; is the disk full?");
+  return {};
+}
+
+}  // namespace weft
