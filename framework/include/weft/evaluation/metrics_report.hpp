@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <weft/evaluation/metrics.hpp>
+
+namespace weft::evaluation {
+
+/// Everything as JSON, indented, the same bytes for the same metrics. Units are in the names; what
+/// is unknown is null.
+std::string to_json(const RunMetrics& metrics);
+
+/// What a person reads: counts, then errors in millimetres, one row a group; rows apart and frames
+/// with an old shape follow in parts of their own. UTF-8, ends with a line break.
+std::string to_table(const RunMetrics& metrics);
+
+/// metrics.json, or metrics_scale.json and metrics_rigid.json for aligned errors: the file in a run
+/// folder never mixes them.
+std::string metrics_file_name(Alignment alignment);
+
+/// Writes to_json to a file, which appears whole: it is renamed from a temporary name beside it.
+Result<void> write_json(const RunMetrics& metrics, const std::string& file);
+
+}  // namespace weft::evaluation

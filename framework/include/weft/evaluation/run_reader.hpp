@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+#include <weft/data/ground_truth.hpp>
+#include <weft/data/shape.hpp>
+#include <weft/data/template.hpp>
+#include <weft/host/npz.hpp>
+
+namespace weft::evaluation {
+
+/// What the line of a frame in frames.jsonl says.
+struct FrameLine {
+  std::uint64_t frame = 0;  ///< [] index from 0
+  std::string stem;         ///< of the image file, empty where there is none
+  ShapeState state = ShapeState::none;
+  bool failed = false;  ///< a stage, the source or a sink had an error
+};
+
+/// The records of one frame; the nouns borrow from `owners`.
+struct FrameRecords {
+  std::optional<Shape> shape;  ///< vertices may be NaN: that is for the reader to count
+  std::optional<GroundTruth> ground_truth;  ///< finite
+  host::NamedRecords owners;
+};
+
+/// The folder that a run wrote, opened for reading.
+class RunReader {
+ public:
+  /// Reads everything but the frames. Fails with not_found where the folder is no run folder, with
+  /// syntax or invalid_data and the place where a file is damaged.
+  static Result<RunReader> open(const std::string& folder);
+
+  const std::string& folder() const { return folder_; }
+  const Template& sheet() const { return template_; }
+  /// One entry a frame, in the order of the frames.
+  const std::vector<FrameLine>& lines() const { return lines_; }
+  /// The last line is cut off because the run was killed; it is not among lines().
+  bool interrupted() const { return interrupted_; }
+  /// Components of the run that may read the ground truth: their results are no measurement.
+  const std::vector<std::string>& truth_users() const { return truth_users_; }
+
+  /// Shape and truth of one frame. Fails where its file is damaged, contradicts its line or has a
+  /// shape of another mesh.
+  Result<FrameRecords> read(const FrameLine& line) const;
+
+ private:
+  explicit RunReader(std::string folder) : folder_(std::move(folder)) {}
+  Result<void> read_template();
+  Result<void> read_lines();
+  Result<void> read_manifest();
+
+  std::string folder_;
+  host::NamedRecords template_owner_;
+  Template template_;
+  std::vector<FrameLine> lines_;
+  bool interrupted_ = false;
+  std::vector<std::string> truth_users_;
+};
+
+}  // namespace weft::evaluation

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+#include <weft/evaluation/metrics_report.hpp>
+
+namespace weft::evaluation {
+namespace {
+
+constexpr double kPercent = 100.0;
+constexpr const char* kNoValue = "-";
+
+/// A number with `decimals`, or "-".
+std::string number(double value, int decimals) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : kNoValue;
+}
+
+/// Text from a file on one line: control characters could move a terminal's cursor.
+std::string printable(std::string text) {
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  }
+  return text;
+}
+
+/// Characters of UTF-8 text: all bytes but those that continue one.
+std::size_t characters(const std::string& text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+  }));
+}
+
+using Row = std::vector<std::string>;
+
+/// Rows of cells as aligned columns: the first to the left, the others to the right.
+std::string align(const std::vector<Row>& rows) {
+  std::vector<std::size_t> widths(rows.front().size(), 0);
+  for (const Row& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      widths[i] = std::max(widths[i], characters(row[i]));
+    }
+  }
+  std::string text;
+  for (const Row& row : rows) {
+    text += fmt::format("  {:<{}}", row[0], widths[0]);
+    for (std::size_t i = 1; i < row.size(); ++i) text += fmt::format("  {:>{}}", row[i], widths[i]);
+    text += '\n';
+  }
+  return text;
+}
+
+std::string group_name(const GroupMetrics& group) {
+  const std::string kind = group.kind.empty() ? "(no kind)" : printable(group.kind);
+  return group.apart.empty() ? kind : kind + " (" + printable(group.apart) + ")";
+}
+
+Row row_of(const std::string& name, const GroupMetrics& group) {
+  const ErrorSummary& error = group.solved_error;
+  return {name,
+          std::to_string(group.frames),
+          std::to_string(group.solved),
+          std::to_string(group.held),
+          std::to_string(group.failures()),
+          number(error.mean_mm, 2),
+          number(error.standard_error_mm, 2),
+          number(error.median_mm, 2),
+          number(error.p95_mm, 2),
+          number(error.worst_mm, 2),
+          error.frames > 0 ? printable(error.worst_frame) : kNoValue,
+          number(error.worst_point_mm, 2),
+          number(kPercent * group.strain_mean, 2)};
+}
+
+std::vector<Row> header() {
+  return {{"truth", "frames", "solved", "held", "failures", "mean", "s.e.", "median", "P95",
+           "worst", "frame", "worst point", "isometry %"}};
+}
+
+std::string counts_text(const RunMetrics& metrics) {
+  const FrameCounts& counts = metrics.counts;
+  const double percent =
+      kPercent * static_cast<double>(counts.solved()) / static_cast<double>(counts.frames);
+  std::string text = fmt::format("{}: {} frames, {} solved ({} %)\n", printable(metrics.run),
+                                 counts.frames, counts.solved(), number(percent, 1));
+  text += fmt::format("  estimated {}, weak {}, predicted {}, lost {}, none {}, not finite {}; ",
+                      counts.estimated, counts.weak, counts.predicted, counts.lost, counts.none,
+                      counts.invalid);
+  text += fmt::format("with an error {}\n", counts.failed);
+  text += fmt::format("  isometry error of solved frames, mean |l/l0 - 1|: {} %\n",
+                      number(kPercent * metrics.strain_mean, 2));
+  if (metrics.interrupted) {
+    text += "  the run was interrupted: the last line of frames.jsonl is cut off and not counted\n";
+  }
+  for (const std::string& id : metrics.truth_users) {
+    text += fmt::format("  {} may read the ground truth: these figures are no measurement\n",
+                        printable(id));
+  }
+  return text;
+}
+
+/// Frames whose shape is an older one, and what could not be measured.
+std::string rest_text(const RunMetrics& metrics) {
+  std::string text;
+  for (const GroupMetrics& group : metrics.groups) {
+    const std::string name = group_name(group);
+    const auto note = [&](std::int64_t count, const std::string& sentence) {
+      if (count > 0) text += fmt::format("  {}: {} {}\n", name, count, sentence);
+    };
+    const ErrorSummary& held = group.held_error;
+    if (held.frames > 0) {
+      note(held.frames,
+           fmt::format("held (predicted or lost): mean {}, worst {} ({})", number(held.mean_mm, 2),
+                       number(held.worst_mm, 2), printable(held.worst_frame)));
+    }
+    note(group.missing, "with truth but without a shape: failures, not in the means");
+    note(group.invalid, "with NaN or infinity in the shape: failures, not in the means");
+    note(group.unmeasured, "with a shape that could not be compared with the truth");
+    note(group.off,
+         fmt::format("solved with a mean error above {:.0f} % of the template's diagonal",
+                     kPercent * kOffShare));
+    note(group.unlocated,
+         fmt::format("of {} points not on the mesh: not in the errors", group.points));
+    note(group.extrapolated,
+         fmt::format("of {} points beside the mesh: extrapolated", group.points));
+  }
+  return text.empty() ? text : "notes\n" + text;
+}
+
+}  // namespace
+
+std::string to_table(const RunMetrics& metrics) {
+  std::string text = counts_text(metrics);
+  if (metrics.groups.empty()) {
+    return text + "no ground truth in this run: give the source `truth` to measure errors\n";
+  }
+  std::vector<Row> rows = header(), apart;
+  for (const GroupMetrics& group : metrics.groups) {
+    (group.apart.empty() ? rows : apart).push_back(row_of(group_name(group), group));
+  }
+  rows.push_back(row_of("all", metrics.all));
+  const std::size_t counted = rows.size();
+  rows.insert(rows.end(), apart.begin(), apart.end());
+  std::string table = align(rows);
+  if (!apart.empty()) {
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < counted; ++i) at = table.find('\n', at) + 1;
+    table.insert(at, "  apart, not in the rows above\n");
+  }
+  text +=
+      fmt::format("3D error of solved frames in mm, alignment: {}\n", to_string(metrics.alignment));
+  return text + table + rest_text(metrics);
+}
+
+}  // namespace weft::evaluation

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <weft/evaluation/run_reader.hpp>
+
+namespace weft::evaluation {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+std::optional<ShapeState> state_of(const std::string& name) {
+  for (const ShapeState state : {ShapeState::none, ShapeState::estimated, ShapeState::weak,
+                                 ShapeState::predicted, ShapeState::lost}) {
+    if (name == to_string(state)) return state;
+  }
+  return std::nullopt;
+}
+
+/// The line as a frame, or the name of the key that is missing or wrong.
+std::variant<FrameLine, std::string> parse_line(const json& object) {
+  const auto member = [&](const char* key) {
+    return object.value(json::json_pointer(key), json());
+  };
+  if (!object.is_object()) return std::string("{...}");
+  FrameLine line;
+  const json frame = member("/frame"), state = member("/state"), failed = member("/failed");
+  if (!frame.is_number_unsigned()) return std::string("frame");
+  line.frame = frame.get<std::uint64_t>();
+  const auto known = state.is_string() ? state_of(state.get<std::string>()) : std::nullopt;
+  if (!known) return std::string("state");
+  line.state = *known;
+  if (!failed.is_boolean()) return std::string("failed");
+  line.failed = failed.get<bool>();
+  const json stem = member("/stem");
+  if (stem.is_string()) line.stem = stem.get<std::string>();
+  return line;
+}
+
+std::string frame_file(const std::string& folder, std::uint64_t frame) {
+  std::string digits = std::to_string(frame);
+  digits.insert(0, digits.size() < 6 ? 6 - digits.size() : 0, '0');
+  return folder + "/frames/" + digits + ".npz";
+}
+
+Error damaged(const std::string& file, const std::string& message) {
+  return {Errc::invalid_data, message + "; the run folder is damaged: run the pipeline again",
+          file};
+}
+
+/// The record of a slot as a noun that borrows from it; nothing where the slot is absent.
+template <class Noun>
+Result<std::optional<Noun>> find_noun(const host::NamedRecords& records, const std::string& slot,
+                                      const std::string& file) {
+  for (const auto& [name, record] : records) {
+    if (name != slot) continue;
+    if (record->type() != Noun::kType) {
+      return damaged(file, slot + " is a " + record->type() + " instead of a " + Noun::kType);
+    }
+    auto noun = host::view_as<Noun>(*record);
+    if (!noun) return Error{noun.error().code, noun.error().message, file};
+    return std::optional<Noun>(*std::move(noun));
+  }
+  return std::optional<Noun>();
+}
+
+}  // namespace
+
+Result<RunReader> RunReader::open(const std::string& folder) {
+  std::error_code code;
+  if (!fs::is_directory(folder, code)) {
+    return Error{Errc::not_found, "is no folder; give the folder that `weft run --out` wrote",
+                 folder};
+  }
+  for (const char* file : {"frames.jsonl", "template.npz"}) {
+    if (fs::is_regular_file(folder + "/" + file, code)) continue;
+    return Error{Errc::not_found,
+                 std::string("is no run folder, it has no ") + file +
+                     "; give the folder that `weft run --out` wrote",
+                 folder};
+  }
+  RunReader reader(folder);
+  if (auto read = reader.read_template(); !read) return read.error();
+  if (auto read = reader.read_lines(); !read) return read.error();
+  if (auto read = reader.read_manifest(); !read) return read.error();
+  return reader;
+}
+
+Result<void> RunReader::read_template() {
+  const std::string file = folder_ + "/template.npz";
+  auto records = host::read_npz(file);
+  if (!records) return records.error();
+  template_owner_ = *std::move(records);
+  auto sheet = find_noun<Template>(template_owner_, "template", file);
+  if (!sheet) return sheet.error();
+  if (!*sheet) return damaged(file, "holds no template");
+  template_ = **std::move(sheet);
+  return {};
+}
+
+Result<void> RunReader::read_lines() {
+  const std::string file = folder_ + "/frames.jsonl";
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) return Error{Errc::io, "cannot be read", file};
+  std::string text;
+  for (std::size_t number = 1; std::getline(stream, text); ++number) {
+    const bool cut = stream.eof();  // a whole line ends with a line break
+    const json object = json::parse(text, nullptr, false);
+    if (cut && object.is_discarded()) {
+      interrupted_ = true;
+      break;
+    }
+    const std::string place = file + ":" + std::to_string(number);
+    if (object.is_discarded()) return Error{Errc::syntax, "is no JSON object", place};
+    auto line = parse_line(object);
+    if (const auto* key = std::get_if<std::string>(&line)) {
+      return Error{Errc::syntax, "'" + *key + "' is missing or has no legal value", place};
+    }
+    lines_.push_back(std::get<FrameLine>(std::move(line)));
+  }
+  if (stream.bad()) return Error{Errc::io, "cannot be read to its end", file};
+  std::sort(lines_.begin(), lines_.end(),
+            [](const FrameLine& a, const FrameLine& b) { return a.frame < b.frame; });
+  const auto twice =
+      std::adjacent_find(lines_.begin(), lines_.end(),
+                         [](const FrameLine& a, const FrameLine& b) { return a.frame == b.frame; });
+  if (twice == lines_.end()) return {};
+  return damaged(file, "has two lines of frame " + std::to_string(twice->frame));
+}
+
+Result<void> RunReader::read_manifest() {
+  const std::string file = folder_ + "/manifest.json";
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) return {};  // a folder made by another program need not have one
+  const json manifest = json::parse(stream, nullptr, false);
+  if (!manifest.is_object()) return damaged(file, "is no JSON object");
+  for (const json& component : manifest.value("components", json::array())) {
+    if (!component.is_object() || component.value("uses_truth", json()) != json(true)) continue;
+    const json id = component.value("id", json());
+    truth_users_.push_back(id.is_string() ? id.get<std::string>() : "a component without id");
+  }
+  return {};
+}
+
+Result<FrameRecords> RunReader::read(const FrameLine& line) const {
+  const std::string file = frame_file(folder_, line.frame);
+  FrameRecords frame;
+  std::error_code code;
+  if (fs::exists(file, code)) {
+    auto records = host::read_npz(file, host::NpzCheck::none);
+    if (!records) return records.error();
+    frame.owners = *std::move(records);
+  }
+  auto shape = find_noun<Shape>(frame.owners, "shape", file);
+  if (!shape) return shape.error();
+  auto truth = find_noun<GroundTruth>(frame.owners, "ground_truth", file);
+  if (!truth) return truth.error();
+  frame.shape = *std::move(shape);
+  frame.ground_truth = *std::move(truth);
+  const ShapeState stored = frame.shape ? frame.shape->shape_state() : ShapeState::none;
+  if (stored != line.state) {
+    return damaged(file, std::string("has the state '") + to_string(stored) +
+                             "' where frames.jsonl says '" + to_string(line.state) + "'");
+  }
+  if (frame.shape && frame.shape->vertices_m.rows() != template_.vertices_m.rows()) {
+    return damaged(file, "has " + std::to_string(frame.shape->vertices_m.rows()) +
+                             " vertices where the template has " +
+                             std::to_string(template_.vertices_m.rows()));
+  }
+  if (frame.ground_truth && !(frame.ground_truth->template_xy_m.matrix<2>().allFinite() &&
+                              frame.ground_truth->points_m.matrix<3>().allFinite())) {
+    return damaged(file, "has a ground truth with NaN or infinity");
+  }
+  return frame;
+}
+
+}  // namespace weft::evaluation
