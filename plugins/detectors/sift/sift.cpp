@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <numbers>
+#include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+#include <vector>
+#include <weft/sdk/detector.hpp>
+
+#include "selection.hpp"
+
+namespace weft::sift {
+namespace {
+
+/// OpenCV doubles the image with pixel edges aligned (x2 = 2 x + 0.5) but maps positions back by
+/// x2 / 2, at every octave.
+constexpr float kDoublingOffsetPx = 0.25F;
+constexpr int kDescriptorLength = 128;
+constexpr int kDoubledOctave = -1;
+
+int octave_of(const cv::KeyPoint& keypoint) {
+  return static_cast<std::int8_t>(static_cast<std::uint8_t>(keypoint.octave & 0xFF));
+}
+
+/// Keypoints as OpenCV gives them and their descriptors, row by row.
+struct Found {
+  std::vector<cv::KeyPoint> keypoints;
+  cv::Mat descriptors;
+};
+
+/// Scale-invariant keypoints of Lowe with positions freed of the bias of the doubled image.
+class Sift final : public Detector {
+ public:
+  static constexpr About kAbout{
+      .reference = "Lowe, Distinctive image features from scale-invariant keypoints, IJCV 2004",
+      .reads = "region"};
+
+  explicit Sift(Params& p) {
+    p.read("max_keypoints", max_keypoints_, "", {0, 1000000},
+           "strongest keypoints kept, spread over the image; 0 keeps all");
+    p.read("buckets", buckets_, "", {1, 256},
+           "cells per side over which the cap spreads the keypoints; 1 does not spread them");
+    p.read("octave_layers", octave_layers_, "", {1, 10}, "scales per octave");
+    p.read("contrast_threshold", contrast_threshold_, "", {0, 1},
+           "weakest blob, as a part of the range of grey levels; divided by octave_layers");
+    p.read("edge_threshold", edge_threshold_, "", {1, 1000},
+           "largest ratio of principal curvatures; larger lets more edges pass");
+    p.read("sigma_px", sigma_px_, "px", {1, 10}, "blur of the first scale, in the doubled image");
+  }
+
+  Result<void> prepare(const PrepareInput& /*in*/) override {
+    make_detector();
+    return {};
+  }
+
+  Result<Keypoints> detect(const DetectorInput& in) override {
+    const Array<std::uint8_t>& pixels = in.image.pixels;
+    if (pixels.size() == 0) {
+      return Error{Errc::invalid_data, "the image is empty; give at least one pixel", {}};
+    }
+    if (in.region &&
+        (in.region->mask.dim(0) != pixels.dim(0) || in.region->mask.dim(1) != pixels.dim(1))) {
+      return Error{Errc::invalid_data,
+                   "the region is " + size_text(in.region->mask) + " and the image " +
+                       size_text(pixels) + "; give a mask of the image's size",
+                   {}};
+    }
+    if (in.call.cancelled()) return Error{Errc::cancelled, "cancelled", {}};
+    if (detector_ == nullptr) make_detector();
+    return answer(select(grey_of(pixels), in.region ? &in.region->mask : nullptr));
+  }
+
+ private:
+  static std::string size_text(const Array<std::uint8_t>& image) {
+    return std::to_string(image.dim(1)) + " x " + std::to_string(image.dim(0));
+  }
+
+  void make_detector() {
+    detector_ =
+        cv::SIFT::create(0, octave_layers_, contrast_threshold_, edge_threshold_, sigma_px_);
+  }
+
+  /// The image as one grey channel; borrows the pixels where it can.
+  cv::Mat grey_of(const Array<std::uint8_t>& pixels) {
+    const auto height = static_cast<int>(pixels.dim(0));
+    const auto width = static_cast<int>(pixels.dim(1));
+    const int type = pixels.ndim() == 3 ? CV_8UC3 : CV_8UC1;
+    cv::Mat view;
+    if (pixels.row_stride() >= pixels.row_elements()) {
+      view = cv::Mat(height, width, type, const_cast<std::uint8_t*>(pixels.data()),
+                     static_cast<std::size_t>(pixels.row_stride()));
+    } else {
+      view.create(height, width, type);
+      for (int y = 0; y < height; ++y) {
+        std::copy_n(pixels.row(y), pixels.row_elements(), view.ptr(y));
+      }
+    }
+    if (type == CV_8UC1) return view;
+    cv::cvtColor(view, grey_, cv::COLOR_BGR2GRAY);
+    return grey_;
+  }
+
+  /// The keypoints of the answer in their order, with descriptors. Describing everything at once
+  /// saves a second pyramid; describing the selection alone is cheaper when it leaves much out.
+  /// Both give the same descriptors, so the choice may rest on the image before.
+  Found select(const cv::Mat& grey, const Array<std::uint8_t>* mask) {
+    Found found;
+    const bool describe_all = !selection_drops_much_;
+    if (describe_all) {
+      detector_->detectAndCompute(grey, cv::noArray(), found.keypoints, found.descriptors);
+    } else {
+      detector_->detect(grey, found.keypoints);
+    }
+    const std::vector<int> order = selection(found.keypoints, grey.size(), mask);
+    selection_drops_much_ = 4 * order.size() < 3 * found.keypoints.size();
+
+    Found selected;
+    for (const int i : order) {
+      selected.keypoints.push_back(found.keypoints[static_cast<std::size_t>(i)]);
+    }
+    if (describe_all) {
+      selected.descriptors.create(static_cast<int>(order.size()), kDescriptorLength, CV_32F);
+      for (std::size_t i = 0; i < order.size(); ++i) {
+        found.descriptors.row(order[i]).copyTo(selected.descriptors.row(static_cast<int>(i)));
+      }
+    } else if (!order.empty()) {
+      selected.descriptors = describe(grey, selected.keypoints);
+    }
+    return selected;
+  }
+
+  std::vector<int> selection(std::vector<cv::KeyPoint> keypoints, cv::Size image,
+                             const Array<std::uint8_t>* mask) const {
+    for (cv::KeyPoint& keypoint : keypoints) {
+      keypoint.pt -= cv::Point2f(kDoublingOffsetPx, kDoublingOffsetPx);
+    }
+    std::vector<int> order = canonical_order(keypoints);
+    if (mask != nullptr) keep_inside(keypoints, *mask, order);
+    keep_spread(keypoints, image, max_keypoints_, buckets_, order);
+    return order;
+  }
+
+  /// OpenCV builds the doubled octave only if a keypoint lies in it, and describes the others
+  /// differently without it: one more keypoint there keeps descriptors independent of the
+  /// selection.
+  cv::Mat describe(const cv::Mat& grey, std::vector<cv::KeyPoint> keypoints) {
+    cv::KeyPoint doubled = keypoints.front();
+    doubled.octave = (kDoubledOctave & 0xFF) | (1 << 8);
+    doubled.size = 2.0F;
+    keypoints.push_back(doubled);
+    cv::Mat descriptors;
+    detector_->compute(grey, keypoints, descriptors);
+    return descriptors.rowRange(0, descriptors.rows - 1);
+  }
+
+  Result<Keypoints> answer(const Found& found) const {
+    const auto count = static_cast<std::int64_t>(found.keypoints.size());
+    Keypoints keypoints;
+    keypoints.xy_px = Array<double>({count, 2});
+    keypoints.scale_px = Array<double>({count});
+    keypoints.angle_rad = Array<double>({count});
+    keypoints.response = Array<double>({count});
+    keypoints.octave = Array<std::int32_t>({count});
+    keypoints.metric = "l2";
+    keypoints.descriptors = Array<float>({count, kDescriptorLength});
+    // A blob of Gaussian profile answers strongest between the two scales whose difference was
+    // taken, and OpenCV names the finer one.
+    const double blob_sigma_per_scale = std::exp2(0.5 / octave_layers_);
+    for (std::int64_t i = 0; i < count; ++i) {
+      const cv::KeyPoint& keypoint = found.keypoints[static_cast<std::size_t>(i)];
+      keypoints.xy_px(i, 0) = static_cast<double>(keypoint.pt.x - kDoublingOffsetPx);
+      keypoints.xy_px(i, 1) = static_cast<double>(keypoint.pt.y - kDoublingOffsetPx);
+      keypoints.scale_px(i) = 0.5 * static_cast<double>(keypoint.size) * blob_sigma_per_scale;
+      keypoints.angle_rad(i) = static_cast<double>(keypoint.angle) * std::numbers::pi / 180.0;
+      keypoints.response(i) = static_cast<double>(keypoint.response);
+      keypoints.octave(i) = octave_of(keypoint);
+      std::copy_n(found.descriptors.ptr<float>(static_cast<int>(i)), kDescriptorLength,
+                  keypoints.descriptors.row(i));
+    }
+    if (count == 0) return degenerate(std::move(keypoints), "no keypoints");
+    return keypoints;
+  }
+
+  int max_keypoints_ = 4000;
+  int buckets_ = 16;
+  int octave_layers_ = 3;
+  double contrast_threshold_ = 0.04;
+  double edge_threshold_ = 10.0;
+  double sigma_px_ = 1.6;
+  cv::Ptr<cv::SIFT> detector_;
+  cv::Mat grey_;
+  bool selection_drops_much_ = false;
+};
+
+}  // namespace
+}  // namespace weft::sift
+
+WEFT_PLUGIN(weft::sift::Sift, "detectors/sift", "1.0.0",
+            "Finds SIFT keypoints and describes them with 128 numbers each.")

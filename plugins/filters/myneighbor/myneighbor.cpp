@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "consensus.hpp"
+
+namespace {
+
+using namespace weft::myneighbor;
+using weft::FilterInput;
+using weft::InlierMask;
+
+constexpr double kFoldedShare = 0.2;      // of the faces, above which the warp is suspicious
+constexpr double kSmallestObject = 0.02;  // of the image's diagonal
+
+/// Keeps the matches that agree with a warp fitted to those whose Delaunay neighbours in template
+/// and image are mostly the same (Shetab-Bushehri et al. 2023, Section V).
+class MyNeighbor final : public weft::Filter {
+ public:
+  static constexpr weft::About kAbout{
+      .reference = "Shetab-Bushehri et al. 2023, ROBUSfT, Section V",
+      .licence = "GPL-3.0-or-later",  // CGAL's triangulations
+      .needs = "template",
+      .reads = "camera"};
+
+  explicit MyNeighbor(weft::Params& p) {
+    Options& o = options_;
+    p.choice("mode", o.mode, {{"paper", Mode::paper}, {"authors_code", Mode::authors_code}},
+             "as published, or as in the authors' program");
+    p.read("alpha_s", o.alpha_s, "", {0, 10},
+           "for paper: kept within this part of the mean distance of the warped vertices");
+    p.read("authors_alpha_s", o.authors_alpha_s, "", {0, 10},
+           "for authors_code: kept within this part of the mean distance of step II's points");
+    p.read("mf_threshold_scale", o.mf_threshold_scale, "", {0, 10},
+           "step I selects mismatch factors below this part of their mean");
+    p.read("min_selected", o.min_selected, "", {8, 100000},
+           "where step I selects fewer, it takes the smallest factors, a fifth but at least 8");
+    p.choice("transfer", o.transfer, {{"mesh", Transfer::mesh}, {"warp", Transfer::warp}},
+             "what carries template points to the image: the warped mesh, or the warp itself");
+    p.read("weighted_fit", o.weighted_fit, "the smaller the factor, the larger the weight in fits");
+    p.choice("refinement", o.refinement,
+             {{"off", Refinement::off},
+              {"second_pass", Refinement::second_pass},
+              {"irls", Refinement::irls}},
+             "second_pass: steps I and II again without clear mismatches; irls: robust refits");
+    p.read("irls_scales_px", o.irls_scales_px, "px", {0.01, 1e4},
+           "for irls: one refit of all for each s, with weights (s^2 / (s^2 + r^2))^2");
+    p.read("irls_keep_px", o.irls_keep_px, "px", {0, 1e4},
+           "for irls: kept within this distance, instead of alpha_s");
+    p.component("warp", warp_, "the warp that is fitted");
+  }
+
+  weft::Result<InlierMask> filter(const FilterInput& in) override {
+    if (auto done = consensus_.run(in); !done) return done.error();
+    const double size_px = consensus_.object_size_px();
+    if (!(size_px > 0.0)) return weft::no_result("the warp shrinks the template to a point");
+    const double folded = folded_share(consensus_.vertices_px(), in.templ->faces.matrix<3>());
+    const double threshold_px = this->threshold_px(size_px);
+    InlierMask mask = judge(in, threshold_px);
+    add_scalars(mask, size_px, threshold_px, folded);
+    const std::string flag = reason(in, size_px, folded);
+    if (!flag.empty()) return weft::degenerate(std::move(mask), flag);
+    return mask;
+  }
+
+ private:
+  double threshold_px(double size_px) const {
+    if (options_.refinement == Refinement::irls) return options_.irls_keep_px;
+    return size_px * (options_.mode == Mode::paper ? options_.alpha_s : options_.authors_alpha_s);
+  }
+
+  /// Step III: a match is kept when its distance is below the threshold; its score is then > 1/2.
+  InlierMask judge(const FilterInput& in, double threshold_px) const {
+    const std::int64_t n = in.correspondences.count();
+    const Eigen::VectorXd none =
+        Eigen::VectorXd::Constant(n, std::numeric_limits<double>::quiet_NaN());
+    InlierMask mask;
+    mask.kept = weft::Array<std::uint8_t>({n});
+    mask.score = weft::Array<double>({n});
+    weft::Array<double> factor = weft::make_array<double>(none);
+    weft::Array<double> distance = weft::make_array<double>(none);
+    weft::Array<double> stage = weft::make_array<double>(none);
+    for (std::size_t k = 0; k < consensus_.candidates().size(); ++k) {
+      const std::int64_t i = consensus_.candidates()[k];
+      const double distance_px = consensus_.distance_px()[k];
+      mask.kept(i) = distance_px < threshold_px ? 1 : 0;
+      mask.score(i) = threshold_px > 0.0 ? threshold_px / (threshold_px + distance_px) : 0.0;
+      factor(i) = consensus_.mismatch_percent()[k];
+      distance(i) = distance_px;
+      stage(i) = static_cast<double>(consensus_.stage(k));
+    }
+    mask.diag.set("mismatch_factor_percent", factor);
+    mask.diag.set("distance_px", distance);
+    mask.diag.set("stage", stage);
+    return mask;
+  }
+
+  void add_scalars(InlierMask& mask, double size_px, double threshold_px, double folded) const {
+    const Selection& selection = consensus_.selection();
+    const Trim& trim = consensus_.trim();
+    std::int64_t kept = 0;
+    for (std::int64_t i = 0; i < mask.kept.rows(); ++i) kept += mask.kept(i);
+    mask.diag.set("candidates", static_cast<double>(consensus_.candidates().size()));
+    mask.diag.set("mf_mean_percent", selection.mean_percent);
+    mask.diag.set("mf_threshold_percent", selection.threshold_percent);
+    mask.diag.set("step1_matches", static_cast<double>(selection.count));
+    mask.diag.set("step1_fallback", selection.fallback ? 1.0 : 0.0);
+    mask.diag.set("step2_median_px", trim.median_px);
+    mask.diag.set("step2_mad_px", trim.mad_px);
+    mask.diag.set("step2_matches", static_cast<double>(trim.count));
+    mask.diag.set("l_s_px", size_px);
+    mask.diag.set("threshold_px", threshold_px);
+    mask.diag.set("kept_matches", static_cast<double>(kept));
+    mask.diag.set("folded_share", folded);
+    mask.diag.set("warp_suspicious", folded > kFoldedShare ? 1.0 : 0.0);
+  }
+
+  /// Why the answer is to be used with care; empty when there is no reason.
+  std::string reason(const FilterInput& in, double size_px, double folded) const {
+    if (folded > kFoldedShare) return "the warp folds more than a fifth of the mesh";
+    if (in.camera) {
+      const double diagonal_px = std::hypot(static_cast<double>(in.camera->width_px),
+                                            static_cast<double>(in.camera->height_px));
+      if (size_px < kSmallestObject * diagonal_px) return "the object is tiny in the image";
+    }
+    return consensus_.flag();
+  }
+
+  Options options_;
+  weft::WarpComponent warp_{"warps/bbs"};
+  Consensus consensus_{options_, warp_};
+};
+
+}  // namespace
+
+WEFT_PLUGIN(MyNeighbor, "filters/myneighbor", "1.0.0",
+            "Rejects matches whose neighbours differ between template and image.")

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+#include <weft/geometry/types.hpp>
+
+namespace weft::myneighbor {
+
+/// The 1-ring of each point in the Delaunay triangulation of the different points. Points in one
+/// place share a vertex of the triangulation and are each other's neighbours.
+struct NeighbourSets {
+  std::vector<std::int32_t> vertex_of;  ///< [n] vertex of each point
+  std::vector<std::int32_t> offsets;    ///< [vertices+1] where each set starts in `items`
+  std::vector<std::int32_t> items;      ///< [.] indices of points, ascending within a set
+
+  /// Point i, the points in the same place, and the points at the neighbouring vertices.
+  std::span<const std::int32_t> with_self(std::size_t i) const {
+    const auto vertex = static_cast<std::size_t>(vertex_of[i]);
+    const auto first = static_cast<std::size_t>(offsets[vertex]);
+    return {items.data() + first, static_cast<std::size_t>(offsets[vertex + 1]) - first};
+  }
+};
+
+/// Fills `sets` for finite points [n,2], with exact predicates: the answer does not depend on the
+/// order of the points, on a grid neither. False, without an answer, when they all lie on a line.
+bool build_neighbour_sets(const Points2View& points, NeighbourSets& sets);
+
+/// How much of point i's neighbourhood changed: 100 |P xor Q| / |P union Q| without i itself, or
+/// `empty_percent` when both are empty. (Shetab-Bushehri et al. 2023, Section V)
+double mismatch_factor_percent(const NeighbourSets& p, const NeighbourSets& q, std::size_t i,
+                               double empty_percent = 100.0);
+
+}  // namespace weft::myneighbor

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "neighbour_sets.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <numeric>
+#include <set>
+#include <weft/core/rng.hpp>
+
+namespace {
+
+using weft::Points2;
+using weft::Rng;
+using weft::myneighbor::build_neighbour_sets;
+using weft::myneighbor::mismatch_factor_percent;
+using weft::myneighbor::NeighbourSets;
+using Set = std::set<std::int32_t>;
+
+Points2 random_points(int count, Rng& rng) {
+  Points2 points(count, 2);
+  for (Eigen::Index i = 0; i < points.size(); ++i) points.data()[i] = rng.uniform(0.0, 500.0);
+  return points;
+}
+
+NeighbourSets sets_of(const Points2& points) {
+  NeighbourSets sets;
+  EXPECT_TRUE(build_neighbour_sets(points, sets));
+  return sets;
+}
+
+Set neighbours(const NeighbourSets& sets, std::int32_t i) {
+  const auto all = sets.with_self(static_cast<std::size_t>(i));
+  Set found(all.begin(), all.end());
+  EXPECT_EQ(found.erase(i), 1U);
+  EXPECT_TRUE(std::is_sorted(all.begin(), all.end()));
+  return found;
+}
+
+/// Whether d is inside the circle through a, b and c.
+bool in_circle(const Points2& p, int a, int b, int c, int d) {
+  Eigen::Matrix3d m;
+  int row = 0;
+  for (const int i : {a, b, c}) {
+    const Eigen::RowVector2d arm = p.row(i) - p.row(d);
+    m.row(row++) << arm, arm.squaredNorm();
+  }
+  Eigen::Matrix2d turn;
+  turn << p.row(b) - p.row(a), p.row(c) - p.row(a);
+  return m.determinant() * turn.determinant() > 0.0;
+}
+
+std::vector<Set> brute_force(const Points2& p) {
+  const int n = static_cast<int>(p.rows());
+  std::vector<Set> sets(static_cast<std::size_t>(n));
+  for (int a = 0; a < n; ++a) {
+    for (int b = a + 1; b < n; ++b) {
+      for (int c = b + 1; c < n; ++c) {
+        bool empty = true;
+        for (int d = 0; d < n && empty; ++d) {
+          empty = d == a || d == b || d == c || !in_circle(p, a, b, c, d);
+        }
+        if (!empty) continue;
+        for (const auto& [i, j] : {std::pair(a, b), std::pair(b, c), std::pair(a, c)}) {
+          sets[static_cast<std::size_t>(i)].insert(j);
+          sets[static_cast<std::size_t>(j)].insert(i);
+        }
+      }
+    }
+  }
+  return sets;
+}
+
+TEST(NeighbourSets, AreTheRingsOfTheDelaunayTriangulation) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    SCOPED_TRACE(seed);
+    Rng rng(seed);
+    const Points2 points = random_points(30, rng);
+    const NeighbourSets sets = sets_of(points);
+    const std::vector<Set> expected = brute_force(points);
+    for (std::int32_t i = 0; i < 30; ++i) {
+      EXPECT_EQ(neighbours(sets, i), expected[static_cast<std::size_t>(i)]) << "point " << i;
+    }
+  }
+}
+
+TEST(NeighbourSets, DoNotDependOnTheOrderOfPointsOfAGrid) {
+  Points2 grid(100, 2), shuffled(100, 2);
+  for (int i = 0; i < 100; ++i) grid.row(i) << 10.0 * (i % 10), 10.0 * (i / 10);
+  std::vector<std::int32_t> order(100);
+  std::iota(order.begin(), order.end(), 0);
+  Rng rng(4);
+  rng.shuffle(order);
+  for (int i = 0; i < 100; ++i) shuffled.row(i) = grid.row(order[static_cast<std::size_t>(i)]);
+  const NeighbourSets first = sets_of(grid), second = sets_of(shuffled);
+  for (std::int32_t i = 0; i < 100; ++i) {
+    Set renamed;
+    for (const std::int32_t j : neighbours(second, i)) {
+      renamed.insert(order[static_cast<std::size_t>(j)]);
+    }
+    EXPECT_EQ(renamed, neighbours(first, order[static_cast<std::size_t>(i)])) << "point " << i;
+  }
+}
+
+TEST(NeighbourSets, HoldTheOtherPointsInTheSamePlace) {
+  Rng rng(5);
+  const Points2 different = random_points(20, rng);
+  Points2 points(23, 2);
+  points << different, different.row(7), different.row(7), different.row(2);
+  const NeighbourSets sets = sets_of(points), before = sets_of(different);
+  for (const std::int32_t i : {7, 20, 21}) {
+    Set expected = neighbours(before, 7);
+    if (expected.count(2) != 0) expected.insert(22);
+    expected.insert({7, 20, 21});
+    expected.erase(i);
+    EXPECT_EQ(neighbours(sets, i), expected);
+  }
+}
+
+TEST(NeighbourSets, DoNotExistForPointsOnALine) {
+  NeighbourSets sets;
+  Points2 line(5, 2);
+  line << 0, 0, 1, 2, 2, 4, 3, 6, 4, 8;
+  EXPECT_FALSE(build_neighbour_sets(line, sets));
+  EXPECT_FALSE(build_neighbour_sets(Points2::Constant(9, 2, 3.0), sets));
+  EXPECT_FALSE(build_neighbour_sets(line.topRows(2), sets));
+  EXPECT_FALSE(build_neighbour_sets(Points2(0, 2), sets));
+}
+
+TEST(MismatchFactor, IsZeroUnderASimilarityAndCountsWhatChanged) {
+  Rng rng(6);
+  const Points2 points = random_points(200, rng);
+  Eigen::Matrix2d turn;
+  turn << 0.6, -0.3, 0.3, 0.6;
+  const NeighbourSets p = sets_of(points), q = sets_of(points * turn);
+  for (std::size_t i = 0; i < 200; ++i) EXPECT_EQ(mismatch_factor_percent(p, q, i), 0.0);
+  Points2 moved = points;
+  moved.row(17) = moved.row(17) + Eigen::RowVector2d(2000.0, 0.0);
+  const NeighbourSets other = sets_of(moved);
+  Set either = neighbours(p, 17), difference;
+  const Set after = neighbours(other, 17);
+  std::set_symmetric_difference(either.begin(), either.end(), after.begin(), after.end(),
+                                std::inserter(difference, difference.begin()));
+  either.insert(after.begin(), after.end());
+  EXPECT_DOUBLE_EQ(
+      mismatch_factor_percent(p, other, 17),
+      100.0 * static_cast<double>(difference.size()) / static_cast<double>(either.size()));
+  EXPECT_GT(mismatch_factor_percent(p, other, 17), 50.0);
+}
+
+}  // namespace

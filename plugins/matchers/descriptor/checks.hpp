@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <weft/core/result.hpp>
+#include <weft/data/keypoints.hpp>
+
+namespace weft::descriptor {
+
+/// Whether two sets of keypoints, neither of them empty, can be matched: same known metric,
+/// descriptors of the same length, finite numbers, positive scales. The Error says what to change.
+Result<void> check(const Keypoints& templ, const Keypoints& image, bool root_sift);
+
+}  // namespace weft::descriptor

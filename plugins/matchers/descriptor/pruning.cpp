@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pruning.hpp"
+
+#include <numeric>
+#include <tuple>
+
+#include "point_index.hpp"
+
+namespace weft::descriptor {
+namespace {
+
+auto quality(const Match& match) {
+  return std::tuple(match.distance, match.template_keypoint, match.image_keypoint);
+}
+
+std::vector<int> sorted_indices(std::size_t count, const auto& less) {
+  std::vector<int> order(count);
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), less);
+  return order;
+}
+
+void keep_flagged(const std::vector<char>& keep, std::vector<Match>& matches) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    if (keep[i] != 0) matches[kept++] = matches[i];
+  }
+  matches.resize(kept);
+}
+
+}  // namespace
+
+void keep_one_per_image_point(std::vector<Match>& matches) {
+  const auto at = [&](int i) -> const Match& { return matches[static_cast<std::size_t>(i)]; };
+  const std::vector<int> order = sorted_indices(matches.size(), [&](int i, int j) {
+    const Match &a = at(i), &b = at(j);
+    return std::tuple(a.image_px.y(), a.image_px.x(), quality(a)) <
+           std::tuple(b.image_px.y(), b.image_px.x(), quality(b));
+  });
+  std::vector<char> keep(matches.size(), 0);
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const bool first = k == 0 || at(order[k]).image_px != at(order[k - 1]).image_px;
+    keep[static_cast<std::size_t>(order[k])] = first ? 1 : 0;
+  }
+  keep_flagged(keep, matches);
+}
+
+void merge_duplicates(double radius_px, std::vector<Match>& matches) {
+  if (radius_px == 0.0) return;
+  const auto at = [&](int i) -> const Match& { return matches[static_cast<std::size_t>(i)]; };
+  PointIndex template_points;
+  template_points.load(static_cast<int>(matches.size()), [&](int i) { return at(i).template_px; });
+  const std::vector<int> order =
+      sorted_indices(matches.size(), [&](int i, int j) { return quality(at(i)) < quality(at(j)); });
+  std::vector<char> keep(matches.size(), 0);
+  for (const int i : order) {
+    bool merged = false;
+    template_points.for_each_within(at(i).template_px, radius_px, [&](int j) {
+      merged = merged || (keep[static_cast<std::size_t>(j)] != 0 &&
+                          (at(j).image_px - at(i).image_px).norm() <= radius_px);
+    });
+    keep[static_cast<std::size_t>(i)] = merged ? 0 : 1;
+  }
+  keep_flagged(keep, matches);
+}
+
+}  // namespace weft::descriptor

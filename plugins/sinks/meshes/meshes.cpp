@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <string_view>
+#include <weft/sdk/sink.hpp>
+
+#include "mesh_text.hpp"
+
+namespace weft::meshes {
+namespace {
+
+namespace fs = std::filesystem;
+
+enum class Format { ply, obj, both };
+
+constexpr const char* kTextureName = "texture.png";
+constexpr const char* kMaterialName = "texture.mtl";
+
+/// Writes under a temporary name first, so that no half-written file bears the final one.
+Result<void> write_file(const fs::path& path, std::string_view bytes) {
+  const fs::path temporary = path.string() + ".part";
+  errno = 0;
+  std::ofstream stream(temporary, std::ios::binary);
+  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  stream.close();
+  if (stream && std::rename(temporary.c_str(), path.c_str()) == 0) return {};
+  const char* reason = errno != 0 ? std::strerror(errno) : "unknown reason";
+  return Error{Errc::io,
+               path.string() + " cannot be written (" + reason +
+                   "): choose another 'path', or make it writable and free space",
+               {}};
+}
+
+/// One mesh file for each frame with a shape, in metres in the camera frame.
+class Meshes final : public Sink {
+ public:
+  static constexpr About kAbout{.needs = "shape"};
+
+  explicit Meshes(Params& p) {
+    p.output_path("path", path_, "folder of the mesh files");
+    p.choice("format", format_,
+             {{"ply", Format::ply}, {"obj", Format::obj}, {"both", Format::both}}, "file format");
+    p.read("texture", texture_, "give OBJ files texture coordinates and the template's texture");
+  }
+
+  Result<void> prepare(const PrepareInput& in) override {
+    faces_ = in.templ.faces.matrix<3>();
+    vertex_count_ = in.templ.vertices_m.rows();
+    texture_uv_.resize(0, 2);
+    if (!texture_ || format_ == Format::ply) return {};
+    const Array<std::uint8_t>& texture = in.templ.texture;
+    const auto height = static_cast<double>(texture.dim(0));
+    const auto width = static_cast<double>(texture.dim(1));
+    // Texture coordinates of OBJ span the image from edge to edge and grow upwards.
+    texture_uv_.resize(vertex_count_, 2);
+    texture_uv_.col(0) = (in.templ.flat_px.matrix<2>().col(0).array() + 0.5) / width;
+    texture_uv_.col(1) = 1.0 - (in.templ.flat_px.matrix<2>().col(1).array() + 0.5) / height;
+    const cv::Mat pixels(static_cast<int>(texture.dim(0)), static_cast<int>(texture.dim(1)),
+                         texture.ndim() == 2 ? CV_8UC1 : CV_8UC3,
+                         const_cast<std::uint8_t*>(texture.data()),
+                         static_cast<std::size_t>(texture.row_stride()));
+    std::vector<std::uint8_t> png;
+    if (!cv::imencode(".png", pixels, png)) {
+      return Error{Errc::unsupported, "the template's texture cannot be written as PNG", {}};
+    }
+    texture_png_.assign(png.begin(), png.end());
+    return {};
+  }
+
+  Result<void> open(const Call&) override {
+    std::error_code status;
+    fs::create_directories(path_, status);
+    if (status) {
+      return Error{Errc::io,
+                   "the folder " + path_ + " cannot be made (" + status.message() +
+                       "): choose another 'path'",
+                   {}};
+    }
+    if (texture_uv_.rows() == 0) return {};
+    const fs::path folder(path_);
+    if (auto done = write_file(folder / kTextureName, texture_png_); !done) return done;
+    return write_file(folder / kMaterialName, to_mtl(kTextureName));
+  }
+
+  Result<void> write(const SinkInput& in) override {
+    const Shape& shape = *in.shape;
+    if (shape.vertices_m.rows() != vertex_count_) {
+      return Error{Errc::invalid_data,
+                   "the shape has " + std::to_string(shape.vertices_m.rows()) +
+                       " vertices, the template " + std::to_string(vertex_count_),
+                   {}};
+    }
+    const auto vertices = shape.vertices_m.matrix<3>();
+    if (!vertices.allFinite()) {
+      return Error{Errc::invalid_data, "the shape has a vertex that is not finite", {}};
+    }
+    const Mesh mesh{vertices, faces_, description(shape, in.call.frame())};
+    if (format_ != Format::obj) {
+      if (auto done = write_file(file_of(in.call.frame(), "ply"), to_ply(mesh)); !done) return done;
+    }
+    if (format_ == Format::ply) return {};
+    return write_file(file_of(in.call.frame(), "obj"), to_obj(mesh, texture_uv_, kMaterialName));
+  }
+
+  Result<void> finish(const Call&) override { return {}; }
+
+ private:
+  fs::path file_of(std::uint64_t frame, const char* extension) const {
+    char name[40];
+    std::snprintf(name, sizeof name, "%06llu.%s", static_cast<unsigned long long>(frame),
+                  extension);
+    return fs::path(path_) / name;
+  }
+
+  static std::string description(const Shape& shape, std::uint64_t frame) {
+    return "frame " + std::to_string(frame) + "\nstate " + to_string(shape.shape_state()) +
+           "\nage " + std::to_string(shape.age_frames) +
+           " frames\nmetres, camera frame: x right, y down, z forward\n";
+  }
+
+  std::string path_ = "meshes";
+  Format format_ = Format::ply;
+  bool texture_ = true;
+
+  Faces faces_;
+  Eigen::Index vertex_count_ = 0;
+  Points2 texture_uv_;       // [V,2], empty when no texture is written
+  std::string texture_png_;  // the file's bytes
+};
+
+}  // namespace
+}  // namespace weft::meshes
+
+using weft::meshes::Meshes;
+WEFT_PLUGIN(Meshes, "sinks/meshes", "1.0.0", "Writes one mesh file for each frame with a shape.")

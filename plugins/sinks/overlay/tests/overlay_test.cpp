@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <stdlib.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+#include <stdexcept>
+#include <weft/data/correspondences.hpp>
+#include <weft/data/image.hpp>
+#include <weft/data/shape.hpp>
+#include <weft/testing/plugin_under_test.hpp>
+#include <weft/testing/synthetic.hpp>
+
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using weft::Image;
+using weft::Shape;
+using weft::ShapeState;
+using weft::testing::input;
+using weft::testing::Input;
+using weft::testing::Outcome;
+using weft::testing::PluginUnderTest;
+
+constexpr int kOpen = 0, kWrite = 1, kFinish = 2;
+constexpr int kWidth = 160, kHeight = 120;
+constexpr std::uint8_t kGrey = 100;
+
+int frames_in(const fs::path& video) {
+  cv::VideoCapture capture(video.string(), cv::CAP_FFMPEG);
+  int count = 0;
+  for (cv::Mat frame; capture.isOpened() && capture.read(frame);) ++count;
+  return count;
+}
+
+class OverlaySink : public ::testing::Test {
+ protected:
+  OverlaySink() {
+    std::string pattern = (fs::temp_directory_path() / "weft_XXXXXX").string();
+    if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
+    folder_ = pattern;
+    camera_.fx = camera_.fy = 100.0;
+    camera_.cx = 80.0;
+    camera_.cy = 60.0;
+    camera_.width_px = kWidth;
+    camera_.height_px = kHeight;
+    image_.stem = "009";
+    image_.pixels = weft::Array<std::uint8_t>({kHeight, kWidth, 3});
+    std::fill_n(image_.pixels.data(), image_.pixels.size(), kGrey);
+    // A square of 40 x 40 px around the principal point, 1 m before the camera.
+    shape_.vertices_m = weft::Array<double>({4, 3});
+    for (std::int64_t v = 0; v < 4; ++v) {
+      shape_.vertices_m(v, 0) = v % 2 == 0 ? -0.2 : 0.2;
+      shape_.vertices_m(v, 1) = v < 2 ? -0.2 : 0.2;
+      shape_.vertices_m(v, 2) = 1.0;
+    }
+    shape_.source = weft::Array<std::uint8_t>({4});
+  }
+  ~OverlaySink() override {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+
+  PluginUnderTest sink(const std::string& more = "", const std::string& name = "view.avi") const {
+    return PluginUnderTest("sinks/overlay",
+                           "{path: '" + (folder_ / name).string() + "'" + more + "}");
+  }
+
+  Outcome open(PluginUnderTest& plugin) const {
+    const auto prepared = plugin.prepare(templ_, camera_);
+    EXPECT_TRUE(prepared) << prepared.error().message;
+    return plugin.process(kOpen, {});
+  }
+
+  std::vector<Input> inputs(bool with_shape = true) const {
+    std::vector<Input> list{input("image", image_), input("camera", camera_),
+                            input("template", templ_)};
+    if (with_shape) list.push_back(input("shape", shape_));
+    return list;
+  }
+
+  /// The still of one frame with these inputs, without the losses of the video.
+  cv::Mat still(const std::vector<Input>& list, const std::string& more = "") const {
+    PluginUnderTest plugin("sinks/overlay", "{path: '" + (folder_ / "s.avi").string() +
+                                                "', stills_every: 1" + more + "}");
+    EXPECT_EQ(open(plugin).status, WEFT_OK);
+    const Outcome written = plugin.process(kWrite, list, 3);
+    EXPECT_EQ(written.status, WEFT_OK) << written.message;
+    return cv::imread((folder_ / "s" / "000003.png").string());
+  }
+
+  fs::path folder_;
+  weft::Camera camera_;
+  weft::Template templ_ = weft::testing::make_template({2, 2, 0.4, 0.4, 16, 16});
+  Image image_;
+  Shape shape_;
+};
+
+TEST_F(OverlaySink, WritesEveryFrameIntoTheVideo) {
+  for (const char* name : {"view.avi", "view.mkv"}) {
+    auto plugin = sink(", fps: 10", name);
+    ASSERT_EQ(open(plugin).status, WEFT_OK);
+    for (std::uint64_t i = 0; i < 12; ++i) {
+      ASSERT_EQ(plugin.process(kWrite, inputs(i % 3 != 0), i).status, WEFT_OK);
+    }
+    ASSERT_EQ(plugin.process(kFinish, {}).status, WEFT_OK);
+    EXPECT_EQ(frames_in(folder_ / name), 12) << name;
+    cv::VideoCapture capture((folder_ / name).string(), cv::CAP_FFMPEG);
+    EXPECT_NEAR(capture.get(cv::CAP_PROP_FPS), 10.0, 1e-6);
+  }
+}
+
+TEST_F(OverlaySink, LeavesAReadableAviWhenTheRunIsKilled) {
+  // A pattern that JPEG compresses badly, so that the file grows beyond its buffer.
+  for (std::int64_t i = 0; i < image_.pixels.size(); ++i) {
+    image_.pixels.data()[i] = static_cast<std::uint8_t>(i * 2654435761U >> 24U);
+  }
+  auto plugin = sink();
+  ASSERT_EQ(open(plugin).status, WEFT_OK);
+  for (std::uint64_t i = 0; i < 40; ++i) {
+    ASSERT_EQ(plugin.process(kWrite, inputs(), i).status, WEFT_OK);
+  }
+  // What is on the disk now is what a killed process leaves behind.
+  fs::copy_file(folder_ / "view.avi", folder_ / "killed.avi");
+  const int readable = frames_in(folder_ / "killed.avi");
+  EXPECT_GE(readable, 36);
+  EXPECT_LE(readable, 40);
+}
+
+TEST_F(OverlaySink, DrawsEdgesWhereTheCameraSeesThem) {
+  const cv::Mat picture = still(inputs());
+  ASSERT_EQ(picture.size(), cv::Size(kWidth, kHeight));
+  // The border of the square: x from 60 to 100, y from 40 to 80.
+  for (int along = 45; along <= 75; along += 5) {
+    for (const cv::Point& p : {cv::Point(60, along), cv::Point(100, along),
+                               cv::Point(along + 20, 40), cv::Point(along + 20, 80)}) {
+      const cv::Vec3b colour = picture.at<cv::Vec3b>(p);
+      EXPECT_GT(colour[1], colour[2] + 60) << p;
+      EXPECT_GT(colour[1], colour[0] + 60) << p;
+    }
+  }
+  EXPECT_EQ(picture.at<cv::Vec3b>(20, 20), cv::Vec3b(kGrey, kGrey, kGrey));
+  EXPECT_EQ(picture.at<cv::Vec3b>(50, 82), cv::Vec3b(kGrey, kGrey, kGrey)) << "inside a face";
+}
+
+TEST_F(OverlaySink, DrawsBetweenPixels) {
+  // The centre of brightness across a thin line follows a shift of a quarter pixel.
+  const auto centre_of_left_edge = [&] {
+    const cv::Mat picture = still(inputs());
+    double sum = 0.0, moment = 0.0;
+    for (int x = 54; x <= 66; ++x) {
+      const double weight = std::abs(picture.at<cv::Vec3b>(70, x)[1] - 100.0);
+      sum += weight;
+      moment += weight * x;
+    }
+    return moment / sum;
+  };
+  const double before = centre_of_left_edge();
+  for (std::int64_t v = 0; v < 4; ++v) shape_.vertices_m(v, 0) += 0.0025;
+  EXPECT_NEAR(centre_of_left_edge() - before, 0.25, 0.15);
+}
+
+TEST_F(OverlaySink, ShowsTheStateByColour) {
+  const auto colour_of = [&](ShapeState state) {
+    shape_.state = static_cast<std::int32_t>(state);
+    return still(inputs()).at<cv::Vec3b>(40, 75);
+  };
+  const cv::Vec3b estimated = colour_of(ShapeState::estimated), weak = colour_of(ShapeState::weak);
+  const cv::Vec3b predicted = colour_of(ShapeState::predicted), lost = colour_of(ShapeState::lost);
+  EXPECT_TRUE(estimated[1] > estimated[2] && estimated[1] > estimated[0]) << "green";
+  EXPECT_TRUE(weak[2] > weak[1] && weak[1] > weak[0]) << "amber";
+  EXPECT_TRUE(predicted[2] > predicted[1] + 50 && predicted[2] > predicted[0] + 50) << "red";
+  EXPECT_TRUE(lost[2] > lost[1] && lost[2] < predicted[2]) << "fainter red";
+}
+
+TEST_F(OverlaySink, WithoutAShapeOnlyTheCaptionIsDrawn) {
+  const cv::Mat picture = still(inputs(false));
+  cv::Mat changed;
+  cv::inRange(picture, cv::Scalar::all(kGrey), cv::Scalar::all(kGrey), changed);
+  const cv::Rect caption = cv::boundingRect(255 - changed);
+  EXPECT_FALSE(caption.empty());
+  EXPECT_GT(caption.y, kHeight * 3 / 4);
+}
+
+TEST_F(OverlaySink, DrawsKeptMatchesOnly) {
+  weft::Correspondences matches;
+  matches.template_px = weft::Array<double>({2, 2});
+  matches.image_px = weft::Array<double>({2, 2});
+  matches.face = weft::Array<std::int32_t>({2});
+  matches.barycentrics = weft::Array<double>({2, 3});
+  matches.kept = weft::Array<std::uint8_t>({2});
+  matches.score = weft::Array<double>({2});
+  matches.kept(0) = 1;
+  for (std::int64_t i = 0; i < 2; ++i) {
+    matches.image_px(i, 0) = i == 0 ? 20.0 : 140.0;
+    matches.image_px(i, 1) = 30.0;
+  }
+  auto list = inputs();
+  list.push_back(input("correspondences", matches));
+  const cv::Vec3b background(kGrey, kGrey, kGrey);
+  EXPECT_NE(still(list).at<cv::Vec3b>(30, 20), background);
+  EXPECT_EQ(still(list).at<cv::Vec3b>(30, 140), background);
+  EXPECT_EQ(still(list, ", draw_matches: false").at<cv::Vec3b>(30, 20), background);
+}
+
+TEST_F(OverlaySink, SurvivesVerticesThatCannotBeSeen) {
+  shape_.vertices_m(0, 2) = -1.0;   // behind the camera
+  shape_.vertices_m(1, 2) = 1e-12;  // projects far away
+  shape_.vertices_m(2, 0) = std::nan("");
+  const cv::Mat picture = still(inputs());
+  EXPECT_EQ(picture.at<cv::Vec3b>(20, 20), cv::Vec3b(kGrey, kGrey, kGrey));
+}
+
+TEST_F(OverlaySink, AcceptsGreyFrames) {
+  image_.pixels = weft::Array<std::uint8_t>({kHeight, kWidth});
+  std::fill_n(image_.pixels.data(), image_.pixels.size(), kGrey);
+  EXPECT_EQ(still(inputs()).at<cv::Vec3b>(20, 20), cv::Vec3b(kGrey, kGrey, kGrey));
+}
+
+TEST_F(OverlaySink, AFrameOfAnotherSizeIsAnErrorOfThatFrame) {
+  auto plugin = sink();
+  ASSERT_EQ(open(plugin).status, WEFT_OK);
+  Image small;
+  small.stem = "small";
+  small.pixels = weft::Array<std::uint8_t>({10, 20});
+  auto list = inputs();
+  list[0] = input("image", small);
+  const Outcome refused = plugin.process(kWrite, list, 0);
+  EXPECT_EQ(refused.status, WEFT_ERROR);
+  EXPECT_THAT(refused.message, HasSubstr("20 x 10"));
+  EXPECT_EQ(plugin.process(kWrite, inputs(), 1).status, WEFT_OK);
+  ASSERT_EQ(plugin.process(kFinish, {}).status, WEFT_OK);
+  EXPECT_EQ(frames_in(folder_ / "view.avi"), 1);
+}
+
+TEST_F(OverlaySink, KeepsEveryNthFrameAsAStill) {
+  auto plugin = sink(", stills_every: 4");
+  ASSERT_EQ(open(plugin).status, WEFT_OK);
+  for (std::uint64_t i = 0; i < 9; ++i) {
+    ASSERT_EQ(plugin.process(kWrite, inputs(), i).status, WEFT_OK);
+  }
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder_ / "view")) {
+    names.push_back(entry.path().filename().string());
+  }
+  EXPECT_THAT(names, ::testing::UnorderedElementsAre("000000.png", "000004.png", "000008.png"));
+}
+
+TEST_F(OverlaySink, RefusesFormatsThatAKilledRunWouldLeaveBroken) {
+  auto plugin = sink("", "view.mp4");
+  const Outcome refused = open(plugin);
+  EXPECT_EQ(refused.status, WEFT_ERROR);
+  EXPECT_THAT(refused.message, ::testing::AllOf(HasSubstr("view.mp4"), HasSubstr(".avi")));
+}
+
+TEST_F(OverlaySink, NamesTheVideoThatCannotBeWritten) {
+  std::ofstream(folder_ / "file") << "a file where a folder is needed";
+  auto plugin = sink("", "file/view.avi");
+  const Outcome refused = open(plugin);
+  EXPECT_EQ(refused.status, WEFT_ERROR);
+  EXPECT_THAT(refused.message, HasSubstr("file/view.avi"));
+}
+
+}  // namespace

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+#include <weft/core/statistics.hpp>
+#include <weft/geometry/check_sightlines.hpp>
+#include <weft/sdk/solver.hpp>
+
+#include "bending_fill.hpp"
+#include "depth_admm.hpp"
+#include "distance_graph.hpp"
+
+namespace weft::brunet_mdh {
+namespace {
+
+constexpr std::size_t kFewPoints = 8;
+constexpr double kGoodCoverage = 0.25;
+/// Depths beyond this multiple of the median guess mean that the distances gave way altogether.
+constexpr double kRunaway = 10.0;
+
+/// The points that get a depth, and what belongs to them alone.
+struct Problem {
+  std::uint64_t revision = 0;
+  std::vector<SurfacePoint> given;        ///< as chosen; the key of the cache
+  std::vector<SurfacePoint> points;       ///< those of the largest connected part
+  std::vector<std::size_t> chosen;        ///< [points] index in `given`
+  std::vector<DistanceConstraint> edges;  ///< between `points`
+};
+
+/// The convex maximum-depth heuristic: the points of the surface are as far from the camera as
+/// their rays and the distances at rest allow.
+class BrunetMdh final : public Solver {
+ public:
+  static constexpr About kAbout{
+      .reference =
+          "Brunet, Bartoli, Hartley, Monocular template-based 3D surface reconstruction: "
+          "convex inextensible and nonconvex isometric methods, CVIU 125 (2014)",
+      .needs = "sightlines"};
+
+  explicit BrunetMdh(Params& p) {
+    p.read("tolerance_m", options_.tolerance_m, "m", {1e-12, 1.0},
+           "rms violation of the distances at which the iteration stops");
+    p.read("max_iterations", options_.max_iterations, "", {1, 1000000}, "of the convex solver");
+    p.read("rings", rings_, "edges", {1, 100}, "distances are kept within this neighbourhood");
+    p.read("yield_tension", yield_tension_, "", {0.0, 1e6},
+           "a distance gives way where it pulls this many times harder than those of a flat sheet "
+           "seen from the front; 0: never");
+  }
+
+  Result<Shape> solve(const SolverInput& in) override {
+    if (!in.sightlines) return Error{Errc::invalid_data, "needs 'sightlines'", {}};
+    if (auto ready = prepare_surface(in.templ); !ready) return ready.error();
+    const Sightlines& lines = *in.sightlines;
+    auto checked = check_sightlines(lines, surface_->vertices_m().rows(), surface_->faces().rows());
+    if (!checked) return checked.error();
+    const std::vector<std::int64_t> chosen = choose_points(lines);
+    prepare_problem(in.templ, lines, chosen);
+    const std::size_t count = problem_.points.size();
+    if (count < 3) {
+      return no_result("too few sightlines: " + std::to_string(count) + " connected points of 3");
+    }
+    Points3 rays(static_cast<Eigen::Index>(count), 3);
+    for (std::size_t p = 0; p < count; ++p) {
+      rays.row(static_cast<Eigen::Index>(p)) =
+          lines.ray.matrix<3>().row(chosen[problem_.chosen[p]]);
+    }
+    const auto depths = find_depths(in.call, rays);
+    if (!depths) return depths.error();
+    return build_shape(lines, rays, *depths);
+  }
+
+ private:
+  Result<void> prepare_surface(const Template& templ) {
+    if (surface_ && templ.revision != 0 && templ.revision == surface_revision_) return {};
+    auto surface = RestSurface::create(templ);
+    if (!surface) return surface.error();
+    surface_ = *std::move(surface);
+    surface_revision_ = templ.revision;
+    problem_ = {};
+    return {};
+  }
+
+  /// Sightlines to use, ascending: the first of each vertex, and of the points in a face the most
+  /// central one.
+  std::vector<std::int64_t> choose_points(const Sightlines& lines) const {
+    std::vector<std::int64_t> of_vertex(static_cast<std::size_t>(surface_->vertices_m().rows()),
+                                        -1);
+    std::vector<std::int64_t> of_face(static_cast<std::size_t>(surface_->faces().rows()), -1);
+    const auto centrality = [&](std::int64_t i) {
+      const double* w = lines.barycentrics.row(i);
+      return std::min({w[0], w[1], w[2]});
+    };
+    for (std::int64_t i = 0; i < lines.count(); ++i) {
+      if (lines.weight(i) == 0.0) continue;
+      const bool at_vertex = lines.vertex(i) >= 0;
+      std::int64_t& place = at_vertex ? of_vertex[static_cast<std::size_t>(lines.vertex(i))]
+                                      : of_face[static_cast<std::size_t>(lines.face(i))];
+      if (place < 0 || (!at_vertex && centrality(i) > centrality(place))) place = i;
+    }
+    std::vector<std::int64_t> chosen;
+    for (const auto* places : {&of_vertex, &of_face}) {
+      std::copy_if(places->begin(), places->end(), std::back_inserter(chosen),
+                   [](std::int64_t i) { return i >= 0; });
+    }
+    std::sort(chosen.begin(), chosen.end());
+    return chosen;
+  }
+
+  void prepare_problem(const Template& templ, const Sightlines& lines,
+                       const std::vector<std::int64_t>& chosen) {
+    std::vector<SurfacePoint> given;
+    for (const std::int64_t i : chosen) {
+      const double* w = lines.barycentrics.row(i);
+      given.push_back({lines.vertex(i), lines.face(i), {w[0], w[1], w[2]}});
+    }
+    const bool known = templ.revision != 0 && problem_.revision == templ.revision;
+    if (known && problem_.given == given) return;
+    problem_ = {templ.revision, std::move(given), {}, {}, {}};
+    keep_largest_part();
+    if (problem_.points.size() < 3) return;
+    admm_.set_graph(problem_.edges, static_cast<int>(problem_.points.size()));
+    fill_.prepare(*surface_, problem_.points);
+  }
+
+  void keep_largest_part() {
+    const auto count = static_cast<std::int32_t>(problem_.given.size());
+    const auto edges = distance_graph(*surface_, problem_.given, rings_);
+    const auto parts = connected_parts(edges, count);
+    std::vector<int> sizes(problem_.given.size() + 1, 0);
+    for (const std::int32_t part : parts) ++sizes[static_cast<std::size_t>(part)];
+    const auto largest = std::max_element(sizes.begin(), sizes.end()) - sizes.begin();
+    std::vector<std::int32_t> number(parts.size(), -1);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (parts[i] != largest) continue;
+      number[i] = static_cast<std::int32_t>(problem_.points.size());
+      problem_.points.push_back(problem_.given[i]);
+      problem_.chosen.push_back(i);
+    }
+    for (const DistanceConstraint& edge : edges) {
+      const std::int32_t i = number[static_cast<std::size_t>(edge.i)];
+      const std::int32_t j = number[static_cast<std::size_t>(edge.j)];
+      if (i >= 0) problem_.edges.push_back({i, j, edge.rest_length_m});
+    }
+  }
+
+  /// Depths with distances that may yield; with rigid ones where that has no bounded solution.
+  Result<DepthResult> find_depths(const Call& call, const Points3& rays) {
+    std::vector<double> spreads, guesses;
+    for (const DistanceConstraint& edge : problem_.edges) {
+      const double spread = (rays.row(edge.i) - rays.row(edge.j)).norm();
+      if (!(spread > 1e-9)) continue;
+      spreads.push_back(1.0 / spread);
+      guesses.push_back(edge.rest_length_m / spread);
+    }
+    if (spreads.empty()) return no_result("all sightlines coincide: the depth is not bounded");
+    // A point of a flat sheet seen from the front is held by its edges with 2 / spread of tension
+    // in all, shared among them.
+    const double edges_per_point = 2.0 * static_cast<double>(problem_.edges.size()) /
+                                   static_cast<double>(problem_.points.size());
+    const double usual_tension = 2.0 * median_in_place(spreads) / edges_per_point;
+    const double furthest_m = kRunaway * median_in_place(guesses);
+    const auto cancelled = [&] { return call.cancelled(); };
+    DepthOptions options = options_;
+    options.slack_penalty = yield_tension_ * usual_tension;
+    DepthResult result = admm_.solve(rays, options, cancelled);
+    const auto ran_away = [&] {
+      return *std::max_element(result.depths_m.begin(), result.depths_m.end()) > furthest_m;
+    };
+    if (options.slack_penalty > 0.0 && !result.cancelled && ran_away()) {
+      options.slack_penalty = 0.0;
+      result = admm_.solve(rays, options, cancelled);
+    }
+    if (result.cancelled) return Error{Errc::cancelled, "cancelled", {}};
+    for (double& tension : result.tensions) tension /= usual_tension;
+    return result;
+  }
+
+  Result<Shape> build_shape(const Sightlines& lines, const Points3& rays,
+                            const DepthResult& depths) const {
+    Points3 positions_m = rays;
+    int behind = 0;
+    for (Eigen::Index p = 0; p < rays.rows(); ++p) {
+      const double depth = depths.depths_m[static_cast<std::size_t>(p)];
+      behind += depth < 0.0 ? 1 : 0;
+      positions_m.row(p) *= std::max(depth, 0.0);
+    }
+    const auto placed = fill_.place(*surface_, positions_m);
+    if (!placed) return placed.error();
+    if (!placed->allFinite()) return no_result("the depths are not finite");
+    Shape shape;
+    shape.vertices_m = make_array<double>(*placed);
+    shape.source = Array<std::uint8_t>({placed->rows()});
+    for (const SurfacePoint& point : problem_.points) {
+      for (const std::int32_t v : surface_->support(point)) shape.source(v) = 1;
+    }
+    shape.confidence = std::clamp(lines.coverage, 0.0, 1.0);
+    const bool sure = depths.converged && behind == 0 && rays.rows() >= Eigen::Index{kFewPoints} &&
+                      lines.coverage > kGoodCoverage;
+    shape.state = static_cast<std::int32_t>(sure ? ShapeState::estimated : ShapeState::weak);
+    explain(depths, behind, shape.diag);
+    if (!depths.converged) {
+      return degenerate(std::move(shape), "not converged in " + std::to_string(depths.iterations) +
+                                              " iterations: raise max_iterations");
+    }
+    if (behind > 0) {
+      return degenerate(std::move(shape),
+                        std::to_string(behind) + " points came to lie behind the camera");
+    }
+    return shape;
+  }
+
+  void explain(const DepthResult& depths, int behind, Diagnostics& diag) const {
+    const auto yielding = [&](double tension) {
+      return yield_tension_ > 0.0 && tension > 0.999 * yield_tension_;
+    };
+    diag.set("points", static_cast<double>(problem_.points.size()));
+    diag.set("dropped_points", static_cast<double>(problem_.given.size() - problem_.points.size()));
+    diag.set("points_behind", behind);
+    diag.set("iterations", depths.iterations);
+    diag.set("converged", depths.converged ? 1.0 : 0.0);
+    diag.set("max_excess_m", depths.max_violation_m);
+    diag.set("max_tension", *std::max_element(depths.tensions.begin(), depths.tensions.end()));
+    diag.set("yielding_distances", static_cast<double>(std::count_if(
+                                       depths.tensions.begin(), depths.tensions.end(), yielding)));
+    Array<double> suspicion({static_cast<std::int64_t>(problem_.points.size())});
+    for (std::size_t e = 0; e < problem_.edges.size(); ++e) {
+      suspicion(problem_.edges[e].i) += depths.tensions[e];
+      suspicion(problem_.edges[e].j) += depths.tensions[e];
+    }
+    diag.set("suspicion", std::move(suspicion));
+  }
+
+  DepthOptions options_{1e-5, 5000, 0.0};
+  int rings_ = 2;
+  double yield_tension_ = 8.0;
+
+  std::optional<RestSurface> surface_;
+  std::uint64_t surface_revision_ = 0;
+  Problem problem_;
+  DepthAdmm admm_;
+  BendingFill fill_;
+};
+
+}  // namespace
+}  // namespace weft::brunet_mdh
+
+using weft::brunet_mdh::BrunetMdh;
+WEFT_PLUGIN(BrunetMdh, "solvers/brunet_mdh", "1.0.0",
+            "Convex maximum-depth reconstruction on sightlines, a start that needs no start.")

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "depth_admm.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <weft/core/statistics.hpp>
+
+namespace weft::brunet_mdh {
+namespace {
+
+constexpr double kRelaxation = 1.6;
+constexpr double kRegularisation = 1e-9;
+constexpr double kFirstRho = 66.0;  ///< 2000 per m at the median distance of 33 mm
+constexpr double kDualShare = 0.1;  ///< the copies must rest within this share of the tolerance
+constexpr int kAdaptEvery = 10;
+constexpr int kAskEvery = 16;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+void DepthAdmm::set_graph(std::span<const DistanceConstraint> edges, int count) {
+  std::vector<double> lengths;
+  for (const DistanceConstraint& edge : edges) lengths.push_back(edge.rest_length_m);
+  count_ = count;
+  unit_m_ = edges.empty() ? 1.0 : median_in_place(lengths);
+  edges_.clear();
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < count; ++i) entries.emplace_back(i, i, 1.0);
+  for (const DistanceConstraint& edge : edges) {
+    edges_.push_back({edge.i, edge.j, edge.rest_length_m / unit_m_});
+    entries.emplace_back(std::max(edge.i, edge.j), std::min(edge.i, edge.j), 1.0);
+  }
+  normal_.resize(count, count);
+  normal_.setFromTriplets(entries.begin(), entries.end());
+  factor_.analyzePattern(normal_);
+  z_.resize(3 * edges_.size());
+  y_.resize(3 * edges_.size());
+  rays_.resize(3 * at(count));
+  for (std::vector<double>* buffer : {&pull_, &depths_, &permuted_}) buffer->resize(at(count));
+}
+
+void DepthAdmm::factorise(const Points3View& rays) {
+  for (int i = 0; i < count_; ++i) {
+    for (int k = 0; k < 3; ++k) rays_[at(3 * i + k)] = rays(i, k);
+    normal_.coeffRef(i, i) = kRegularisation;
+  }
+  for (const Edge& edge : edges_) {
+    normal_.coeffRef(edge.i, edge.i) += rays.row(edge.i).squaredNorm();
+    normal_.coeffRef(edge.j, edge.j) += rays.row(edge.j).squaredNorm();
+    normal_.coeffRef(std::max(edge.i, edge.j), std::min(edge.i, edge.j)) =
+        -rays.row(edge.i).dot(rays.row(edge.j));
+  }
+  factor_.factorize(normal_);
+}
+
+/// All points at the depth at which the median edge has its length; no multipliers.
+void DepthAdmm::start(const Points3View& rays) {
+  std::vector<double> guesses;
+  for (const Edge& edge : edges_) {
+    const double spread = (rays.row(edge.i) - rays.row(edge.j)).norm();
+    if (spread > 0.0) guesses.push_back(edge.length / spread);
+  }
+  const double depth = guesses.empty() ? 1.0 : median_in_place(guesses);
+  std::fill(y_.begin(), y_.end(), 0.0);
+  std::fill(pull_.begin(), pull_.end(), 0.0);
+  for (std::size_t e = 0; e < edges_.size(); ++e) {
+    const Edge& edge = edges_[e];
+    Eigen::RowVector3d z = depth * (rays.row(edge.i) - rays.row(edge.j));
+    if (z.norm() > edge.length) z *= edge.length / z.norm();
+    Eigen::RowVector3d::Map(&z_[3 * e]) = z;
+    pull_[at(edge.i)] += rays.row(edge.i).dot(z);
+    pull_[at(edge.j)] -= rays.row(edge.j).dot(z);
+  }
+}
+
+/// depths = (A'A + 1e-9 I)^-1 (pull + 1/rho) by substitution in the factors, without allocation.
+void DepthAdmm::solve_depths(double rho) {
+  const auto& order = factor_.permutationP().indices();
+  const auto& lower = factor_.matrixL().nestedExpression();
+  const int* starts = lower.outerIndexPtr();
+  const int* rows = lower.innerIndexPtr();
+  const double* values = lower.valuePtr();
+  const auto& diagonal = factor_.vectorD();
+  double* x = permuted_.data();
+  for (int i = 0; i < count_; ++i) x[order[i]] = pull_[at(i)] + 1.0 / rho;
+  for (int c = 0; c < count_; ++c) {
+    const double pivot = x[c];
+    for (int k = starts[c]; k < starts[c + 1]; ++k) {
+      if (rows[k] > c) x[rows[k]] -= values[k] * pivot;
+    }
+  }
+  for (int c = count_ - 1; c >= 0; --c) {
+    double sum = x[c] / diagonal[c];
+    for (int k = starts[c]; k < starts[c + 1]; ++k) {
+      if (rows[k] > c) sum -= values[k] * x[rows[k]];
+    }
+    x[c] = sum;
+  }
+  for (int i = 0; i < count_; ++i) depths_[at(i)] = x[order[i]];
+}
+
+/// One pass over the edges: z, y and pull. `threshold` is penalty / rho, 0 without slack.
+DepthAdmm::Residuals DepthAdmm::update_edges(double threshold) {
+  Residuals sums{0.0, 0.0};
+  std::fill(pull_.begin(), pull_.end(), 0.0);
+  const double* rays = rays_.data();
+  for (std::size_t e = 0; e < edges_.size(); ++e) {
+    const Edge edge = edges_[e];
+    const double* a = rays + 3 * edge.i;
+    const double* b = rays + 3 * edge.j;
+    double* z = &z_[3 * e];
+    double* y = &y_[3 * e];
+    const double depth_a = depths_[at(edge.i)], depth_b = depths_[at(edge.j)];
+    double difference[3], w[3], norm2 = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      difference[k] = depth_a * a[k] - depth_b * b[k];
+      w[k] = kRelaxation * difference[k] + (1.0 - kRelaxation) * z[k] + y[k];
+      norm2 += w[k] * w[k];
+    }
+    double shrink = 1.0;
+    if (norm2 > edge.length * edge.length) {
+      const double norm = std::sqrt(norm2);
+      const double target = threshold > 0.0 ? std::max(edge.length, norm - threshold) : edge.length;
+      shrink = target / norm;
+    }
+    double pull_a = 0.0, pull_b = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      const double fresh = shrink * w[k];
+      sums.dual2 += (fresh - z[k]) * (fresh - z[k]);
+      sums.primal2 += (difference[k] - fresh) * (difference[k] - fresh);
+      z[k] = fresh;
+      y[k] = w[k] - fresh;
+      pull_a += a[k] * (fresh - y[k]);
+      pull_b += b[k] * (fresh - y[k]);
+    }
+    pull_[at(edge.i)] += pull_a;
+    pull_[at(edge.j)] -= pull_b;
+  }
+  return sums;
+}
+
+/// Keeps rho * y: y and what it adds to the pull change with 1 / factor.
+void DepthAdmm::rescale_multipliers(double factor) {
+  std::fill(pull_.begin(), pull_.end(), 0.0);
+  for (std::size_t e = 0; e < edges_.size(); ++e) {
+    const Edge& edge = edges_[e];
+    for (std::size_t k = 0; k < 3; ++k) {
+      y_[3 * e + k] /= factor;
+      const double share = z_[3 * e + k] - y_[3 * e + k];
+      pull_[at(edge.i)] += rays_[3 * at(edge.i) + k] * share;
+      pull_[at(edge.j)] -= rays_[3 * at(edge.j) + k] * share;
+    }
+  }
+}
+
+DepthResult DepthAdmm::solve(const Points3View& rays, const DepthOptions& options,
+                             const std::function<bool()>& cancelled) {
+  factorise(rays);
+  start(rays);
+  double rho = kFirstRho;
+  const double limit = options.tolerance_m / unit_m_;
+  int iterations = 0;
+  bool converged = false, stopped = false;
+  while (iterations < options.max_iterations && !converged && !stopped) {
+    solve_depths(rho);
+    const Residuals sums = update_edges(options.slack_penalty / rho);
+    ++iterations;
+    const double scale = 1.0 / static_cast<double>(edges_.size());
+    const double primal = std::sqrt(scale * sums.primal2), dual = std::sqrt(scale * sums.dual2);
+    converged = primal < limit && dual < kDualShare * limit;
+    if (iterations % kAskEvery == 0) stopped = cancelled();
+    if (converged || iterations % kAdaptEvery != 0) continue;
+    const double factor = primal > 10.0 * dual ? 2.0 : (dual > 10.0 * primal ? 0.5 : 1.0);
+    if (factor == 1.0) continue;
+    rho *= factor;
+    rescale_multipliers(factor);
+  }
+  DepthResult result = finish(rho);
+  result.iterations = iterations;
+  result.converged = converged;
+  result.cancelled = stopped;
+  return result;
+}
+
+DepthResult DepthAdmm::finish(double rho) const {
+  DepthResult result;
+  for (const double depth : depths_) result.depths_m.push_back(unit_m_ * depth);
+  for (std::size_t e = 0; e < edges_.size(); ++e) {
+    const Edge& edge = edges_[e];
+    const Eigen::Map<const Eigen::Vector3d> a(&rays_[3 * at(edge.i)]), b(&rays_[3 * at(edge.j)]);
+    const Eigen::Map<const Eigen::Vector3d> y(&y_[3 * e]);
+    const double length = (depths_[at(edge.i)] * a - depths_[at(edge.j)] * b).norm();
+    result.max_violation_m = std::max(result.max_violation_m, unit_m_ * (length - edge.length));
+    result.tensions.push_back(rho * y.norm());
+  }
+  return result;
+}
+
+}  // namespace weft::brunet_mdh

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <iostream>
+
+#include "scene.hpp"
+
+namespace weft::brunet_mdh {
+namespace {
+
+using testing::Outcome;
+using testing::PluginUnderTest;
+
+constexpr const char* kId = "solvers/brunet_mdh";
+constexpr std::uint64_t kSeed = 20240917;
+
+Shape solved(const Outcome& out) {
+  EXPECT_EQ(out.status, WEFT_OK) << out.message;
+  return out.get<Shape>().value();
+}
+
+/// Points inside faces instead of vertices: one near the middle of every face.
+void look_at_faces(Scene& scene, double shift) {
+  const Faces faces = scene.templ.faces.matrix<3>();
+  scene.seen.assign(static_cast<std::size_t>(faces.rows()), 0);
+  scene.look();
+  for (std::int32_t f = 0; f < faces.rows(); ++f) {
+    const Eigen::Vector3d weights(1.0 / 3.0 + shift, 1.0 / 3.0 - shift, 1.0 / 3.0);
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();
+    for (int k = 0; k < 3; ++k) point += weights[k] * scene.truth_m.row(faces(f, k)).transpose();
+    scene.lines.vertex(f) = -1;
+    scene.lines.face(f) = f;
+    scene.lines.barycentrics.matrix<3>().row(f) = weights.transpose();
+    scene.aim(f, project(testing::pinhole(scene.camera), point));
+  }
+}
+
+TEST(BrunetMdh, FindsBentSheetsFromExactRays) {
+  PluginUnderTest plugin(kId);
+  for (const double radius_m : {0.25, -0.25, 0.12, -0.12}) {
+    for (const double tilt_rad : {-0.4, 0.0, 0.4}) {
+      const Scene scene = Scene::bent(radius_m, {0.6, 0.0, 0.0, tilt_rad, 0.2, 0.0});
+      const Shape shape = solved(scene.run(plugin));
+      EXPECT_LT(scene.mean_error_m(shape), 0.008) << radius_m << " " << tilt_rad;
+      EXPECT_EQ(shape.shape_state(), ShapeState::estimated);
+    }
+  }
+}
+
+TEST(BrunetMdh, StaysWithinTwoCentimetresUnderNoise) {
+  std::cout << "seed " << kSeed << "\n";
+  PluginUnderTest plugin(kId), firm(kId, "{yield_tension: 0}");
+  double sum_m = 0.0, firm_sum_m = 0.0;
+  int runs = 0;
+  for (const double radius_m : {0.25, -0.25, 0.12, -0.12}) {
+    for (const double tilt_rad : {-0.4, 0.0, 0.4}) {
+      Scene scene = Scene::bent(radius_m, {0.6, 0.0, 0.0, 0.2, tilt_rad, 0.0});
+      scene.look(0.5, kSeed + static_cast<std::uint64_t>(runs++));
+      const double error_m = scene.mean_error_m(solved(scene.run(plugin)));
+      EXPECT_LT(error_m, 0.012) << radius_m << " " << tilt_rad;
+      sum_m += error_m;
+      firm_sum_m += scene.mean_error_m(solved(scene.run(firm)));
+    }
+  }
+  std::cout << "mean error " << 1e3 * sum_m / runs << " mm, with firm distances "
+            << 1e3 * firm_sum_m / runs << " mm\n";
+  EXPECT_LT(sum_m, 0.7 * firm_sum_m);
+}
+
+TEST(BrunetMdh, AWrongRayDoesNotPullTheSheetToTheCamera) {
+  Scene scene = Scene::bent(0.25);
+  scene.aim(33, scene.lines.pixel_px.matrix<2>().row(33).transpose() + Eigen::Vector2d(60, -40));
+  PluginUnderTest plugin(kId), firm(kId, "{yield_tension: 0}");
+  const Shape shape = solved(scene.run(plugin));
+  EXPECT_LT(scene.mean_error_m(shape), 0.02);
+  EXPECT_GT(shape.diag.value("yielding_distances", 0.0), 0.0);
+  EXPECT_GT(scene.mean_error_m(solved(scene.run(firm))), 0.1);
+  const NamedArray* suspicion = nullptr;
+  for (const NamedArray& entry : shape.diag.entries()) {
+    if (entry.name == "diag.suspicion") suspicion = &entry;
+  }
+  ASSERT_NE(suspicion, nullptr);
+  const double* first = suspicion->values.data();
+  EXPECT_EQ(std::max_element(first, first + 60) - first, 33);
+}
+
+TEST(BrunetMdh, VerticesWithoutARayAreFilledIn) {
+  Scene scene = Scene::bent(0.25);
+  scene.seen.clear();
+  for (std::int32_t v = 0; v < 60; ++v) {
+    if (v % 10 < 6 && v != 22 && v != 23) scene.seen.push_back(v);
+  }
+  scene.look();
+  PluginUnderTest plugin(kId);
+  const Shape shape = solved(scene.run(plugin));
+  for (std::int32_t v = 0; v < 60; ++v) {
+    const bool seen = std::count(scene.seen.begin(), scene.seen.end(), v) > 0;
+    EXPECT_EQ(shape.source(v), seen ? 1 : 0) << v;
+  }
+  const Points3 vertices_m = shape.vertices_m.matrix<3>();
+  EXPECT_LT((vertices_m.row(22) - scene.truth_m.row(22)).norm(), 0.006);
+  EXPECT_LT(scene.mean_error_m(shape), 0.03);
+}
+
+TEST(BrunetMdh, JoinsPatchesThatDoNotTouch) {
+  Scene scene = Scene::bent(0.25);
+  scene.seen = {0, 1, 2, 10, 11, 12, 47, 48, 49, 57, 58, 59};
+  scene.look();
+  PluginUnderTest plugin(kId);
+  const Shape shape = solved(scene.run(plugin));
+  EXPECT_EQ(shape.diag.value("points", 0.0), 12.0);
+  EXPECT_LT(scene.mean_error_m(shape), 0.03);
+}
+
+TEST(BrunetMdh, TakesPointsInsideFaces) {
+  Scene scene = Scene::bent(0.25);
+  look_at_faces(scene, 0.1);
+  PluginUnderTest plugin(kId);
+  const Shape shape = solved(scene.run(plugin));
+  EXPECT_EQ(shape.diag.value("points", 0.0), 90.0);
+  EXPECT_LT(scene.mean_error_m(shape), 0.004);
+}
+
+TEST(BrunetMdh, RepeatedSightlinesOfAVertexCountOnce) {
+  Scene scene = Scene::bent(0.25);
+  PluginUnderTest plugin(kId);
+  const Shape once = solved(scene.run(plugin));
+  scene.seen.push_back(7);
+  scene.look();
+  scene.aim(60, {0.0, 0.0});
+  const Shape twice = solved(scene.run(plugin));
+  EXPECT_EQ(twice.vertices_m.matrix<3>(), once.vertices_m.matrix<3>());
+}
+
+TEST(BrunetMdh, GrowsWithTheTemplate) {
+  Scene scene = Scene::bent(0.12);
+  PluginUnderTest plugin(kId), tenfold(kId, "{tolerance_m: 1e-4}");
+  const Points3 small_m = solved(scene.run(plugin)).vertices_m.matrix<3>();
+  scene.templ.vertices_m.matrix<3>() *= 10.0;
+  const Points3 large_m = solved(scene.run(tenfold)).vertices_m.matrix<3>();
+  EXPECT_LT((0.1 * large_m - small_m).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST(BrunetMdh, FreshAndUsedInstancesAgreeExactly) {
+  Scene first = Scene::bent(0.12), second = Scene::bent(-0.25);
+  second.seen.resize(41);
+  second.look(0.5, kSeed);
+  first.templ.revision = second.templ.revision = 7;
+  PluginUnderTest used(kId), fresh(kId);
+  const Points3 before = solved(first.run(used)).vertices_m.matrix<3>();
+  solved(second.run(used));
+  EXPECT_EQ(Points3(solved(first.run(used)).vertices_m.matrix<3>()), before);
+  EXPECT_EQ(Points3(solved(second.run(used)).vertices_m.matrix<3>()),
+            Points3(solved(second.run(fresh)).vertices_m.matrix<3>()));
+}
+
+TEST(BrunetMdh, ANewTemplateReplacesTheCache) {
+  Scene scene = Scene::bent(0.25);
+  scene.templ.revision = 7;
+  PluginUnderTest plugin(kId);
+  const double small_m = solved(scene.run(plugin)).vertices_m(0, 2);
+  scene.templ.vertices_m.matrix<3>() *= 2.0;
+  scene.templ.revision = 8;
+  EXPECT_NEAR(solved(scene.run(plugin)).vertices_m(0, 2), 2.0 * small_m, 1e-3);
+}
+
+TEST(BrunetMdh, AnUnfinishedIterationIsFlagged) {
+  const Scene scene = Scene::bent(0.25);
+  PluginUnderTest plugin(kId, "{max_iterations: 3}");
+  const Outcome out = scene.run(plugin);
+  EXPECT_EQ(out.status, WEFT_DEGENERATE);
+  EXPECT_THAT(out.message, ::testing::HasSubstr("max_iterations"));
+  EXPECT_EQ(out.get<Shape>().value().shape_state(), ShapeState::weak);
+}
+
+TEST(BrunetMdh, DistancesThatYieldAltogetherAreReplacedByFirmOnes) {
+  const Scene scene = Scene::bent(0.25);
+  PluginUnderTest plugin(kId, "{yield_tension: 0.01}");
+  EXPECT_LT(scene.mean_error_m(solved(scene.run(plugin))), 0.01);
+}
+
+TEST(BrunetMdh, TwoSightlinesAreNoResult) {
+  Scene scene = Scene::bent(0.25);
+  scene.seen = {3, 17};
+  scene.look();
+  PluginUnderTest plugin(kId);
+  EXPECT_EQ(scene.run(plugin).status, WEFT_NO_RESULT);
+  scene.seen.clear();
+  scene.look();
+  EXPECT_EQ(scene.run(plugin).status, WEFT_NO_RESULT);
+}
+
+TEST(BrunetMdh, SightlinesOnALineAreNoResult) {
+  Scene scene = Scene::bent(1e6);
+  scene.seen = {20, 21, 22, 23};
+  scene.look();
+  PluginUnderTest plugin(kId);
+  EXPECT_EQ(scene.run(plugin).status, WEFT_NO_RESULT);
+}
+
+TEST(BrunetMdh, RaysThatCoincideAreNoResult) {
+  Scene scene = Scene::bent(0.25);
+  for (std::int64_t i = 0; i < 60; ++i) scene.aim(i, {300.0, 200.0});
+  PluginUnderTest plugin(kId);
+  const Outcome out = scene.run(plugin);
+  EXPECT_EQ(out.status, WEFT_NO_RESULT);
+  EXPECT_THAT(out.message, ::testing::HasSubstr("coincide"));
+}
+
+TEST(BrunetMdh, SightlinesOfAnotherTemplateAreAnError) {
+  Scene scene = Scene::bent(0.25);
+  scene.lines.vertex(5) = 60;
+  PluginUnderTest plugin(kId);
+  const Outcome out = scene.run(plugin);
+  EXPECT_EQ(out.status, WEFT_ERROR);
+  EXPECT_THAT(out.message, ::testing::HasSubstr("sightline 5"));
+}
+
+}  // namespace
+}  // namespace weft::brunet_mdh

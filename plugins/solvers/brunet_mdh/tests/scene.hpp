@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <numeric>
+#include <vector>
+#include <weft/data/shape.hpp>
+#include <weft/data/sightlines.hpp>
+#include <weft/testing/plugin_under_test.hpp>
+#include <weft/testing/synthetic.hpp>
+
+namespace weft::brunet_mdh {
+
+/// The reference sheet: 297 x 192 mm, 10 x 6 vertices, 0.6 m away.
+inline testing::SheetSpec reference_sheet() {
+  testing::SheetSpec spec;
+  spec.height_m = 0.192;
+  spec.height_px = 621;
+  return spec;
+}
+
+struct Scene {
+  Template templ = testing::make_template(reference_sheet());
+  Camera camera = testing::make_camera();
+  Points3 truth_m;
+  std::vector<std::int32_t> seen;
+  Sightlines lines;
+
+  Scene() : seen(60) { std::iota(seen.begin(), seen.end(), 0); }
+
+  static Scene bent(double radius_m, testing::PoseSpec pose = {}) {
+    Scene scene;
+    pose.distance_m = 0.6;
+    const auto sheet = testing::make_cylinder(reference_sheet(), radius_m, 0.3, pose);
+    scene.truth_m = testing::bent_vertices(scene.templ, sheet);
+    scene.look();
+    return scene;
+  }
+
+  /// Sightlines of the seen vertices, with noise on the pixels.
+  void look(double noise_px = 0.0, std::uint64_t seed = 1) {
+    Rng rng(seed);
+    const auto n = static_cast<std::int64_t>(seen.size());
+    lines = {};
+    lines.vertex = Array<std::int32_t>({n});
+    lines.face = Array<std::int32_t>({n});
+    lines.barycentrics = Array<double>({n, 3});
+    lines.pixel_px = Array<double>({n, 2});
+    lines.ray = Array<double>({n, 3});
+    lines.weight = Array<double>({n});
+    lines.coverage = static_cast<double>(n) / static_cast<double>(truth_m.rows());
+    for (std::int64_t i = 0; i < n; ++i) {
+      const std::int32_t v = seen[static_cast<std::size_t>(i)];
+      lines.vertex(i) = v;
+      lines.barycentrics(i, 0) = 1.0;
+      lines.weight(i) = 1.0;
+      Eigen::Vector2d pixel = project(testing::pinhole(camera), truth_m.row(v));
+      pixel.x() += noise_px * rng.normal();
+      pixel.y() += noise_px * rng.normal();
+      aim(i, pixel);
+    }
+  }
+
+  void aim(std::int64_t i, const Eigen::Vector2d& pixel) {
+    lines.pixel_px.matrix<2>().row(i) = pixel.transpose();
+    lines.ray.matrix<3>().row(i) = unit_ray(testing::pinhole(camera), pixel).transpose();
+  }
+
+  testing::Outcome run(testing::PluginUnderTest& plugin) const {
+    return plugin.process(0, {testing::input("template", templ), testing::input("camera", camera),
+                              testing::input("sightlines", lines)});
+  }
+
+  double mean_error_m(const Shape& shape) const {
+    return (shape.vertices_m.matrix<3>() - truth_m).rowwise().norm().mean();
+  }
+};
+
+}  // namespace weft::brunet_mdh

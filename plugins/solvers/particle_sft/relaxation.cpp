@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "relaxation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace weft::particle_sft {
+namespace {
+
+constexpr double kTooClose2 = 1e-18;  // m^2
+constexpr int kStallWindow = 100;
+constexpr double kStallFactor = 0.99;
+constexpr int kAskEvery = 8;
+
+void project_on_ray(const RayConstraint& seen, double* y) {
+  double point[3] = {0.0, 0.0, 0.0}, weights2 = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    weights2 += seen.weights[c] * seen.weights[c];
+    for (int k = 0; k < 3; ++k) point[k] += seen.weights[c] * y[3 * seen.vertices[c] + k];
+  }
+  // A point behind the camera goes to the place in front of it.
+  const double depth =
+      std::abs(point[0] * seen.ray[0] + point[1] * seen.ray[1] + point[2] * seen.ray[2]);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double move = seen.trust * (depth * seen.ray[k] - point[k]) / weights2;
+    for (std::size_t c = 0; c < 3; ++c) {
+      y[3 * static_cast<std::size_t>(seen.vertices[c]) + k] += seen.weights[c] * move;
+    }
+  }
+}
+
+/// The case of a vertex and full trust, exactly on the ray.
+void put_on_ray(const RayConstraint& seen, double* y) {
+  double* p = y + 3 * static_cast<std::ptrdiff_t>(seen.vertices[0]);
+  const double depth = std::abs(p[0] * seen.ray[0] + p[1] * seen.ray[1] + p[2] * seen.ray[2]);
+  for (std::size_t k = 0; k < 3; ++k) p[k] = depth * seen.ray[k];
+}
+
+template <class Springs>
+void sweep(const Springs& springs, double stiffness, double* y) {
+  const double half = 0.5 * stiffness;
+  for (const auto& spring : springs) {
+    double* a = y + spring.i;
+    double* b = y + spring.j;
+    const double dx = b[0] - a[0], dy = b[1] - a[1], dz = b[2] - a[2];
+    const double length2 = dx * dx + dy * dy + dz * dz;
+    if (length2 < kTooClose2) continue;
+    const double share = half - half * spring.rest_length_m / std::sqrt(length2);
+    a[0] += share * dx;
+    a[1] += share * dy;
+    a[2] += share * dz;
+    b[0] -= share * dx;
+    b[1] -= share * dy;
+    b[2] -= share * dz;
+  }
+}
+
+void bring_into_sphere(const SphereConstraint& sphere, double* y) {
+  double* p = y + 3 * static_cast<std::ptrdiff_t>(sphere.vertex);
+  double offset[3], length2 = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    offset[k] = p[k] - sphere.centre_m[k];
+    length2 += offset[k] * offset[k];
+  }
+  if (!(length2 > sphere.radius_m * sphere.radius_m)) return;
+  const double scale = sphere.radius_m / std::sqrt(length2);
+  for (std::size_t k = 0; k < 3; ++k) p[k] = sphere.centre_m[k] + scale * offset[k];
+}
+
+}  // namespace
+
+void Relaxation::load(const ParticleSystem& system) {
+  const auto pack = [](const std::vector<DistanceConstraint>& from, std::vector<Spring>& to) {
+    to.clear();
+    for (const DistanceConstraint& c : from) to.push_back({3 * c.i, 3 * c.j, c.rest_length_m});
+  };
+  pack(system.stretch, stretch_);
+  pack(system.bending, bending_);
+}
+
+/// One iteration on the coordinates x; the rms step in m.
+double Relaxation::iterate(const ParticleSystem& system, const RelaxationOptions& options,
+                           double* x) {
+  const std::size_t size = fresh_m_.size();
+  double* y = fresh_m_.data();
+  double* velocity = velocity_m_.data();
+  const double kept = 1.0 - options.damping;
+  for (std::size_t k = 0; k < size; ++k) y[k] = x[k] + kept * velocity[k];
+  for (const RayConstraint& seen : system.rays) {
+    if (seen.at_vertex() && seen.trust == 1.0) {
+      put_on_ray(seen, y);
+    } else {
+      project_on_ray(seen, y);
+    }
+  }
+  for (int inner = 0; inner < options.solver_iterations; ++inner) {
+    sweep(stretch_, options.stretch_stiffness, y);
+    sweep(bending_, options.bend_stiffness, y);
+    for (const SphereConstraint& sphere : system.spheres) bring_into_sphere(sphere, y);
+  }
+  double sum2 = 0.0;
+  for (std::size_t k = 0; k < size; ++k) {
+    velocity[k] = y[k] - x[k];
+    sum2 += velocity[k] * velocity[k];
+    x[k] = y[k];
+  }
+  return std::sqrt(3.0 * sum2 / static_cast<double>(size));
+}
+
+RelaxationResult Relaxation::run(const ParticleSystem& system, const RelaxationOptions& options,
+                                 Points3& vertices_m, const std::function<bool()>& cancelled) {
+  load(system);
+  const auto size = static_cast<std::size_t>(vertices_m.size());
+  fresh_m_.resize(size);
+  velocity_m_.assign(size, 0.0);
+  RelaxationResult result;
+  double smallest = std::numeric_limits<double>::infinity();
+  double smallest_before = smallest;
+  while (result.iterations < options.max_iterations) {
+    const double step = iterate(system, options, vertices_m.data());
+    ++result.iterations;
+    result.last_step_m = step;
+    if (!std::isfinite(step)) result.stop = Stop::not_finite;
+    if (step < options.tolerance_m) result.stop = Stop::converged;
+    if (result.iterations % kAskEvery == 0 && cancelled()) result.stop = Stop::cancelled;
+    smallest = std::min(smallest, step);
+    if (result.iterations % kStallWindow == 0) {
+      if (smallest > kStallFactor * smallest_before) result.stop = Stop::stalled;
+      smallest_before = smallest;
+    }
+    if (result.stop != Stop::iterations) break;
+  }
+  return result;
+}
+
+}  // namespace weft::particle_sft

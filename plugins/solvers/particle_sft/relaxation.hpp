@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+#include <weft/geometry/distance_constraints.hpp>
+#include <weft/geometry/types.hpp>
+
+namespace weft::particle_sft {
+
+/// A point of the surface, sum_k weights[k] X[vertices[k]], and the ray on which it is seen.
+struct RayConstraint {
+  std::array<std::int32_t, 3> vertices{};  ///< [3] a vertex of the mesh comes first and alone
+  std::array<double, 3> weights{};         ///< [3] 1, 0, 0 for a vertex
+  std::array<double, 3> ray{};             ///< [3] unit, camera frame
+  double trust = 1.0;                      ///< [] share of the way to the ray, 0 to 1
+
+  bool at_vertex() const { return weights[0] == 1.0 && weights[1] == 0.0 && weights[2] == 0.0; }
+};
+
+/// A vertex that lies within a radius of a known point; radius 0 holds it there.
+struct SphereConstraint {
+  std::int32_t vertex = 0;           ///< []
+  std::array<double, 3> centre_m{};  ///< [3] m, camera frame
+  double radius_m = 0.0;             ///< [] m
+};
+
+/// All that acts on the particles, which are the vertices of the mesh.
+struct ParticleSystem {
+  std::vector<DistanceConstraint> stretch;  ///< edges of the mesh, in a fixed order
+  std::vector<DistanceConstraint> bending;  ///< opposite vertices of adjacent faces
+  std::vector<RayConstraint> rays;
+  std::vector<SphereConstraint> spheres;
+};
+
+struct RelaxationOptions {
+  double damping = 0.008;          ///< [] share of the velocity lost in an iteration
+  double stretch_stiffness = 1.0;  ///< [] 0 to 1
+  double bend_stiffness = 1.0;     ///< [] 0 to 1
+  int solver_iterations = 2;       ///< [] sweeps over the distances in an iteration
+  int max_iterations = 2000;       ///< []
+  double tolerance_m = 1e-6;       ///< [] m, rms step at which to stop
+};
+
+/// Why the iteration ended.
+enum class Stop { converged = 0, stalled = 1, iterations = 2, cancelled = 3, not_finite = 4 };
+
+struct RelaxationResult {
+  Stop stop = Stop::iterations;
+  int iterations = 0;        ///< []
+  double last_step_m = 0.0;  ///< [] m, rms over the vertices
+};
+
+/// Particle-SfT (Ozgur and Bartoli, IJCV 123, 2017): position based dynamics between the rays and
+/// the distances at rest. From rest, and with a time step of 1, each iteration
+///   1. v <- (1 - damping) v,  Y <- X + v,
+///   2. projects every seen point orthogonally onto its ray,
+///   3. solver_iterations times: moves the ends of every edge, then of every bending pair, along
+///      their difference by half of stiffness (length - rest length) each (Gauss-Seidel, in order),
+///      then brings every known point back into its sphere,
+///   4. v <- Y - X,  X <- Y.
+/// It ends when the rms step is below the tolerance, when it has not fallen by 1 % for 100
+/// iterations, or after max_iterations. Pairs closer than 1e-9 m are left alone.
+class Relaxation {
+ public:
+  /// Moves `vertices_m` [V,3], which must be finite. `cancelled` is asked now and then. The result
+  /// depends on the arguments alone.
+  RelaxationResult run(const ParticleSystem& system, const RelaxationOptions& options,
+                       Points3& vertices_m, const std::function<bool()>& cancelled);
+
+ private:
+  struct Spring {
+    std::int32_t i, j;  ///< first coordinate of each end
+    double rest_length_m;
+  };
+
+  void load(const ParticleSystem& system);
+  double iterate(const ParticleSystem& system, const RelaxationOptions& options, double* x);
+
+  std::vector<Spring> stretch_, bending_;
+  std::vector<double> fresh_m_, velocity_m_;
+};
+
+}  // namespace weft::particle_sft

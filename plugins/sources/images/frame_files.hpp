@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+#include <weft/core/result.hpp>
+
+namespace weft::images {
+
+/// The regular files that match `pattern`, sorted bytewise. * ? and [ ] work in the file name and
+/// in folders, never across a '/', and do not match a leading dot; a part of the path that exists
+/// as it stands is no pattern. No match is an error that says why.
+Result<std::vector<std::string>> matching_files(const std::string& pattern);
+
+/// "gt/009_mdh301.csv" -> "009_mdh301".
+std::string stem_of(const std::string& path);
+
+}  // namespace weft::images

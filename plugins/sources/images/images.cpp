@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <map>
+#include <opencv2/core.hpp>
+#include <weft/core/suggest.hpp>
+#include <weft/sdk/source.hpp>
+
+#include "camera_file.hpp"
+#include "frame_files.hpp"
+#include "image_file.hpp"
+#include "truth_file.hpp"
+#include "undistorter.hpp"
+
+namespace weft::images {
+namespace {
+
+/// One frame of the folder.
+struct Frame {
+  std::string path;
+  std::string stem;
+  std::optional<GroundTruth> truth;
+  std::string truth_path;
+};
+
+/// Image files of a calibrated camera, in bytewise order of their paths.
+class Images final : public Source {
+ public:
+  static constexpr About kAbout{.produces = "image time ground_truth"};
+
+  explicit Images(Params& p) {
+    p.input_path("path", path_, "image files; * ? and [ ] work in the file name and in folders",
+                 Need::required);
+    p.input_path("camera", camera_path_,
+                 "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info",
+                 Need::required);
+    p.input_path("truth", truth_path_,
+                 "CSV files of true points; STEM_KIND.csv belongs to the frame STEM");
+    p.labels("apart", apart_, "frames that are reported apart: stem and reason");
+    p.read("fps", fps_, "1/s", {1e-3, 1e6}, "frames a second; gives each frame its time");
+  }
+
+  Result<Camera> open(const Call&) override {
+    frames_.clear();
+    frame_of_.clear();
+    auto camera = read_camera_file(camera_path_);
+    if (!camera) return camera.error();
+    camera_ = camera->camera;
+    undistorter_ = Undistorter(*camera);
+    if (auto listed = list_frames(); !listed) return listed.error();
+    if (auto attached = attach_truth(); !attached) return attached.error();
+    if (auto marked = mark_apart(); !marked) return marked.error();
+    return camera_;
+  }
+
+  std::int64_t count() const override { return static_cast<std::int64_t>(frames_.size()); }
+
+  Result<SourceFrame> read(std::int64_t index, const Call&) override {
+    if (index < 0 || index >= count()) {
+      return Error{Errc::invalid_value,
+                   "there is no frame " + std::to_string(index) + ": the source has " +
+                       std::to_string(count()) + ", counted from 0",
+                   {}};
+    }
+    const Frame& frame = frames_[static_cast<std::size_t>(index)];
+    auto image = read_image(frame);
+    if (!image) return image.error();
+    SourceFrame result;
+    result.image = *std::move(image);
+    result.time = Time{static_cast<double>(index) / fps_};
+    result.ground_truth = frame.truth;
+    return result;
+  }
+
+ private:
+  Result<void> list_frames() {
+    auto paths = matching_files(path_);
+    if (!paths) return paths.error();
+    for (std::string& path : *paths) {
+      std::string stem = stem_of(path);
+      const auto [twin, is_new] = frame_of_.try_emplace(stem, frames_.size());
+      // Stems are the names by which truth and `apart` refer to frames.
+      if (!is_new && !(truth_path_.empty() && apart_.empty())) {
+        return Error{Errc::invalid_value,
+                     "the frames " + frames_[twin->second].path + " and " + path +
+                         " have the same stem, so that truth and 'apart' are ambiguous: narrow "
+                         "'path' or rename one",
+                     {}};
+      }
+      frames_.push_back({std::move(path), std::move(stem), {}, {}});
+    }
+    return {};
+  }
+
+  Result<void> attach_truth() {
+    if (truth_path_.empty()) return {};
+    auto paths = matching_files(truth_path_);
+    if (!paths) return Error{paths.error().code, "truth: " + paths.error().message, {}};
+    for (const std::string& path : *paths) {
+      const std::string stem = stem_of(path);
+      const std::size_t end = stem.find('_');
+      Frame* frame = find(stem.substr(0, end));
+      if (frame == nullptr) {
+        return Error{Errc::invalid_data,
+                     path + ": belongs to no frame: no image has the stem '" + stem.substr(0, end) +
+                         "', which is the name up to the first '_'",
+                     {}};
+      }
+      if (frame->truth) {
+        return Error{Errc::invalid_data,
+                     path + ": belongs to the frame '" + frame->stem + "', which already has " +
+                         frame->truth_path + ": remove one",
+                     {}};
+      }
+      auto truth = read_truth_file(path);
+      if (!truth) return truth.error();
+      frame->truth = *std::move(truth);
+      frame->truth->kind = end == stem.npos ? "" : stem.substr(end + 1);
+      frame->truth_path = path;
+    }
+    return {};
+  }
+
+  Result<void> mark_apart() {
+    for (const auto& [stem, reason] : apart_) {
+      Frame* frame = find(stem);
+      if (frame == nullptr) {
+        std::vector<std::string> stems;
+        for (const Frame& known : frames_) stems.push_back(known.stem);
+        const std::string meant = nearest(stem, stems);
+        return Error{Errc::not_found,
+                     "'apart' names the frame '" + stem + "', but no image has this stem" +
+                         (meant.empty() ? "" : "; did you mean '" + meant + "'?"),
+                     {}};
+      }
+      if (frame->truth) frame->truth->apart = reason;
+    }
+    return {};
+  }
+
+  Frame* find(const std::string& stem) {
+    const auto found = frame_of_.find(stem);
+    return found == frame_of_.end() ? nullptr : &frames_[found->second];
+  }
+
+  Result<Image> read_image(const Frame& frame) const {
+    auto stored = read_image_file(frame.path);
+    if (!stored) return stored.error();
+    const std::int64_t width = stored->cols, height = stored->rows;
+    if (width != camera_.width_px || height != camera_.height_px) {
+      return Error{Errc::invalid_data,
+                   frame.path + ": is " + std::to_string(width) + " x " + std::to_string(height) +
+                       " px, but " + camera_path_ + " describes images of " +
+                       std::to_string(camera_.width_px) + " x " +
+                       std::to_string(camera_.height_px) +
+                       " px: use the images that were calibrated, or correct the camera file",
+                   {}};
+    }
+    Image image;
+    image.stem = frame.stem;
+    image.pixels = stored->channels() == 1 ? Array<std::uint8_t>({height, width})
+                                           : Array<std::uint8_t>({height, width, 3});
+    cv::Mat target(stored->size(), stored->type(), image.pixels.data());
+    undistorter_.apply(*stored, target);
+    return image;
+  }
+
+  std::string path_;
+  std::string camera_path_;
+  std::string truth_path_;
+  std::vector<std::pair<std::string, std::string>> apart_;
+  double fps_ = 30.0;
+
+  Camera camera_;
+  Undistorter undistorter_;
+  std::vector<Frame> frames_;
+  std::map<std::string, std::size_t> frame_of_;  // index of each stem
+};
+
+}  // namespace
+}  // namespace weft::images
+
+using weft::images::Images;
+WEFT_PLUGIN(Images, "sources/images", "1.0.0",
+            "Reads image files of a calibrated camera, undistorted, with truth where there is any.")

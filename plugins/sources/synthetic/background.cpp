@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "background.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <weft/core/rng.hpp>
+
+#include "noise.hpp"
+
+namespace weft::synthetic {
+namespace {
+
+/// A blurred bar with round ends; a disc if its length is 0.
+struct Thing {
+  double x, y, along_x, along_y, half_length, radius, blur, grey;
+
+  double coverage(double px, double py) const {
+    const double dx = px - x, dy = py - y;
+    const double s = std::clamp(dx * along_x + dy * along_y, -half_length, half_length);
+    const double distance = std::hypot(dx - s * along_x, dy - s * along_y) - radius;
+    const double t = std::clamp(0.5 - 0.5 * distance / blur, 0.0, 1.0);
+    return t * t * (3.0 - 2.0 * t);
+  }
+};
+
+std::vector<Thing> draw_things(double width, double height, Rng& rng) {
+  std::vector<Thing> things;
+  for (int i = 0; i < 36; ++i) {
+    Thing thing{};
+    thing.x = rng.uniform(0.0, width);
+    thing.y = rng.uniform(0.0, height);
+    const double turn = rng.uniform(0.0, M_PI);
+    thing.along_x = std::cos(turn);
+    thing.along_y = std::sin(turn);
+    thing.half_length = i % 3 == 0 ? 0.0 : rng.uniform(0.02, 0.2) * height;
+    thing.radius = rng.uniform(0.008, 0.055) * height;
+    thing.blur = rng.uniform(2.5, 6.0);
+    thing.grey = rng.uniform(-45.0, 45.0);
+    things.push_back(thing);
+  }
+  return things;
+}
+
+}  // namespace
+
+std::vector<float> draw_background(int width, int height, std::uint64_t seed) {
+  Rng rng(seed);
+  std::vector<ValueNoise> layers;
+  for (double cell = 0.4 * height; cell > 8.0; cell *= 0.5) {
+    layers.emplace_back(width, height, cell, rng);
+  }
+  const std::vector<Thing> things = draw_things(width, height, rng);
+  std::vector<float> grey;
+  grey.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      double value = 92.0, amplitude = 34.0;
+      for (const ValueNoise& layer : layers) {
+        value += amplitude * layer(x, y);
+        amplitude *= 0.55;
+      }
+      for (const Thing& thing : things) value += thing.grey * thing.coverage(x, y);
+      grey.push_back(static_cast<float>(std::clamp(value, 12.0, 230.0)));
+    }
+  }
+  return grey;
+}
+
+}  // namespace weft::synthetic

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+#include <weft/core/rng.hpp>
+
+namespace weft::synthetic {
+
+/// Smooth random values over a rectangle: a lattice of uniform numbers in [-1,1), joined by quintic
+/// blending. C2.
+class ValueNoise {
+ public:
+  ValueNoise(double width, double height, double cell, Rng& rng)
+      : cell_(cell), columns_(static_cast<int>(width / cell) + 3) {
+    const int rows = static_cast<int>(height / cell) + 3;
+    values_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows));
+    for (double& value : values_) value = rng.uniform(-1.0, 1.0);
+  }
+
+  /// x in [0, width], y in [0, height].
+  double operator()(double x, double y) const {
+    const double a = x / cell_, b = y / cell_;
+    const double i = std::floor(a), j = std::floor(b);
+    const double s = blend(a - i), t = blend(b - j);
+    const auto k = static_cast<std::size_t>(static_cast<int>(j) * columns_ + static_cast<int>(i));
+    const auto below = k + static_cast<std::size_t>(columns_);
+    return (1.0 - t) * ((1.0 - s) * values_[k] + s * values_[k + 1]) +
+           t * ((1.0 - s) * values_[below] + s * values_[below + 1]);
+  }
+
+ private:
+  static double blend(double t) { return t * t * t * (t * (6.0 * t - 15.0) + 10.0); }
+
+  double cell_;
+  int columns_;
+  std::vector<double> values_;
+};
+
+}  // namespace weft::synthetic

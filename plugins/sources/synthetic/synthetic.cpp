@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <set>
+#include <weft/geometry/sheet_motion.hpp>
+#include <weft/sdk/source.hpp>
+
+#include "background.hpp"
+#include "renderer.hpp"
+
+namespace weft::synthetic {
+namespace {
+
+constexpr double kJumpInPeriods = 0.73;
+
+Result<Texture> read_texture(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream) {
+    return Error{
+        Errc::not_found, path + ": the texture cannot be read: correct 'texture' or its file", {}};
+  }
+  cv::Mat image;
+  try {
+    if (!bytes.empty()) image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
+  } catch (const cv::Exception&) {  // reported below: the file is at fault
+  }
+  if (image.empty()) {
+    return Error{Errc::invalid_data,
+                 path +
+                     ": the texture is no image that can be decoded (empty, damaged or of an "
+                     "unknown format)",
+                 {}};
+  }
+  std::vector<float> pixels;
+  pixels.reserve(image.total());
+  for (int y = 0; y < image.rows; ++y) {
+    pixels.insert(pixels.end(), image.ptr(y), image.ptr(y) + image.cols);
+  }
+  return Texture(image.cols, image.rows, std::move(pixels));
+}
+
+/// Renders a printed sheet that moves and bends without stretching, with exact truth.
+class Synthetic final : public Source {
+ public:
+  static constexpr About kAbout{.random = true};
+
+  explicit Synthetic(Params& p) {
+    p.input_path("texture", texture_path_, "image printed on the sheet, from edge to edge",
+                 Need::required);
+    p.read("width_m", motion_.width_m, "m", {0.001, 1000.0}, "width of the sheet");
+    p.read("height_m", height_m_, "m", {0.0, 1000.0}, "height of the sheet; 0: texels are square");
+    p.read("frames", frames_, "", {1, 1000000}, "number of frames");
+    p.read("fps", fps_, "1/s", {0.001, 10000.0}, "frames a second");
+    p.read("image_width_px", camera_.width_px, "px", {16, 8192}, "width of the images");
+    p.read("image_height_px", camera_.height_px, "px", {16, 8192}, "height of the images");
+    p.read("focal_px", focal_px_, "px", {1.0, 100000.0}, "focal length");
+    p.read("distance_m", motion_.distance_m, "m", {0.01, 1000.0},
+           "from the camera to the middle of the sheet");
+    p.read("bend_per_m", motion_.bend_per_m, "1/m", {0.0, 1000.0},
+           "largest curvature of the sheet");
+    p.read("tilt_rad", motion_.tilt_rad, "rad", {0.0, 1.5}, "largest turn about each axis");
+    p.read("travel_m", motion_.travel_m, "m", {0.0, 1000.0}, "how far the sheet moves to the side");
+    p.read("period_s", motion_.period_s, "s", {0.001, 1000000.0}, "duration of a movement");
+    p.read("noise_grey", noise_grey_, "grey level", {0.0, 255.0}, "sigma of the noise of a pixel");
+    p.read("cut_frames", cut_frames_, "", {0.0, 1e6},
+           "frames before which the sheet jumps to a pose of later in its movement");
+    p.read("invisible_frames", invisible_frames_, "", {0.0, 1e6},
+           "frames that show the background only; the truth is where the sheet would be");
+    p.read("background_seed", background_seed_, "", {0, 1000000}, "chooses the background");
+    p.read("truth_columns", truth_columns_, "", {2, 1000}, "points of the truth along the width");
+    p.read("truth_rows", truth_rows_, "", {2, 1000}, "points of the truth along the height");
+  }
+
+  Result<Camera> open(const Call&) override {
+    auto cuts = frame_set("cut_frames", cut_frames_);
+    if (!cuts) return cuts.error();
+    auto invisible = frame_set("invisible_frames", invisible_frames_);
+    if (!invisible) return invisible.error();
+    auto texture = read_texture(texture_path_);
+    if (!texture) return texture.error();
+    cuts_ = *std::move(cuts);
+    invisible_ = *std::move(invisible);
+    camera_.fx = camera_.fy = focal_px_;
+    camera_.cx = 0.5 * static_cast<double>(camera_.width_px - 1);
+    camera_.cy = 0.5 * static_cast<double>(camera_.height_px - 1);
+    pitch_m_[0] = motion_.width_m / texture->width();
+    pitch_m_[1] = height_m_ > 0.0 ? height_m_ / texture->height() : pitch_m_[0];
+    texture_size_ = {texture->width(), texture->height()};
+    motion_.height_m = pitch_m_[1] * texture->height();
+    motion_.centre_m = {0.5 * (motion_.width_m - pitch_m_[0]),
+                        0.5 * (motion_.height_m - pitch_m_[1])};
+    renderer_.emplace(
+        camera_, *std::move(texture), pitch_m_,
+        draw_background(static_cast<int>(camera_.width_px), static_cast<int>(camera_.height_px),
+                        static_cast<std::uint64_t>(background_seed_)));
+    return camera_;
+  }
+
+  std::int64_t count() const override { return frames_; }
+
+  Result<SourceFrame> read(std::int64_t index, const Call& call) override {
+    if (!renderer_) return Error{Errc::invalid_value, "the source is not open: open it first", {}};
+    if (index < 0 || index >= frames_) {
+      return Error{Errc::invalid_value,
+                   "there is no frame " + std::to_string(index) + ": the source has " +
+                       std::to_string(frames_) + ", counted from 0",
+                   {}};
+    }
+    auto sheet = motion_.at(clock_s(index));
+    if (!sheet) return sheet.error();
+    SourceFrame frame;
+    frame.image = picture(index, *sheet, call.rng());
+    frame.time = Time{static_cast<double>(index) / fps_};
+    frame.ground_truth = truth(*sheet);
+    return frame;
+  }
+
+ private:
+  Result<std::set<std::int64_t>> frame_set(const std::string& name,
+                                           const std::vector<double>& values) const {
+    std::set<std::int64_t> indices;
+    for (const double value : values) {
+      if (value != std::floor(value) || value >= static_cast<double>(frames_)) {
+        return Error{Errc::invalid_value,
+                     "'" + name + "' holds " + std::to_string(value) +
+                         ", which is no frame: give whole numbers from 0 to " +
+                         std::to_string(frames_ - 1),
+                     {}};
+      }
+      indices.insert(static_cast<std::int64_t>(value));
+    }
+    return indices;
+  }
+
+  /// Time in the movement of the sheet, which each cut puts forward.
+  double clock_s(std::int64_t index) const {
+    const auto cuts = std::distance(cuts_.begin(), cuts_.upper_bound(index));
+    return static_cast<double>(index) / fps_ +
+           kJumpInPeriods * motion_.period_s * static_cast<double>(cuts);
+  }
+
+  Image picture(std::int64_t index, const DevelopableSheet& sheet, Rng noise) {
+    const bool visible = invisible_.count(index) == 0;
+    const std::vector<float>& clean = visible ? renderer_->render(sheet) : renderer_->background();
+    Image image;
+    std::array<char, 24> stem{};
+    std::snprintf(stem.data(), stem.size(), "%06lld", static_cast<long long>(index));
+    image.stem = stem.data();
+    image.pixels = Array<std::uint8_t>({camera_.height_px, camera_.width_px});
+    std::uint8_t* pixel = image.pixels.data();
+    for (const float grey : clean) {
+      const double value = grey + noise_grey_ * noise.normal();
+      *pixel++ = static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
+    }
+    return image;
+  }
+
+  GroundTruth truth(const DevelopableSheet& sheet) const {
+    GroundTruth truth;
+    const std::int64_t count = std::int64_t{truth_columns_} * truth_rows_;
+    truth.kind = "synthetic";
+    truth.template_xy_m = Array<double>({count, 2});
+    truth.points_m = Array<double>({count, 3});
+    for (std::int64_t k = 0; k < count; ++k) {
+      const auto i = static_cast<double>(k % truth_columns_);
+      const auto j = static_cast<double>(k / truth_columns_);
+      const double x = pitch_m_[0] * (i * texture_size_[0] / (truth_columns_ - 1) - 0.5);
+      const double y = pitch_m_[1] * (j * texture_size_[1] / (truth_rows_ - 1) - 0.5);
+      truth.template_xy_m.matrix<2>().row(k) << x, y;
+      truth.points_m.matrix<3>().row(k) = sheet.at(x, y).transpose();
+    }
+    return truth;
+  }
+
+  std::string texture_path_;
+  SheetMotion motion_;
+  double height_m_ = 0.0;
+  std::int64_t frames_ = 60;
+  double fps_ = 30.0;
+  double focal_px_ = 820.0;
+  double noise_grey_ = 1.5;
+  std::vector<double> cut_frames_;
+  std::vector<double> invisible_frames_;
+  std::int64_t background_seed_ = 1;
+  int truth_columns_ = 15;
+  int truth_rows_ = 11;
+
+  Camera camera_{0.0, 0.0, 0.0, 0.0, 640, 480};
+  Pitch pitch_m_{};
+  std::array<int, 2> texture_size_{};
+  std::set<std::int64_t> cuts_;
+  std::set<std::int64_t> invisible_;
+  std::optional<Renderer> renderer_;
+};
+
+}  // namespace
+}  // namespace weft::synthetic
+
+using weft::synthetic::Synthetic;
+WEFT_PLUGIN(Synthetic, "sources/synthetic", "1.0.0",
+            "Renders a printed sheet that moves and bends without stretching, with exact truth.")

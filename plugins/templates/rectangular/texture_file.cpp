@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "texture_file.hpp"
+
+#include <fstream>
+#include <iterator>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+namespace weft::rectangular {
+namespace {
+
+constexpr double kHalfOpaque = 127.0;
+
+Result<cv::Mat> decode_file(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream) {
+    return Error{
+        Errc::not_found, path + ": the texture cannot be read: correct 'texture' or its file", {}};
+  }
+  try {
+    if (!bytes.empty()) {
+      if (cv::Mat image = cv::imdecode(bytes, cv::IMREAD_UNCHANGED); !image.empty()) return image;
+    }
+  } catch (const cv::Exception&) {  // reported below: the file is at fault
+  }
+  return Error{Errc::invalid_data,
+               path +
+                   ": the texture is no image that can be decoded (empty, damaged or of an "
+                   "unknown format)",
+               {}};
+}
+
+}  // namespace
+
+Result<Texture> read_texture_file(const std::string& path) {
+  auto image = decode_file(path);
+  if (!image) return image.error();
+  if (image->depth() != CV_8U) {
+    return Error{Errc::unsupported,
+                 path + ": the texture has more than 8 bits a channel: convert it to 8 bits",
+                 {}};
+  }
+  Texture texture{*image, cv::Mat::ones(image->size(), CV_8U)};
+  if (const int channels = image->channels(); channels == 2 || channels == 4) {
+    cv::extractChannel(*image, texture.mask, channels - 1);
+    cv::threshold(texture.mask, texture.mask, kHalfOpaque, 1.0, cv::THRESH_BINARY);
+    if (channels == 2) cv::extractChannel(*image, texture.pixels, 0);
+    if (channels == 4) cv::cvtColor(*image, texture.pixels, cv::COLOR_BGRA2BGR);
+  }
+  if (cv::countNonZero(texture.mask) == 0) {
+    return Error{Errc::invalid_data,
+                 path + ": the texture is transparent everywhere: remove its alpha channel",
+                 {}};
+  }
+  return texture;
+}
+
+}  // namespace weft::rectangular

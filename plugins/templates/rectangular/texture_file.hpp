@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <weft/core/result.hpp>
+
+namespace weft::rectangular {
+
+struct Texture {
+  cv::Mat pixels;  ///< [H,W] grey u8 or [H,W,3] BGR u8
+  cv::Mat mask;    ///< [H,W] u8, 1 where the texture belongs to the object
+};
+
+/// Reads an image of 8 bits a channel. The mask is 1 where an alpha channel is at least one half,
+/// and everywhere when there is none. Fails with a message that names the file.
+Result<Texture> read_texture_file(const std::string& path);
+
+}  // namespace weft::rectangular

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+#include <weft/core/statistics.hpp>
+#include <weft/sdk/warp_model.hpp>
+
+#include "spline_fit.hpp"
+#include "spline_model.hpp"
+
+namespace {
+
+using weft::Errc;
+using weft::Error;
+using weft::bbs::SplinePenalty;
+
+enum class Smoothing { paper_px2, dimensionless };
+enum class Robust { off, tukey, geman_mcclure };
+
+constexpr double kSingular = 1e-12;  // pivot ratio below which the data do not determine the warp
+constexpr double kTukey = 4.685;     // 95 % efficient for normal noise
+constexpr double kLeastSigmaPx = 0.3;
+constexpr int kFoldingSteps = 20;
+constexpr int kFewestMatches = 3;
+
+/// A uniform bicubic B-spline from the texture to the image, fitted by regularised least squares.
+class Bbs final : public weft::WarpModel {
+ public:
+  static constexpr weft::About kAbout{
+      .reference = "Rueckert et al. 1999, IEEE TMI 18(8); Brunet 2010, PhD thesis",
+      .reads = "weights"};
+
+  explicit Bbs(weft::Params& p) {
+    p.read("control_u", control_u_, "", {4, 100}, "control points along the texture's width");
+    p.read("control_v", control_v_, "", {4, 100}, "control points along the texture's height");
+    p.read("margin_px", margin_px_, "px", {0, 1e4}, "the domain is the texture and this around it");
+    p.choice("smoothing", smoothing_,
+             {{"paper_px2", Smoothing::paper_px2}, {"dimensionless", Smoothing::dimensionless}},
+             "which of lambda_px2 and lambda weighs the bending energy");
+    p.read("lambda_px2", lambda_px2_, "px^2", {0, 1e15},
+           "for paper_px2: depends on the size of the texture");
+    p.read("lambda", lambda_, "", {0, 1e9},
+           "for dimensionless: in areas of a knot cell; 0.001 interpolates, 1 is stiff");
+    p.read("scale_with_count", scale_with_count_, "smoothing times (number of matches) / 200");
+    p.read("ridge", ridge_, "", {0, 1}, "pull to the affine map, times the largest diagonal");
+    p.choice(
+        "robust", robust_,
+        {{"off", Robust::off}, {"tukey", Robust::tukey}, {"geman_mcclure", Robust::geman_mcclure}},
+        "refit with less weight on matches that fit badly");
+    p.read("tukey_refits", tukey_refits_, "", {1, 100}, "for tukey: how many");
+    p.read("scales_px", scales_px_, "px", {0.01, 1e4},
+           "for geman_mcclure: one refit for each s, with weights (s^2 / (s^2 + r^2))^2");
+  }
+
+  weft::Result<weft::Warp> fit(const weft::FitInput& in) override;
+
+  weft::Result<weft::WarpSamples> evaluate(const weft::EvaluateInput& in) override {
+    auto model = weft::bbs::read_model(in.warp);
+    if (!model) return model.error();
+    return weft::bbs::evaluate_model(*model, in.points);
+  }
+
+ private:
+  weft::Result<void> select(const weft::FitInput& in);
+  SplinePenalty penalty() const;
+  weft::bbs::SplineSystem refit(const SplinePenalty& penalty, weft::bbs::SplineSystem system);
+  bool reweight(std::size_t refit);
+  double tukey_limit_px(const weft::Points2& residuals);
+  weft::Warp make_warp(const SplinePenalty& penalty);
+
+  int control_u_ = 12;
+  int control_v_ = 12;
+  double margin_px_ = 20.0;
+  Smoothing smoothing_ = Smoothing::paper_px2;
+  double lambda_px2_ = 500.0;
+  double lambda_ = 0.1;
+  bool scale_with_count_ = false;
+  double ridge_ = 1e-9;
+  Robust robust_ = Robust::off;
+  int tukey_refits_ = 8;
+  std::vector<double> scales_px_{20, 12, 8, 5, 4, 3, 3, 3};
+
+  weft::bbs::SplineFit spline_;
+  std::vector<double> points_px_, values_px_;  // of the matches that take part, u v u v ...
+  std::vector<double> given_weights_, weights_, scratch_;
+  int dropped_ = 0;
+};
+
+weft::Result<weft::Warp> Bbs::fit(const weft::FitInput& in) {
+  const double height = static_cast<double>(in.templ.texture.dim(0));
+  const double width = static_cast<double>(in.templ.texture.dim(1));
+  const weft::SplineDomain domain{-0.5 - margin_px_,        width - 0.5 + margin_px_,
+                                  -0.5 - margin_px_,        height - 0.5 + margin_px_,
+                                  std::int32_t{control_u_}, std::int32_t{control_v_}};
+  if (auto checked = weft::check_domain(domain); !checked) return checked.error();
+  spline_.set_domain(domain);
+  if (auto selected = select(in); !selected) return selected.error();
+  const auto count = static_cast<Eigen::Index>(given_weights_.size());
+  spline_.set_data(Eigen::Map<const weft::Points2>(points_px_.data(), count, 2),
+                   Eigen::Map<const weft::Points2>(values_px_.data(), count, 2));
+  const SplinePenalty penalty = this->penalty();
+  weights_ = given_weights_;
+  weft::bbs::SplineSystem system = spline_.solve(weights_, penalty);
+  if (system.pivot_ratio > 0.0) system = refit(penalty, system);
+  if (!(system.pivot_ratio > 0.0)) {
+    return weft::no_result(
+        "the matches do not determine the warp: raise the smoothing or the ridge");
+  }
+  weft::Warp warp = make_warp(penalty);
+  if (system.collinear) {
+    return weft::degenerate(std::move(warp),
+                            "the matches lie on a line: across it the warp is a guess");
+  }
+  if (system.pivot_ratio < kSingular) {
+    return weft::degenerate(std::move(warp), "the matches hardly determine the warp");
+  }
+  return warp;
+}
+
+weft::Result<void> Bbs::select(const weft::FitInput& in) {
+  const weft::Correspondences& matches = in.correspondences;
+  const weft::SplineDomain& domain = spline_.domain();
+  if (in.weights && in.weights->weight.rows() != matches.count()) {
+    return Error{Errc::invalid_data, "there must be one weight for each match", {}};
+  }
+  points_px_.clear();
+  values_px_.clear();
+  given_weights_.clear();
+  dropped_ = 0;
+  for (std::int64_t i = 0; i < matches.count(); ++i) {
+    const double weight = in.weights ? in.weights->weight(i) : 1.0;
+    if (!(weight >= 0.0) || std::isinf(weight)) {
+      return Error{
+          Errc::invalid_data, "weight " + std::to_string(i) + " is not a finite number >= 0", {}};
+    }
+    if (matches.kept(i) == 0) continue;
+    const double u = matches.template_px(i, 0), v = matches.template_px(i, 1);
+    const double x = matches.image_px(i, 0), y = matches.image_px(i, 1);
+    if (!std::isfinite(u) || !std::isfinite(v) || !std::isfinite(x) || !std::isfinite(y)) {
+      return Error{Errc::invalid_data,
+                   "match " + std::to_string(i) + " has a coordinate that is not finite",
+                   {}};
+    }
+    const bool inside = u >= domain.u0 && u <= domain.u1 && v >= domain.v0 && v <= domain.v1;
+    if (!inside) ++dropped_;
+    if (!inside || weight == 0.0) continue;
+    points_px_.insert(points_px_.end(), {u, v});
+    values_px_.insert(values_px_.end(), {x, y});
+    given_weights_.push_back(weight);
+  }
+  if (given_weights_.size() >= kFewestMatches) return {};
+  return weft::no_result("too few matches for a warp: " + std::to_string(given_weights_.size()) +
+                         " of 3 with a weight and inside the domain");
+}
+
+SplinePenalty Bbs::penalty() const {
+  const weft::SplineDomain& domain = spline_.domain();
+  double lambda_px2 =
+      smoothing_ == Smoothing::paper_px2 ? lambda_px2_ : lambda_ * domain.su() * domain.sv();
+  if (scale_with_count_) lambda_px2 *= static_cast<double>(given_weights_.size()) / 200.0;
+  return {lambda_px2, ridge_};
+}
+
+weft::bbs::SplineSystem Bbs::refit(const SplinePenalty& penalty, weft::bbs::SplineSystem system) {
+  std::size_t refits = 0;
+  if (robust_ == Robust::tukey) refits = static_cast<std::size_t>(tukey_refits_);
+  if (robust_ == Robust::geman_mcclure) refits = scales_px_.size();
+  for (std::size_t i = 0; i < refits && system.pivot_ratio > 0.0 && reweight(i); ++i) {
+    system = spline_.solve(weights_, penalty);
+  }
+  return system;
+}
+
+/// Weights from the residuals of the last fit; false, and no change, when too few would be left.
+bool Bbs::reweight(std::size_t refit) {
+  const weft::Points2& residuals = spline_.residuals();
+  const double limit = robust_ == Robust::tukey ? tukey_limit_px(residuals) : scales_px_[refit];
+  const double limit2 = limit * limit;
+  scratch_.resize(weights_.size());
+  std::ptrdiff_t left = 0;
+  for (std::size_t k = 0; k < scratch_.size(); ++k) {
+    const double r2 = residuals.row(static_cast<Eigen::Index>(k)).squaredNorm();
+    const double root =
+        robust_ == Robust::tukey ? std::max(0.0, 1.0 - r2 / limit2) : limit2 / (limit2 + r2);
+    scratch_[k] = given_weights_[k] * root * root;
+    left += scratch_[k] > 0.0 ? 1 : 0;
+  }
+  if (left < kFewestMatches) return false;
+  weights_.swap(scratch_);
+  return true;
+}
+
+double Bbs::tukey_limit_px(const weft::Points2& residuals) {
+  scratch_.assign(residuals.data(), residuals.data() + residuals.size());
+  for (double& component : scratch_) component = std::abs(component);
+  return kTukey * std::max(weft::kSigmaPerMad * weft::median_in_place(scratch_), kLeastSigmaPx);
+}
+
+weft::Warp Bbs::make_warp(const SplinePenalty& penalty) {
+  weft::Warp warp;
+  warp.producer = "warps/bbs";
+  weft::bbs::write_model(spline_.domain(), spline_.control(), warp);
+  const weft::Points2& residuals = spline_.residuals();
+  spline_.sample_determinants(kFoldingSteps, scratch_);
+  const double smallest = *std::min_element(scratch_.begin(), scratch_.end());
+  warp.diag.set("matches", static_cast<double>(given_weights_.size()));
+  warp.diag.set("dropped_outside", dropped_);
+  warp.diag.set("lambda_px2", penalty.lambda_px2);
+  warp.diag.set("rms_residual_px",
+                std::sqrt(residuals.squaredNorm() / static_cast<double>(residuals.rows())));
+  warp.diag.set("min_det_jacobian", smallest);
+  warp.diag.set("median_det_jacobian", weft::median_in_place(scratch_));
+  warp.diag.set("mean_weight", weft::mean(weights_));
+  return warp;
+}
+
+}  // namespace
+
+WEFT_PLUGIN(Bbs, "warps/bbs", "1.0.0",
+            "Bicubic B-spline warp, fitted by least squares with a bending penalty.")
