@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <weft/sdk/filter.hpp>
+
+#include "script.hpp"
+
+namespace scripted {
+
+/// What a component was given as previous shape, as evidence.
+inline void tell_previous(const std::optional<weft::Shape>& previous, weft::Diagnostics& diag) {
+  diag.set("previous_state", previous ? previous->state : 0);
+  diag.set("previous_age", previous ? static_cast<double>(previous->age_frames) : -1.0);
+}
+
+/// Rejects every so many matches.
+class EveryFilter final : public weft::Filter {
+ public:
+  static constexpr weft::About kAbout{.reads = "previous.shape"};
+
+  explicit EveryFilter(weft::Params& p) : script_(p) {
+    p.read("every", every_, "", {0, 1000}, "rejects matches whose index it divides, 0 for none");
+  }
+
+  weft::Result<weft::InlierMask> filter(const weft::FilterInput& in) override {
+    if (auto failure = script_.failure(in.call)) return *failure;
+    const std::int64_t count = in.correspondences.count();
+    const std::int64_t length = script_.length(in.call, count);
+    weft::InlierMask mask{weft::Array<std::uint8_t>({length}), weft::Array<double>({length}), {}};
+    double kept_before = 0.0;
+    for (std::int64_t i = 0; i < length; ++i) {
+      mask.kept(i) = every_ == 0 || i % every_ != 0 ? 1 : 0;
+      mask.score(i) = script_.number(in.call, static_cast<double>(i));
+      if (i < count) kept_before += in.correspondences.kept(i);
+    }
+    mask.diag.set("kept_before", kept_before);
+    tell_previous(in.previous_shape, mask.diag);
+    return script_.answer(in.call, std::move(mask));
+  }
+
+ private:
+  Script script_;
+  int every_ = 0;
+};
+
+/// Keeps all if a nested warp can be fitted.
+class WarpedFilter final : public weft::Filter {
+ public:
+  static constexpr weft::About kAbout{.needs = "template"};
+
+  explicit WarpedFilter(weft::Params& p) {
+    p.component("warp", warp_, "fitted to the matches that are kept");
+  }
+
+  weft::Result<weft::InlierMask> filter(const weft::FilterInput& in) override {
+    const auto warp = warp_.fit(in.call, in.correspondences, *in.templ);
+    if (!warp) return warp.error();
+    const std::int64_t count = in.correspondences.count();
+    weft::InlierMask mask{weft::Array<std::uint8_t>({count}), weft::Array<double>({count}), {}};
+    std::fill_n(mask.kept.data(), count, std::uint8_t{1});
+    return mask;
+  }
+
+ private:
+  weft::WarpComponent warp_{"warps/test.scripted"};
+};
+
+/// Reads the truth; whether it says so is the question.
+template <bool kSaysSo>
+class TruthFilter final : public weft::Filter {
+ public:
+  static constexpr weft::About kAbout{.needs = "ground_truth", .uses_truth = kSaysSo};
+
+  explicit TruthFilter(weft::Params&) {}
+
+  weft::Result<weft::InlierMask> filter(const weft::FilterInput& in) override {
+    const std::int64_t count = in.correspondences.count();
+    weft::InlierMask mask{weft::Array<std::uint8_t>({count}), weft::Array<double>({count}), {}};
+    mask.diag.set("truths", static_cast<double>(in.ground_truth->count()));
+    return mask;
+  }
+};
+
+}  // namespace scripted

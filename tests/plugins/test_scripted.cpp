@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "filters.hpp"
+#include "inputs.hpp"
+#include "matches.hpp"
+#include "outputs.hpp"
+#include "shapes.hpp"
+
+using namespace scripted;
+
+WEFT_LIBRARY(
+    WEFT_COMPONENT(FrameSource, "sources/test.scripted", "1.0.0", "Grey frames by script."),
+    WEFT_COMPONENT(MatchSource, "sources/test.matches", "1.0.0", "Matches without an image."),
+    WEFT_COMPONENT(Sheet, "templates/test.scripted", "1.0.0", "A flat sheet, or a broken one."),
+    WEFT_COMPONENT(GridDetector, "detectors/test.scripted", "1.0.0", "Keypoints on a grid."),
+    WEFT_COMPONENT(IndexMatcher, "matchers/test.scripted", "1.0.0", "Pairs by index."),
+    WEFT_COMPONENT(PatternMatcher, "matchers/test.pattern", "1.0.0", "Matches without keypoints."),
+    WEFT_COMPONENT(Merger, "matchers/test.merge", "1.0.0", "All matches of several matchers."),
+    WEFT_COMPONENT(EveryFilter, "filters/test.scripted", "1.0.0", "Rejects every so many."),
+    WEFT_COMPONENT(WarpedFilter, "filters/test.warped", "1.0.0", "Holds a warp."),
+    WEFT_COMPONENT(TruthFilter<true>, "filters/test.truth", "1.0.0", "Reads the truth."),
+    WEFT_COMPONENT(TruthFilter<false>, "filters/test.peeking", "1.0.0", "Reads it in secret."),
+    WEFT_COMPONENT(AffineWarp, "warps/test.scripted", "1.0.0", "An affine map."),
+    WEFT_COMPONENT(VertexPass, "passes/test.scripted", "1.0.0", "Sightlines of all vertices."),
+    WEFT_COMPONENT(MemoryPass, "passes/test.memory", "1.0.0", "Tells what was fed back."),
+    WEFT_COMPONENT(PlaneSolver, "solvers/test.scripted", "1.0.0", "A plane."),
+    WEFT_COMPONENT(HolderSolver, "solvers/test.holder", "1.0.0", "Holds a solver."),
+    WEFT_COMPONENT(KnownSolver, "solvers/test.known", "1.0.0", "Wants a known point."),
+    WEFT_COMPONENT(LineSink, "sinks/test.scripted", "1.0.0", "A line for each frame."),
+    WEFT_COMPONENT(VisibilitySink, "sinks/test.visibility", "1.0.0", "Wants visibility."))

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <iostream>
+#include <set>
+#include <weft/data/codec.hpp>
+
+#include "unit/data/random_noun.hpp"
+
+namespace weft {
+namespace {
+
+using ::testing::HasSubstr;
+using testing_data::Content;
+using testing_data::content_of;
+using testing_data::PaddedRecord;
+using testing_data::random_noun;
+
+constexpr int kRounds = 25;
+
+/// Memory for what write_record writes; refuses the array `refused`.
+struct Store {
+  std::string refused;
+  std::vector<weft_array> arrays;
+  std::vector<std::unique_ptr<std::string>> names;
+  std::vector<std::unique_ptr<std::vector<std::uint64_t>>> memory;
+
+  void* operator()(const char* name, std::int32_t dtype, int ndim, const std::int64_t* shape) {
+    if (name == refused) return nullptr;
+    weft_array array{};
+    array.name = names.emplace_back(std::make_unique<std::string>(name))->c_str();
+    array.dtype = dtype;
+    array.ndim = ndim;
+    std::int64_t stride = dtype_size(dtype);
+    for (int axis = ndim - 1; axis >= 0; --axis) {
+      array.shape[axis] = shape[axis];
+      array.stride[axis] = stride;
+      stride *= shape[axis];
+    }
+    const auto words = static_cast<std::size_t>(stride) / 8 + 1;
+    array.data = memory.emplace_back(std::make_unique<std::vector<std::uint64_t>>(words))->data();
+    arrays.push_back(array);
+    return array.data;
+  }
+};
+
+TEST(Codec, EveryNounSurvivesBeingViewedAndReadBack) {
+  std::cout << "seed 101\n";
+  Rng rng(101);
+  for_each_noun([&]<class Noun>(std::type_identity<Noun>) {
+    for (int round = 0; round < kRounds; ++round) {
+      const Noun noun = random_noun<Noun>(rng);
+      const RecordView<Noun> view("slot", noun);
+      EXPECT_STREQ(view.raw().slot, "slot");
+      const auto read = read_record<Noun>(view.raw());
+      ASSERT_TRUE(read) << Noun::kType << ": " << read.error().message;
+      EXPECT_EQ(content_of(*read), content_of(noun)) << Noun::kType;
+    }
+  });
+}
+
+TEST(Codec, EveryNounSurvivesBeingWrittenAndReadBack) {
+  std::cout << "seed 102\n";
+  Rng rng(102);
+  for_each_noun([&]<class Noun>(std::type_identity<Noun>) {
+    for (int round = 0; round < kRounds; ++round) {
+      const Noun noun = random_noun<Noun>(rng);
+      Store store;
+      ASSERT_TRUE(write_record(noun, store));
+      const weft_record record{"", Noun::kType, 0, 0, store.arrays.size(), store.arrays.data()};
+      const auto read = read_record<Noun>(record);
+      ASSERT_TRUE(read) << Noun::kType << ": " << read.error().message;
+      EXPECT_EQ(content_of(*read), content_of(noun)) << Noun::kType;
+    }
+  });
+}
+
+TEST(Codec, RowsMayBePaddedOrReversedOnInput) {
+  std::cout << "seed 103\n";
+  Rng rng(103);
+  for_each_noun([&]<class Noun>(std::type_identity<Noun>) {
+    for (int round = 0; round < kRounds; ++round) {
+      const Noun noun = random_noun<Noun>(rng);
+      const RecordView<Noun> view("", noun);
+      const PaddedRecord padded(view.raw(), round % 2 == 1);
+      const auto read = read_record<Noun>(padded.raw());
+      ASSERT_TRUE(read) << Noun::kType << ": " << read.error().message;
+      EXPECT_EQ(content_of(*read), content_of(noun)) << Noun::kType;
+      Store store;  // and are made dense when written
+      ASSERT_TRUE(write_record(*read, store));
+      const weft_record record{"", Noun::kType, 0, 0, store.arrays.size(), store.arrays.data()};
+      EXPECT_EQ(content_of(record), content_of(noun)) << Noun::kType;
+    }
+  });
+}
+
+TEST(Codec, PaddedRowsAreSeenThroughEigenAndThroughIndices) {
+  const double memory[] = {1, 2, -1, 3, 4, -1, 5, 6, -1};
+  const auto array = Array<double>::borrow(memory, 2, {3, 2}, 3);
+  EXPECT_EQ(array.matrix<2>(), (Eigen::Matrix<double, 3, 2>() << 1, 2, 3, 4, 5, 6).finished());
+  EXPECT_EQ(array(2, 1), 6.0);
+  EXPECT_FALSE(array.contiguous());
+}
+
+TEST(Codec, EveryRequiredArrayIsMissed) {
+  std::cout << "seed 104\n";
+  Rng rng(104);
+  int required = 0;
+  for_each_noun([&]<class Noun>(std::type_identity<Noun>) {
+    const Noun noun = random_noun<Noun>(rng);
+    const RecordView<Noun> view("", noun);
+    Noun::fields(noun, [&](const auto&, const Field& field) {
+      if (field.optional) return;
+      ++required;
+      std::vector<weft_array> others;
+      for (std::uint64_t i = 0; i < view.raw().count; ++i) {
+        const weft_array& array = view.raw().arrays[i];
+        if (std::string(array.name) != field.name) others.push_back(array);
+      }
+      weft_record record = view.raw();
+      record.count = others.size();
+      record.arrays = others.data();
+      const auto read = read_record<Noun>(record);
+      ASSERT_FALSE(read) << Noun::kType << " without " << field.name;
+      EXPECT_EQ(read.error().code, Errc::invalid_data);
+      EXPECT_EQ(read.error().message,
+                std::string(Noun::kType) + ": array '" + field.name + "' is missing");
+    });
+  });
+  EXPECT_GT(required, 50);
+}
+
+TEST(Codec, EveryArrayOfAnotherElementTypeIsRefused) {
+  std::cout << "seed 105\n";
+  Rng rng(105);
+  for_each_noun([&]<class Noun>(std::type_identity<Noun>) {
+    const Noun noun = random_noun<Noun>(rng);
+    const RecordView<Noun> view("", noun);
+    for (std::uint64_t i = 0; i < view.raw().count; ++i) {
+      std::vector<weft_array> arrays(view.raw().arrays, view.raw().arrays + view.raw().count);
+      const std::string name = arrays[i].name;
+      if (name.starts_with("diag.") || name.starts_with("model.")) continue;
+      arrays[i].dtype = arrays[i].dtype == WEFT_I16 ? WEFT_U16 : WEFT_I16;
+      weft_record record = view.raw();
+      record.arrays = arrays.data();
+      const auto read = read_record<Noun>(record);
+      ASSERT_FALSE(read) << Noun::kType << " " << name;
+      EXPECT_THAT(read.error().message, HasSubstr("'" + name + "' has elements of type i16 where"));
+    }
+  });
+}
+
+TEST(Codec, ArraysOfDifferentLengthsUnderOneLetterAreRefused) {
+  KnownPoints points;
+  points.vertex = Array<std::int32_t>({4});
+  points.points_m = Array<double>({4, 3});
+  points.radius_m = Array<double>({3});
+  const auto read = read_record<KnownPoints>(RecordView<KnownPoints>("", points).raw());
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().message,
+            "known_points/1: array 'radius_m' has length 3 on axis 0 where P = 4 is expected");
+}
+
+TEST(Codec, ARecordOfAnotherTypeIsRefused) {
+  const Time time{0.5};
+  const auto read = read_record<Camera>(RecordView<Time>("", time).raw());
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().message, "expected a record camera/1, got time/1");
+}
+
+TEST(Codec, EvidenceThatCannotBeReadIsLeftOut) {
+  InlierMask mask{Array<std::uint8_t>({1}), Array<double>({1}), {}};
+  mask.diag.set("good", 1.0);
+  mask.diag.set("torn", Array<double>({2, 2}));
+  const RecordView<InlierMask> view("", mask);
+  std::vector<weft_array> arrays(view.raw().arrays, view.raw().arrays + view.raw().count);
+  arrays.back().stride[1] = 24;
+  weft_record record = view.raw();
+  record.arrays = arrays.data();
+  const auto read = read_record<InlierMask>(record);
+  ASSERT_TRUE(read);
+  ASSERT_EQ(read->diag.entries().size(), 1U);
+  EXPECT_EQ(read->diag.value("good", 0.0), 1.0);
+  EXPECT_EQ(read->diag.value("absent", -3.0), -3.0);
+}
+
+TEST(Codec, ARefusedArrayIsNamed) {
+  Store store;
+  store.refused = "score";
+  const InlierMask mask{Array<std::uint8_t>({1}), Array<double>({1}), {}};
+  const auto written = write_record(mask, store);
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().code, Errc::plugin_failure);
+  EXPECT_THAT(written.error().message, HasSubstr("'score' of inlier_mask/1"));
+}
+
+TEST(Codec, RevisionAndProducerTravelWithTheRecord) {
+  Template templ;
+  templ.revision = 77;
+  Warp warp;
+  warp.producer_handle = 5;
+  EXPECT_EQ(RecordView<Template>("", templ).raw().revision, 77U);
+  EXPECT_EQ(RecordView<Warp>("", warp).raw().producer, 5U);
+  warp.domain_px = Array<double>({4});
+  const auto read = read_record<Warp>(RecordView<Warp>("", warp).raw());
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->producer_handle, 5U);
+}
+
+TEST(Catalogue, TypesAreVersionedAndNamesAreUnique) {
+  std::set<std::string> types;
+  for_each_noun([&]<class Noun>(std::type_identity<Noun>) {
+    const std::string type = Noun::kType;
+    EXPECT_TRUE(type.ends_with("/1")) << type;
+    EXPECT_TRUE(types.insert(type).second) << type;
+    std::set<std::string> names;
+    Noun noun;
+    Noun::fields(noun, [&](const auto&, const Field& field) {
+      EXPECT_TRUE(names.insert(field.name).second) << type << " " << field.name;
+      EXPECT_STRNE(field.meaning, "") << type << " " << field.name;
+    });
+  });
+  EXPECT_EQ(types.size(), 18U);
+}
+
+}  // namespace
+}  // namespace weft

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+
+#include "support/pipeline_fixture.hpp"
+
+namespace weft {
+namespace {
+
+using testing::chain;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::head;
+using ::testing::IsEmpty;
+using testing::lines;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+class Wiring : public testing::PipelineTest {
+ protected:
+  Graph wired(const std::string& text) {
+    auto [pipeline, report] = check(text);
+    EXPECT_TRUE(report.ok()) << report.text();
+    return report.ok() ? std::move(pipeline.graph) : Graph{};
+  }
+
+  /// "correspondences=filters previous.shape=previous?": inputs with where they come from.
+  static std::string inputs(const Graph& graph, const Node& node) {
+    std::string text;
+    for (const InputLink& link : node.inputs) {
+      const ValueInfo& value = graph.values[static_cast<std::size_t>(link.value)];
+      EXPECT_EQ(value.slot, link.slot);
+      text += (text.empty() ? "" : " ") + link.slot + "=" + value.name + (link.required ? "" : "?");
+    }
+    return text;
+  }
+  static std::string inputs(const Graph& graph, std::size_t stage) {
+    return stage < graph.stages.size() ? inputs(graph, graph.stages[stage]) : "no such stage";
+  }
+};
+
+TEST_F(Wiring, GivesEachStageTheLatestValueOfEachType) {
+  const Graph graph = wired(chain());
+  EXPECT_EQ(inputs(graph, 0), "image=sources");
+  EXPECT_EQ(inputs(graph, 1), "keypoints=detectors template_keypoints=detectors");
+  EXPECT_EQ(inputs(graph, 2), "correspondences=matchers previous.shape=previous?");
+  EXPECT_EQ(inputs(graph, 3), "correspondences=filters template=templates");
+  EXPECT_EQ(inputs(graph, 4), "template=templates camera=sources warp_samples=warps");
+  EXPECT_EQ(inputs(graph, 5),
+            "template=templates camera=sources sightlines=passes previous.shape=previous?");
+  ASSERT_EQ(graph.sinks.size(), 1U);
+  EXPECT_EQ(inputs(graph, graph.sinks[0]), "shape=solvers? correspondences=filters?");
+}
+
+TEST_F(Wiring, ChainsFilters) {
+  const Graph graph = wired(head() +
+                            "stages:\n"
+                            "  - {use: matchers/test.pattern}\n"
+                            "  - {use: filters/test.scripted}\n"
+                            "  - {use: filters/test.scripted}\n"
+                            "  - {use: filters/test.scripted}\n");
+  EXPECT_THAT(inputs(graph, 1), StartsWith("correspondences=matchers"));
+  EXPECT_THAT(inputs(graph, 2), StartsWith("correspondences=filters"));
+  EXPECT_THAT(inputs(graph, 3), StartsWith("correspondences=filters#2"));
+}
+
+TEST_F(Wiring, LetsFromChooseAnEarlierStageAnUnnamedOneOrTheSource) {
+  const Graph graph = wired(
+      "weft: 1\nsource: {use: sources/test.matches}\ntemplate: {use: templates/test.scripted}\n"
+      "stages:\n"
+      "  - {use: matchers/test.pattern, as: a}\n"
+      "  - {use: filters/test.scripted}\n"
+      "  - {use: filters/test.scripted, from: {correspondences: a}}\n"
+      "  - {use: filters/test.scripted, from: {correspondences: sources}}\n"
+      "  - {use: filters/test.scripted, from: {correspondences: filters}}\n"
+      "  - {use: matchers/test.merge, from: {correspondences: [a, filters#2]}}\n"
+      "sinks:\n"
+      "  - {use: sinks/test.scripted, from: {correspondences: a}}\n");
+  EXPECT_THAT(inputs(graph, 2), StartsWith("correspondences=a"));
+  EXPECT_THAT(inputs(graph, 3), StartsWith("correspondences=sources"));
+  EXPECT_THAT(inputs(graph, 4), StartsWith("correspondences=filters"));
+  EXPECT_EQ(inputs(graph, 5), "correspondences=a correspondences=filters#2");
+  EXPECT_EQ(inputs(graph, graph.sinks[0]), "correspondences=a?");
+}
+
+TEST_F(Wiring, RefusesFromThatChoosesWhatIsNotThere) {
+  const auto report = check(head() +
+                            "stages:\n"
+                            "  - {use: matchers/test.pattern, as: first, from: {keypoint: a}}\n"
+                            "  - {use: filters/test.scripted, from: {correspondences: frist}}\n"
+                            "  - {use: filters/test.scripted, from: {correspondences: nobody}}\n"
+                            "  - {use: filters/test.scripted, from: {correspondence: first}}\n"
+                            "  - {use: filters/test.scripted, from: {correspondences: [first, "
+                            "first]}}\n"
+                            "  - {use: filters/test.scripted, as: later}\n")
+                          .second;
+  EXPECT_THAT(
+      lines(report),
+      ElementsAre("5:52: matchers/test.pattern does not read 'keypoint'",
+                  "6:41: no earlier stage named 'frist' produces 'correspondences'; did you mean "
+                  "'first'?",
+                  "7:41: no earlier stage named 'nobody' produces 'correspondences'; name it "
+                  "with: as: nobody",
+                  "8:41: filters/test.scripted does not read 'correspondence'; did you mean "
+                  "'correspondences'?",
+                  "9:41: filters/test.scripted takes one 'correspondences' only"));
+}
+
+TEST_F(Wiring, RefusesFromAStageThatComesLater) {
+  const auto report = check(head() +
+                            "stages:\n"
+                            "  - {use: matchers/test.pattern}\n"
+                            "  - {use: filters/test.scripted, from: {correspondences: b}}\n"
+                            "  - {use: matchers/test.pattern, as: b}\n")
+                          .second;
+  EXPECT_THAT(lines(report), ElementsAre(HasSubstr("no earlier stage named 'b' produces")));
+}
+
+constexpr const char* kTwoDetectors =
+    "stages:\n"
+    "  - {use: detectors/test.scripted, as: coarse}\n"
+    "  - {use: matchers/test.scripted, as: first}\n"
+    "  - {use: detectors/test.scripted, as: fine}\n"
+    "  - {use: matchers/test.scripted, as: second}\n"
+    "  - {use: matchers/test.scripted, from: {keypoints: coarse}}\n"
+    "  - {use: matchers/test.merge, from: {correspondences: [first, second]}}\n";
+
+TEST_F(Wiring, KeepsBothKeypointsOfADetectorTogether) {
+  const Graph graph = wired(head() + kTwoDetectors);
+  EXPECT_EQ(inputs(graph, 1), "keypoints=coarse template_keypoints=coarse");
+  EXPECT_EQ(inputs(graph, 3), "keypoints=fine template_keypoints=fine");
+  EXPECT_EQ(inputs(graph, 4), "keypoints=coarse template_keypoints=coarse");
+  EXPECT_EQ(inputs(graph, 5), "correspondences=first correspondences=second");
+}
+
+TEST_F(Wiring, RefusesTemplateKeypointsOfAnotherDetector) {
+  const auto report = check(head() +
+                            "stages:\n"
+                            "  - {use: detectors/test.scripted, as: a}\n"
+                            "  - {use: matchers/test.scripted, from: {template_keypoints: a}}\n")
+                          .second;
+  EXPECT_THAT(lines(report),
+              ElementsAre("6:42: 'from' chooses both kinds of keypoints with: keypoints"));
+}
+
+TEST_F(Wiring, NamesWhatCouldProduceAMissingInput) {
+  const auto report = check(head() +
+                            "stages:\n"
+                            "  - {use: matchers/test.scripted}\n"
+                            "  - {use: passes/test.scripted}\n"
+                            "  - {use: filters/test.truth}\n"
+                            "  - {use: solvers/test.scripted}\n"
+                            "sinks:\n"
+                            "  - {use: sinks/test.visibility}\n")
+                          .second;
+  const std::string detector = ";\n    add one that produces it: detectors/test.scripted";
+  EXPECT_THAT(
+      lines(report),
+      ElementsAre(
+          "5:5: matchers/test.scripted requires 'keypoints', which no earlier stage produces" +
+              detector,
+          "5:5: matchers/test.scripted requires 'template_keypoints', which no earlier stage "
+          "produces" +
+              detector,
+          "6:5: passes/test.scripted requires 'warp_samples', which no earlier stage produces;\n"
+          "    add one that produces it: warps/test.scripted"));
+}
+
+TEST_F(Wiring, NamesPassesForAPipelineWithoutOne) {
+  const auto report = check(head() +
+                            "stages:\n"
+                            "  - {use: solvers/test.scripted}\n"
+                            "sinks:\n"
+                            "  - {use: sinks/test.visibility}\n")
+                          .second;
+  EXPECT_THAT(
+      lines(report),
+      ElementsAre("5:5: solvers/test.scripted requires 'sightlines', which no earlier stage "
+                  "produces;\n    add one that produces it: passes/test.scripted",
+                  "7:5: sinks/test.visibility requires 'visibility', which no earlier stage "
+                  "produces;\n    add one that produces it: passes/test.scripted, "
+                  "passes/test.memory"));
+}
+
+TEST_F(Wiring, CountsAFailedStageAsAProducer) {
+  const auto report = check(head() +
+                            "stages:\n"
+                            "  - {use: matchers/test.pattern, params: {count: -4}}\n"
+                            "  - {use: filters/test.scripted}\n")
+                          .second;
+  EXPECT_THAT(lines(report), ElementsAre(HasSubstr("'count' is -4")));
+}
+
+TEST_F(Wiring, MakesRequiredInputsOfANestedComponentTheParents) {
+  const Graph graph = wired(head() +
+                            "stages:\n"
+                            "  - {use: matchers/test.pattern}\n"
+                            "  - {use: warps/test.scripted}\n"
+                            "  - {use: passes/test.scripted}\n"
+                            "  - {use: solvers/test.holder}\n");
+  EXPECT_EQ(inputs(graph, 3),
+            "template=templates camera=sources sightlines=passes previous.shape=previous?");
+  const auto report = check(head() + "stages:\n  - {use: solvers/test.holder}\n").second;
+  EXPECT_THAT(lines(report), ElementsAre(HasSubstr("solvers/test.holder requires 'sightlines'")));
+}
+
+TEST_F(Wiring, GivesTruthOnlyToThoseWhoSayThatTheyUseIt) {
+  const auto with = [](const std::string& filter) {
+    return head("{truth: true}") +
+           "stages:\n  - {use: matchers/test.pattern}\n  - {use: " + filter + "}\n";
+  };
+  EXPECT_EQ(inputs(wired(with("filters/test.truth")), 1),
+            "correspondences=matchers ground_truth=sources");
+  EXPECT_THAT(
+      lines(check(with("filters/test.peeking")).second),
+      ElementsAre("6:5: filters/test.peeking reads ground_truth without saying uses_truth"));
+}
+
+TEST_F(Wiring, RefusesAnInputThatTheSourceNeverGives) {
+  const auto report =
+      check(
+          "weft: 1\nsource: {use: sources/test.matches}\ntemplate: {use: templates/test.scripted}\n"
+          "stages:\n"
+          "  - {use: detectors/test.scripted}\n")
+          .second;
+  EXPECT_THAT(lines(report),
+              ElementsAre("5:5: detectors/test.scripted requires 'image', which no earlier stage "
+                          "produces;\n    add one that produces it: sources/test.scripted"));
+}
+
+TEST_F(Wiring, FeedsBackOnlyWhatSomeStageProduces) {
+  const Graph alone = wired(head() + "stages:\n  - {use: passes/test.memory}\n");
+  EXPECT_EQ(inputs(alone, 0), "template=templates camera=sources previous.visibility=previous?");
+  const Graph graph = wired(head() +
+                            "stages:\n"
+                            "  - {use: passes/test.memory}\n"
+                            "  - {use: matchers/test.pattern}\n"
+                            "  - {use: warps/test.scripted}\n"
+                            "  - {use: passes/test.scripted}\n"
+                            "  - {use: solvers/test.scripted}\n");
+  EXPECT_EQ(inputs(graph, 0),
+            "template=templates camera=sources previous.shape=previous? "
+            "previous.visibility=previous?");
+}
+
+TEST_F(Wiring, HasNoLatestValueOfAnUnknownSlot) {
+  const Graph graph = wired(chain());
+  EXPECT_EQ(graph.latest("region"), -1);
+  EXPECT_EQ(graph.values[static_cast<std::size_t>(graph.latest("shape"))].name, "solvers");
+}
+
+}  // namespace
+}  // namespace weft

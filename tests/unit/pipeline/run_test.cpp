@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+#include <weft/host/npz.hpp>
+#include <weft/pipeline/run_folder.hpp>
+
+#include "support/pipeline_fixture.hpp"
+
+namespace weft {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::chain;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::head;
+using testing::Ran;
+using testing::read_lines;
+using testing::read_text;
+using ::testing::StartsWith;
+using ::testing::UnorderedElementsAre;
+
+class Runs : public testing::PipelineTest {
+ protected:
+  static std::vector<std::string> files_in(const std::string& folder) {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      names.push_back(entry.path().filename().string());
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+  /// frames.jsonl without what depends on the clock.
+  static std::vector<json> timeless(const std::string& folder) {
+    std::vector<json> frames;
+    for (const std::string& line : read_lines(folder + "/frames.jsonl")) {
+      json frame = json::parse(line);
+      frame.erase("ms");
+      for (json& stage : frame["stages"]) stage.erase("ms");
+      frames.push_back(std::move(frame));
+    }
+    return frames;
+  }
+};
+
+TEST_F(Runs, LeavesAFolderThatCanBeRead) {
+  const Ran ran = run(chain({{"sources", "{truth: true}"},
+                             {"solvers", "{no_result_at: [0], weak_at: [1]}"},
+                             {"sinks", "{path: lines.txt}"}}));
+  ASSERT_TRUE(ran.summary) << ran.summary.error().message;
+  EXPECT_EQ(ran.summary->folder, ran.folder);
+  EXPECT_THAT(files_in(ran.folder), ElementsAre("frames", "frames.jsonl", "lines.txt",
+                                                "manifest.json", "pipeline.yaml", "template.npz"));
+  EXPECT_THAT(files_in(ran.folder + "/frames"),
+              ElementsAre("000000.npz", "000001.npz", "000002.npz"));
+  const auto lines = read_lines(ran.folder + "/frames.jsonl");
+  ASSERT_EQ(lines.size(), 3U);
+  const json frame = json::parse(lines[1]);
+  EXPECT_EQ(frame["frame"], 1);
+  EXPECT_EQ(frame["stem"], "f1");
+  EXPECT_EQ(frame["state"], "weak");
+  EXPECT_EQ(frame["age"], 0);
+  EXPECT_EQ(frame["failed"], false);
+  ASSERT_EQ(frame["stages"].size(), 8U);
+  EXPECT_EQ(frame["stages"][0]["stage"], "sources");
+  EXPECT_EQ(frame["stages"][2]["matches"], 24.0);
+  EXPECT_TRUE(frame["stages"][6].contains("diag.draw"));
+  EXPECT_TRUE(frame["ms"].contains("solvers"));
+  EXPECT_EQ(json::parse(lines[0])["stages"][6]["reason"], "scripted no result");
+  EXPECT_THAT(read_lines(ran.folder + "/lines.txt"),
+              ElementsAre("0 no shape 24", "1 weak 24", "2 estimated 24"));
+}
+
+TEST_F(Runs, KeepsShapeAndTruthOfEachFrame) {
+  const Ran ran =
+      run(chain({{"sources", "{truth: true, error_at: [2]}"}, {"solvers", "{no_result_at: [0]}"}}));
+  const auto slots = [&](const std::string& frame) {
+    std::vector<std::string> names;
+    const auto records = host::read_npz(ran.folder + "/frames/" + frame + ".npz");
+    EXPECT_TRUE(records) << frame;
+    for (const auto& [slot, record] : *records) names.push_back(slot + " " + record->type());
+    return names;
+  };
+  EXPECT_THAT(slots("000000"), ElementsAre("ground_truth ground_truth/1"));
+  EXPECT_THAT(slots("000001"), ElementsAre("shape shape/1", "ground_truth ground_truth/1"));
+  EXPECT_THAT(slots("000002"), ElementsAre("shape shape/1"));
+  const auto records = host::read_npz(ran.folder + "/frames/000002.npz");
+  const auto shape = host::view_as<Shape>(*records->front().second);
+  EXPECT_EQ(shape->shape_state(), ShapeState::predicted);
+  EXPECT_EQ(shape->age_frames, 1);
+  EXPECT_EQ(shape->vertices_m.rows(), 30);
+  const auto given = host::read_npz(ran.folder + "/template.npz");
+  ASSERT_TRUE(given);
+  EXPECT_EQ(given->size(), 2U);
+  EXPECT_EQ(host::view_as<Camera>(*(*given)[1].second)->width_px, 160);
+}
+
+TEST_F(Runs, WritesNoFileForAFrameWithNeitherShapeNorTruth) {
+  const Ran ran = run(chain({{"solvers", "{no_result_at: [0]}"}}));
+  EXPECT_THAT(files_in(ran.folder + "/frames"), ElementsAre("000001.npz", "000002.npz"));
+  EXPECT_EQ(read_lines(ran.folder + "/frames.jsonl").size(), 3U);
+}
+
+TEST_F(Runs, WritesTheEffectiveConfigurationAndTheProvenance) {
+  const Ran ran = run(chain({{"solvers", "{distance_m: 0.3}"}}, "seed: 9"));
+  const auto [again, report] =
+      load_pipeline(ran.folder + "/pipeline.yaml", registry_, path("run2"));
+  ASSERT_TRUE(report.ok()) << report.text();
+  EXPECT_EQ(again.seed, 9U);
+  EXPECT_EQ(effective_yaml(again), read_text(ran.folder + "/pipeline.yaml"));
+  const json manifest = json::parse(read_text(ran.folder + "/manifest.json"));
+  EXPECT_EQ(manifest["seed"], 9);
+  ASSERT_EQ(manifest["components"].size(), 9U);
+  EXPECT_EQ(manifest["components"][7]["id"], "solvers/test.scripted");
+  EXPECT_EQ(manifest["components"][7]["build_id"].get<std::string>().size(), 40U);
+}
+
+TEST_F(Runs, WritesProvenanceOfAFileWhoseNameIsNoUtf8) {
+  const std::string file = write(chain(), "p\xff.yaml");
+  const auto [pipeline, report] = check_pipeline(file, registry_, path("run"));
+  ASSERT_TRUE(report.ok()) << report.text();
+  Ran ran;
+  const std::atomic<bool> cancel{false};
+  EXPECT_TRUE(run_pipeline(pipeline, path("run"), ran, cancel));
+  EXPECT_FALSE(json::parse(read_text(path("run") + "/manifest.json")).empty());
+}
+
+TEST_F(Runs, WritesReasonsOfAnyBytesAsJson) {
+  Ran ran;
+  auto folder = RunFolder::create(path("run"));
+  ASSERT_TRUE(folder);
+  FrameResult frame;
+  frame.stem = "a\"b\\\xff\n";
+  frame.stages.push_back({"s",
+                          StageStatus::error,
+                          "\x80\x01",
+                          0.1,
+                          {{"diag.x", std::numeric_limits<double>::quiet_NaN()}}});
+  ASSERT_TRUE(folder->add(frame, nullptr));
+  const auto lines = read_lines(path("run") + "/frames.jsonl");
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_TRUE(json::parse(lines[0])["stages"][0]["diag.x"].is_null());
+}
+
+TEST_F(Runs, RefusesAFolderThatIsNotEmpty) {
+  fs::create_directories(path("run"));
+  write("precious", "run/notes.txt");
+  const Ran ran = run(chain());
+  ASSERT_FALSE(ran.summary);
+  EXPECT_EQ(ran.summary.error().code, Errc::io);
+  EXPECT_EQ(ran.summary.error().where, path("run"));
+  EXPECT_THAT(ran.summary.error().message, HasSubstr("not an empty folder"));
+  EXPECT_THAT(files_in(path("run")), ElementsAre("notes.txt"));
+  write("x", "file");
+  EXPECT_EQ(run(chain(), "file").summary.error().code, Errc::io);
+  EXPECT_EQ(run(chain(), "file/inside").summary.error().code, Errc::io);
+}
+
+TEST_F(Runs, TakesAnEmptyFolder) {
+  fs::create_directories(path("run"));
+  EXPECT_TRUE(run(chain()).summary);
+}
+
+TEST_F(Runs, LeavesNoFolderBehindWhenTheyCannotStart) {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {chain({{"sources", "{refuse: true}"}}), "refuses as scripted"},
+      {chain({{"sources", "{focal_px: 0}"}}), "a camera needs fx, fy, width and height above 0"},
+      {chain({{"templates", "{defect: index}"}}), "1000000"},
+      {chain({{"templates", "{defect: flipped}"}}), "is flipped in the texture"},
+      {chain({{"templates", "{defect: mask_size}"}}), "array 'mask' has length 2"},
+      {chain({{"templates", "{defect: no_faces}"}}), "has no faces"},
+      {chain({{"templates", "{defect: nan}"}}), "'vertices_m' holds NaN"},
+      {chain({{"detectors", "{count: 0}"}}), "finds no keypoints on the template's texture"},
+      {chain({{"solvers", "{refuse: true}"}}), "refuses as scripted"}};
+  for (const auto& [text, message] : cases) {
+    const Ran ran = run(text);
+    ASSERT_FALSE(ran.summary) << message;
+    EXPECT_THAT(ran.summary.error().message, HasSubstr(message));
+    EXPECT_THAT(ran.summary.error().where, HasSubstr("/test.scripted"));
+    EXPECT_FALSE(fs::exists(path("run"))) << message;
+    EXPECT_EQ(ran.announced, -2);
+  }
+}
+
+TEST_F(Runs, FinishTheSinksWhateverHappens) {
+  const std::string text = head() +
+                           "stages:\n  - {use: matchers/test.pattern}\n"
+                           "sinks:\n"
+                           "  - {use: sinks/test.scripted, params: {path: a.txt}}\n"
+                           "  - {use: sinks/test.scripted, params: {path: b.txt, REFUSE: true}}\n"
+                           "  - {use: sinks/test.scripted, params: {path: c.txt}}\n";
+  const auto with = [&](const std::string& key) {
+    std::string result = text;
+    return result.replace(result.find("REFUSE"), 6, key);
+  };
+  const Ran opening = run(with("refuse_open"), "opening");
+  ASSERT_FALSE(opening.summary);
+  EXPECT_EQ(opening.summary.error().message, "cannot open as scripted");
+  EXPECT_TRUE(fs::exists(opening.folder + "/a.txt"));
+  const Ran finishing = run(with("refuse_finish"), "finishing");
+  ASSERT_FALSE(finishing.summary);
+  EXPECT_EQ(finishing.summary.error().code, Errc::io);
+  EXPECT_EQ(finishing.summary.error().where, "sinks/test.scripted");
+  EXPECT_EQ(read_lines(finishing.folder + "/c.txt").size(), 3U);
+}
+
+TEST_F(Runs, StopAtTheFirstErrorIfToldTo) {
+  const Ran ran = run(chain({{"sources", "{frames: 5}"},
+                             {"matchers", "{no_result_at: [0], error_at: [2]}"},
+                             {"sinks", "{path: lines.txt}"}},
+                            "on_error: stop"));
+  ASSERT_TRUE(ran.summary);
+  EXPECT_EQ(ran.summary->frames, 3);
+  EXPECT_EQ(ran.summary->failed, 1);
+  EXPECT_TRUE(ran.summary->stopped);
+  EXPECT_EQ(read_lines(ran.folder + "/frames.jsonl").size(), 3U);
+  EXPECT_EQ(read_lines(ran.folder + "/lines.txt").size(), 3U);
+}
+
+TEST_F(Runs, StopWhenTheyAreCancelled) {
+  struct Canceller : Ran {
+    std::atomic<bool> cancel{false};
+    void frame_done(const FrameResult& frame) override {
+      Ran::frame_done(frame);
+      if (frame.index == 1) cancel = true;
+    }
+  } ran;
+  const auto [pipeline, report] = check(chain({{"sources", "{frames: 9}"}}));
+  const auto summary = run_pipeline(pipeline, path("run"), ran, ran.cancel);
+  ASSERT_TRUE(summary);
+  EXPECT_EQ(summary->frames, 2);
+  EXPECT_TRUE(summary->stopped);
+}
+
+TEST_F(Runs, EndASourceOfUnknownLengthWhereItSaysSo) {
+  const Ran ran = run(chain({{"sources", "{unknown_count: true, frames: 4, error_at: [1]}"}}));
+  ASSERT_TRUE(ran.summary);
+  EXPECT_EQ(ran.announced, -1);
+  EXPECT_EQ(ran.summary->frames, 4);
+  EXPECT_EQ(ran.summary->failed, 1);
+}
+
+TEST_F(Runs, OfNoFramesAreEmpty) {
+  const Ran ran = run(chain({{"sources", "{frames: 0}"}}));
+  ASSERT_TRUE(ran.summary);
+  EXPECT_EQ(ran.summary->frames, 0);
+  EXPECT_TRUE(fs::exists(ran.folder + "/frames.jsonl"));
+}
+
+TEST_F(Runs, AreTheSameTwice) {
+  const std::string text = chain({{"sources", "{frames: 6, truth: true, error_at: [4]}"},
+                                  {"solvers", "{no_result_at: [2], weak_at: [3]}"},
+                                  {"filters", "{every: 3}"}},
+                                 "seed: 12");
+  const Ran first = run(text, "first"), second = run(text, "second");
+  EXPECT_EQ(timeless(first.folder), timeless(second.folder));
+  const auto names = files_in(first.folder + "/frames");
+  ASSERT_EQ(names.size(), 6U);
+  EXPECT_EQ(names, files_in(second.folder + "/frames"));
+  for (const std::string& name : names) {
+    EXPECT_EQ(read_text(first.folder + "/frames/" + name),
+              read_text(second.folder + "/frames/" + name))
+        << name;
+  }
+  EXPECT_EQ(read_text(first.folder + "/template.npz"), read_text(second.folder + "/template.npz"));
+}
+
+}  // namespace
+}  // namespace weft

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+#include <weft/sdk/filter.hpp>
+#include <weft/sdk/matcher.hpp>
+
+namespace weft {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A host that keeps what it was asked for and may refuse.
+struct FakeHost {
+  FakeHost() {
+    table = {sizeof(table), 0, &alloc, &is_cancelled, &keep_log, nullptr};
+    call = {sizeof(call), 0, &table, this, 42, 9, 3, 0};
+  }
+  FakeHost(const FakeHost&) = delete;
+
+  static FakeHost& of(const weft_call* raw) { return *static_cast<FakeHost*>(raw->context); }
+  static void* alloc(const weft_call* raw, const char* slot, const char* type, const char* array,
+                     std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape) {
+    FakeHost& self = of(raw);
+    if (self.refuses) return nullptr;
+    std::int64_t bytes = dtype_size(dtype);
+    for (int axis = 0; axis < ndim; ++axis) bytes *= shape[axis];
+    self.asked.push_back(std::string(slot) + " " + type + " " + array);
+    const auto words = static_cast<std::size_t>(bytes) / 8 + 1;
+    return self.memory.emplace_back(std::make_unique<std::vector<double>>(words))->data();
+  }
+  static std::int32_t is_cancelled(const weft_call* raw) { return of(raw).stop ? 1 : 0; }
+  static void keep_log(const weft_call* raw, std::int32_t level, const char* text) {
+    of(raw).log = std::to_string(level) + text;
+  }
+
+  weft_host table{};
+  weft_call call{};
+  bool refuses = false, stop = false;
+  std::string log;
+  std::vector<std::string> asked;
+  std::vector<std::unique_ptr<std::vector<double>>> memory;
+};
+
+Correspondences make_matches(std::int64_t n) {
+  Correspondences matches;
+  matches.template_px = matches.image_px = Array<double>({n, 2});
+  matches.face = Array<std::int32_t>({n});
+  matches.barycentrics = Array<double>({n, 3});
+  matches.kept = Array<std::uint8_t>({n});
+  matches.score = Array<double>({n});
+  return matches;
+}
+
+InlierMask make_mask(std::int64_t n) { return {Array<std::uint8_t>({n}), Array<double>({n}), {}}; }
+
+/// A filter that does what its test says.
+struct Scripted : Filter {
+  Result<InlierMask> filter(const FilterInput& in) override { return script(in); }
+  std::function<Result<InlierMask>(const FilterInput&)> script;
+};
+
+class ProcessCallTest : public ::testing::Test {
+ protected:
+  /// Calls a filter that runs `script` on three matches.
+  std::int32_t run(std::function<Result<InlierMask>(const FilterInput&)> script) {
+    Scripted filter;
+    filter.script = std::move(script);
+    const Correspondences matches = make_matches(3);
+    const RecordView<Correspondences> view("correspondences", matches);
+    ProcessCall process(host_.call, &view.raw(), 1, &error_);
+    return filter.process(process);
+  }
+
+  FakeHost host_;
+  weft_error error_{};
+};
+
+TEST_F(ProcessCallTest, GivesTheInputsAndWritesTheOutput) {
+  const std::int32_t status = run([](const FilterInput& in) {
+    EXPECT_EQ(in.correspondences.count(), 3);
+    EXPECT_FALSE(in.templ.has_value());
+    EXPECT_EQ(in.call.seed(), 42U);
+    EXPECT_EQ(in.call.frame(), 9U);
+    EXPECT_EQ(in.call.threads(), 3);
+    EXPECT_FALSE(in.call.cancelled());
+    in.call.log_warning("careful");
+    return make_mask(3);
+  });
+  EXPECT_EQ(status, WEFT_OK);
+  EXPECT_EQ(host_.log, "2careful");
+  EXPECT_THAT(host_.asked, ::testing::ElementsAre("inlier_mask inlier_mask/1 kept",
+                                                  "inlier_mask inlier_mask/1 score"));
+}
+
+TEST_F(ProcessCallTest, SeesThatTheHostWantsToStop) {
+  host_.stop = true;
+  EXPECT_EQ(run([](const FilterInput& in) -> Result<InlierMask> {
+              if (in.call.cancelled()) return Error{Errc::cancelled, "stopped", {}};
+              return make_mask(3);
+            }),
+            WEFT_CANCELLED);
+}
+
+TEST_F(ProcessCallTest, AFlaggedValueIsWrittenAndItsReasonGiven) {
+  EXPECT_EQ(run([](const auto&) { return degenerate(make_mask(3), "few matches"); }),
+            WEFT_DEGENERATE);
+  EXPECT_STREQ(error_.message, "few matches");
+  EXPECT_EQ(host_.asked.size(), 2U);
+}
+
+TEST_F(ProcessCallTest, ErrorsBecomeTheStatusThatBelongsToThem) {
+  EXPECT_EQ(run([](const auto&) { return no_result("too few matches"); }), WEFT_NO_RESULT);
+  EXPECT_STREQ(error_.message, "too few matches");
+  EXPECT_EQ(error_.code, static_cast<std::int32_t>(Errc::no_result));
+  EXPECT_EQ(run([](const auto&) { return Error{Errc::cancelled, "stopped", ""}; }), WEFT_CANCELLED);
+  EXPECT_EQ(run([](const auto&) { return Error{Errc::io, "disk full", "file.txt"}; }), WEFT_ERROR);
+  EXPECT_STREQ(error_.where, "file.txt");
+  EXPECT_TRUE(host_.asked.empty());
+}
+
+TEST_F(ProcessCallTest, AHostThatRefusesAnArrayMakesItAnError) {
+  host_.refuses = true;
+  EXPECT_EQ(run([](const auto&) { return make_mask(3); }), WEFT_ERROR);
+  EXPECT_THAT(error_.message, HasSubstr("'kept' of inlier_mask/1"));
+}
+
+TEST_F(ProcessCallTest, AnAbsentRequiredInputIsAnError) {
+  Scripted filter;
+  ProcessCall process(host_.call, nullptr, 0, &error_);
+  EXPECT_EQ(filter.process(process), WEFT_ERROR);
+  EXPECT_STREQ(error_.message, "required input 'correspondences' is absent");
+}
+
+TEST_F(ProcessCallTest, AnInputOfAnotherTypeIsAnError) {
+  Scripted filter;
+  const Time time;
+  const RecordView<Time> view("correspondences", time);
+  ProcessCall process(host_.call, &view.raw(), 1, &error_);
+  EXPECT_EQ(filter.process(process), WEFT_ERROR);
+  EXPECT_THAT(error_.message, HasSubstr("expected a record correspondences/1, got time/1"));
+}
+
+TEST_F(ProcessCallTest, RepeatedInputsAreAllGivenInOrder) {
+  const Correspondences first = make_matches(1), second = make_matches(2);
+  const RecordView<Correspondences> one("correspondences", first), two("correspondences", second);
+  const weft_record inputs[] = {one.raw(), two.raw()};
+  ProcessCall process(host_.call, inputs, 2, &error_);
+  MatcherInput input{Call(host_.call)};
+  ASSERT_TRUE(process.read_slots(input));
+  ASSERT_EQ(input.correspondences.size(), 2U);
+  EXPECT_EQ(input.correspondences[0].count(), 1);
+  EXPECT_EQ(input.correspondences[1].count(), 2);
+  EXPECT_FALSE(input.keypoints.has_value());
+}
+
+TEST(CopyText, CutsBetweenCharactersAndAlwaysEnds) {
+  char buffer[8];
+  copy_text(buffer, "short");
+  EXPECT_STREQ(buffer, "short");
+  copy_text(buffer, "exactly");
+  EXPECT_STREQ(buffer, "exactly");
+  copy_text(buffer, "too long by far");
+  EXPECT_STREQ(buffer, "too lon");
+  copy_text(buffer, "sixsix\xc3\xa9");  // the last character would be cut in two
+  EXPECT_STREQ(buffer, "sixsix");
+  copy_text(buffer, "five5\xf0\x9f\xa7\xb6!");
+  EXPECT_STREQ(buffer, "five5");
+  copy_text(buffer, "");
+  EXPECT_STREQ(buffer, "");
+}
+
+/// A component of the contract made from a class, as a library holds it.
+struct Simple final : Filter {
+  static constexpr About kAbout{.reference = "a paper",
+                                .licence = "MIT",
+                                .needs = "camera",
+                                .random = true,
+                                .uses_truth = true};
+  explicit Simple(Params& p) { p.read("value", value, "", {0, 1}, "a number"); }
+  ~Simple() override { ++destroyed; }
+  Result<void> prepare(const PrepareInput& in) override {
+    if (in.templ.vertices_m.rows() == 3) return {};
+    return Error{Errc::unsupported, "wants a triangle", {}};
+  }
+  Result<InlierMask> filter(const FilterInput& in) override {
+    return make_mask(in.correspondences.count());
+  }
+  double value = 0.5;
+  static inline int destroyed = 0;
+};
+
+constexpr weft_component kSimple =
+    WEFT_COMPONENT(Simple, "filters/simple", "2.0.1", "Does little.");
+
+TEST(Component, SaysWhatItsClassSays) {
+  EXPECT_EQ(kSimple.struct_size, sizeof(weft_component));
+  EXPECT_EQ(kSimple.flags, WEFT_FLAG_RANDOM | WEFT_FLAG_USES_TRUTH);
+  EXPECT_STREQ(kSimple.id, "filters/simple");
+  EXPECT_STREQ(kSimple.version, "2.0.1");
+  EXPECT_STREQ(kSimple.reference, "a paper");
+  EXPECT_STREQ(kSimple.licence, "MIT");
+  EXPECT_STREQ(kSimple.determinism, "exact");
+  EXPECT_STREQ(kSimple.needs, "camera");
+  EXPECT_EQ(kSimple.get_extension("weft.unknown/1"), nullptr);
+}
+
+TEST(Component, RefusesIllegalParametersAndDestroysWhatItMade) {
+  Simple::destroyed = 0;
+  const double illegal = 2.0, legal = 1.0;
+  weft_value value{"value", WEFT_VALUE_F64, 0, 1, &illegal};
+  weft_error error{};
+  void* self = nullptr;
+  EXPECT_EQ(kSimple.create(&value, 1, &self, &error), WEFT_ERROR);
+  EXPECT_EQ(self, nullptr);
+  EXPECT_THAT(error.message, HasSubstr("'value' is outside its range"));
+  EXPECT_EQ(Simple::destroyed, 1);
+  value.data = &legal;
+  ASSERT_EQ(kSimple.create(&value, 1, &self, &error), WEFT_OK);
+  kSimple.destroy(self);
+  EXPECT_EQ(Simple::destroyed, 2);
+}
+
+TEST(Component, PreparesWithTemplateAndCamera) {
+  FakeHost host;
+  weft_error error{};
+  void* self = nullptr;
+  ASSERT_EQ(kSimple.create(nullptr, 0, &self, &error), WEFT_OK);
+  Template templ;
+  templ.vertices_m = Array<double>({3, 3});
+  templ.flat_px = Array<double>({3, 2});
+  templ.faces = Array<std::int32_t>({1, 3});
+  templ.texture = templ.mask = Array<std::uint8_t>({2, 2});
+  const Camera camera;
+  const auto prepare = [&] {
+    const RecordView<Template> first("template", templ);
+    const RecordView<Camera> second("camera", camera);
+    const weft_record inputs[] = {first.raw(), second.raw()};
+    return kSimple.prepare(self, &host.call, inputs, 2, &error);
+  };
+  EXPECT_EQ(prepare(), WEFT_OK) << error.message;
+  templ.vertices_m = Array<double>({4, 3});
+  templ.flat_px = Array<double>({4, 2});
+  EXPECT_EQ(prepare(), WEFT_ERROR);
+  EXPECT_STREQ(error.message, "wants a triangle");
+  kSimple.destroy(self);
+}
+
+}  // namespace
+}  // namespace weft

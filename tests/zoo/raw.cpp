@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// A filter written against the bare contract, which breaks it in one way after another.
+#include <weft/abi.h>
+
+#include <cstdint>
+#include <cstring>
+#include <iterator>
+#include <string_view>
+
+namespace {
+
+constexpr const char* kMistakes[] = {
+    "none",         "created_nothing", "no_output",    "no_reason",  "unknown_status",
+    "unknown_code", "no_terminator",   "unknown_slot", "wrong_type", "no_array_name",
+    "no_shape",     "unknown_dtype",   "five_axes",    "negative",   "too_large",
+    "overflow",     "unknown_handle",  "null_log"};
+
+struct Raw {
+  std::string_view mistake;
+};
+
+std::int32_t describe(const weft_describe* sink) {
+  weft_parameter parameter{};
+  const char* fallback = "none";
+  parameter.default_value = {"mistake", WEFT_VALUE_CHOICE, 0, 1, &fallback};
+  parameter.unit = parameter.role = "";
+  parameter.help = "what it does wrong";
+  parameter.choices = kMistakes;
+  parameter.choice_count = std::size(kMistakes);
+  sink->parameter(sink->context, &parameter);
+  return WEFT_OK;
+}
+
+std::int32_t create(const weft_value* values, std::uint64_t count, void** self, weft_error*) {
+  std::string_view given = "none";
+  if (count == 1) given = *static_cast<const char* const*>(values[0].data);
+  if (given == "created_nothing") return WEFT_OK;
+  for (const char* mistake : kMistakes) {
+    if (given == mistake) *self = new Raw{mistake};
+  }
+  return WEFT_OK;
+}
+
+std::int32_t prepare(void*, const weft_call*, const weft_record*, std::uint64_t, weft_error*) {
+  return WEFT_OK;
+}
+
+std::int64_t count_matches(const weft_record* inputs, std::uint64_t count) {
+  for (std::uint64_t i = 0; i < count; ++i) {
+    if (std::string_view(inputs[i].slot) == "correspondences") return inputs[i].arrays[0].shape[0];
+  }
+  return 0;
+}
+
+/// Asks for an array that the host must refuse; true when it did.
+bool is_refused(std::string_view mistake, const weft_call* call) {
+  const auto alloc = call->host->alloc;
+  const std::int64_t length[] = {3, 3, 3, 3, 3};
+  const std::int64_t negative[] = {-1};
+  const std::int64_t large[] = {std::int64_t{1} << 42};
+  const std::int64_t overflow[] = {0, std::int64_t{1} << 62, 8};
+  const char* slot = "inlier_mask";
+  const char* type = "inlier_mask/1";
+  void* array = nullptr;
+  if (mistake == "unknown_slot")
+    array = alloc(call, "visibility", type, "kept", WEFT_U8, 1, length);
+  if (mistake == "wrong_type") array = alloc(call, slot, "shape/1", "kept", WEFT_U8, 1, length);
+  if (mistake == "no_array_name") array = alloc(call, slot, type, nullptr, WEFT_U8, 1, length);
+  if (mistake == "no_shape") array = alloc(call, slot, type, "kept", WEFT_U8, 1, nullptr);
+  if (mistake == "unknown_dtype") array = alloc(call, slot, type, "kept", 77, 1, length);
+  if (mistake == "five_axes") array = alloc(call, slot, type, "kept", WEFT_U8, 5, length);
+  if (mistake == "negative") array = alloc(call, slot, type, "kept", WEFT_U8, 1, negative);
+  if (mistake == "too_large") array = alloc(call, slot, type, "kept", WEFT_U8, 1, large);
+  if (mistake == "overflow") array = alloc(call, slot, type, "diag.x", WEFT_F64, 3, overflow);
+  return array == nullptr;
+}
+
+std::int32_t process(void* self, const weft_call* call, const weft_record* inputs,
+                     std::uint64_t count, weft_error* error) {
+  const std::string_view mistake = static_cast<Raw*>(self)->mistake;
+  if (mistake == "no_output") return WEFT_OK;
+  if (mistake == "no_reason") return WEFT_ERROR;
+  if (mistake == "unknown_status") return 77;
+  if (mistake == "unknown_code") error->code = 12345;
+  if (mistake == "unknown_code") return WEFT_ERROR;
+  if (mistake == "no_terminator") {
+    std::memset(error->message, 'x', sizeof(error->message));
+    std::memset(error->where, 'y', sizeof(error->where));
+    return WEFT_NO_RESULT;
+  }
+  if (mistake == "unknown_handle") {
+    const weft_record* outputs = nullptr;
+    std::uint64_t output_count = 0;
+    return call->host->invoke(call, 999, 0, inputs, count, &outputs, &output_count, error);
+  }
+  if (mistake == "null_log") call->host->log(call, 1, nullptr);
+  if (!is_refused(mistake, call)) std::strcpy(error->message, "the host gave an illegal array");
+  if (error->message[0] != '\0') return WEFT_ERROR;
+  const std::int64_t n = count_matches(inputs, count);
+  auto* kept = static_cast<std::uint8_t*>(
+      call->host->alloc(call, "inlier_mask", "inlier_mask/1", "kept", WEFT_U8, 1, &n));
+  call->host->alloc(call, "inlier_mask", "inlier_mask/1", "score", WEFT_F64, 1, &n);
+  for (std::int64_t i = 0; i < n; ++i) kept[i] = 1;
+  return WEFT_OK;
+}
+
+void destroy(void* self) { delete static_cast<Raw*>(self); }
+
+constexpr weft_component kComponent = {sizeof(weft_component),
+                                       0,
+                                       "filters/zoo_raw",
+                                       "1.0.0",
+                                       "Breaks the contract.",
+                                       "",
+                                       "",
+                                       "exact",
+                                       "",
+                                       "",
+                                       "",
+                                       &describe,
+                                       &create,
+                                       &prepare,
+                                       &process,
+                                       &destroy,
+                                       nullptr};
+constexpr const weft_component* kPointer = &kComponent;
+
+}  // namespace
+
+extern "C" __attribute__((visibility("default"))) const weft_library_table weft_library;
+const weft_library_table weft_library = {
+    WEFT_ABI_MAGIC, WEFT_ABI_MAJOR, WEFT_ABI_MINOR, sizeof(weft_library_table), 1, &kPointer, "",
+    "by hand",      {0, 0, 0, 0}};

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Throws where and what it is told.
+#include <new>
+#include <stdexcept>
+#include <weft/sdk/filter.hpp>
+
+namespace {
+
+enum class Place { nowhere, constructor, prepare, process };
+enum class Kind { exception, number, memory, long_text };
+
+class Throws final : public weft::Filter {
+ public:
+  explicit Throws(weft::Params& p) {
+    p.choice("in", place_,
+             {{"nowhere", Place::nowhere},
+              {"constructor", Place::constructor},
+              {"prepare", Place::prepare},
+              {"process", Place::process}},
+             "where it throws");
+    p.choice("what", kind_,
+             {{"exception", Kind::exception},
+              {"number", Kind::number},
+              {"memory", Kind::memory},
+              {"long_text", Kind::long_text}},
+             "what it throws");
+    throw_in(Place::constructor);
+  }
+
+  weft::Result<void> prepare(const weft::PrepareInput&) override {
+    throw_in(Place::prepare);
+    return {};
+  }
+
+  weft::Result<weft::InlierMask> filter(const weft::FilterInput& in) override {
+    throw_in(Place::process);
+    const std::int64_t n = in.correspondences.count();
+    return weft::InlierMask{weft::Array<std::uint8_t>({n}), weft::Array<double>({n}), {}};
+  }
+
+ private:
+  void throw_in(Place here) const {
+    if (place_ != here) return;
+    if (kind_ == Kind::number) throw 42;
+    if (kind_ == Kind::memory) throw std::bad_alloc();
+    std::string text = "the sky fell down";
+    if (kind_ == Kind::long_text) {
+      while (text.size() < 5000) text += "\xc3\xa9";  // two bytes each
+    }
+    throw std::runtime_error(text);
+  }
+
+  Place place_ = Place::nowhere;
+  Kind kind_ = Kind::exception;
+};
+
+}  // namespace
+
+WEFT_PLUGIN(Throws, "filters/zoo_throws", "1.0.0", "Throws where and what it is told.")
