@@ -13,7 +13,7 @@ struct Options {
   std::string folder;
   std::string json_file;  ///< "-" is the standard output
   std::string alignment = "none";
-  bool keep = false;
+  bool no_save = false;
   bool quiet = false;
 };
 
@@ -22,7 +22,7 @@ Result<void> evaluate(const Options& options) {
   choice.alignment = *evaluation::alignment_of(options.alignment);
   const auto metrics = evaluation::evaluate_run(options.folder, choice);
   if (!metrics) return metrics.error();
-  if (!options.keep) {
+  if (!options.no_save) {
     const std::string file =
         options.folder + "/" + evaluation::metrics_file_name(metrics->alignment);
     if (auto written = evaluation::write_json(*metrics, file); !written) return written;
@@ -54,7 +54,7 @@ void add_eval_command(CLI::App& app, Context& context) {
                    "Take out one scale or one rigid motion a frame first; the table says so")
       ->check(CLI::IsMember({"none", "scale", "rigid"}))
       ->capture_default_str();
-  command->add_flag("--keep", options->keep, "Write nothing into the run folder");
+  command->add_flag("--no-save", options->no_save, "Write nothing into the run folder");
   command->add_flag("--quiet", options->quiet, "No table");
   command->callback([&context, options] {
     if (auto done = evaluate(*options); !done) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <fstream>
@@ -27,7 +28,8 @@ std::string json_list(const host::Registry& registry) {
   for (const host::Refusal& refusal : registry.refusals()) {
     refusals.push_back({{"file", refusal.file}, {"cause", refusal.cause}, {"fix", refusal.fix}});
   }
-  return nlohmann::ordered_json{{"plugins", plugins}, {"refused", refusals}}.dump(2);
+  return nlohmann::ordered_json{{"plugins", plugins}, {"refused", refusals}}.dump(
+      2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 void list(bool json, const Context& context) {
@@ -56,6 +58,53 @@ void list(bool json, const Context& context) {
   for (const host::Refusal& refusal : registry.refusals()) {
     fmt::print("refused {}\n    {};\n    {}\n", refusal.file, refusal.cause, refusal.fix);
   }
+}
+
+std::string words(const std::vector<std::string>& all) {
+  return fmt::format("{}", fmt::join(all, ", "));
+}
+
+std::string default_text(const yaml::Node& value) {
+  std::vector<std::string> items;
+  for (const yaml::Node& item : value.items) items.push_back(item.scalar);
+  if (value.kind == yaml::Kind::sequence) return "[" + words(items) + "]";
+  if (value.kind == yaml::Kind::map) return "{}";
+  return value.scalar.empty() ? "none" : value.scalar;
+}
+
+void print_parameter(const host::ParameterSpec& parameter) {
+  std::string facts = host::parameter_type_name(parameter.type);
+  if (parameter.is_vector) facts += " list";
+  if (!parameter.unit.empty()) facts += fmt::format(" in {}", parameter.unit);
+  if (parameter.bounded) facts += fmt::format(", {} to {}", parameter.minimum, parameter.maximum);
+  if (!parameter.choices.empty()) facts += ": " + words(parameter.choices);
+  facts += parameter.required ? ", required" : ", default " + default_text(parameter.default_value);
+  fmt::print("  {}: {}\n      {}\n", parameter.name, parameter.help, facts);
+}
+
+void show(const std::string& id, Context& context) {
+  const auto registry = context.registry();
+  const host::Installed* entry = registry.find(id);
+  if (entry == nullptr) {
+    print_error({Errc::not_found, registry.explain_missing(id), {}});
+    context.exit_code = kBadConfiguration;
+    return;
+  }
+  const host::ComponentManifest& component = entry->component;
+  fmt::print("{} {}\n{}\n\n", component.id, component.version, component.summary);
+  const auto line = [](const char* name, const std::string& text) {
+    if (!text.empty()) fmt::print("{:<13}{}\n", name, text);
+  };
+  line("reference", component.reference);
+  line("licence", component.licence);
+  line("needs", words(component.needs));
+  line("reads", words(component.reads));
+  line("produces", words(component.produces));
+  line("determinism", component.determinism + (component.random ? ", draws from the seed" : ""));
+  line("truth", component.uses_truth ? "reads the ground truth" : "");
+  line("library", entry->library->library);
+  if (!component.parameters.empty()) fmt::print("\nparameters\n");
+  for (const host::ParameterSpec& parameter : component.parameters) print_parameter(parameter);
 }
 
 /// Writes the manifest beside a library, on the machine where it is to run.
@@ -90,6 +139,10 @@ void add_plugins_command(CLI::App& app, Context& context) {
   CLI::App* list_command = command->add_subcommand("list", "All plugins, and files refused");
   list_command->add_flag("--json", *json, "Print JSON");
   list_command->callback([&context, json] { list(*json, context); });
+  const auto id = std::make_shared<std::string>();
+  CLI::App* show_command = command->add_subcommand("show", "One plugin with all its parameters");
+  show_command->add_option("ID", *id, "Id of the plugin (role/name)")->required();
+  show_command->callback([&context, id] { show(*id, context); });
   const auto file = std::make_shared<std::string>();
   CLI::App* describe_command =
       command->add_subcommand("describe", "Write the manifest of a plugin library beside it");

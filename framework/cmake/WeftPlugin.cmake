@@ -6,7 +6,8 @@
 # Builds <role>_<name>.so, which exports nothing but `weft_library`, and beside it the manifest
 # <role>_<name>.plugin.yaml; both in FOLDER where it is given, else in this tree's plugin folder or
 # another tree's build folder. The same function serves this tree and, after find_package(weft), any
-# other. Tests are built where GTest and weft_testing exist.
+# other. Tests are built where GTest and weft_testing exist; they are linked with the plugin's
+# objects, so that they can test its parts as well as call it through the contract.
 
 set(WEFT_PLUGIN_CMAKE_DIR ${CMAKE_CURRENT_LIST_DIR})
 
@@ -62,16 +63,16 @@ function(weft_add_plugin id)
   endif()
 
   if(TARGET weft_testing AND TARGET GTest::gtest_main)
-    weft_add_plugin_test(${name} ${name}_test quick "${arg_TESTS}" "${arg_LINK}")
-    weft_add_plugin_test(${name} ${name}_long_test long "${arg_LONG_TESTS}" "${arg_LINK}")
+    weft_add_plugin_test(${name} ${name}_test quick "${arg_TESTS}")
+    weft_add_plugin_test(${name} ${name}_long_test long "${arg_LONG_TESTS}")
   endif()
 endfunction()
 
-function(weft_add_plugin_test name test label sources link)
+function(weft_add_plugin_test name test label sources)
   if(NOT sources)
     return()
   endif()
-  weft_add_test(${test} ${label} SOURCES ${sources} LINK ${link})
+  weft_add_test(${test} ${label} SOURCES ${sources} LINK ${name}_objects)
   add_dependencies(${test} ${name}_manifest)
 endfunction()
 

@@ -132,6 +132,11 @@ def is_test(path: str) -> bool:
     return "tests" in PurePosixPath(path).parts[:-1]
 
 
+def is_tool(path: str) -> bool:
+    """True for programs that draw or convert data and are no part of a plugin's library."""
+    return "tools" in PurePosixPath(path).parts[:-1]
+
+
 class Tree:
     """The sources under a root, and the check of each rule on them."""
 
@@ -245,7 +250,7 @@ class Tree:
         return ""
 
     def _check_printing(self, path: str, code: str) -> Iterator[Violation]:
-        if scope_of(path) == "cli" or path in PRINTERS or is_test(path):
+        if scope_of(path) == "cli" or path in PRINTERS or is_test(path) or is_tool(path):
             return
         for match in PRINTING.finditer(code):
             what = match.group(0).rstrip("( ")

@@ -63,7 +63,7 @@ TEST_P(Malformed, EndsTheProgramWithCodeTwo) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, Malformed, ::testing::ValuesIn(malformed_files()),
-                         [](const auto& info) { return info.param; });
+                         [](const auto& test) { return test.param; });
 
 }  // namespace
 }  // namespace weft

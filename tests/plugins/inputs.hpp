@@ -14,6 +14,8 @@ namespace scripted {
 /// Grey frames, with truth and a known point if asked for.
 class FrameSource final : public weft::Source {
  public:
+  static constexpr weft::About kAbout{.produces = "image time known_points ground_truth"};
+
   explicit FrameSource(weft::Params& p) : script_(p) {
     p.read("frames", frames_, "", {0, 1e6}, "how many");
     p.read("unknown_count", unknown_count_, "end with no_result instead of a count");

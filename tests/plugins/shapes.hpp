@@ -116,8 +116,8 @@ class VertexPass final : public weft::Pass {
 /// Tells what was fed back to it.
 class MemoryPass final : public weft::Pass {
  public:
-  static constexpr weft::About kAbout{.reads = "previous.shape previous.visibility",
-                                      .produces = "visibility"};
+  static constexpr weft::About kAbout{
+      .needs = "previous.visibility", .reads = "previous.shape", .produces = "visibility"};
 
   explicit MemoryPass(weft::Params&) {}
 

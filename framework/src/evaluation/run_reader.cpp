@@ -152,6 +152,8 @@ Result<FrameRecords> RunReader::read(const FrameLine& line) const {
     auto records = host::read_npz(file, host::NpzCheck::none);
     if (!records) return records.error();
     frame.owners = *std::move(records);
+  } else if (line.state != ShapeState::none) {
+    return damaged(file, "is missing");
   }
   auto shape = find_noun<Shape>(frame.owners, "shape", file);
   if (!shape) return shape.error();

@@ -121,9 +121,41 @@ Result<Member> read_member(zip_t* archive, zip_uint64_t index, const std::string
   return member;
 }
 
+/// The records of a file while its members are read.
+struct Assembly {
+  std::vector<std::pair<std::string, std::shared_ptr<Record>>> records{};
+  std::map<std::string, std::shared_ptr<Record>> by_slot{};
+
+  Result<void> add(const Member& member, const std::string& file) {
+    const std::string name = member.slot + "/" + member.array;
+    const auto header = parse_npy(member.bytes);
+    if (!header) return Error{Errc::invalid_data, name + " " + header.error().message, file};
+    const char* data = member.bytes.data() + header->data_offset;
+    const std::size_t size = member.bytes.size() - header->data_offset;
+    if (member.array == kTypeMember) {
+      const auto record = std::make_shared<Record>(std::string(data, size));
+      if (!by_slot.emplace(member.slot, record).second) {
+        return zip_failure(file, "has the slot '" + member.slot + "' twice");
+      }
+      records.emplace_back(member.slot, record);
+      return {};
+    }
+    const auto found = by_slot.find(member.slot);
+    if (found == by_slot.end()) {
+      return zip_failure(file, "lacks the type of '" + member.slot + "'; was it written by Weft?");
+    }
+    const auto axes = static_cast<std::int32_t>(header->shape.size());
+    void* target = found->second->allocate(member.array, header->dtype, axes, header->shape.data());
+    if (target == nullptr) return zip_failure(file, name + " has an illegal name or size");
+    std::memcpy(target, data, size);
+    return {};
+  }
+};
+
 }  // namespace
 
 Result<void> write_npz(const std::string& file, const NamedRecords& records) {
+  if (records.empty()) return Error{Errc::invalid_value, "there are no records to write", file};
   std::vector<std::pair<std::string, std::string>> members;
   for (const auto& [slot, record] : records) {
     weft_array type{};
@@ -167,41 +199,19 @@ Result<NamedRecords> read_npz(const std::string& file, NpzCheck check) {
   int code = 0;
   const Archive archive(zip_open(file.c_str(), ZIP_RDONLY, &code));
   if (!archive) return zip_failure(file, "cannot be read as an npz file");
-  std::vector<std::pair<std::string, std::shared_ptr<Record>>> records;
-  std::map<std::string, std::shared_ptr<Record>> by_slot;
+  Assembly assembly;
   const zip_int64_t count = zip_get_num_entries(archive.get(), 0);
   for (zip_int64_t i = 0; i < count; ++i) {
     const auto member = read_member(archive.get(), static_cast<zip_uint64_t>(i), file);
     if (!member) return member.error();
-    const std::string name = member->slot + "/" + member->array;
-    const auto header = parse_npy(member->bytes);
-    if (!header) return Error{Errc::invalid_data, name + " " + header.error().message, file};
-    const char* data = member->bytes.data() + header->data_offset;
-    const std::size_t size = member->bytes.size() - header->data_offset;
-    if (member->array == kTypeMember) {
-      const auto record = std::make_shared<Record>(std::string(data, size));
-      if (!by_slot.emplace(member->slot, record).second) {
-        return zip_failure(file, "has the slot '" + member->slot + "' twice");
-      }
-      records.emplace_back(member->slot, record);
-      continue;
-    }
-    const auto found = by_slot.find(member->slot);
-    if (found == by_slot.end()) {
-      return zip_failure(file, "lacks the type of '" + member->slot + "'; was it written by Weft?");
-    }
-    void* target = found->second->allocate(member->array, header->dtype,
-                                           static_cast<std::int32_t>(header->shape.size()),
-                                           header->shape.data());
-    if (target == nullptr) return zip_failure(file, name + " has an illegal name or size");
-    std::memcpy(target, data, size);
+    if (auto added = assembly.add(*member, file); !added) return added.error();
   }
   NamedRecords result;
-  for (auto& [slot, record] : records) {
-    const auto valid =
-        check == NpzCheck::none ? Result<void>{} : validate(record->view(slot.c_str()));
-    if (!valid) {
-      return Error{valid.error().code, "slot '" + slot + "': " + valid.error().message, file};
+  for (auto& [slot, record] : assembly.records) {
+    if (check == NpzCheck::catalogue) {
+      if (auto valid = validate(record->view(slot.c_str())); !valid) {
+        return Error{valid.error().code, "slot '" + slot + "': " + valid.error().message, file};
+      }
     }
     result.emplace_back(slot, std::move(record));
   }

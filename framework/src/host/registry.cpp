@@ -65,12 +65,20 @@ std::string illegal_id(const Manifest& manifest) {
     if (std::find(roles.begin(), roles.end(), component.role()) == roles.end()) {
       const std::string near = nearest(component.role(), roles);
       return "'" + component.role() + "' of '" + id + "' is no role" +
-             (near.empty() ? "" : "; did you mean '" + near + "'?");
+             (near.empty() ? "" : " (the nearest is '" + near + "')");
     }
     if (std::find(seen.begin(), seen.end(), id) != seen.end()) return "'" + id + "' is in it twice";
     seen.push_back(id);
   }
   return {};
+}
+
+Refusal unreadable(const std::string& manifest, const Error& error) {
+  const std::string library = manifest.substr(0, manifest.rfind(".plugin.yaml")) + ".so";
+  return {library,
+          "its manifest cannot be read: " + error.message + " (" + error.where + ")",
+          "run: weft plugins describe " + library,
+          {}};
 }
 
 /// Nothing when the library beside the manifest can be used.
@@ -170,13 +178,7 @@ void Registry::scan_folder(const SearchFolder& folder) {
   for (const std::string& file : manifests) {
     auto manifest = read_manifest(file);
     if (!manifest) {
-      const Error& error = manifest.error();
-      const std::string library = file.substr(0, file.rfind(".plugin.yaml")) + ".so";
-      refusals_.push_back(
-          {library,
-           "its manifest cannot be read: " + error.message + " (" + error.where + ")",
-           "run: weft plugins describe " + library,
-           {}});
+      refusals_.push_back(unreadable(file, manifest.error()));
     } else if (auto refusal = check(*manifest)) {
       refusals_.push_back(*std::move(refusal));
     } else {

@@ -23,12 +23,6 @@ Result<void> check_indices(const Array<std::int32_t>& indices, std::int64_t leas
   return {};
 }
 
-Result<void> check_vertex_count(const std::string& what, std::int64_t rows, const Template& templ) {
-  if (rows == templ.vertices_m.rows()) return {};
-  return broken(what + " has " + std::to_string(rows) + " vertices, the template " +
-                std::to_string(templ.vertices_m.rows()));
-}
-
 Result<void> check_size(const std::string& what, const Array<std::uint8_t>& pixels,
                         const Camera& camera) {
   if (pixels.dim(0) == camera.height_px && pixels.dim(1) == camera.width_px) return {};
@@ -45,17 +39,9 @@ class FitCheck {
   FitCheck(const Template& templ, const Camera& camera) : templ_(templ), camera_(camera) {}
 
   Result<void> operator()(const Shape& shape) const {
-    auto status = check_vertex_count("the shape", shape.vertices_m.rows(), templ_);
-    if (!status) return status;
     const ShapeState state = shape.shape_state();
     if (state == ShapeState::estimated || state == ShapeState::weak) return {};
     return broken("a solver may say estimated or weak only");
-  }
-  Result<void> operator()(const WarpSamples& samples) const {
-    return check_vertex_count("the warp's samples", samples.xy_px.rows(), templ_);
-  }
-  Result<void> operator()(const Visibility& visibility) const {
-    return check_vertex_count("the visibility", visibility.visible.rows(), templ_);
   }
   Result<void> operator()(const Sightlines& sightlines) const {
     auto status =

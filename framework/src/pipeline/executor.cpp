@@ -204,13 +204,9 @@ StageReport Executor::run_stage(Stage& stage, FrameResult& result) {
       add_numbers(outcome.find("inlier_mask"), report);
     }
   }
+  const std::string own_cause = cause.empty() ? report.stage + ": " + report.reason : cause;
   for (const int output : stage.node->outputs) {
-    const auto index = static_cast<std::size_t>(output);
-    if (result.values[index] != nullptr) continue;
-    const bool silent = report.reason.empty() || report.status == StageStatus::degenerate;
-    result.causes[index] = report.status == StageStatus::skipped ? cause
-                           : silent ? report.stage + ": no " + graph_.values[index].slot
-                                    : report.stage + ": " + report.reason;
+    result.causes[static_cast<std::size_t>(output)] = own_cause;
   }
   return report;
 }
@@ -278,7 +274,6 @@ void Executor::remember(const FrameResult& result) {
       previous_[graph_.values[i].slot] = result.values[i];
     }
   }
-  if (result.shape != nullptr) previous_["shape"] = result.shape;
 }
 
 }  // namespace weft

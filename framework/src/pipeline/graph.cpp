@@ -25,6 +25,14 @@ const RoleMethod& main_method(const Role& role) {
   return role.methods[index];
 }
 
+using host::ComponentManifest;
+
+/// Sources and passes have a choice; they say what they produce.
+bool declares(const ComponentManifest& component, const std::string& slot) {
+  const auto& made = component.produces;
+  return std::find(made.begin(), made.end(), slot) != made.end();
+}
+
 class Wiring {
  public:
   Wiring(const PipelineConfig& config, const host::Registry& registry,
@@ -58,10 +66,7 @@ class Wiring {
     if (config_.source) {
       const ComponentManifest& source = config_.source->component.component();
       for (const RoleSlot& output : main_method(roles_.at("sources")).outputs) {
-        const auto& made = source.produces;
-        if (made.empty() || std::find(made.begin(), made.end(), output.name) != made.end()) {
-          add(output.name, -1, "sources");
-        }
+        if (declares(source, output.name)) add(output.name, -1, "sources");
       }
     }
     add("camera", -1, "sources");
@@ -72,8 +77,6 @@ class Wiring {
     }
     for (const std::string& slot : fed_back) add("previous." + slot, -1, "previous");
   }
-
-  using ComponentManifest = host::ComponentManifest;
 
   std::vector<std::string> products(const StageConfig& stage) const {
     const std::string role = stage.component.component().role();
@@ -213,9 +216,8 @@ class Wiring {
         return output.name == slot || (slot == "warp_samples" && output.name == "warp") ||
                (slot == "template_keypoints" && output.name == "keypoints");
       });
-      const auto& made = entry.component.produces;
-      const bool listed = made.empty() || std::find(made.begin(), made.end(), slot) != made.end();
-      if (!by_role || !listed) continue;
+      const bool leaves_choice = role == "sources" || role == "passes";
+      if (!by_role || (leaves_choice && !declares(entry.component, slot))) continue;
       producers += (producers.empty() ? "" : ", ") + entry.component.id;
     }
     if (producers.empty()) return message;

@@ -48,6 +48,7 @@ void add_components(const host::ComponentSpec& spec, const std::string& stage,
                         {"build_id", installed.library->build_id},
                         {"licence", installed.component.licence},
                         {"determinism", installed.component.determinism},
+                        {"uses_truth", installed.component.uses_truth},
                         {"library", installed.library->library}});
   for (const auto& [parameter, child] : spec.nested) {
     add_components(child, stage + "/" + parameter, components);

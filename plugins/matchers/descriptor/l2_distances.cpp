@@ -87,9 +87,9 @@ void take_root(float* descriptor, int length) {
 
 }  // namespace
 
-L2Distances::L2Distances() : fill_(&fill_plain), panel_width_(8) {
+L2Distances::L2Distances([[maybe_unused]] bool wide) : fill_(&fill_plain), panel_width_(8) {
 #ifdef __x86_64__
-  if (has_avx2()) {
+  if (wide && has_avx2()) {
     fill_ = &fill_avx2;
     panel_width_ = 16;
   }

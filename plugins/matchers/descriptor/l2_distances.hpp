@@ -13,7 +13,8 @@ namespace weft::descriptor {
 /// descriptors stand, so distances do not depend on the order of the descriptors.
 class L2Distances final : public DistanceRows {
  public:
-  L2Distances();
+  /// `wide`: use AVX2 and FMA where the processor has them.
+  explicit L2Distances(bool wide = true);
 
   /// Descriptors [Q,D] and [T,D]. With `root`, each is replaced by sqrt(d / |d|_1) elementwise
   /// (RootSIFT, Arandjelovic and Zisserman 2012), which needs d >= 0; zero stays zero.

@@ -2,6 +2,7 @@
 #include "bending_fill.hpp"
 
 #include <cstddef>
+#include <weft/geometry/mesh_bending.hpp>
 #include <weft/geometry/rigid_alignment.hpp>
 
 namespace weft::brunet_mdh {
@@ -12,38 +13,7 @@ constexpr double kPointWeight = 100.0;
 
 std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
-/// The corner of a face that is not on the edge (a, b).
-std::int32_t corner_off(const Faces& faces, std::int32_t face, std::int32_t a, std::int32_t b) {
-  for (int k = 0; k < 3; ++k) {
-    if (faces(face, k) != a && faces(face, k) != b) return faces(face, k);
-  }
-  return faces(face, 0);
-}
-
 }  // namespace
-
-void BendingFill::add_hinges(const RestSurface& surface) {
-  const Points3& rest = surface.vertices_m();
-  const MeshTopology& topology = surface.topology();
-  for (Eigen::Index e = 0; e < topology.edges.rows(); ++e) {
-    if (topology.edge_faces(e, 1) < 0) continue;
-    const std::int32_t a = topology.edges(e, 0), b = topology.edges(e, 1);
-    const std::int32_t c = corner_off(surface.faces(), topology.edge_faces(e, 0), a, b);
-    const std::int32_t d = corner_off(surface.faces(), topology.edge_faces(e, 1), a, b);
-    const Eigen::RowVector3d along = rest.row(b) - rest.row(a);
-    const double length = along.norm();
-    // Coordinates along the edge and heights above it, with both faces laid into one plane.
-    const Eigen::RowVector3d to_c = rest.row(c) - rest.row(a), to_d = rest.row(d) - rest.row(a);
-    const double x_c = to_c.dot(along) / length, x_d = to_d.dot(along) / length;
-    const double height_c = (to_c - x_c / length * along).norm();
-    const double height_d = (to_d - x_d / length * along).norm();
-    if (!(length > 0.0 && height_c > 0.0 && height_d > 0.0)) continue;
-    const double k_c = 1.0 / height_c, k_d = 1.0 / height_d;
-    const double k_b = -(k_c * x_c + k_d * x_d) / length;
-    const double weight = 6.0 * length / (height_c + height_d);
-    terms_.push_back({weight, 4, {a, b, c, d}, {-k_b - k_c - k_d, k_b, k_c, k_d}, -1});
-  }
-}
 
 void BendingFill::prepare(const RestSurface& surface, std::span<const SurfacePoint> points) {
   points_.assign(points.begin(), points.end());
@@ -53,7 +23,10 @@ void BendingFill::prepare(const RestSurface& surface, std::span<const SurfacePoi
   terms_.clear();
   const double scale = mean_edge_length(surface.vertices_m(), surface.topology().edges);
   ridge_ = kRidge / (scale * scale);
-  add_hinges(surface);
+  for (const BendingHinge& hinge :
+       bending_hinges(surface.vertices_m(), surface.faces(), surface.topology())) {
+    terms_.push_back({hinge.weight, 4, hinge.vertex, hinge.coefficient_per_m, -1});
+  }
   for (std::int32_t p = 0; p < static_cast<std::int32_t>(points_.size()); ++p) {
     const SurfacePoint& point = points_[at(p)];
     if (point.vertex >= 0) {
@@ -80,10 +53,11 @@ void BendingFill::factorise() {
   for (const Term& term : terms_) {
     for (int r = 0; r < term.count; ++r) {
       for (int c = 0; c < term.count; ++c) {
-        const std::int32_t row = unknown_[at(term.vertex[r])];
-        const std::int32_t column = unknown_[at(term.vertex[c])];
+        const std::int32_t row = unknown_[at(term.vertex[at(r)])];
+        const std::int32_t column = unknown_[at(term.vertex[at(c)])];
         if (row < 0 || column < 0 || row < column) continue;
-        entries.emplace_back(row, column, term.weight * term.coefficient[r] * term.coefficient[c]);
+        entries.emplace_back(row, column,
+                             term.weight * term.coefficient[at(r)] * term.coefficient[at(c)]);
       }
     }
   }
@@ -106,12 +80,12 @@ Result<Points3> BendingFill::place(const RestSurface& surface, const Points3& po
     Eigen::RowVector3d known = Eigen::RowVector3d::Zero();
     if (term.target >= 0) known -= offsets.row(term.target);
     for (int k = 0; k < term.count; ++k) {
-      const std::int32_t point = fixed_by_[at(term.vertex[k])];
-      if (point >= 0) known += term.coefficient[k] * offsets.row(point);
+      const std::int32_t point = fixed_by_[at(term.vertex[at(k)])];
+      if (point >= 0) known += term.coefficient[at(k)] * offsets.row(point);
     }
     for (int k = 0; k < term.count; ++k) {
-      const std::int32_t row = unknown_[at(term.vertex[k])];
-      if (row >= 0) right.row(row) -= term.weight * term.coefficient[k] * known;
+      const std::int32_t row = unknown_[at(term.vertex[at(k)])];
+      if (row >= 0) right.row(row) -= term.weight * term.coefficient[at(k)] * known;
     }
   }
   Eigen::MatrixX3d moves = right;

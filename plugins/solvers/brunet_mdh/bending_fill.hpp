@@ -3,6 +3,7 @@
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
+#include <array>
 #include <span>
 #include <vector>
 
@@ -13,10 +14,9 @@ namespace weft::brunet_mdh {
 /// Places all vertices when some surface points have been placed: X = X_rigid + Y, where X_rigid is
 /// the rest mesh brought rigidly to the placed points, and Y takes those points where they belong
 /// with the least bending
-///   sum over interior edges e of  3 |e|^2 / (A1 + A2) |sum_k c_k Y_k|^2  +  1e-6 / s^2 |Y|^2,
-/// c the affine dependency of the four vertices around e, laid flat, s the mean edge length
-/// (Bergou et al., A quadratic bending model for inextensible surfaces, SGP 2006). The small second
-/// term decides what the first leaves open. Vertices among the points are met exactly, points
+///   sum over hinges h of  weight_h |sum_k coefficient_hk Y_hk|^2  +  1e-6 / s^2 |Y|^2,
+/// hinges as in BendingHinge, s the mean edge length. The small second term decides what the first
+/// leaves open. Vertices among the points are met exactly, points
 /// inside faces in the least-squares sense.
 class BendingFill {
  public:
@@ -31,12 +31,11 @@ class BendingFill {
   struct Term {  ///< weight |sum_k c_k Y_k - target|^2
     double weight;
     int count;
-    std::int32_t vertex[4];
-    double coefficient[4];
+    std::array<std::int32_t, 4> vertex;
+    std::array<double, 4> coefficient;
     std::int32_t target;  ///< point that it pulls, -1 for none
   };
 
-  void add_hinges(const RestSurface& surface);
   void factorise();
 
   std::vector<SurfacePoint> points_;

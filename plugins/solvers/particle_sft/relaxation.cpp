@@ -10,32 +10,18 @@ namespace weft::particle_sft {
 namespace {
 
 constexpr double kTooClose2 = 1e-18;  // m^2
-constexpr int kStallWindow = 100;
+constexpr int kStallWindow = 200;     // the step of a swinging sheet falls and rises for about 100
 constexpr double kStallFactor = 0.99;
 constexpr int kAskEvery = 8;
 
-void project_on_ray(const RayConstraint& seen, double* y) {
-  double point[3] = {0.0, 0.0, 0.0}, weights2 = 0.0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    weights2 += seen.weights[c] * seen.weights[c];
-    for (int k = 0; k < 3; ++k) point[k] += seen.weights[c] * y[3 * seen.vertices[c] + k];
-  }
-  // A point behind the camera goes to the place in front of it.
-  const double depth =
-      std::abs(point[0] * seen.ray[0] + point[1] * seen.ray[1] + point[2] * seen.ray[2]);
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double move = seen.trust * (depth * seen.ray[k] - point[k]) / weights2;
-    for (std::size_t c = 0; c < 3; ++c) {
-      y[3 * static_cast<std::size_t>(seen.vertices[c]) + k] += seen.weights[c] * move;
-    }
-  }
-}
-
-/// The case of a vertex and full trust, exactly on the ray.
+/// Puts a vertex on its ray, or part of the way. One behind the camera goes in front of it.
 void put_on_ray(const RayConstraint& seen, double* y) {
   double* p = y + 3 * static_cast<std::ptrdiff_t>(seen.vertices[0]);
   const double depth = std::abs(p[0] * seen.ray[0] + p[1] * seen.ray[1] + p[2] * seen.ray[2]);
-  for (std::size_t k = 0; k < 3; ++k) p[k] = depth * seen.ray[k];
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double target = depth * seen.ray[k];
+    p[k] = seen.trust == 1.0 ? target : p[k] + seen.trust * (target - p[k]);
+  }
 }
 
 template <class Springs>
@@ -78,6 +64,41 @@ void Relaxation::load(const ParticleSystem& system) {
   };
   pack(system.stretch, stretch_);
   pack(system.bending, bending_);
+  at_vertices_.clear();
+  in_faces_.clear();
+  std::fill(shares_.begin(), shares_.end(), 0.0);
+  for (const RayConstraint& seen : system.rays) {
+    (seen.at_vertex() ? at_vertices_ : in_faces_).push_back(seen);
+    if (seen.at_vertex()) continue;
+    for (std::size_t c = 0; c < 3; ++c) {
+      shares_[static_cast<std::size_t>(seen.vertices[c])] += std::abs(seen.weights[c]);
+    }
+  }
+}
+
+/// Moves every vertex by the weighted mean of what the points in its faces lack to their rays
+/// (simultaneous, as in SART). One after the other they would amplify the velocity.
+void Relaxation::pull_faces(double* y) {
+  std::fill(pull_m_.begin(), pull_m_.end(), 0.0);
+  for (const RayConstraint& seen : in_faces_) {
+    double point[3] = {0.0, 0.0, 0.0};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double* p = y + 3 * static_cast<std::ptrdiff_t>(seen.vertices[c]);
+      for (std::size_t k = 0; k < 3; ++k) point[k] += seen.weights[c] * p[k];
+    }
+    const double depth =
+        std::abs(point[0] * seen.ray[0] + point[1] * seen.ray[1] + point[2] * seen.ray[2]);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t first = 3 * static_cast<std::size_t>(seen.vertices[c]);
+      for (std::size_t k = 0; k < 3; ++k) {
+        pull_m_[first + k] += seen.trust * seen.weights[c] * (depth * seen.ray[k] - point[k]);
+      }
+    }
+  }
+  for (std::size_t v = 0; v < shares_.size(); ++v) {
+    if (shares_[v] == 0.0) continue;
+    for (std::size_t k = 0; k < 3; ++k) y[3 * v + k] += pull_m_[3 * v + k] / shares_[v];
+  }
 }
 
 /// One iteration on the coordinates x; the rms step in m.
@@ -88,13 +109,8 @@ double Relaxation::iterate(const ParticleSystem& system, const RelaxationOptions
   double* velocity = velocity_m_.data();
   const double kept = 1.0 - options.damping;
   for (std::size_t k = 0; k < size; ++k) y[k] = x[k] + kept * velocity[k];
-  for (const RayConstraint& seen : system.rays) {
-    if (seen.at_vertex() && seen.trust == 1.0) {
-      put_on_ray(seen, y);
-    } else {
-      project_on_ray(seen, y);
-    }
-  }
+  for (const RayConstraint& seen : at_vertices_) put_on_ray(seen, y);
+  if (!in_faces_.empty()) pull_faces(y);
   for (int inner = 0; inner < options.solver_iterations; ++inner) {
     sweep(stretch_, options.stretch_stiffness, y);
     sweep(bending_, options.bend_stiffness, y);
@@ -111,9 +127,11 @@ double Relaxation::iterate(const ParticleSystem& system, const RelaxationOptions
 
 RelaxationResult Relaxation::run(const ParticleSystem& system, const RelaxationOptions& options,
                                  Points3& vertices_m, const std::function<bool()>& cancelled) {
-  load(system);
   const auto size = static_cast<std::size_t>(vertices_m.size());
   fresh_m_.resize(size);
+  pull_m_.resize(size);
+  shares_.resize(size / 3);
+  load(system);
   velocity_m_.assign(size, 0.0);
   RelaxationResult result;
   double smallest = std::numeric_limits<double>::infinity();

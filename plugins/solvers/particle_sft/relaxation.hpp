@@ -57,13 +57,14 @@ struct RelaxationResult {
 /// Particle-SfT (Ozgur and Bartoli, IJCV 123, 2017): position based dynamics between the rays and
 /// the distances at rest. From rest, and with a time step of 1, each iteration
 ///   1. v <- (1 - damping) v,  Y <- X + v,
-///   2. projects every seen point orthogonally onto its ray,
+///   2. projects every seen vertex orthogonally onto its ray; of points inside faces each vertex
+///      follows the weighted mean,
 ///   3. solver_iterations times: moves the ends of every edge, then of every bending pair, along
 ///      their difference by half of stiffness (length - rest length) each (Gauss-Seidel, in order),
 ///      then brings every known point back into its sphere,
 ///   4. v <- Y - X,  X <- Y.
-/// It ends when the rms step is below the tolerance, when it has not fallen by 1 % for 100
-/// iterations, or after max_iterations. Pairs closer than 1e-9 m are left alone.
+/// It ends when the rms step is below the tolerance, when the smallest step so far has not fallen
+/// by 1 % for 200 iterations, or after max_iterations. Pairs closer than 1e-9 m are left alone.
 class Relaxation {
  public:
   /// Moves `vertices_m` [V,3], which must be finite. `cancelled` is asked now and then. The result
@@ -78,10 +79,13 @@ class Relaxation {
   };
 
   void load(const ParticleSystem& system);
+  void pull_faces(double* y);
   double iterate(const ParticleSystem& system, const RelaxationOptions& options, double* x);
 
   std::vector<Spring> stretch_, bending_;
-  std::vector<double> fresh_m_, velocity_m_;
+  std::vector<RayConstraint> at_vertices_, in_faces_;
+  std::vector<double> shares_;                         ///< [V] weights of the points in faces
+  std::vector<double> fresh_m_, velocity_m_, pull_m_;  ///< [3V]
 };
 
 }  // namespace weft::particle_sft

@@ -48,7 +48,7 @@ Result<Texture> read_texture(const std::string& path) {
 /// Renders a printed sheet that moves and bends without stretching, with exact truth.
 class Synthetic final : public Source {
  public:
-  static constexpr About kAbout{.random = true};
+  static constexpr About kAbout{.produces = "image time ground_truth", .random = true};
 
   explicit Synthetic(Params& p) {
     p.input_path("texture", texture_path_, "image printed on the sheet, from edge to edge",

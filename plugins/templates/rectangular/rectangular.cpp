@@ -23,7 +23,8 @@ class Rectangular final : public TemplateBuilder {
   explicit Rectangular(Params& p) {
     p.input_path("texture", texture_path_, "image of the flat sheet, from edge to edge",
                  Need::required);
-    p.read("width_m", width_m_, "m", {0.0, 1000.0}, "width of the sheet; must be given");
+    p.read("width_m", width_m_, "m", {1e-6, 1000.0}, "width of what the texture shows",
+           Need::required);
     p.read("height_m", height_m_, "m", {0.0, 1000.0}, "height of the sheet; 0: texels are square");
     p.read("columns", columns_, "", {2, 2000}, "vertices along the width");
     p.read("rows", rows_, "", {2, 2000}, "vertices along the height");
@@ -33,11 +34,6 @@ class Rectangular final : public TemplateBuilder {
   }
 
   Result<Template> build(const Call&) override {
-    if (!(width_m_ > 0.0)) {
-      return Error{Errc::invalid_value,
-                   "'width_m' is not given: measure the width of what the texture shows, in metres",
-                   {}};
-    }
     auto faces = rectangular_grid_faces(columns_, rows_);
     if (!faces) return faces.error();
     auto texture = read_texture_file(texture_path_);

@@ -95,7 +95,11 @@ TEST(RunReader, PutsFramesInOrder) {
 TEST(RunReader, NoticesWhenLineAndRecordDisagree) {
   TestRun without;
   without.append_line("{\"frame\": 0, \"state\": \"estimated\", \"failed\": false}\n");
-  EXPECT_THAT(failure(without).message, HasSubstr("'none' where frames.jsonl says 'estimated'"));
+  EXPECT_THAT(failure(without).message, HasSubstr("is missing"));
+  TestRun truth_alone;
+  truth_alone.add(ShapeState::estimated, std::nullopt, TestRun::truth("mdh"));
+  EXPECT_THAT(failure(truth_alone).message,
+              HasSubstr("'none' where frames.jsonl says 'estimated'"));
   TestRun other;
   other.add(ShapeState::weak, other.vertices(), std::nullopt);
   other.write_text("frames.jsonl", R"({"frame": 0, "state": "lost", "failed": false})");
@@ -163,7 +167,7 @@ TEST(RunReader, AFlippedByteNeverGivesAnotherNumber) {
   const auto reader = RunReader::open(run.folder());
   const auto meter = ShapeMeter::create(reader->sheet());
   int noticed = 0;
-  constexpr std::size_t kStep = 7;  // not a divisor of the 64 bytes to which headers are padded
+  constexpr std::size_t kStep = 7;  // prime to the 64 bytes to which headers are padded
   for (std::size_t i = 0; i < whole.size(); i += kStep) {
     std::string changed = whole;
     changed[i] = static_cast<char>(changed[i] ^ 0x55);

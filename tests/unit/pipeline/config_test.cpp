@@ -74,41 +74,6 @@ TEST_F(Config, SuggestsTheNearestKeyOnEachLevel) {
                   "13:32: a sink has no key 'as'; it may have: use, params, from"));
 }
 
-TEST_F(Config, NumbersStagesWithoutANameByRole) {
-  const auto [config, report] = load(head() +
-                                     "stages:\n"
-                                     "  - {use: matchers/test.pattern}\n"
-                                     "  - {use: filters/test.scripted}\n"
-                                     "  - {use: filters/test.scripted, as: mine}\n"
-                                     "  - {use: filters/test.scripted}\n");
-  ASSERT_TRUE(report.ok()) << report.text();
-  EXPECT_EQ(config.stages[1].name, "filters");
-  EXPECT_EQ(config.stages[2].name, "mine");
-  EXPECT_EQ(config.stages[3].name, "filters#3");
-  EXPECT_TRUE(config.stages[2].named);
-  EXPECT_FALSE(config.stages[3].named);
-}
-
-TEST_F(Config, RefusesNamesThatAreIllegalTakenOrReserved) {
-  const auto report = load(head() +
-                           "stages:\n"
-                           "  - {use: matchers/test.pattern, as: one}\n"
-                           "  - {use: filters/test.scripted, as: one}\n"
-                           "  - {use: filters/test.scripted, as: filters}\n"
-                           "  - {use: filters/test.scripted, as: previous}\n"
-                           "  - {use: filters/test.scripted, as: Zwei}\n"
-                           "  - {use: filters/test.scripted, as: ''}\n"
-                           "  - {use: filters/test.scripted, as: [a]}\n")
-                          .second;
-  EXPECT_THAT(lines(report),
-              ElementsAre("6:38: the name 'one' is used twice",
-                          "7:38: 'as' must not be 'filters', which has a meaning of its own",
-                          "8:38: 'as' must not be 'previous', which has a meaning of its own",
-                          "9:38: 'as' must be a name of a-z, 0-9 and _",
-                          "10:38: 'as' must be a name of a-z, 0-9 and _",
-                          "11:38: 'as' must be a name of a-z, 0-9 and _"));
-}
-
 TEST_F(Config, RefusesComponentsInTheWrongPlace) {
   const auto report =
       load(
@@ -164,65 +129,6 @@ TEST_F(Config, RefusesOptionsOutOfRange) {
               ElementsAre("1:7: 'weft' must be 1, the version of the pipeline format"));
 }
 
-TEST_F(Config, ReadsNamesAndListsOfNamesFromFrom) {
-  const auto [config, report] = load(head() +
-                                     "stages:\n"
-                                     "  - {use: matchers/test.pattern, as: a}\n"
-                                     "  - {use: matchers/test.pattern, as: b}\n"
-                                     "  - {use: matchers/test.merge, from: {correspondences: [a, "
-                                     "b]}}\n"
-                                     "  - {use: filters/test.scripted, from: {correspondences: "
-                                     "a}}\n");
-  ASSERT_TRUE(report.ok()) << report.text();
-  EXPECT_THAT(config.stages[2].from[0].names, ElementsAre("a", "b"));
-  EXPECT_THAT(config.stages[3].from[0].names, ElementsAre("a"));
-}
-
-TEST_F(Config, RefusesFromThatNamesNothing) {
-  const auto report = load(head() +
-                           "stages:\n"
-                           "  - {use: matchers/test.merge, from: a}\n"
-                           "  - {use: matchers/test.merge, from: {correspondences: []}}\n"
-                           "  - {use: matchers/test.merge, from: {correspondences: }}\n"
-                           "  - {use: matchers/test.merge, from: {correspondences: [{a: b}]}}\n")
-                          .second;
-  EXPECT_THAT(lines(report),
-              ElementsAre(StartsWith("5:38: 'from' must be a map of inputs and names"),
-                          "6:56: 'correspondences' must be the name of a stage, or a list of names",
-                          HasSubstr("'correspondences' must be the name of a stage"),
-                          HasSubstr("'correspondences' must be the name of a stage")));
-}
-
-TEST_F(Config, PutsTemplateParamsOverParams) {
-  const auto [config, report] = load(head() +
-                                     "stages:\n"
-                                     "  - use: detectors/test.scripted\n"
-                                     "    params: {count: 7, first_px: 3}\n"
-                                     "    template_params: {count: 9}\n");
-  ASSERT_TRUE(report.ok()) << report.text();
-  const yaml::Node& image = *config.stages[0].component.effective.find("params");
-  const yaml::Node& texture = *config.stages[0].on_template->effective.find("params");
-  EXPECT_EQ(image.find("count")->scalar, "7");
-  EXPECT_EQ(texture.find("count")->scalar, "9");
-  EXPECT_EQ(texture.find("first_px")->scalar, "3");
-}
-
-TEST_F(Config, RefusesTemplateParamsThatCannotBe) {
-  const auto report = load(head() +
-                           "stages:\n"
-                           "  - use: detectors/test.scripted\n"
-                           "    params: {cout: 7}\n"
-                           "    template_params: {coun: 9}\n"
-                           "  - {use: detectors/test.scripted, template_params: 3}\n"
-                           "  - {use: matchers/test.pattern, template_params: {}}\n")
-                          .second;
-  EXPECT_THAT(lines(report),
-              ElementsAre(StartsWith("6:14: detectors/test.scripted has no parameter 'cout'"),
-                          StartsWith("7:23: detectors/test.scripted has no parameter 'coun'"),
-                          "8:53: template_params must be a map of names and values",
-                          "9:51: only detectors have template_params"));
-}
-
 TEST_F(Config, ReportsAllMistakesInOnePassInTheOrderOfTheFile) {
   const auto report =
       check(
@@ -264,6 +170,12 @@ TEST_F(Config, LeavesTheWiringAloneWhereAStageIsUnknown) {
                             "  - {use: solvers/test.scripted}\n")
                           .second;
   EXPECT_THAT(lines(report), ElementsAre(HasSubstr("no plugin 'passes/unknown' is installed")));
+}
+
+TEST_F(Config, LeavesTheWiringAloneWhereTheTextIsAmbiguous) {
+  const auto report =
+      check(head() + "stages:\n  - {use: solvers/test.scripted, as: a, as: b}\n").second;
+  EXPECT_THAT(lines(report), ElementsAre(StartsWith("5:41: duplicate key 'as'")));
 }
 
 TEST_F(Config, ReportsASyntaxErrorAlone) {
@@ -321,6 +233,7 @@ TEST_F(Config, ComesBackFromItsEffectiveForm) {
   EXPECT_EQ(effective_yaml(again), effective);
   EXPECT_EQ(again.seed, config.seed);
   EXPECT_EQ(again.stages[0].name, "null");
+  EXPECT_TRUE(again.stages[0].on_template);
   EXPECT_THAT(again.stages[3].from[0].names, ElementsAre("12", "b"));
   EXPECT_THAT(effective, HasSubstr("use: warps/test.scripted"));
   EXPECT_THAT(effective, HasSubstr(path("note.txt")));

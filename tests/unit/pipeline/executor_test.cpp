@@ -47,70 +47,6 @@ TEST_F(Execution, RecoversThePlaneOfTheScene) {
   EXPECT_EQ(ran.frames[1].stem, "f1");
 }
 
-TEST_F(Execution, EmitsNothingBeforeTheFirstShape) {
-  const Ran ran = run(chain({{"solvers", "{no_result_at: [0, 1]}"}}));
-  EXPECT_EQ(ran.states(), "none none estimated");
-  EXPECT_EQ(ran.frames[1].shape, nullptr);
-  EXPECT_EQ(ran.summary->failed, 0);
-  EXPECT_EQ(ran.status(0, "solvers"), "no_result: scripted no result");
-}
-
-TEST_F(Execution, PredictsThenLosesThenRecovers) {
-  const Ran ran = run(chain(
-      {{"sources", "{frames: 9}"}, {"solvers", "{no_result_at: [1, 2, 3, 4, 6], weak_at: [8]}"}},
-      "lost_after: 2"));
-  EXPECT_EQ(ran.states(),
-            "estimated predicted/1 predicted/2 lost/3 lost/4 estimated predicted/1 estimated weak");
-}
-
-TEST_F(Execution, LosesTheShapeAtOnceWhenLostAfterIsZero) {
-  const Ran ran = run(chain({{"solvers", "{no_result_at: [1]}"}}, "lost_after: 0"));
-  EXPECT_EQ(ran.states(), "estimated lost/1 estimated");
-}
-
-TEST_F(Execution, RepeatsTheVerticesOfAPredictedShape) {
-  const Ran ran = run(chain({{"solvers", "{no_result_at: [1, 2]}"}}));
-  const auto measured = value<Shape>(ran, 0, Shape::kType);
-  const auto predicted = value<Shape>(ran, 2, Shape::kType);
-  ASSERT_TRUE(measured && predicted);
-  EXPECT_EQ(predicted->shape_state(), ShapeState::predicted);
-  EXPECT_TRUE(measured->vertices_m.matrix<3>() == predicted->vertices_m.matrix<3>());
-}
-
-TEST_F(Execution, GivesBackPredictedAndLostShapesAsPrevious) {
-  const Ran ran = run(chain({{"sources", "{frames: 5}"}, {"solvers", "{error_at: [1, 2, 3]}"}},
-                            "lost_after: 2\nmax_failed: 3"));
-  EXPECT_EQ(ran.states(), "estimated predicted/1 predicted/2 lost/3 estimated");
-  const auto previous = [&](std::size_t frame) {
-    return std::pair(ran.number(frame, "filters", "diag.previous_state"),
-                     ran.number(frame, "filters", "diag.previous_age"));
-  };
-  EXPECT_EQ(previous(0), std::pair(0.0, -1.0));
-  EXPECT_EQ(previous(1), std::pair(1.0, 0.0));
-  EXPECT_EQ(previous(2), std::pair(3.0, 1.0));
-  EXPECT_EQ(previous(3), std::pair(3.0, 2.0));
-  EXPECT_EQ(previous(4), std::pair(4.0, 3.0));
-  EXPECT_EQ(ran.number(4, "solvers", "diag.previous_state"), 4.0);
-}
-
-TEST_F(Execution, FeedsBackTheLastVisibilityThatWasProduced) {
-  const Ran ran = run(head("{frames: 4}") +
-                      "stages:\n"
-                      "  - {use: passes/test.memory}\n"
-                      "  - {use: matchers/test.pattern}\n"
-                      "  - {use: warps/test.scripted}\n"
-                      "  - {use: passes/test.scripted, params: {no_result_at: [0, 2]}}\n"
-                      "  - {use: solvers/test.scripted}\n");
-  const auto fed = [&](std::size_t frame) {
-    return std::pair(ran.number(frame, "passes", "diag.previous_visibility"),
-                     ran.number(frame, "passes", "diag.previous_state"));
-  };
-  EXPECT_EQ(fed(0), std::pair(0.0, 0.0));
-  EXPECT_EQ(fed(1), std::pair(1.0, 0.0));  // its own, of frame 0
-  EXPECT_EQ(fed(2), std::pair(1.0, 1.0));
-  EXPECT_EQ(fed(3), std::pair(1.0, 3.0));
-}
-
 TEST_F(Execution, SkipsWithTheFirstCauseDownToTheSinks) {
   const Ran ran = run(chain({{"matchers", "{no_result_at: [1], error_at: [2]}"}}, "max_failed: 1"));
   const std::string none = "skipped: matchers: scripted no result";
@@ -295,26 +231,6 @@ TEST_F(Execution, GivesTwoMatchersTheKeypointsOfTheirDetectors) {
   EXPECT_EQ(ran.number(0, "second", "matches"), 18);
   EXPECT_EQ(ran.number(0, "matchers#3", "matches"), 24);
   EXPECT_EQ(ran.number(0, "filters", "kept"), 12);
-}
-
-TEST_F(Execution, TakesTheLastShapeOfTwoSolversAndTheFirstWhereTheLastFails) {
-  const Ran ran = run(head("{frames: 3}") +
-                      "stages:\n"
-                      "  - {use: matchers/test.pattern}\n"
-                      "  - {use: warps/test.scripted}\n"
-                      "  - {use: passes/test.scripted}\n"
-                      "  - {use: solvers/test.scripted, params: {distance_m: 0.5}}\n"
-                      "  - {use: solvers/test.scripted, params: {no_result_at: [1]}}\n"
-                      "sinks:\n"
-                      "  - {use: sinks/test.scripted, params: {path: lines.txt}}\n");
-  EXPECT_EQ(ran.states(), "estimated estimated estimated");
-  const auto depth = [&](std::size_t frame) {
-    return host::view_as<Shape>(*ran.frames[frame].shape)->vertices_m(0, 2);
-  };
-  EXPECT_DOUBLE_EQ(depth(0), 0.2);
-  EXPECT_DOUBLE_EQ(depth(1), 0.5);
-  EXPECT_DOUBLE_EQ(depth(2), 0.2);
-  EXPECT_THAT(testing::read_lines(ran.folder + "/lines.txt"), Each(HasSubstr("estimated 24")));
 }
 
 TEST_F(Execution, RunsNestedComponentsAndReportsTheirTime) {

@@ -227,7 +227,7 @@ TEST_F(Wiring, RefusesAnInputThatTheSourceNeverGives) {
                           "produces;\n    add one that produces it: sources/test.scripted"));
 }
 
-TEST_F(Wiring, FeedsBackOnlyWhatSomeStageProduces) {
+TEST_F(Wiring, FeedsBackWhatSomeStageProducesAndRequiresNoneOfIt) {
   const Graph alone = wired(head() + "stages:\n  - {use: passes/test.memory}\n");
   EXPECT_EQ(inputs(alone, 0), "template=templates camera=sources previous.visibility=previous?");
   const Graph graph = wired(head() +
@@ -238,8 +238,8 @@ TEST_F(Wiring, FeedsBackOnlyWhatSomeStageProduces) {
                             "  - {use: passes/test.scripted}\n"
                             "  - {use: solvers/test.scripted}\n");
   EXPECT_EQ(inputs(graph, 0),
-            "template=templates camera=sources previous.shape=previous? "
-            "previous.visibility=previous?");
+            "template=templates camera=sources previous.visibility=previous? "
+            "previous.shape=previous?");
 }
 
 TEST_F(Wiring, HasNoLatestValueOfAnUnknownSlot) {

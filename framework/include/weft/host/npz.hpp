@@ -14,6 +14,7 @@ using NamedRecords = std::vector<std::pair<std::string, RecordPtr>>;
 /// Writes records as NumPy's npz: array `a` of slot `s` is the member `s/a.npy`, the record's type
 /// the member `s/record_type.npy` (u8 text). The file appears whole: it is written under a
 /// temporary name beside its place and renamed. Equal records give equal bytes.
+/// Fails without records.
 Result<void> write_npz(const std::string& file, const NamedRecords& records);
 
 /// `none` is for a reader that counts bad records instead of refusing them.

@@ -11,8 +11,9 @@ Result<void> check_template(const host::Record& templ);
 /// Whether the camera is finite and has positive focal lengths and sizes.
 Result<void> check_camera(const host::Record& camera);
 
-/// What only the host can know of a record that a stage or source made: vertices and faces are
-/// those of the template, images have the camera's size, and a solver's shape is estimated or weak.
+/// What only the host can know of a record that a stage or source made: indices of vertices and
+/// faces are the template's, images have the camera's size, and a solver's shape is estimated or
+/// weak.
 Result<void> check_fits(const host::Record& record, const host::Record& templ,
                         const host::Record& camera);
 

@@ -21,7 +21,7 @@ class Call {
   Rng rng() const { return Rng(raw_->seed); }
   /// How many threads the component may use.
   int threads() const { return raw_->threads; }
-  /// Ask at least every 5 ms, then return cancelled_error().
+  /// Ask at least every 5 ms, then return an Error with Errc::cancelled.
   bool cancelled() const { return raw_->host->cancelled(raw_) != 0; }
   void log_info(const std::string& text) const { raw_->host->log(raw_, 1, text.c_str()); }
   void log_warning(const std::string& text) const { raw_->host->log(raw_, 2, text.c_str()); }

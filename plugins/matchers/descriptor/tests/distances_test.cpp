@@ -27,14 +27,17 @@ std::vector<float> block_of(const DistanceRows& distances, int first) {
   return rows;
 }
 
-TEST(L2Distances, AreThoseOfTheDefinitionForAnyNumberAndLength) {
+class L2Blocks : public ::testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(WideOrNot, L2Blocks, ::testing::Bool());
+
+TEST_P(L2Blocks, AreThoseOfTheDefinitionForAnyNumberAndLength) {
   Rng rng(1);
   for (const auto& [queries, trains, length] :
        {std::array{1, 2, 1}, std::array{25, 63, 7}, std::array{48, 64, 128}, std::array{50, 65, 61},
         std::array{7, 200, 128}}) {
     const Array<float> a = random_descriptors(queries, length, rng);
     const Array<float> b = random_descriptors(trains, length, rng);
-    L2Distances distances;
+    L2Distances distances(GetParam());
     distances.load(a, b, false);
     ASSERT_EQ(distances.row_length() % kRowMultiple, 0);
     for (int first = 0; first < queries; first += kBlockRows) {
@@ -52,14 +55,14 @@ TEST(L2Distances, AreThoseOfTheDefinitionForAnyNumberAndLength) {
   }
 }
 
-TEST(L2Distances, DoNotDependOnTheOrderOfTheDescriptors) {
+TEST_P(L2Blocks, DoNotDependOnTheOrderOfTheDescriptors) {
   Rng rng(2);
   constexpr int kQueries = 40, kTrains = 100;
   const Array<float> a = random_descriptors(kQueries, 128, rng);
   const Array<float> b = random_descriptors(kTrains, 128, rng);
   Array<float> reversed({kTrains, 128});
   for (int j = 0; j < kTrains; ++j) std::copy_n(b.row(kTrains - 1 - j), 128, reversed.row(j));
-  L2Distances straight, backward;
+  L2Distances straight(GetParam()), backward(GetParam());
   straight.load(a, b, true);
   backward.load(a, reversed, true);
   const std::vector<float> x = block_of(straight, 24), y = block_of(backward, 24);

@@ -94,6 +94,28 @@ TEST(DepthAdmm, IsFeasibleAndNoShallowerThanTheTruth) {
   }
 }
 
+TEST(DepthAdmm, ReachesTheOptimaOfAnInteriorPointSolver) {
+  // Sums of the depths in m by CVXOPT 1.3 (socp, tolerances 1e-8) for Scene::random(1) to (20).
+  constexpr double kOptima_m[] = {13.53296024, 12.54243321, 13.99449552, 11.20235546, 12.50271408,
+                                  13.77347038, 10.60960517, 14.51492398, 14.64042043, 18.22249242,
+                                  14.37267668, 15.54384029, 12.37845531, 12.49291482, 16.16887794,
+                                  12.27005237, 12.88729704, 12.49638101, 10.83151411, 12.65369272};
+  const RestSurface surface = flat_surface();
+  std::uint64_t seed = 0;
+  for (const double optimum_m : kOptima_m) {
+    const Scene scene = Scene::random(++seed);
+    std::vector<SurfacePoint> points;
+    for (const std::int32_t v : scene.seen) points.push_back({v, 0, {}});
+    DepthAdmm admm;
+    admm.set_graph(distance_graph(surface, points, 2), static_cast<int>(points.size()));
+    const DepthResult result = admm.solve(scene.lines.ray.matrix<3>(), {1e-7, 100000, 0.0}, never);
+    ASSERT_TRUE(result.converged) << "seed " << seed;
+    double sum_m = 0.0;
+    for (const double depth_m : result.depths_m) sum_m += depth_m;
+    EXPECT_NEAR(sum_m / optimum_m, 1.0, 1e-5) << "seed " << seed;
+  }
+}
+
 TEST(DepthAdmm, StopsWhenAsked) {
   Points3 rays(2, 3);
   rays << 0.1, 0.0, 1.0, -0.1, 0.0, 1.0;

@@ -36,6 +36,22 @@ struct Scene {
     return scene;
   }
 
+  /// A random bend and pose, seen at random vertices with a pixel of noise.
+  static Scene random(std::uint64_t seed) {
+    Rng rng(seed);
+    const double radius_m = rng.uniform(0.12, 0.5) * (rng.uniform() < 0.5 ? -1.0 : 1.0);
+    testing::PoseSpec pose;
+    pose.tilt_x_rad = rng.uniform(-0.4, 0.4);
+    pose.tilt_y_rad = rng.uniform(-0.4, 0.4);
+    Scene scene = bent(radius_m, pose);
+    scene.seen.clear();
+    for (std::int32_t v = 0; v < 60; ++v) {
+      if (rng.uniform() < 0.35) scene.seen.push_back(v);
+    }
+    scene.look(1.0, seed);
+    return scene;
+  }
+
   /// Sightlines of the seen vertices, with noise on the pixels.
   void look(double noise_px = 0.0, std::uint64_t seed = 1) {
     Rng rng(seed);

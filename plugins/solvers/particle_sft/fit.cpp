@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fit.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <vector>
+#include <weft/core/statistics.hpp>
+#include <weft/geometry/mesh_validation.hpp>
+
+namespace weft::particle_sft {
+namespace {
+
+constexpr double kUsualNoisePx = 0.5;
+constexpr double kUsualStrain = 0.02;
+
+/// Whether most faces with three sightlines at vertices turn the other way than in the image.
+bool turns_the_other_way(const MeshModel& mesh, const Sightlines& sightlines, const Pinhole& camera,
+                         const Points3& vertices_m) {
+  Points2 measured_px =
+      Points2::Constant(vertices_m.rows(), 2, std::numeric_limits<double>::quiet_NaN());
+  for (std::int64_t i = 0; i < sightlines.count(); ++i) {
+    if (sightlines.vertex(i) < 0 || sightlines.weight(i) == 0.0) continue;
+    measured_px.row(sightlines.vertex(i)) << sightlines.pixel_px(i, 0), sightlines.pixel_px(i, 1);
+  }
+  const Points2 projected_px = project_points(camera, vertices_m);
+  int agree = 0, differ = 0;
+  for (Eigen::Index f = 0; f < mesh.faces().rows(); ++f) {
+    const double product = signed_area_px2(measured_px, mesh.faces(), f) *
+                           signed_area_px2(projected_px, mesh.faces(), f);
+    agree += product > 0.0 ? 1 : 0;
+    differ += product < 0.0 ? 1 : 0;
+  }
+  return differ > agree;
+}
+
+}  // namespace
+
+Eigen::Vector3d seen_point_m(const RayConstraint& seen, const Points3& vertices_m) {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  for (std::size_t c = 0; c < 3; ++c) {
+    point += seen.weights[c] * vertices_m.row(seen.vertices[c]).transpose();
+  }
+  return point;
+}
+
+Fit assess(const MeshModel& mesh, const ParticleSystem& system, const Sightlines& sightlines,
+           const Pinhole& camera, const Points3& vertices_m) {
+  Fit fit;
+  std::vector<double> residuals;
+  double data = 0.0;
+  for (const RayConstraint& seen : system.rays) {
+    const Eigen::Vector3d ray(seen.ray[0], seen.ray[1], seen.ray[2]);
+    residuals.push_back(distance_to_ray_px(camera, seen_point_m(seen, vertices_m), ray));
+    data += seen.trust * std::pow(residuals.back() / kUsualNoisePx, 2);
+  }
+  data /= static_cast<double>(residuals.size());
+  fit.residual_px = median_in_place(residuals);
+  const std::vector<double> edge_strains = strains(mesh.stretch(), vertices_m);
+  double lengths = 0.0;
+  for (const double strain : edge_strains) lengths += std::pow(strain / kUsualStrain, 2);
+  fit.strain = mean(edge_strains);
+  fit.energy = data + lengths / static_cast<double>(edge_strains.size());
+  fit.mirrored = turns_the_other_way(mesh, sightlines, camera, vertices_m);
+  return fit;
+}
+
+ImageMotion image_motion(const ParticleSystem& system, const Pinhole& camera,
+                         const Points3& vertices_m) {
+  Eigen::Array2d low = Eigen::Array2d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Array2d high = -low;
+  Eigen::Vector2d moved = Eigen::Vector2d::Zero();
+  for (const RayConstraint& seen : system.rays) {
+    const Eigen::Vector2d measured =
+        project(camera, Eigen::Vector3d(seen.ray[0], seen.ray[1], seen.ray[2]));
+    moved += measured - project(camera, seen_point_m(seen, vertices_m));
+    low = low.min(measured.array());
+    high = high.max(measured.array());
+  }
+  const double moved_px = moved.norm() / static_cast<double>(system.rays.size());
+  return {std::isfinite(moved_px) ? moved_px : std::numeric_limits<double>::infinity(),
+          (high - low).matrix().norm()};
+}
+
+Points3 depth_mirrored(const Points3& vertices_m) {
+  Points3 mirrored = vertices_m;
+  const double middle_m = vertices_m.col(2).mean();
+  for (Eigen::Index v = 0; v < mirrored.rows(); ++v) {
+    const double factor = (2.0 * middle_m - mirrored(v, 2)) / mirrored(v, 2);
+    if (factor > 0.0 && std::isfinite(factor)) mirrored.row(v) *= factor;
+  }
+  return mirrored;
+}
+
+}  // namespace weft::particle_sft

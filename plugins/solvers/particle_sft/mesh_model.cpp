@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mesh_model.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <weft/geometry/mesh_bending.hpp>
+#include <weft/geometry/mesh_topology.hpp>
+#include <weft/geometry/rigid_alignment.hpp>
+#include <weft/geometry/surface_distance.hpp>
+
+namespace weft::particle_sft {
+
+std::vector<DistanceConstraint> by_colour(const std::vector<DistanceConstraint>& constraints,
+                                          Eigen::Index vertex_count) {
+  std::vector<DistanceConstraint> ordered, waiting = constraints, later;
+  std::vector<std::size_t> last_colour(static_cast<std::size_t>(vertex_count), 0);
+  for (std::size_t colour = 1; !waiting.empty(); ++colour) {
+    later.clear();
+    for (const DistanceConstraint& c : waiting) {
+      std::size_t& at_i = last_colour[static_cast<std::size_t>(c.i)];
+      std::size_t& at_j = last_colour[static_cast<std::size_t>(c.j)];
+      const bool is_free = at_i != colour && at_j != colour;
+      if (is_free) at_i = at_j = colour;
+      (is_free ? ordered : later).push_back(c);
+    }
+    waiting.swap(later);
+  }
+  return ordered;
+}
+
+Result<void> MeshModel::build(const Template& templ, double smoothing) {
+  rest_m_ = templ.vertices_m.matrix<3>();
+  faces_ = templ.faces.matrix<3>();
+  if (rest_m_.rows() == 0 || !rest_m_.allFinite()) {
+    return Error{Errc::invalid_data, "the template needs vertices, all of them finite", {}};
+  }
+  const auto topology = build_topology(faces_, rest_m_.rows());
+  if (!topology) return topology.error();
+  const auto stretch = distance_constraints(topology->edges, rest_m_);
+  if (!stretch) return stretch.error();
+  const auto bending = distance_constraints(topology->bending_pairs, rest_m_);
+  if (!bending) return bending.error();
+  stretch_ = by_colour(*stretch, rest_m_.rows());
+  bending_ = by_colour(*bending, rest_m_.rows());
+  neighbours_ = vertex_neighbours(topology->edges, rest_m_.rows());
+  flat_ = coplanar(rest_m_);
+  smooths_ = smoothing > 0.0;
+  if (!smooths_) return {};
+
+  const double edge_m = mean_edge_length(rest_m_, topology->edges);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index v = 0; v < rest_m_.rows(); ++v) entries.emplace_back(v, v, 1.0);
+  for (const BendingHinge& hinge : bending_hinges(rest_m_, faces_, *topology)) {
+    const double weight = smoothing * edge_m * edge_m * hinge.weight;
+    for (std::size_t r = 0; r < 4; ++r) {
+      for (std::size_t c = 0; c < 4; ++c) {
+        entries.emplace_back(hinge.vertex[r], hinge.vertex[c],
+                             weight * hinge.coefficient_per_m[r] * hinge.coefficient_per_m[c]);
+      }
+    }
+  }
+  Eigen::SparseMatrix<double> normal(rest_m_.rows(), rest_m_.rows());
+  normal.setFromTriplets(entries.begin(), entries.end());
+  smoother_.compute(normal);
+  return {};
+}
+
+Points3 MeshModel::smoothed(const Points3& rough_m) const {
+  if (!smooths_) return rough_m;
+  const auto rigid = align_points(rest_m_, rough_m);
+  if (!rigid) return rough_m;
+  const Points3 placed_m = transform_points(*rigid, rest_m_);
+  const Eigen::MatrixX3d offsets_m = rough_m - placed_m;
+  return placed_m + smoother_.solve(offsets_m);
+}
+
+double MeshModel::surface_length_m(std::int32_t from, std::int32_t to) const {
+  if (flat_) return (rest_m_.row(from) - rest_m_.row(to)).norm();
+  const std::array<PathStart, 1> start{{{from, 0.0}}};
+  return path_lengths_m(rest_m_, neighbours_, start)[static_cast<std::size_t>(to)];
+}
+
+}  // namespace weft::particle_sft

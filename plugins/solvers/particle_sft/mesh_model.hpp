@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+#include <vector>
+#include <weft/core/result.hpp>
+#include <weft/data/template.hpp>
+#include <weft/geometry/distance_constraints.hpp>
+#include <weft/geometry/mesh_adjacency.hpp>
+#include <weft/geometry/types.hpp>
+
+namespace weft::particle_sft {
+
+/// The constraints in an order in which neighbours in the list seldom share a vertex: greedily
+/// coloured, colour by colour, else in the given order. A sweep in this order has far fewer
+/// operations that wait for each other.
+std::vector<DistanceConstraint> by_colour(const std::vector<DistanceConstraint>& constraints,
+                                          Eigen::Index vertex_count);
+
+/// What follows from the template alone.
+class MeshModel {
+ public:
+  /// Fails on a mesh that is not manifold, not finite or has coincident neighbours. `smoothing` is
+  /// in squared mean edge lengths.
+  Result<void> build(const Template& templ, double smoothing);
+
+  Eigen::Index vertex_count() const { return rest_m_.rows(); }
+  const Faces& faces() const { return faces_; }
+  const std::vector<DistanceConstraint>& stretch() const { return stretch_; }  ///< edges
+  const std::vector<DistanceConstraint>& bending() const { return bending_; }
+
+  /// The shape [V,3] nearest to `rough_m` that bends less: the minimum of |X - rough|^2 + smoothing
+  /// s^2 (bending energy of X - X_rest), s the mean edge length and X_rest the rest mesh brought
+  /// rigidly to `rough`. Returns `rough_m` where smoothing is 0.
+  Points3 smoothed(const Points3& rough_m) const;
+
+  /// Length along the surface between two vertices, in m: straight on a flat template, else on
+  /// edges; infinite where there is no path.
+  double surface_length_m(std::int32_t from, std::int32_t to) const;
+
+ private:
+  Points3 rest_m_;
+  Faces faces_;
+  IndexLists neighbours_;
+  bool flat_ = true;
+  std::vector<DistanceConstraint> stretch_, bending_;
+  bool smooths_ = false;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> smoother_;
+};
+
+}  // namespace weft::particle_sft

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+#include <weft/core/statistics.hpp>
+#include <weft/geometry/check_sightlines.hpp>
+#include <weft/sdk/solver.hpp>
+
+#include "fit.hpp"
+#include "known_spheres.hpp"
+#include "mesh_model.hpp"
+#include "relaxation.hpp"
+
+namespace weft::particle_sft {
+namespace {
+
+// With more than this a shape is weak, and another start is tried ...
+constexpr double kHighResidualPx = 3.0;
+constexpr double kHighStrain = 0.02;
+// ... as it is with more than three times the usual noise; a shape in place has 1 to 2.
+constexpr double kHighEnergy = 9.0;
+// With less than this a shape is weak ...
+constexpr int kManyMatches = 30;
+constexpr int kManySightlines = 8;
+constexpr double kGoodCoverage = 0.25;
+// ... and with less than this it is lost.
+constexpr int kFewMatches = 10;
+constexpr double kLostResidualPx = 6.0;
+// An object that jumped by this share of its size is found anew.
+constexpr double kJump = 0.25;
+
+/// Where an iteration began; the numbers are those of diag.start.
+enum class StartKind { previous = 0, convex = 1, mirrored = 2 };
+
+struct Candidate {
+  StartKind start;
+  Points3 vertices_m;
+  RelaxationResult relaxation;
+  Fit fit;
+
+  bool usable() const {
+    return relaxation.stop != Stop::not_finite && !fit.mirrored && std::isfinite(fit.energy);
+  }
+  bool good() const { return fit.residual_px < kHighResidualPx && fit.strain < kHighStrain; }
+  bool doubtful() const { return !usable() || !good() || fit.energy > kHighEnergy; }
+};
+
+/// Particle-SfT: the vertices as particles between their sightlines and the distances at rest.
+class ParticleSft final : public Solver {
+ public:
+  static constexpr About kAbout{
+      .reference =
+          "Ozgur, Bartoli, Particle-SfT, IJCV 123 (2017); Aranda et al., Monocular "
+          "shape tracking, IROS 2020",
+      .needs = "sightlines",
+      .reads = "previous.shape known_points correspondences"};
+
+  explicit ParticleSft(Params& p) {
+    p.read("damping", options_.damping, "", {0.0, 1.0}, "velocity lost in an iteration");
+    p.read("stretch_stiffness", options_.stretch_stiffness, "", {0.0, 1.0},
+           "share of an edge's excess that is taken back at once");
+    p.read("bend_stiffness", options_.bend_stiffness, "", {0.0, 1.0},
+           "the same for the opposite vertices of adjacent faces");
+    p.read("solver_iterations", options_.solver_iterations, "", {1, 1000},
+           "sweeps over the distances in an iteration");
+    p.read("max_iterations", options_.max_iterations, "", {1, 10000000}, "of one start");
+    p.read("tolerance_m", options_.tolerance_m, "m", {0.0, 1.0}, "rms step at which to stop");
+    p.read("known_radius_m", known_radius_m_, "m", {0.0, 1.0},
+           "radius of known points whose own is negative; 0 holds them exactly");
+    p.read("min_sightlines", min_sightlines_, "", {3, 1000000},
+           "with fewer there is no result for the frame");
+    p.component("start", start_, "shape from which an object is found without a previous shape");
+    p.read("start_smoothing", start_smoothing_, "squared mean edge lengths", {0.0, 1e6},
+           "how strongly the bends of that shape are smoothed; 0: not at all");
+  }
+
+  Result<Shape> solve(const SolverInput& in) override {
+    if (auto ready = prepare_mesh(in.templ); !ready) return ready.error();
+    if (auto read = read_system(in); !read) return read.error();
+    std::vector<Candidate> candidates;
+    if (auto run = run_starts(in, candidates); !run) return run.error();
+    const Candidate* best = nullptr;
+    for (const Candidate& candidate : candidates) {
+      if (!candidate.usable()) continue;
+      if (best == nullptr || candidate.fit.energy < best->fit.energy) best = &candidate;
+    }
+    if (best == nullptr) {
+      return no_result("no start led to a shape that faces the camera as the image does");
+    }
+    return build_shape(in, *best, candidates.size());
+  }
+
+ private:
+  Result<void> prepare_mesh(const Template& templ) {
+    if (mesh_revision_ != 0 && templ.revision == mesh_revision_) return {};
+    mesh_revision_ = 0;
+    if (auto built = mesh_.build(templ, start_smoothing_); !built) return built;
+    mesh_revision_ = templ.revision;
+    system_.stretch = mesh_.stretch();
+    system_.bending = mesh_.bending();
+    return {};
+  }
+
+  /// Fills the rays and spheres of the frame.
+  Result<void> read_system(const SolverInput& in) {
+    if (!in.sightlines) return Error{Errc::invalid_data, "needs 'sightlines'", {}};
+    const Sightlines& lines = *in.sightlines;
+    auto checked = check_sightlines(lines, mesh_.vertex_count(), mesh_.faces().rows());
+    if (!checked) return checked;
+    system_.rays.clear();
+    for (std::int64_t i = 0; i < lines.count(); ++i) {
+      if (lines.weight(i) == 0.0) continue;
+      RayConstraint seen;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto column = static_cast<std::int64_t>(k);
+        seen.vertices[k] =
+            lines.vertex(i) >= 0 ? lines.vertex(i) : mesh_.faces()(lines.face(i), column);
+        seen.weights[k] =
+            lines.vertex(i) >= 0 ? (k == 0 ? 1.0 : 0.0) : lines.barycentrics(i, column);
+        seen.ray[k] = lines.ray(i, column);
+      }
+      seen.trust = std::min(lines.weight(i), 1.0);
+      system_.rays.push_back(seen);
+    }
+    if (system_.rays.size() < static_cast<std::size_t>(min_sightlines_)) {
+      return no_result("too few sightlines: " + std::to_string(system_.rays.size()) +
+                       " of at least " + std::to_string(min_sightlines_));
+    }
+    if (auto enough = count_matches(in); !enough) return enough;
+    system_.spheres.clear();
+    inconsistent_pairs_ = 0;
+    if (!in.known_points) return {};
+    auto spheres = spheres_of(*in.known_points, known_radius_m_, mesh_.vertex_count());
+    if (!spheres) return spheres.error();
+    system_.spheres = *std::move(spheres);
+    inconsistent_pairs_ = make_consistent(mesh_, system_.spheres);
+    return {};
+  }
+
+  /// Where the matches are wired, too few of them mean that the object is lost.
+  Result<void> count_matches(const SolverInput& in) {
+    matches_ = kManyMatches;
+    if (!in.correspondences) return {};
+    matches_ = 0;
+    for (std::int64_t i = 0; i < in.correspondences->count(); ++i) {
+      matches_ += in.correspondences->kept(i) != 0 ? 1 : 0;
+    }
+    if (matches_ >= kFewMatches) return {};
+    return no_result("lost: " + std::to_string(matches_) + " matches of at least " +
+                     std::to_string(kFewMatches));
+  }
+
+  /// A tracked object continues from the previous shape. Without one, after a loss or a jump, and
+  /// where the result is doubtful, other starts are tried as well.
+  Result<void> run_starts(const SolverInput& in, std::vector<Candidate>& candidates) {
+    const std::optional<Points3> previous = previous_vertices(in);
+    const bool tracked = previous && is_tracked(in, *previous);
+    if (previous) {
+      if (auto run = relax(in, StartKind::previous, *previous, candidates); !run) return run;
+    }
+    if (tracked && !candidates.back().doubtful()) return {};
+    if (previous && !tracked) {
+      auto run = relax(in, StartKind::mirrored, depth_mirrored(*previous), candidates);
+      if (!run) return run;
+    }
+    const auto convex = start_.solve(in);
+    if (!convex) {
+      if (convex.error().code != Errc::no_result || candidates.empty()) return convex.error();
+      return {};
+    }
+    if (convex->vertices_m.rows() != mesh_.vertex_count()) {
+      return Error{Errc::plugin_failure, "the start has another number of vertices", {}};
+    }
+    return relax(in, StartKind::convex, mesh_.smoothed(convex->vertices_m.matrix<3>()), candidates);
+  }
+
+  std::optional<Points3> previous_vertices(const SolverInput& in) const {
+    if (!in.previous_shape || in.previous_shape->shape_state() == ShapeState::none) return {};
+    const Points3 vertices_m = in.previous_shape->vertices_m.matrix<3>();
+    if (vertices_m.rows() != mesh_.vertex_count() || !vertices_m.allFinite()) return {};
+    return vertices_m;
+  }
+
+  bool is_tracked(const SolverInput& in, const Points3& previous_m) const {
+    const ShapeState state = in.previous_shape->shape_state();
+    if (state != ShapeState::estimated && state != ShapeState::weak) return false;
+    const ImageMotion motion = image_motion(system_, pinhole(in), previous_m);
+    return motion.moved_px <= kJump * motion.diagonal_px;
+  }
+
+  Result<void> relax(const SolverInput& in, StartKind start, const Points3& from_m,
+                     std::vector<Candidate>& candidates) {
+    Candidate candidate{start, from_m, {}, {}};
+    candidate.relaxation = relaxation_.run(system_, options_, candidate.vertices_m,
+                                           [&] { return in.call.cancelled(); });
+    if (candidate.relaxation.stop == Stop::cancelled) {
+      return Error{Errc::cancelled, "cancelled", {}};
+    }
+    std::vector<double> depths_m;
+    for (const RayConstraint& seen : system_.rays) {
+      depths_m.push_back(seen_point_m(seen, candidate.vertices_m).z());
+    }
+    if (median_in_place(depths_m) < 0.0) candidate.vertices_m *= -1.0;
+    candidate.fit = assess(mesh_, system_, *in.sightlines, pinhole(in), candidate.vertices_m);
+    candidates.push_back(std::move(candidate));
+    return {};
+  }
+
+  Result<Shape> build_shape(const SolverInput& in, const Candidate& best, std::size_t tried) const {
+    if (best.fit.residual_px >= kLostResidualPx) {
+      return no_result("lost: the median point is " + std::to_string(best.fit.residual_px) +
+                       " px from its ray");
+    }
+    const double coverage = std::clamp(in.sightlines->coverage, 0.0, 1.0);
+    const bool sure = matches_ >= kManyMatches && coverage > kGoodCoverage && best.good() &&
+                      system_.rays.size() >= std::size_t{kManySightlines};
+    Shape shape;
+    shape.vertices_m = make_array<double>(best.vertices_m);
+    shape.state = static_cast<std::int32_t>(sure ? ShapeState::estimated : ShapeState::weak);
+    shape.confidence = coverage;
+    shape.source = Array<std::uint8_t>({mesh_.vertex_count()});
+    for (const RayConstraint& seen : system_.rays) {
+      for (const std::int32_t v : seen.vertices) shape.source(v) = 1;
+    }
+    explain(best, tried, shape.diag);
+    if (inconsistent_pairs_ == 0) return shape;
+    return degenerate(std::move(shape),
+                      std::to_string(inconsistent_pairs_) +
+                          " pairs of known points are further apart than the surface allows");
+  }
+
+  void explain(const Candidate& best, std::size_t tried, Diagnostics& diag) const {
+    diag.set("iterations", best.relaxation.iterations);
+    diag.set("stop", static_cast<double>(best.relaxation.stop));
+    diag.set("last_step_m", best.relaxation.last_step_m);
+    diag.set("residual_px", best.fit.residual_px);
+    diag.set("strain", best.fit.strain);
+    diag.set("energy", best.fit.energy);
+    diag.set("start", static_cast<double>(best.start));
+    diag.set("starts_tried", static_cast<double>(tried));
+    diag.set("inconsistent_known_points", inconsistent_pairs_);
+  }
+
+  static Pinhole pinhole(const SolverInput& in) {
+    return {in.camera.fx, in.camera.fy, in.camera.cx, in.camera.cy};
+  }
+
+  RelaxationOptions options_;
+  double known_radius_m_ = 0.005;
+  int min_sightlines_ = 3;
+  SolverComponent start_{"solvers/brunet_mdh"};
+  double start_smoothing_ = 1.5;
+
+  MeshModel mesh_;
+  std::uint64_t mesh_revision_ = 0;
+  ParticleSystem system_;
+  int matches_ = 0;
+  int inconsistent_pairs_ = 0;
+  Relaxation relaxation_;
+};
+
+}  // namespace
+}  // namespace weft::particle_sft
+
+using weft::particle_sft::ParticleSft;
+WEFT_PLUGIN(ParticleSft, "solvers/particle_sft", "1.0.0",
+            "Shape from sightlines by position based dynamics, tracked from frame to frame.")

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <iostream>
+
+#include "scene.hpp"
+
+namespace weft::particle_sft {
+namespace {
+
+using testing::Outcome;
+using testing::PluginUnderTest;
+
+constexpr const char* kId = "solvers/particle_sft";
+constexpr std::uint64_t kSeed = 20240917;
+
+Shape solved(const Outcome& out) {
+  EXPECT_EQ(out.status, WEFT_OK) << out.message;
+  return out.get<Shape>().value();
+}
+
+Points3 vertices_of(const Shape& shape) { return shape.vertices_m.matrix<3>(); }
+
+double start_of(const Shape& shape) { return shape.diag.value("start", -1.0); }
+
+Correspondences matches_kept(std::int64_t count) {
+  Correspondences matches;
+  matches.template_px = Array<double>({100, 2});
+  matches.image_px = Array<double>({100, 2});
+  matches.face = Array<std::int32_t>({100});
+  matches.barycentrics = Array<double>({100, 3});
+  matches.kept = Array<std::uint8_t>({100});
+  matches.score = Array<double>({100});
+  std::fill_n(matches.kept.data(), count, std::uint8_t{1});
+  return matches;
+}
+
+TEST(ParticleSft, TheReferenceTableFromTheConvexStart) {
+  std::cout << "seeds from " << kSeed << "\n";
+  PluginUnderTest plugin(kId);
+  double sum_m = 0.0, worst_m = 0.0;
+  std::uint64_t seed = kSeed;
+  for (const auto& [radius_m, pose] : reference_poses()) {
+    Scene scene = Scene::bent(radius_m, pose);
+    scene.look(0.5, seed++);
+    const Shape shape = solved(scene.run(plugin));
+    EXPECT_EQ(start_of(shape), 1.0);
+    EXPECT_EQ(shape.shape_state(), ShapeState::estimated);
+    sum_m += scene.mean_error_m(shape);
+    worst_m = std::max(worst_m, scene.mean_error_m(shape));
+  }
+  std::cout << "mean " << 1e3 * sum_m / 24.0 << " mm, worst " << 1e3 * worst_m << " mm\n";
+  EXPECT_LT(sum_m / 24.0, 0.0015);
+  EXPECT_LT(worst_m, 0.0040);
+}
+
+TEST(ParticleSft, FourTenthsOfTheVerticesAreEnoughNextToThePreviousShape) {
+  std::cout << "seeds from " << kSeed << "\n";
+  PluginUnderTest plugin(kId);
+  double sum_m = 0.0;
+  std::uint64_t seed = kSeed;
+  for (const auto& [radius_m, pose] : reference_poses()) {
+    Scene scene = Scene::bent(radius_m, pose);
+    Rng rng(seed);
+    scene.seen.clear();
+    for (std::int32_t v = 0; v < 60; ++v) {
+      if (rng.uniform() < 0.4) scene.seen.push_back(v);
+    }
+    scene.look(0.5, seed++);
+    testing::PoseSpec before = pose;
+    before.x_m += 0.01;
+    const Shape previous = shape_of(Scene::bent(1.1 * radius_m, before).truth_m);
+    const Shape shape = solved(scene.run(plugin, &previous));
+    for (std::int32_t v = 0; v < 60; ++v) {
+      EXPECT_EQ(shape.source(v), std::count(scene.seen.begin(), scene.seen.end(), v));
+    }
+    sum_m += scene.mean_error_m(shape);
+  }
+  std::cout << "mean " << 1e3 * sum_m / 24.0 << " mm\n";
+  EXPECT_LT(sum_m / 24.0, 0.0034);
+}
+
+TEST(ParticleSft, ContinuesFromThePreviousShape) {
+  const Scene scene = Scene::bent(0.25);
+  const Shape previous = shape_of(Scene::bent(0.3, {0.61, 0.005, 0, 0.05, 0, 0}).truth_m);
+  PluginUnderTest plugin(kId);
+  const Shape shape = solved(scene.run(plugin, &previous));
+  EXPECT_EQ(start_of(shape), 0.0);
+  EXPECT_EQ(shape.diag.value("starts_tried", 0.0), 1.0);
+  EXPECT_LT(scene.mean_error_m(shape), 0.002);
+}
+
+TEST(ParticleSft, TriesAllStartsAfterALoss) {
+  const Scene scene = Scene::bent(0.25);
+  const Points3 before_m = Scene::bent(0.3).truth_m;
+  PluginUnderTest plugin(kId);
+  for (const ShapeState state : {ShapeState::predicted, ShapeState::lost}) {
+    const Shape previous = shape_of(before_m, state);
+    const Shape shape = solved(scene.run(plugin, &previous));
+    EXPECT_EQ(shape.diag.value("starts_tried", 0.0), 3.0);
+    EXPECT_LT(scene.mean_error_m(shape), 0.002);
+  }
+}
+
+TEST(ParticleSft, TriesAllStartsAfterAJump) {
+  const Scene scene = Scene::bent(0.25, {0.6, 0.06, 0.03, 0, 0, 0});
+  const Shape previous = shape_of(Scene::bent(0.3, {0.6, -0.06, -0.03, 0, 0, 0}).truth_m);
+  PluginUnderTest plugin(kId);
+  const Shape shape = solved(scene.run(plugin, &previous));
+  EXPECT_EQ(shape.diag.value("starts_tried", 0.0), 3.0);
+  EXPECT_LT(scene.mean_error_m(shape), 0.002);
+}
+
+TEST(ParticleSft, LeavesAWrongMinimumByTheConvexStart) {
+  // Tracked, but folded: the right half lies mirrored on the left one.
+  const Scene scene = Scene::bent(0.25);
+  Points3 folded_m = scene.truth_m;
+  for (Eigen::Index v = 0; v < 60; ++v) {
+    if (v % 10 >= 5) folded_m.row(v) = scene.truth_m.row(v - 2 * (v % 10) + 9);
+  }
+  const Shape previous = shape_of(folded_m);
+  PluginUnderTest plugin(kId);
+  const Shape shape = solved(scene.run(plugin, &previous));
+  EXPECT_LT(scene.mean_error_m(shape), 0.002);
+  EXPECT_GE(shape.diag.value("starts_tried", 0.0), 1.0);
+}
+
+TEST(ParticleSft, APreviousShapeOfAnotherTemplateIsNotAStart) {
+  const Scene scene = Scene::bent(0.25);
+  const Shape previous = shape_of(Points3::Ones(59, 3));
+  PluginUnderTest plugin(kId);
+  EXPECT_EQ(start_of(solved(scene.run(plugin, &previous))), 1.0);
+}
+
+TEST(ParticleSft, KnownPointsAreHeldExactlyOrWithinTheirRadius) {
+  const Scene scene = Scene::bent(0.25);
+  const std::vector<std::int32_t> held{0, 9};
+  Points3 centres_m(2, 3);
+  centres_m << scene.truth_m.row(0), scene.truth_m.row(9);
+  centres_m.col(1).array() += 0.006;
+  PluginUnderTest plugin(kId);
+  for (const double radius_m : {0.0, 0.004, -1.0}) {
+    const KnownPoints known = known_points(held, centres_m, radius_m);
+    const Shape shape = solved(scene.run(plugin, nullptr, &known));
+    const double allowed_m = radius_m < 0.0 ? 0.005 : radius_m;
+    for (Eigen::Index p = 0; p < 2; ++p) {
+      const double distance_m =
+          (vertices_of(shape).row(held[static_cast<std::size_t>(p)]) - centres_m.row(p)).norm();
+      EXPECT_LE(distance_m, allowed_m + 1e-12);
+    }
+  }
+}
+
+TEST(ParticleSft, ASphereForgivesABiasedGripperAndCostsLittleWithoutBias) {
+  const Scene scene = Scene::bent(0.25);
+  Points3 exact_m(2, 3), biased_m(2, 3);
+  exact_m << scene.truth_m.row(20), scene.truth_m.row(29);
+  biased_m = exact_m;
+  biased_m.col(2).array() += 0.005;
+  biased_m(0, 0) -= 0.005;
+  PluginUnderTest plugin(kId);
+  const auto error_m = [&](const Points3& points_m, double radius_m) {
+    const KnownPoints known = known_points({20, 29}, points_m, radius_m);
+    return scene.mean_error_m(solved(scene.run(plugin, nullptr, &known)));
+  };
+  EXPECT_LT(error_m(biased_m, 0.008), error_m(biased_m, 0.0));
+  EXPECT_LE(error_m(exact_m, 0.0), error_m(exact_m, 0.008) + 0.001);
+}
+
+TEST(ParticleSft, KnownPointsTooFarApartAreReportedAndRelaxed) {
+  const Scene scene = Scene::bent(0.25);
+  Points3 centres_m(2, 3);
+  centres_m << scene.truth_m.row(0), scene.truth_m.row(9);
+  centres_m(0, 0) -= 0.1;
+  const KnownPoints known = known_points({0, 9}, centres_m, 0.002);
+  PluginUnderTest plugin(kId);
+  const Outcome out = scene.run(plugin, nullptr, &known);
+  EXPECT_EQ(out.status, WEFT_DEGENERATE);
+  EXPECT_THAT(out.message, ::testing::HasSubstr("known points"));
+  const Shape shape = out.get<Shape>().value();
+  EXPECT_EQ(shape.diag.value("inconsistent_known_points", 0.0), 1.0);
+  EXPECT_LT(scene.mean_error_m(shape), 0.05);
+}
+
+TEST(ParticleSft, AKnownPointOnAMissingVertexIsAnError) {
+  const Scene scene = Scene::bent(0.25);
+  const KnownPoints known = known_points({60}, Points3::Ones(1, 3), 0.0);
+  PluginUnderTest plugin(kId);
+  const Outcome out = scene.run(plugin, nullptr, &known);
+  EXPECT_EQ(out.status, WEFT_ERROR);
+  EXPECT_THAT(out.message, ::testing::HasSubstr("vertex 60"));
+}
+
+TEST(ParticleSft, TakesPointsInsideFaces) {
+  Scene scene = Scene::bent(0.25);
+  const Faces faces = scene.templ.faces.matrix<3>();
+  scene.seen.assign(90, 0);
+  scene.look();
+  for (std::int32_t f = 0; f < 90; ++f) {
+    const Eigen::Vector3d weights(0.5, 0.2, 0.3);
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();
+    for (int k = 0; k < 3; ++k) point += weights[k] * scene.truth_m.row(faces(f, k)).transpose();
+    scene.lines.vertex(f) = -1;
+    scene.lines.face(f) = f;
+    scene.lines.barycentrics.matrix<3>().row(f) = weights.transpose();
+    scene.aim(f, project(testing::pinhole(scene.camera), point));
+  }
+  PluginUnderTest plugin(kId);
+  EXPECT_LT(scene.mean_error_m(solved(scene.run(plugin))), 0.002);
+}
+
+TEST(ParticleSft, LittleEvidenceMakesAWeakShape) {
+  Scene scene = Scene::bent(0.25);
+  const Shape previous = shape_of(scene.truth_m);
+  PluginUnderTest plugin(kId);
+  const Correspondences some = matches_kept(20), many = matches_kept(40);
+  EXPECT_EQ(solved(scene.run(plugin, &previous, nullptr, &many)).shape_state(),
+            ShapeState::estimated);
+  EXPECT_EQ(solved(scene.run(plugin, &previous, nullptr, &some)).shape_state(), ShapeState::weak);
+  scene.lines.coverage = 0.2;
+  const Shape covered = solved(scene.run(plugin, &previous));
+  EXPECT_EQ(covered.shape_state(), ShapeState::weak);
+  EXPECT_DOUBLE_EQ(covered.confidence, 0.2);
+  scene.seen = {0, 1, 2, 10, 11, 12};
+  scene.look();
+  EXPECT_EQ(solved(scene.run(plugin, &previous)).shape_state(), ShapeState::weak);
+}
+
+TEST(ParticleSft, TooLittleEvidenceIsNoResult) {
+  Scene scene = Scene::bent(0.25);
+  const Correspondences few = matches_kept(9);
+  PluginUnderTest plugin(kId);
+  EXPECT_EQ(scene.run(plugin, nullptr, nullptr, &few).status, WEFT_NO_RESULT);
+  scene.seen = {0, 1};
+  scene.look();
+  const Outcome out = scene.run(plugin);
+  EXPECT_EQ(out.status, WEFT_NO_RESULT);
+  EXPECT_EQ(out.message, "too few sightlines: 2 of at least 3");
+}
+
+TEST(ParticleSft, RaysThatNoShapeMeetsAreNoResult) {
+  Scene scene = Scene::bent(0.25);
+  std::cout << "seed " << kSeed << "\n";
+  Rng rng(kSeed);
+  for (std::int64_t i = 0; i < 60; ++i) {
+    scene.aim(i, {rng.uniform(0.0, 640.0), rng.uniform(0.0, 480.0)});
+  }
+  PluginUnderTest plugin(kId);
+  EXPECT_EQ(scene.run(plugin).status, WEFT_NO_RESULT);
+}
+
+TEST(ParticleSft, FreshAndUsedInstancesAgreeExactly) {
+  Scene first = Scene::bent(0.12), second = Scene::bent(-0.25);
+  second.seen.resize(41);
+  second.look(0.5, kSeed);
+  first.templ.revision = second.templ.revision = 7;
+  PluginUnderTest used(kId), fresh(kId);
+  const Points3 before_m = vertices_of(solved(first.run(used)));
+  solved(second.run(used));
+  EXPECT_EQ(vertices_of(solved(first.run(used))), before_m);
+  EXPECT_EQ(vertices_of(solved(second.run(used))), vertices_of(solved(second.run(fresh))));
+}
+
+TEST(ParticleSft, ABrokenTemplateIsAnErrorNotACrash) {
+  Scene scene = Scene::bent(0.25);
+  scene.templ.faces(0, 0) = 777;
+  PluginUnderTest plugin(kId);
+  const Outcome out = scene.run(plugin);
+  EXPECT_EQ(out.status, WEFT_ERROR);
+  EXPECT_THAT(out.message, ::testing::HasSubstr("777"));
+}
+
+TEST(ParticleSft, RefusesParametersOutsideTheirRange) {
+  EXPECT_THROW(PluginUnderTest(kId, "{damping: 1.5}"), std::runtime_error);
+  EXPECT_THROW(PluginUnderTest(kId, "{start: {use: warps/bbs}}"), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace weft::particle_sft

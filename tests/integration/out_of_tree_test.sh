@@ -1,0 +1,40 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Builds docs/examples/your_own_filter as its reader would, in a folder of its own, against the
+# package in WEFT_BUILD_DIR.
+set -eu
+
+: "${WEFT_BUILD_DIR:?is not set: the folder with weftConfig.cmake}"
+source=$(cd "$(dirname "$0")/../../docs/examples/your_own_filter" && pwd)
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+
+fail() {
+  echo "out_of_tree_test: $1" >&2
+  exit 1
+}
+
+cp -r "$source" "$folder/plugin"
+cd "$folder/plugin"
+cmake -S . -B build -DCMAKE_BUILD_TYPE=Release -Dweft_DIR="$WEFT_BUILD_DIR" \
+  ${CXX:+-DCMAKE_CXX_COMPILER="$CXX"}
+cmake --build build
+
+library=build/filters_local_motion.so
+manifest=build/filters_local_motion.plugin.yaml
+test -f "$library" || fail "there is no $library"
+test -f "$manifest" || fail "there is no $manifest"
+
+symbols=$(nm -D --defined-only "$library" | awk '{print $NF}')
+test "$symbols" = weft_library || fail "exports more than one symbol: $symbols"
+
+for expected in 'id: "filters/local_motion"' 'name: "radius_px"' 'unit: "px"' 'range: [1, 1000]'; do
+  grep -qF "$expected" "$manifest" || fail "the manifest lacks: $expected"
+done
+
+build_id=$(readelf -n "$library" | awk '/Build ID:/ {print $3}')
+grep -qF "build_id: \"$build_id\"" "$manifest" || fail "the manifest is not of this build"
+
+lines=$(wc -l < local_motion.cpp)
+test "$lines" -lt 40 || fail "local_motion.cpp has $lines lines; the promise is less than 40"
+echo "out_of_tree_test: all is well"

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <thread>
+#include <weft/host/npz.hpp>
+
+#include "support/child.hpp"
+#include "support/pipeline_fixture.hpp"
+
+namespace weft {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::chain;
+using testing::Child;
+using testing::Ended;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::read_lines;
+using ::testing::StartsWith;
+
+/// The program as a user starts it, in a folder of its own, with the scripted components.
+class Program : public testing::PipelineTest {
+ protected:
+  std::vector<std::string> command(const std::vector<std::string>& arguments) const {
+    std::vector<std::string> words{"/usr/bin/env",   "-C", folder_, WEFT_PROGRAM, "--plugin-path",
+                                   WEFT_TEST_PLUGINS};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    return words;
+  }
+
+  Ended weft(const std::vector<std::string>& arguments) const {
+    return Child(command(arguments), path("printed")).wait();
+  }
+
+  Ended run(const std::string& text, const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments{"run", write(text), "--out", path("run")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return weft(arguments);
+  }
+
+  /// Waits until the run has written so many frames; false when it takes too long.
+  bool wait_for_frames(std::size_t count) const {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (std::chrono::steady_clock::now() < end) {
+      if (read_lines(path("run/frames.jsonl")).size() >= count) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return false;
+  }
+};
+
+TEST_F(Program, PrintsTimesAndStatesOfARun) {
+  const Ended ended = run(chain({{"solvers", "{no_result_at: [1]}"}}));
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("ms p50"));
+  EXPECT_THAT(ended.out, HasSubstr("shapes: 2 estimated  1 predicted"));
+  EXPECT_THAT(ended.out, HasSubstr("3 frames, 0 failed: " + path("run")));
+  EXPECT_EQ(ended.err, "");
+}
+
+TEST_F(Program, SaysOneLineWhenQuiet) {
+  const Ended ended = run(chain(), {"--quiet"});
+  EXPECT_EQ(ended.out, "3 frames, 0 failed: " + path("run") + "\n");
+}
+
+TEST_F(Program, ExitsWithOneWhenMoreFramesFailedThanAllowed) {
+  const Ended failed = run(chain({{"warps", "{error_at: [0, 2]}"}}, "max_failed: 1"));
+  EXPECT_EQ(failed.exit_code, 1);
+  EXPECT_THAT(failed.out, HasSubstr("first error of warps: frame 0 (f0): warps/test.scripted: "
+                                    "scripted error"));
+  fs::remove_all(path("run"));
+  EXPECT_EQ(run(chain({{"warps", "{error_at: [0, 2]}"}}, "max_failed: 2")).exit_code, 0);
+  fs::remove_all(path("run"));
+  EXPECT_EQ(run(chain({{"warps", "{no_result_at: [0, 2]}"}})).exit_code, 0);
+}
+
+TEST_F(Program, ExitsWithOneWhenAnErrorStoppedIt) {
+  const Ended ended = run(chain({{"warps", "{throw_at: [1]}"}}, "max_failed: 9\non_error: stop"));
+  EXPECT_EQ(ended.exit_code, 1);
+  EXPECT_THAT(ended.out, HasSubstr("2 frames, 1 failed, stopped early"));
+}
+
+TEST_F(Program, ExitsWithTwoForAMistakeOfTheUser) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{}, {"run"}, {"rum", "x.yaml"}, {"run", "x.yaml", "--oot", "a"}}) {
+    EXPECT_EQ(weft(arguments).exit_code, 2);
+  }
+  const Ended missing = weft({"check", "x.yaml"});
+  EXPECT_EQ(missing.exit_code, 2);
+  EXPECT_EQ(missing.err, "x.yaml:1:1: the pipeline file cannot be read\n");
+  const Ended refused = run(chain({{"solvers", "{refuse: true}"}}));
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_EQ(refused.err, "error: solvers/test.scripted: refuses as scripted\n");
+}
+
+TEST_F(Program, ExitsWithThreeWhenItCannotWrite) {
+  fs::create_directories(path("run"));
+  write("mine", "run/notes.txt");
+  const Ended full = run(chain());
+  EXPECT_EQ(full.exit_code, 3);
+  EXPECT_THAT(full.err, HasSubstr("exists and is not an empty folder; choose another with --out"));
+  fs::remove_all(path("run"));
+  const Ended finish = run(chain({{"sinks", "{refuse_finish: true}"}}));
+  EXPECT_EQ(finish.exit_code, 3);
+  EXPECT_EQ(finish.err, "error: sinks/test.scripted: cannot finish as scripted\n");
+}
+
+TEST_F(Program, ChecksWithoutRunning) {
+  const Ended ended = weft({"check", write(chain({{"solvers", "{refuse: true}"}}))});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("pipeline.yaml: ok, 6 stages, 1 sinks"));
+  EXPECT_FALSE(fs::exists(path("runs")));
+}
+
+TEST_F(Program, PutsRunsBesideOneAnother) {
+  const std::string file = write(chain(), "mine.yaml");
+  EXPECT_EQ(weft({"run", file}).exit_code, 0);
+  EXPECT_EQ(weft({"run", file}).exit_code, 0);
+  EXPECT_TRUE(fs::exists(path("runs/mine/frames.jsonl")));
+  EXPECT_TRUE(fs::exists(path("runs/mine-2/frames.jsonl")));
+}
+
+TEST_F(Program, LeavesFinishedFramesReadableWhenItIsKilled) {
+  const std::string file = write(chain(
+      {{"sources", "{frames: 500, sleep_ms: 10, truth: true}"}, {"sinks", "{path: lines.txt}"}}));
+  Child child(command({"run", file, "--out", path("run")}), path("printed"));
+  ASSERT_TRUE(wait_for_frames(3));
+  child.send(SIGKILL);
+  const Ended ended = child.wait();
+  EXPECT_EQ(ended.signal, SIGKILL);
+
+  const std::vector<std::string> lines = read_lines(path("run/frames.jsonl"));
+  EXPECT_LT(lines.size(), 500U);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    // Only the last line may be cut.
+    const json frame = json::parse(lines[i], nullptr, false);
+    if (frame.is_discarded() && i + 1 == lines.size()) continue;
+    ASSERT_FALSE(frame.is_discarded()) << lines[i];
+    EXPECT_EQ(frame["frame"], i);
+    char name[48];
+    std::snprintf(name, sizeof name, "run/frames/%06zu.npz", i);
+    const auto records = host::read_npz(path(name));
+    ASSERT_TRUE(records) << name;
+    EXPECT_EQ(records->size(), 2U);
+  }
+  for (const auto& entry : fs::directory_iterator(path("run/frames"))) {
+    if (entry.path().extension() != ".npz") continue;
+    EXPECT_TRUE(host::read_npz(entry.path().string())) << entry.path();
+  }
+  EXPECT_TRUE(load_pipeline(path("run/pipeline.yaml"), registry_, path("again")).second.ok());
+  EXPECT_FALSE(json::parse(testing::read_text(path("run/manifest.json"))).empty());
+  EXPECT_TRUE(host::read_npz(path("run/template.npz")));
+  EXPECT_THAT(read_lines(path("run/lines.txt.part"))[0], StartsWith("0 estimated"));
+}
+
+TEST_F(Program, FinishesWhenItIsInterrupted) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    fs::remove_all(path("run"));
+    const std::string file =
+        write(chain({{"sources", "{frames: 5000, sleep_ms: 10}"}, {"sinks", "{path: lines.txt}"}}));
+    Child child(command({"run", file, "--out", path("run")}), path("printed"));
+    ASSERT_TRUE(wait_for_frames(2));
+    child.send(signal);
+    const Ended ended = child.wait();
+    EXPECT_EQ(ended.signal, 0);
+    EXPECT_THAT(ended.out, HasSubstr("stopped early"));
+    EXPECT_EQ(read_lines(path("run/lines.txt")).size(),
+              read_lines(path("run/frames.jsonl")).size());
+  }
+}
+
+TEST_F(Program, ListsComponentsAndRefusals) {
+  fs::create_directories(path("plugins"));
+  write("no library", "plugins/junk.so");
+  const Ended table = weft({"--plugin-path", path("plugins"), "plugins", "list"});
+  EXPECT_EQ(table.exit_code, 0) << table.err;
+  EXPECT_THAT(table.out, HasSubstr("solvers/test.scripted"));
+  EXPECT_THAT(table.out, HasSubstr("refused " + path("plugins/junk.so")));
+  const Ended listed = weft({"plugins", "list", "--json"});
+  const json list = json::parse(listed.out);
+  EXPECT_GE(list["plugins"].size(), 19U);
+}
+
+TEST_F(Program, ShowsAComponentWithItsParameters) {
+  const Ended shown = weft({"plugins", "show", "templates/test.scripted"});
+  EXPECT_EQ(shown.exit_code, 0) << shown.err;
+  EXPECT_THAT(shown.out, StartsWith("templates/test.scripted 1.0.0\nA flat sheet, or a broken"));
+  EXPECT_THAT(shown.out, HasSubstr("columns: vertices in a row\n      i64, 2 to 100, default 6\n"));
+  EXPECT_THAT(shown.out, HasSubstr("choice: none, index, "));
+  const Ended unknown = weft({"plugins", "show", "templates/test.script"});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("did you mean 'templates/test.scripted'?"));
+}
+
+}  // namespace
+}  // namespace weft

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "zoo/zoo.hpp"
+
+namespace weft::host {
+namespace {
+
+using ::testing::HasSubstr;
+
+class LaneTest : public ::testing::Test {
+ protected:
+  LaneTest() {
+    templ_.vertices_m = Array<double>({3, 3});
+    templ_.flat_px = Array<double>({3, 2});
+    templ_.faces = Array<std::int32_t>({1, 3});
+    templ_.texture = templ_.mask = Array<std::uint8_t>({2, 2});
+  }
+
+  Instance& instantiate(const std::string& id, const std::string& params = "{}",
+                        const std::string& stage = "filters") {
+    specs_.push_back(zoo::resolve(registry_, id, params));
+    if (!specs_.back().spec) throw std::runtime_error(specs_.back().problem());
+    const auto instance = lane_.instantiate(*specs_.back().spec, stage);
+    if (!instance) throw std::runtime_error(instance.error().message);
+    return **instance;
+  }
+
+  Outcome filter(Instance& filter, std::uint64_t frame = 0, bool with_template = true) {
+    const Correspondences matches = zoo::make_matches(4);
+    const RecordView<Correspondences> view("correspondences", matches);
+    const RecordView<Template> template_view("template", templ_);
+    std::vector<weft_record> inputs{view.raw()};
+    if (with_template) inputs.push_back(template_view.raw());
+    return lane_.call(filter, 0, inputs, frame);
+  }
+
+  double diag(const Outcome& outcome, const char* name) {
+    if (!outcome.usable()) ADD_FAILURE() << outcome.error.message;
+    return outcome.usable()
+               ? view_as<InlierMask>(*outcome.find("inlier_mask"))->diag.value(name, -999.0)
+               : 0.0;
+  }
+
+  const Registry registry_ = zoo::scan();
+  std::deque<zoo::Resolved> specs_;
+  Lane lane_{7, {}};
+  Template templ_;
+};
+
+TEST_F(LaneTest, RandomDrawsDependOnRunFrameAndStageOnly) {
+  Instance& one = instantiate("filters/zoo_good");
+  Instance& same_stage = instantiate("filters/zoo_good", "{count: 9}");
+  Instance& other_stage = instantiate("filters/zoo_good", "{}", "filters#2");
+  const double draw = diag(filter(one, 3), "first_draw");
+  EXPECT_EQ(draw, Rng(component_seed(7, 3, "filters", "")).uniform());
+  EXPECT_EQ(diag(filter(one, 3), "first_draw"), draw);
+  EXPECT_EQ(diag(filter(same_stage, 3), "first_draw"), draw);
+  EXPECT_NE(diag(filter(one, 4), "first_draw"), draw);
+  EXPECT_NE(diag(filter(other_stage, 3), "first_draw"), draw);
+}
+
+TEST_F(LaneTest, ANestedFailureIsTheParentsWithTheNestedId) {
+  Instance& parent = instantiate("filters/zoo_good",
+                                 "{warp: {use: warps/zoo_shift, params: {always_fails: true}}}");
+  const Outcome outcome = filter(parent);
+  EXPECT_EQ(outcome.status, WEFT_NO_RESULT);
+  EXPECT_EQ(outcome.error.code, Errc::no_result);
+  EXPECT_EQ(outcome.error.message, "told to fail");
+  EXPECT_EQ(outcome.error.where, "warps/zoo_shift");
+}
+
+TEST_F(LaneTest, ANestedWarpThatReturnsTooFewOrTooManySamplesIsCaught) {
+  for (const std::string extra : {"-1", "1"}) {
+    Instance& parent =
+        instantiate("filters/zoo_good",
+                    "{warp: {use: warps/zoo_shift, params: {extra_samples: " + extra + "}}}");
+    const Outcome outcome = filter(parent);
+    EXPECT_EQ(outcome.status, WEFT_ERROR);
+    EXPECT_EQ(outcome.error.where, "warps/zoo_shift");
+    EXPECT_THAT(outcome.error.message, HasSubstr("entries for 4 of the input 'points'"));
+  }
+}
+
+TEST_F(LaneTest, TimesEveryCallNestedOnesFirst) {
+  filter(instantiate("filters/zoo_good"));
+  std::vector<std::string> names;
+  for (const Timing& timing : lane_.take_timings()) {
+    names.push_back(timing.component);
+    EXPECT_GE(timing.ms, 0.0);
+  }
+  EXPECT_THAT(names, ::testing::ElementsAre("filters/warp", "filters/warp", "filters"));
+  EXPECT_TRUE(lane_.take_timings().empty());
+}
+
+TEST_F(LaneTest, AFlaggedResultKeepsItsOutputsAndItsReason) {
+  const zoo::TemporaryFolder folder;
+  zoo::write_file(folder / "model", "");
+  Instance& strict = instantiate("filters/zoo_strict",
+                                 "{ratio: 0.25, rounds: 9, model: " + (folder / "model") + "}");
+  const Outcome outcome = filter(strict, 0, false);
+  EXPECT_EQ(outcome.status, WEFT_DEGENERATE);
+  EXPECT_EQ(outcome.error.message, "keeps nothing");
+  EXPECT_EQ(diag(outcome, "ratio"), 0.25);
+  EXPECT_EQ(diag(outcome, "rounds"), 9.0);
+}
+
+TEST_F(LaneTest, RevisionsOfOutputsAreNeverUsedTwice) {
+  Instance& good = instantiate("filters/zoo_good");
+  std::set<std::uint64_t> revisions;
+  for (int i = 0; i < 10; ++i) {
+    const Outcome outcome = filter(good, 1);
+    EXPECT_TRUE(revisions.insert(outcome.find("inlier_mask")->revision()).second);
+  }
+  EXPECT_EQ(revisions.count(0), 0U);
+}
+
+TEST_F(LaneTest, AWarpIsEvaluatedByItsProducer) {
+  Instance& near = instantiate("warps/zoo_shift", "{shift_px: 1}", "warps");
+  Instance& far = instantiate("warps/zoo_shift", "{shift_px: 100}", "warps#2");
+  const Correspondences matches = zoo::make_matches(4);
+  const RecordView<Correspondences> view("correspondences", matches);
+  const RecordView<Template> template_view("template", templ_);
+  const weft_record inputs[] = {view.raw(), template_view.raw()};
+  Points points;
+  points.xy_px = Array<double>({1, 2});
+  for (const auto& [instance, shift] : {std::pair{&near, 1.0}, {&far, 100.0}}) {
+    const Outcome fitted = lane_.call(*instance, 0, inputs, 0);
+    ASSERT_EQ(fitted.status, WEFT_OK) << fitted.error.message;
+    const Outcome samples = lane_.evaluate(*fitted.find("warp"), points, 0);
+    ASSERT_EQ(samples.status, WEFT_OK) << samples.error.message;
+    EXPECT_EQ(view_as<WarpSamples>(*samples.find("warp_samples"))->xy_px(0, 0), shift);
+  }
+  Warp orphan;
+  orphan.domain_px = Array<double>({4});
+  EXPECT_EQ(lane_.evaluate(*Record::copy_of(orphan), points, 0).status, WEFT_ERROR);
+}
+
+}  // namespace
+}  // namespace weft::host

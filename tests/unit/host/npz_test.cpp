@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <iostream>
+#include <weft/host/npz.hpp>
+
+#include "unit/data/random_noun.hpp"
+#include "zoo/zoo.hpp"
+
+namespace weft::host {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using testing_data::content_of;
+using testing_data::random_noun;
+using zoo::read_file;
+using zoo::TemporaryFolder;
+using zoo::write_file;
+
+constexpr std::uint64_t kSeed = 301;
+
+/// One record of every type, by its name.
+NamedRecords make_records(std::uint64_t seed) {
+  Rng rng(seed);
+  NamedRecords records;
+  for_each_noun([&]<class Noun>(std::type_identity<Noun>) {
+    const std::string type = Noun::kType;
+    records.emplace_back(type.substr(0, type.find('/')), Record::copy_of(random_noun<Noun>(rng)));
+  });
+  return records;
+}
+
+TEST(Npz, EveryNounSurvivesTheFile) {
+  std::cout << "seeds from " << kSeed << "\n";
+  const TemporaryFolder folder;
+  for (std::uint64_t round = 0; round < 10; ++round) {
+    const NamedRecords written = make_records(kSeed + round);
+    ASSERT_TRUE(write_npz(folder / "frame.npz", written));
+    const auto read = read_npz(folder / "frame.npz");
+    ASSERT_TRUE(read) << read.error().message;
+    ASSERT_EQ(read->size(), written.size());
+    for (std::size_t i = 0; i < written.size(); ++i) {
+      EXPECT_EQ((*read)[i].first, written[i].first);
+      EXPECT_EQ((*read)[i].second->type(), written[i].second->type());
+      EXPECT_EQ(content_of((*read)[i].second->view("")), content_of(written[i].second->view("")));
+    }
+  }
+}
+
+TEST(Npz, EqualRecordsGiveEqualBytes) {
+  std::cout << "seed " << kSeed << "\n";
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_npz(folder / "one.npz", make_records(kSeed)));
+  ASSERT_TRUE(write_npz(folder / "two.npz", make_records(kSeed)));
+  ASSERT_TRUE(write_npz(folder / "other.npz", make_records(kSeed + 1)));
+  EXPECT_EQ(read_file(folder / "one.npz"), read_file(folder / "two.npz"));
+  EXPECT_NE(read_file(folder / "one.npz"), read_file(folder / "other.npz"));
+}
+
+TEST(Npz, SlotsMayHaveDots) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_npz(folder / "x.npz", {{"previous.shape", Record::copy_of(Time{2.5})}}));
+  const auto read = read_npz(folder / "x.npz");
+  ASSERT_TRUE(read) << read.error().message;
+  ASSERT_EQ(read->size(), 1U);
+  EXPECT_EQ((*read)[0].first, "previous.shape");
+  EXPECT_EQ(view_as<Time>(*(*read)[0].second)->t_s, 2.5);
+}
+
+TEST(Npz, MembersAreInNumpysFormat) {
+  const TemporaryFolder folder;
+  KnownPoints points;
+  points.vertex = Array<std::int32_t>({2});
+  points.points_m = Array<double>({2, 3});
+  points.radius_m = Array<double>({2});
+  ASSERT_TRUE(write_npz(folder / "x.npz", {{"known_points", Record::copy_of(points)},
+                                           {"time", Record::copy_of(Time{1.0})}}));
+  const std::string file = read_file(folder / "x.npz");
+  const auto header_of = [&](const std::string& member) {
+    const std::size_t name = file.find(member + ".npy");
+    EXPECT_NE(name, std::string::npos);
+    const std::size_t magic = file.find(std::string("\x93NUMPY\x01\x00", 8), name);
+    const auto length = static_cast<std::size_t>(static_cast<unsigned char>(file[magic + 8]) +
+                                                 256 * static_cast<unsigned char>(file[magic + 9]));
+    EXPECT_EQ((10 + length) % 64, 0U);
+    EXPECT_EQ(file[magic + 9 + length], '\n');
+    return file.substr(magic + 10, length);
+  };
+  EXPECT_THAT(header_of("known_points/vertex"),
+              HasSubstr("{'descr': '<i4', 'fortran_order': False, 'shape': (2,), }"));
+  EXPECT_THAT(header_of("known_points/points_m"),
+              HasSubstr("{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }"));
+  EXPECT_THAT(header_of("time/t_s"),
+              HasSubstr("{'descr': '<f8', 'fortran_order': False, 'shape': (), }"));
+  EXPECT_THAT(header_of("time/record_type"), HasSubstr("'|u1'"));
+}
+
+TEST(Npz, TheFileAppearsWholeAndNothingElseStays) {
+  const TemporaryFolder folder;
+  write_file(folder / "x.npz.part", "left by a killed run");
+  ASSERT_TRUE(write_npz(folder / "x.npz", {{"time", Record::copy_of(Time{1.0})}}));
+  ASSERT_TRUE(write_npz(folder / "x.npz", {{"time", Record::copy_of(Time{2.0})}}));
+  const auto entries = std::distance(fs::directory_iterator(folder.path()), {});
+  EXPECT_EQ(entries, 1);
+  EXPECT_EQ(view_as<Time>(*read_npz(folder / "x.npz")->at(0).second)->t_s, 2.0);
+}
+
+TEST(Npz, AFolderThatIsNotThereIsAnErrorWithItsPlace) {
+  const auto written = write_npz("/nowhere/at/all/x.npz", {{"time", Record::copy_of(Time{1.0})}});
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().code, Errc::io);
+  EXPECT_THAT(written.error().where, HasSubstr("/nowhere/at/all/x.npz"));
+  const auto read = read_npz("/nowhere/at/all/x.npz");
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().where, "/nowhere/at/all/x.npz");
+}
+
+TEST(Npz, NothingCannotBeWritten) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(write_npz(folder / "x.npz", {}).error().code, Errc::invalid_value);
+}
+
+TEST(Npz, WhatIsNoNpzFileIsAnError) {
+  const TemporaryFolder folder;
+  for (const std::string& content : {std::string(), std::string("text"), std::string(1000, '\0')}) {
+    write_file(folder / "x.npz", content);
+    const auto read = read_npz(folder / "x.npz");
+    EXPECT_TRUE(!read || read->empty());
+  }
+}
+
+TEST(Npz, OneChangedByteOfAnArrayIsNoticed) {
+  const TemporaryFolder folder;
+  Region region;
+  region.mask = Array<std::uint8_t>({20, 20});
+  std::fill_n(region.mask.data(), 400, std::uint8_t{'m'});
+  ASSERT_TRUE(write_npz(folder / "x.npz", {{"region", Record::copy_of(region)}}));
+  std::string file = read_file(folder / "x.npz");
+  const std::size_t at = file.find(std::string(400, 'm'));
+  ASSERT_NE(at, std::string::npos);
+  file[at + 123] = 'n';
+  write_file(folder / "x.npz", file);
+  const auto read = read_npz(folder / "x.npz");
+  ASSERT_FALSE(read);
+  EXPECT_THAT(read.error().message, HasSubstr("damaged at the member 'region/mask.npy'"));
+}
+
+TEST(Npz, ARecordThatTheCatalogueForbidsIsNotRead) {
+  const TemporaryFolder folder;
+  const auto record = Record::copy_of(Time{1.0});
+  *static_cast<double*>(record->view("").arrays[0].data) = std::nan("");
+  ASSERT_TRUE(write_npz(folder / "x.npz", {{"time", record}}));
+  const auto read = read_npz(folder / "x.npz");
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().message, "slot 'time': time/1: array 't_s' holds NaN or infinity");
+  EXPECT_TRUE(read_npz(folder / "x.npz", NpzCheck::none));
+  ASSERT_TRUE(write_npz(folder / "x.npz", {{"x", std::make_shared<Record>("surprise/1")}}));
+  EXPECT_THAT(read_npz(folder / "x.npz").error().message, HasSubstr("surprise/1"));
+}
+
+TEST(Npz, DamageAnywhereIsAnErrorOrHarmless) {
+  std::cout << "seed " << kSeed << "\n";
+  Rng rng(kSeed);
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_npz(folder / "x.npz", make_records(kSeed)));
+  const std::string whole = read_file(folder / "x.npz");
+  int errors = 0;
+  for (int round = 0; round < 600; ++round) {
+    std::string file = whole;
+    const auto size = static_cast<std::uint32_t>(file.size());
+    for (std::uint32_t i = 0; i < 1 + rng.below(3); ++i) {
+      file[rng.below(size)] = static_cast<char>(rng.below(256));
+    }
+    if (round % 5 == 0) file.resize(rng.below(size));
+    write_file(folder / "x.npz", file);
+    const auto read = read_npz(folder / "x.npz");
+    if (!read) {
+      ++errors;
+      continue;
+    }
+    for (const auto& [slot, record] : *read) EXPECT_TRUE(validate(record->view("")));
+  }
+  EXPECT_GT(errors, 300);
+}
+
+}  // namespace
+}  // namespace weft::host

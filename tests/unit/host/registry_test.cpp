@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "zoo/zoo.hpp"
+
+namespace weft::host {
+namespace {
+
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+using zoo::TemporaryFolder;
+
+/// Sets a variable of the environment for one test.
+class Variable {
+ public:
+  Variable(const char* name, const std::string& value) : name_(name) {
+    if (const char* before = std::getenv(name)) before_ = before;
+    setenv(name, value.c_str(), 1);
+  }
+  ~Variable() {
+    if (before_) {
+      setenv(name_, before_->c_str(), 1);
+    } else {
+      unsetenv(name_);
+    }
+  }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  const char* name_;
+  std::optional<std::string> before_;
+};
+
+std::string folder_of(const Registry& registry, const std::string& id) {
+  const Installed* installed = registry.find(id);
+  return installed == nullptr ? "" : fs::path(installed->library->library).parent_path().string();
+}
+
+TEST(SearchPath, IsWhatWasGivenThenTheVariableThenBesideTheProgram) {
+  const Variable variable("WEFT_PLUGIN_PATH", "/one::/two");
+  const std::vector<SearchFolder> folders = search_path({"/given", "/also"});
+  ASSERT_GE(folders.size(), 4U);
+  EXPECT_EQ(folders[0].path, "/given");
+  EXPECT_EQ(folders[0].origin, "--plugin-path");
+  EXPECT_EQ(folders[1].path, "/also");
+  EXPECT_EQ(folders[2].path, "/one");
+  EXPECT_EQ(folders[2].origin, "WEFT_PLUGIN_PATH");
+  EXPECT_EQ(folders[3].path, "/two");
+  if (folders.size() > 4) {
+    EXPECT_EQ(folders[4].origin, "beside the program");
+  }
+}
+
+TEST(Registry, TheFirstFolderWithAnIdWinsAndTheOtherIsShown) {
+  const TemporaryFolder first, second;
+  first.adopt("filters_zoo_good");
+  second.adopt("filters_zoo_good");
+  second.adopt("filters_zoo_throws");
+  const Registry registry = Registry::scan({{first.path(), "a"}, {second.path(), "b"}});
+  EXPECT_TRUE(registry.refusals().empty());
+  EXPECT_EQ(folder_of(registry, "filters/zoo_good"), first.path().string());
+  EXPECT_EQ(registry.find("filters/zoo_good")->origin, "a");
+  EXPECT_EQ(folder_of(registry, "filters/zoo_throws"), second.path().string());
+  int shadowed = 0;
+  for (const Installed& entry : registry.installed()) {
+    if (!entry.shadowed) continue;
+    ++shadowed;
+    EXPECT_EQ(entry.origin, "b");
+  }
+  EXPECT_EQ(shadowed, 3);  // the three components of the good library
+  const Registry reversed = Registry::scan({{second.path(), "b"}, {first.path(), "a"}});
+  EXPECT_EQ(folder_of(reversed, "filters/zoo_good"), second.path().string());
+}
+
+TEST(Registry, TheOrderOfTheVariableDecides) {
+  const TemporaryFolder first, second;
+  first.adopt("filters_zoo_good");
+  second.adopt("filters_zoo_good");
+  const std::string one = first.path().string(), two = second.path().string();
+  {
+    const Variable variable("WEFT_PLUGIN_PATH", one + ":" + two);
+    EXPECT_EQ(folder_of(Registry::scan(search_path({})), "filters/zoo_good"), one);
+    EXPECT_EQ(folder_of(Registry::scan(search_path({two})), "filters/zoo_good"), two);
+  }
+  const Variable variable("WEFT_PLUGIN_PATH", two + ":" + one);
+  EXPECT_EQ(folder_of(Registry::scan(search_path({})), "filters/zoo_good"), two);
+}
+
+TEST(Registry, AFolderNamedTwiceCountsOnce) {
+  const TemporaryFolder folder;
+  folder.adopt("filters_zoo_good");
+  const std::string path = folder.path();
+  const Registry registry =
+      Registry::scan({{path, "a"}, {path + "/../" + folder.path().filename().string(), "b"}});
+  EXPECT_EQ(registry.folders().size(), 1U);
+  EXPECT_TRUE(registry.refusals().empty());
+  EXPECT_EQ(registry.installed().size(), 3U);
+}
+
+TEST(Registry, ARefusedLibraryDoesNotHideTheSameIdInALaterFolder) {
+  const TemporaryFolder first, second;
+  first.adopt("filters_zoo_good");
+  zoo::write_file(first / "filters_zoo_good.so", "no library");
+  second.adopt("filters_zoo_good");
+  const Registry registry = Registry::scan({{first.path(), "a"}, {second.path(), "b"}});
+  EXPECT_EQ(registry.refusals().size(), 1U);
+  EXPECT_EQ(folder_of(registry, "filters/zoo_good"), second.path().string());
+}
+
+TEST(Registry, ExplainsWhatIsMissing) {
+  const Registry registry = zoo::scan();
+  EXPECT_EQ(registry.find("filters/zoo_god"), nullptr);
+  EXPECT_THAT(registry.explain_missing("filters/zoo_god"),
+              HasSubstr("did you mean 'filters/zoo_good'?"));
+  EXPECT_THAT(registry.explain_missing("completely/different"), HasSubstr("weft plugins list"));
+}
+
+TEST(Manifest, SaysWhatTheSourceDeclares) {
+  const auto manifest = read_manifest(zoo::kFolder + "/filters_zoo_good.plugin.yaml");
+  ASSERT_TRUE(manifest) << manifest.error().message;
+  EXPECT_EQ(manifest->library, zoo::library("filters_zoo_good"));
+  EXPECT_EQ(manifest->abi_major, WEFT_ABI_MAJOR);
+  EXPECT_EQ(manifest->abi_minor, WEFT_ABI_MINOR);
+  EXPECT_FALSE(manifest->compiler.empty());
+  ASSERT_EQ(manifest->components.size(), 3U);
+  const ComponentManifest& good = manifest->components[0];
+  EXPECT_EQ(good.id, "filters/zoo_good");
+  EXPECT_EQ(good.role(), "filters");
+  EXPECT_EQ(good.version, "1.2.3");
+  EXPECT_EQ(good.summary, "Keeps every match; \"quoted\", \\ and all.");
+  EXPECT_EQ(good.licence, "Apache-2.0");
+  EXPECT_EQ(good.determinism, "exact");
+  EXPECT_THAT(good.reads, ::testing::ElementsAre("template"));
+  EXPECT_TRUE(good.needs.empty());
+  EXPECT_TRUE(good.random);
+  EXPECT_FALSE(good.uses_truth);
+  ASSERT_EQ(good.parameters.size(), 11U);
+  const ParameterSpec& length = good.parameters[0];
+  EXPECT_EQ(length.name, "length_mm");
+  EXPECT_EQ(length.unit, "mm");
+  EXPECT_EQ(length.help, "a length");
+  EXPECT_TRUE(length.bounded);
+  EXPECT_EQ(length.minimum, 0.0);
+  EXPECT_EQ(length.maximum, 100.0);
+  EXPECT_EQ(yaml::as_double(length.default_value), 12.5);
+  EXPECT_FALSE(good.parameters[1].bounded);
+  EXPECT_THAT(good.parameters[4].choices, ::testing::ElementsAre("red", "green", "blue"));
+  EXPECT_TRUE(good.parameters[5].is_vector);
+  EXPECT_EQ(good.parameters[10].role, "warps");
+  for (const ParameterSpec& parameter : manifest->components[1].parameters) {
+    EXPECT_TRUE(parameter.required) << parameter.name;
+  }
+}
+
+}  // namespace
+}  // namespace weft::host
