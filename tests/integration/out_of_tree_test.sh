@@ -35,6 +35,28 @@ done
 build_id=$(readelf -n "$library" | awk '/Build ID:/ {print $3}')
 grep -qF "build_id: \"$build_id\"" "$manifest" || fail "the manifest is not of this build"
 
+repository=$(cd "$source/../../.." && pwd)
+cat > pipeline.yaml <<YAML
+weft: 1
+source:
+  use: sources/synthetic
+  params: {texture: "$repository/pipelines/data/sheet_texture.png", width_m: 0.297, frames: 2}
+template:
+  use: templates/rectangular
+  params: {texture: "$repository/pipelines/data/sheet_texture.png", width_m: 0.297}
+stages:
+  - use: detectors/sift
+  - use: matchers/descriptor
+  - use: filters/local_motion
+    params: {radius_px: 80, max_deviation_px: 40}
+  - use: warps/bbs
+  - use: passes/salient_cells
+  - use: solvers/brunet_mdh
+YAML
+"$WEFT_BUILD_DIR/bin/weft" run --plugin-path build pipeline.yaml --out run
+test "$(grep -c '"stage":"filters","status":"ok"' run/frames.jsonl)" = 2 ||
+  fail "the filter did not answer in two frames"
+
 lines=$(wc -l < local_motion.cpp)
 test "$lines" -lt 40 || fail "local_motion.cpp has $lines lines; the promise is less than 40"
 echo "out_of_tree_test: all is well"

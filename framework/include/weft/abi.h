@@ -56,16 +56,16 @@ typedef struct weft_array {
   int64_t shape[WEFT_MAX_DIMENSIONS];
   int64_t stride[WEFT_MAX_DIMENSIONS]; /* bytes, signed; only axis 0 of an input may be padded */
   void* data;
-  int32_t memory;  /* weft_memory */
+  int32_t memory; /* weft_memory */
   int32_t reserved;
   uint64_t handle; /* device memory only */
 } weft_array;
 
 typedef struct weft_record {
-  const char* slot;   /* the input or output it stands in: "correspondences", "previous.shape" */
-  const char* type;   /* catalogue name and version: "correspondences/1" */
-  uint64_t revision;  /* equal only for equal content; caches key on it; 0 is unknown */
-  uint64_t producer;  /* component handle of the producer, for warps; else 0 */
+  const char* slot;  /* the input or output it stands in: "correspondences", "previous.shape" */
+  const char* type;  /* catalogue name and version: "correspondences/1" */
+  uint64_t revision; /* equal only for equal content; caches key on it; 0 is unknown */
+  uint64_t producer; /* component handle of the producer, for warps; else 0 */
   uint64_t count;
   const weft_array* arrays;
 } weft_record;
@@ -123,8 +123,8 @@ typedef struct weft_call {
   uint32_t struct_size;
   int32_t method; /* numbered per role, see weft/sdk/roles.hpp */
   const struct weft_host* host;
-  void* context; /* the host's own */
-  uint64_t seed; /* of this component in this frame */
+  void* context;  /* the host's own */
+  uint64_t seed;  /* of this component in this frame */
   uint64_t frame; /* 2^64-1 for offline calls */
   int32_t threads;
   int32_t reserved;
@@ -179,10 +179,10 @@ typedef struct weft_library_table {
   uint32_t struct_size;
   uint32_t count;
   const weft_component* const* components;
-  const char* isa;      /* processor features assumed by the compiler, separated by spaces */
+  const char* isa; /* processor features assumed by the compiler, separated by spaces */
   const char* compiler;
   uint64_t reserved[4]; /* zero */
-} weft_library_table; /* the one exported symbol is `weft_library` of this type */
+} weft_library_table;   /* the one exported symbol is `weft_library` of this type */
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs the repository's pipelines as users do and holds their errors against what is promised.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <weft/evaluation/metrics.hpp>
+#include <weft/pipeline/run.hpp>
+
+namespace weft {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Silent final : public RunObserver {
+ public:
+  void started(std::int64_t) override {}
+  void frame_done(const FrameResult&) override {}
+};
+
+class Promises : public ::testing::Test {
+ protected:
+  Promises() : folder_(fs::temp_directory_path() / ("weft_promises_" + std::to_string(getpid()))) {}
+  ~Promises() override { fs::remove_all(folder_); }
+
+  evaluation::RunMetrics measure(const std::string& pipeline) const {
+    const auto registry = host::Registry::scan(host::search_path({}));
+    const auto [checked, report] =
+        check_pipeline(WEFT_PIPELINES "/" + pipeline, registry, folder_.string());
+    EXPECT_TRUE(report.ok()) << report.text();
+    Silent observer;
+    const std::atomic<bool> cancel{false};
+    const auto summary = run_pipeline(checked, folder_.string(), observer, cancel);
+    if (!summary) throw std::runtime_error(summary.error().message);
+    EXPECT_EQ(summary->failed, 0);
+    const auto metrics = evaluation::evaluate_run(folder_.string());
+    if (!metrics) throw std::runtime_error(metrics.error().message);
+    std::cout << pipeline << ": mean " << metrics->all.solved_error.mean_mm << " mm, worst frame "
+              << metrics->all.solved_error.worst_mm << " mm\n";
+    return *metrics;
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(Promises, SyntheticSheetIsRecoveredFromTheFirstFrameOn) {
+  const auto metrics = measure("demo.yaml");
+  EXPECT_EQ(metrics.counts.frames, 60);
+  EXPECT_EQ(metrics.counts.solved(), 60);
+  EXPECT_LT(metrics.all.solved_error.mean_mm, 0.7);
+  EXPECT_LT(metrics.all.solved_error.worst_mm, 1.5);
+}
+
+TEST_F(Promises, RealPaperIsRecoveredInEveryFrame) {
+  const char* data = std::getenv("WEFT_DATA");
+  if (data == nullptr || !fs::exists(fs::path(data) / "kinect_paper")) {
+    GTEST_SKIP() << "WEFT_DATA does not name a folder that holds kinect_paper/";
+  }
+  const auto metrics = measure("kinect_paper.yaml");
+  EXPECT_EQ(metrics.counts.frames, 100);
+  EXPECT_EQ(metrics.counts.solved(), 100);
+  EXPECT_EQ(metrics.all.frames, 16);
+  EXPECT_LT(metrics.all.solved_error.mean_mm, 2.2);
+  EXPECT_LT(metrics.all.solved_error.worst_mm, 3.5);
+  for (const auto& group : metrics.groups) EXPECT_LT(group.solved_error.mean_mm, 2.5) << group.kind;
+}
+
+}  // namespace
+}  // namespace weft
