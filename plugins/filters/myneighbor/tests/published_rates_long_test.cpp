@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <cstdio>
+
 #include "published_rates.hpp"
 
 namespace {
@@ -21,6 +23,10 @@ TEST_P(PublishedExperiment, GivesThePublishedRates) {
                  std::to_string(expected.correct_rate) + ", seed " + std::to_string(seed));
     const MeasuredRates measured =
         measure_rates(filter, shapes, expected.matches, expected.correct_rate, seed + 1000);
+    std::printf("seed %d, %4d matches, %2.0f %% correct: TPR %.1f (%.0f), FPR %.1f (%.1f)\n",
+                static_cast<int>(seed), expected.matches, 100.0 * expected.correct_rate,
+                measured.true_positive, expected.true_positive, measured.false_positive,
+                expected.false_positive);
     EXPECT_EQ(measured.failures, 0);
     EXPECT_NEAR(measured.step1_share, expected.step1_share, 3.0);
     EXPECT_NEAR(measured.step1_correct, expected.step1_correct, 3.0);
