@@ -106,10 +106,12 @@ std::string free_folder(const std::string& pipeline) {
   return folder;
 }
 
-void run(const std::string& file, std::string folder, bool quiet, Context& context) {
+void run(const std::string& file, std::string folder, const std::vector<std::string>& settings,
+         bool quiet, Context& context) {
   if (folder.empty()) folder = free_folder(file);
   const auto registry = context.registry();
-  const auto [pipeline, report] = check_pipeline(file, registry, fs::absolute(folder).string());
+  const auto [pipeline, report] =
+      check_pipeline(file, registry, fs::absolute(folder).string(), settings);
   if (!report.ok()) {
     fmt::print(stderr, "{}", report.text());
     context.exit_code = kBadConfiguration;
@@ -132,10 +134,10 @@ void run(const std::string& file, std::string folder, bool quiet, Context& conte
   if (gave_up || summary->failed > pipeline.config.max_failed) context.exit_code = kFramesFailed;
 }
 
-void check(const std::string& file, Context& context) {
+void check(const std::string& file, const std::vector<std::string>& settings, Context& context) {
   const auto registry = context.registry();
   const auto [pipeline, report] =
-      check_pipeline(file, registry, fs::absolute(free_folder(file)).string());
+      check_pipeline(file, registry, fs::absolute(free_folder(file)).string(), settings);
   if (report.ok()) {
     fmt::print("{}: ok, {} stages, {} sinks\n", file, pipeline.config.stages.size(),
                pipeline.config.sinks.size());
@@ -145,11 +147,21 @@ void check(const std::string& file, Context& context) {
   context.exit_code = kBadConfiguration;
 }
 
+void add_settings(CLI::App& command, std::vector<std::string>& settings) {
+  command
+      .add_option(
+          "--set", settings,
+          "PATH=VALUE over the file, such as filters.alpha_s=0.2, detectors.use=detectors/orb "
+          "or seed=7; may be repeated")
+      ->allow_extra_args(false);
+}
+
 }  // namespace
 
 void add_run_command(CLI::App& app, Context& context) {
   struct Options {
     std::string pipeline, folder;
+    std::vector<std::string> settings;
     bool quiet = false;
   };
   const auto options = std::make_shared<Options>();
@@ -157,17 +169,21 @@ void add_run_command(CLI::App& app, Context& context) {
   command->add_option("PIPELINE", options->pipeline, "Pipeline file (YAML)")->required();
   command->add_option("--out", options->folder,
                       "Run folder, new or empty (default: runs/<name of the pipeline>)");
+  add_settings(*command, options->settings);
   command->add_flag("--quiet", options->quiet, "No progress bar and no table of stages");
-  command->callback(
-      [&context, options] { run(options->pipeline, options->folder, options->quiet, context); });
+  command->callback([&context, options] {
+    run(options->pipeline, options->folder, options->settings, options->quiet, context);
+  });
 }
 
 void add_check_command(CLI::App& app, Context& context) {
   const auto pipeline = std::make_shared<std::string>();
+  const auto settings = std::make_shared<std::vector<std::string>>();
   CLI::App* command =
       app.add_subcommand("check", "Check a pipeline without running it; lists all mistakes");
   command->add_option("PIPELINE", *pipeline, "Pipeline file (YAML)")->required();
-  command->callback([&context, pipeline] { check(*pipeline, context); });
+  add_settings(*command, *settings);
+  command->callback([&context, pipeline, settings] { check(*pipeline, *settings, context); });
 }
 
 }  // namespace weft::cli

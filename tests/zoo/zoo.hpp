@@ -79,7 +79,7 @@ struct Resolved {
 
 inline Resolved resolve(const host::Registry& registry, const std::string& id,
                         const std::string& params = "{}",
-                        const host::PathRules& paths = host::PathRules::of_process("/", "/tmp")) {
+                        const host::PathRules& paths = host::PathRules::of_process({"/"}, "/tmp")) {
   Resolved result;
   const auto document = yaml::parse("use: " + id + "\nparams: " + params + "\n", "test.yaml");
   if (!document) throw std::runtime_error(document.error().message);

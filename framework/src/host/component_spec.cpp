@@ -188,7 +188,8 @@ class Binder {
     const auto expanded = expand_variables(value.scalar, paths_);
     if (!expanded) return problem(value.at, expanded.error().message);
     const bool input = parameter.type == WEFT_VALUE_INPUT_PATH;
-    const fs::path folder = input ? paths_.input_folder : paths_.output_folder;
+    const auto source = static_cast<std::size_t>(value.at.source);
+    const fs::path folder = input ? paths_.input_folders.at(source) : paths_.output_folder;
     const std::string path = (folder / *expanded).lexically_normal().string();
     const bool pattern = path.find_first_of("*?[") != std::string::npos;
     std::error_code code;

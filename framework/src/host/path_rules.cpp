@@ -4,8 +4,8 @@
 
 namespace weft::host {
 
-PathRules PathRules::of_process(std::string input_folder, std::string output_folder) {
-  return {std::move(input_folder), std::move(output_folder),
+PathRules PathRules::of_process(std::vector<std::string> input_folders, std::string output_folder) {
+  return {std::move(input_folders), std::move(output_folder),
           [](const std::string& name) -> std::optional<std::string> {
             const char* value = std::getenv(name.c_str());
             return value != nullptr ? std::optional<std::string>(value) : std::nullopt;

@@ -2,7 +2,6 @@
 #include "config_loader.hpp"
 
 #include <algorithm>
-#include <map>
 #include <set>
 #include <weft/core/suggest.hpp>
 
@@ -169,13 +168,11 @@ class Loader {
       return problem(list->at, std::string("'") + key +
                                    "' must be a list, each item beginning with '- use: '");
     }
-    std::map<std::string, int> used;
-    for (const yaml::Node& item : list->items) {
+    const std::vector<std::string> names = names_of_stages(*list);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const yaml::Node& item = list->items[i];
       StageConfig stage = read_component(item, place);
-      const yaml::Node* use = item.find("use");
-      const std::string role = use != nullptr ? use->scalar.substr(0, use->scalar.find('/')) : "";
-      const int number = ++used[role];
-      stage.name = number == 1 ? role : role + "#" + std::to_string(number);
+      stage.name = names[i];
       read_name(item, stage);
       read_from(item, stage);
       if (stage.component.installed != nullptr) read_template_params(item, stage);
@@ -201,7 +198,6 @@ class Loader {
     } else if (!names_.insert(name).second) {
       problem(as->at, "the name '" + name + "' is used twice");
     }
-    stage.name = name;
     stage.named = true;
   }
 

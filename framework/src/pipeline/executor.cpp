@@ -88,7 +88,8 @@ Executor::Executor(const PipelineConfig& config, const Graph& graph, host::Lane&
       graph_(graph),
       lane_(lane),
       template_(std::move(templ)),
-      camera_(std::move(camera)) {}
+      camera_(std::move(camera)),
+      history_(graph) {}
 
 Result<std::unique_ptr<Executor>> Executor::create(const PipelineConfig& config, const Graph& graph,
                                                    host::Lane& lane, RecordPtr templ,
@@ -151,8 +152,8 @@ void Executor::place_given(const FrameInput& input, FrameResult& result) const {
     } else if (value.slot == "camera") {
       result.values[i] = camera_;
     } else if (value.slot.starts_with("previous.")) {
-      const auto found = previous_.find(value.slot.substr(9));
-      if (found != previous_.end()) result.values[i] = found->second;
+      result.values[i] = history_.find(value.slot, value.lag);
+      result.causes[i] = value.slot + ": none " + std::to_string(value.lag) + " frames ago";
     } else {
       for (const auto& [slot, record] : input.records) {
         if (slot == value.slot) result.values[i] = record;
@@ -175,7 +176,7 @@ FrameResult Executor::process(const FrameInput& input) {
   }
   for (Stage& stage : stages_) result.stages.push_back(run_stage(stage, result));
   settle_shape(result);
-  remember(result);
+  history_.remember(result.values);
   result.timings = lane_.take_timings();
   return result;
 }
@@ -256,9 +257,9 @@ void Executor::settle_shape(FrameResult& result) {
   }
   if (result.shape != nullptr) {
     frames_since_measured_ = 0;
-  } else if (const auto found = previous_.find("shape"); found != previous_.end()) {
+  } else if (const RecordPtr before = history_.find("previous.shape", 1)) {
     ++frames_since_measured_;
-    result.shape = aged_shape(*found->second, frames_since_measured_, config_.lost_after);
+    result.shape = aged_shape(*before, frames_since_measured_, config_.lost_after);
   }
   if (result.shape == nullptr) return;
   // Sinks see the frame's shape where the last solver's would be; no stage runs after this.
@@ -266,14 +267,6 @@ void Executor::settle_shape(FrameResult& result) {
   const auto shape = host::view_as<Shape>(*result.shape);
   result.state = shape->shape_state();
   result.age_frames = shape->age_frames;
-}
-
-void Executor::remember(const FrameResult& result) {
-  for (std::size_t i = 0; i < graph_.values.size(); ++i) {
-    if (graph_.values[i].stage >= 0 && result.values[i] != nullptr) {
-      previous_[graph_.values[i].slot] = result.values[i];
-    }
-  }
 }
 
 }  // namespace weft

@@ -27,6 +27,9 @@ const RoleMethod& main_method(const Role& role) {
 
 using host::ComponentManifest;
 
+constexpr int kLongestLag = 1000;  // [frames]
+constexpr int kRefused = -2;       // instead of a value: a mistake has been reported
+
 /// Sources and passes have a choice; they say what they produce.
 bool declares(const ComponentManifest& component, const std::string& slot) {
   const auto& made = component.produces;
@@ -56,8 +59,8 @@ class Wiring {
   }
 
  private:
-  int add(const std::string& slot, int stage, const std::string& name) {
-    graph_.values.push_back({slot, stage, name});
+  int add(const std::string& slot, int stage, const std::string& name, int lag = 0) {
+    graph_.values.push_back({slot, stage, name, lag});
     return static_cast<int>(graph_.values.size()) - 1;
   }
 
@@ -75,7 +78,7 @@ class Wiring {
     for (const StageConfig& stage : config_.stages) {
       for (const std::string& slot : products(stage)) fed_back.insert(slot);
     }
-    for (const std::string& slot : fed_back) add("previous." + slot, -1, "previous");
+    for (const std::string& slot : fed_back) add("previous." + slot, -1, "previous", 1);
   }
 
   std::vector<std::string> products(const StageConfig& stage) const {
@@ -176,7 +179,8 @@ class Wiring {
     }
     std::vector<int> values;
     for (const std::string& name : rule->names) {
-      const int value = named(slot, name);
+      const int value = name.starts_with("previous.") ? earlier(*rule, name) : named(slot, name);
+      if (value == kRefused) continue;
       if (value >= 0) {
         values.push_back(value);
       } else if (slot == rule->slot) {
@@ -184,6 +188,43 @@ class Wiring {
       }
     }
     return values;
+  }
+
+  /// The value of "previous.TYPE@k", for an input of that type.
+  int earlier(const FromRule& rule, const std::string& name) {
+    const std::size_t at = std::min(name.find('@'), name.size());
+    const std::string slot = name.substr(0, at);
+    const std::string type = slot.substr(std::string("previous.").size());
+    const bool reads_previous = rule.slot.starts_with("previous.");
+    if (type != (reads_previous ? rule.slot.substr(rule.slot.find('.') + 1) : rule.slot)) {
+      problems_.push_back({rule.at, "'" + rule.slot + "' cannot be read from '" + name + "'"});
+      return kRefused;
+    }
+    const auto lag = at == name.size() ? 1 : lag_in(name.substr(at + 1));
+    if (!lag) {
+      problems_.push_back({rule.at, "'" + name + "' must be " + slot + " or " + slot +
+                                        "@k, k frames ago, with k from 1 to " +
+                                        std::to_string(kLongestLag)});
+      return kRefused;
+    }
+    if (graph_.latest(slot) < 0) {
+      problems_.push_back(
+          {rule.at, "no stage produces '" + type + "', so that there is no '" + name + "'"});
+      return kRefused;
+    }
+    for (std::size_t i = 0; i < graph_.values.size(); ++i) {
+      if (graph_.values[i].slot == slot && graph_.values[i].lag == *lag) return static_cast<int>(i);
+    }
+    return add(slot, -1, "previous", *lag);
+  }
+
+  static std::optional<int> lag_in(const std::string& text) {
+    yaml::Node number;
+    number.kind = yaml::Kind::scalar;
+    number.scalar = text;
+    const auto lag = yaml::as_int64(number);
+    if (!lag || *lag < 1 || *lag > kLongestLag) return std::nullopt;
+    return static_cast<int>(*lag);
   }
 
   std::string unknown_name(const std::string& slot, const std::string& name) const {
@@ -235,7 +276,8 @@ class Wiring {
 
 int Graph::latest(const std::string& slot) const {
   for (int i = static_cast<int>(values.size()) - 1; i >= 0; --i) {
-    if (values[static_cast<std::size_t>(i)].slot == slot) return i;
+    const ValueInfo& value = values[static_cast<std::size_t>(i)];
+    if (value.slot == slot && value.lag <= 1) return i;
   }
   return -1;
 }

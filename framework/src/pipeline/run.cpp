@@ -181,8 +181,9 @@ class Run {
 
 std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file,
                                                         const host::Registry& registry,
-                                                        const std::string& output_folder) {
-  auto [config, report] = load_pipeline(file, registry, output_folder);
+                                                        const std::string& output_folder,
+                                                        const std::vector<std::string>& settings) {
+  auto [config, report] = load_pipeline(file, registry, output_folder, settings);
   CheckedPipeline pipeline{std::move(config), {}};
   if (report.wirable) pipeline.graph = wire(pipeline.config, registry, report.problems);
   report.sort();

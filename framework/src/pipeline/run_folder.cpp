@@ -55,6 +55,15 @@ void add_components(const host::ComponentSpec& spec, const std::string& stage,
   }
 }
 
+/// The files that the pipeline was made from, and the settings laid over them.
+ordered_json source_names(const std::vector<ConfigSource>& sources) {
+  ordered_json names = ordered_json::array();
+  for (const ConfigSource& source : sources) {
+    names.push_back((source.is_setting ? "--set " : "") + source.name);
+  }
+  return names;
+}
+
 ordered_json provenance(const PipelineConfig& config) {
   utsname system{};
   uname(&system);
@@ -68,6 +77,7 @@ ordered_json provenance(const PipelineConfig& config) {
   }
   return {{"weft", kVersion},
           {"pipeline", config.file},
+          {"sources", source_names(config.sources)},
           {"seed", config.seed},
           {"reproducible", true},
           {"machine", {{"processor", processor()}, {"system", system.release}}},

@@ -12,7 +12,7 @@ PluginUnderTest::PluginUnderTest(const std::string& id, const std::string& param
   if (problems.empty()) {
     spec_ = host::resolve_component(registry_, *document->root.find("use"),
                                     document->root.find("params"),
-                                    host::PathRules::of_process("/", "/tmp"), problems);
+                                    host::PathRules::of_process({"/"}, "/tmp"), problems);
   }
   if (!problems.empty()) throw std::runtime_error(problems.front().message);
   const auto instance = lane_.instantiate(*spec_, "test");

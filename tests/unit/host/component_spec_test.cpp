@@ -20,7 +20,7 @@ class ComponentSpecTest : public ::testing::Test {
   Resolved good(const std::string& params) { return resolve(kGood, params); }
   Resolved resolve(const std::string& id, const std::string& params) {
     PathRules rules;
-    rules.input_folder = folder_.path();
+    rules.input_folders = {folder_.path()};
     rules.output_folder = "/runs/one";
     rules.variable = [this](const std::string& name) -> std::optional<std::string> {
       const auto found = variables_.find(name);

@@ -229,7 +229,7 @@ TEST_F(Execution, GivesTwoMatchersTheKeypointsOfTheirDetectors) {
                       "  - {use: filters/test.scripted, params: {every: 2}}\n");
   EXPECT_EQ(ran.number(0, "first", "matches"), 6);
   EXPECT_EQ(ran.number(0, "second", "matches"), 18);
-  EXPECT_EQ(ran.number(0, "matchers#3", "matches"), 24);
+  EXPECT_EQ(ran.number(0, "matchers", "matches"), 24);
   EXPECT_EQ(ran.number(0, "filters", "kept"), 12);
 }
 

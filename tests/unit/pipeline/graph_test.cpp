@@ -105,6 +105,47 @@ TEST_F(Wiring, RefusesFromThatChoosesWhatIsNotThere) {
                   "9:41: filters/test.scripted takes one 'correspondences' only"));
 }
 
+TEST_F(Wiring, LetsFromReadEarlierFrames) {
+  const Graph graph = wired(head() +
+                            "stages:\n"
+                            "  - {use: matchers/test.pattern}\n"
+                            "  - {use: filters/test.scripted, from: {previous.shape: "
+                            "previous.shape@3, correspondences: previous.correspondences}}\n"
+                            "  - {use: warps/test.scripted}\n"
+                            "  - {use: passes/test.scripted}\n"
+                            "  - {use: solvers/test.scripted, from: {previous.shape: "
+                            "previous.shape}}\n");
+  const auto lag = [&](std::size_t stage, std::size_t input) {
+    return graph.values[static_cast<std::size_t>(graph.stages[stage].inputs[input].value)].lag;
+  };
+  EXPECT_EQ(lag(1, 0), 1);
+  EXPECT_EQ(lag(1, 1), 3);
+  EXPECT_TRUE(graph.stages[1].inputs[0].required);
+  EXPECT_FALSE(graph.stages[1].inputs[1].required);
+  EXPECT_EQ(lag(4, 3), 1);
+}
+
+TEST_F(Wiring, RefusesEarlierFramesThatCannotBe) {
+  const auto refusal = [&](const std::string& from) {
+    const auto found = lines(check(head() +
+                                   "stages:\n"
+                                   "  - {use: matchers/test.pattern}\n"
+                                   "  - {use: filters/test.scripted, from: {" +
+                                   from + "}}\n")
+                                 .second);
+    return found.size() == 1 ? found[0] : std::to_string(found.size()) + " mistakes";
+  };
+  EXPECT_EQ(refusal("correspondences: previous.shape"),
+            "6:41: 'correspondences' cannot be read from 'previous.shape'");
+  EXPECT_THAT(refusal("correspondences: previous.correspondences@0"),
+              HasSubstr("@k, k frames ago, with k from 1 to 1000"));
+  EXPECT_THAT(refusal("correspondences: previous.correspondences@"), HasSubstr("k frames ago"));
+  EXPECT_THAT(refusal("correspondences: previous.correspondences@x"), HasSubstr("k frames ago"));
+  EXPECT_THAT(refusal("correspondences: previous.correspondences@1001"), HasSubstr("to 1000"));
+  EXPECT_EQ(refusal("previous.shape: previous.shape@2"),
+            "6:41: no stage produces 'shape', so that there is no 'previous.shape@2'");
+}
+
 TEST_F(Wiring, RefusesFromAStageThatComesLater) {
   const auto report = check(head() +
                             "stages:\n"

@@ -100,5 +100,35 @@ TEST_F(States, TakesTheLastShapeOfTwoSolversAndTheFirstWhereTheLastFails) {
   EXPECT_THAT(testing::read_lines(ran.folder + "/lines.txt"), Each(HasSubstr("estimated 24")));
 }
 
+TEST_F(States, GivesTheShapeAsItStoodSoManyFramesAgo) {
+  const std::string text = chain({{"sources", "{frames: 6}"}, {"solvers", "{no_result_at: [2]}"}});
+  const std::string filter = "  - {use: filters/test.scripted, params: {}";
+  std::string late = text;
+  late.replace(late.find(filter), filter.size(),
+               filter + ", from: {previous.shape: previous.shape@2}");
+  const Ran ran = run(late);
+  const auto age = [&](std::size_t frame) {
+    return ran.number(frame, "filters", "diag.previous_age");
+  };
+  EXPECT_EQ(ran.states(), "estimated estimated predicted/1 estimated estimated estimated");
+  EXPECT_EQ(age(0), -1);
+  EXPECT_EQ(age(1), -1);
+  EXPECT_EQ(age(2), 0);
+  EXPECT_EQ(age(3), 0);
+  EXPECT_EQ(age(4), 1);  // frame 2 was predicted
+  EXPECT_EQ(age(5), 0);
+}
+
+TEST_F(States, SkipsAStageWhoseRequiredInputIsNotYetFedBack) {
+  const Ran ran = run(head("{frames: 3}") +
+                      "stages:\n"
+                      "  - {use: matchers/test.pattern}\n"
+                      "  - {use: filters/test.scripted, from: {correspondences: "
+                      "previous.correspondences@2}}\n");
+  EXPECT_EQ(ran.status(0, "filters"), "skipped: previous.correspondences: none 2 frames ago");
+  EXPECT_EQ(ran.status(1, "filters"), "skipped: previous.correspondences: none 2 frames ago");
+  EXPECT_EQ(ran.status(2, "filters"), "ok");
+}
+
 }  // namespace
 }  // namespace weft

@@ -24,7 +24,7 @@ TEST_F(StageConfigs, NumbersStagesWithoutANameByRole) {
   ASSERT_TRUE(report.ok()) << report.text();
   EXPECT_EQ(config.stages[1].name, "filters");
   EXPECT_EQ(config.stages[2].name, "mine");
-  EXPECT_EQ(config.stages[3].name, "filters#3");
+  EXPECT_EQ(config.stages[3].name, "filters#2");
   EXPECT_TRUE(config.stages[2].named);
   EXPECT_FALSE(config.stages[3].named);
 }

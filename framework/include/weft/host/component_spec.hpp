@@ -14,11 +14,11 @@ namespace weft::host {
 
 /// Where relative paths stand, and what ${NAME} is.
 struct PathRules {
-  std::string input_folder;   ///< of the file in which the paths stand
-  std::string output_folder;  ///< the run folder
+  std::vector<std::string> input_folders;  ///< by yaml::Position::source: where that text stands
+  std::string output_folder;               ///< the run folder
   std::function<std::optional<std::string>(const std::string&)> variable;
 
-  static PathRules of_process(std::string input_folder, std::string output_folder);
+  static PathRules of_process(std::vector<std::string> input_folders, std::string output_folder);
 };
 
 /// A component with its checked parameters, ready to be instantiated.

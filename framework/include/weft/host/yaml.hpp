@@ -23,6 +23,7 @@ inline constexpr std::size_t kMaxBytes = 2u << 20u;  ///< [bytes] of text
 struct Position {
   int line = 1;
   int column = 1;
+  int source = 0;  ///< index of the text, where a document is made from several
   bool operator==(const Position&) const = default;
 };
 

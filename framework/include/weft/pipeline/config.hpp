@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 #include <weft/host/component_spec.hpp>
+#include <weft/pipeline/document.hpp>
 
 namespace weft {
 
@@ -19,7 +20,7 @@ struct FromRule {
 
 /// One stage or sink of a pipeline.
 struct StageConfig {
-  std::string name;    ///< `as`, else the role, numbered from the second on: "filters", "filters#2"
+  std::string name;    ///< see names_of_stages
   bool named = false;  ///< `as` was given
   std::vector<FromRule> from;
   host::ComponentSpec component;
@@ -31,6 +32,7 @@ struct StageConfig {
 /// A pipeline file, checked but not yet wired.
 struct PipelineConfig {
   std::string file;
+  std::vector<ConfigSource> sources;  ///< the file, what it extends, what the command line sets
   std::optional<StageConfig> source;
   std::optional<StageConfig> templ;
   std::vector<StageConfig> stages;
@@ -41,25 +43,26 @@ struct PipelineConfig {
   int max_failed = 0;          ///< failed frames that still count as success
 };
 
-/// Mistakes of one file, each at its place.
+/// Mistakes of a pipeline, each at its place.
 struct ConfigReport {
-  std::string file;
+  std::vector<ConfigSource> sources;  ///< by yaml::Position::source
   std::vector<yaml::Problem> problems;
   bool wirable = false;  ///< all stages are known, whatever else is wrong: wiring can be checked
 
   bool ok() const { return problems.empty(); }
   /// By place.
   void sort();
-  /// One line a mistake: file:line:column: sentence.
+  /// One line a mistake: place_in(sources) and the sentence.
   std::string text() const;
 };
 
-/// Reads a pipeline file and checks everything but the wiring. All mistakes are reported in one
-/// pass, by place; a syntax error is reported alone. Use the configuration only when the report is
-/// ok, or for the wiring.
-std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
-                                                      const host::Registry& registry,
-                                                      const std::string& output_folder);
+/// Reads a pipeline file with what it extends, sets `settings` ("filters.alpha_s=0.2", see
+/// read_document) and checks everything but the wiring. All mistakes are reported in one pass, by
+/// place; a syntax error is reported alone. Use the configuration only when the report is ok, or
+/// for the wiring.
+std::pair<PipelineConfig, ConfigReport> load_pipeline(
+    const std::string& file, const host::Registry& registry, const std::string& output_folder,
+    const std::vector<std::string>& settings = {});
 
 /// The configuration with all defaults filled in and paths resolved, as YAML.
 std::string effective_yaml(const PipelineConfig& config);

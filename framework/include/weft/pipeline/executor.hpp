@@ -9,6 +9,7 @@
 #include <weft/host/lane.hpp>
 #include <weft/host/npz.hpp>
 #include <weft/pipeline/graph.hpp>
+#include <weft/pipeline/history.hpp>
 
 namespace weft {
 
@@ -75,7 +76,6 @@ class Executor {
                                                   const FrameResult& result);
   Result<void> store(const Stage& stage, const host::Outcome& outcome, FrameResult& result);
   void settle_shape(FrameResult& result);
-  void remember(const FrameResult& result);
 
   const PipelineConfig& config_;
   const Graph& graph_;
@@ -84,7 +84,7 @@ class Executor {
   host::RecordPtr camera_;
   Points vertices_;  ///< where warps are sampled
   std::vector<Stage> stages_;
-  std::map<std::string, host::RecordPtr> previous_;  ///< by slot, as it stood after the last frame
+  History history_;
   std::int64_t frames_since_measured_ = 0;
 };
 

@@ -13,6 +13,7 @@ struct ValueInfo {
   std::string slot;  ///< "image", "correspondences", "previous.shape"
   int stage = -1;    ///< index of the stage that produces it, -1 for source, template and host
   std::string name;  ///< the stage's name, which `from` may choose
+  int lag = 0;       ///< [frames] previous values: how long ago
 };
 
 struct InputLink {
@@ -33,7 +34,8 @@ struct Graph {
   std::vector<Node> stages;
   std::vector<Node> sinks;
 
-  /// The last value of this slot, or -1.
+  /// The last value of this slot in the same frame, or for "previous.T" one frame ago; -1 when
+  /// there is none.
   int latest(const std::string& slot) const;
 };
 

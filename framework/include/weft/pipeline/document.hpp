@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+#include <weft/host/component_spec.hpp>
+#include <weft/host/yaml.hpp>
+
+namespace weft {
+
+/// One text that a configuration is made from.
+struct ConfigSource {
+  std::string name;    ///< a file, or a setting as the command line gave it
+  std::string folder;  ///< where its relative paths start
+  bool is_setting = false;
+};
+
+/// "file:line:column", or "--set a.b=c, column 5".
+std::string place_in(const std::vector<ConfigSource>& sources, yaml::Position at);
+
+/// A pipeline as one document. Its root is null when a text could not be read to its end.
+struct Document {
+  yaml::Node root;
+  std::vector<ConfigSource> sources;    ///< the file, what it extends, settings
+  std::vector<yaml::Problem> problems;  ///< a syntax error stands alone
+};
+
+/// Reads a pipeline file, merges it over the file that it `extends` (which may extend another), and
+/// lays the settings over the result.
+///
+/// Maps are merged key by key, anything else is replaced; another `use` drops the `params` of the
+/// plugin that it replaces. Stages and sinks are merged by name (see names_of_stages): one that the
+/// extended file lacks goes behind the one listed before it, or to the end; `without: [NAME, ...]`
+/// leaves stages or sinks of the extended file out.
+///
+/// A setting is PATH=VALUE. PATH begins with a key of the file (`seed`), with `source` or
+/// `template` or with the name of a stage or sink, and goes on with parameters, joined by dots:
+/// `filters.alpha_s=0.2`, `filters.warp.robust=none`, `detectors.use=detectors/orb`. VALUE is YAML.
+Document read_document(const std::string& file, const std::vector<std::string>& settings,
+                       const host::PathRules& paths);
+
+/// The names of the stages in a list: `as`, else the role, numbered from the second stage without a
+/// name on: "filters", "filters#2".
+std::vector<std::string> names_of_stages(const yaml::Node& list);
+
+}  // namespace weft

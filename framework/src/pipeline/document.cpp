@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <weft/core/suggest.hpp>
+#include <weft/pipeline/document.hpp>
+
+#include "document_merge.hpp"
+
+namespace weft {
+namespace {
+
+namespace fs = std::filesystem;
+
+void stamp(yaml::Position& at, int source) { at.source = source; }
+
+void stamp(yaml::Node& node, int source) {
+  stamp(node.at, source);
+  for (yaml::Node& item : node.items) stamp(item, source);
+  for (yaml::Entry& entry : node.entries) {
+    stamp(entry.at, source);
+    stamp(entry.value, source);
+  }
+}
+
+/// The place that is part of a syntax error.
+yaml::Position position_in(const std::string& where, std::size_t prefix) {
+  yaml::Position at;
+  std::istringstream place(where.substr(std::min(prefix, where.size())));
+  char colon = ':';
+  place >> at.line >> colon >> at.column;
+  return at;
+}
+
+void erase(yaml::Node& map, std::string_view key) {
+  std::erase_if(map.entries, [&](const yaml::Entry& entry) { return entry.key == key; });
+}
+
+class Reader {
+ public:
+  explicit Reader(const host::PathRules& paths) : paths_(paths) {}
+
+  Document read(const std::string& file, const std::vector<std::string>& settings) {
+    document_.root = read_file(file, {});
+    for (const std::string& setting : settings) {
+      const int source = add_source(setting, fs::current_path().string(), true);
+      if (unreadable_) continue;
+      auto [overlay, problems] = overlay_of(setting, document_.root);
+      stamp(overlay, source);
+      report(std::move(problems), source);
+      document_.root = merged(std::move(document_.root), std::move(overlay));
+    }
+    return std::move(document_);
+  }
+
+ private:
+  int add_source(const std::string& name, std::string folder, bool is_setting) {
+    document_.sources.push_back({name, std::move(folder), is_setting});
+    return static_cast<int>(document_.sources.size()) - 1;
+  }
+
+  void report(std::vector<yaml::Problem> problems, int source) {
+    for (yaml::Problem& problem : problems) {
+      stamp(problem.at, source);
+      document_.problems.push_back(std::move(problem));
+    }
+  }
+
+  /// Nothing but this can be said of a text that is no YAML.
+  yaml::Node syntax_error(yaml::Position at, std::string message) {
+    document_.problems.clear();
+    return give_up(at, std::move(message));
+  }
+
+  /// What else is missing would only follow from this.
+  yaml::Node give_up(yaml::Position at, std::string message) {
+    problem(at, std::move(message));
+    unreadable_ = true;
+    return {};
+  }
+
+  yaml::Node read_file(const std::string& file, std::vector<std::string> chain) {
+    const int source = add_source(file, fs::absolute(file).parent_path().string(), false);
+    std::ifstream stream(file, std::ios::binary);
+    std::ostringstream content;
+    content << stream.rdbuf();
+    if (!stream || fs::is_directory(file)) {
+      return syntax_error({1, 1, source}, "the pipeline file cannot be read");
+    }
+    auto parsed = yaml::parse(content.str(), file);
+    if (!parsed) {
+      yaml::Position at = position_in(parsed.error().where, file.size() + 1);
+      stamp(at, source);
+      return syntax_error(at, parsed.error().message);
+    }
+    yaml::Node root = std::move(parsed->root);
+    stamp(root, source);
+    report(std::move(parsed->problems), source);
+    chain.push_back(fs::weakly_canonical(file).string());
+    return extended(std::move(root), source, chain);
+  }
+
+  /// The root laid over the file that it extends, if it does.
+  yaml::Node extended(yaml::Node root, int source, const std::vector<std::string>& chain) {
+    const yaml::Node* extends = root.find("extends");
+    const yaml::Node* without = root.find("without");
+    if (extends == nullptr) {
+      if (without != nullptr) {
+        problem(without->at, "'without' needs 'extends', the file whose stages it leaves out");
+        erase(root, "without");
+      }
+      return root;
+    }
+    yaml::Node base = read_base(*extends, source, chain);
+    if (unreadable_) return {};
+    if (without != nullptr) leave_out(base, *without);
+    erase(root, "extends");
+    erase(root, "without");
+    base.at = root.at;  // a missing key is missing in this file
+    return merged(std::move(base), std::move(root));
+  }
+
+  yaml::Node read_base(const yaml::Node& extends, int source,
+                       const std::vector<std::string>& chain) {
+    if (extends.kind != yaml::Kind::scalar || extends.scalar.empty()) {
+      return give_up(extends.at, "'extends' must be the path of a pipeline file");
+    }
+    const auto expanded = host::expand_variables(extends.scalar, paths_);
+    if (!expanded) {
+      return give_up(extends.at, expanded.error().message);
+    }
+    const std::string& folder = document_.sources[static_cast<std::size_t>(source)].folder;
+    const std::string file = (fs::path(folder) / *expanded).lexically_normal().string();
+    std::error_code code;
+    if (!fs::is_regular_file(file, code)) {
+      return give_up(extends.at, "'extends': there is no file " + file);
+    }
+    if (std::find(chain.begin(), chain.end(), fs::weakly_canonical(file).string()) != chain.end()) {
+      return give_up(extends.at, "'extends': " + file + " extends itself");
+    }
+    return read_file(file, chain);
+  }
+
+  void leave_out(yaml::Node& base, const yaml::Node& without) {
+    if (without.kind != yaml::Kind::sequence) {
+      return problem(without.at, "'without' must be a list of names of stages and sinks");
+    }
+    for (const yaml::Node& name : without.items) {
+      std::vector<std::string> known;
+      if (!remove_stage(base, name.scalar, known)) {
+        const std::string near = nearest(name.scalar, known);
+        problem(name.at, "the extended file has no stage or sink '" + name.scalar + "'" +
+                             (near.empty() ? "" : "; did you mean '" + near + "'?"));
+      }
+    }
+  }
+
+  void problem(yaml::Position at, std::string message) {
+    document_.problems.push_back({at, std::move(message)});
+  }
+
+  const host::PathRules& paths_;
+  Document document_;
+  bool unreadable_ = false;
+};
+
+}  // namespace
+
+std::string place_in(const std::vector<ConfigSource>& sources, yaml::Position at) {
+  const ConfigSource& source = sources.at(static_cast<std::size_t>(at.source));
+  if (!source.is_setting) return yaml::place(source.name, at);
+  return "--set " + source.name + ", column " + std::to_string(at.column);
+}
+
+std::vector<std::string> names_of_stages(const yaml::Node& list) {
+  std::map<std::string, int> unnamed;
+  std::vector<std::string> names;
+  for (const yaml::Node& item : list.items) {
+    const yaml::Node* as = item.find("as");
+    if (as != nullptr) {
+      names.push_back(as->scalar);
+      continue;
+    }
+    const yaml::Node* use = item.find("use");
+    const std::string role = use != nullptr ? use->scalar.substr(0, use->scalar.find('/')) : "";
+    const int number = ++unnamed[role];
+    names.push_back(number == 1 ? role : role + "#" + std::to_string(number));
+  }
+  return names;
+}
+
+Document read_document(const std::string& file, const std::vector<std::string>& settings,
+                       const host::PathRules& paths) {
+  return Reader(paths).read(file, settings);
+}
+
+}  // namespace weft

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstdlib>
+#include <iterator>
+#include <optional>
+#include <weft/core/suggest.hpp>
+#include <weft/pipeline/document.hpp>
+
+#include "document_merge.hpp"
+
+namespace weft {
+namespace {
+
+/// What a setting says, with the column of each of its keys.
+struct Setting {
+  struct Key {
+    std::string text;
+    int column;
+  };
+  std::vector<Key> path;
+  yaml::Node value;
+};
+
+yaml::Node map_of(const Setting::Key& key, yaml::Node value) {
+  yaml::Node map;
+  map.kind = yaml::Kind::map;
+  map.at = {1, key.column};
+  map.entries.push_back({key.text, map.at, std::move(value)});
+  return map;
+}
+
+yaml::Node list_of(yaml::Node item) {
+  yaml::Node list;
+  list.kind = yaml::Kind::sequence;
+  list.at = item.at;
+  list.items.push_back(std::move(item));
+  return list;
+}
+
+void shift(yaml::Node& node, int columns) {
+  node.at.column += columns;
+  for (yaml::Node& item : node.items) shift(item, columns);
+  for (yaml::Entry& entry : node.entries) {
+    entry.at.column += columns;
+    shift(entry.value, columns);
+  }
+}
+
+class Overlay {
+ public:
+  explicit Overlay(const yaml::Node& root) : root_(root) {}
+
+  std::pair<yaml::Node, std::vector<yaml::Problem>> of(const std::string& text) {
+    yaml::Node node;
+    if (auto setting = split(text)) node = whole(std::move(*setting));
+    return {std::move(node), std::move(problems_)};
+  }
+
+ private:
+  std::nullopt_t fail(int column, std::string message) {
+    problems_.push_back({{1, column}, std::move(message)});
+    return std::nullopt;
+  }
+
+  static int columns(std::string_view text) {
+    return static_cast<int>(std::count_if(text.begin(), text.end(), [](char c) {
+      return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+    }));
+  }
+
+  std::optional<Setting> split(const std::string& text) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos) {
+      return fail(columns(text) + 1, "expected '=' and a value, such as filters.alpha_s=0.2");
+    }
+    Setting setting;
+    for (std::size_t start = 0; start <= equals;) {
+      const std::size_t end = std::min(text.find('.', start), equals);
+      const int column = columns(text.substr(0, start)) + 1;
+      if (end == start) return fail(column, "expected a name before '" + text.substr(end, 1) + "'");
+      setting.path.push_back({text.substr(start, end - start), column});
+      start = end + 1;
+    }
+    return with_value(std::move(setting), text.substr(equals + 1),
+                      columns(text.substr(0, equals + 1)));
+  }
+
+  std::optional<Setting> with_value(Setting setting, const std::string& text, int column) {
+    auto value = yaml::parse(text, "");
+    if (!value) {
+      const std::size_t colon = value.error().where.rfind(':');
+      return fail(column + std::atoi(value.error().where.c_str() + colon + 1),
+                  value.error().message);
+    }
+    for (yaml::Problem& problem : value->problems) {
+      fail(column + problem.at.column, std::move(problem.message));
+    }
+    shift(value->root, column);
+    setting.value = std::move(value->root);
+    return setting;
+  }
+
+  /// Keys of the path from `i` on, one inside the other.
+  static yaml::Node nested(Setting& setting, std::size_t i) {
+    if (i == setting.path.size()) return std::move(setting.value);
+    return map_of(setting.path[i], nested(setting, i + 1));
+  }
+
+  /// The path inside a component: `params` may be left out.
+  static yaml::Node component(Setting& setting, std::size_t i, const yaml::Node* base) {
+    if (i == setting.path.size()) return std::move(setting.value);
+    static constexpr const char* kKeys[] = {"use",  "params",  "template_params",
+                                            "from", "isolate", "deadline_ms"};
+    const Setting::Key& key = setting.path[i];
+    const bool own = std::find(std::begin(kKeys), std::end(kKeys), key.text) != std::end(kKeys);
+    if (own && !key.text.ends_with("params")) return nested(setting, i);
+    const std::string block = own ? key.text : "params";
+    const yaml::Node* params = base != nullptr ? base->find(block) : nullptr;
+    return map_of({block, key.column}, parameter(setting, own ? i + 1 : i, params));
+  }
+
+  static yaml::Node parameter(Setting& setting, std::size_t i, const yaml::Node* params) {
+    if (i == setting.path.size()) return std::move(setting.value);
+    const yaml::Node* own = params != nullptr ? params->find(setting.path[i].text) : nullptr;
+    const bool holds_component = own != nullptr && own->find("use") != nullptr;
+    return map_of(setting.path[i],
+                  holds_component ? component(setting, i + 1, own) : nested(setting, i + 1));
+  }
+
+  yaml::Node whole(Setting setting) {
+    const Setting::Key first = setting.path.front();
+    for (const char* list : {"stages", "sinks"}) {
+      const yaml::Node* stages = root_.find(list);
+      if (stages == nullptr) continue;
+      const std::vector<std::string> names = names_of_stages(*stages);
+      const auto found = std::find(names.begin(), names.end(), first.text);
+      if (found != names.end()) {
+        const yaml::Node& base = stages->items[static_cast<std::size_t>(found - names.begin())];
+        return stage(setting, list, first, base);
+      }
+    }
+    if (first.text == "source" || first.text == "template") {
+      return map_of(first, component(setting, 1, root_.find(first.text)));
+    }
+    if (setting.path.size() > 1 || first.text == "stages") {
+      fail(first.column, "no stage or sink is named '" + first.text + "'" + suggestion(first.text));
+      return {};
+    }
+    return nested(setting, 0);
+  }
+
+  static yaml::Node stage(Setting& setting, const char* list, const Setting::Key& name,
+                          const yaml::Node& base) {
+    yaml::Node item = component(setting, 1, &base);
+    if (item.kind == yaml::Kind::map) {
+      yaml::Node as;
+      as.kind = yaml::Kind::scalar;
+      as.scalar = name.text;
+      as.at = {1, name.column};
+      item.entries.push_back({"as", as.at, as});
+    }
+    return map_of({list, name.column}, list_of(std::move(item)));
+  }
+
+  std::string suggestion(const std::string& name) const {
+    std::vector<std::string> known{"source", "template"};
+    for (const char* list : {"stages", "sinks"}) {
+      if (const yaml::Node* stages = root_.find(list)) {
+        for (std::string& each : names_of_stages(*stages)) known.push_back(std::move(each));
+      }
+    }
+    const std::string near = nearest(name, known);
+    return near.empty() ? "" : "; did you mean '" + near + "'?";
+  }
+
+  const yaml::Node& root_;
+  std::vector<yaml::Problem> problems_;
+};
+
+}  // namespace
+
+std::pair<yaml::Node, std::vector<yaml::Problem>> overlay_of(const std::string& setting,
+                                                             const yaml::Node& root) {
+  return Overlay(root).of(setting);
+}
+
+}  // namespace weft
