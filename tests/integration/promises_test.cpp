@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <set>
 #include <weft/evaluation/metrics.hpp>
 #include <weft/pipeline/run.hpp>
 
@@ -14,10 +15,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Silent final : public RunObserver {
+class Witness final : public RunObserver {
  public:
   void started(std::int64_t) override {}
-  void frame_done(const FrameResult&) override {}
+  void frame_done(const FrameResult& frame) override {
+    states.emplace_back(frame.state, frame.age_frames);
+  }
+
+  std::vector<std::pair<ShapeState, std::int64_t>> states;  ///< with the age [frames]
 };
 
 class Promises : public ::testing::Test {
@@ -25,14 +30,13 @@ class Promises : public ::testing::Test {
   Promises() : folder_(fs::temp_directory_path() / ("weft_promises_" + std::to_string(getpid()))) {}
   ~Promises() override { fs::remove_all(folder_); }
 
-  evaluation::RunMetrics measure(const std::string& pipeline) const {
+  evaluation::RunMetrics measure(const std::string& pipeline) {
     const auto registry = host::Registry::scan(host::search_path({}));
     const auto [checked, report] =
         check_pipeline(WEFT_PIPELINES "/" + pipeline, registry, folder_.string());
     EXPECT_TRUE(report.ok()) << report.text();
-    Silent observer;
     const std::atomic<bool> cancel{false};
-    const auto summary = run_pipeline(checked, folder_.string(), observer, cancel);
+    const auto summary = run_pipeline(checked, folder_.string(), witness_, cancel);
     if (!summary) throw std::runtime_error(summary.error().message);
     EXPECT_EQ(summary->failed, 0);
     const auto metrics = evaluation::evaluate_run(folder_.string());
@@ -43,12 +47,27 @@ class Promises : public ::testing::Test {
   }
 
   fs::path folder_;
+  Witness witness_;
 };
 
 TEST_F(Promises, SyntheticSheetIsRecoveredFromTheFirstFrameOn) {
   const auto metrics = measure("demo.yaml");
   EXPECT_EQ(metrics.counts.frames, 60);
   EXPECT_EQ(metrics.counts.solved(), 60);
+  EXPECT_LT(metrics.all.solved_error.mean_mm, 0.7);
+  EXPECT_LT(metrics.all.solved_error.worst_mm, 1.5);
+}
+
+TEST_F(Promises, SheetIsFoundAgainInTheFirstFrameAfterACutOrAGap) {
+  const auto metrics = measure("cuts.yaml");
+  const std::set<std::size_t> invisible{3, 11, 19, 20, 21, 28, 36, 46, 47, 57};
+  ASSERT_EQ(witness_.states.size(), 60U);
+  std::int64_t age = 0;
+  for (std::size_t i = 0; i < 60; ++i) {
+    age = invisible.count(i) > 0 ? age + 1 : 0;
+    const auto state = age > 0 ? ShapeState::predicted : ShapeState::estimated;
+    EXPECT_EQ(witness_.states[i], std::pair(state, age)) << "frame " << i;
+  }
   EXPECT_LT(metrics.all.solved_error.mean_mm, 0.7);
   EXPECT_LT(metrics.all.solved_error.worst_mm, 1.5);
 }

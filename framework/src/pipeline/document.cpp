@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <set>
 #include <sstream>
 #include <weft/core/suggest.hpp>
 #include <weft/pipeline/document.hpp>
@@ -147,13 +148,14 @@ class Reader {
     if (without.kind != yaml::Kind::sequence) {
       return problem(without.at, "'without' must be a list of names of stages and sinks");
     }
+    std::set<std::string> unwanted;
+    for (const yaml::Node& name : without.items) unwanted.insert(name.scalar);
+    const std::vector<std::string> known = remove_stages(base, unwanted);
     for (const yaml::Node& name : without.items) {
-      std::vector<std::string> known;
-      if (!remove_stage(base, name.scalar, known)) {
-        const std::string near = nearest(name.scalar, known);
-        problem(name.at, "the extended file has no stage or sink '" + name.scalar + "'" +
-                             (near.empty() ? "" : "; did you mean '" + near + "'?"));
-      }
+      if (std::find(known.begin(), known.end(), name.scalar) != known.end()) continue;
+      const std::string near = nearest(name.scalar, known);
+      problem(name.at, "the extended file has no stage or sink '" + name.scalar + "'" +
+                           (near.empty() ? "" : "; did you mean '" + near + "'?"));
     }
   }
 

@@ -83,19 +83,18 @@ yaml::Node merged(yaml::Node base, yaml::Node over) {
   return base;
 }
 
-bool remove_stage(yaml::Node& root, const std::string& name, std::vector<std::string>& known) {
+std::vector<std::string> remove_stages(yaml::Node& root, const std::set<std::string>& unwanted) {
+  std::vector<std::string> known;
   for (const char* key : {"stages", "sinks"}) {
     yaml::Entry* list = entry_of(root, key);
     if (list == nullptr) continue;
-    std::vector<std::string> names = names_of_stages(list->value);
-    const auto found = std::find(names.begin(), names.end(), name);
-    if (found != names.end()) {
-      list->value.items.erase(list->value.items.begin() + (found - names.begin()));
-      return true;
-    }
+    const std::vector<std::string> names = names_of_stages(list->value);
+    std::size_t i = 0;
+    std::erase_if(list->value.items,
+                  [&](const yaml::Node&) { return unwanted.count(names[i++]) > 0; });
     known.insert(known.end(), names.begin(), names.end());
   }
-  return false;
+  return known;
 }
 
 }  // namespace weft

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,8 +12,8 @@ namespace weft {
 /// One document laid over another, by the rules of read_document.
 yaml::Node merged(yaml::Node base, yaml::Node over);
 
-/// Removes a stage or sink; fills `known` with all names when there is none of this name.
-bool remove_stage(yaml::Node& root, const std::string& name, std::vector<std::string>& known);
+/// Removes stages and sinks by name; returns all names that there were.
+std::vector<std::string> remove_stages(yaml::Node& root, const std::set<std::string>& unwanted);
 
 /// The document that a setting "PATH=VALUE" lays over `root`, positions in the text of the setting.
 std::pair<yaml::Node, std::vector<yaml::Problem>> overlay_of(const std::string& setting,

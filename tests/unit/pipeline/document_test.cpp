@@ -97,6 +97,14 @@ TEST_F(Documents, LeavesOutWhatTheExtensionDoesWithout) {
   EXPECT_EQ(config.stages.size(), 5U);
 }
 
+TEST_F(Documents, LeavesOutStagesByTheNamesThatTheyHadBefore) {
+  write(chain() + "  - {use: sinks/test.scripted}\n  - {use: sinks/test.visibility}\n",
+        "base.yaml");
+  const auto [config, report] = over("without: [sinks, sinks#2, sinks#3]\n");
+  ASSERT_TRUE(report.ok()) << report.text();
+  EXPECT_TRUE(config.sinks.empty());
+}
+
 TEST_F(Documents, RefusesToDoWithoutWhatIsNotThere) {
   EXPECT_THAT(testing::lines(over("without: [sink]\n").second),
               ElementsAre("3:11: the extended file has no stage or sink 'sink'; did you mean "
