@@ -11,6 +11,8 @@ namespace weft::cli {
 /// Exit codes of the program.
 inline constexpr int kDone = 0;
 inline constexpr int kFramesFailed = 1;
+inline constexpr int kNotUsable = 1;  ///< of doctor
+inline constexpr int kDifferent = 1;  ///< of replay
 inline constexpr int kBadConfiguration = 2;
 inline constexpr int kInputOutput = 3;
 
@@ -27,6 +29,8 @@ void add_run_command(CLI::App& app, Context& context);
 void add_check_command(CLI::App& app, Context& context);
 void add_plugins_command(CLI::App& app, Context& context);
 void add_eval_command(CLI::App& app, Context& context);
+void add_replay_command(CLI::App& app, Context& context);
+void add_doctor_command(CLI::App& app, Context& context);
 void add_records_command(CLI::App& app, Context& context);
 
 /// Prints "error: where: message" to stderr.

@@ -12,14 +12,17 @@ namespace {
 struct Options {
   std::string folder;
   std::string json_file;  ///< "-" is the standard output
+  std::string csv_file;
   std::string alignment = "none";
+  double match_tolerance_px = 2.0;
   bool no_save = false;
   bool quiet = false;
 };
 
-Result<void> evaluate(const Options& options) {
+Result<void> evaluate(const Options& options, const std::string& alignment) {
   evaluation::EvaluationOptions choice;
-  choice.alignment = *evaluation::alignment_of(options.alignment);
+  choice.alignment = *evaluation::alignment_of(alignment);
+  choice.match_tolerance_px = options.match_tolerance_px;
   const auto metrics = evaluation::evaluate_run(options.folder, choice);
   if (!metrics) return metrics.error();
   if (!options.no_save) {
@@ -36,7 +39,24 @@ Result<void> evaluate(const Options& options) {
       return written;
     }
   }
+  if (!options.csv_file.empty()) {
+    if (auto written = evaluation::write_csv(*metrics, options.csv_file); !written) return written;
+  }
   if (!options.quiet) fmt::print("{}", evaluation::to_table(*metrics));
+  return {};
+}
+
+Result<void> evaluate_all(const Options& options) {
+  if (options.alignment != "all") return evaluate(options, options.alignment);
+  if (!options.json_file.empty() || !options.csv_file.empty()) {
+    return Error{Errc::invalid_value,
+                 "--align all writes metrics.json, metrics_scale.json and metrics_rigid.json into "
+                 "the run; a file of your own holds one alignment: choose one",
+                 {}};
+  }
+  for (const char* alignment : {"none", "scale", "rigid"}) {
+    if (auto done = evaluate(options, alignment); !done) return done;
+  }
   return {};
 }
 
@@ -52,14 +72,21 @@ void add_eval_command(CLI::App& app, Context& context) {
   command
       ->add_option("--align", options->alignment,
                    "Take out one scale or one rigid motion a frame first; the table says so")
-      ->check(CLI::IsMember({"none", "scale", "rigid"}))
+      ->check(CLI::IsMember({"none", "scale", "rigid", "all"}))
+      ->capture_default_str();
+  command->add_option("--csv", options->csv_file, "Write a row for each frame to this file");
+  command
+      ->add_option("--match-tolerance-px", options->match_tolerance_px,
+                   "A match this near the true image of its template point is correct")
+      ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_flag("--no-save", options->no_save, "Write nothing into the run folder");
   command->add_flag("--quiet", options->quiet, "No table");
   command->callback([&context, options] {
-    if (auto done = evaluate(*options); !done) {
+    if (auto done = evaluate_all(*options); !done) {
       print_error(done.error());
-      context.exit_code = kInputOutput;
+      const bool misuse = done.error().code == Errc::invalid_value;
+      context.exit_code = misuse ? kBadConfiguration : kInputOutput;
     }
   });
 }

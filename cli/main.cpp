@@ -27,6 +27,8 @@ int main(int argc, char** argv) {
   weft::cli::add_check_command(app, context);
   weft::cli::add_eval_command(app, context);
   weft::cli::add_plugins_command(app, context);
+  weft::cli::add_replay_command(app, context);
+  weft::cli::add_doctor_command(app, context);
   weft::cli::add_records_command(app, context);
   try {
     app.parse(argc, argv);

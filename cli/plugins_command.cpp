@@ -4,17 +4,20 @@
 
 #include <algorithm>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <weft/host/build_id.hpp>
 #include <weft/host/describe.hpp>
 
 #include "commands.hpp"
+#include "json_text.hpp"
+#include "plugins_why.hpp"
 
 namespace weft::cli {
 namespace {
 
-std::string json_list(const host::Registry& registry) {
-  nlohmann::ordered_json plugins = nlohmann::ordered_json::array();
+using nlohmann::ordered_json;
+
+ordered_json json_list(const host::Registry& registry) {
+  ordered_json plugins = ordered_json::array();
   for (const host::Installed& entry : registry.installed()) {
     plugins.push_back({{"id", entry.component.id},
                        {"version", entry.component.version},
@@ -24,20 +27,16 @@ std::string json_list(const host::Registry& registry) {
                        {"origin", entry.origin},
                        {"shadowed", entry.shadowed}});
   }
-  nlohmann::ordered_json refusals = nlohmann::ordered_json::array();
+  ordered_json refusals = ordered_json::array();
   for (const host::Refusal& refusal : registry.refusals()) {
     refusals.push_back({{"file", refusal.file}, {"cause", refusal.cause}, {"fix", refusal.fix}});
   }
-  return nlohmann::ordered_json{{"plugins", plugins}, {"refused", refusals}}.dump(
-      2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return {{"plugins", plugins}, {"refused", refusals}};
 }
 
 void list(bool json, const Context& context) {
   const auto registry = context.registry();
-  if (json) {
-    fmt::print("{}\n", json_list(registry));
-    return;
-  }
+  if (json) return print_json(json_list(registry));
   std::size_t id_width = 6, licence_width = 7;
   for (const host::Installed& entry : registry.installed()) {
     id_width = std::max(id_width, entry.component.id.size());
@@ -82,15 +81,44 @@ void print_parameter(const host::ParameterSpec& parameter) {
   fmt::print("  {}: {}\n      {}\n", parameter.name, parameter.help, facts);
 }
 
-void show(const std::string& id, Context& context) {
-  const auto registry = context.registry();
-  const host::Installed* entry = registry.find(id);
-  if (entry == nullptr) {
-    print_error({Errc::not_found, registry.explain_missing(id), {}});
-    context.exit_code = kBadConfiguration;
-    return;
+ordered_json json_of(const host::ParameterSpec& parameter) {
+  ordered_json json{{"name", parameter.name},
+                    {"type", host::parameter_type_name(parameter.type)},
+                    {"list", parameter.is_vector},
+                    {"required", parameter.required}};
+  if (!parameter.required) json["default"] = to_json(parameter.default_value);
+  if (!parameter.unit.empty()) json["unit"] = parameter.unit;
+  if (parameter.bounded) json["range"] = {parameter.minimum, parameter.maximum};
+  if (!parameter.choices.empty()) json["choices"] = parameter.choices;
+  if (!parameter.role.empty()) json["role"] = parameter.role;
+  json["help"] = parameter.help;
+  return json;
+}
+
+ordered_json json_of(const host::Installed& entry) {
+  const host::ComponentManifest& component = entry.component;
+  ordered_json parameters = ordered_json::array();
+  for (const host::ParameterSpec& parameter : component.parameters) {
+    parameters.push_back(json_of(parameter));
   }
-  const host::ComponentManifest& component = entry->component;
+  return {{"id", component.id},
+          {"version", component.version},
+          {"summary", component.summary},
+          {"reference", component.reference},
+          {"licence", component.licence},
+          {"needs", component.needs},
+          {"reads", component.reads},
+          {"produces", component.produces},
+          {"determinism", component.determinism},
+          {"random", component.random},
+          {"uses_truth", component.uses_truth},
+          {"library", entry.library->library},
+          {"origin", entry.origin},
+          {"parameters", std::move(parameters)}};
+}
+
+void print_component(const host::Installed& entry) {
+  const host::ComponentManifest& component = entry.component;
   fmt::print("{} {}\n{}\n\n", component.id, component.version, component.summary);
   const auto line = [](const char* name, const std::string& text) {
     if (!text.empty()) fmt::print("{:<13}{}\n", name, text);
@@ -102,32 +130,98 @@ void show(const std::string& id, Context& context) {
   line("produces", words(component.produces));
   line("determinism", component.determinism + (component.random ? ", draws from the seed" : ""));
   line("truth", component.uses_truth ? "reads the ground truth" : "");
-  line("library", entry->library->library);
+  line("library", entry.library->library);
   if (!component.parameters.empty()) fmt::print("\nparameters\n");
   for (const host::ParameterSpec& parameter : component.parameters) print_parameter(parameter);
 }
 
-/// Writes the manifest beside a library, on the machine where it is to run.
-void describe(const std::string& file, Context& context) {
-  const auto fail = [&](const Error& error) {
-    print_error(error);
-    context.exit_code = kInputOutput;
-  };
+void show(const std::string& id, bool json, Context& context) {
+  const auto registry = context.registry();
+  const host::Installed* entry = registry.find(id);
+  if (entry == nullptr) {
+    print_error({Errc::not_found, registry.explain_missing(id), {}});
+    context.exit_code = kBadConfiguration;
+    return;
+  }
+  if (json) return print_json(json_of(*entry));
+  print_component(*entry);
+}
+
+/// The manifest of a library, as YAML.
+Result<std::string> manifest_of(const std::string& file) {
   const auto build_id = host::read_build_id(file);
-  if (!build_id) return fail(build_id.error());
+  if (!build_id) return build_id.error();
   if (build_id->empty()) {
-    return fail({Errc::incompatible, "has no build-id; link it with -Wl,--build-id=sha1", file});
+    return Error{Errc::incompatible, "has no build-id; link it with -Wl,--build-id=sha1", file};
   }
   const auto table = host::load_library(file);
-  if (!table) return fail(table.error());
-  const auto description = host::describe_library(**table, *build_id);
-  if (!description) return fail(description.error());
+  if (!table) return table.error();
+  return host::describe_library(**table, *build_id);
+}
+
+/// Writes the manifest beside a library, on the machine where it is to run, or prints it as JSON.
+Result<void> describe(const std::string& file, bool json) {
+  const auto description = manifest_of(file);
+  if (!description) return description.error();
+  if (json) {
+    const auto document = yaml::parse(*description, file);
+    if (!document) return document.error();
+    print_json(to_json(document->root));
+    return {};
+  }
   const std::string manifest = file.substr(0, file.rfind(".so")) + ".plugin.yaml";
   std::ofstream stream(manifest, std::ios::trunc);
   stream << *description;
   stream.close();
-  if (!stream) return fail({Errc::io, "cannot be written", manifest});
+  if (!stream) return Error{Errc::io, "cannot be written", manifest};
   fmt::print("{}\n", manifest);
+  return {};
+}
+
+void add_list(CLI::App& plugins, const std::shared_ptr<bool>& json, Context& context) {
+  CLI::App* command = plugins.add_subcommand("list", "All plugins, and files refused");
+  command->add_flag("--json", *json,
+                    "Print JSON: {plugins: [{id, version, summary, licence, library, origin, "
+                    "shadowed}], refused: [{file, cause, fix}]}");
+  command->callback([&context, json] { list(*json, context); });
+}
+
+void add_show(CLI::App& plugins, const std::shared_ptr<bool>& json, Context& context) {
+  const auto id = std::make_shared<std::string>();
+  CLI::App* command = plugins.add_subcommand("show", "One plugin with all its parameters");
+  command->add_option("ID", *id, "Id of the plugin (role/name)")->required();
+  command->add_flag("--json", *json,
+                    "Print JSON: {id, version, summary, reference, licence, needs, reads, "
+                    "produces, determinism, random, uses_truth, library, origin, parameters: "
+                    "[{name, type, list, required, default, unit, range, choices, role, help}]}; "
+                    "default to role only where there is one");
+  command->callback([&context, id, json] { show(*id, *json, context); });
+}
+
+void add_why(CLI::App& plugins, const std::shared_ptr<bool>& json, Context& context) {
+  const auto subject = std::make_shared<std::string>();
+  CLI::App* command = plugins.add_subcommand(
+      "why", "Why a plugin can be used or not; exit code 0 when it can, else 2");
+  command->add_option("ID_OR_FILE", *subject, "Id (role/name), library or manifest")->required();
+  command->add_flag("--json", *json,
+                    "Print JSON: {subject, usable, reason, found: [{id, state, library, version, "
+                    "origin, cause, fix, notes}]}; state is used, shadowed, refused or not "
+                    "searched");
+  command->callback([&context, subject, json] { explain_plugin(*subject, *json, context); });
+}
+
+void add_describe(CLI::App& plugins, const std::shared_ptr<bool>& json, Context& context) {
+  const auto file = std::make_shared<std::string>();
+  CLI::App* command =
+      plugins.add_subcommand("describe", "Write the manifest of a plugin library beside it");
+  command->add_option("FILE", *file, "Library (.so)")->required();
+  command->add_flag("--json", *json, "Print the manifest as JSON, with its keys; write nothing");
+  command->callback([&context, file, json] {
+    if (auto done = describe(*file, *json); !done) {
+      print_error(done.error());
+      context.exit_code = kInputOutput;
+    }
+  });
 }
 
 }  // namespace
@@ -136,18 +230,10 @@ void add_plugins_command(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("plugins", "Inspect installed plugins");
   command->require_subcommand(1);
   const auto json = std::make_shared<bool>(false);
-  CLI::App* list_command = command->add_subcommand("list", "All plugins, and files refused");
-  list_command->add_flag("--json", *json, "Print JSON");
-  list_command->callback([&context, json] { list(*json, context); });
-  const auto id = std::make_shared<std::string>();
-  CLI::App* show_command = command->add_subcommand("show", "One plugin with all its parameters");
-  show_command->add_option("ID", *id, "Id of the plugin (role/name)")->required();
-  show_command->callback([&context, id] { show(*id, context); });
-  const auto file = std::make_shared<std::string>();
-  CLI::App* describe_command =
-      command->add_subcommand("describe", "Write the manifest of a plugin library beside it");
-  describe_command->add_option("FILE", *file, "Library (.so)")->required();
-  describe_command->callback([&context, file] { describe(*file, context); });
+  add_list(*command, json, context);
+  add_show(*command, json, context);
+  add_why(*command, json, context);
+  add_describe(*command, json, context);
 }
 
 }  // namespace weft::cli

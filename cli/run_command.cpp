@@ -107,7 +107,7 @@ std::string free_folder(const std::string& pipeline) {
 }
 
 void run(const std::string& file, std::string folder, const std::vector<std::string>& settings,
-         bool quiet, Context& context) {
+         const std::vector<std::string>& dumped, bool quiet, Context& context) {
   if (folder.empty()) folder = free_folder(file);
   const auto registry = context.registry();
   const auto [pipeline, report] =
@@ -120,7 +120,7 @@ void run(const std::string& file, std::string folder, const std::vector<std::str
   std::signal(SIGINT, [](int) { interrupted = true; });
   std::signal(SIGTERM, [](int) { interrupted = true; });
   Progress progress(quiet);
-  const auto summary = run_pipeline(pipeline, folder, progress, interrupted);
+  const auto summary = run_pipeline(pipeline, folder, progress, interrupted, dumped);
   if (!summary) {
     print_error(summary.error());
     const bool io = summary.error().code == Errc::io;
@@ -161,7 +161,7 @@ void add_settings(CLI::App& command, std::vector<std::string>& settings) {
 void add_run_command(CLI::App& app, Context& context) {
   struct Options {
     std::string pipeline, folder;
-    std::vector<std::string> settings;
+    std::vector<std::string> settings, dumped;
     bool quiet = false;
   };
   const auto options = std::make_shared<Options>();
@@ -170,9 +170,15 @@ void add_run_command(CLI::App& app, Context& context) {
   command->add_option("--out", options->folder,
                       "Run folder, new or empty (default: runs/<name of the pipeline>)");
   add_settings(*command, options->settings);
+  command
+      ->add_option("--dump", options->dumped,
+                   "Stage (a name as in frames.jsonl) whose inputs and outputs are written into "
+                   "RUN/dumps/STAGE, for `weft replay`; may be repeated")
+      ->allow_extra_args(false);
   command->add_flag("--quiet", options->quiet, "No progress bar and no table of stages");
   command->callback([&context, options] {
-    run(options->pipeline, options->folder, options->settings, options->quiet, context);
+    run(options->pipeline, options->folder, options->settings, options->dumped, options->quiet,
+        context);
   });
 }
 

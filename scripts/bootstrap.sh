@@ -10,7 +10,7 @@ packages=(
   libopencv-calib3d-dev libopencv-imgcodecs-dev libopencv-videoio-dev libopencv-video-dev
   libeigen3-dev libboost-dev libboost-filesystem-dev libyaml-cpp-dev libcgal-dev
   libcli11-dev libfmt-dev nlohmann-json3-dev libxxhash-dev libzip-dev
-  clang-format clang-tidy python3
+  clang-format clang-tidy gcovr python3
 )
 
 missing=()

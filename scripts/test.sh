@@ -13,8 +13,9 @@ usage: scripts/test.sh [--long] [--jobs N]
 Installs missing packages, then configures, builds and tests the presets release and asan with the
 tests labelled `quick`. Exits 1 if anything failed.
 
-  --long    also: the tests labelled `long` in both presets, the quick tests in the preset tsan,
-            clang-format over all tracked sources, and clang-tidy where .clang-tidy exists
+  --long    also: the tests labelled `long` in both presets, the quick tests in the presets tsan and
+            coverage (which prints the share of lines that they run), clang-format over all tracked
+            sources, clang-tidy, and the benchmarks of the stages (build/benchmarks.log)
   --jobs N  compile and test N at a time (default: cores + 1, at most one for each 2 GiB of memory)
   --help    this text
 
@@ -47,6 +48,7 @@ fi
 
 summary=()
 skipped=()
+coverage=
 failures=0
 
 # note RESULT SECONDS NAME [DETAIL]
@@ -114,9 +116,33 @@ check_format() {
     && git ls-files -z -- '*.h' '*.hpp' '*.c' '*.cpp' | xargs -0 -r clang-format --dry-run --Werror
 }
 
+# Tests are left out: GoogleTest's macros are what would be reported.
 check_tidy() {
   run-clang-tidy -quiet -p build/release -j "$jobs" -extra-arg=-Wno-unknown-warning-option \
-    "$PWD/(framework|plugins|cli)/"
+    "^(?!.*/tests/)$PWD/(cli|framework|plugins)/" 2>/dev/null
+}
+
+# Line coverage of what is installed, tests not counted.
+measure_coverage() {
+  (cd build/coverage && find . -name '*.gcda' -delete) \
+    && ctest --preset coverage -L '^quick$' -j "$jobs" --no-tests=error \
+    && gcovr -j "$jobs" --root . --object-directory build/coverage --filter 'framework/' \
+      --filter 'cli/' --filter 'plugins/' --exclude '.*/tests/.*' --exclude 'framework/.*/testing/.*' \
+      --exclude-unreachable-branches --exclude-throw-branches \
+      --html-details build/coverage/coverage.html --txt build/coverage/coverage.txt
+}
+
+run_benchmarks() {
+  cmake --build --preset release -j "$jobs" --target stages_benchmark \
+    && WEFT_PLUGIN_PATH="$PWD/build/release/lib/weft/plugins" build/release/bin/stages_benchmark \
+      --benchmark_out=build/benchmarks.json --benchmark_out_format=json
+}
+
+coverage() {
+  build coverage || return 0
+  if step "coverage tests" build/coverage/coverage.log measure_coverage; then
+    coverage=$(grep '^TOTAL' build/coverage/coverage.txt | awk '{print $4 " of " $2 " lines"}')
+  fi
 }
 
 what="quick tests"
@@ -128,14 +154,17 @@ build_and_test asan
 if ((long)); then
   build_and_test tsan
   step clang-format build/format.log check_format || true
-  if [[ -f .clang-tidy ]]; then
-    step clang-tidy build/tidy.log check_tidy || true
-  fi
+  step clang-tidy build/tidy.log check_tidy || true
+  step benchmarks build/benchmarks.log run_benchmarks || true
+  coverage
 fi
 
 echo
 echo "Summary"
 printf '  %s\n' "${summary[@]}"
+if [[ -n $coverage ]]; then
+  echo "Line coverage by the quick tests: $coverage; build/coverage/coverage.html"
+fi
 if ((${#skipped[@]})); then
   echo "Skipped tests"
   printf '  %s\n' "${skipped[@]}"

@@ -231,6 +231,8 @@ class Tree:
     def _rule_for_plugin(self, path: str, name: str, target: str) -> str:
         if target in PLUGIN_LAYERS or (target == "testing" and is_test(path)):
             return ""
+        if target == scope_of(path).split("/")[0] + "/common":
+            return ""
         if target.startswith("plugin:"):
             return f"a plugin must not include another plugin: {name} ({target[7:]})"
         if target == "testing":

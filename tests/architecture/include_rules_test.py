@@ -41,7 +41,9 @@ CLEAN = {
     "plugins/filters/near/tests/near_test.cpp": SPDX
     + '#include <gtest/gtest.h>\n#include <weft/testing/contract.hpp>\n#include "near.hpp"\n'
     + 'int seed = std::printf("seed");\n',
-    "plugins/sources/images/camera.cpp": SPDX + "#include <yaml-cpp/yaml.h>\n",
+    "plugins/sources/common/lens.hpp": HPP + "#include <weft/data/image.hpp>\n",
+    "plugins/sources/images/camera.cpp": SPDX
+    + '#include "common/lens.hpp"\n#include <yaml-cpp/yaml.h>\n',
     "plugins/sources/images/camera.hpp": HPP,
     "tests/unit/host/registry_test.cpp": SPDX + "#include <weft/host/registry.hpp>\n",
 }
@@ -94,6 +96,12 @@ MISTAKES = {
     "plugin on plugin, by path": (NEAR, '#include "../../sources/images/camera.hpp"', "another plugin"),
     "plugin on plugin, by folder": (NEAR, "#include <sources/images/camera.hpp>", "another plugin"),
     "plugin on plugin, by name": (NEAR, '#include "camera.hpp"', "another plugin"),
+    "plugin on another role's common folder": (NEAR, '#include "common/lens.hpp"', "another plugin"),
+    "common folder on a plugin": (
+        "plugins/sources/common/lens.hpp",
+        '#include "images/camera.hpp"',
+        "another plugin",
+    ),
     "plugin on a missing plugin": (NEAR, '#include "../far/far.hpp"', "another plugin"),
     "yaml-cpp in sdk": (INCLUDE + "sdk/filter.hpp", "#include <yaml-cpp/yaml.h>", "yaml-cpp"),
     "yaml-cpp in an installed header": (

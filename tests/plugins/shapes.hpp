@@ -180,6 +180,29 @@ class HolderSolver final : public weft::Solver {
   weft::SolverComponent start_{"solvers/test.scripted"};
 };
 
+/// The plane z = distance, where the warp puts the vertices.
+class WarpSolver final : public weft::Solver {
+ public:
+  static constexpr weft::About kAbout{.needs = "warp"};
+
+  explicit WarpSolver(weft::Params&) {}
+
+  weft::Result<weft::Shape> solve(const weft::SolverInput& in) override {
+    const auto samples = weft::evaluate(in.call, *in.warp, {in.templ.flat_px, 1});
+    if (!samples) return samples.error();
+    const std::int64_t count = in.templ.vertices_m.rows();
+    weft::Shape shape;
+    shape.vertices_m = weft::Array<double>({count, 3});
+    shape.source = weft::Array<std::uint8_t>({count});
+    for (std::int64_t v = 0; v < count; ++v) {
+      shape.vertices_m(v, 0) = (samples->xy_px(v, 0) - in.camera.cx) * kDistance_m / in.camera.fx;
+      shape.vertices_m(v, 1) = (samples->xy_px(v, 1) - in.camera.cy) * kDistance_m / in.camera.fy;
+      shape.vertices_m(v, 2) = kDistance_m;
+    }
+    return shape;
+  }
+};
+
 /// The template at rest, moved away; wants a known point.
 class KnownSolver final : public weft::Solver {
  public:

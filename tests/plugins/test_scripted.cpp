@@ -24,6 +24,7 @@ WEFT_LIBRARY(
     WEFT_COMPONENT(MemoryPass, "passes/test.memory", "1.0.0", "Tells what was fed back."),
     WEFT_COMPONENT(PlaneSolver, "solvers/test.scripted", "1.0.0", "A plane."),
     WEFT_COMPONENT(HolderSolver, "solvers/test.holder", "1.0.0", "Holds a solver."),
+    WEFT_COMPONENT(WarpSolver, "solvers/test.warped", "1.0.0", "Wants a warp."),
     WEFT_COMPONENT(KnownSolver, "solvers/test.known", "1.0.0", "Wants a known point."),
     WEFT_COMPONENT(LineSink, "sinks/test.scripted", "1.0.0", "A line for each frame."),
     WEFT_COMPONENT(VisibilitySink, "sinks/test.visibility", "1.0.0", "Wants visibility."))

@@ -51,6 +51,9 @@ class Child {
 
   void send(int signal) const { kill(process_, signal); }
 
+  /// 0 once it was waited for.
+  pid_t id() const { return process_; }
+
   Ended wait() {
     int status = 0;
     waitpid(process_, &status, 0);

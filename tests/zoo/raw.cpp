@@ -10,13 +10,14 @@
 namespace {
 
 constexpr const char* kMistakes[] = {
-    "none",         "created_nothing", "no_output",    "no_reason",  "unknown_status",
-    "unknown_code", "no_terminator",   "unknown_slot", "wrong_type", "no_array_name",
-    "no_shape",     "unknown_dtype",   "five_axes",    "negative",   "too_large",
-    "overflow",     "unknown_handle",  "null_log"};
+    "none",         "created_nothing", "no_output",    "no_reason",   "unknown_status",
+    "unknown_code", "no_terminator",   "unknown_slot", "wrong_type",  "no_array_name",
+    "no_shape",     "unknown_dtype",   "five_axes",    "negative",    "too_large",
+    "overflow",     "unknown_handle",  "null_log",     "wrong_dtype", "greedy"};
 
 struct Raw {
   std::string_view mistake;
+  std::int64_t frame;  // in which it makes it, -1 for all
 };
 
 std::int32_t describe(const weft_describe* sink) {
@@ -28,15 +29,28 @@ std::int32_t describe(const weft_describe* sink) {
   parameter.choices = kMistakes;
   parameter.choice_count = std::size(kMistakes);
   sink->parameter(sink->context, &parameter);
+  weft_parameter frame{};
+  const std::int64_t all = -1;
+  frame.default_value = {"frame", WEFT_VALUE_I64, 0, 1, &all};
+  frame.unit = frame.role = "";
+  frame.help = "in which it does, -1 for all";
+  sink->parameter(sink->context, &frame);
   return WEFT_OK;
 }
 
 std::int32_t create(const weft_value* values, std::uint64_t count, void** self, weft_error*) {
   std::string_view given = "none";
-  if (count == 1) given = *static_cast<const char* const*>(values[0].data);
+  std::int64_t frame = -1;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    if (values[i].type == WEFT_VALUE_I64) {
+      frame = *static_cast<const std::int64_t*>(values[i].data);
+    } else {
+      given = *static_cast<const char* const*>(values[i].data);
+    }
+  }
   if (given == "created_nothing") return WEFT_OK;
   for (const char* mistake : kMistakes) {
-    if (given == mistake) *self = new Raw{mistake};
+    if (given == mistake) *self = new Raw{mistake, frame};
   }
   return WEFT_OK;
 }
@@ -77,7 +91,9 @@ bool is_refused(std::string_view mistake, const weft_call* call) {
 
 std::int32_t process(void* self, const weft_call* call, const weft_record* inputs,
                      std::uint64_t count, weft_error* error) {
-  const std::string_view mistake = static_cast<Raw*>(self)->mistake;
+  const Raw& raw = *static_cast<Raw*>(self);
+  const bool due = raw.frame < 0 || call->frame == static_cast<std::uint64_t>(raw.frame);
+  const std::string_view mistake = due ? raw.mistake : "none";
   if (mistake == "no_output") return WEFT_OK;
   if (mistake == "no_reason") return WEFT_ERROR;
   if (mistake == "unknown_status") return 77;
@@ -97,6 +113,13 @@ std::int32_t process(void* self, const weft_call* call, const weft_record* input
   if (!is_refused(mistake, call)) std::strcpy(error->message, "the host gave an illegal array");
   if (error->message[0] != '\0') return WEFT_ERROR;
   const std::int64_t n = count_matches(inputs, count);
+  if (mistake == "wrong_dtype" || mistake == "greedy") {
+    const std::int32_t dtype = mistake == "greedy" ? WEFT_U8 : WEFT_F64;
+    const std::int64_t length = mistake == "greedy" ? std::int64_t{1} << 40 : n;
+    call->host->alloc(call, "inlier_mask", "inlier_mask/1", "kept", dtype, 1, &length);
+    call->host->alloc(call, "inlier_mask", "inlier_mask/1", "score", WEFT_F64, 1, &n);
+    return WEFT_OK;
+  }
   auto* kept = static_cast<std::uint8_t*>(
       call->host->alloc(call, "inlier_mask", "inlier_mask/1", "kept", WEFT_U8, 1, &n));
   call->host->alloc(call, "inlier_mask", "inlier_mask/1", "score", WEFT_F64, 1, &n);

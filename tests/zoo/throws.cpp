@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Throws where and what it is told.
+#include <algorithm>
 #include <new>
 #include <stdexcept>
 #include <weft/sdk/filter.hpp>
@@ -24,6 +25,7 @@ class Throws final : public weft::Filter {
               {"memory", Kind::memory},
               {"long_text", Kind::long_text}},
              "what it throws");
+    p.read("frame", frame_, "", {-1, 1e6}, "in which process throws, -1 for all");
     throw_in(Place::constructor);
   }
 
@@ -33,9 +35,13 @@ class Throws final : public weft::Filter {
   }
 
   weft::Result<weft::InlierMask> filter(const weft::FilterInput& in) override {
-    throw_in(Place::process);
+    if (frame_ < 0 || in.call.frame() == static_cast<std::uint64_t>(frame_)) {
+      throw_in(Place::process);
+    }
     const std::int64_t n = in.correspondences.count();
-    return weft::InlierMask{weft::Array<std::uint8_t>({n}), weft::Array<double>({n}), {}};
+    weft::InlierMask mask{weft::Array<std::uint8_t>({n}), weft::Array<double>({n}), {}};
+    std::fill_n(mask.kept.data(), n, std::uint8_t{1});
+    return mask;
   }
 
  private:
@@ -52,6 +58,7 @@ class Throws final : public weft::Filter {
 
   Place place_ = Place::nowhere;
   Kind kind_ = Kind::exception;
+  int frame_ = -1;
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Returns masks that no reader could use.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <weft/sdk/filter.hpp>
@@ -32,24 +33,29 @@ class WrongOutput final : public weft::Filter {
               {"bad_name", Mistake::bad_name},
               {"negative", Mistake::negative}},
              "what is wrong");
+    p.read("frame", frame_, "", {-1, 1e6}, "in which it is, -1 for all");
   }
 
   weft::Result<weft::InlierMask> filter(const weft::FilterInput& in) override {
+    const bool due = frame_ < 0 || in.call.frame() == static_cast<std::uint64_t>(frame_);
+    const Mistake mistake = due ? mistake_ : Mistake::none;
     const std::int64_t n = in.correspondences.count();
-    const std::int64_t length = mistake_ == Mistake::shorter ? n - 1 : n;
+    const std::int64_t length = mistake == Mistake::shorter ? n - 1 : n;
     weft::InlierMask mask{weft::Array<std::uint8_t>({length}), weft::Array<double>({length}), {}};
-    if (mistake_ == Mistake::disagree) mask.score = weft::Array<double>({n + 2});
-    if (mistake_ == Mistake::two_columns) mask.score = weft::Array<double>({n, 2});
-    if (mistake_ == Mistake::nan) mask.score(n - 1) = std::nan("");
-    if (mistake_ == Mistake::infinity) mask.score(0) = std::numeric_limits<double>::infinity();
-    if (mistake_ == Mistake::absent) mask.kept = {};
-    if (mistake_ == Mistake::bad_name) mask.diag.set("../../escape", 1.0);
-    if (mistake_ == Mistake::negative) mask.score = weft::Array<double>({n - 1000});
+    std::fill_n(mask.kept.data(), length, std::uint8_t{1});
+    if (mistake == Mistake::disagree) mask.score = weft::Array<double>({n + 2});
+    if (mistake == Mistake::two_columns) mask.score = weft::Array<double>({n, 2});
+    if (mistake == Mistake::nan) mask.score(n - 1) = std::nan("");
+    if (mistake == Mistake::infinity) mask.score(0) = std::numeric_limits<double>::infinity();
+    if (mistake == Mistake::absent) mask.kept = {};
+    if (mistake == Mistake::bad_name) mask.diag.set("../../escape", 1.0);
+    if (mistake == Mistake::negative) mask.score = weft::Array<double>({n - 1000});
     return mask;
   }
 
  private:
   Mistake mistake_ = Mistake::none;
+  int frame_ = -1;
 };
 
 }  // namespace

@@ -8,6 +8,9 @@
 #include <weft/evaluation/run_reader.hpp>
 #include <weft/evaluation/shape_meter.hpp>
 
+#include "frame_metrics.hpp"
+#include "jitter.hpp"
+
 namespace weft::evaluation {
 namespace {
 
@@ -17,74 +20,6 @@ double largest(const std::vector<double>& values) { return percentile(values, 10
 
 double mean_of(const std::vector<double>& values) {
   return values.empty() ? kUnknown : mean(values);
-}
-
-PointSummary summarise(const PointErrors& errors) {
-  std::vector<double> mm;
-  for (const double distance_m : errors.distances_m) mm.push_back(kMmPerM * distance_m);
-  const auto worst = std::max_element(mm.begin(), mm.end());
-  const std::int64_t point = errors.points[static_cast<std::size_t>(worst - mm.begin())];
-  return {mean(mm), median(mm), percentile(mm, 95.0), *worst, point};
-}
-
-Outcome outcome_of(const FrameRecords& records) {
-  if (!records.shape) return Outcome::missing;
-  if (!std::isfinite(records.shape->vertices_m.matrix<3>().squaredNorm())) return Outcome::invalid;
-  const ShapeState state = records.shape->shape_state();
-  const bool solved = state == ShapeState::estimated || state == ShapeState::weak;
-  return solved ? Outcome::solved : Outcome::held;
-}
-
-/// Compares a finite shape with the truth.
-Result<void> measure_error(const ShapeMeter& meter, const FrameRecords& records,
-                           Alignment alignment, FrameMetrics& frame) {
-  const auto errors =
-      meter.errors(records.shape->vertices_m.matrix<3>(), *records.ground_truth, alignment);
-  if (!errors && errors.error().code != Errc::no_result) {
-    return Error{errors.error().code, errors.error().message, "template.npz"};
-  }
-  if (!errors) {
-    frame.no_error_because = errors.error().message;
-    return {};
-  }
-  frame.extrapolated = errors->extrapolated;
-  frame.unlocated = errors->unlocated;
-  if (errors->distances_m.empty()) {
-    frame.no_error_because = "no point of the truth lies on the template's mesh";
-  } else {
-    frame.error = summarise(*errors);
-  }
-  return {};
-}
-
-Result<FrameMetrics> evaluate_frame(const RunReader& reader, const ShapeMeter& meter,
-                                    const FrameLine& line, Alignment alignment) {
-  const auto records = reader.read(line);
-  if (!records) return records.error();
-  FrameMetrics frame;
-  frame.frame = line.frame;
-  frame.stem = line.stem;
-  frame.state = line.state;
-  frame.failed = line.failed;
-  frame.outcome = outcome_of(*records);
-  frame.has_truth = records->ground_truth.has_value();
-  if (frame.has_truth) {
-    frame.kind = records->ground_truth->kind;
-    frame.apart = records->ground_truth->apart;
-    frame.points = records->ground_truth->count();
-  }
-  if (frame.outcome == Outcome::missing || frame.outcome == Outcome::invalid) {
-    const bool missing = frame.outcome == Outcome::missing;
-    if (frame.has_truth) frame.no_error_because = missing ? "no shape" : "the shape is not finite";
-    return frame;
-  }
-  const StrainStatistics strain = meter.strain(records->shape->vertices_m.matrix<3>());
-  frame.strain_mean = strain.mean;
-  frame.strain_p95 = strain.p95;
-  if (frame.has_truth) {
-    if (auto done = measure_error(meter, *records, alignment, frame); !done) return done.error();
-  }
-  return frame;
 }
 
 ErrorSummary summarise(const std::vector<const FrameMetrics*>& frames, Outcome outcome) {
@@ -156,6 +91,40 @@ void count_frames(RunMetrics& metrics) {
   metrics.strain_mean = mean_of(strains);
 }
 
+void summarise_image(double match_tolerance_px, RunMetrics& metrics) {
+  std::vector<double> reprojection, overlay, truth_map;
+  const auto add = [](double value, std::vector<double>& values) {
+    if (std::isfinite(value)) values.push_back(value);
+  };
+  for (const FrameMetrics& frame : metrics.frames) {
+    if (!frame.apart.empty()) continue;
+    add(frame.image.reprojection_px, reprojection);
+    add(frame.image.overlay_px, overlay);
+    add(frame.image.truth_map_px, truth_map);
+  }
+  metrics.image = {match_tolerance_px,
+                   static_cast<std::int64_t>(reprojection.size()),
+                   static_cast<std::int64_t>(overlay.size()),
+                   mean_of(reprojection),
+                   mean_of(overlay),
+                   truth_map.empty() ? kUnknown : median(truth_map)};
+}
+
+void summarise_filters(RunMetrics& metrics) {
+  std::vector<std::string> stages;
+  std::map<std::string, std::vector<FilterCounts>> counts;
+  for (const FrameMetrics& frame : metrics.frames) {
+    if (!frame.apart.empty()) continue;
+    for (const auto& [stage, each] : frame.filters) {
+      if (counts.count(stage) == 0) stages.push_back(stage);
+      counts[stage].push_back(each);
+    }
+  }
+  for (const std::string& stage : stages) {
+    metrics.filters.push_back(summarise_filter(stage, counts[stage]));
+  }
+}
+
 void group_frames(double off_mm, RunMetrics& metrics) {
   std::map<std::pair<std::string, std::string>, std::vector<const FrameMetrics*>> groups;
   std::vector<const FrameMetrics*> all;
@@ -196,11 +165,18 @@ Result<RunMetrics> evaluate_run(const std::string& folder, const EvaluationOptio
   metrics.alignment = options.alignment;
   metrics.interrupted = reader->interrupted();
   metrics.truth_users = reader->truth_users();
+  JitterMeter jitter;
   for (const FrameLine& line : reader->lines()) {
-    auto frame = evaluate_frame(*reader, *meter, line, options.alignment);
+    const auto records = reader->read(line);
+    if (!records) return records.error();
+    auto frame = evaluate_frame(*reader, *meter, line, *records, options);
     if (!frame) return frame.error();
+    jitter.add(*frame, *records);
     metrics.frames.push_back(*std::move(frame));
   }
+  metrics.jitter = jitter.result();
+  summarise_image(options.match_tolerance_px, metrics);
+  summarise_filters(metrics);
   count_frames(metrics);
   group_frames(kOffShare * kMmPerM * meter->diagonal_m(), metrics);
   return metrics;

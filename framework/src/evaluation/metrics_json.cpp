@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <weft/core/version.hpp>
 #include <weft/evaluation/metrics_report.hpp>
 
+#include "write_whole.hpp"
+
 namespace weft::evaluation {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
 constexpr double kPercent = 100.0;
@@ -76,6 +75,47 @@ ordered_json truth_json(const FrameMetrics& frame) {
   return json;
 }
 
+ordered_json filter_json(const FilterMetrics& filter) {
+  return {{"stage", filter.stage},
+          {"frames", filter.frames},
+          {"frames_without_mismatch", filter.frames_without_mismatch},
+          {"frames_without_correct", filter.frames_without_correct},
+          {"frames_without_kept", filter.frames_without_kept},
+          {"matches", filter.entered},
+          {"matches_labelled", filter.labelled},
+          {"tpr_percent", filter.tpr_percent},
+          {"fpr_percent", filter.fpr_percent},
+          {"kept_percent", filter.kept_percent},
+          {"precision_percent", filter.precision_percent},
+          {"recall_percent", filter.recall_percent},
+          {"f1_percent", filter.f1_percent}};
+}
+
+ordered_json image_json(const ImageSummary& image) {
+  return {{"match_tolerance_px", image.match_tolerance_px},
+          {"truth_map_px", image.truth_map_px},
+          {"reprojection_px", image.reprojection_px},
+          {"reprojection_frames", image.reprojection_frames},
+          {"overlay_px", image.overlay_px},
+          {"overlay_frames", image.overlay_frames}};
+}
+
+ordered_json jitter_json(const Jitter& jitter) {
+  return {{"mean_mm", jitter.mean_mm},
+          {"triples", jitter.triples},
+          {"truth_mean_mm", jitter.truth_mean_mm},
+          {"truth_triples", jitter.truth_triples}};
+}
+
+ordered_json counts_json(const FilterCounts& counts) {
+  return {{"entered", counts.entered},
+          {"kept", counts.kept},
+          {"mismatches", counts.mismatches},
+          {"correct", counts.correct},
+          {"rejected_wrong", counts.rejected_wrong},
+          {"rejected_right", counts.rejected_right}};
+}
+
 ordered_json frame_json(const FrameMetrics& frame) {
   ordered_json json{{"frame", frame.frame},
                     {"stem", frame.stem},
@@ -84,7 +124,12 @@ ordered_json frame_json(const FrameMetrics& frame) {
                     {"failed", frame.failed},
                     {"isometry_error_percent", kPercent * frame.strain_mean},
                     {"isometry_error_p95_percent", kPercent * frame.strain_p95}};
-  if (frame.has_truth) json["truth"] = truth_json(frame);
+  if (!frame.has_truth) return json;
+  json["truth"] = truth_json(frame);
+  json["reprojection_px"] = frame.image.reprojection_px;
+  json["overlay_px"] = frame.image.overlay_px;
+  json["truth_map_px"] = frame.image.truth_map_px;
+  for (const auto& [stage, counts] : frame.filters) json["filters"][stage] = counts_json(counts);
   return json;
 }
 
@@ -94,6 +139,8 @@ std::string to_json(const RunMetrics& metrics) {
   ordered_json groups = ordered_json::array(), frames = ordered_json::array();
   for (const GroupMetrics& group : metrics.groups) groups.push_back(group_json(group));
   for (const FrameMetrics& frame : metrics.frames) frames.push_back(frame_json(frame));
+  ordered_json filters = ordered_json::array();
+  for (const FilterMetrics& filter : metrics.filters) filters.push_back(filter_json(filter));
   ordered_json all = group_json(metrics.all);
   all.erase("kind");
   all.erase("apart");
@@ -106,6 +153,9 @@ std::string to_json(const RunMetrics& metrics) {
                           {"isometry_error_percent", kPercent * metrics.strain_mean},
                           {"groups", std::move(groups)},
                           {"all", std::move(all)},
+                          {"image", image_json(metrics.image)},
+                          {"filters", std::move(filters)},
+                          {"jitter", jitter_json(metrics.jitter)},
                           {"frames", std::move(frames)}};
   return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
@@ -116,18 +166,7 @@ std::string metrics_file_name(Alignment alignment) {
 }
 
 Result<void> write_json(const RunMetrics& metrics, const std::string& file) {
-  std::error_code code;
-  const bool replaceable = !fs::exists(file, code) || fs::is_regular_file(file, code);
-  const std::string target = replaceable ? file + ".part" : file;  // a device is written directly
-  std::ofstream stream(target, std::ios::binary | std::ios::trunc);
-  stream << to_json(metrics);
-  stream.close();
-  if (stream && replaceable) fs::rename(target, file, code);
-  if (!stream || (replaceable && code)) {
-    return Error{Errc::io, "cannot be written; is the folder writable and the disk not full?",
-                 file};
-  }
-  return {};
+  return write_whole(to_json(metrics), file);
 }
 
 }  // namespace weft::evaluation

@@ -90,6 +90,15 @@ std::string counts_text(const RunMetrics& metrics) {
   text += fmt::format("with an error {}\n", counts.failed);
   text += fmt::format("  isometry error of solved frames, mean |l/l0 - 1|: {} %\n",
                       number(kPercent * metrics.strain_mean, 2));
+  if (const Jitter& jitter = metrics.jitter; jitter.triples > 0) {
+    text += fmt::format("  jitter, mean |X[t] - 2 X[t-1] + X[t-2]|: {} mm over {} triples",
+                        number(jitter.mean_mm, 2), jitter.triples);
+    if (jitter.truth_triples > 0) {
+      text += fmt::format("; the truth's own {} mm over {}", number(jitter.truth_mean_mm, 2),
+                          jitter.truth_triples);
+    }
+    text += '\n';
+  }
   if (metrics.interrupted) {
     text += "  the run was interrupted: the last line of frames.jsonl is cut off and not counted\n";
   }
@@ -128,6 +137,40 @@ std::string rest_text(const RunMetrics& metrics) {
   return text.empty() ? text : "notes\n" + text;
 }
 
+std::string filters_text(const RunMetrics& metrics) {
+  std::vector<Row> rows{{"filter", "frames", "matches", "labelled", "TPR %", "FPR %", "kept %",
+                         "precision %", "recall %", "F1 %", "no mismatch", "none correct"}};
+  for (const FilterMetrics& filter : metrics.filters) {
+    if (filter.labelled == 0) continue;
+    rows.push_back({printable(filter.stage), std::to_string(filter.frames),
+                    std::to_string(filter.entered), std::to_string(filter.labelled),
+                    number(filter.tpr_percent, 1), number(filter.fpr_percent, 1),
+                    number(filter.kept_percent, 1), number(filter.precision_percent, 1),
+                    number(filter.recall_percent, 1), number(filter.f1_percent, 1),
+                    std::to_string(filter.frames_without_mismatch),
+                    std::to_string(filter.frames_without_correct)});
+  }
+  if (rows.size() == 1) return "";
+  return fmt::format(
+             "filters: positive is a mismatch, correct within {} px; the truth foretells itself to "
+             "{} px\n",
+             number(metrics.image.match_tolerance_px, 1), number(metrics.image.truth_map_px, 2)) +
+         align(rows);
+}
+
+std::string image_text(const ImageSummary& image) {
+  std::string text;
+  if (image.reprojection_frames > 0) {
+    text += fmt::format("  reprojection of correct matches: {} px over {} frames\n",
+                        number(image.reprojection_px, 2), image.reprojection_frames);
+  }
+  if (image.overlay_frames > 0) {
+    text += fmt::format("  vertices beside their true image: {} px over {} frames\n",
+                        number(image.overlay_px, 2), image.overlay_frames);
+  }
+  return text.empty() ? text : "in the image, not aligned\n" + text;
+}
+
 }  // namespace
 
 std::string to_table(const RunMetrics& metrics) {
@@ -150,7 +193,7 @@ std::string to_table(const RunMetrics& metrics) {
   }
   text +=
       fmt::format("3D error of solved frames in mm, alignment: {}\n", to_string(metrics.alignment));
-  return text + table + rest_text(metrics);
+  return text + table + rest_text(metrics) + image_text(metrics.image) + filters_text(metrics);
 }
 
 }  // namespace weft::evaluation

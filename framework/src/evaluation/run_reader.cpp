@@ -66,6 +66,26 @@ Result<std::optional<Noun>> find_noun(const host::NamedRecords& records, const s
   return std::optional<Noun>();
 }
 
+/// The slots "STAGE.matches" and "STAGE.inlier_mask" of all filters.
+Result<std::vector<FilterRecords>> find_filters(const host::NamedRecords& records,
+                                                const std::string& file) {
+  constexpr std::string_view kMatches = ".matches";
+  std::vector<FilterRecords> filters;
+  for (const auto& [slot, record] : records) {
+    if (!slot.ends_with(kMatches)) continue;
+    const std::string stage = slot.substr(0, slot.size() - kMatches.size());
+    const auto matches = find_noun<Correspondences>(records, slot, file);
+    if (!matches) return matches.error();
+    const auto mask = find_noun<InlierMask>(records, stage + ".inlier_mask", file);
+    if (!mask) return mask.error();
+    if (!*mask || (*mask)->kept.rows() != (*matches)->count()) {
+      return damaged(file, "has no mask for each match of " + stage);
+    }
+    filters.push_back({stage, **matches, **mask});
+  }
+  return filters;
+}
+
 }  // namespace
 
 Result<RunReader> RunReader::open(const std::string& folder) {
@@ -97,6 +117,10 @@ Result<void> RunReader::read_template() {
   if (!sheet) return sheet.error();
   if (!*sheet) return damaged(file, "holds no template");
   template_ = **std::move(sheet);
+  const auto camera = find_noun<Camera>(template_owner_, "camera", file);
+  if (!camera) return camera.error();
+  if (!*camera) return damaged(file, "holds no camera");
+  camera_ = **camera;
   return {};
 }
 
@@ -161,6 +185,9 @@ Result<FrameRecords> RunReader::read(const FrameLine& line) const {
   if (!truth) return truth.error();
   frame.shape = *std::move(shape);
   frame.ground_truth = *std::move(truth);
+  auto filters = find_filters(frame.owners, file);
+  if (!filters) return filters.error();
+  frame.filters = *std::move(filters);
   const ShapeState stored = frame.shape ? frame.shape->shape_state() : ShapeState::none;
   if (stored != line.state) {
     return damaged(file, std::string("has the state '") + to_string(stored) +

@@ -241,7 +241,7 @@ class Binder {
         resolve(registry_, *use, given ? value.find("params") : nullptr, paths_, problems_, chain_);
     if (!nested) return;
     resolved = nested->effective;
-    spec_.nested.emplace_back(parameter.name, *std::move(nested));
+    spec_.nested.push_back({parameter.name, *std::move(nested)});
   }
 
   const Registry& registry_;

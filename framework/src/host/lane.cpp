@@ -1,33 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <chrono>
-#include <deque>
-#include <weft/host/lane.hpp>
 #include <weft/sdk/roles.hpp>
 
+#include "lane_parts.hpp"
+
 namespace weft::host {
-
-/// A created component. Destroyed by its library's own function.
-class Instance {
- public:
-  Instance(const weft_component* component, void* object) : table(component), self(object) {}
-  ~Instance() { table->destroy(self); }
-  Instance(const Instance&) = delete;
-  Instance& operator=(const Instance&) = delete;
-
-  std::string name() const { return path.empty() ? stage : stage + "/" + path; }
-  std::string role() const {
-    const std::string_view id = table->id;
-    return std::string(id.substr(0, id.find('/')));
-  }
-
-  const weft_component* table;
-  void* self;
-  std::string stage;
-  std::string path;  ///< of nested parameters: "start", "start/warp"
-  std::uint64_t handle = 0;
-  std::vector<Instance*> nested;
-  bool running = false;
-};
 
 namespace {
 
@@ -35,7 +13,7 @@ constexpr int kDeepestNesting = 16;
 
 /// What a component wrote into the buffer, made to agree with its status; its id where it named no
 /// place.
-Error error_from(std::int32_t status, weft_error raw, const char* id) {
+Error error_from(std::int32_t status, weft_error raw, const std::string& id) {
   if (status == WEFT_OK) return {};
   raw.where[sizeof(raw.where) - 1] = '\0';
   raw.message[sizeof(raw.message) - 1] = '\0';
@@ -56,17 +34,12 @@ Error error_from(std::int32_t status, weft_error raw, const char* id) {
 
 }  // namespace
 
-/// What one running call owns.
-struct Lane::Scope {
-  Lane& lane;
-  Instance& instance;
-  const RoleMethod* method;
-  int depth;
-  std::uint64_t frame;
-  std::vector<std::pair<std::string, std::shared_ptr<Record>>> outputs{};
-  std::deque<Outcome> nested{};                  ///< keeps records of nested calls alive
-  std::deque<std::vector<weft_record>> views{};  ///< of those records
-};
+bool Lane::Scope::may_produce(std::string_view slot, std::string_view type) const {
+  return method != nullptr &&
+         std::any_of(method->outputs.begin(), method->outputs.end(), [&](const RoleSlot& output) {
+           return output.name == slot && output.type == type;
+         });
+}
 
 /// The functions behind weft_host; none throws.
 struct Callbacks {
@@ -79,19 +52,15 @@ struct Callbacks {
         return record->allocate(array, dtype, ndim, shape);
       }
     }
-    if (scope.method == nullptr) return nullptr;
-    for (const RoleSlot& output : scope.method->outputs) {
-      if (output.name != slot || output.type != type) continue;
-      scope.outputs.emplace_back(slot, std::make_shared<Record>(type));
-      return scope.outputs.back().second->allocate(array, dtype, ndim, shape);
-    }
-    return nullptr;
+    if (!scope.may_produce(slot, type)) return nullptr;
+    scope.outputs.emplace_back(slot, std::make_shared<Record>(type, scope.lane.arena_));
+    return scope.outputs.back().second->allocate(array, dtype, ndim, shape);
   } catch (...) {
     return nullptr;
   }
 
   static std::int32_t cancelled(const weft_call* call) {
-    return static_cast<Lane::Scope*>(call->context)->lane.cancel_.load() ? 1 : 0;
+    return static_cast<Lane::Scope*>(call->context)->lane.is_cancelled() ? 1 : 0;
   }
 
   static void log(const weft_call* call, std::int32_t level, const char* text) try {
@@ -137,8 +106,8 @@ constexpr weft_host kHost{sizeof(weft_host), 0,
 /// A pass always fills what it says it produces; a source may lack truth or time in some frames.
 bool must_produce(const Instance& instance, const RoleSlot& output) {
   if (output.required || instance.role() != "passes") return output.required;
-  const std::string produced = ' ' + std::string(instance.table->produces) + ' ';
-  return produced.find(' ' + output.name + ' ') != std::string::npos;
+  const std::vector<std::string>& produced = instance.produces;
+  return std::find(produced.begin(), produced.end(), output.name) != produced.end();
 }
 
 }  // namespace
@@ -150,44 +119,53 @@ RecordPtr Outcome::find(std::string_view slot) const {
   return nullptr;
 }
 
-Lane::Lane(std::uint64_t run_seed, Log log) : run_seed_(run_seed), log_(std::move(log)) {
+Lane::Lane(std::uint64_t run_seed, Log log, std::shared_ptr<SharedArena> arena,
+           std::uint64_t first_revision)
+    : run_seed_(run_seed),
+      log_(std::move(log)),
+      next_revision_(first_revision),
+      arena_(std::move(arena)) {
   for (Role& role : all_roles()) roles_.emplace(role.name, role);
 }
 
 Lane::~Lane() = default;
 
-Result<Instance*> Lane::instantiate(const ComponentSpec& spec, const std::string& stage) {
-  return create(spec, stage, "");
-}
-
-Result<Instance*> Lane::create(const ComponentSpec& spec, const std::string& stage,
-                               const std::string& path) {
+Result<Instance*> Lane::instantiate(const ComponentSpec& spec, const std::string& stage,
+                                    const std::string& path) {
   const auto table = load(*spec.installed);
   if (!table) return table.error();
+  auto made = std::make_unique<Instance>(spec, stage, path);
+  made->table = *table;
   Arguments handles;
-  std::vector<Instance*> nested;
   for (const auto& [parameter, child] : spec.nested) {
-    const auto instance = create(child, stage, path.empty() ? parameter : path + "/" + parameter);
-    if (!instance) return instance.error();
-    nested.push_back(*instance);
-    handles.add_component(parameter, (*instance)->handle);
+    const auto nested =
+        instantiate(child, stage, path.empty() ? parameter : path + "/" + parameter);
+    if (!nested) return nested.error();
+    made->nested.push_back(*nested);
+    handles.add_component(parameter, (*nested)->handle);
   }
   std::vector<weft_value> values = spec.arguments.values();
   values.insert(values.end(), handles.values().begin(), handles.values().end());
   void* self = nullptr;
   weft_error error{};
-  const std::int32_t status = (*table)->create(values.data(), values.size(), &self, &error);
-  if (status != WEFT_OK) return error_from(status, error, (*table)->id);
+  const std::int32_t status = made->table->create(values.data(), values.size(), &self, &error);
+  if (status != WEFT_OK) return error_from(status, error, made->id);
   if (self == nullptr) {
-    return Error{Errc::plugin_failure, "created nothing and gave no reason", (*table)->id};
+    return Error{Errc::plugin_failure, "created nothing and gave no reason", made->id};
   }
-  auto instance = std::make_unique<Instance>(*table, self);
-  instance->stage = stage;
-  instance->path = path;
+  made->self = self;
+  Instance& instance = add(std::move(made));
+  // A worker that reads a warp evaluates it itself.
+  if (arena_ != nullptr && instance.role() == "warps") {
+    instance.recreate = CreateMessage{instance.handle, stage, path, Recipe::of(spec)};
+  }
+  return &instance;
+}
+
+Instance& Lane::add(std::unique_ptr<Instance> instance) {
   instance->handle = instances_.size() + 1;
-  instance->nested = std::move(nested);
   instances_.push_back(std::move(instance));
-  return instances_.back().get();
+  return *instances_.back();
 }
 
 weft_call Lane::make_call(const Instance& instance, Scope& scope, int method, std::uint64_t frame) {
@@ -207,16 +185,24 @@ std::uint64_t Lane::seed_for(const Instance& instance, std::uint64_t frame) cons
 }
 
 Result<void> Lane::prepare(Instance& instance, const Record& templ, const Record& camera) {
+  if (instance.worker != nullptr) {
+    return instance.worker->prepare({{"template", templ.alias()}, {"camera", camera.alias()}});
+  }
+  const weft_record inputs[] = {templ.view("template"), camera.view("camera")};
+  return prepare_here(instance, inputs);
+}
+
+Result<void> Lane::prepare_here(Instance& instance, std::span<const weft_record> inputs) {
   for (Instance* nested : instance.nested) {
-    if (auto ready = prepare(*nested, templ, camera); !ready) return ready;
+    if (auto ready = prepare_here(*nested, inputs); !ready) return ready;
   }
   Scope scope{*this, instance, nullptr, 0, kOfflineFrame};
   const weft_call call = make_call(instance, scope, 0, kOfflineFrame);
-  const weft_record inputs[] = {templ.view("template"), camera.view("camera")};
   weft_error error{};
-  const std::int32_t status = instance.table->prepare(instance.self, &call, inputs, 2, &error);
+  const std::int32_t status =
+      instance.table->prepare(instance.self, &call, inputs.data(), inputs.size(), &error);
   if (status == WEFT_OK || status == WEFT_DEGENERATE) return {};
-  return error_from(status, error, instance.table->id);
+  return error_from(status, error, instance.id);
 }
 
 Outcome Lane::call(Instance& instance, int method, std::span<const weft_record> inputs,
@@ -238,7 +224,7 @@ Outcome Lane::evaluate(const Record& warp, const Points& points, std::uint64_t f
 Outcome Lane::enter(Instance& instance, int method, std::span<const weft_record> inputs,
                     std::uint64_t frame, int depth) {
   const auto refuse = [&](const std::string& message) {
-    return Outcome{WEFT_ERROR, {Errc::plugin_failure, message, instance.table->id}, {}};
+    return Outcome{WEFT_ERROR, {Errc::plugin_failure, message, instance.id}, {}};
   };
   if (instance.running) return refuse("was called while it was running");
   if (depth > kDeepestNesting) return refuse("is nested too deeply");
@@ -252,23 +238,26 @@ Outcome Lane::enter(Instance& instance, int method, std::span<const weft_record>
   const auto start = std::chrono::steady_clock::now();
   instance.running = true;
   const std::int32_t status =
-      instance.table->process(instance.self, &call, inputs.data(), inputs.size(), &error);
+      instance.worker != nullptr
+          ? call_worker(instance, scope, method, inputs, &error)
+          : instance.table->process(instance.self, &call, inputs.data(), inputs.size(), &error);
   instance.running = false;
   const std::chrono::duration<double, std::milli> elapsed =
       std::chrono::steady_clock::now() - start;
-  timings_.push_back({instance.name(), elapsed.count()});
-  return finish(instance, scope, inputs, status, error);
+  Outcome outcome = finish(instance, scope, inputs, status, error);
+  timings_.push_back(
+      {instance.name(), elapsed.count(), start, scope.method->name, frame, outcome.status, {}});
+  return outcome;
 }
 
 Outcome Lane::finish(Instance& instance, Scope& scope, std::span<const weft_record> inputs,
                      std::int32_t status, const weft_error& error) {
   const auto broken = [&](const std::string& message) {
-    return Outcome{WEFT_ERROR, {Errc::plugin_failure, message, instance.table->id}, {}};
+    return Outcome{WEFT_ERROR, {Errc::plugin_failure, message, instance.id}, {}};
   };
   Outcome outcome;
-  outcome.status =
-      status >= WEFT_OK && status <= WEFT_CANCELLED ? static_cast<weft_status>(status) : WEFT_ERROR;
-  outcome.error = error_from(status, error, instance.table->id);
+  outcome.status = status_of(status);
+  outcome.error = error_from(status, error, instance.id);
   if (!outcome.usable()) return outcome;
   for (auto& [slot, record] : scope.outputs) {
     const weft_record view = record->view(slot.c_str());
@@ -290,6 +279,8 @@ Outcome Lane::finish(Instance& instance, Scope& scope, std::span<const weft_reco
 Instance* Lane::find(std::uint64_t handle) const {
   return handle >= 1 && handle <= instances_.size() ? instances_[handle - 1].get() : nullptr;
 }
+
+std::uint64_t handle_of(const Instance& instance) { return instance.handle; }
 
 std::vector<Timing> Lane::take_timings() { return std::exchange(timings_, {}); }
 

@@ -21,8 +21,7 @@ Result<void> check_table(const weft_library_table& table, const std::string& fil
   if (table.abi_major != WEFT_ABI_MAJOR || table.abi_minor != WEFT_ABI_MINOR) {
     return incompatible(file, "has plugin ABI " + std::to_string(table.abi_major) + "." +
                                   std::to_string(table.abi_minor) + ", this host has " +
-                                  std::to_string(WEFT_ABI_MAJOR) + "." +
-                                  std::to_string(WEFT_ABI_MINOR) +
+                                  abi_version() +
                                   "; rebuild the plugin against this version of Weft");
   }
   const auto damaged = [](const weft_component* component) {
@@ -42,6 +41,10 @@ Result<void> check_table(const weft_library_table& table, const std::string& fil
 }
 
 }  // namespace
+
+std::string abi_version() {
+  return std::to_string(WEFT_ABI_MAJOR) + "." + std::to_string(WEFT_ABI_MINOR);
+}
 
 Result<const weft_library_table*> load_library(const std::string& file) {
   using boost::dll::load_mode::rtld_local;

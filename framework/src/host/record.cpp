@@ -10,20 +10,13 @@ namespace {
 
 constexpr std::int64_t kLargestArray = std::int64_t{1} << 40;  // bytes
 
-/// Bytes of an array, or -1 when the request is illegal.
-std::int64_t bytes_of(std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape) {
-  std::int64_t bytes = dtype_size(dtype);
-  if (bytes == 0 || ndim < 0 || ndim > WEFT_MAX_DIMENSIONS) return -1;
-  if (ndim > 0 && shape == nullptr) return -1;
-  bool empty = false;
-  for (int axis = 0; axis < ndim; ++axis) {
-    // An axis of length 0 does not excuse the others: strides must not overflow either.
-    const std::int64_t length = std::max<std::int64_t>(shape[axis], 1);
-    if (shape[axis] < 0 || bytes > kLargestArray / length) return -1;
-    bytes *= length;
-    empty = empty || shape[axis] == 0;
-  }
-  return empty ? 0 : bytes;
+/// Zero-filled, 64-byte aligned; null when memory is short.
+std::shared_ptr<void> own_memory(std::size_t bytes) {
+  constexpr std::align_val_t kAlignment{64};
+  void* memory = ::operator new(bytes, kAlignment, std::nothrow);
+  if (memory == nullptr) return nullptr;
+  std::memset(memory, 0, bytes);
+  return {memory, [](void* p) { ::operator delete (p, std::align_val_t{64}); }};
 }
 
 /// Whether a name can stand in files and reports.
@@ -75,6 +68,21 @@ class FiniteCheck {
 
 }  // namespace
 
+std::int64_t array_bytes(std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape) {
+  std::int64_t bytes = dtype_size(dtype);
+  if (bytes == 0 || ndim < 0 || ndim > WEFT_MAX_DIMENSIONS) return -1;
+  if (ndim > 0 && shape == nullptr) return -1;
+  bool empty = false;
+  for (int axis = 0; axis < ndim; ++axis) {
+    // An axis of length 0 does not excuse the others: strides must not overflow either.
+    const std::int64_t length = std::max<std::int64_t>(shape[axis], 1);
+    if (shape[axis] < 0 || bytes > kLargestArray / length) return -1;
+    bytes *= length;
+    empty = empty || shape[axis] == 0;
+  }
+  return empty ? 0 : bytes;
+}
+
 std::size_t Record::slot_of(std::string_view name) {
   for (std::size_t i = 0; i < arrays_.size(); ++i) {
     if (*entries_[i].name == name) return i;
@@ -86,21 +94,32 @@ std::size_t Record::slot_of(std::string_view name) {
 
 void* Record::allocate(std::string_view name, std::int32_t dtype, std::int32_t ndim,
                        const std::int64_t* shape) {
-  const std::int64_t bytes = bytes_of(dtype, ndim, shape);
+  const std::int64_t bytes = array_bytes(dtype, ndim, shape);
   if (bytes < 0 || !is_legal_name(name)) return nullptr;
-  constexpr std::align_val_t kAlignment{64};
   const auto size = static_cast<std::size_t>(bytes) + 64;
-  void* memory = ::operator new(size, kAlignment, std::nothrow);
+  std::shared_ptr<void> memory = arena_ != nullptr ? arena_->allocate(size) : own_memory(size);
   if (memory == nullptr) return nullptr;
-  std::memset(memory, 0, size);
+  void* data = memory.get();
+  place(name, dtype, ndim, shape, std::move(memory), arena_ != nullptr ? WEFT_SHARED : WEFT_HOST);
+  return data;
+}
+
+bool Record::adopt(std::string_view name, std::int32_t dtype, std::int32_t ndim,
+                   const std::int64_t* shape, std::shared_ptr<void> contents) {
+  if (array_bytes(dtype, ndim, shape) < 0 || !is_legal_name(name)) return false;
+  place(name, dtype, ndim, shape, std::move(contents), WEFT_SHARED);
+  return true;
+}
+
+void Record::place(std::string_view name, std::int32_t dtype, std::int32_t ndim,
+                   const std::int64_t* shape, std::shared_ptr<void> contents, weft_memory kind) {
   const std::size_t index = slot_of(name);
-  entries_[index].memory.reset(memory,
-                               [](void* p) { ::operator delete (p, std::align_val_t{64}); });
   weft_array array{};
   array.name = entries_[index].name->c_str();
   array.dtype = dtype;
   array.ndim = ndim;
-  array.data = memory;
+  array.data = contents.get();
+  array.memory = kind;
   std::int64_t stride = dtype_size(dtype);
   for (int axis = ndim - 1; axis >= 0; --axis) {
     array.shape[axis] = shape[axis];
@@ -108,7 +127,7 @@ void* Record::allocate(std::string_view name, std::int32_t dtype, std::int32_t n
     stride *= shape[axis];
   }
   arrays_[index] = array;
-  return memory;
+  entries_[index].memory = std::move(contents);
 }
 
 weft_record Record::view(const char* slot) const {
@@ -123,6 +142,14 @@ void Record::share(const Record& other, std::string_view name) {
     arrays_[index] = other.arrays_[i];
     arrays_[index].name = entries_[index].name->c_str();
   }
+}
+
+std::shared_ptr<const Record> Record::alias() const {
+  auto same = std::make_shared<Record>(type_);
+  for (const Entry& entry : entries_) same->share(*this, *entry.name);
+  same->revision_ = revision_;
+  same->producer_ = producer_;
+  return same;
 }
 
 Result<void> validate(const weft_record& record) {

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <weft/core/suggest.hpp>
 #include <weft/host/build_id.hpp>
+#include <weft/host/processor.hpp>
 #include <weft/host/registry.hpp>
 #include <weft/sdk/roles.hpp>
 
@@ -16,18 +17,9 @@ namespace fs = std::filesystem;
 
 /// Features that a library assumes and this processor lacks.
 std::string missing_features(const std::vector<std::string>& isa) {
-  const auto has = [](const std::string& feature) {
-    if (feature == "sse4.2") return __builtin_cpu_supports("sse4.2") != 0;
-    if (feature == "avx") return __builtin_cpu_supports("avx") != 0;
-    if (feature == "avx2") return __builtin_cpu_supports("avx2") != 0;
-    if (feature == "fma") return __builtin_cpu_supports("fma") != 0;
-    if (feature == "bmi2") return __builtin_cpu_supports("bmi2") != 0;
-    if (feature == "avx512f") return __builtin_cpu_supports("avx512f") != 0;
-    return false;
-  };
   std::string missing;
   for (const std::string& feature : isa) {
-    if (!has(feature)) missing += (missing.empty() ? "" : " ") + feature;
+    if (!processor_has(feature)) missing += (missing.empty() ? "" : " ") + feature;
   }
   return missing;
 }
@@ -92,8 +84,7 @@ std::optional<Refusal> check(const Manifest& manifest) {
   }
   if (manifest.abi_major != WEFT_ABI_MAJOR || manifest.abi_minor != WEFT_ABI_MINOR) {
     return refuse("it has plugin ABI " + std::to_string(manifest.abi_major) + "." +
-                      std::to_string(manifest.abi_minor) + ", this host has " +
-                      std::to_string(WEFT_ABI_MAJOR) + "." + std::to_string(WEFT_ABI_MINOR),
+                      std::to_string(manifest.abi_minor) + ", this host has " + abi_version(),
                   "rebuild the plugin against this version of Weft");
   }
   const auto build_id = read_build_id(manifest.library);

@@ -20,7 +20,7 @@ struct Place {
 const Place kSource{"the source", {"use", "params"}, {"sources"}};
 const Place kTemplate{"the template", {"use", "params"}, {"templates"}};
 const Place kStage{"a stage",
-                   {"use", "params", "as", "from", "template_params"},
+                   {"use", "params", "as", "from", "template_params", "isolate", "deadline_ms"},
                    {"detectors", "matchers", "filters", "warps", "passes", "solvers"}};
 const Place kSink{"a sink", {"use", "params", "from"}, {"sinks"}};
 
@@ -175,6 +175,7 @@ class Loader {
       stage.name = names[i];
       read_name(item, stage);
       read_from(item, stage);
+      read_isolation(item, stage);
       if (stage.component.installed != nullptr) read_template_params(item, stage);
       stages.push_back(std::move(stage));
     }
@@ -223,6 +224,22 @@ class Loader {
         stage.from.push_back(std::move(rule));
       }
     }
+  }
+
+  void read_isolation(const yaml::Node& item, StageConfig& stage) {
+    const yaml::Node* isolate = item.find("isolate");
+    const yaml::Node* deadline = item.find("deadline_ms");
+    if (isolate != nullptr && isolate->scalar != "process") {
+      problem(isolate->at, "'isolate' must be process; leave it out to run the stage in here");
+    }
+    if (deadline == nullptr && isolate == nullptr) return;
+    if (isolate == nullptr) {
+      return problem(deadline->at,
+                     "'deadline_ms' needs 'isolate: process': only a process can be ended");
+    }
+    std::int64_t deadline_ms = 0;
+    read_integer(item, "deadline_ms", 1, 86'400'000, deadline_ms);
+    stage.isolation = host::Isolation{{}, std::chrono::milliseconds(deadline_ms)};
   }
 
   void read_template_params(const yaml::Node& item, StageConfig& stage) {

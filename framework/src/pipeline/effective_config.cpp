@@ -29,6 +29,13 @@ yaml::Node effective_stage(const StageConfig& stage) {
   if (stage.on_template) {
     node.entries.push_back({"template_params", {}, *stage.on_template->effective.find("params")});
   }
+  if (stage.isolation) {
+    node.entries.push_back({"isolate", {}, scalar("process")});
+    const auto deadline_ms = stage.isolation->deadline.count();
+    if (deadline_ms > 0) {
+      node.entries.push_back({"deadline_ms", {}, scalar(std::to_string(deadline_ms))});
+    }
+  }
   return node;
 }
 

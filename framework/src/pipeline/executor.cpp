@@ -40,47 +40,25 @@ void add_numbers(const RecordPtr& record, StageReport& report) {
   }
 }
 
+Result<host::Instance*> instantiate(host::Lane& lane, const StageConfig& stage,
+                                    const host::ComponentSpec& component) {
+  return stage.isolation ? lane.instantiate_apart(component, stage.name, *stage.isolation)
+                         : lane.instantiate(component, stage.name);
+}
+
+void keep_for_evaluation(const std::string& stage, const Record& matches, const Record& mask,
+                         host::NamedRecords& filtered) {
+  filtered.emplace_back(stage + ".matches", part_of(matches, {"template_px", "image_px", "face",
+                                                              "barycentrics", "kept", "score"}));
+  filtered.emplace_back(stage + ".inlier_mask", part_of(mask, {"kept", "score"}));
+}
+
 double since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
       .count();
 }
 
 }  // namespace
-
-const char* to_string(StageStatus status) {
-  constexpr const char* kNames[] = {"ok", "degenerate", "no_result", "error", "skipped"};
-  return kNames[static_cast<int>(status)];
-}
-
-bool FrameResult::failed() const {
-  return std::any_of(stages.begin(), stages.end(),
-                     [](const StageReport& report) { return report.status == StageStatus::error; });
-}
-
-StageReport report_of(const std::string& stage, const Outcome& outcome, double ms) {
-  StageReport report{stage, StageStatus::ok, {}, ms, {}};
-  if (outcome.status == WEFT_OK) return report;
-  report.status = outcome.status == WEFT_DEGENERATE  ? StageStatus::degenerate
-                  : outcome.status == WEFT_NO_RESULT ? StageStatus::no_result
-                                                     : StageStatus::error;
-  report.reason = outcome.error.message;
-  if (report.status == StageStatus::error && !outcome.error.where.empty()) {
-    report.reason = outcome.error.where + ": " + report.reason;
-  }
-  return report;
-}
-
-std::string gather(const Node& node, const FrameResult& result, std::vector<weft_record>& inputs) {
-  for (const InputLink& link : node.inputs) {
-    const auto index = static_cast<std::size_t>(link.value);
-    if (const RecordPtr& record = result.values[index]) {
-      inputs.push_back(record->view(link.slot.c_str()));
-    } else if (link.required) {
-      return result.causes[index];
-    }
-  }
-  return {};
-}
 
 Executor::Executor(const PipelineConfig& config, const Graph& graph, host::Lane& lane,
                    RecordPtr templ, RecordPtr camera)
@@ -101,18 +79,17 @@ Result<std::unique_ptr<Executor>> Executor::create(const PipelineConfig& config,
   executor->vertices_ = {sheet->flat_px, 1};
   for (std::size_t i = 0; i < config.stages.size(); ++i) {
     const StageConfig& stage = config.stages[i];
-    const auto instance = lane.instantiate(stage.component, stage.name);
+    const auto instance = instantiate(lane, stage, stage.component);
     if (!instance) return instance.error();
     if (auto ready = lane.prepare(**instance, *executor->template_, *executor->camera_); !ready) {
       return ready.error();
     }
     executor->stages_.push_back(
-        {&stage, &graph.stages[i], *instance, stage.component.component().role(), nullptr});
+        {&stage, &graph.stages[i], *instance, stage.component.component().role(), nullptr, false});
     if (auto found = executor->detect_on_template(executor->stages_.back()); !found) {
       return found.error();
     }
   }
-  lane.take_timings();
   return executor;
 }
 
@@ -120,7 +97,7 @@ Result<void> Executor::detect_on_template(Stage& stage) {
   if (stage.role != "detectors") return {};
   host::Instance* instance = stage.instance;
   if (stage.config->on_template) {
-    const auto own = lane_.instantiate(*stage.config->on_template, stage.config->name);
+    const auto own = instantiate(lane_, *stage.config, *stage.config->on_template);
     if (!own) return own.error();
     if (auto ready = lane_.prepare(**own, *template_, *camera_); !ready) return ready;
     instance = *own;
@@ -181,6 +158,24 @@ FrameResult Executor::process(const FrameInput& input) {
   return result;
 }
 
+void Executor::keep_calls_of(const std::string& name) {
+  for (Stage& stage : stages_) stage.is_kept = stage.is_kept || stage.config->name == name;
+}
+
+void Executor::keep_call(const Stage& stage, const Outcome& outcome, FrameResult& result) const {
+  StageCall call{stage.config->name, result.index, {}, outcome};
+  for (const InputLink& link : stage.node->inputs) {
+    const RecordPtr& record = result.values[static_cast<std::size_t>(link.value)];
+    if (record == nullptr) continue;
+    GivenRecord& given = call.inputs.emplace_back(GivenRecord{link.slot, record, {}});
+    const std::uint64_t producer = record->view("").producer;
+    for (const Stage& other : stages_) {
+      if (host::handle_of(*other.instance) == producer) given.producer = other.config->name;
+    }
+  }
+  result.calls.push_back(std::move(call));
+}
+
 StageReport Executor::run_stage(Stage& stage, FrameResult& result) {
   std::vector<weft_record> inputs;
   const std::string cause = gather(*stage.node, result, inputs);
@@ -188,6 +183,7 @@ StageReport Executor::run_stage(Stage& stage, FrameResult& result) {
   if (cause.empty()) {
     const auto start = std::chrono::steady_clock::now();
     Outcome outcome = lane_.call(*stage.instance, 0, inputs, result.index);
+    if (stage.is_kept) keep_call(stage, outcome, result);
     if (outcome.usable()) {
       if (auto stored = store(stage, outcome, result); !stored) {
         const Error& error = stored.error();
@@ -213,11 +209,13 @@ StageReport Executor::run_stage(Stage& stage, FrameResult& result) {
 }
 
 Result<std::vector<RecordPtr>> Executor::outputs_of(const Stage& stage, const Outcome& outcome,
-                                                    const FrameResult& result) {
+                                                    FrameResult& result) {
   if (stage.role == "filters") {
     const auto before = static_cast<std::size_t>(stage.node->inputs.front().value);
-    const auto composed = with_mask(*result.values[before], *outcome.find("inlier_mask"));
+    const RecordPtr mask = outcome.find("inlier_mask");
+    const auto composed = with_mask(*result.values[before], *mask);
     if (!composed) return composed.error();
+    keep_for_evaluation(stage.config->name, *result.values[before], *mask, result.filtered);
     return std::vector<RecordPtr>{*composed};
   }
   if (stage.role == "warps") {

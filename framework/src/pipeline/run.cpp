@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <chrono>
 #include <weft/pipeline/checks.hpp>
+#include <weft/pipeline/dump.hpp>
 #include <weft/pipeline/run.hpp>
 #include <weft/pipeline/run_folder.hpp>
+#include <weft/pipeline/trace.hpp>
 
 namespace weft {
 namespace {
@@ -32,16 +35,26 @@ RecordPtr need_output(const Outcome& outcome, const char* slot) {
   return outcome.find(slot);
 }
 
+/// Where records stand when another process is to read them.
+std::shared_ptr<host::SharedArena> arena_for(const PipelineConfig& config) {
+  const bool isolated = std::any_of(config.stages.begin(), config.stages.end(),
+                                    [](const StageConfig& stage) { return stage.isolation; });
+  return isolated ? need(host::SharedArena::create()) : nullptr;
+}
+
 class Run {
  public:
   Run(const CheckedPipeline& pipeline, const std::string& folder, RunObserver& observer,
-      const std::atomic<bool>& cancel)
+      const std::atomic<bool>& cancel, const std::vector<std::string>& dumped)
       : config_(pipeline.config),
         graph_(pipeline.graph),
         observer_(observer),
         cancel_(cancel),
-        lane_(pipeline.config.seed, {}),
-        folder_path_(folder) {}
+        dumped_(dumped),
+        lane_(pipeline.config.seed, {}, arena_for(pipeline.config)),
+        folder_path_(folder) {
+    lane_.watch(&cancel_);
+  }
 
   RunSummary run() {
     try {
@@ -51,10 +64,10 @@ class Run {
         if (cancel_.load() || !frame(static_cast<std::uint64_t>(index))) break;
       }
     } catch (const Failed&) {
-      static_cast<void>(close_sinks());  // the first error is the one to report
+      static_cast<void>(finish());  // the first error is the one to report
       throw;
     }
-    need(close_sinks());
+    need(finish());
     summary_.folder = folder_->path();
     summary_.stopped = summary_.stopped || cancel_.load();
     return summary_;
@@ -68,6 +81,7 @@ class Run {
   };
 
   void open() {
+    need(Dump::check_names(config_, dumped_));
     source_ = need(lane_.instantiate(config_.source->component, config_.source->name));
     camera_ = need_output(lane_.call(*source_, kOpen, {}, host::kOfflineFrame), "camera");
     check(check_camera(*camera_), *config_.source);
@@ -82,8 +96,11 @@ class Run {
     // Not before: a run that cannot start leaves no folder behind.
     folder_.emplace(need(RunFolder::create(folder_path_)));
     need(folder_->begin(config_, *template_, *camera_));
+    trace_.emplace(need(Trace::create(folder_->path() + "/trace.json")));
+    dump_.emplace(need(Dump::create(folder_->path(), config_, dumped_, template_, camera_)));
+    for (const std::string& stage : dumped_) executor_->keep_calls_of(stage);
     open_sinks();
-    lane_.take_timings();
+    need(trace_->add(lane_.take_timings()));
   }
 
   void open_sinks() {
@@ -125,6 +142,7 @@ class Run {
     if (!read.usable()) input.failure = read.error.message;
     FrameResult result = executor_->process(input);
     result.stages.insert(result.stages.begin(), source_report);
+    if (result.failed() && cancel_.load()) return false;  // cut short: this is no result
     for (const Sink& sink : sinks_) result.stages.push_back(write(sink, result));
     for (const host::Timing& timing : lane_.take_timings()) result.timings.push_back(timing);
     RecordPtr truth;
@@ -132,6 +150,8 @@ class Run {
       if (slot == "ground_truth") truth = record;
     }
     need(folder_->add(result, truth));
+    need(trace_->add(result));
+    need(dump_->add(result));
     ++summary_.frames;
     summary_.failed += result.failed() ? 1 : 0;
     observer_.frame_done(result);
@@ -149,8 +169,19 @@ class Run {
     return report_of(sink.config->name, outcome, ms.count());
   }
 
+  /// Finishes sinks and trace; the first error counts.
+  Result<void> finish() {
+    Result<void> status = close_sinks();
+    if (!trace_) return status;
+    for (const auto& written : {trace_->add(lane_.take_timings()), trace_->close()}) {
+      if (status && !written) status = written;
+    }
+    return status;
+  }
+
   /// Finishes all sinks, whatever one of them says; the first error counts.
   Result<void> close_sinks() {
+    lane_.watch(nullptr);  // what was written so far is finished also when the run was cancelled
     Result<void> status;
     for (const Sink& sink : sinks_) {
       const Outcome closed = lane_.call(*sink.instance, kFinish, {}, host::kOfflineFrame);
@@ -165,9 +196,12 @@ class Run {
   const Graph& graph_;
   RunObserver& observer_;
   const std::atomic<bool>& cancel_;
+  const std::vector<std::string>& dumped_;  ///< names of stages
   host::Lane lane_;
   std::string folder_path_;
   std::optional<RunFolder> folder_;
+  std::optional<Trace> trace_;
+  std::optional<Dump> dump_;
   host::Instance* source_ = nullptr;
   RecordPtr camera_;
   RecordPtr template_;
@@ -191,9 +225,10 @@ std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file,
 }
 
 Result<RunSummary> run_pipeline(const CheckedPipeline& pipeline, const std::string& output_folder,
-                                RunObserver& observer, const std::atomic<bool>& cancel) {
+                                RunObserver& observer, const std::atomic<bool>& cancel,
+                                const std::vector<std::string>& dumped) {
   try {
-    return Run(pipeline, output_folder, observer, cancel).run();
+    return Run(pipeline, output_folder, observer, cancel, dumped).run();
   } catch (const Failed& failed) {
     return failed.error;
   }

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <weft/core/version.hpp>
+#include <weft/host/processor.hpp>
 #include <weft/pipeline/run_folder.hpp>
 
 namespace weft {
@@ -29,14 +30,6 @@ Result<void> write_text(const std::string& file, const std::string& text) {
   if (stream) fs::rename(temporary, file, code);
   if (!stream || code) return io_error(file, "cannot be written; is the disk full?");
   return {};
-}
-
-std::string processor() {
-  std::ifstream stream("/proc/cpuinfo");
-  for (std::string line; std::getline(stream, line);) {
-    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
-  }
-  return "unknown";
 }
 
 void add_components(const host::ComponentSpec& spec, const std::string& stage,
@@ -80,7 +73,7 @@ ordered_json provenance(const PipelineConfig& config) {
           {"sources", source_names(config.sources)},
           {"seed", config.seed},
           {"reproducible", true},
-          {"machine", {{"processor", processor()}, {"system", system.release}}},
+          {"machine", {{"processor", host::processor_name()}, {"system", system.release}}},
           {"components", std::move(components)}};
 }
 
@@ -145,6 +138,7 @@ Result<void> RunFolder::add(const FrameResult& frame, const host::RecordPtr& gro
   host::NamedRecords records;
   if (frame.shape != nullptr) records.emplace_back("shape", frame.shape);
   if (ground_truth != nullptr) records.emplace_back("ground_truth", ground_truth);
+  records.insert(records.end(), frame.filtered.begin(), frame.filtered.end());
   if (!records.empty()) {
     const std::string file = path_ + "/frames/" + frame_name(frame.index) + ".npz";
     if (auto written = host::write_npz(file, records); !written) return written;

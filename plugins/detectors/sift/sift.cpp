@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <numbers>
 #include <opencv2/features2d.hpp>
-#include <opencv2/imgproc.hpp>
-#include <string>
 #include <vector>
 #include <weft/sdk/detector.hpp>
 
-#include "selection.hpp"
+#include "common/answer.hpp"
+#include "common/grey_image.hpp"
+#include "common/selection.hpp"
 
 namespace weft::sift {
 namespace {
@@ -54,50 +53,17 @@ class Sift final : public Detector {
   }
 
   Result<Keypoints> detect(const DetectorInput& in) override {
-    const Array<std::uint8_t>& pixels = in.image.pixels;
-    if (pixels.size() == 0) {
-      return Error{Errc::invalid_data, "the image is empty; give at least one pixel", {}};
-    }
-    if (in.region &&
-        (in.region->mask.dim(0) != pixels.dim(0) || in.region->mask.dim(1) != pixels.dim(1))) {
-      return Error{Errc::invalid_data,
-                   "the region is " + size_text(in.region->mask) + " and the image " +
-                       size_text(pixels) + "; give a mask of the image's size",
-                   {}};
-    }
+    if (auto valid = detectors::check(in); !valid) return valid.error();
     if (in.call.cancelled()) return Error{Errc::cancelled, "cancelled", {}};
     if (detector_ == nullptr) make_detector();
-    return answer(select(grey_of(pixels), in.region ? &in.region->mask : nullptr));
+    const cv::Mat grey = detectors::grey_image(in.image.pixels, grey_);
+    return answer(select(grey, in.region ? &in.region->mask : nullptr));
   }
 
  private:
-  static std::string size_text(const Array<std::uint8_t>& image) {
-    return std::to_string(image.dim(1)) + " x " + std::to_string(image.dim(0));
-  }
-
   void make_detector() {
     detector_ =
         cv::SIFT::create(0, octave_layers_, contrast_threshold_, edge_threshold_, sigma_px_);
-  }
-
-  /// The image as one grey channel; borrows the pixels where it can.
-  cv::Mat grey_of(const Array<std::uint8_t>& pixels) {
-    const auto height = static_cast<int>(pixels.dim(0));
-    const auto width = static_cast<int>(pixels.dim(1));
-    const int type = pixels.ndim() == 3 ? CV_8UC3 : CV_8UC1;
-    cv::Mat view;
-    if (pixels.row_stride() >= pixels.row_elements()) {
-      view = cv::Mat(height, width, type, const_cast<std::uint8_t*>(pixels.data()),
-                     static_cast<std::size_t>(pixels.row_stride()));
-    } else {
-      view.create(height, width, type);
-      for (int y = 0; y < height; ++y) {
-        std::copy_n(pixels.row(y), pixels.row_elements(), view.ptr(y));
-      }
-    }
-    if (type == CV_8UC1) return view;
-    cv::cvtColor(view, grey_, cv::COLOR_BGR2GRAY);
-    return grey_;
   }
 
   /// The keypoints of the answer in their order, with descriptors. Describing everything at once
@@ -123,8 +89,9 @@ class Sift final : public Detector {
       for (std::size_t i = 0; i < order.size(); ++i) {
         found.descriptors.row(order[i]).copyTo(selected.descriptors.row(static_cast<int>(i)));
       }
-    } else if (!order.empty()) {
-      selected.descriptors = describe(grey, selected.keypoints);
+    } else {
+      selected.descriptors = order.empty() ? cv::Mat(0, kDescriptorLength, CV_32F)
+                                           : describe(grey, selected.keypoints);
     }
     return selected;
   }
@@ -134,10 +101,7 @@ class Sift final : public Detector {
     for (cv::KeyPoint& keypoint : keypoints) {
       keypoint.pt -= cv::Point2f(kDoublingOffsetPx, kDoublingOffsetPx);
     }
-    std::vector<int> order = canonical_order(keypoints);
-    if (mask != nullptr) keep_inside(keypoints, *mask, order);
-    keep_spread(keypoints, image, max_keypoints_, buckets_, order);
-    return order;
+    return detectors::selection(keypoints, image, mask, max_keypoints_, buckets_);
   }
 
   /// OpenCV builds the doubled octave only if a keypoint lies in it, and describes the others
@@ -153,32 +117,15 @@ class Sift final : public Detector {
     return descriptors.rowRange(0, descriptors.rows - 1);
   }
 
-  Result<Keypoints> answer(const Found& found) const {
-    const auto count = static_cast<std::int64_t>(found.keypoints.size());
-    Keypoints keypoints;
-    keypoints.xy_px = Array<double>({count, 2});
-    keypoints.scale_px = Array<double>({count});
-    keypoints.angle_rad = Array<double>({count});
-    keypoints.response = Array<double>({count});
-    keypoints.octave = Array<std::int32_t>({count});
-    keypoints.metric = "l2";
-    keypoints.descriptors = Array<float>({count, kDescriptorLength});
+  Result<Keypoints> answer(Found found) const {
+    for (cv::KeyPoint& keypoint : found.keypoints) {
+      keypoint.pt -= cv::Point2f(kDoublingOffsetPx, kDoublingOffsetPx);
+      keypoint.octave = octave_of(keypoint);
+    }
     // A blob of Gaussian profile answers strongest between the two scales whose difference was
     // taken, and OpenCV names the finer one.
-    const double blob_sigma_per_scale = std::exp2(0.5 / octave_layers_);
-    for (std::int64_t i = 0; i < count; ++i) {
-      const cv::KeyPoint& keypoint = found.keypoints[static_cast<std::size_t>(i)];
-      keypoints.xy_px(i, 0) = static_cast<double>(keypoint.pt.x - kDoublingOffsetPx);
-      keypoints.xy_px(i, 1) = static_cast<double>(keypoint.pt.y - kDoublingOffsetPx);
-      keypoints.scale_px(i) = 0.5 * static_cast<double>(keypoint.size) * blob_sigma_per_scale;
-      keypoints.angle_rad(i) = static_cast<double>(keypoint.angle) * std::numbers::pi / 180.0;
-      keypoints.response(i) = static_cast<double>(keypoint.response);
-      keypoints.octave(i) = octave_of(keypoint);
-      std::copy_n(found.descriptors.ptr<float>(static_cast<int>(i)), kDescriptorLength,
-                  keypoints.descriptors.row(i));
-    }
-    if (count == 0) return degenerate(std::move(keypoints), "no keypoints");
-    return keypoints;
+    return detectors::answer(found.keypoints, found.descriptors,
+                             0.5 * std::exp2(0.5 / octave_layers_));
   }
 
   int max_keypoints_ = 4000;

@@ -5,8 +5,8 @@
 #include <vector>
 #include <weft/data/array.hpp>
 
+#include "common/point_index.hpp"
 #include "distance_rows.hpp"
-#include "point_index.hpp"
 
 namespace weft::descriptor {
 
@@ -36,7 +36,7 @@ class NearestSearch {
  private:
   void look_back(int query, const float* row);
 
-  PointIndex places_;
+  matchers::PointIndex places_;
   std::vector<float> rows_;
   std::vector<Nearest> nearest_;
   std::vector<float> best_query_distance_;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pruning.hpp"
 
+#include <algorithm>
 #include <numeric>
 #include <tuple>
 
-#include "point_index.hpp"
+#include "common/duplicates.hpp"
 
 namespace weft::descriptor {
 namespace {
@@ -47,21 +48,13 @@ void keep_one_per_image_point(std::vector<Match>& matches) {
 
 void merge_duplicates(double radius_px, std::vector<Match>& matches) {
   if (radius_px == 0.0) return;
-  const auto at = [&](int i) -> const Match& { return matches[static_cast<std::size_t>(i)]; };
-  PointIndex template_points;
-  template_points.load(static_cast<int>(matches.size()), [&](int i) { return at(i).template_px; });
-  const std::vector<int> order =
-      sorted_indices(matches.size(), [&](int i, int j) { return quality(at(i)) < quality(at(j)); });
-  std::vector<char> keep(matches.size(), 0);
-  for (const int i : order) {
-    bool merged = false;
-    template_points.for_each_within(at(i).template_px, radius_px, [&](int j) {
-      merged = merged || (keep[static_cast<std::size_t>(j)] != 0 &&
-                          (at(j).image_px - at(i).image_px).norm() <= radius_px);
-    });
-    keep[static_cast<std::size_t>(i)] = merged ? 0 : 1;
-  }
-  keep_flagged(keep, matches);
+  const std::vector<int> order = sorted_indices(matches.size(), [&](int i, int j) {
+    return quality(matches[static_cast<std::size_t>(i)]) <
+           quality(matches[static_cast<std::size_t>(j)]);
+  });
+  std::vector<matchers::PointPair> pairs;
+  for (const Match& match : matches) pairs.push_back({match.template_px, match.image_px});
+  keep_flagged(matchers::distinct(pairs, order, radius_px, radius_px), matches);
 }
 
 }  // namespace weft::descriptor

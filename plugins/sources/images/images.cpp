@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <map>
-#include <opencv2/core.hpp>
 #include <weft/core/suggest.hpp>
 #include <weft/sdk/source.hpp>
 
-#include "camera_file.hpp"
+#include "common/calibrated_camera.hpp"
 #include "frame_files.hpp"
 #include "image_file.hpp"
 #include "truth_file.hpp"
-#include "undistorter.hpp"
 
 namespace weft::images {
 namespace {
@@ -41,14 +39,13 @@ class Images final : public Source {
   Result<Camera> open(const Call&) override {
     frames_.clear();
     frame_of_.clear();
-    auto camera = read_camera_file(camera_path_);
+    auto camera = sources::CalibratedCamera::read(camera_path_);
     if (!camera) return camera.error();
-    camera_ = camera->camera;
-    undistorter_ = Undistorter(*camera);
+    camera_ = *std::move(camera);
     if (auto listed = list_frames(); !listed) return listed.error();
     if (auto attached = attach_truth(); !attached) return attached.error();
     if (auto marked = mark_apart(); !marked) return marked.error();
-    return camera_;
+    return camera_.pinhole();
   }
 
   std::int64_t count() const override { return static_cast<std::int64_t>(frames_.size()); }
@@ -61,7 +58,9 @@ class Images final : public Source {
                    {}};
     }
     const Frame& frame = frames_[static_cast<std::size_t>(index)];
-    auto image = read_image(frame);
+    const auto stored = read_image_file(frame.path);
+    if (!stored) return stored.error();
+    auto image = camera_.undistorted(*stored, frame.path, frame.stem);
     if (!image) return image.error();
     SourceFrame result;
     result.image = *std::move(image);
@@ -141,36 +140,13 @@ class Images final : public Source {
     return found == frame_of_.end() ? nullptr : &frames_[found->second];
   }
 
-  Result<Image> read_image(const Frame& frame) const {
-    auto stored = read_image_file(frame.path);
-    if (!stored) return stored.error();
-    const std::int64_t width = stored->cols, height = stored->rows;
-    if (width != camera_.width_px || height != camera_.height_px) {
-      return Error{Errc::invalid_data,
-                   frame.path + ": is " + std::to_string(width) + " x " + std::to_string(height) +
-                       " px, but " + camera_path_ + " describes images of " +
-                       std::to_string(camera_.width_px) + " x " +
-                       std::to_string(camera_.height_px) +
-                       " px: use the images that were calibrated, or correct the camera file",
-                   {}};
-    }
-    Image image;
-    image.stem = frame.stem;
-    image.pixels = stored->channels() == 1 ? Array<std::uint8_t>({height, width})
-                                           : Array<std::uint8_t>({height, width, 3});
-    cv::Mat target(stored->size(), stored->type(), image.pixels.data());
-    undistorter_.apply(*stored, target);
-    return image;
-  }
-
   std::string path_;
   std::string camera_path_;
   std::string truth_path_;
   std::vector<std::pair<std::string, std::string>> apart_;
   double fps_ = 30.0;
 
-  Camera camera_;
-  Undistorter undistorter_;
+  sources::CalibratedCamera camera_;
   std::vector<Frame> frames_;
   std::map<std::string, std::size_t> frame_of_;  // index of each stem
 };

@@ -47,8 +47,10 @@ std::vector<Thing> draw_things(double width, double height, Rng& rng) {
 std::vector<float> draw_background(int width, int height, std::uint64_t seed) {
   Rng rng(seed);
   std::vector<ValueNoise> layers;
-  for (double cell = 0.4 * height; cell > 8.0; cell *= 0.5) {
-    layers.emplace_back(width, height, cell, rng);
+  double cell_px = 0.4 * height;
+  while (cell_px > 8.0) {
+    layers.emplace_back(width, height, cell_px, rng);
+    cell_px *= 0.5;
   }
   const std::vector<Thing> things = draw_things(width, height, rng);
   std::vector<float> grey;

@@ -25,8 +25,9 @@ class ValueNoise {
     const double a = x / cell_, b = y / cell_;
     const double i = std::floor(a), j = std::floor(b);
     const double s = blend(a - i), t = blend(b - j);
-    const auto k = static_cast<std::size_t>(static_cast<int>(j) * columns_ + static_cast<int>(i));
-    const auto below = k + static_cast<std::size_t>(columns_);
+    const auto columns = static_cast<std::size_t>(columns_);
+    const auto k = static_cast<std::size_t>(j) * columns + static_cast<std::size_t>(i);
+    const auto below = k + columns;
     return (1.0 - t) * ((1.0 - s) * values_[k] + s * values_[k + 1]) +
            t * ((1.0 - s) * values_[below] + s * values_[below + 1]);
   }

@@ -168,8 +168,8 @@ class Synthetic final : public Source {
     truth.template_xy_m = Array<double>({count, 2});
     truth.points_m = Array<double>({count, 3});
     for (std::int64_t k = 0; k < count; ++k) {
-      const auto i = static_cast<double>(k % truth_columns_);
-      const auto j = static_cast<double>(k / truth_columns_);
+      const std::int64_t column = k % truth_columns_, row = k / truth_columns_;
+      const auto i = static_cast<double>(column), j = static_cast<double>(row);
       const double x = pitch_m_[0] * (i * texture_size_[0] / (truth_columns_ - 1) - 0.5);
       const double y = pitch_m_[1] * (j * texture_size_[1] / (truth_rows_ - 1) - 0.5);
       truth.template_xy_m.matrix<2>().row(k) << x, y;

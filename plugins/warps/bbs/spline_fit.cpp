@@ -77,7 +77,7 @@ bool SplineFit::fit_affine(std::span<const double> weights) {
     cross += w[k] * arm * (values_px_.row(k) - offset_px_);
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(scatter / sum);
-  const Eigen::Vector2d variance = axes.eigenvalues();
+  const Eigen::Vector2d& variance = axes.eigenvalues();
   const bool collinear = !(variance[0] > kCollinear * variance[1]);
   Eigen::Vector2d inverse = Eigen::Vector2d::Zero();
   if (!collinear) inverse[0] = 1.0 / variance[0];

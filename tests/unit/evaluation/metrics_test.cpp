@@ -14,7 +14,7 @@ namespace {
 constexpr double kExact = 1e-9;
 
 RunMetrics evaluated(const TestRun& run, Alignment alignment = Alignment::none) {
-  const auto metrics = evaluate_run(run.folder(), {alignment});
+  const auto metrics = evaluate_run(run.folder(), {alignment, 2.0});
   if (!metrics) throw std::runtime_error(metrics.error().where + ": " + metrics.error().message);
   return *metrics;
 }

@@ -55,8 +55,8 @@ TEST_F(ComponentSpecTest, WithoutParametersAllDefaultsAreEffective) {
     EXPECT_EQ(effective(resolved, "length_mm"), "12.5");
     EXPECT_EQ(effective(resolved, "colour"), "green");
     ASSERT_EQ(resolved.spec->nested.size(), 1U);
-    EXPECT_EQ(resolved.spec->nested[0].first, "warp");
-    EXPECT_EQ(resolved.spec->nested[0].second.component().id, "warps/zoo_shift");
+    EXPECT_EQ(resolved.spec->nested[0].parameter, "warp");
+    EXPECT_EQ(resolved.spec->nested[0].component.component().id, "warps/zoo_shift");
   }
 }
 

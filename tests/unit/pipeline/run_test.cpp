@@ -52,8 +52,9 @@ TEST_F(Runs, LeavesAFolderThatCanBeRead) {
                              {"sinks", "{path: lines.txt}"}}));
   ASSERT_TRUE(ran.summary) << ran.summary.error().message;
   EXPECT_EQ(ran.summary->folder, ran.folder);
-  EXPECT_THAT(files_in(ran.folder), ElementsAre("frames", "frames.jsonl", "lines.txt",
-                                                "manifest.json", "pipeline.yaml", "template.npz"));
+  EXPECT_THAT(files_in(ran.folder),
+              ElementsAre("frames", "frames.jsonl", "lines.txt", "manifest.json", "pipeline.yaml",
+                          "template.npz", "trace.json"));
   EXPECT_THAT(files_in(ran.folder + "/frames"),
               ElementsAre("000000.npz", "000001.npz", "000002.npz"));
   const auto lines = read_lines(ran.folder + "/frames.jsonl");
@@ -74,7 +75,7 @@ TEST_F(Runs, LeavesAFolderThatCanBeRead) {
               ElementsAre("0 no shape 24", "1 weak 24", "2 estimated 24"));
 }
 
-TEST_F(Runs, KeepsShapeAndTruthOfEachFrame) {
+TEST_F(Runs, KeepsShapeTruthAndFilteredMatchesOfEachFrame) {
   const Ran ran =
       run(chain({{"sources", "{truth: true, error_at: [2]}"}, {"solvers", "{no_result_at: [0]}"}}));
   const auto slots = [&](const std::string& frame) {
@@ -84,8 +85,11 @@ TEST_F(Runs, KeepsShapeAndTruthOfEachFrame) {
     for (const auto& [slot, record] : *records) names.push_back(slot + " " + record->type());
     return names;
   };
-  EXPECT_THAT(slots("000000"), ElementsAre("ground_truth ground_truth/1"));
-  EXPECT_THAT(slots("000001"), ElementsAre("shape shape/1", "ground_truth ground_truth/1"));
+  const std::string matches = "filters.matches correspondences/1";
+  const std::string mask = "filters.inlier_mask inlier_mask/1";
+  EXPECT_THAT(slots("000000"), ElementsAre("ground_truth ground_truth/1", matches, mask));
+  EXPECT_THAT(slots("000001"),
+              ElementsAre("shape shape/1", "ground_truth ground_truth/1", matches, mask));
   EXPECT_THAT(slots("000002"), ElementsAre("shape shape/1"));
   const auto records = host::read_npz(ran.folder + "/frames/000002.npz");
   const auto shape = host::view_as<Shape>(*records->front().second);
@@ -98,8 +102,8 @@ TEST_F(Runs, KeepsShapeAndTruthOfEachFrame) {
   EXPECT_EQ(host::view_as<Camera>(*(*given)[1].second)->width_px, 160);
 }
 
-TEST_F(Runs, WritesNoFileForAFrameWithNeitherShapeNorTruth) {
-  const Ran ran = run(chain({{"solvers", "{no_result_at: [0]}"}}));
+TEST_F(Runs, WritesNoFileForAFrameWithNothingToKeep) {
+  const Ran ran = run(chain({{"matchers", "{no_result_at: [0]}"}}));
   EXPECT_THAT(files_in(ran.folder + "/frames"), ElementsAre("000001.npz", "000002.npz"));
   EXPECT_EQ(read_lines(ran.folder + "/frames.jsonl").size(), 3U);
 }

@@ -108,5 +108,42 @@ TEST_F(StageConfigs, RefusesTemplateParamsThatCannotBe) {
                           "9:51: only detectors have template_params"));
 }
 
+TEST_F(StageConfigs, AnIsolatedStageSaysSoInTheEffectiveConfiguration) {
+  const auto [config, report] =
+      load(head() +
+           "stages:\n"
+           "  - {use: matchers/test.pattern, isolate: process, deadline_ms: 250}\n"
+           "  - {use: filters/test.scripted, isolate: process}\n"
+           "  - {use: warps/test.scripted}\n");
+  ASSERT_TRUE(report.ok()) << report.text();
+  EXPECT_EQ(config.stages[0].isolation->deadline.count(), 250);
+  EXPECT_EQ(config.stages[1].isolation->deadline.count(), 0);
+  EXPECT_FALSE(config.stages[2].isolation);
+  const std::string text = effective_yaml(config);
+  const auto [again, second] = load(text);
+  ASSERT_TRUE(second.ok()) << second.text();
+  EXPECT_EQ(effective_yaml(again), text);
+  EXPECT_EQ(again.stages[0].isolation->deadline.count(), 250);
+  EXPECT_TRUE(again.stages[1].isolation);
+  EXPECT_FALSE(again.stages[2].isolation);
+}
+
+TEST_F(StageConfigs, IsolationIsRefusedWhereItMeansNothing) {
+  const auto [config, report] =
+      load(head() +
+           "stages:\n"
+           "  - {use: matchers/test.pattern, isolate: thread}\n"
+           "  - {use: filters/test.scripted, deadline_ms: 250}\n"
+           "  - {use: warps/test.scripted, isolate: process, deadline_ms: 0}\n"
+           "sinks:\n"
+           "  - {use: sinks/test.scripted, isolate: process}\n");
+  EXPECT_THAT(
+      lines(report),
+      ElementsAre("5:43: 'isolate' must be process; leave it out to run the stage in here",
+                  "6:47: 'deadline_ms' needs 'isolate: process': only a process can be ended",
+                  "7:63: 'deadline_ms' must be a whole number from 1 to 86400000",
+                  "9:32: a sink has no key 'isolate'; it may have: use, params, from"));
+}
+
 }  // namespace
 }  // namespace weft

@@ -9,6 +9,7 @@
 #include <weft/core/result.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/evaluation/alignment.hpp>
+#include <weft/evaluation/match_metrics.hpp>
 
 namespace weft::evaluation {
 
@@ -33,6 +34,13 @@ struct PointSummary {
   std::int64_t worst_point = 0;  ///< [] index into the truth
 };
 
+/// Errors in the image, of a solved frame with truth and matches. Never aligned.
+struct ImageMetrics {
+  double reprojection_px = kUnknown;  ///< [] px, mean over the correct matches, see docs/metrics.md
+  double overlay_px = kUnknown;       ///< [] px, mean over the vertices whose true place is known
+  double truth_map_px = kUnknown;     ///< [] px, how well the truth foretells itself
+};
+
 struct FrameMetrics {
   std::uint64_t frame = 0;  ///< [] index from 0
   std::string stem;
@@ -49,6 +57,8 @@ struct FrameMetrics {
   std::string no_error_because;   ///< there is truth, but no error
   double strain_mean = kUnknown;  ///< [] mean |l / l0 - 1| over the edges
   double strain_p95 = kUnknown;   ///< [] 95th percentile of it
+  ImageMetrics image;
+  std::vector<std::pair<std::string, FilterCounts>> filters;  ///< by stage
 
   /// The stem, or the index where there is no stem.
   std::string label() const { return stem.empty() ? std::to_string(frame) : stem; }
@@ -89,6 +99,23 @@ struct GroupMetrics {
   std::int64_t failures() const { return missing + invalid; }
 };
 
+/// Mean |X_t - 2 X_(t-1) + X_(t-2)| over vertices and over runs of three solved frames; of the
+/// truth over its points where the three frames have truth at the same points.
+struct Jitter {
+  std::int64_t triples = 0, truth_triples = 0;
+  double mean_mm = kUnknown;        ///< [] mm
+  double truth_mean_mm = kUnknown;  ///< [] mm
+};
+
+/// Means of ImageMetrics over frames.
+struct ImageSummary {
+  double match_tolerance_px = kUnknown;  ///< [] px
+  std::int64_t reprojection_frames = 0, overlay_frames = 0;
+  double reprojection_px = kUnknown;  ///< [] px
+  double overlay_px = kUnknown;       ///< [] px
+  double truth_map_px = kUnknown;     ///< [] px, median over frames
+};
+
 /// All frames, with truth or without. frames is the sum of the six that follow.
 struct FrameCounts {
   std::int64_t frames = 0;
@@ -104,14 +131,18 @@ struct RunMetrics {
   bool interrupted = false;              ///< the run was killed while it wrote a frame's line
   std::vector<std::string> truth_users;  ///< components that may have read the truth
   FrameCounts counts;
-  double strain_mean = kUnknown;     ///< [] mean over all solved frames
-  std::vector<GroupMetrics> groups;  ///< by kind, then reason; kinds without a reason first
-  GroupMetrics all;                  ///< every frame with truth that is not apart
+  double strain_mean = kUnknown;       ///< [] mean over all solved frames
+  std::vector<GroupMetrics> groups;    ///< by kind, then reason; kinds without a reason first
+  GroupMetrics all;                    ///< every frame with truth that is not apart
+  ImageSummary image;                  ///< frames apart are left out
+  std::vector<FilterMetrics> filters;  ///< by stage; frames apart are left out
+  Jitter jitter;
   std::vector<FrameMetrics> frames;  ///< in order
 };
 
 struct EvaluationOptions {
   Alignment alignment = Alignment::none;
+  double match_tolerance_px = 2.0;  ///< [] px, a match this near its true place is correct
 };
 
 /// Evaluates a run folder against the ground truth in it; changes nothing. A run without truth has

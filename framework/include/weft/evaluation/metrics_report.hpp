@@ -18,7 +18,11 @@ std::string to_table(const RunMetrics& metrics);
 /// folder never mixes them.
 std::string metrics_file_name(Alignment alignment);
 
-/// Writes to_json to a file, which appears whole: it is renamed from a temporary name beside it.
+/// One row a frame, as comma-separated values with a header; what is unknown is empty.
+std::string to_csv(const RunMetrics& metrics);
+
+/// Write a file, which appears whole: it is renamed from a temporary name beside it.
 Result<void> write_json(const RunMetrics& metrics, const std::string& file);
+Result<void> write_csv(const RunMetrics& metrics, const std::string& file);
 
 }  // namespace weft::evaluation

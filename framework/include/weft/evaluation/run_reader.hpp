@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 #include <vector>
+#include <weft/data/camera.hpp>
+#include <weft/data/correspondences.hpp>
 #include <weft/data/ground_truth.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/data/template.hpp>
@@ -20,10 +22,18 @@ struct FrameLine {
   bool failed = false;  ///< a stage, the source or a sink had an error
 };
 
+/// The matches that entered a filter, and its verdict on them.
+struct FilterRecords {
+  std::string stage;
+  Correspondences matches;
+  InlierMask mask;
+};
+
 /// The records of one frame; the nouns borrow from `owners`.
 struct FrameRecords {
   std::optional<Shape> shape;  ///< vertices may be NaN: that is for the reader to count
   std::optional<GroundTruth> ground_truth;  ///< finite
+  std::vector<FilterRecords> filters;       ///< in the order of the stages
   host::NamedRecords owners;
 };
 
@@ -36,6 +46,7 @@ class RunReader {
 
   const std::string& folder() const { return folder_; }
   const Template& sheet() const { return template_; }
+  const Camera& camera() const { return camera_; }
   /// One entry a frame, in the order of the frames.
   const std::vector<FrameLine>& lines() const { return lines_; }
   /// The last line is cut off because the run was killed; it is not among lines().
@@ -56,6 +67,7 @@ class RunReader {
   std::string folder_;
   host::NamedRecords template_owner_;
   Template template_;
+  Camera camera_;
   std::vector<FrameLine> lines_;
   bool interrupted_ = false;
   std::vector<std::string> truth_users_;

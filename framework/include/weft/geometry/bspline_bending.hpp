@@ -30,8 +30,8 @@ inline Eigen::Matrix4d spline_gram(int order) {
 inline Eigen::Matrix<double, 16, 16> cell_bending(double su, double sv) {
   const Eigen::Matrix4d g0 = spline_gram(0), g1 = spline_gram(1), g2 = spline_gram(2);
   Eigen::Matrix<double, 16, 16> cell;
-  for (int k = 0; k < 4; ++k) {
-    for (int m = 0; m < 4; ++m) {
+  for (Eigen::Index k = 0; k < 4; ++k) {
+    for (Eigen::Index m = 0; m < 4; ++m) {
       cell.block<4, 4>(4 * k, 4 * m) = sv / (su * su * su) * g2(k, m) * g0 +
                                        2.0 / (su * sv) * g1(k, m) * g1 +
                                        su / (sv * sv * sv) * g0(k, m) * g2;

@@ -74,7 +74,7 @@ inline Result<RigidAlignment> align_points(const Points3View& source, const Poin
   const Eigen::Matrix3d covariance = b.transpose() * a;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Vector3d sigma = svd.singularValues();
+  const Eigen::Vector3d& sigma = svd.singularValues();
   if (!(sigma[1] > kRank * sigma[0])) return detail::no_alignment("the points lie on a line");
   Eigen::Vector3d sign = Eigen::Vector3d::Ones();
   if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) {

@@ -21,14 +21,22 @@ struct PathRules {
   static PathRules of_process(std::vector<std::string> input_folders, std::string output_folder);
 };
 
+struct NestedSpec;
+
 /// A component with its checked parameters, ready to be instantiated.
 struct ComponentSpec {
   const Installed* installed = nullptr;
   Arguments arguments;
-  std::vector<std::pair<std::string, ComponentSpec>> nested;  ///< by parameter name
+  std::vector<NestedSpec> nested;
   yaml::Node effective;  ///< {use, params} with all defaults, paths as they were resolved
 
   const ComponentManifest& component() const { return installed->component; }
+};
+
+/// A component that is the value of another one's parameter.
+struct NestedSpec {
+  std::string parameter;
+  ComponentSpec component;
 };
 
 /// Checks `use` and `params` (may be null) against what is installed, nested components included.

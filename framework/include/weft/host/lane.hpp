@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <map>
 #include <memory>
@@ -9,6 +10,7 @@
 #include <string>
 #include <vector>
 #include <weft/host/component_spec.hpp>
+#include <weft/host/isolation.hpp>
 #include <weft/host/record.hpp>
 #include <weft/sdk/role.hpp>
 
@@ -24,32 +26,50 @@ struct Outcome {
   RecordPtr find(std::string_view slot) const;
 };
 
-/// Time spent in one call of a component, nested ones included.
-struct Timing {
-  std::string component;  ///< "filters", "filters/warp": stage name and nested path
-  double ms = 0.0;
-};
-
 /// The frame number of calls that belong to no frame.
 inline constexpr std::uint64_t kOfflineFrame = ~std::uint64_t{0};
 
+/// One call of a component, nested ones included in its time.
+struct Timing {
+  std::string component;  ///< "filters", "filters/warp": stage name and nested path
+  double ms = 0.0;
+  std::chrono::steady_clock::time_point start{};
+  std::string method;  ///< as its role calls it: "fit", "evaluate"
+  std::uint64_t frame = kOfflineFrame;
+  weft_status status = WEFT_OK;
+  std::string worker;  ///< the stage in whose worker it ran; empty for this process
+};
+
 class Instance;
+struct Workplace;
 
 /// One set of component instances. The host enters a lane from one thread at a time.
 class Lane {
  public:
   using Log = std::function<void(const std::string& component, int level, const std::string& text)>;
 
-  Lane(std::uint64_t run_seed, Log log);
+  /// Outputs stand in `arena` where one is given, which isolated instances need. Revisions count
+  /// from `first_revision` on.
+  Lane(std::uint64_t run_seed, Log log, std::shared_ptr<SharedArena> arena = nullptr,
+       std::uint64_t first_revision = 1);
   ~Lane();
   Lane(const Lane&) = delete;
   Lane& operator=(const Lane&) = delete;
 
-  /// Loads the library and creates the component and those nested in it.
-  Result<Instance*> instantiate(const ComponentSpec& spec, const std::string& stage);
+  /// Loads the library and creates the component and those nested in it; `path` is that of a nested
+  /// component that stands alone here.
+  Result<Instance*> instantiate(const ComponentSpec& spec, const std::string& stage,
+                                const std::string& path = {});
+
+  /// Creates the component and those nested in it in a worker: no library is loaded here.
+  Result<Instance*> instantiate_apart(const ComponentSpec& spec, const std::string& stage,
+                                      const Isolation& isolation);
 
   /// Gives template and camera to an instance and to those nested in it.
   Result<void> prepare(Instance& instance, const Record& templ, const Record& camera);
+
+  /// As above, for an instance of this process; the two are records as a call has them.
+  Result<void> prepare_here(Instance& instance, std::span<const weft_record> inputs);
 
   /// Calls a method of a component; outputs are validated. Never throws.
   Outcome call(Instance& instance, int method, std::span<const weft_record> inputs,
@@ -64,18 +84,24 @@ class Lane {
   /// Set from any thread to make plugins stop.
   std::atomic<bool>& cancel() { return cancel_; }
 
+  /// Another flag that makes plugins stop while it is set; null for none.
+  void watch(const std::atomic<bool>* cancel) { watched_ = cancel; }
+
  private:
   friend struct Callbacks;
 
   struct Scope;
-  Result<Instance*> create(const ComponentSpec& spec, const std::string& stage,
-                           const std::string& path);
+  Instance& add(std::unique_ptr<Instance> instance);
+  Result<void> open_workplace();
   Outcome enter(Instance& instance, int method, std::span<const weft_record> inputs,
                 std::uint64_t frame, int depth);
   Outcome finish(Instance& instance, Scope& scope, std::span<const weft_record> inputs,
                  std::int32_t status, const weft_error& error);
   weft_call make_call(const Instance& instance, Scope& scope, int method, std::uint64_t frame);
+  std::int32_t call_worker(Instance& instance, Scope& scope, int method,
+                           std::span<const weft_record> inputs, weft_error* error);
   Instance* find(std::uint64_t handle) const;
+  bool is_cancelled() const { return cancel_ || (watched_ != nullptr && *watched_); }
   std::uint64_t seed_for(const Instance& instance, std::uint64_t frame) const;
 
   std::uint64_t run_seed_;
@@ -83,9 +109,15 @@ class Lane {
   std::map<std::string, Role> roles_;
   std::vector<std::unique_ptr<Instance>> instances_;  ///< handle - 1 is the index
   std::vector<Timing> timings_;
-  std::uint64_t next_revision_ = 1;
+  std::uint64_t next_revision_;
   std::atomic<bool> cancel_{false};
+  const std::atomic<bool>* watched_ = nullptr;
+  std::shared_ptr<SharedArena> arena_;
+  std::unique_ptr<Workplace> workplace_;  ///< from the first worker on
 };
+
+/// The handle by which calls name an instance.
+std::uint64_t handle_of(const Instance& instance);
 
 /// seed = XXH3_64(run_seed LE64, frame LE64, stage UTF-8, 0, nested path UTF-8).
 std::uint64_t component_seed(std::uint64_t run_seed, std::uint64_t frame, std::string_view stage,

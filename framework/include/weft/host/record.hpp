@@ -7,18 +7,26 @@
 #include <string>
 #include <vector>
 #include <weft/data/codec.hpp>
+#include <weft/host/shared_memory.hpp>
 
 namespace weft::host {
 
 /// A record that the host owns: what a plugin allocated through the host, or a copy of a noun.
 class Record {
  public:
-  explicit Record(std::string type) : type_(std::move(type)) {}
+  /// Its arrays stand in `arena` where one is given.
+  explicit Record(std::string type, std::shared_ptr<SharedArena> arena = nullptr)
+      : type_(std::move(type)), arena_(std::move(arena)) {}
 
   /// Zero-filled, 64-byte aligned, C order; replaces an array of the same name. Null when the
   /// request is illegal or memory is short. Names have letters, digits, `_`, `-` and `.` only.
   void* allocate(std::string_view name, std::int32_t dtype, std::int32_t ndim,
                  const std::int64_t* shape);
+
+  /// An array whose contents are there already, contiguous in C order, in memory that another
+  /// process maps too. False when the request is illegal.
+  bool adopt(std::string_view name, std::int32_t dtype, std::int32_t ndim,
+             const std::int64_t* shape, std::shared_ptr<void> contents);
 
   const std::string& type() const { return type_; }
   std::uint64_t revision() const { return revision_; }
@@ -30,6 +38,9 @@ class Record {
 
   /// A copy of the array's entry, sharing its memory, from another record.
   void share(const Record& other, std::string_view name);
+
+  /// A record of the same content that shares all arrays with this one.
+  std::shared_ptr<const Record> alias() const;
 
   template <class Noun>
   static std::shared_ptr<Record> copy_of(const Noun& noun) {
@@ -48,8 +59,11 @@ class Record {
     std::shared_ptr<void> memory;
   };
   std::size_t slot_of(std::string_view name);
+  void place(std::string_view name, std::int32_t dtype, std::int32_t ndim,
+             const std::int64_t* shape, std::shared_ptr<void> contents, weft_memory kind);
 
   std::string type_;
+  std::shared_ptr<SharedArena> arena_;
   std::uint64_t revision_ = 0;
   std::uint64_t producer_ = 0;
   std::vector<Entry> entries_;
@@ -57,6 +71,9 @@ class Record {
 };
 
 using RecordPtr = std::shared_ptr<const Record>;
+
+/// [bytes] of an array, or -1 when its type or shape is illegal.
+std::int64_t array_bytes(std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape);
 
 /// The noun in a record, borrowing from it. The record was validated when it was made.
 template <class Noun>

@@ -57,6 +57,9 @@ class Registry {
   std::vector<Refusal> refusals_;
 };
 
+/// The binary contract that this host speaks: "0.1".
+std::string abi_version();
+
 /// Opens the library of an installed component and returns its table. The library stays mapped for
 /// the life of the process. Fails with incompatible: missing library, symbol or id, wrong ABI.
 Result<const weft_component*> load(const Installed& installed);

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 #include <weft/host/component_spec.hpp>
+#include <weft/host/isolation.hpp>
 #include <weft/pipeline/document.hpp>
 
 namespace weft {
@@ -26,6 +27,7 @@ struct StageConfig {
   host::ComponentSpec component;
   /// Detectors: the component with `template_params` over `params`, for the template's texture.
   std::optional<host::ComponentSpec> on_template;
+  std::optional<host::Isolation> isolation;  ///< `isolate: process`; nothing runs it in this one
   yaml::Position at;
 };
 

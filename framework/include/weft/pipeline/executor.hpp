@@ -33,16 +33,34 @@ struct FrameInput {
   std::string failure;  ///< empty when the source could read the frame
 };
 
+/// An input of a call.
+struct GivenRecord {
+  std::string slot;
+  host::RecordPtr record;
+  std::string producer;  ///< of a warp: the stage that made it, whose component evaluates it
+};
+
+/// One call of a stage: all that went in and came out.
+struct StageCall {
+  std::string stage;
+  std::uint64_t frame = 0;
+  std::vector<GivenRecord> inputs;
+  host::Outcome outcome;
+};
+
 struct FrameResult {
   std::uint64_t index = 0;
   std::string stem;
   std::vector<StageReport> stages;
   std::vector<host::RecordPtr> values;  ///< one for each of Graph::values, null where absent
   std::vector<std::string> causes;      ///< one for each value: why it is absent, if it is
-  host::RecordPtr shape;                ///< solved or predicted; null before the first one
+  /// What evaluation needs of each filter: "STAGE.matches" as they entered it, "STAGE.inlier_mask".
+  host::NamedRecords filtered;
+  host::RecordPtr shape;  ///< solved or predicted; null before the first one
   ShapeState state = ShapeState::none;
   std::int64_t age_frames = 0;        ///< [frames] since the shape was measured
   std::vector<host::Timing> timings;  ///< of nested components too
+  std::vector<StageCall> calls;       ///< of the stages of Executor::keep_calls_of
 
   /// A frame is failed when a stage, the source or a sink had an error; no_result is none.
   bool failed() const;
@@ -56,6 +74,9 @@ class Executor {
                                                   host::Lane& lane, host::RecordPtr templ,
                                                   host::RecordPtr camera);
 
+  /// From now on frames hold what goes into this stage and comes out of it.
+  void keep_calls_of(const std::string& stage);
+
   FrameResult process(const FrameInput& input);
 
  private:
@@ -65,15 +86,17 @@ class Executor {
     host::Instance* instance;
     std::string role;
     host::RecordPtr template_keypoints;  ///< detectors only
+    bool is_kept;                        ///< its calls are
   };
 
   Executor(const PipelineConfig& config, const Graph& graph, host::Lane& lane,
            host::RecordPtr templ, host::RecordPtr camera);
   Result<void> detect_on_template(Stage& stage);
   void place_given(const FrameInput& input, FrameResult& result) const;
+  void keep_call(const Stage& stage, const host::Outcome& outcome, FrameResult& result) const;
   StageReport run_stage(Stage& stage, FrameResult& result);
   Result<std::vector<host::RecordPtr>> outputs_of(const Stage& stage, const host::Outcome& outcome,
-                                                  const FrameResult& result);
+                                                  FrameResult& result);
   Result<void> store(const Stage& stage, const host::Outcome& outcome, FrameResult& result);
   void settle_shape(FrameResult& result);
 

@@ -38,7 +38,9 @@ std::pair<CheckedPipeline, ConfigReport> check_pipeline(
 /// Runs all frames of the source into `output_folder`, which must be new or empty. Fails with the
 /// first error before the first frame, or when the run folder cannot be written; errors of single
 /// frames are recorded and counted. `cancel` may be set from another thread or a signal handler.
+/// The calls of the stages `dumped` are written too, see Dump.
 Result<RunSummary> run_pipeline(const CheckedPipeline& pipeline, const std::string& output_folder,
-                                RunObserver& observer, const std::atomic<bool>& cancel);
+                                RunObserver& observer, const std::atomic<bool>& cancel,
+                                const std::vector<std::string>& dumped = {});
 
 }  // namespace weft

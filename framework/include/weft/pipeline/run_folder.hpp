@@ -8,8 +8,9 @@
 namespace weft {
 
 /// The folder of one run: pipeline.yaml (effective configuration), manifest.json, template.npz
-/// (template, camera), frames.jsonl (a line a frame), frames/NNNNNN.npz (shape, ground_truth) and
-/// what the sinks write. Whatever is finished stays readable when the run is killed.
+/// (template, camera), frames.jsonl (a line a frame), frames/NNNNNN.npz (shape, ground_truth, and
+/// for each filter STAGE.matches and STAGE.inlier_mask) and what the sinks write. Whatever is
+/// finished stays readable when the run is killed.
 class RunFolder {
  public:
   /// Creates the folder; refuses one that is not empty.

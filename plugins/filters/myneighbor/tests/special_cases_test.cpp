@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -164,6 +165,51 @@ TEST_F(MyNeighborSpecialCases, PutsMatchesOutsideTheMeshAtTheOriginInTheAuthorsM
   EXPECT_EQ(mask.kept(0), 0);
   EXPECT_EQ(mask.kept(1), 1);
   EXPECT_NEAR(evidence(mask, "distance_px")(0), similar(points).row(0).norm(), 1e-9);
+}
+
+TEST_F(MyNeighborSpecialCases, KeepsTheMatchesOfTheLargerOfTwoCopies) {
+  Rng rng(24);
+  const Points2 points = uniform_points(300, rng);
+  Points2 image = 0.4 * points;
+  for (Eigen::Index i = 0; i < 60; ++i) image.row(i) += Eigen::RowVector2d(0.0, 250.0);
+  const auto mask = *run(make_matches(points, image)).get<InlierMask>();
+  const auto* kept = mask.kept.data();
+  EXPECT_LE(std::count(kept, kept + 60, 1), 3);
+  EXPECT_GE(std::count(kept + 60, kept + 300, 1), 228);
+}
+
+TEST_F(MyNeighborSpecialCases, TakesTheSmallestFactorsWhereFewAreSelected) {
+  const auto mask =
+      *run(bent_matches(100, 0.8, 25).matches, "{min_selected: 1000}").get<InlierMask>();
+  EXPECT_EQ(mask.diag.value("step1_fallback", 0), 1.0);
+  EXPECT_GE(mask.diag.value("step1_matches", 0), 20.0);
+  EXPECT_GE(mask.diag.value("kept_matches", 0), 70.0);
+}
+
+TEST_F(MyNeighborSpecialCases, WeighsAllAlikeWhereNoNeighbourChanged) {
+  Rng rng(26);
+  const Points2 points = uniform_points(60, rng);
+  const Outcome outcome = run(make_matches(points, similar(points)), "{weighted_fit: true}");
+  EXPECT_EQ(outcome.status, WEFT_OK) << outcome.message;
+  EXPECT_EQ(outcome.get<InlierMask>()->diag.value("kept_matches", 0), 60.0);
+}
+
+TEST_F(MyNeighborSpecialCases, HasNoResultWhereTheWarpIsAPointOrNotFinite) {
+  Rng rng(27);
+  const Points2 points = uniform_points(60, rng);
+  const Outcome point = run(make_matches(points, 1e-200 * points));
+  EXPECT_EQ(point.status, WEFT_NO_RESULT);
+  EXPECT_EQ(point.message, "the warp shrinks the template to a point");
+  EXPECT_EQ(run(make_matches(points, 1e200 * points)).status, WEFT_NO_RESULT);
+}
+
+TEST_F(MyNeighborSpecialCases, HasNoResultWhereTheWarpHasNone) {
+  Rng rng(28);
+  const Points2 points = uniform_points(20, rng);
+  const Outcome outcome = run(make_matches(points, similar(points)),
+                              "{warp: {use: warps/bbs, params: {lambda_px2: 0, ridge: 0}}}");
+  EXPECT_EQ(outcome.status, WEFT_NO_RESULT);
+  EXPECT_EQ(outcome.message.find("step I: "), 0U) << outcome.message;
 }
 
 }  // namespace

@@ -245,6 +245,8 @@ TEST(DescriptorMatcher, TooFewKeypointsGiveNoResultWithTheReason) {
   EXPECT_EQ(no_result_reason(none, two), "no keypoints on the template");
   EXPECT_THAT(no_result_reason(two, none), HasSubstr("0 keypoints in the image"));
   EXPECT_THAT(no_result_reason(two, one), HasSubstr("needs at least 2"));
+  PluginUnderTest plugin("matchers/descriptor");
+  EXPECT_EQ(match(plugin, two, two).get<Correspondences>()->count(), 2);
 }
 
 TEST(DescriptorMatcher, RefusesKeypointsOfDifferentDetectors) {

@@ -252,6 +252,8 @@ TEST(SalientCells, TooFewSightlinesAreNoResult) {
   const Outcome few = scene.run("{min_sightlines: 4}");
   EXPECT_EQ(few.status, WEFT_NO_RESULT);
   EXPECT_EQ(few.message, "too few sightlines: 3 of at least 4");
+  scene.samples.valid(scene.templ.faces(4, 0)) = 0;
+  EXPECT_EQ(scene.run().message, "too few sightlines: 2 of at least 3");
   scene.matches.face(0) = -1;
   EXPECT_EQ(scene.run().status, WEFT_NO_RESULT);
 }
@@ -275,6 +277,23 @@ TEST(SalientCells, SamplesOfAnotherTemplateAreAnError) {
   scene.samples.xy_px = weft::Array<double>({59, 2});
   scene.samples.valid = weft::Array<std::uint8_t>({59});
   EXPECT_EQ(scene.run().status, WEFT_ERROR);
+}
+
+TEST(SalientCells, FewSightlinesOrLittleCoverageAreFlagged) {
+  Scene scene;
+  scene.one_match_in({0, 20, 40, 60, 80});  // 5 of 90 faces, but more than 8 vertices
+  const Outcome little = scene.run();
+  EXPECT_EQ(little.status, WEFT_DEGENERATE);
+  EXPECT_GE(little.get<Sightlines>()->count(), 8);
+  EXPECT_EQ(little.message, std::to_string(little.get<Sightlines>()->count()) +
+                                " sightlines cover 6 % of the template");
+  scene.draw(400);
+  std::fill_n(scene.samples.valid.data(), 53, std::uint8_t{0});
+  const Outcome few = scene.run();
+  EXPECT_EQ(few.status, WEFT_DEGENERATE);
+  EXPECT_EQ(few.get<Sightlines>()->count(), 7);
+  EXPECT_GT(few.get<Sightlines>()->coverage, 0.9);
+  EXPECT_EQ(few.get<Sightlines>()->diag.value("low_confidence", 0.0), 1.0);
 }
 
 }  // namespace

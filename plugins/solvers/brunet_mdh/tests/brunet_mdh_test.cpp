@@ -218,5 +218,59 @@ TEST(BrunetMdh, SightlinesOfAnotherTemplateAreAnError) {
   EXPECT_THAT(out.message, ::testing::HasSubstr("sightline 5"));
 }
 
+TEST(BrunetMdh, SightlinesThatAreNoRaysAreAnError) {
+  Scene scene = Scene::bent(0.25);
+  scene.lines.ray(7, 1) = std::nan("");
+  PluginUnderTest plugin(kId);
+  EXPECT_THAT(scene.run(plugin).message, ::testing::HasSubstr("sightline 7 has no unit ray"));
+  scene.lines.ray.matrix<3>().row(7).setZero();
+  EXPECT_EQ(scene.run(plugin).status, WEFT_ERROR);
+}
+
+TEST(BrunetMdh, TwoVerticesOnOneRayAreNoObstacle) {
+  Scene scene = Scene::bent(0.25);
+  scene.aim(34, scene.lines.pixel_px.matrix<2>().row(33).transpose());
+  PluginUnderTest plugin(kId);
+  EXPECT_LT(scene.mean_error_m(solved(scene.run(plugin))), 0.02);
+}
+
+TEST(BrunetMdh, APointThatComesToLieBehindTheCameraIsFlagged) {
+  Scene scene = Scene::bent(0.25);
+  scene.lines.ray.matrix<3>().row(33) *= -1.0;
+  PluginUnderTest plugin(kId, "{yield_tension: 0}");
+  const Outcome out = scene.run(plugin);
+  EXPECT_EQ(out.status, WEFT_DEGENERATE);
+  EXPECT_THAT(out.message, ::testing::HasSubstr("behind the camera"));
+  const Shape shape = out.get<Shape>().value();
+  EXPECT_EQ(shape.shape_state(), ShapeState::weak);
+  EXPECT_EQ(shape.vertices_m.matrix<3>().row(33).norm(), 0.0);
+}
+
+TEST(BrunetMdh, ATemplateThatIsNotFiniteIsAnError) {
+  Scene scene = Scene::bent(0.25);
+  scene.templ.vertices_m(3, 2) = std::nan("");
+  PluginUnderTest plugin(kId);
+  const Outcome out = scene.run(plugin);
+  EXPECT_EQ(out.status, WEFT_ERROR);
+  EXPECT_THAT(out.message, ::testing::HasSubstr("finite"));
+}
+
+TEST(BrunetMdh, PartsThatTheSurfaceDoesNotJoinAreDroppedButForTheLargest) {
+  Scene scene = Scene::bent(0.25);
+  scene.templ.vertices_m = make_array<double>(scene.truth_m);  // no longer flat
+  const Faces all = scene.templ.faces.matrix<3>();
+  std::vector<Eigen::Index> left;
+  for (Eigen::Index f = 0; f < all.rows(); ++f) {
+    const auto columns = (all.row(f).array() - 10 * (all.row(f).array() / 10)).eval();
+    if (columns.minCoeff() != 6) left.push_back(f);  // the column of cells from 6 to 7
+  }
+  scene.templ.faces = make_array<std::int32_t>(Faces(all(left, Eigen::all)));
+  PluginUnderTest plugin(kId);
+  const Shape shape = scene.run(plugin).get<Shape>().value();
+  EXPECT_EQ(shape.diag.value("points", 0.0), 42.0);
+  EXPECT_EQ(shape.diag.value("dropped_points", 0.0), 18.0);
+  EXPECT_TRUE(shape.vertices_m.matrix<3>().allFinite());
+}
+
 }  // namespace
 }  // namespace weft::brunet_mdh

@@ -4,7 +4,7 @@
 #include <weft/data/ground_truth.hpp>
 #include <weft/data/image.hpp>
 
-#include "frame_folder.hpp"
+#include "images_source.hpp"
 
 namespace {
 

@@ -186,7 +186,9 @@ TEST_F(RectangularTemplate, SaysWhatToChangeWhenTheTextureIsUnusable) {
 TEST_F(RectangularTemplate, RefusesImpossibleSizes) {
   const std::string texture = write("t.png", cv::Mat::zeros(4, 4, CV_8UC1));
   EXPECT_THROW(build(texture, ""), std::runtime_error);
+  EXPECT_THROW(build(texture, ", width_m: 0"), std::runtime_error);
   EXPECT_THROW(build(texture, ", width_m: -0.1"), std::runtime_error);
+  EXPECT_THROW(build(texture, ", width_m: 0.1, height_m: -0.1"), std::runtime_error);
   EXPECT_THROW(build(texture, ", width_m: 0.1, columns: 1"), std::runtime_error);
   EXPECT_THROW(build(texture, ", width_m: 0.1, rows: 1"), std::runtime_error);
   EXPECT_THROW(build(texture, ", width_m: 0.1, texel_origin: corner"), std::runtime_error);

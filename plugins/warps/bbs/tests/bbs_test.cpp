@@ -241,9 +241,13 @@ TEST(BbsWarp, FlagsMatchesOnALineAsDegenerate) {
 }
 
 TEST(BbsWarp, HasNoResultWhenNothingPenalisesWhatTheMatchesLeaveFree) {
-  Bench bench("{lambda_px2: 0, ridge: 0}");
+  Bench bench("{lambda_px2: 0, ridge: 0}"), nearly("{lambda_px2: 1e-11, ridge: 0}");
   Rng rng(9);
-  EXPECT_EQ(bench.fit(matches_at(uniform_points(20, rng), affine)).status, WEFT_NO_RESULT);
+  const Correspondences matches = matches_at(uniform_points(20, rng), affine);
+  EXPECT_EQ(bench.fit(matches).status, WEFT_NO_RESULT);
+  const Outcome weak = nearly.fit(matches);
+  EXPECT_EQ(weak.status, WEFT_DEGENERATE);
+  EXPECT_EQ(weak.message, "the matches hardly determine the warp");
 }
 
 TEST(BbsWarp, DropsAndCountsMatchesOutsideItsDomain) {

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <weft/host/lane.hpp>
+#include <weft/host/worker.hpp>
+
+namespace weft::host {
+
+/// What a component returned; anything that is no status is an error.
+inline weft_status status_of(std::int32_t status) {
+  return status >= WEFT_OK && status <= WEFT_CANCELLED ? static_cast<weft_status>(status)
+                                                       : WEFT_ERROR;
+}
+
+/// A created component, here or in a worker. Destroyed by its library's own function.
+class Instance {
+ public:
+  Instance(const ComponentSpec& spec, std::string in_stage, std::string at_path)
+      : id(spec.component().id),
+        produces(spec.component().produces),
+        stage(std::move(in_stage)),
+        path(std::move(at_path)) {}
+  ~Instance() {
+    if (self != nullptr) table->destroy(self);
+  }
+  Instance(const Instance&) = delete;
+  Instance& operator=(const Instance&) = delete;
+
+  std::string name() const { return path.empty() ? stage : stage + "/" + path; }
+  std::string role() const { return id.substr(0, id.find('/')); }
+
+  std::string id;
+  std::vector<std::string> produces;
+  std::string stage;
+  std::string path;  ///< of nested parameters: "start", "start/warp"
+  std::uint64_t handle = 0;
+  const weft_component* table = nullptr;  ///< null where the component lives in a worker
+  void* self = nullptr;
+  std::vector<Instance*> nested;
+  std::unique_ptr<Worker> worker;         ///< null where it lives here
+  std::optional<CreateMessage> recreate;  ///< of warps, which workers may have to evaluate
+  bool running = false;
+};
+
+/// What one running call owns.
+struct Lane::Scope {
+  Lane& lane;
+  Instance& instance;
+  const RoleMethod* method;
+  int depth;
+  std::uint64_t frame;
+  std::vector<std::pair<std::string, std::shared_ptr<Record>>> outputs{};
+  std::deque<Outcome> nested{};                  ///< keeps records of nested calls alive
+  std::deque<std::vector<weft_record>> views{};  ///< of those records
+
+  /// Whether the role's method may produce this.
+  bool may_produce(std::string_view slot, std::string_view type) const;
+};
+
+}  // namespace weft::host

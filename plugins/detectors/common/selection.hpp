@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <vector>
+#include <weft/data/array.hpp>
+
+namespace weft::detectors {
+
+/// Indices of keypoints in the order (y, x, octave, angle, response), which depends on nothing but
+/// the keypoints; equal ones stay as they stood.
+std::vector<int> canonical_order(const std::vector<cv::KeyPoint>& keypoints);
+
+/// Drops from `order` the keypoints whose nearest pixel is outside the mask [H,W] or 0 there.
+void keep_inside(const std::vector<cv::KeyPoint>& keypoints, const Array<std::uint8_t>& mask,
+                 std::vector<int>& order);
+
+/// Cuts `order` down to `limit` keypoints spread over the image: in buckets^2 equal cells (fewer if
+/// there would be more cells than keypoints) the strongest of each cell come first, then the second
+/// strongest, and so on; within such a round the stronger response wins, then the place in `order`.
+/// Cells without keypoints leave their share to the others. The rest keeps its order. `limit` 0
+/// keeps all.
+void keep_spread(const std::vector<cv::KeyPoint>& keypoints, cv::Size image, int limit, int buckets,
+                 std::vector<int>& order);
+
+/// Which keypoints a detector gives and in which order: all three in turn. `mask` may be null.
+std::vector<int> selection(const std::vector<cv::KeyPoint>& keypoints, cv::Size image,
+                           const Array<std::uint8_t>* mask, int limit, int buckets);
+
+}  // namespace weft::detectors

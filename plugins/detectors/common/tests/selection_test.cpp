@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/selection.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+namespace weft::detectors {
+namespace {
+
+using ::testing::ElementsAre;
+
+cv::KeyPoint keypoint(float x, float y, float response) {
+  return {x, y, 2.0F, 0.0F, response, 0, -1};
+}
+
+TEST(Selection, OrdersKeypointsByRowThenColumn) {
+  const std::vector<cv::KeyPoint> keypoints{keypoint(9, 5, 1), keypoint(1, 7, 2), keypoint(2, 5, 3),
+                                            keypoint(1, 7, 1)};
+  EXPECT_THAT(canonical_order(keypoints), ElementsAre(2, 0, 3, 1));
+}
+
+/// Five keypoints at the top left, of response 9 7 8 6 5, and a weak one at the top right.
+std::vector<cv::KeyPoint> crowded_left() {
+  return {keypoint(1, 1, 9), keypoint(2, 1, 7), keypoint(3, 1, 8),
+          keypoint(4, 1, 6), keypoint(5, 1, 5), keypoint(90, 1, 1)};
+}
+
+TEST(Selection, TakesTheStrongestOfEachCellAndThenTheNextOfAny) {
+  std::vector<int> order{0, 1, 2, 3, 4, 5};
+  keep_spread(crowded_left(), {100, 100}, 4, 2, order);
+  EXPECT_THAT(order, ElementsAre(0, 1, 2, 5)) << "empty cells leave their share to the others";
+}
+
+TEST(Selection, HasNoMoreCellsThanKeypointsToKeep) {
+  // 16 cells a side would leave nothing to the right half: four columns of strong keypoints stand
+  // in the left half, one of weak ones in the right half.
+  std::vector<cv::KeyPoint> keypoints;
+  std::vector<int> order;
+  for (int column = 0; column < 5; ++column) {
+    for (int row = 0; row < 10; ++row) {
+      order.push_back(static_cast<int>(order.size()));
+      keypoints.push_back(keypoint(column < 4 ? 7.0F * column : 90.0F, 10.0F * row + 1.0F,
+                                   column < 4 ? 9.0F : 1.0F));
+    }
+  }
+  keep_spread(keypoints, {100, 100}, 4, 16, order);
+  EXPECT_EQ(std::count_if(order.begin(), order.end(), [](int i) { return i >= 40; }), 2);
+}
+
+TEST(Selection, KeepsTheStrongestOfTheImageWithOneBucket) {
+  std::vector<int> order{5, 4, 3, 2, 1, 0};
+  keep_spread(crowded_left(), {100, 100}, 4, 1, order);
+  EXPECT_THAT(order, ElementsAre(3, 2, 1, 0)) << "the selection keeps the order it was given";
+}
+
+TEST(Selection, PrefersTheEarlierPlaceAmongEqualResponses) {
+  const std::vector<cv::KeyPoint> keypoints{keypoint(1, 1, 5), keypoint(2, 1, 5),
+                                            keypoint(3, 1, 5)};
+  std::vector<int> order{0, 1, 2};
+  keep_spread(keypoints, {100, 100}, 2, 16, order);
+  EXPECT_THAT(order, ElementsAre(0, 1));
+}
+
+TEST(Selection, ToleratesKeypointsOutsideTheImage) {
+  const std::vector<cv::KeyPoint> keypoints{keypoint(-4, 500, 5), keypoint(2, 1, 6)};
+  std::vector<int> order{0, 1};
+  keep_spread(keypoints, {100, 100}, 1, 4, order);
+  EXPECT_EQ(order.size(), 1U);
+}
+
+TEST(Selection, AsksTheMaskAtTheNearestPixel) {
+  Array<std::uint8_t> mask({4, 4});
+  mask(2, 1) = 1;
+  const std::vector<cv::KeyPoint> keypoints{keypoint(1.4F, 2.4F, 1), keypoint(1.6F, 2.4F, 1),
+                                            keypoint(0.5F, 1.5F, 1), keypoint(-3.0F, 2.0F, 1),
+                                            keypoint(1.0F, 3.6F, 1)};
+  std::vector<int> order{0, 1, 2, 3, 4};
+  keep_inside(keypoints, mask, order);
+  EXPECT_THAT(order, ElementsAre(0, 2));
+}
+
+}  // namespace
+}  // namespace weft::detectors

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <tuple>
+#include <vector>
+#include <weft/sdk/matcher.hpp>
+
+#include "common/duplicates.hpp"
+
+namespace weft::merge {
+namespace {
+
+/// A match and where it stands.
+struct Source {
+  const Correspondences* record;
+  std::int64_t row;
+};
+
+/// Larger is better. The ratio of distances compares across kinds of descriptors, distances do not.
+auto quality(const Source& match) {
+  const auto& [record, row] = match;
+  return std::tuple(record->kept(row), record->score(row),
+                    record->ratio.present() ? -record->ratio(row) : 0.0);
+}
+
+/// The union of several sets of matches without duplicates.
+class Merge final : public Matcher {
+ public:
+  static constexpr About kAbout{.reads = "correspondences"};
+
+  explicit Merge(Params& p) {
+    p.read("template_radius_px", template_radius_px_, "px", {0, 100},
+           "duplicates are within this in the texture");
+    p.read("image_radius_px", image_radius_px_, "px", {0, 100},
+           "duplicates are also within this in the image");
+  }
+
+  Result<Correspondences> match(const MatcherInput& in) override {
+    if (in.correspondences.empty()) {
+      return no_result("no matches to merge: no stage of 'from' produced any");
+    }
+    std::vector<Source> matches;
+    for (std::size_t k = 0; k < in.correspondences.size(); ++k) {
+      const Correspondences& record = in.correspondences[k];
+      if (auto valid = check(record, k); !valid) return valid.error();
+      for (std::int64_t i = 0; i < record.count(); ++i) matches.push_back({&record, i});
+    }
+    if (matches.empty()) return no_result("no matches to merge: all inputs are empty");
+    if (in.correspondences.size() == 1) return in.correspondences.front();
+    keep_distinct(matches);
+    return answer(in.correspondences, matches);
+  }
+
+ private:
+  /// Comparisons with NaN would leave the order of the matches open.
+  static Result<void> check(const Correspondences& record, std::size_t input) {
+    for (std::int64_t i = 0; i < record.count(); ++i) {
+      const bool finite = record.template_px.matrix<2>().row(i).allFinite() &&
+                          record.image_px.matrix<2>().row(i).allFinite() &&
+                          std::isfinite(record.score(i)) &&
+                          (!record.ratio.present() || std::isfinite(record.ratio(i)));
+      if (finite) continue;
+      return Error{Errc::invalid_data,
+                   "match " + std::to_string(i) + " of input " + std::to_string(input + 1) +
+                       " has a place, score or ratio that is NaN or infinite; its matcher must "
+                       "leave such matches out",
+                   {}};
+    }
+    return {};
+  }
+
+  void keep_distinct(std::vector<Source>& matches) const {
+    std::vector<matchers::PointPair> pairs;
+    for (const auto& [record, row] : matches) {
+      pairs.push_back({record->template_px.matrix<2>().row(row).transpose(),
+                       record->image_px.matrix<2>().row(row).transpose()});
+    }
+    std::vector<int> best_first(matches.size());
+    std::iota(best_first.begin(), best_first.end(), 0);
+    std::stable_sort(best_first.begin(), best_first.end(), [&](int a, int b) {
+      return quality(matches[static_cast<std::size_t>(a)]) >
+             quality(matches[static_cast<std::size_t>(b)]);
+    });
+    const std::vector<char> keep =
+        matchers::distinct(pairs, best_first, template_radius_px_, image_radius_px_);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < matches.size(); ++i) {
+      if (keep[i] != 0) matches[kept++] = matches[i];
+    }
+    matches.resize(kept);
+  }
+
+  /// One array of the matches, column by column.
+  template <class T>
+  static Array<T> gather(const std::vector<Source>& matches, Array<T> Correspondences::*member) {
+    const auto count = static_cast<std::int64_t>(matches.size());
+    const Array<T>& first = matches.front().record->*member;
+    Array<T> out = first.ndim() == 1 ? Array<T>({count}) : Array<T>({count, first.dim(1)});
+    for (std::int64_t i = 0; i < count; ++i) {
+      const auto& [record, row] = matches[static_cast<std::size_t>(i)];
+      std::copy_n((record->*member).row(row), out.row_elements(), out.row(i));
+    }
+    return out;
+  }
+
+  /// Keypoint indices and distances are left out: they refer to different keypoints and to
+  /// different kinds of descriptors. What compares is there if every input has it.
+  static Correspondences answer(const std::vector<Correspondences>& inputs,
+                                const std::vector<Source>& matches) {
+    using C = Correspondences;
+    C out;
+    out.template_px = gather(matches, &C::template_px);
+    out.image_px = gather(matches, &C::image_px);
+    out.face = gather(matches, &C::face);
+    out.barycentrics = gather(matches, &C::barycentrics);
+    out.kept = gather(matches, &C::kept);
+    out.score = gather(matches, &C::score);
+    for (const auto member : {&C::ratio, &C::scale_ratio, &C::angle_difference_rad}) {
+      const bool everywhere = std::all_of(
+          inputs.begin(), inputs.end(), [&](const C& input) { return (input.*member).present(); });
+      if (everywhere) out.*member = gather(matches, member);
+    }
+    return out;
+  }
+
+  double template_radius_px_ = 1.0;
+  double image_radius_px_ = 1.0;
+};
+
+}  // namespace
+}  // namespace weft::merge
+
+WEFT_PLUGIN(weft::merge::Merge, "matchers/merge", "1.0.0",
+            "Unites the matches of several stages and merges duplicates.")

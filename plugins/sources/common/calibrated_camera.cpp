@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/calibrated_camera.hpp"
+
+namespace weft::sources {
+namespace {
+
+std::string size_text(std::int64_t width, std::int64_t height) {
+  return std::to_string(width) + " x " + std::to_string(height) + " px";
+}
+
+}  // namespace
+
+Result<CalibratedCamera> CalibratedCamera::read(const std::string& path) {
+  const auto file = read_camera_file(path);
+  if (!file) return file.error();
+  CalibratedCamera camera;
+  camera.path_ = path;
+  camera.camera_ = file->camera;
+  camera.undistorter_ = Undistorter(*file);
+  return camera;
+}
+
+Result<void> CalibratedCamera::check_size(const cv::Size& size_px, const std::string& name) const {
+  if (size_px.width == camera_.width_px && size_px.height == camera_.height_px) return {};
+  return Error{Errc::invalid_data,
+               name + ": is " + size_text(size_px.width, size_px.height) + ", but " + path_ +
+                   " describes images of " + size_text(camera_.width_px, camera_.height_px) +
+                   ": use the images that were calibrated, or correct the camera file",
+               {}};
+}
+
+Result<Image> CalibratedCamera::undistorted(const cv::Mat& stored, const std::string& name,
+                                            const std::string& stem) const {
+  if (auto fits = check_size(stored.size(), name); !fits) return fits.error();
+  const std::int64_t width = stored.cols, height = stored.rows;
+  Image image;
+  image.stem = stem;
+  image.pixels = stored.channels() == 1 ? Array<std::uint8_t>({height, width})
+                                        : Array<std::uint8_t>({height, width, 3});
+  cv::Mat target(stored.size(), stored.type(), image.pixels.data());
+  undistorter_.apply(stored, target);
+  return image;
+}
+
+}  // namespace weft::sources

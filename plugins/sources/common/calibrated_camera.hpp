@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <weft/core/result.hpp>
+#include <weft/data/camera.hpp>
+#include <weft/data/image.hpp>
+
+#include "common/undistorter.hpp"
+
+namespace weft::sources {
+
+/// A camera as its file describes it, and the way from its images to those of the ideal pinhole
+/// with the same fx, fy, cx, cy and size, which is the camera that everybody sees.
+class CalibratedCamera {
+ public:
+  /// Reads a camera file; see read_camera_file().
+  static Result<CalibratedCamera> read(const std::string& path);
+
+  const Camera& pinhole() const { return camera_; }
+
+  /// An error unless images of this size are the camera's; `name` is the image's in the message.
+  Result<void> check_size(const cv::Size& size_px, const std::string& name) const;
+
+  /// An image of the camera, 8 bits a channel and grey or BGR, without its distortion. Fails as
+  /// check_size() does.
+  Result<Image> undistorted(const cv::Mat& stored, const std::string& name,
+                            const std::string& stem) const;
+
+ private:
+  std::string path_;
+  Camera camera_;
+  Undistorter undistorter_;
+};
+
+}  // namespace weft::sources

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/camera_file.hpp"
+
+#include <gmock/gmock.h>
+
+#include <opencv2/core/persistence.hpp>
+
+#include "common/tests/frame_folder.hpp"
+
+namespace weft::sources {
+namespace {
+
+using testing::FrameFolder;
+using ::testing::HasSubstr;
+
+Result<CameraFile> read(const std::string& content) {
+  const FrameFolder folder;
+  folder.write("camera.yaml", content);
+  return read_camera_file(folder.path("camera.yaml"));
+}
+
+void expect_camera(const std::string& content) {
+  const auto file = read(content);
+  ASSERT_TRUE(file) << file.error().message;
+  const Camera& camera = file->camera;
+  EXPECT_EQ(camera.fx, 500.25);
+  EXPECT_EQ(camera.fy, 510.0);
+  EXPECT_EQ(camera.cx, 3.5);
+  EXPECT_EQ(camera.cy, -2.5);
+  EXPECT_EQ(camera.width_px, 8);
+  EXPECT_EQ(camera.height_px, 6);
+}
+
+void expect_refusal(const std::string& content, const std::vector<std::string>& parts) {
+  const auto file = read(content);
+  ASSERT_FALSE(file) << content;
+  for (const std::string& part : parts) EXPECT_THAT(file.error().message, HasSubstr(part));
+}
+
+const std::string kMatrix =
+    "camera_matrix: {rows: 3, cols: 3, data: [500.25, 0, 3.5, 0, 510, -2.5, 0, 0, 1]}\n";
+
+TEST(CameraFile, ReadsYamlAndIgnoresOtherKeys) {
+  expect_camera(
+      "fx: 500.25\nfy: 5.1e2\ncx: 3.5\ncy: -2.5\nwidth: 8\nheight: 6.0\n"
+      "distortion: null\nconvention: \"whatever\"\nmore: {a: 1}\n");
+}
+
+TEST(CameraFile, ReadsJsonIndentedWithTabs) {
+  expect_camera(
+      "{\n\t\"fx\": 500.25,\n\t\"fy\": 510, \"cx\": 3.5,\r\n\t\"cy\": -2.5,\n"
+      "\t\"width\": 8, \"height\": 6, \"distortion\": []\n}\n");
+}
+
+TEST(CameraFile, ReadsWhatOpenCvWrites) {
+  const FrameFolder folder;
+  {
+    cv::FileStorage file(folder.path("opencv.yaml"), cv::FileStorage::WRITE);
+    const cv::Mat k = (cv::Mat_<double>(3, 3) << 500.25, 0, 3.5, 0, 510, -2.5, 0, 0, 1);
+    cv::Mat d = cv::Mat::zeros(5, 1, CV_64F);
+    d.at<double>(0) = -0.1;
+    file << "calibration_time"
+         << "Thu 01 Jan 1970"
+         << "image_width" << 8 << "image_height" << 6;
+    file << "camera_matrix" << k << "distortion_coefficients" << d;
+  }
+  std::ifstream stream(folder.path("opencv.yaml"));
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  ASSERT_THAT(text, HasSubstr("%YAML:1.0"));
+  ASSERT_THAT(text, HasSubstr("!!opencv-matrix"));
+  expect_camera(text);
+}
+
+TEST(CameraFile, ReadsRosCameraInfoOfEachModel) {
+  const std::string head = "image_width: 8\nimage_height: 6\ncamera_name: narrow\n" + kMatrix;
+  expect_camera(head +
+                "distortion_model: plumb_bob\n"
+                "distortion_coefficients: {rows: 1, cols: 5, data: [-0.1, 0, 0, 0, 0]}\n"
+                "rectification_matrix: {rows: 1, cols: 1, data: [1]}\n");
+  expect_camera(head +
+                "distortion_model: rational_polynomial\n"
+                "distortion_coefficients: {rows: 1, cols: 8, data: [1,0,0,0,0,1,0,0]}\n");
+  expect_camera(head +
+                "distortion_model: equidistant\n"
+                "distortion_coefficients: {rows: 1, cols: 4, data: [0.1, 0, 0, 0]}\n");
+}
+
+TEST(CameraFile, AcceptsTheZerosWithWhichOpenCvPadsTheRationalModel) {
+  expect_camera("image_width: 8\nimage_height: 6\n" + kMatrix +
+                "distortion_coefficients: {rows: 14, cols: 1, data: "
+                "[0.1, 0, 0, 0, 0, 0.1, 0, 0, 0, 0, 0, 0, 0, 0]}\n");
+}
+
+TEST(CameraFile, NamesThePlaceAndTheKeyThatIsWrong) {
+  const std::string rest = "fy: 510\ncx: 3.5\ncy: 2.5\nwidth: 8\nheight: 6\n";
+  expect_refusal("fx: .nan\n" + rest, {"camera.yaml:1:5", "'fx'", "finite", ".nan"});
+  expect_refusal("fx: .inf\n" + rest, {"'fx'", "finite"});
+  expect_refusal("fx: nan\n" + rest, {"'fx'", "finite"});
+  expect_refusal("fx: -500\n" + rest, {"'fx'", "larger than 0", "-500"});
+  expect_refusal("fx: 0\n" + rest, {"'fx'", "larger than 0"});
+  expect_refusal("fx: 500px\n" + rest, {"'fx'", "500px"});
+  expect_refusal("fx: [500]\n" + rest, {"'fx'", "must be a number"});
+  expect_refusal(rest, {"camera.yaml", "no 'fx'"});
+  expect_refusal("fx: null\n" + rest, {"no 'fx'"});
+  expect_refusal("fx: 1\nfx: 2\n" + rest, {"camera.yaml:2:1", "given twice"});
+}
+
+TEST(CameraFile, RefusesSizesThatAreNoSizes) {
+  const std::string rest = "fx: 500\nfy: 510\ncx: 3.5\ncy: 2.5\nheight: 6\n";
+  for (const char* width : {"0", "-8", "8.5", "40000", "1e300"}) {
+    expect_refusal(rest + "width: " + width + "\n", {"'width'", "whole number", width});
+  }
+}
+
+TEST(CameraFile, RefusesDistortionThatItDoesNotKnow) {
+  const std::string head = "fx: 5\nfy: 5\ncx: 3.5\ncy: 2.5\nwidth: 8\nheight: 6\ndistortion: ";
+  expect_refusal(head + "[1, 2, 3]", {":7:13", "3 distortion coefficients", "5"});
+  expect_refusal(head + "[0, 0, 0, 0, 0, 0, 0, 0, 0.1, 0, 0, 0]", {"12 distortion"});
+  expect_refusal(head + "[.nan, 0, 0, 0, 0]", {"'distortion'", "finite"});
+  expect_refusal(head + "0.1", {"list of numbers"});
+  expect_refusal(head + "{model: fisheye, coefficients: [1, 2, 3, 4, 5]}", {"fisheye has 4"});
+  expect_refusal(head + "{model: division, coefficients: [1]}", {"'division' is unknown"});
+  expect_refusal(head + "{model: fisheye}", {"'coefficients'"});
+}
+
+TEST(CameraFile, RefusesBrokenMatrices) {
+  const std::string head = "image_width: 8\nimage_height: 6\n";
+  expect_refusal(head + "camera_matrix: {rows: 3, cols: 3, data: [1, 2]}\n", {"rows x cols"});
+  expect_refusal(head + "camera_matrix: {rows: 1, cols: 2, data: [1, 2]}\n", {"3 x 3"});
+  expect_refusal(head + "camera_matrix: [1, 2]\n", {"rows, cols and data"});
+  expect_refusal(
+      head + "camera_matrix: {rows: 3, cols: 3, data: [500, 0.2, 3, 0, 500, 2, 0, 0, 1]}\n",
+      {"skew"});
+  expect_refusal(head + "camera_matrix: {rows: 3, cols: 3, data: [-5, 0, 3, 0, 500, 2, 0, 0, 1]}\n",
+                 {"larger than 0"});
+  expect_refusal("image_width: 8\n" + kMatrix, {"no 'image_height'"});
+}
+
+TEST(CameraFile, RefusesTextThatIsNoCamera) {
+  expect_refusal("", {"camera.yaml", "must hold keys"});
+  expect_refusal("just text", {"must hold keys"});
+  expect_refusal("[1, 2]", {"must hold keys"});
+  expect_refusal("fx: [1, 2", {"camera.yaml:"});
+  expect_refusal("{\"fx\": 1,, }}", {"camera.yaml:"});
+  expect_refusal(std::string(2 << 20, ' '), {"too large"});
+}
+
+}  // namespace
+}  // namespace weft::sources

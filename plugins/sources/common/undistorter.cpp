@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/undistorter.hpp"
+
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace weft::sources {
+
+Undistorter::Undistorter(const CameraFile& file) {
+  if (file.model == Distortion::none) return;
+  const Camera& camera = file.camera;
+  const cv::Matx33d k(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
+  const cv::Size size(static_cast<int>(camera.width_px), static_cast<int>(camera.height_px));
+  if (file.model == Distortion::fisheye) {
+    cv::fisheye::initUndistortRectifyMap(k, file.coefficients, cv::Matx33d::eye(), k, size,
+                                         CV_16SC2, map_xy_, map_weights_);
+  } else {
+    cv::initUndistortRectifyMap(k, file.coefficients, cv::Matx33d::eye(), k, size, CV_16SC2,
+                                map_xy_, map_weights_);
+  }
+}
+
+void Undistorter::apply(const cv::Mat& image, cv::Mat& undistorted) const {
+  if (!changes_images()) {
+    image.copyTo(undistorted);
+    return;
+  }
+  cv::remap(image, undistorted, map_xy_, map_weights_, cv::INTER_LINEAR, cv::BORDER_CONSTANT);
+}
+
+}  // namespace weft::sources

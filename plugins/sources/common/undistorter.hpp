@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "common/camera_file.hpp"
+
+namespace weft::sources {
+
+/// Resamples images as an ideal pinhole with the same fx, fy, cx, cy and size would have seen them,
+/// bilinearly, on positions rounded to 1/32 px. What the camera did not see becomes black.
+class Undistorter {
+ public:
+  /// Leaves images as they are.
+  Undistorter() = default;
+  explicit Undistorter(const CameraFile& file);
+
+  bool changes_images() const { return !map_xy_.empty(); }
+  /// `image` has the size of the camera; `undistorted` is allocated unless it has size and type.
+  void apply(const cv::Mat& image, cv::Mat& undistorted) const;
+
+ private:
+  cv::Mat map_xy_;       // [H,W,2] i16: whole source pixels
+  cv::Mat map_weights_;  // [H,W] u16: index of the fraction
+};
+
+}  // namespace weft::sources

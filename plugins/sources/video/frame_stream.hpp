@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <opencv2/videoio.hpp>
+#include <string>
+#include <weft/core/result.hpp>
+
+namespace weft::video {
+
+/// The frames of a video file or of a camera, one after the other. It never seeks: the containers'
+/// tables lead to wrong frames too often, decoding in order always gives the same ones.
+class FrameStream {
+ public:
+  /// Fails, with the reason, on a file that is missing or no video.
+  static Result<FrameStream> open_file(const std::string& path);
+  /// The camera /dev/videoN, asked for images of this size. Fails when it is missing or busy.
+  static Result<FrameStream> open_device(int number, const cv::Size& size_px);
+
+  /// Goes to the next frame, at first to frame 0; false when there is none.
+  bool advance();
+  /// After advance() was false: an error unless a file ended where its header says.
+  Result<void> ending() const;
+
+  /// Of the current frame, counted from 0 as they are decoded.
+  std::int64_t number() const { return number_; }
+  /// Of the current frame, s since frame 0: the container's or the driver's time, and increasing
+  /// in any case.
+  double time_s() const { return stamp_s_ - first_stamp_s_; }
+  /// The current frame, BGR, 8 bits a channel, not turned by a tag of the file.
+  Result<cv::Mat> image();
+  /// File or device, for messages.
+  const std::string& name() const { return name_; }
+
+ private:
+  double next_stamp_s();
+
+  cv::VideoCapture capture_;
+  std::string name_;
+  bool is_live_ = false;
+  double fps_ = 0.0;         // of a file
+  double promised_s_ = 0.0;  // length of a file according to its header, 0 if it does not say
+  std::int64_t number_ = -1;
+  double first_stamp_s_ = 0.0;
+  double stamp_s_ = -1.0;
+};
+
+}  // namespace weft::video

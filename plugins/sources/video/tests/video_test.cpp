@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <numeric>
+#include <opencv2/videoio.hpp>
+#include <weft/core/rng.hpp>
+#include <weft/data/camera.hpp>
+#include <weft/data/image.hpp>
+#include <weft/testing/plugin_under_test.hpp>
+
+#include "common/tests/frame_folder.hpp"
+
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using weft::testing::FrameFolder;
+using weft::testing::kCount;
+using weft::testing::kOpen;
+using weft::testing::kRead;
+using weft::testing::Outcome;
+using weft::testing::PluginUnderTest;
+
+constexpr int kWidth = 64, kHeight = 48, kBits = 8, kFrames = 40;
+constexpr double kFps = 10.0;
+
+/// Stripes, black or white, which are the bits of the number.
+cv::Mat numbered(int number) {
+  cv::Mat image(kHeight, kWidth, CV_8UC3, cv::Scalar::all(0));
+  for (int bit = 0; bit < kBits; ++bit) {
+    if (((number >> bit) & 1) == 0) continue;
+    image.colRange(bit * kWidth / kBits, (bit + 1) * kWidth / kBits) = cv::Scalar::all(255);
+  }
+  return image;
+}
+
+int number_in(const weft::Image& image) {
+  int number = 0;
+  for (int bit = 0; bit < kBits; ++bit) {
+    const std::int64_t column = (2 * bit + 1) * kWidth / (2 * kBits);
+    if (image.pixels.data()[(kHeight / 2 * kWidth + column) * 3] > 127) number |= 1 << bit;
+  }
+  return number;
+}
+
+void write_video(const std::string& path, int frames = kFrames, int backend = cv::CAP_OPENCV_MJPEG,
+                 const std::string& codec = "MJPG") {
+  cv::VideoWriter writer(path, backend,
+                         cv::VideoWriter::fourcc(codec[0], codec[1], codec[2], codec[3]), kFps,
+                         cv::Size(kWidth, kHeight));
+  ASSERT_TRUE(writer.isOpened()) << path;
+  for (int i = 0; i < frames; ++i) writer.write(numbered(i));
+}
+
+struct OpenedSource : PluginUnderTest {
+  explicit OpenedSource(const std::string& params) : PluginUnderTest("sources/video", params) {
+    const Outcome opened = process(kOpen, {});
+    EXPECT_EQ(opened.status, WEFT_OK) << opened.message;
+    EXPECT_EQ(process(kCount, {}).get<weft::Count>()->frames, -1);
+  }
+};
+
+/// A folder with a camera file, and sources on its videos.
+class VideoSource : public ::testing::Test {
+ protected:
+  VideoSource() { write_camera(kWidth, "null"); }
+
+  void write_camera(int width, const std::string& distortion) {
+    folder_.write("camera.yaml",
+                  "{fx: 60, fy: 60, cx: 31.5, cy: 23.5, width: " + std::to_string(width) +
+                      ", height: 48, distortion: " + distortion + "}");
+  }
+
+  std::string params(const std::string& more) const {
+    return "{camera: '" + folder_.path("camera.yaml") + "', " + more + "}";
+  }
+  OpenedSource opened(const std::string& file, const std::string& more = "") const {
+    return OpenedSource(params("path: '" + folder_.path(file) + "'" + more));
+  }
+  std::string refusal(const std::string& more) const {
+    PluginUnderTest source("sources/video", params(more));
+    const Outcome outcome = source.process(kOpen, {});
+    EXPECT_EQ(outcome.status, WEFT_ERROR) << more;
+    return outcome.message;
+  }
+  std::string refusal_of_file(const std::string& file, const std::string& more = "") const {
+    return refusal("path: '" + folder_.path(file) + "'" + more);
+  }
+
+  std::string content(const std::string& file) const {
+    std::ifstream stream(folder_.path(file), std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+
+  FrameFolder folder_;
+};
+
+/// The numbers in the frames, until there are no more.
+std::vector<int> numbers(PluginUnderTest& source) {
+  std::vector<int> found;
+  for (std::uint64_t i = 0; i < 2 * kFrames; ++i) {
+    const Outcome frame = source.process(kRead, {}, i);
+    if (frame.status == WEFT_NO_RESULT) break;
+    EXPECT_EQ(frame.status, WEFT_OK) << frame.message;
+    found.push_back(number_in(*frame.get<weft::Image>()));
+  }
+  return found;
+}
+
+TEST_F(VideoSource, GivesEachFrameOnceAndThenNoResult) {
+  write_video(folder_.path("clip.avi"));
+  OpenedSource source = opened("clip.avi");
+  for (int i = 0; i < kFrames; ++i) {
+    const Outcome frame = source.process(kRead, {}, static_cast<std::uint64_t>(i));
+    ASSERT_EQ(frame.status, WEFT_OK) << frame.message;
+    const auto image = frame.get<weft::Image>();
+    EXPECT_THAT(std::vector<std::int64_t>({image->pixels.rows(), image->pixels.size()}),
+                ElementsAre(kHeight, kHeight * kWidth * 3));
+    EXPECT_EQ(number_in(*image), i);
+    EXPECT_EQ(image->stem, (i < 10 ? "clip_00000" : "clip_0000") + std::to_string(i));
+    EXPECT_NEAR(frame.get<weft::Time>()->t_s, i / kFps, 1e-9);
+    EXPECT_FALSE(frame.get<weft::GroundTruth>().has_value());
+  }
+  for (std::uint64_t i : {kFrames, kFrames, kFrames + 100}) {
+    EXPECT_EQ(source.process(kRead, {}, i).status, WEFT_NO_RESULT);
+  }
+}
+
+/// Frames in random order, past the end too, against the frames in order.
+void expect_same_in_any_order(OpenedSource source, OpenedSource shuffled) {
+  std::vector<Outcome> in_order;
+  for (std::uint64_t i = 0; i < kFrames; ++i) {
+    in_order.push_back(source.process(kRead, {}, i));
+    ASSERT_EQ(number_in(*in_order.back().get<weft::Image>()), static_cast<int>(i));
+  }
+  constexpr std::uint64_t kSeed = 5;
+  SCOPED_TRACE(kSeed);
+  weft::Rng rng(kSeed);
+  for (int draw = 0; draw < 60; ++draw) {
+    const auto i = rng.below(kFrames + 3);
+    const Outcome frame = shuffled.process(kRead, {}, i);
+    ASSERT_EQ(frame.status, i < kFrames ? WEFT_OK : WEFT_NO_RESULT) << i << frame.message;
+    if (i >= kFrames) continue;
+    const auto image = frame.get<weft::Image>(), expected = in_order[i].get<weft::Image>();
+    EXPECT_TRUE(std::equal(image->pixels.data(), image->pixels.data() + image->pixels.size(),
+                           expected->pixels.data()))
+        << i;
+    EXPECT_EQ(image->stem, expected->stem);
+    EXPECT_EQ(frame.get<weft::Time>()->t_s, in_order[i].get<weft::Time>()->t_s);
+  }
+}
+
+TEST_F(VideoSource, GivesTheSameFramesInAnyOrder) {
+  write_video(folder_.path("clip.avi"));
+  expect_same_in_any_order(opened("clip.avi"), opened("clip.avi"));
+}
+
+TEST_F(VideoSource, GivesTheSameFramesInAnyOrderWhereTheyDependOnEachOther) {
+  write_video(folder_.path("clip.mp4"), kFrames, cv::CAP_FFMPEG, "mp4v");
+  expect_same_in_any_order(opened("clip.mp4"), opened("clip.mp4"));
+}
+
+TEST_F(VideoSource, TakesTheTimesOfTheContainer) {
+  write_video(folder_.path("even.mkv"), 4, cv::CAP_FFMPEG);
+  // A block of Matroska: track 1, two bytes of time in ms, flags; then the JPEG image.
+  std::string bytes = content("even.mkv");
+  const std::vector<int> times_ms{0, 30, 250, 251};
+  std::size_t block = 0;
+  for (const int time_ms : times_ms) {
+    block = bytes.find("\xFF\xD8\xFF", block + 1);
+    ASSERT_NE(block, bytes.npos);
+    ASSERT_EQ(bytes[block - 4], '\x81');
+    bytes[block - 3] = static_cast<char>(time_ms >> 8);
+    bytes[block - 2] = static_cast<char>(time_ms & 0xFF);
+  }
+  folder_.write("uneven.mkv", bytes);
+  OpenedSource source = opened("uneven.mkv");
+  for (std::uint64_t i = 0; i < times_ms.size(); ++i) {
+    const Outcome frame = source.process(kRead, {}, i);
+    ASSERT_EQ(frame.status, WEFT_OK) << frame.message;
+    EXPECT_NEAR(frame.get<weft::Time>()->t_s, times_ms[i] * 1e-3, 1e-9);
+    EXPECT_EQ(number_in(*frame.get<weft::Image>()), static_cast<int>(i));
+  }
+}
+
+TEST_F(VideoSource, SkipsTheStartTakesEveryStepThFrameAndStops) {
+  write_video(folder_.path("clip.avi"));
+  OpenedSource some = opened("clip.avi", ", start_s: 1, step: 7, max_frames: 3");
+  const Outcome second = some.process(kRead, {}, 1);
+  EXPECT_NEAR(second.get<weft::Time>()->t_s, 7 / kFps, 1e-9);
+  EXPECT_EQ(second.get<weft::Image>()->stem, "clip_000017");
+  EXPECT_THAT(numbers(some), ElementsAre(10, 17, 24));
+  OpenedSource late = opened("clip.avi", ", start_s: 1.001, step: 10");
+  EXPECT_THAT(numbers(late), ElementsAre(11, 21, 31));
+  EXPECT_THAT(numbers(late), ElementsAre(11, 21, 31));
+}
+
+TEST_F(VideoSource, RemovesTheDistortionOfTheLens) {
+  write_video(folder_.path("clip.avi"));
+  const auto white = [&](const std::string& distortion) {
+    write_camera(kWidth, distortion);
+    const Outcome frame = opened("clip.avi").process(kRead, {}, 0b11);
+    const auto image = *frame.get<weft::Image>();
+    std::int64_t count = 0;
+    for (std::int64_t u = 0; u < kWidth; ++u) {
+      count += image.pixels.data()[(kHeight / 2 * kWidth + u) * 3] > 127 ? 1 : 0;
+    }
+    return count;
+  };
+  EXPECT_EQ(white("null"), kWidth / 4);
+  // The edge at 15.5 px is x = -16/60 in the distorted image: x (1 + 0.5 x^2) there is x = -0.2580,
+  // which is 16.0 px; the left border of the image, -31.5/60, comes from x = -0.4722, 3.2 px.
+  EXPECT_NEAR(static_cast<double>(white("[0.5, 0, 0, 0, 0]")), 13.0, 1.0);
+}
+
+TEST_F(VideoSource, RefusesWhatIsNoVideo) {
+  EXPECT_THROW(opened("missing.avi"), std::runtime_error);
+  folder_.write("empty.avi", "");
+  folder_.write("text.avi", "this is no video");
+  folder_.write("folder/a.txt", "");
+  write_video(folder_.path("clip.mp4"), kFrames, cv::CAP_FFMPEG, "mp4v");
+  folder_.write("half.mp4", content("clip.mp4").substr(0, content("clip.mp4").size() / 2));
+  EXPECT_THAT(refusal_of_file("empty.avi"), AllOf(HasSubstr("empty.avi"), HasSubstr("no video")));
+  EXPECT_THAT(refusal_of_file("text.avi"), HasSubstr("no video"));
+  EXPECT_THAT(refusal_of_file("half.mp4"), HasSubstr("no video"));
+  EXPECT_THAT(refusal_of_file("folder"), HasSubstr("folder"));
+  write_video(folder_.path("none.avi"), 0);
+  EXPECT_THAT(refusal_of_file("none.avi"), AllOf(HasSubstr("none.avi"), HasSubstr("no frame")));
+}
+
+TEST_F(VideoSource, RefusesParametersThatDoNotFitTheVideo) {
+  write_video(folder_.path("clip.avi"));
+  EXPECT_THAT(refusal_of_file("clip.avi", ", start_s: 4"),
+              AllOf(HasSubstr("'start_s'"), HasSubstr("3.900 s")));
+  EXPECT_THAT(refusal("step: 2"), HasSubstr("either 'path' or 'device'"));
+  EXPECT_THAT(refusal_of_file("clip.avi", ", device: 0"), HasSubstr("either 'path' or 'device'"));
+  write_camera(kWidth + 1, "null");
+  EXPECT_THAT(refusal_of_file("clip.avi"),
+              AllOf(HasSubstr("clip.avi"), HasSubstr("64 x 48"), HasSubstr("65 x 48")));
+}
+
+TEST_F(VideoSource, AVideoThatWasCutOffIsAnErrorOfTheFirstMissingFrameOnly) {
+  write_video(folder_.path("clip.avi"));
+  folder_.write("half.avi", content("clip.avi").substr(0, content("clip.avi").size() / 2));
+  OpenedSource source = opened("half.avi");
+  std::uint64_t end = 0;
+  while (source.process(kRead, {}, end).status == WEFT_OK) ++end;
+  EXPECT_GT(end, 10U);
+  EXPECT_LT(end, 25U);
+  for (int repeat = 0; repeat < 2; ++repeat) {
+    const Outcome missing = source.process(kRead, {}, end);
+    EXPECT_EQ(missing.status, WEFT_ERROR);
+    EXPECT_THAT(missing.message, AllOf(HasSubstr("half.avi"), HasSubstr("4.000 s")));
+    EXPECT_EQ(source.process(kRead, {}, end + 1).status, WEFT_NO_RESULT);
+    EXPECT_EQ(source.process(kRead, {}, 0).status, WEFT_OK);
+  }
+}
+
+TEST_F(VideoSource, ReadsAVideoWhoseWriterWasKilledAsFarAsItGoes) {
+  write_video(folder_.path("clip.avi"));
+  std::string bytes = content("clip.avi");
+  // The writer fills in the numbers of frames at the end.
+  bytes.replace(bytes.find("avih") + 8 + 16, 4, 4, '\0');
+  bytes.replace(bytes.find("strh") + 8 + 32, 4, 4, '\0');
+  folder_.write("killed.avi", bytes.substr(0, bytes.size() / 2));
+  OpenedSource source = opened("killed.avi");
+  const std::vector<int> found = numbers(source);
+  ASSERT_GT(found.size(), 10U);
+  std::vector<int> expected(found.size());
+  std::iota(expected.begin(), expected.end(), 0);
+  EXPECT_EQ(std::vector<int>(found.begin(), found.end() - 1),
+            std::vector<int>(expected.begin(), expected.end() - 1))  // the last may be half a frame
+      << "of " << found.size();
+}
+
+TEST_F(VideoSource, ACameraThatIsNotThereIsAnErrorThatSaysSo) {
+  EXPECT_THAT(refusal("device: 1023"), AllOf(HasSubstr("/dev/video1023"), HasSubstr("'device'")));
+}
+
+}  // namespace

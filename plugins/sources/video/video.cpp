@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <weft/sdk/source.hpp>
+
+#include "common/calibrated_camera.hpp"
+#include "frame_stream.hpp"
+
+namespace weft::video {
+namespace {
+
+/// The frames of a video file or of a camera that is connected, undistorted.
+class Video final : public Source {
+ public:
+  static constexpr About kAbout{.produces = "image time"};
+
+  explicit Video(Params& p) {
+    p.input_path("path", path_, "video file, of any format that FFmpeg reads; or give 'device'");
+    p.read("device", device_, "", {-1, 1023}, "camera: N of /dev/videoN; -1 for none");
+    p.input_path("camera", camera_path_,
+                 "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info",
+                 Need::required);
+    p.read("start_s", start_s_, "s", {0.0, 1e6}, "skip what is earlier than this");
+    p.read("step", step_, "", {1, 1'000'000}, "take every step-th frame");
+    p.read("max_frames", max_frames_, "", {0, 1'000'000'000}, "stop after so many; 0 for all");
+  }
+
+  Result<Camera> open(const Call& call) override {
+    if (path_.empty() == (device_ < 0)) {
+      return Error{Errc::invalid_value, "give either 'path' or 'device'", {}};
+    }
+    auto camera = sources::CalibratedCamera::read(camera_path_);
+    if (!camera) return camera.error();
+    camera_ = *std::move(camera);
+    end_.reset();
+    if (auto started = start(call); !started) return started.error();
+    const auto first = stream_.image();
+    if (!first) return first.error();
+    if (auto fits = camera_.check_size(first->size(), stream_.name()); !fits) return fits.error();
+    return camera_.pinhole();
+  }
+
+  /// Not even of a file: what its header says is an estimate, or wrong if the file was cut off.
+  std::int64_t count() const override { return -1; }
+
+  Result<SourceFrame> read(std::int64_t index, const Call& call) override {
+    if (index < 0) return Error{Errc::invalid_value, "frames are counted from 0", {}};
+    if (max_frames_ > 0 && index >= max_frames_) return no_result("'max_frames' were read");
+    if (auto found = go_to(index, call); !found) return found.error();
+    const auto stored = stream_.image();
+    if (!stored) return stored.error();
+    const std::string stem = std::filesystem::path(stream_.name()).stem().string();
+    auto image = camera_.undistorted(*stored, stream_.name(),
+                                     fmt::format("{}_{:06}", stem, stream_.number()));
+    if (!image) return image.error();
+    SourceFrame frame;
+    frame.image = *std::move(image);
+    frame.time = Time{stream_.time_s() - first_time_s_};
+    return frame;
+  }
+
+ private:
+  static Error cancelled() { return {Errc::cancelled, "cancelled", {}}; }
+
+  /// Opens the stream and goes to frame 0 of this source.
+  Result<void> start(const Call& call) {
+    is_at_a_frame_ = false;
+    stream_ = {};  // a camera cannot be opened twice
+    const Camera& camera = camera_.pinhole();
+    const cv::Size size(static_cast<int>(camera.width_px), static_cast<int>(camera.height_px));
+    auto opened =
+        device_ < 0 ? FrameStream::open_file(path_) : FrameStream::open_device(device_, size);
+    if (!opened) return opened.error();
+    stream_ = *std::move(opened);
+    do {
+      if (call.cancelled()) return cancelled();
+      if (!stream_.advance()) return no_start();
+    } while (stream_.time_s() + kTimeTolerance_s < start_s_);
+    first_number_ = stream_.number();
+    first_time_s_ = stream_.time_s();
+    is_at_a_frame_ = true;
+    return {};
+  }
+
+  Error no_start() const {
+    if (device_ >= 0) return stream_.ending().error();
+    if (stream_.number() < 0) {
+      return {Errc::invalid_data, path_ + ": holds no frame that can be decoded", {}};
+    }
+    return {Errc::invalid_value,
+            fmt::format("{}: its last frame is at {:.3f} s, before 'start_s': make that smaller",
+                        path_, stream_.time_s()),
+            {}};
+  }
+
+  Result<void> go_to(std::int64_t index, const Call& call) {
+    if (end_ && index >= *end_) return end_at(index);
+    const bool is_past = passed() / step_ + (passed() % step_ == 0 ? 0 : 1) > index;
+    if (!is_at_a_frame_ || is_past) {
+      if (device_ >= 0) {
+        return Error{Errc::invalid_value,
+                     stream_.name() + ": a camera cannot give an earlier frame again",
+                     {}};
+      }
+      if (auto started = start(call); !started) return started;
+    }
+    while (passed() / step_ < index) {
+      if (call.cancelled()) return cancelled();
+      if (stream_.advance()) continue;
+      is_at_a_frame_ = false;
+      end_ = passed() / step_ + 1;
+      ending_ = stream_.ending();
+      return end_at(index);
+    }
+    return {};
+  }
+
+  /// Frames of the stream since frame 0 of this source.
+  std::int64_t passed() const { return stream_.number() - first_number_; }
+
+  /// A stream that broke off is an error of the first frame that is missing, then the end.
+  Result<void> end_at(std::int64_t index) const {
+    if (!ending_ && index == *end_) return ending_;
+    return no_result(stream_.name() + ": has no more frames");
+  }
+
+  static constexpr double kTimeTolerance_s = 1e-6;  // times were rounded in the container
+
+  std::string path_;
+  int device_ = -1;
+  std::string camera_path_;
+  double start_s_ = 0.0;
+  int step_ = 1;
+  std::int64_t max_frames_ = 0;
+
+  sources::CalibratedCamera camera_;
+  FrameStream stream_;
+  bool is_at_a_frame_ = false;       // whether the stream has a current frame
+  std::int64_t first_number_ = 0;    // of frame 0 of this source in the stream
+  double first_time_s_ = 0.0;        // of the same
+  std::optional<std::int64_t> end_;  // the first frame that the stream lacks, once known
+  Result<void> ending_;
+};
+
+}  // namespace
+}  // namespace weft::video
+
+using weft::video::Video;
+WEFT_PLUGIN(Video, "sources/video", "1.0.0",
+            "Reads a video file or a connected camera of known calibration, undistorted.")

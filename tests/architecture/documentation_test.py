@@ -1,0 +1,58 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Plants mistakes in pages and expects each to be found."""
+
+import pathlib
+import tempfile
+import unittest
+
+import documentation
+
+CODE = "// first\nint f() {\n  return 1;\n}\n// last\n"
+
+
+class Documentation(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.root = pathlib.Path(self.folder.name).resolve()
+        (self.root / "a.cpp").write_text(CODE)
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def found(self, text):
+        (self.root / "page.md").write_text(text)
+        return list(documentation.problems(self.root))
+
+    def test_accepts_true_quotes_whole_and_in_part(self):
+        self.assertEqual(self.found(f"<!-- quote: a.cpp -->\n```cpp\n{CODE}```\n"), [])
+        part = "<!-- quote: a.cpp from: int f to: } -->\n```cpp\nint f() {\n  return 1;\n}\n```\n"
+        self.assertEqual(self.found(part), [])
+        inner = "<!-- quote: a.cpp from: return to: } -->\n```cpp\n  return 1;\n}\n```\n"
+        self.assertEqual(self.found(inner), [])
+
+    def test_finds_a_quote_that_differs_from_its_file(self):
+        changed = CODE.replace("1", "2")
+        self.assertEqual(self.found(f"x\n<!-- quote: a.cpp -->\n```cpp\n{changed}```\n"),
+                         ["page.md:2: the code block differs from a.cpp"])
+
+    def test_finds_quotes_of_what_is_not_there(self):
+        block = "\n```cpp\n```\n"
+        self.assertIn("no file b.cpp", self.found("<!-- quote: b.cpp -->" + block)[0])
+        self.assertIn("begins with 'g'", self.found("<!-- quote: a.cpp from: g -->" + block)[0])
+        self.assertIn("begins with 'g'",
+                      self.found("<!-- quote: a.cpp from: int to: g -->" + block)[0])
+        self.assertIn("no code block follows", self.found("<!-- quote: a.cpp -->\ntext\n")[0])
+
+    def test_finds_links_to_missing_files_and_headings(self):
+        self.assertEqual(self.found("# One two\n[a](a.cpp) [b](#one-two) [c](http://x.y/z)\n"), [])
+        self.assertEqual(self.found("[a](b.cpp)\n"), ["page.md:1: there is no b.cpp"])
+        self.assertEqual(self.found("# One\n[a](#two)\n"),
+                         ["page.md:2: the page has no heading '#two'"])
+
+    def test_leaves_code_alone(self):
+        self.assertEqual(self.found("```\n[a](b.cpp)\n```\nand `[a](b.cpp)`\n"), [])
+
+
+if __name__ == "__main__":
+    unittest.main()

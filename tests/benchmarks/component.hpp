@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <weft/data/camera.hpp>
+#include <weft/data/template.hpp>
+#include <weft/host/lane.hpp>
+#include <weft/host/npz.hpp>
+#include <weft/testing/plugin_under_test.hpp>
+
+namespace weft::bench {
+
+/// The noun as a record, with its revision: caches hold as they do in a run.
+template <class Noun>
+host::RecordPtr record_of(const Noun& noun) {
+  return testing::input("", noun).record;
+}
+
+/// A component called as the host does, with inputs that are made once.
+class Component {
+ public:
+  /// Throws std::runtime_error when it is refused.
+  Component(const std::string& id, const std::string& params, const Template& templ,
+            const Camera& camera);
+
+  /// Throws when the component has no result.
+  host::Outcome call(const host::NamedRecords& inputs, int method = 0);
+
+ private:
+  host::Registry registry_;
+  host::Lane lane_{1, {}};
+  std::optional<host::ComponentSpec> spec_;
+  host::Instance* instance_ = nullptr;
+};
+
+}  // namespace weft::bench

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "allocations.hpp"
+#include "component.hpp"
+#include "scenes.hpp"
+
+namespace weft::bench {
+namespace {
+
+/// What one warm call allocates, the host's records included.
+std::uint64_t allocations_of(Component& component, const host::NamedRecords& inputs) {
+  for (int i = 0; i < 2; ++i) component.call(inputs);
+  const std::uint64_t before = allocations();
+  component.call(inputs);
+  return allocations() - before;
+}
+
+TEST(Allocations, AreCountedInPluginsToo) {
+  const SheetScene scene;
+  Component filter("filters/myneighbor", "{warp: {use: warps/bbs}}", scene.templ, scene.camera);
+  // Exact triangulation allocates for each match.
+  EXPECT_GT(allocations_of(filter, {{"correspondences", record_of(scene.matches(400, 0.7))},
+                                    {"template", record_of(scene.templ)}}),
+            100U);
+}
+
+TEST(HotPath, SolversAllocateNothingInTheirLoop) {
+  const SheetScene scene;
+  const host::NamedRecords inputs{{"template", record_of(scene.templ)},
+                                  {"camera", record_of(scene.camera)},
+                                  {"sightlines", record_of(scene.sightlines)},
+                                  {"previous.shape", record_of(scene.previous)}};
+  const auto made = [&](const std::string& params) {
+    Component solver("solvers/particle_sft", params, scene.templ, scene.camera);
+    return allocations_of(solver, inputs);
+  };
+  // A tolerance of 0 is never met, so that all iterations are run.
+  const std::uint64_t few = made("{max_iterations: 5, tolerance_m: 0}");
+  EXPECT_EQ(made("{max_iterations: 500, tolerance_m: 0}"), few);
+  EXPECT_EQ(made("{max_iterations: 5, solver_iterations: 50, tolerance_m: 0}"), few);
+}
+
+}  // namespace
+}  // namespace weft::bench

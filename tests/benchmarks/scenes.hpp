@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <weft/data/keypoints.hpp>
+#include <weft/data/shape.hpp>
+#include <weft/data/sightlines.hpp>
+#include <weft/host/record.hpp>
+#include <weft/testing/synthetic.hpp>
+
+namespace weft::bench {
+
+/// A bent sheet of 10 x 6 vertices in a 640x480 image, and what stages are given of it.
+struct SheetScene {
+  Camera camera = testing::make_camera();
+  Template templ;
+  Points3 truth_m;  ///< [V,3] m, camera frame
+  Shape previous;   ///< of a pose a little apart
+  Sightlines sightlines;
+
+  SheetScene();
+
+  /// Matches of which `correct_rate` are correct, with noise of half a pixel.
+  Correspondences matches(int count, double correct_rate) const;
+};
+
+/// Random descriptors like SIFT's: 128 whole numbers that together have the length 512.
+Keypoints descriptors(int count, std::uint64_t seed);
+
+/// Random descriptors, of which the first half of the template's are noisy copies.
+Keypoints descriptors_seen(const Keypoints& templ, int count, std::uint64_t seed);
+
+/// The first frame of sources/synthetic: a textured sheet before a cluttered background, 640x480.
+host::RecordPtr synthetic_image();
+
+}  // namespace weft::bench

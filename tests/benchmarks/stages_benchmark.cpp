@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// Times of the stages on data of a fixed size, through the contract, on one thread.
+#include <benchmark/benchmark.h>
+
+#include "allocations.hpp"
+#include "component.hpp"
+#include "scenes.hpp"
+
+namespace weft::bench {
+namespace {
+
+/// Calls until the time is up; counts what a call allocates, the host's records included.
+void run(benchmark::State& state, Component& component, const host::NamedRecords& inputs,
+         int method = 0) {
+  for (int i = 0; i < 3; ++i) component.call(inputs, method);
+  const std::uint64_t before = allocations();
+  for (auto each : state) benchmark::DoNotOptimize(component.call(inputs, method));
+  const auto made = static_cast<double>(allocations() - before);
+  state.counters["allocations"] = made / static_cast<double>(state.iterations());
+}
+
+void sift_640x480(benchmark::State& state) {
+  const SheetScene scene;
+  Component sift("detectors/sift", "{}", scene.templ, scene.camera);
+  run(state, sift, {{"image", synthetic_image()}});
+}
+
+void descriptor_1500x4000(benchmark::State& state) {
+  const SheetScene scene;
+  Component matcher("matchers/descriptor", "{}", scene.templ, scene.camera);
+  const Keypoints templ = descriptors(1500, 1);
+  run(state, matcher,
+      {{"template_keypoints", record_of(templ)},
+       {"keypoints", record_of(descriptors_seen(templ, 4000, 2))}});
+}
+
+void myneighbor(benchmark::State& state) {
+  const SheetScene scene;
+  Component filter("filters/myneighbor", "{warp: {use: warps/bbs}}", scene.templ, scene.camera);
+  const auto matches = scene.matches(static_cast<int>(state.range(0)), 0.7);
+  run(state, filter,
+      {{"correspondences", record_of(matches)}, {"template", record_of(scene.templ)}});
+}
+
+/// Fit and, as the host asks after each fit, evaluation at the template's vertices.
+void bbs_fit_and_evaluate(benchmark::State& state) {
+  const SheetScene scene;
+  Component warp("warps/bbs", "{}", scene.templ, scene.camera);
+  const auto matches = scene.matches(static_cast<int>(state.range(0)), 1.0);
+  const host::NamedRecords to_fit{{"correspondences", record_of(matches)},
+                                  {"template", record_of(scene.templ)}};
+  Points vertices;
+  vertices.xy_px = scene.templ.flat_px;
+  vertices.order = 1;
+  const auto points = record_of(vertices);
+  const auto both = [&] {
+    const auto fitted = warp.call(to_fit, 0);
+    return warp.call({{"warp", fitted.find("warp")}, {"points", points}}, 1);
+  };
+  for (int i = 0; i < 3; ++i) both();
+  const std::uint64_t before = allocations();
+  for (auto each : state) benchmark::DoNotOptimize(both());
+  const auto made = static_cast<double>(allocations() - before);
+  state.counters["allocations"] = made / static_cast<double>(state.iterations());
+}
+
+void particle_sft(benchmark::State& state, bool tracked) {
+  const SheetScene scene;
+  Component solver("solvers/particle_sft", "{}", scene.templ, scene.camera);
+  host::NamedRecords inputs{{"template", record_of(scene.templ)},
+                            {"camera", record_of(scene.camera)},
+                            {"sightlines", record_of(scene.sightlines)}};
+  if (tracked) inputs.emplace_back("previous.shape", record_of(scene.previous));
+  run(state, solver, inputs);
+}
+
+void brunet_mdh(benchmark::State& state) {
+  const SheetScene scene;
+  Component solver("solvers/brunet_mdh", "{}", scene.templ, scene.camera);
+  run(state, solver,
+      {{"template", record_of(scene.templ)},
+       {"camera", record_of(scene.camera)},
+       {"sightlines", record_of(scene.sightlines)}});
+}
+
+BENCHMARK(sift_640x480)->Unit(benchmark::kMillisecond);
+BENCHMARK(descriptor_1500x4000)->Unit(benchmark::kMillisecond);
+BENCHMARK(myneighbor)->Arg(200)->Arg(1000)->Unit(benchmark::kMillisecond);
+BENCHMARK(bbs_fit_and_evaluate)->Arg(200)->Arg(1000)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(particle_sft, 60_vertices_from_the_previous_frame, true)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(particle_sft, 60_vertices_from_nothing, false)->Unit(benchmark::kMillisecond);
+BENCHMARK(brunet_mdh)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace weft::bench
+
+BENCHMARK_MAIN();

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stages in processes of their own, in runs as users start them.
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "support/child.hpp"
+#include "support/pipeline_fixture.hpp"
+
+namespace weft {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::Child;
+using testing::Ended;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::read_lines;
+using testing::read_text;
+
+/// The running processes whose parent is this one.
+std::vector<pid_t> children_of(pid_t parent) {
+  std::vector<pid_t> children;
+  std::error_code code;
+  for (const auto& entry : fs::directory_iterator("/proc", code)) {
+    const std::string name = entry.path().filename().string();
+    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+    const std::string stat = read_text(entry.path().string() + "/stat");
+    const std::size_t name_end = stat.rfind(") ");
+    if (name_end == std::string::npos) continue;
+    std::istringstream rest(stat.substr(name_end + 2));
+    std::string state;
+    pid_t its_parent = 0;
+    rest >> state >> its_parent;
+    if (its_parent == parent) children.push_back(std::stoi(name));
+  }
+  return children;
+}
+
+/// Gone, or dead and waited for by nobody yet.
+bool is_gone(pid_t process) {
+  const std::string stat = read_text("/proc/" + std::to_string(process) + "/stat");
+  const std::size_t name_end = stat.rfind(") ");
+  return name_end == std::string::npos || stat[name_end + 2] == 'Z';
+}
+
+template <class Condition>
+bool comes_true(const Condition& condition) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (std::chrono::steady_clock::now() < end) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return false;
+}
+
+class IsolationTest : public testing::PipelineTest {
+ protected:
+  std::vector<std::string> command(const std::string& file, const std::string& out,
+                                   const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> words{WEFT_PROGRAM,
+                                   "--plugin-path",
+                                   WEFT_TEST_PLUGINS,
+                                   "--plugin-path",
+                                   WEFT_DEADLY_FOLDER,
+                                   "run",
+                                   file,
+                                   "--out",
+                                   out};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  Ended run(const std::string& file, const std::string& out,
+            const std::vector<std::string>& more = {}) const {
+    return Child(command(file, out, more), path("printed")).wait();
+  }
+
+  /// A chain whose filter is deadly and isolated.
+  std::string deadly(const std::string& params, const std::string& keys = "") const {
+    std::string text = testing::chain({{"sources", "{frames: 4}"}});
+    const std::string filter = "{use: filters/test.scripted, params: {}}";
+    text.replace(text.find(filter), filter.size(),
+                 "{use: filters/zoo_deadly, params: " + params + ", isolate: process" + keys + "}");
+    return text;
+  }
+
+  std::string shapes(const std::string& out) const {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(out + "/frames")) files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    std::string all;
+    for (const fs::path& file : files) all += file.filename().string() + read_text(file.string());
+    return all;
+  }
+};
+
+TEST_F(IsolationTest, AWorkerThatDiesCostsOneFrameAndPrintsNothingHere) {
+  const Ended ended = run(write(deadly("{deed: crash, frame: 1}")), path("run"));
+  EXPECT_EQ(ended.exit_code, 1) << ended.err;
+  EXPECT_THAT(ended.err, Not(HasSubstr("these are")));
+  EXPECT_THAT(ended.out, Not(HasSubstr("out it goes")));
+  const std::vector<std::string> lines = read_lines(path("run/frames.jsonl"));
+  ASSERT_EQ(lines.size(), 4U);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    EXPECT_EQ(json::parse(lines[i])["failed"], i == 1) << lines[i];
+  }
+  EXPECT_THAT(lines[1], HasSubstr("filters/zoo_deadly: its worker died of signal 11 "
+                                  "(Segmentation fault); the last that it printed: last words"));
+  EXPECT_THAT(read_text(path("run/pipeline.yaml")), HasSubstr("isolate: process"));
+}
+
+TEST_F(IsolationTest, AWorkerThatHangsCostsOneFrame) {
+  const std::string text = deadly("{deed: hang, frame: 2}", ", deadline_ms: 1000");
+  EXPECT_EQ(run(write(text), path("run"), {"--quiet"}).exit_code, 1);
+  const std::vector<std::string> lines = read_lines(path("run/frames.jsonl"));
+  ASSERT_EQ(lines.size(), 4U);
+  EXPECT_THAT(lines[2], HasSubstr("its worker gave no answer within 1000 ms and was ended"));
+  EXPECT_THAT(lines[3], HasSubstr("\"failed\":false"));
+}
+
+TEST_F(IsolationTest, ADeathBeforeTheFirstFrameStopsTheRun) {
+  for (const std::string where : {"create", "prepare"}) {
+    const Ended ended = run(write(deadly("{deed: abort, where: " + where + "}")), path("run"));
+    EXPECT_EQ(ended.exit_code, 2);
+    EXPECT_THAT(ended.err, HasSubstr("its worker died of signal 6 (Aborted)"));
+    EXPECT_THAT(ended.err, HasSubstr("filters/zoo_deadly"));
+    EXPECT_FALSE(fs::exists(path("run")));
+  }
+}
+
+TEST_F(IsolationTest, WorkersEndWhenTheirHostIsKilled) {
+  const std::string file = write(deadly("{deed: hang}"));
+  Child host(command(file, path("run")), path("printed"));
+  std::vector<pid_t> workers;
+  // The run folder is there when the worker is prepared; then it hangs in frame 0.
+  ASSERT_TRUE(comes_true([&] { return fs::exists(path("run/template.npz")); }));
+  ASSERT_TRUE(comes_true([&] { return !(workers = children_of(host.id())).empty(); }));
+  host.send(SIGKILL);
+  EXPECT_EQ(host.wait().signal, SIGKILL);
+  for (const pid_t worker : workers) EXPECT_TRUE(comes_true([&] { return is_gone(worker); }));
+}
+
+TEST_F(IsolationTest, AnInterruptReachesTheStageAndDropsTheFrame) {
+  std::string here = deadly("{frame: 2, deed: obey}");
+  here.replace(here.find(", isolate: process"), std::string(", isolate: process").size(), "");
+  for (const std::string& text :
+       {deadly("{frame: 2, deed: obey}"), deadly("{frame: 2, deed: hang}"), here}) {
+    fs::remove_all(path("run"));
+    Child host(command(write(text), path("run")), path("printed"));
+    ASSERT_TRUE(comes_true([&] { return read_lines(path("run/frames.jsonl")).size() >= 2; }));
+    const std::vector<pid_t> workers = children_of(host.id());
+    EXPECT_EQ(workers.size(), text == here ? 0U : 1U);
+    host.send(SIGINT);
+    const Ended ended = host.wait();
+    EXPECT_EQ(ended.exit_code, 0) << ended.err;
+    EXPECT_THAT(ended.out, HasSubstr("2 frames, 0 failed, stopped early"));
+    EXPECT_EQ(read_lines(path("run/frames.jsonl")).size(), 2U);
+    for (const pid_t worker : workers) EXPECT_TRUE(is_gone(worker));
+  }
+}
+
+#ifdef WEFT_DEMO
+TEST_F(IsolationTest, TheDemoGivesTheSameBytesWithAllItsStagesIsolated) {
+  const std::vector<std::string> few{"--quiet", "--set", "source.frames=3"};
+  std::vector<std::string> isolated = few;
+  for (const char* stage : {"detectors", "matchers", "filters", "warps", "passes", "solvers"}) {
+    isolated.insert(isolated.end(), {"--set", std::string(stage) + ".isolate=process"});
+  }
+  const Ended near = run(WEFT_DEMO, path("near"), few);
+  ASSERT_EQ(near.exit_code, 0) << near.err;
+  const Ended far = run(WEFT_DEMO, path("far"), isolated);
+  ASSERT_EQ(far.exit_code, 0) << far.err;
+  EXPECT_EQ(shapes(path("far")), shapes(path("near")));
+  const auto near_lines = read_lines(path("near/frames.jsonl"));
+  const auto far_lines = read_lines(path("far/frames.jsonl"));
+  ASSERT_EQ(near_lines.size(), 3U);
+  ASSERT_EQ(far_lines.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    json one = json::parse(near_lines[i]), other = json::parse(far_lines[i]);
+    EXPECT_TRUE(other["ms"].contains("filters/warp"));
+    for (json* line : {&one, &other}) {
+      for (json& time : (*line)["ms"]) time = 0;
+      for (json& stage : (*line)["stages"]) stage["ms"] = 0;
+    }
+    EXPECT_EQ(one, other);
+  }
+}
+#endif
+
+}  // namespace
+}  // namespace weft

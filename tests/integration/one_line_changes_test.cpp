@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a composer changes in pipelines/demo.yaml, line by line, with the program as users run it.
+#include <gmock/gmock.h>
+#include <stdlib.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "support/child.hpp"
+
+namespace weft {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::AllOf;
+using testing::Child;
+using testing::Ended;
+using ::testing::HasSubstr;
+
+constexpr int kFrames = 6;
+
+std::string read_text(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+/// `text` with its only `part` replaced.
+std::string replaced(std::string text, const std::string& part, const std::string& by) {
+  const std::size_t at = text.find(part);
+  if (at == text.npos || text.find(part, at + 1) != text.npos) {
+    throw std::runtime_error("the demo does not have exactly one: " + part);
+  }
+  return text.replace(at, part.size(), by);
+}
+
+class OneLineChanges : public ::testing::Test {
+ protected:
+  OneLineChanges() {
+    std::string pattern = (fs::temp_directory_path() / "weft_XXXXXX").string();
+    if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
+    folder_ = pattern;
+    fs::create_directory_symlink(WEFT_PIPELINES "/data", folder_ / "data");
+  }
+  ~OneLineChanges() override {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  Ended weft(const std::string& command, const std::string& pipeline,
+             const std::vector<std::string>& more = {}) const {
+    std::ofstream(path("pipeline.yaml")) << pipeline;
+    std::vector<std::string> words{WEFT_PROGRAM, "--plugin-path", WEFT_REAL_PLUGINS, command,
+                                   path("pipeline.yaml")};
+    words.insert(words.end(), more.begin(), more.end());
+    return Child(words, path("printed")).wait();
+  }
+
+  /// Runs a few frames and measures them: all are solved, with a mean error below the limit [mm].
+  void expect_solved(const std::string& pipeline, double limit_mm) const {
+    const Ended ran = weft(
+        "run", pipeline,
+        {"--set", "source.frames=" + std::to_string(kFrames), "--out", path("run"), "--quiet"});
+    ASSERT_EQ(ran.exit_code, 0) << ran.err;
+    const Ended measured =
+        Child({WEFT_PROGRAM, "eval", path("run"), "--json", path("metrics.json"), "--quiet"},
+              path("printed"))
+            .wait();
+    ASSERT_EQ(measured.exit_code, 0) << measured.err;
+    const json metrics = json::parse(read_text(path("metrics.json")));
+    const json& all = metrics.at("all");
+    const double mean_mm = all.at("error_solved").at("mean_mm");
+    std::printf("mean %.2f mm, worst frame %.2f mm\n", mean_mm,
+                all.at("error_solved").at("worst_mm").get<double>());
+    EXPECT_EQ(all.at("solved"), kFrames);
+    EXPECT_LT(mean_mm, limit_mm);
+  }
+
+  const std::string demo_ = read_text(WEFT_PIPELINES "/demo.yaml");
+
+ private:
+  fs::path folder_;
+};
+
+TEST_F(OneLineChanges, TheDemoAsItStandsIsSolved) { expect_solved(demo_, 0.7); }
+
+TEST_F(OneLineChanges, OrbTakesThePlaceOfSift) {
+  expect_solved(replaced(demo_, "detectors/sift", "detectors/orb"), 1.5);
+}
+
+TEST_F(OneLineChanges, AkazeTakesThePlaceOfSift) {
+  expect_solved(replaced(demo_, "detectors/sift", "detectors/akaze"), 1.5);
+}
+
+TEST_F(OneLineChanges, TheMatchesOfTwoDetectorsAreMerged) {
+  expect_solved(replaced(demo_, "  - use: matchers/descriptor\n",
+                         "  - {use: matchers/descriptor, as: sift}\n"
+                         "  - use: detectors/orb\n"
+                         "  - {use: matchers/descriptor, as: orb}\n"
+                         "  - {use: matchers/merge, from: {correspondences: [sift, orb]}}\n"),
+                0.7);
+}
+
+TEST_F(OneLineChanges, ASolverRunsTwice) {
+  const std::string solver =
+      "  - use: solvers/particle_sft\n"
+      "    params: {start: {use: solvers/brunet_mdh}}\n";
+  expect_solved(replaced(demo_, solver, solver + solver), 0.7);
+}
+
+TEST_F(OneLineChanges, AStageWithoutItsInputIsRefusedWithReasonAndFix) {
+  const Ended ended = weft("check", replaced(demo_,
+                                             "  - use: warps/bbs\n"
+                                             "    params: {robust: geman_mcclure}\n",
+                                             ""));
+  EXPECT_EQ(ended.exit_code, 2);
+  EXPECT_THAT(ended.err,
+              AllOf(HasSubstr("passes/salient_cells requires 'warp"),
+                    HasSubstr("which no earlier stage produces"), HasSubstr("warps/bbs")));
+}
+
+}  // namespace
+}  // namespace weft

@@ -1,0 +1,401 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <dirent.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+
+#include <chrono>
+#include <cstring>
+#include <iostream>
+#include <map>
+#include <thread>
+
+#include "zoo/zoo.hpp"
+
+namespace weft::host {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr const char* kNested = "{warp: {use: warps/zoo_shift, params: {shift_px: 7.25}}}";
+
+/// One lane with shared memory, and what its components logged.
+class WorkerTest : public ::testing::Test {
+ protected:
+  WorkerTest() {
+    Template sheet;
+    sheet.vertices_m = Array<double>({3, 3});
+    sheet.flat_px = Array<double>({3, 2});
+    for (std::int64_t v = 0; v < 3; ++v) sheet.flat_px(v, 0) = static_cast<double>(10 * v);
+    sheet.faces = Array<std::int32_t>({1, 3});
+    sheet.texture = sheet.mask = Array<std::uint8_t>({2, 2});
+    templ_ = Record::copy_of(sheet);
+    camera_ = Record::copy_of(Camera{});
+    templ_->set_revision(1001);
+  }
+
+  Isolation isolation(int deadline_ms = 0) const {
+    return {WEFT_WORKER, std::chrono::milliseconds(deadline_ms)};
+  }
+
+  const ComponentSpec& spec(const std::string& id, const std::string& params = "{}") {
+    specs_.push_back(zoo::resolve(registry_, id, params));
+    if (!specs_.back().spec) throw std::runtime_error(specs_.back().problem());
+    return *specs_.back().spec;
+  }
+
+  Instance& apart(const std::string& id, const std::string& params = "{}", int deadline_ms = 0,
+                  const std::string& stage = "filters") {
+    return prepared(lane_->instantiate_apart(spec(id, params), stage, isolation(deadline_ms)));
+  }
+  Instance& here(const std::string& id, const std::string& params = "{}",
+                 const std::string& stage = "filters") {
+    return prepared(lane_->instantiate(spec(id, params), stage));
+  }
+  Instance& prepared(const Result<Instance*>& made) {
+    if (!made) throw std::runtime_error(made.error().message);
+    const auto ready = lane_->prepare(**made, *templ_, *camera_);
+    if (!ready) throw std::runtime_error(ready.error().message);
+    return **made;
+  }
+
+  Outcome filter(Instance& filter, std::uint64_t frame = 0, std::int64_t count = 5) {
+    const Correspondences matches = zoo::make_matches(count);
+    const RecordView<Correspondences> view("correspondences", matches);
+    const weft_record inputs[] = {view.raw(), templ_->view("template")};
+    return lane_->call(filter, 0, inputs, frame);
+  }
+
+  Outcome fit(Instance& warp) {
+    const Correspondences matches = zoo::make_matches(4);
+    const RecordView<Correspondences> view("correspondences", matches);
+    const weft_record inputs[] = {view.raw(), templ_->view("template")};
+    return lane_->call(warp, 0, inputs, 0);
+  }
+
+  static double diag(const Outcome& outcome, const char* name) {
+    if (!outcome.usable()) ADD_FAILURE() << outcome.error.message;
+    return outcome.usable()
+               ? view_as<InlierMask>(*outcome.find("inlier_mask"))->diag.value(name, -999.0)
+               : -999.0;
+  }
+
+  const Registry registry_ = Registry::scan({{zoo::kFolder, "test"}, {WEFT_DEADLY_FOLDER, "test"}});
+  std::deque<zoo::Resolved> specs_;
+  std::shared_ptr<Record> templ_, camera_;
+  std::vector<std::string> logged_;
+  std::unique_ptr<Lane> lane_ = std::make_unique<Lane>(
+      7,
+      [this](const std::string& component, int level, const std::string& text) {
+        logged_.push_back(component + " " + std::to_string(level) + " " + text);
+      },
+      *SharedArena::create());
+};
+
+/// All bytes of a record, by array.
+std::map<std::string, std::string> content(const Outcome& outcome) {
+  std::map<std::string, std::string> result;
+  for (const auto& [slot, record] : outcome.outputs) {
+    const weft_record view = record->view("");
+    for (std::uint64_t i = 0; i < view.count; ++i) {
+      const weft_array& array = view.arrays[i];
+      const auto bytes = array_bytes(array.dtype, array.ndim, array.shape);
+      result[slot + "/" + array.name] =
+          std::string(static_cast<const char*>(array.data), static_cast<std::size_t>(bytes));
+    }
+  }
+  return result;
+}
+
+std::vector<std::string> names(const std::vector<Timing>& timings) {
+  std::vector<std::string> result;
+  for (const Timing& timing : timings) result.push_back(timing.component);
+  return result;
+}
+
+std::size_t open_files() {
+  return static_cast<std::size_t>(
+      std::distance(zoo::fs::directory_iterator("/proc/self/fd"), zoo::fs::directory_iterator{}));
+}
+
+/// [bytes] of all memory files of this process.
+std::int64_t shared_bytes() {
+  std::int64_t sum = 0;
+  for (const auto& entry : zoo::fs::directory_iterator("/proc/self/fd")) {
+    struct stat status {};
+    std::error_code code;
+    const std::string target = zoo::fs::read_symlink(entry.path(), code).string();
+    if (!target.starts_with("/memfd:weft")) continue;
+    if (stat(entry.path().c_str(), &status) == 0) sum += status.st_blocks * 512;
+  }
+  return sum;
+}
+
+TEST_F(WorkerTest, GivesTheSameBytesTimingsAndDrawsAsInThisProcess) {
+  Instance& near = here("filters/zoo_good", kNested);
+  Instance& far = apart("filters/zoo_good", kNested);
+  for (std::uint64_t frame = 0; frame < 3; ++frame) {
+    const Outcome expected = filter(near, frame);
+    ASSERT_EQ(expected.status, WEFT_OK) << expected.error.message;
+    EXPECT_THAT(names(lane_->take_timings()),
+                ElementsAre("filters/warp", "filters/warp", "filters"));
+    const Outcome outcome = filter(far, frame);
+    ASSERT_EQ(outcome.status, WEFT_OK) << outcome.error.message;
+    EXPECT_EQ(content(outcome), content(expected));
+    EXPECT_THAT(names(lane_->take_timings()),
+                ElementsAre("filters/warp", "filters/warp", "filters"));
+    EXPECT_EQ(diag(outcome, "shifted_u"), 17.25);
+  }
+}
+
+TEST_F(WorkerTest, ParametersOfEveryTypeArrive) {
+  const zoo::TemporaryFolder folder;
+  zoo::write_file(folder / "table", "");
+  const std::string params =
+      "{length_mm: 3.5, free: -2, count: 42, flag: false, colour: blue, limits_px: [1, 2, 3], "
+      "title: some words, table: " +
+      (folder / "table") + ", report: " + (folder / "out") + ", apart: {a: b, c: d}}";
+  EXPECT_EQ(content(filter(apart("filters/zoo_good", params))),
+            content(filter(here("filters/zoo_good", params))));
+}
+
+TEST_F(WorkerTest, TheHostDoesNotLoadTheLibrary) {
+  const Outcome outcome = filter(apart("filters/zoo_deadly"));
+  EXPECT_EQ(diag(outcome, "prepared"), 1.0);
+  EXPECT_NE(diag(outcome, "process"), getpid());
+  EXPECT_EQ(zoo::read_file("/proc/self/maps").find("zoo_deadly"), std::string::npos);
+}
+
+TEST_F(WorkerTest, ADeathCostsOneFrame) {
+  const std::vector<std::pair<std::string, std::string>> deeds{
+      {"crash",
+       "its worker died of signal 11 (Segmentation fault); the last that it printed: "
+       "last words"},
+      {"abort", "its worker died of signal 6 (Aborted)"},
+      {"kill", "its worker died of signal 9 (Killed), perhaps because memory was short"},
+      {"exit", "its worker exited with status 7"},
+      {"scribble", "its worker sent what is no message, and was ended"}};
+  for (const auto& [deed, cause] : deeds) {
+    SCOPED_TRACE(deed);
+    Instance& deadly = apart("filters/zoo_deadly", "{frame: 1, deed: " + deed + "}");
+    EXPECT_EQ(filter(deadly, 0).status, WEFT_OK);
+    const Outcome outcome = filter(deadly, 1);
+    EXPECT_EQ(outcome.status, WEFT_ERROR);
+    EXPECT_EQ(outcome.error.code, Errc::plugin_failure);
+    EXPECT_EQ(outcome.error.where, "filters/zoo_deadly");
+    EXPECT_THAT(outcome.error.message, StartsWith(cause));
+    EXPECT_EQ(diag(filter(deadly, 2), "prepared"), 1.0);
+  }
+}
+
+TEST_F(WorkerTest, HangingPastTheDeadlineCostsOneFrame) {
+  Instance& deadly = apart("filters/zoo_deadly", "{frame: 1, deed: hang}", 1000);
+  EXPECT_EQ(filter(deadly, 0).status, WEFT_OK);
+  const Outcome outcome = filter(deadly, 1);
+  EXPECT_EQ(outcome.status, WEFT_ERROR);
+  EXPECT_EQ(outcome.error.message, "its worker gave no answer within 1000 ms and was ended");
+  EXPECT_EQ(filter(deadly, 2).status, WEFT_OK);
+}
+
+TEST_F(WorkerTest, ADeathInCreateOrPrepareIsAnErrorBeforeTheFirstFrame) {
+  const auto created = lane_->instantiate_apart(
+      spec("filters/zoo_deadly", "{where: create, deed: crash}"), "filters", isolation());
+  ASSERT_FALSE(created);
+  EXPECT_EQ(created.error().where, "filters/zoo_deadly");
+  EXPECT_THAT(created.error().message, HasSubstr("died of signal 11"));
+  const auto unprepared = lane_->instantiate_apart(
+      spec("filters/zoo_deadly", "{where: prepare, deed: exit}"), "filters", isolation());
+  ASSERT_TRUE(unprepared) << unprepared.error().message;
+  const auto ready = lane_->prepare(**unprepared, *templ_, *camera_);
+  ASSERT_FALSE(ready);
+  EXPECT_EQ(ready.error().where, "filters/zoo_deadly");
+  EXPECT_THAT(ready.error().message, HasSubstr("exited with status 7"));
+}
+
+TEST_F(WorkerTest, AFailureInCreateOrPrepareIsThatOfTheComponent) {
+  const auto created = lane_->instantiate_apart(spec("filters/zoo_throws", "{in: constructor}"),
+                                                "filters", isolation());
+  ASSERT_FALSE(created);
+  EXPECT_EQ(created.error().where, "filters/zoo_throws");
+  EXPECT_THAT(created.error().message, HasSubstr("the sky fell down"));
+}
+
+TEST_F(WorkerTest, ArraysLargerThanAnyBeforePassBothWays) {
+  Instance& deadly = apart("filters/zoo_deadly", "{frame: 1, deed: large}");
+  EXPECT_EQ(filter(deadly, 0).status, WEFT_OK);
+  const Outcome outcome = filter(deadly, 1, 200'000);
+  ASSERT_EQ(outcome.status, WEFT_OK) << outcome.error.message;
+  const auto mask = view_as<InlierMask>(*outcome.find("inlier_mask"));
+  EXPECT_EQ(mask->kept.rows(), 200'000);
+  EXPECT_EQ(outcome.find("inlier_mask")->view("").arrays[0].memory, WEFT_SHARED);
+}
+
+TEST_F(WorkerTest, InputsThatDoNotFitAreAnErrorOfThatCall) {
+  lane_ = std::make_unique<Lane>(7, Lane::Log{}, *SharedArena::create(1U << 20U));
+  Instance& far = apart("filters/zoo_deadly");
+  const Outcome outcome = filter(far, 0, 100'000);
+  EXPECT_EQ(outcome.status, WEFT_ERROR);
+  EXPECT_THAT(outcome.error.message, HasSubstr("no room for the input array"));
+  EXPECT_EQ(filter(far, 1).status, WEFT_OK);
+}
+
+TEST_F(WorkerTest, ManyFramesTakeNeitherMemoryNorFiles) {
+  Instance& far = apart("filters/zoo_good", kNested);
+  const auto burst = [&](int calls) {
+    for (int i = 0; i < calls; ++i) {
+      const Outcome outcome = filter(far, static_cast<std::uint64_t>(i), 2000);
+      ASSERT_EQ(outcome.status, WEFT_OK) << outcome.error.message;
+    }
+  };
+  burst(20);
+  const std::size_t files = open_files();
+  const std::int64_t bytes = shared_bytes();
+  EXPECT_GT(bytes, 0);
+  burst(300);
+  EXPECT_EQ(open_files(), files);
+  EXPECT_EQ(shared_bytes(), bytes);
+}
+
+TEST_F(WorkerTest, ManyDeathsLeaveNoFilesAndNoZombies) {
+  Instance& deadly = apart("filters/zoo_deadly", "{deed: exit}");
+  filter(deadly);
+  const std::size_t files = open_files();
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(filter(deadly).status, WEFT_ERROR);
+  EXPECT_EQ(open_files(), files);
+  apart("filters/zoo_good");
+  lane_.reset();
+  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);
+  EXPECT_EQ(errno, ECHILD);
+}
+
+TEST_F(WorkerTest, OutputsOutliveTheirWorkerAndTheLane) {
+  Outcome outcome = filter(apart("filters/zoo_good", kNested));
+  const auto before = content(outcome);
+  lane_.reset();
+  EXPECT_EQ(content(outcome), before);
+}
+
+TEST_F(WorkerTest, CancellingReachesTheComponent) {
+  Instance& obedient = apart("filters/zoo_deadly", "{frame: 1, deed: obey}");
+  EXPECT_EQ(filter(obedient, 0).status, WEFT_OK);
+  std::atomic<bool> cancel{false};
+  lane_->watch(&cancel);
+  std::thread later([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    cancel = true;
+  });
+  const Outcome outcome = filter(obedient, 1);
+  later.join();
+  EXPECT_EQ(outcome.status, WEFT_CANCELLED);
+  EXPECT_EQ(outcome.error.message, "as you wish");
+  lane_->watch(nullptr);
+  EXPECT_EQ(filter(obedient, 2).status, WEFT_OK);
+}
+
+TEST_F(WorkerTest, AWorkerThatDoesNotStopWhenCancelledIsEnded) {
+  Instance& deaf = apart("filters/zoo_deadly", "{deed: hang}");
+  lane_->cancel() = true;
+  const Outcome outcome = filter(deaf);
+  EXPECT_EQ(outcome.status, WEFT_CANCELLED);
+  EXPECT_THAT(outcome.error.message, HasSubstr("did not stop when cancelled"));
+}
+
+TEST_F(WorkerTest, MessagesReachTheLog) {
+  filter(apart("filters/zoo_deadly", "{deed: log}"));
+  EXPECT_THAT(logged_, ElementsAre("filters 2 so far so good"));
+}
+
+TEST_F(WorkerTest, FlaggedAndAbsentResultsKeepTheirReasons) {
+  const zoo::TemporaryFolder folder;
+  zoo::write_file(folder / "model", "");
+  const Outcome flagged = filter(
+      apart("filters/zoo_strict", "{ratio: 0.25, rounds: 9, model: " + (folder / "model") + "}"));
+  EXPECT_EQ(flagged.status, WEFT_DEGENERATE);
+  EXPECT_EQ(flagged.error.message, "keeps nothing");
+  EXPECT_EQ(diag(flagged, "rounds"), 9.0);
+  const Outcome absent = filter(
+      apart("filters/zoo_good", "{warp: {use: warps/zoo_shift, params: {always_fails: true}}}"));
+  EXPECT_EQ(absent.status, WEFT_NO_RESULT);
+  EXPECT_EQ(absent.error.message, "told to fail");
+  EXPECT_EQ(absent.error.where, "warps/zoo_shift");
+}
+
+TEST_F(WorkerTest, IllegalOutputsAreCaught) {
+  const Outcome outcome = filter(apart("filters/zoo_wrong_output", "{mistake: nan}"));
+  EXPECT_EQ(outcome.status, WEFT_ERROR);
+  EXPECT_THAT(outcome.error.message, HasSubstr("'score' holds NaN or infinity"));
+}
+
+TEST_F(WorkerTest, AWarpIsEvaluatedByItsProducerWhereverThatLives) {
+  Points points;
+  points.xy_px = Array<double>({1, 2});
+  Instance& far = apart("warps/zoo_shift", "{shift_px: 3}", 0, "warps");
+  const Outcome fitted = fit(far);
+  ASSERT_EQ(fitted.status, WEFT_OK) << fitted.error.message;
+  const Outcome samples = lane_->evaluate(*fitted.find("warp"), points, 0);
+  ASSERT_EQ(samples.status, WEFT_OK) << samples.error.message;
+  EXPECT_EQ(view_as<WarpSamples>(*samples.find("warp_samples"))->xy_px(0, 0), 3.0);
+}
+
+TEST_F(WorkerTest, AStageReadsWarpsThatWereMadeElsewhere) {
+  Instance& near = here("warps/zoo_shift", "{shift_px: 1}", "warps");
+  Instance& far = apart("warps/zoo_shift", "{shift_px: 100}", 0, "warps#2");
+  Instance& reader = apart("passes/zoo_reader", "{}", 0, "passes");
+  for (const auto& [maker, shift] : {std::pair{&near, 1.0}, {&far, 100.0}, {&near, 1.0}}) {
+    const Outcome fitted = fit(*maker);
+    ASSERT_EQ(fitted.status, WEFT_OK) << fitted.error.message;
+    const weft_record inputs[] = {templ_->view("template"), camera_->view("camera"),
+                                  fitted.find("warp")->view("warp")};
+    lane_->take_timings();
+    const Outcome read = lane_->call(reader, 0, inputs, 0);
+    ASSERT_EQ(read.status, WEFT_OK) << read.error.message;
+    EXPECT_EQ(view_as<Visibility>(*read.find("visibility"))->score(2), 20.0 + shift);
+    EXPECT_THAT(names(lane_->take_timings()),
+                ElementsAre(shift == 1.0 ? "warps" : "warps#2", "passes"));
+  }
+}
+
+TEST_F(WorkerTest, AProgramThatIsNoWorkerIsNamed) {
+  const auto missing = lane_->instantiate_apart(spec("filters/zoo_good"), "filters",
+                                                {"/no/such/worker", std::chrono::milliseconds(0)});
+  ASSERT_FALSE(missing);
+  EXPECT_THAT(missing.error().message,
+              ::testing::AllOf(HasSubstr("/no/such/worker cannot be started: No such file"),
+                               HasSubstr("install weft-worker beside the program")));
+  const auto other = lane_->instantiate_apart(spec("filters/zoo_good"), "filters",
+                                              {"/bin/true", std::chrono::milliseconds(0)});
+  ASSERT_FALSE(other);
+  EXPECT_THAT(other.error().message, HasSubstr("exited with status 0"));
+}
+
+TEST_F(WorkerTest, ALaneWithoutSharedMemoryHasNoWorkers) {
+  lane_ = std::make_unique<Lane>(7, Lane::Log{});
+  const auto made = lane_->instantiate_apart(spec("filters/zoo_good"), "filters", isolation());
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, Errc::unsupported);
+}
+
+TEST_F(WorkerTest, DamagedAnswersAreErrorsOfTheComponent) {
+  Instance& liar = prepared(lane_->instantiate_apart(spec("filters/zoo_good"), "filters",
+                                                     {WEFT_LIAR, std::chrono::milliseconds(5000)}));
+  int honest = 0, refused = 0;
+  for (std::uint64_t frame = 0; frame < 200; ++frame) {
+    const Outcome outcome = filter(liar, frame);
+    if (outcome.usable()) {
+      ++honest;
+      EXPECT_EQ(view_as<InlierMask>(*outcome.find("inlier_mask"))->kept.rows(), 5);
+    } else {
+      ++refused;
+      EXPECT_FALSE(outcome.error.message.empty());
+      EXPECT_FALSE(outcome.error.where.empty());
+    }
+  }
+  EXPECT_GT(honest, 30);
+  EXPECT_GT(refused, 50);
+}
+
+}  // namespace
+}  // namespace weft::host

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// Components that would take their host with them: made to run in a worker.
+#include <signal.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <thread>
+#include <weft/sdk/filter.hpp>
+#include <weft/sdk/pass.hpp>
+
+namespace {
+
+enum class Deed { none, crash, abort, exit, kill, hang, obey, scribble, log, large };
+enum class Place { process, create, prepare };
+
+/// Dies of a signal as it does without anybody's handler for it.
+void die_of(int signal) {
+  ::signal(signal, SIG_DFL);
+  raise(signal);
+}
+
+/// Writes into every socket of the process, one of which leads to the host.
+void scribble() {
+  for (int file = 3; file < 64; ++file) {
+    const char nonsense[64] = "neither head nor tail";
+    if (send(file, nonsense, sizeof(nonsense), MSG_NOSIGNAL) < 0) continue;
+  }
+}
+
+/// Keeps every match until it is time for its deed.
+class Deadly final : public weft::Filter {
+ public:
+  explicit Deadly(weft::Params& p) {
+    p.choice("deed", deed_,
+             {{"none", Deed::none},
+              {"crash", Deed::crash},
+              {"abort", Deed::abort},
+              {"exit", Deed::exit},
+              {"kill", Deed::kill},
+              {"hang", Deed::hang},
+              {"obey", Deed::obey},
+              {"scribble", Deed::scribble},
+              {"log", Deed::log},
+              {"large", Deed::large}},
+             "what it does");
+    p.choice("where", where_,
+             {{"process", Place::process}, {"create", Place::create}, {"prepare", Place::prepare}},
+             "in which function");
+    p.read("frame", frame_, "", {-1, 1e6}, "in which frame; -1 for all");
+    if (where_ == Place::create) act();
+  }
+
+  weft::Result<void> prepare(const weft::PrepareInput&) override {
+    if (where_ == Place::prepare) act();
+    prepared_ = true;
+    return {};
+  }
+
+  weft::Result<weft::InlierMask> filter(const weft::FilterInput& in) override {
+    const std::int64_t n = in.correspondences.count();
+    weft::InlierMask mask{weft::Array<std::uint8_t>({n}), weft::Array<double>({n}), {}};
+    mask.diag.set("prepared", prepared_ ? 1.0 : 0.0);
+    mask.diag.set("process", static_cast<double>(getpid()));
+    if (where_ != Place::process) return mask;
+    if (frame_ >= 0 && static_cast<std::uint64_t>(frame_) != in.call.frame()) return mask;
+    act();
+    if (deed_ == Deed::log) in.call.log_warning("so far so good");
+    if (deed_ == Deed::large) mask.diag.set("large", weft::Array<double>({5'000'000}));
+    while (deed_ == Deed::obey) {
+      if (in.call.cancelled()) return weft::Error{weft::Errc::cancelled, "as you wish", {}};
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return mask;
+  }
+
+ private:
+  void act() const {
+    if (deed_ == Deed::none) return;
+    std::printf("out it goes\n");
+    std::fprintf(stderr, "these are\nlast words\n");
+    if (deed_ == Deed::crash) die_of(SIGSEGV);
+    if (deed_ == Deed::abort) die_of(SIGABRT);
+    if (deed_ == Deed::kill) die_of(SIGKILL);
+    if (deed_ == Deed::exit) _exit(7);
+    if (deed_ == Deed::scribble) scribble();
+    while (deed_ == Deed::hang) std::this_thread::sleep_for(std::chrono::hours(1));
+  }
+
+  Deed deed_ = Deed::none;
+  Place where_ = Place::process;
+  int frame_ = -1;
+  bool prepared_ = false;
+};
+
+/// Tells where a warp that another component made takes the template's vertices.
+class Reader final : public weft::Pass {
+ public:
+  static constexpr weft::About kAbout{.needs = "warp", .produces = "visibility"};
+
+  explicit Reader(weft::Params&) {}
+
+  weft::Result<weft::PassOutput> run(const weft::PassInput& in) override {
+    const auto samples = weft::evaluate(in.call, *in.warp, {in.templ.flat_px, 0});
+    if (!samples) return samples.error();
+    const std::int64_t count = samples->xy_px.rows();
+    weft::PassOutput out;
+    out.visibility = {weft::Array<std::uint8_t>({count}),
+                      weft::Array<double>({count}),
+                      weft::Array<std::uint8_t>({count}),
+                      {}};
+    for (std::int64_t v = 0; v < count; ++v) out.visibility->score(v) = samples->xy_px(v, 0);
+    return out;
+  }
+};
+
+}  // namespace
+
+WEFT_LIBRARY(WEFT_COMPONENT(Deadly, "filters/zoo_deadly", "1.0.0", "Takes its process with it."),
+             WEFT_COMPONENT(Reader, "passes/zoo_reader", "1.0.0", "Evaluates a warp."))
