@@ -15,6 +15,7 @@ struct Options {
   std::string csv_file;
   std::string alignment = "none";
   double match_tolerance_px = 2.0;
+  bool frames = false;
   bool no_save = false;
   bool quiet = false;
 };
@@ -42,17 +43,22 @@ Result<void> evaluate(const Options& options, const std::string& alignment) {
   if (!options.csv_file.empty()) {
     if (auto written = evaluation::write_csv(*metrics, options.csv_file); !written) return written;
   }
-  if (!options.quiet) fmt::print("{}", evaluation::to_table(*metrics));
+  if (options.quiet) return {};
+  const bool further =
+      options.alignment == "all" && metrics->alignment != evaluation::Alignment::none;
+  fmt::print("{}", further ? evaluation::to_error_table(*metrics) : evaluation::to_table(*metrics));
+  if (options.frames) fmt::print("{}", evaluation::to_frames_table(*metrics));
   return {};
 }
 
 Result<void> evaluate_all(const Options& options) {
   if (options.alignment != "all") return evaluate(options, options.alignment);
   if (!options.json_file.empty() || !options.csv_file.empty()) {
-    return Error{Errc::invalid_value,
-                 "--align all writes metrics.json, metrics_scale.json and metrics_rigid.json into "
-                 "the run; a file of your own holds one alignment: choose one",
-                 {}};
+    return Error{
+        Errc::invalid_value,
+        "--alignment all writes metrics.json, metrics_scale.json and metrics_rigid.json into "
+        "the run; a file of your own holds one alignment: choose one",
+        {}};
   }
   for (const char* alignment : {"none", "scale", "rigid"}) {
     if (auto done = evaluate(options, alignment); !done) return done;
@@ -70,7 +76,7 @@ void add_eval_command(CLI::App& app, Context& context) {
   command->add_option("--json", options->json_file,
                       "Write the metrics to this file too; - prints them instead of the table");
   command
-      ->add_option("--align", options->alignment,
+      ->add_option("--alignment", options->alignment,
                    "Take out one scale or one rigid motion a frame first; the table says so")
       ->check(CLI::IsMember({"none", "scale", "rigid", "all"}))
       ->capture_default_str();
@@ -80,6 +86,8 @@ void add_eval_command(CLI::App& app, Context& context) {
                    "A match this near the true image of its template point is correct")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command->add_flag("--frames", options->frames,
+                    "Print a row for each frame too, and the frames with the largest errors");
   command->add_flag("--no-save", options->no_save, "Write nothing into the run folder");
   command->add_flag("--quiet", options->quiet, "No table");
   command->callback([&context, options] {

@@ -34,12 +34,12 @@ std::vector<std::int8_t> label_matches(const Correspondences& matches, const Tru
   return labels;
 }
 
-FilterCounts count_filter(const Correspondences& matches, const InlierMask& mask,
+FilterCounts count_filter(const Array<std::uint8_t>& before, const Array<std::uint8_t>& after,
                           const std::vector<std::int8_t>& labels) {
   FilterCounts counts;
-  for (std::int64_t n = 0; n < matches.count(); ++n) {
-    if (matches.kept(n) == 0) continue;
-    const bool kept = mask.kept(n) != 0;
+  for (std::int64_t n = 0; n < before.rows(); ++n) {
+    if (before(n) == 0) continue;
+    const bool kept = after(n) != 0;
     const std::int8_t label = labels[static_cast<std::size_t>(n)];
     ++counts.entered;
     counts.kept += kept;
@@ -68,10 +68,11 @@ FilterMetrics summarise_filter(const std::string& stage, const std::vector<Filte
     metrics.frames_without_kept += right + wrong == 0;
     if (frame.mismatches > 0) tpr.push_back(percent(frame.rejected_wrong, frame.mismatches));
     if (frame.correct > 0) fpr.push_back(percent(frame.rejected_right, frame.correct));
-    if (frame.correct > 0) recall.push_back(percent(right, frame.correct));
-    if (right + wrong > 0) precision.push_back(percent(right, right + wrong));
-    if (right + wrong > 0)
+    if (frame.correct > 0) {
+      recall.push_back(percent(right, frame.correct));
       f1.push_back(percent(2 * right, 2 * right + wrong + frame.rejected_right));
+    }
+    if (right + wrong > 0) precision.push_back(percent(right, right + wrong));
   }
   metrics.tpr_percent = mean_or_unknown(tpr);
   metrics.fpr_percent = mean_or_unknown(fpr);

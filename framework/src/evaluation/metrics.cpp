@@ -8,7 +8,7 @@
 #include <weft/evaluation/run_reader.hpp>
 #include <weft/evaluation/shape_meter.hpp>
 
-#include "frame_metrics.hpp"
+#include "frame_evaluation.hpp"
 #include "jitter.hpp"
 
 namespace weft::evaluation {
@@ -24,7 +24,7 @@ double mean_of(const std::vector<double>& values) {
 
 ErrorSummary summarise(const std::vector<const FrameMetrics*>& frames, Outcome outcome) {
   ErrorSummary summary;
-  std::vector<double> means, worst_points;
+  std::vector<double> means, worst_points, of_depth;
   for (const FrameMetrics* frame : frames) {
     if (frame->outcome != outcome || !frame->error) continue;
     if (means.empty() || frame->error->mean_mm > largest(means)) {
@@ -32,6 +32,7 @@ ErrorSummary summarise(const std::vector<const FrameMetrics*>& frames, Outcome o
     }
     means.push_back(frame->error->mean_mm);
     worst_points.push_back(frame->error->worst_mm);
+    of_depth.push_back(frame->error->of_depth_percent);
   }
   summary.frames = static_cast<std::int64_t>(means.size());
   summary.mean_mm = mean_of(means);
@@ -39,6 +40,7 @@ ErrorSummary summarise(const std::vector<const FrameMetrics*>& frames, Outcome o
   summary.p95_mm = percentile(means, 95.0);
   summary.worst_mm = largest(means);
   summary.worst_point_mm = largest(worst_points);
+  summary.of_depth_percent = mean_of(of_depth);
   if (means.size() < 2) return summary;
   double squares = 0.0;
   for (const double value : means) squares += std::pow(value - summary.mean_mm, 2);
@@ -49,7 +51,7 @@ ErrorSummary summarise(const std::vector<const FrameMetrics*>& frames, Outcome o
 
 GroupMetrics summarise_group(const std::vector<const FrameMetrics*>& frames, double off_mm) {
   GroupMetrics group;
-  std::vector<double> strains;
+  std::vector<double> strains, strains_p95;
   for (const FrameMetrics* frame : frames) {
     ++group.frames;
     group.solved += frame->outcome == Outcome::solved;
@@ -61,23 +63,28 @@ GroupMetrics summarise_group(const std::vector<const FrameMetrics*>& frames, dou
     group.unlocated += frame->unlocated;
     const bool has_shape = frame->outcome == Outcome::solved || frame->outcome == Outcome::held;
     group.unmeasured += has_shape && !frame->error;
-    if (frame->outcome != Outcome::solved) continue;
     group.off += frame->error && frame->error->mean_mm > off_mm;
+    if (frame->outcome != Outcome::solved) continue;
     strains.push_back(frame->strain_mean);
+    strains_p95.push_back(frame->strain_p95);
   }
   group.solved_error = summarise(frames, Outcome::solved);
   group.held_error = summarise(frames, Outcome::held);
   group.strain_mean = mean_of(strains);
+  group.strain_p95 = mean_of(strains_p95);
   return group;
 }
 
 void count_frames(RunMetrics& metrics) {
   FrameCounts& counts = metrics.counts;
-  std::vector<double> strains;
+  std::vector<double> strains, strains_p95;
   for (const FrameMetrics& frame : metrics.frames) {
     ++counts.frames;
     counts.failed += frame.failed;
-    if (frame.outcome == Outcome::solved) strains.push_back(frame.strain_mean);
+    if (frame.outcome == Outcome::solved) {
+      strains.push_back(frame.strain_mean);
+      strains_p95.push_back(frame.strain_p95);
+    }
     if (frame.outcome == Outcome::invalid) {
       ++counts.invalid;
       continue;
@@ -89,9 +96,11 @@ void count_frames(RunMetrics& metrics) {
     counts.none += frame.state == ShapeState::none;
   }
   metrics.strain_mean = mean_of(strains);
+  metrics.strain_p95 = mean_of(strains_p95);
 }
 
 void summarise_image(double match_tolerance_px, RunMetrics& metrics) {
+  ImageSummary& image = metrics.image;
   std::vector<double> reprojection, overlay, truth_map;
   const auto add = [](double value, std::vector<double>& values) {
     if (std::isfinite(value)) values.push_back(value);
@@ -101,13 +110,16 @@ void summarise_image(double match_tolerance_px, RunMetrics& metrics) {
     add(frame.image.reprojection_px, reprojection);
     add(frame.image.overlay_px, overlay);
     add(frame.image.truth_map_px, truth_map);
+    image.reprojection_matches += frame.image.reprojection_matches;
+    image.overlay_vertices += frame.image.overlay_vertices;
+    image.behind_camera_frames += frame.image.behind_camera;
   }
-  metrics.image = {match_tolerance_px,
-                   static_cast<std::int64_t>(reprojection.size()),
-                   static_cast<std::int64_t>(overlay.size()),
-                   mean_of(reprojection),
-                   mean_of(overlay),
-                   truth_map.empty() ? kUnknown : median(truth_map)};
+  image.match_tolerance_px = match_tolerance_px;
+  image.reprojection_frames = static_cast<std::int64_t>(reprojection.size());
+  image.overlay_frames = static_cast<std::int64_t>(overlay.size());
+  image.reprojection_px = mean_of(reprojection);
+  image.overlay_px = mean_of(overlay);
+  image.truth_map_px = median(truth_map);
 }
 
 void summarise_filters(RunMetrics& metrics) {
@@ -141,6 +153,35 @@ void group_frames(double off_mm, RunMetrics& metrics) {
   metrics.all = summarise_group(all, off_mm);
 }
 
+/// The first error, with how many files have one.
+Error damage_of(const std::vector<Error>& errors, std::size_t frames) {
+  Error first = errors.front();
+  if (errors.size() == 1) return first;
+  first.message += "; " + std::to_string(errors.size()) + " of " + std::to_string(frames) +
+                   " frames are damaged, the last one in " + errors.back().where;
+  return first;
+}
+
+Result<std::vector<FrameMetrics>> evaluate_frames(const RunReader& reader, const ShapeMeter& meter,
+                                                  const EvaluationOptions& options) {
+  std::vector<FrameMetrics> frames;
+  std::vector<Error> errors;
+  MotionMeter motion;
+  for (const FrameLine& line : reader.lines()) {
+    const auto records = reader.read(line);
+    if (!records) {
+      errors.push_back(records.error());
+      continue;
+    }
+    auto frame = evaluate_frame(reader, meter, line, *records, options);
+    if (!frame) return frame.error();
+    frame->motion = motion.add(*frame, *records);
+    frames.push_back(*std::move(frame));
+  }
+  if (!errors.empty()) return damage_of(errors, reader.lines().size());
+  return frames;
+}
+
 std::string name_of(const std::string& folder) {
   const auto path = std::filesystem::absolute(folder).lexically_normal();
   return (path.has_filename() ? path : path.parent_path()).filename().string();
@@ -165,16 +206,11 @@ Result<RunMetrics> evaluate_run(const std::string& folder, const EvaluationOptio
   metrics.alignment = options.alignment;
   metrics.interrupted = reader->interrupted();
   metrics.truth_users = reader->truth_users();
-  JitterMeter jitter;
-  for (const FrameLine& line : reader->lines()) {
-    const auto records = reader->read(line);
-    if (!records) return records.error();
-    auto frame = evaluate_frame(*reader, *meter, line, *records, options);
-    if (!frame) return frame.error();
-    jitter.add(*frame, *records);
-    metrics.frames.push_back(*std::move(frame));
-  }
-  metrics.jitter = jitter.result();
+  auto frames = evaluate_frames(*reader, *meter, options);
+  if (!frames) return frames.error();
+  metrics.frames = *std::move(frames);
+  mark_cuts(kMmPerM * meter->diagonal_m(), metrics.frames);
+  metrics.jitter = summarise_jitter(metrics.frames);
   summarise_image(options.match_tolerance_px, metrics);
   summarise_filters(metrics);
   count_frames(metrics);

@@ -22,24 +22,49 @@ std::string quoted(const std::string& text) {
   return result + "\"";
 }
 
+std::string counts_of(const FrameMetrics& frame, const std::string& stage) {
+  for (const auto& [name, counts] : frame.filters) {
+    if (name != stage) continue;
+    return fmt::format(",{},{},{},{},{},{}", counts.entered, counts.kept, counts.mismatches,
+                       counts.correct, counts.rejected_wrong, counts.rejected_right);
+  }
+  return ",,,,,,";
+}
+
+std::string row_of(const FrameMetrics& frame, const RunMetrics& metrics) {
+  const PointSummary error = frame.error.value_or(PointSummary{});
+  std::string row = fmt::format(
+      "{},{},{},{},{},{},{},{},{},{}", frame.frame, quoted(frame.stem), to_string(frame.state),
+      to_string(frame.outcome), frame.failed ? 1 : 0, quoted(frame.kind), quoted(frame.apart),
+      frame.motion.cut ? 1 : 0, to_string(metrics.alignment), frame.points);
+  for (const double value :
+       {error.mean_mm, error.median_mm, error.p95_mm, error.worst_mm, error.rmse_mm,
+        error.of_depth_percent, 100.0 * frame.strain_mean, 100.0 * frame.strain_p95,
+        frame.motion.jitter_mm, frame.motion.truth_jitter_mm}) {
+    row += "," + number(value);
+  }
+  const ImageMetrics& image = frame.image;
+  row += fmt::format(",{},{},{},{}", number(image.reprojection_px), image.reprojection_matches,
+                     number(image.overlay_px), image.overlay_vertices);
+  for (const FilterMetrics& filter : metrics.filters) row += counts_of(frame, filter.stage);
+  return row + "\n";
+}
+
 }  // namespace
 
 std::string to_csv(const RunMetrics& metrics) {
   std::string text =
-      "frame,stem,state,outcome,failed,truth,apart,alignment,mean_mm,median_mm,p95_mm,worst_mm,"
-      "isometry_error_percent,isometry_error_p95_percent,reprojection_px,overlay_px\n";
-  for (const FrameMetrics& frame : metrics.frames) {
-    const PointSummary error = frame.error.value_or(PointSummary{});
-    text += fmt::format("{},{},{},{},{},{},{},{}", frame.frame, quoted(frame.stem),
-                        to_string(frame.state), to_string(frame.outcome), frame.failed ? 1 : 0,
-                        quoted(frame.kind), quoted(frame.apart), to_string(metrics.alignment));
-    for (const double value :
-         {error.mean_mm, error.median_mm, error.p95_mm, error.worst_mm, 100.0 * frame.strain_mean,
-          100.0 * frame.strain_p95, frame.image.reprojection_px, frame.image.overlay_px}) {
-      text += "," + number(value);
+      "frame,stem,state,outcome,failed,truth,apart,cut,alignment,points,mean_mm,median_mm,p95_mm,"
+      "worst_mm,rmse_mm,of_depth_percent,isometry_error_percent,isometry_error_p95_percent,"
+      "jitter_mm,truth_jitter_mm,reprojection_px,reprojection_matches,overlay_px,overlay_vertices";
+  for (const FilterMetrics& filter : metrics.filters) {
+    for (const char* count :
+         {"entered", "kept", "mismatches", "correct", "rejected_wrong", "rejected_right"}) {
+      text += "," + quoted(filter.stage + "_" + count);
     }
-    text += "\n";
   }
+  text += "\n";
+  for (const FrameMetrics& frame : metrics.frames) text += row_of(frame, metrics);
   return text;
 }
 

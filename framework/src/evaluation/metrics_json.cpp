@@ -34,7 +34,8 @@ ordered_json summary_json(const ErrorSummary& summary) {
                     {"p95_mm", summary.p95_mm},
                     {"worst_mm", summary.worst_mm},
                     {"worst_frame", nullptr},
-                    {"worst_point_mm", summary.worst_point_mm}};
+                    {"worst_point_mm", summary.worst_point_mm},
+                    {"of_depth_percent", summary.of_depth_percent}};
   if (summary.frames > 0) json["worst_frame"] = summary.worst_frame;
   return json;
 }
@@ -49,12 +50,16 @@ ordered_json group_json(const GroupMetrics& group) {
           {"invalid", group.invalid},
           {"unmeasured", group.unmeasured},
           {"off", group.off},
+          {"failures", group.failures()},
+          {"failure_percent",
+           kPercent * static_cast<double>(group.failures()) / static_cast<double>(group.frames)},
           {"points", group.points},
           {"points_extrapolated", group.extrapolated},
           {"points_unlocated", group.unlocated},
           {"error_solved", summary_json(group.solved_error)},
           {"error_held", summary_json(group.held_error)},
-          {"isometry_error_percent", kPercent * group.strain_mean}};
+          {"isometry_error_percent", kPercent * group.strain_mean},
+          {"isometry_error_p95_percent", kPercent * group.strain_p95}};
 }
 
 ordered_json truth_json(const FrameMetrics& frame) {
@@ -68,6 +73,8 @@ ordered_json truth_json(const FrameMetrics& frame) {
     json["median_mm"] = frame.error->median_mm;
     json["p95_mm"] = frame.error->p95_mm;
     json["worst_mm"] = frame.error->worst_mm;
+    json["rmse_mm"] = frame.error->rmse_mm;
+    json["of_depth_percent"] = frame.error->of_depth_percent;
     json["worst_point"] = frame.error->worst_point;
   } else {
     json["no_error_because"] = frame.no_error_because;
@@ -96,15 +103,20 @@ ordered_json image_json(const ImageSummary& image) {
           {"truth_map_px", image.truth_map_px},
           {"reprojection_px", image.reprojection_px},
           {"reprojection_frames", image.reprojection_frames},
+          {"reprojection_matches", image.reprojection_matches},
           {"overlay_px", image.overlay_px},
-          {"overlay_frames", image.overlay_frames}};
+          {"overlay_frames", image.overlay_frames},
+          {"overlay_vertices", image.overlay_vertices},
+          {"behind_camera_frames", image.behind_camera_frames}};
 }
 
 ordered_json jitter_json(const Jitter& jitter) {
   return {{"mean_mm", jitter.mean_mm},
+          {"median_mm", jitter.median_mm},
           {"triples", jitter.triples},
           {"truth_mean_mm", jitter.truth_mean_mm},
-          {"truth_triples", jitter.truth_triples}};
+          {"truth_triples", jitter.truth_triples},
+          {"cuts", jitter.cuts}};
 }
 
 ordered_json counts_json(const FilterCounts& counts) {
@@ -123,11 +135,16 @@ ordered_json frame_json(const FrameMetrics& frame) {
                     {"outcome", to_string(frame.outcome)},
                     {"failed", frame.failed},
                     {"isometry_error_percent", kPercent * frame.strain_mean},
-                    {"isometry_error_p95_percent", kPercent * frame.strain_p95}};
+                    {"isometry_error_p95_percent", kPercent * frame.strain_p95},
+                    {"jitter_mm", frame.motion.jitter_mm}};
   if (!frame.has_truth) return json;
   json["truth"] = truth_json(frame);
+  json["cut"] = frame.motion.cut;
+  json["truth_jitter_mm"] = frame.motion.truth_jitter_mm;
   json["reprojection_px"] = frame.image.reprojection_px;
+  json["reprojection_matches"] = frame.image.reprojection_matches;
   json["overlay_px"] = frame.image.overlay_px;
+  json["overlay_vertices"] = frame.image.overlay_vertices;
   json["truth_map_px"] = frame.image.truth_map_px;
   for (const auto& [stage, counts] : frame.filters) json["filters"][stage] = counts_json(counts);
   return json;
@@ -144,13 +161,15 @@ std::string to_json(const RunMetrics& metrics) {
   ordered_json all = group_json(metrics.all);
   all.erase("kind");
   all.erase("apart");
-  const ordered_json json{{"weft", kVersion},
+  const ordered_json json{{"schema", "weft-metrics/1"},
+                          {"weft", kVersion},
                           {"run", metrics.run},
                           {"alignment", to_string(metrics.alignment)},
                           {"interrupted", metrics.interrupted},
                           {"truth_users", metrics.truth_users},
                           {"counts", counts_json(metrics.counts)},
                           {"isometry_error_percent", kPercent * metrics.strain_mean},
+                          {"isometry_error_p95_percent", kPercent * metrics.strain_p95},
                           {"groups", std::move(groups)},
                           {"all", std::move(all)},
                           {"image", image_json(metrics.image)},

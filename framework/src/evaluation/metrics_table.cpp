@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kPercent = 100.0;
 constexpr const char* kNoValue = "-";
+constexpr std::ptrdiff_t kWorstFrames = 5;
 
 /// A number with `decimals`, or "-".
 std::string number(double value, int decimals) {
@@ -56,6 +57,24 @@ std::string group_name(const GroupMetrics& group) {
   return group.apart.empty() ? kind : kind + " (" + printable(group.apart) + ")";
 }
 
+Row frame_row(const FrameMetrics& frame) {
+  const PointSummary error = frame.error.value_or(PointSummary{});
+  std::string truth = frame.apart.empty() ? frame.kind : frame.kind + " (" + frame.apart + ")";
+  if (frame.motion.cut) truth += " cut";
+  return {printable(frame.label()),
+          std::to_string(frame.frame),
+          frame.outcome == Outcome::invalid ? to_string(frame.outcome) : to_string(frame.state),
+          frame.has_truth ? printable(truth) : kNoValue,
+          number(error.mean_mm, 2),
+          number(error.median_mm, 2),
+          number(error.p95_mm, 2),
+          number(error.worst_mm, 2),
+          number(kPercent * frame.strain_mean, 2),
+          number(frame.motion.jitter_mm, 2),
+          number(frame.image.reprojection_px, 2),
+          number(frame.image.overlay_px, 2)};
+}
+
 Row row_of(const std::string& name, const GroupMetrics& group) {
   const ErrorSummary& error = group.solved_error;
   return {name,
@@ -70,12 +89,13 @@ Row row_of(const std::string& name, const GroupMetrics& group) {
           number(error.worst_mm, 2),
           error.frames > 0 ? printable(error.worst_frame) : kNoValue,
           number(error.worst_point_mm, 2),
+          number(error.of_depth_percent, 2),
           number(kPercent * group.strain_mean, 2)};
 }
 
 std::vector<Row> header() {
   return {{"truth", "frames", "solved", "held", "failures", "mean", "s.e.", "median", "P95",
-           "worst", "frame", "worst point", "isometry %"}};
+           "worst", "frame", "worst point", "of depth %", "isometry %"}};
 }
 
 std::string counts_text(const RunMetrics& metrics) {
@@ -84,19 +104,25 @@ std::string counts_text(const RunMetrics& metrics) {
       kPercent * static_cast<double>(counts.solved()) / static_cast<double>(counts.frames);
   std::string text = fmt::format("{}: {} frames, {} solved ({} %)\n", printable(metrics.run),
                                  counts.frames, counts.solved(), number(percent, 1));
+  const auto share = [&](std::int64_t part) {
+    const double whole = static_cast<double>(counts.frames);
+    return fmt::format("{} ({} %)", part, number(kPercent * static_cast<double>(part) / whole, 1));
+  };
   text += fmt::format("  estimated {}, weak {}, predicted {}, lost {}, none {}, not finite {}; ",
-                      counts.estimated, counts.weak, counts.predicted, counts.lost, counts.none,
-                      counts.invalid);
+                      share(counts.estimated), share(counts.weak), share(counts.predicted),
+                      share(counts.lost), share(counts.none), share(counts.invalid));
   text += fmt::format("with an error {}\n", counts.failed);
-  text += fmt::format("  isometry error of solved frames, mean |l/l0 - 1|: {} %\n",
-                      number(kPercent * metrics.strain_mean, 2));
+  text += fmt::format("  isometry error of solved frames, |l/l0 - 1|: mean {} %, P95 {} %\n",
+                      number(kPercent * metrics.strain_mean, 2),
+                      number(kPercent * metrics.strain_p95, 2));
   if (const Jitter& jitter = metrics.jitter; jitter.triples > 0) {
-    text += fmt::format("  jitter, mean |X[t] - 2 X[t-1] + X[t-2]|: {} mm over {} triples",
-                        number(jitter.mean_mm, 2), jitter.triples);
+    text += fmt::format("  jitter |X[t] - 2 X[t-1] + X[t-2]|: mean {} mm, median {} mm, {} triples",
+                        number(jitter.mean_mm, 2), number(jitter.median_mm, 2), jitter.triples);
     if (jitter.truth_triples > 0) {
-      text += fmt::format("; the truth's own {} mm over {}", number(jitter.truth_mean_mm, 2),
-                          jitter.truth_triples);
+      text += fmt::format("; the truth's own mean {} mm, {} triples",
+                          number(jitter.truth_mean_mm, 2), jitter.truth_triples);
     }
+    if (jitter.cuts > 0) text += fmt::format("; cuts left out: {}", jitter.cuts);
     text += '\n';
   }
   if (metrics.interrupted) {
@@ -127,7 +153,7 @@ std::string rest_text(const RunMetrics& metrics) {
     note(group.invalid, "with NaN or infinity in the shape: failures, not in the means");
     note(group.unmeasured, "with a shape that could not be compared with the truth");
     note(group.off,
-         fmt::format("solved with a mean error above {:.0f} % of the template's diagonal",
+         fmt::format("with a mean error above {:.0f} % of the template's diagonal: failures",
                      kPercent * kOffShare));
     note(group.unlocated,
          fmt::format("of {} points not on the mesh: not in the errors", group.points));
@@ -139,7 +165,8 @@ std::string rest_text(const RunMetrics& metrics) {
 
 std::string filters_text(const RunMetrics& metrics) {
   std::vector<Row> rows{{"filter", "frames", "matches", "labelled", "TPR %", "FPR %", "kept %",
-                         "precision %", "recall %", "F1 %", "no mismatch", "none correct"}};
+                         "precision %", "recall %", "F1 %", "no mismatch", "none correct",
+                         "none kept"}};
   for (const FilterMetrics& filter : metrics.filters) {
     if (filter.labelled == 0) continue;
     rows.push_back({printable(filter.stage), std::to_string(filter.frames),
@@ -148,7 +175,8 @@ std::string filters_text(const RunMetrics& metrics) {
                     number(filter.kept_percent, 1), number(filter.precision_percent, 1),
                     number(filter.recall_percent, 1), number(filter.f1_percent, 1),
                     std::to_string(filter.frames_without_mismatch),
-                    std::to_string(filter.frames_without_correct)});
+                    std::to_string(filter.frames_without_correct),
+                    std::to_string(filter.frames_without_kept)});
   }
   if (rows.size() == 1) return "";
   return fmt::format(
@@ -161,12 +189,17 @@ std::string filters_text(const RunMetrics& metrics) {
 std::string image_text(const ImageSummary& image) {
   std::string text;
   if (image.reprojection_frames > 0) {
-    text += fmt::format("  reprojection of correct matches: {} px over {} frames\n",
-                        number(image.reprojection_px, 2), image.reprojection_frames);
+    text += fmt::format("  reprojection of correct matches: {} px, {} matches in {} frames\n",
+                        number(image.reprojection_px, 2), image.reprojection_matches,
+                        image.reprojection_frames);
   }
   if (image.overlay_frames > 0) {
-    text += fmt::format("  vertices beside their true image: {} px over {} frames\n",
-                        number(image.overlay_px, 2), image.overlay_frames);
+    text += fmt::format("  vertices beside their true image: {} px, {} vertices in {} frames\n",
+                        number(image.overlay_px, 2), image.overlay_vertices, image.overlay_frames);
+  }
+  if (image.behind_camera_frames > 0) {
+    text += fmt::format("  {} frames with a point behind the camera have no such figure\n",
+                        image.behind_camera_frames);
   }
   return text.empty() ? text : "in the image, not aligned\n" + text;
 }
@@ -174,10 +207,14 @@ std::string image_text(const ImageSummary& image) {
 }  // namespace
 
 std::string to_table(const RunMetrics& metrics) {
-  std::string text = counts_text(metrics);
+  const std::string text = counts_text(metrics);
   if (metrics.groups.empty()) {
     return text + "no ground truth in this run: give the source `truth` to measure errors\n";
   }
+  return text + to_error_table(metrics) + image_text(metrics.image) + filters_text(metrics);
+}
+
+std::string to_error_table(const RunMetrics& metrics) {
   std::vector<Row> rows = header(), apart;
   for (const GroupMetrics& group : metrics.groups) {
     (group.apart.empty() ? rows : apart).push_back(row_of(group_name(group), group));
@@ -191,9 +228,31 @@ std::string to_table(const RunMetrics& metrics) {
     for (std::size_t i = 0; i < counted; ++i) at = table.find('\n', at) + 1;
     table.insert(at, "  apart, not in the rows above\n");
   }
-  text +=
-      fmt::format("3D error of solved frames in mm, alignment: {}\n", to_string(metrics.alignment));
-  return text + table + rest_text(metrics) + image_text(metrics.image) + filters_text(metrics);
+  return fmt::format("3D error of solved frames in mm, alignment: {}\n",
+                     to_string(metrics.alignment)) +
+         table + rest_text(metrics);
+}
+
+std::string to_frames_table(const RunMetrics& metrics) {
+  std::vector<Row> rows{{"frame", "index", "state", "truth", "mean", "median", "P95", "worst",
+                         "isometry %", "jitter mm", "reprojection px", "vertices px"}};
+  std::vector<const FrameMetrics*> worst;
+  for (const FrameMetrics& frame : metrics.frames) {
+    rows.push_back(frame_row(frame));
+    if (frame.error) worst.push_back(&frame);
+  }
+  const auto last = worst.begin() + std::min<std::ptrdiff_t>(std::ssize(worst), kWorstFrames);
+  std::partial_sort(worst.begin(), last, worst.end(), [](const auto* a, const auto* b) {
+    return std::pair(-a->error->mean_mm, a->frame) < std::pair(-b->error->mean_mm, b->frame);
+  });
+  std::string text =
+      fmt::format("frames, 3D error in mm, alignment: {}\n", to_string(metrics.alignment)) +
+      align(rows);
+  for (auto each = worst.begin(); each != last; ++each) {
+    text += each == worst.begin() ? "worst frames: " : ", ";
+    text += printable((*each)->label()) + " " + number((*each)->error->mean_mm, 2);
+  }
+  return worst.empty() ? text : text + "\n";
 }
 
 }  // namespace weft::evaluation

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <weft/evaluation/run_reader.hpp>
 
@@ -57,7 +58,10 @@ Result<std::optional<Noun>> find_noun(const host::NamedRecords& records, const s
   for (const auto& [name, record] : records) {
     if (name != slot) continue;
     if (record->type() != Noun::kType) {
-      return damaged(file, slot + " is a " + record->type() + " instead of a " + Noun::kType);
+      return Error{Errc::incompatible,
+                   slot + " is a " + record->type() + " instead of a " + Noun::kType +
+                       "; evaluate with the version of Weft that wrote the run",
+                   file};
     }
     auto noun = host::view_as<Noun>(*record);
     if (!noun) return Error{noun.error().code, noun.error().message, file};
@@ -66,25 +70,71 @@ Result<std::optional<Noun>> find_noun(const host::NamedRecords& records, const s
   return std::optional<Noun>();
 }
 
-/// The slots "STAGE.matches" and "STAGE.inlier_mask" of all filters.
-Result<std::vector<FilterRecords>> find_filters(const host::NamedRecords& records,
-                                                const std::string& file) {
-  constexpr std::string_view kMatches = ".matches";
-  std::vector<FilterRecords> filters;
-  for (const auto& [slot, record] : records) {
-    if (!slot.ends_with(kMatches)) continue;
-    const std::string stage = slot.substr(0, slot.size() - kMatches.size());
-    const auto matches = find_noun<Correspondences>(records, slot, file);
-    if (!matches) return matches.error();
-    const auto mask = find_noun<InlierMask>(records, stage + ".inlier_mask", file);
-    if (!mask) return mask.error();
-    if (!*mask || (*mask)->kept.rows() != (*matches)->count()) {
-      return damaged(file, "has no mask for each match of " + stage);
-    }
-    filters.push_back({stage, **matches, **mask});
+/// Whether matches hold finite numbers and faces of the mesh, as the program writes them.
+bool usable(const Correspondences& matches, std::int64_t faces) {
+  for (std::int64_t n = 0; n < matches.count(); ++n) {
+    if (matches.face(n) < -1 || matches.face(n) >= faces) return false;
   }
-  return filters;
+  return matches.template_px.matrix<2>().allFinite() && matches.image_px.matrix<2>().allFinite() &&
+         matches.barycentrics.matrix<3>().allFinite();
 }
+
+/// The matches of a frame with what filters left of them; RunFolder says how the slots are named.
+class MatchFinder {
+ public:
+  MatchFinder(const host::NamedRecords& records, std::int64_t faces, const std::string& file)
+      : records_(records), faces_(faces), file_(file) {}
+
+  Result<std::vector<MatchRecords>> find() {
+    for (const auto& [slot, record] : records_) {
+      const std::size_t dot = slot.rfind('.');
+      if (dot == std::string::npos) continue;
+      const std::string path = slot.substr(0, dot), noun = slot.substr(dot + 1);
+      Result<void> added;
+      if (noun == "correspondences") added = add_matches(slot, path);
+      if (noun == "inlier_mask") added = add_mask(slot, path);
+      if (!added) return added.error();
+    }
+    return std::move(found_);
+  }
+
+ private:
+  struct Left {
+    std::size_t index;  ///< into found_
+    Array<std::uint8_t> kept;
+  };
+
+  Result<void> add_matches(const std::string& slot, const std::string& path) {
+    auto matches = find_noun<Correspondences>(records_, slot, file_);
+    if (!matches) return matches.error();
+    if (!usable(**matches, faces_)) {
+      return damaged(file_, "has matches in " + slot + " with NaN, infinity or no such face");
+    }
+    left_.insert_or_assign(path, Left{found_.size(), (*matches)->kept});
+    found_.push_back({path, **std::move(matches), {}});
+    return {};
+  }
+
+  Result<void> add_mask(const std::string& slot, const std::string& path) {
+    const std::size_t dot = path.rfind('.');
+    const auto before = left_.find(path.substr(0, std::min(dot, path.size())));
+    auto mask = find_noun<InlierMask>(records_, slot, file_);
+    if (!mask) return mask.error();
+    if (before == left_.end() || before->second.kept.rows() != (*mask)->kept.rows()) {
+      return damaged(file_, "has in " + slot + " no entry for each match");
+    }
+    const Left& from = before->second;
+    found_[from.index].filters.push_back({path.substr(dot + 1), from.kept, (*mask)->kept});
+    left_.insert_or_assign(path, Left{from.index, (*mask)->kept});
+    return {};
+  }
+
+  const host::NamedRecords& records_;
+  std::int64_t faces_;
+  const std::string& file_;
+  std::map<std::string, Left> left_;  ///< by path
+  std::vector<MatchRecords> found_;
+};
 
 }  // namespace
 
@@ -185,9 +235,9 @@ Result<FrameRecords> RunReader::read(const FrameLine& line) const {
   if (!truth) return truth.error();
   frame.shape = *std::move(shape);
   frame.ground_truth = *std::move(truth);
-  auto filters = find_filters(frame.owners, file);
-  if (!filters) return filters.error();
-  frame.filters = *std::move(filters);
+  auto matches = MatchFinder(frame.owners, template_.faces.rows(), file).find();
+  if (!matches) return matches.error();
+  frame.matches = *std::move(matches);
   const ShapeState stored = frame.shape ? frame.shape->shape_state() : ShapeState::none;
   if (stored != line.state) {
     return damaged(file, std::string("has the state '") + to_string(stored) +

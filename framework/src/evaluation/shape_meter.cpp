@@ -56,6 +56,7 @@ Result<PointErrors> ShapeMeter::errors(const Points3View& vertices_m, const Grou
   if (!aligned_m) return aligned_m.error();
   const Eigen::VectorXd distances = (*aligned_m - truth_m.topRows(located)).rowwise().norm();
   result.distances_m.assign(distances.begin(), distances.end());
+  for (Eigen::Index i = 0; i < located; ++i) result.depths_m.push_back(truth_m(i, 2));
   return result;
 }
 

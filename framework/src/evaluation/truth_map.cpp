@@ -22,7 +22,7 @@ struct Neighbour {
   double distance_m;
 };
 
-/// Whether directions leave no gap of half a turn.
+/// Whether directions leave no gap of more than half a turn, as those on a border do not.
 bool surround(std::vector<double> angles_rad) {
   if (angles_rad.size() < 3) return false;
   std::sort(angles_rad.begin(), angles_rad.end());
@@ -30,7 +30,8 @@ bool surround(std::vector<double> angles_rad) {
   for (std::size_t i = 1; i < angles_rad.size(); ++i) {
     gap = std::max(gap, angles_rad[i] - angles_rad[i - 1]);
   }
-  return gap < std::numbers::pi;
+  constexpr double kRounding = 1e-6;
+  return gap < std::numbers::pi + kRounding;
 }
 
 }  // namespace

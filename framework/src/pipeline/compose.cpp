@@ -28,12 +28,6 @@ std::shared_ptr<Record> share_except(const Record& record,
 
 }  // namespace
 
-RecordPtr part_of(const Record& record, std::initializer_list<std::string_view> names) {
-  auto part = std::make_shared<Record>(record.type());
-  for (const std::string_view name : names) part->share(record, name);
-  return part;
-}
-
 Result<RecordPtr> with_mask(const Record& correspondences, const Record& mask) {
   const auto matches = view_as<Correspondences>(correspondences);
   const auto verdict = view_as<InlierMask>(mask);

@@ -46,13 +46,6 @@ Result<host::Instance*> instantiate(host::Lane& lane, const StageConfig& stage,
                          : lane.instantiate(component, stage.name);
 }
 
-void keep_for_evaluation(const std::string& stage, const Record& matches, const Record& mask,
-                         host::NamedRecords& filtered) {
-  filtered.emplace_back(stage + ".matches", part_of(matches, {"template_px", "image_px", "face",
-                                                              "barycentrics", "kept", "score"}));
-  filtered.emplace_back(stage + ".inlier_mask", part_of(mask, {"kept", "score"}));
-}
-
 double since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
       .count();
@@ -209,13 +202,11 @@ StageReport Executor::run_stage(Stage& stage, FrameResult& result) {
 }
 
 Result<std::vector<RecordPtr>> Executor::outputs_of(const Stage& stage, const Outcome& outcome,
-                                                    FrameResult& result) {
+                                                    const FrameResult& result) {
   if (stage.role == "filters") {
     const auto before = static_cast<std::size_t>(stage.node->inputs.front().value);
-    const RecordPtr mask = outcome.find("inlier_mask");
-    const auto composed = with_mask(*result.values[before], *mask);
+    const auto composed = with_mask(*result.values[before], *outcome.find("inlier_mask"));
     if (!composed) return composed.error();
-    keep_for_evaluation(stage.config->name, *result.values[before], *mask, result.filtered);
     return std::vector<RecordPtr>{*composed};
   }
   if (stage.role == "warps") {

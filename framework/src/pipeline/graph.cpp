@@ -52,6 +52,9 @@ class Wiring {
       for (const std::string& slot : products(stage)) {
         node.outputs.push_back(add(slot, static_cast<int>(i), stage.name));
       }
+      if (stage.component.component().role() == "filters" && !node.inputs.empty()) {
+        graph_.values.back().filtered = node.inputs.front().value;
+      }
       graph_.stages.push_back(std::move(node));
     }
     for (const StageConfig& sink : config_.sinks) graph_.sinks.push_back(connect(sink));

@@ -149,7 +149,7 @@ class Run {
     for (const auto& [slot, record] : input.records) {
       if (slot == "ground_truth") truth = record;
     }
-    need(folder_->add(result, truth));
+    need(folder_->add(graph_, result, truth));
     need(trace_->add(result));
     need(dump_->add(result));
     ++summary_.frames;

@@ -105,6 +105,29 @@ std::string dump(const ordered_json& json, int indent = -1) {
   return json.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
 }
 
+/// What a filter has left of its matches, without the matches themselves.
+host::RecordPtr mask_of(const host::Record& matches) {
+  auto mask = std::make_shared<host::Record>(InlierMask::kType);
+  for (const char* array : {"kept", "score"}) mask->share(matches, array);
+  return mask;
+}
+
+/// All matches of a frame, each array once.
+void add_matches(const Graph& graph, const FrameResult& frame, host::NamedRecords& records) {
+  std::map<int, std::string> paths;  // by index of the value
+  for (std::size_t i = 0; i < frame.values.size(); ++i) {
+    const ValueInfo& value = graph.values[i];
+    const host::RecordPtr& record = frame.values[i];
+    if (value.slot != "correspondences" || record == nullptr) continue;
+    const auto before = paths.find(value.filtered);
+    const bool marked = before != paths.end();
+    const std::string path = marked ? before->second + "." + value.name : value.name;
+    paths.emplace(static_cast<int>(i), path);
+    records.emplace_back(path + (marked ? ".inlier_mask" : ".correspondences"),
+                         marked ? mask_of(*record) : record);
+  }
+}
+
 }  // namespace
 
 Result<RunFolder> RunFolder::create(const std::string& path) {
@@ -134,11 +157,12 @@ Result<void> RunFolder::begin(const PipelineConfig& config, const host::Record& 
                          {{"template", borrow(templ)}, {"camera", borrow(camera)}});
 }
 
-Result<void> RunFolder::add(const FrameResult& frame, const host::RecordPtr& ground_truth) {
+Result<void> RunFolder::add(const Graph& graph, const FrameResult& frame,
+                            const host::RecordPtr& ground_truth) {
   host::NamedRecords records;
   if (frame.shape != nullptr) records.emplace_back("shape", frame.shape);
   if (ground_truth != nullptr) records.emplace_back("ground_truth", ground_truth);
-  records.insert(records.end(), frame.filtered.begin(), frame.filtered.end());
+  add_matches(graph, frame, records);
   if (!records.empty()) {
     const std::string file = path_ + "/frames/" + frame_name(frame.index) + ".npz";
     if (auto written = host::write_npz(file, records); !written) return written;

@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 #include <numbers>
 #include <numeric>
 #include <weft/core/rng.hpp>
+#include <weft/core/statistics.hpp>
 #include <weft/evaluation/match_metrics.hpp>
 #include <weft/evaluation/truth_map.hpp>
+#include <weft/geometry/sheet_motion.hpp>
 #include <weft/testing/synthetic.hpp>
 
 namespace weft::evaluation {
@@ -18,20 +21,9 @@ using ::testing::ElementsAreArray;
 
 constexpr std::uint64_t kSeed = 4711;
 
-/// Matches of which only `kept` matters.
-Correspondences matches_kept(const std::vector<int>& kept) {
-  const auto count = static_cast<std::int64_t>(kept.size());
-  Correspondences matches;
-  matches.template_px = Array<double>({count, 2});
-  matches.image_px = Array<double>({count, 2});
-  matches.kept = Array<std::uint8_t>({count});
-  std::copy(kept.begin(), kept.end(), matches.kept.data());
-  return matches;
-}
-
-InlierMask mask_of(const std::vector<int>& kept) {
-  InlierMask mask{Array<std::uint8_t>({static_cast<std::int64_t>(kept.size())}), {}, {}};
-  std::copy(kept.begin(), kept.end(), mask.kept.data());
+Array<std::uint8_t> mask_of(const std::vector<int>& kept) {
+  Array<std::uint8_t> mask({static_cast<std::int64_t>(kept.size())});
+  std::copy(kept.begin(), kept.end(), mask.data());
   return mask;
 }
 
@@ -41,7 +33,7 @@ const std::vector<std::int8_t> kLabels{0, 0, 0, 1, 1, 1, 1, 1, 1, 1};
 const std::vector<int> kVerdict{0, 0, 1, 0, 1, 1, 1, 1, 1, 1};
 
 TEST(FilterRates, OfTenMatchesByHand) {
-  const FilterCounts counts = count_filter(matches_kept(kAll), mask_of(kVerdict), kLabels);
+  const FilterCounts counts = count_filter(mask_of(kAll), mask_of(kVerdict), kLabels);
   const FilterMetrics rates = summarise_filter("filters", {counts});
   EXPECT_NEAR(rates.tpr_percent, 200.0 / 3, 1e-9);
   EXPECT_NEAR(rates.fpr_percent, 100.0 / 7, 1e-9);
@@ -64,7 +56,7 @@ TEST(FilterRates, DoNotDependOnTheOrderOfTheMatches) {
     verdict.push_back(kVerdict[i]);
   }
   const auto rates =
-      summarise_filter("filters", {count_filter(matches_kept(kAll), mask_of(verdict), labels)});
+      summarise_filter("filters", {count_filter(mask_of(kAll), mask_of(verdict), labels)});
   EXPECT_NEAR(rates.tpr_percent, 200.0 / 3, 1e-9) << "seed " << kSeed;
   EXPECT_NEAR(rates.fpr_percent, 100.0 / 7, 1e-9) << "seed " << kSeed;
 }
@@ -74,7 +66,7 @@ TEST(FilterRates, LeaveOutWhatEarlierFiltersRejectedAndWhatHasNoLabel) {
   before[0] = 0;
   std::vector<std::int8_t> labels = kLabels;
   labels[9] = -1;
-  const FilterCounts counts = count_filter(matches_kept(before), mask_of(kVerdict), labels);
+  const FilterCounts counts = count_filter(mask_of(before), mask_of(kVerdict), labels);
   EXPECT_EQ(counts.entered, 9);
   EXPECT_EQ(counts.kept, 7);
   EXPECT_EQ(counts.mismatches, 2);
@@ -87,7 +79,7 @@ TEST(FilterRates, AverageOverTheFramesInWhichTheyAreDefined) {
   const std::vector<std::int8_t> right(10, 1), wrong(10, 0), unknown(10, -1);
   const std::vector<int> none(10, 0);
   const auto frame = [&](const auto& labels, const auto& verdict) {
-    return count_filter(matches_kept(kAll), mask_of(verdict), labels);
+    return count_filter(mask_of(kAll), mask_of(verdict), labels);
   };
   const auto rates = summarise_filter("filters", {frame(right, kAll), frame(wrong, none),
                                                   frame(unknown, kAll), frame(kLabels, kVerdict)});
@@ -98,6 +90,16 @@ TEST(FilterRates, AverageOverTheFramesInWhichTheyAreDefined) {
   EXPECT_EQ(rates.labelled, 30);
   EXPECT_NEAR(rates.tpr_percent, (100.0 + 200.0 / 3) / 2, 1e-9);
   EXPECT_NEAR(rates.fpr_percent, (0.0 + 100.0 / 7) / 2, 1e-9);
+}
+
+TEST(FilterRates, CountARightMatchThatIsNotKeptAgainstF1) {
+  const std::vector<int> none(10, 0);
+  const auto rates =
+      summarise_filter("filters", {count_filter(mask_of(kAll), mask_of(kVerdict), kLabels),
+                                   count_filter(mask_of(kAll), mask_of(none), kLabels)});
+  EXPECT_NEAR(rates.f1_percent, (600.0 / 7 + 0.0) / 2, 1e-9);
+  EXPECT_NEAR(rates.precision_percent, 600.0 / 7, 1e-9);
+  EXPECT_EQ(rates.frames_without_kept, 1);
 }
 
 TEST(FilterRates, AreUnknownWithoutLabels) {
@@ -133,8 +135,8 @@ TEST(TruthMap, InterpolatesABentSheetToAFiftiethOfAPixel) {
   Rng rng(kSeed);
   double worst_px = 0.0;
   for (int i = 0; i < 300; ++i) {
-    const Eigen::Vector2d xy_m(bent.spec.width_m * rng.uniform(0.02, 0.98),
-                               bent.spec.height_m * rng.uniform(0.02, 0.98));
+    const Eigen::Vector2d xy_m(bent.spec.width_m * rng.uniform(0.0, 1.0),
+                               bent.spec.height_m * rng.uniform(0.0, 1.0));
     const auto found_m = map.at(xy_m);
     ASSERT_TRUE(found_m) << xy_m.transpose();
     const Eigen::Vector3d true_m = bent.sheet.at(xy_m.x(), xy_m.y());
@@ -142,6 +144,51 @@ TEST(TruthMap, InterpolatesABentSheetToAFiftiethOfAPixel) {
   }
   EXPECT_LT(worst_px, 0.02) << "seed " << kSeed;
   EXPECT_LT(map.leave_one_out_px(camera), 0.1);
+}
+
+TEST(TruthMap, InterpolatesTheMovingSheetOfTheDemo) {
+  const SheetMotion motion;
+  constexpr int kColumns = 15, kRows = 11;
+  const Pinhole camera = testing::pinhole(testing::make_camera());
+  Rng rng(kSeed);
+  std::vector<double> errors_px;
+  for (int frame = 0; frame < 60; ++frame) {
+    const auto sheet = motion.at(frame / 15.0);
+    ASSERT_TRUE(sheet);
+    Points2 xy_m(kColumns * kRows, 2);
+    Points3 points_m(kColumns * kRows, 3);
+    for (int k = 0; k < kColumns * kRows; ++k) {
+      xy_m.row(k) << motion.width_m * (k % kColumns) / (kColumns - 1),
+          motion.height_m * (k / kColumns) / (kRows - 1);
+      points_m.row(k) = sheet->at(xy_m(k, 0), xy_m(k, 1)).transpose();
+    }
+    const TruthMap map({make_array<double>(xy_m), make_array<double>(points_m), "grid", ""});
+    for (int i = 0; i < 20; ++i) {
+      const double x_m = rng.uniform(0.0, motion.width_m), y_m = rng.uniform(0.0, motion.height_m);
+      const auto found_m = map.at({x_m, y_m});
+      ASSERT_TRUE(found_m) << x_m << " " << y_m;
+      errors_px.push_back(
+          (project(camera, *found_m) - project(camera, sheet->at(x_m, y_m))).norm());
+    }
+  }
+  std::cout << "seed " << kSeed << ": mean " << mean(errors_px) << " px, P95 "
+            << percentile(errors_px, 95.0) << " px, worst " << percentile(errors_px, 100.0)
+            << " px\n";
+  EXPECT_LT(percentile(errors_px, 95.0), 0.03);
+  EXPECT_LT(percentile(errors_px, 100.0), 0.12);
+}
+
+TEST(TruthMap, ReachesTheBorderOfTheTruth) {
+  const Bent bent;
+  const TruthMap map(bent.truth(25, 15));
+  const Pinhole camera = testing::pinhole(bent.camera);
+  for (int i = 0; i <= 40; ++i) {
+    const double x_m = bent.spec.width_m * i / 40.0;
+    const auto found_m = map.at({x_m, 0.0});
+    ASSERT_TRUE(found_m) << i;
+    const Eigen::Vector3d true_m = bent.sheet.at(x_m, 0.0);
+    EXPECT_LT((project(camera, *found_m) - project(camera, true_m)).norm(), 0.1) << i;
+  }
 }
 
 TEST(TruthMap, SaysNothingWhereTruthDoesNotSurroundThePoint) {

@@ -41,7 +41,10 @@ TEST(MetricsReport, JsonHoldsWhatWasMeasured) {
   TestRun run;
   fill(run);
   const json metrics = json::parse(to_json(evaluated(run)));
+  EXPECT_EQ(metrics["schema"], "weft-metrics/1");
   EXPECT_EQ(metrics["alignment"], "none");
+  EXPECT_EQ(metrics["all"]["failures"], 1);
+  EXPECT_DOUBLE_EQ(metrics["all"]["failure_percent"], 25.0);
   EXPECT_EQ(metrics["counts"]["frames"], 5);
   EXPECT_DOUBLE_EQ(metrics["counts"]["solved_percent"], 60.0);
   ASSERT_EQ(metrics["groups"].size(), 3U);
@@ -101,6 +104,26 @@ TEST(MetricsReport, FailuresAndOldShapesAreSaid) {
   const std::string table = to_table(evaluated(run));
   EXPECT_THAT(table, HasSubstr("mdh: 1 with truth but without a shape"));
   EXPECT_THAT(table, HasSubstr("totem: 1 held (predicted or lost): mean 30.00"));
+}
+
+TEST(MetricsReport, TheFramesTableHasARowForEachFrameAndTheWorstOnes) {
+  TestRun run;
+  fill(run);
+  const std::string table = to_frames_table(evaluated(run, Alignment::none));
+  EXPECT_THAT(table, HasSubstr("alignment: none"));
+  const std::vector<std::string> lines = lines_of(table);
+  ASSERT_EQ(lines.size(), 2U + 5U + 1U) << table;
+  EXPECT_THAT(lines[2], HasSubstr("none"));
+  EXPECT_THAT(lines[5], HasSubstr("mdh (texture source)"));
+  EXPECT_EQ(lines.back(), "worst frames: f3 50.00, f4 30.00, f2 4.00, f1 2.00");
+}
+
+TEST(MetricsReport, AFurtherAlignmentIsATableOfErrorsAlone) {
+  TestRun run;
+  fill(run);
+  const std::string table = to_error_table(evaluated(run, Alignment::scale));
+  EXPECT_EQ(table.find("3D error of solved frames in mm, alignment: scale\n"), 0U);
+  EXPECT_THAT(table, Not(HasSubstr("isometry error of solved frames")));
 }
 
 TEST(MetricsReport, WithoutTruthTheSharesAreStillGiven) {

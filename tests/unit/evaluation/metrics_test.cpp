@@ -164,7 +164,7 @@ TEST(Metrics, OldShapesAreNotMixedWithSolvedOnes) {
   const GroupMetrics all = evaluated(run).all;
   EXPECT_EQ(all.solved, 1);
   EXPECT_EQ(all.held, 2);
-  EXPECT_EQ(all.failures(), 0);
+  EXPECT_EQ(all.failures(), 1);  // 40 mm are more than a tenth of the diagonal
   EXPECT_NEAR(all.solved_error.mean_mm, 1.0, kExact);
   EXPECT_NEAR(all.held_error.mean_mm, 30.0, kExact);
   EXPECT_EQ(all.held_error.worst_frame, "f2");
@@ -231,7 +231,24 @@ TEST(Metrics, AMeanErrorBeyondATenthOfTheDiagonalIsOff) {
   TestRun run;
   run.solved(35.0, TestRun::truth("mdh"));
   run.solved(37.0, TestRun::truth("mdh"));  // the diagonal is 361 mm
-  EXPECT_EQ(evaluated(run).all.off, 1);
+  run.add(ShapeState::none, std::nullopt, TestRun::truth("mdh"));
+  const GroupMetrics all = evaluated(run).all;
+  EXPECT_EQ(all.off, 1);
+  EXPECT_EQ(all.failures(), 2);
+}
+
+TEST(Metrics, AnErrorIsAlsoGivenAsRootMeanSquareAndInPercentOfTheTrueDepth) {
+  TestRun run;
+  Points2 xy_m(2, 2);
+  xy_m << 0.1, 0.05, 0.1, 0.15;  // both at a depth of 0.66 m
+  GroundTruth truth = TestRun::truth_at(xy_m, "mdh");
+  Points3 vertices_m = run.vertices();
+  vertices_m.rowwise() += Eigen::RowVector3d(0.0066, 0.0, 0.0);
+  truth.points_m(1, 0) += 0.0066;  // errors of 6.6 mm and 0
+  run.add(ShapeState::estimated, vertices_m, truth);
+  const FrameMetrics frame = evaluated(run).frames[0];
+  EXPECT_NEAR(frame.error->rmse_mm, 6.6 / std::sqrt(2.0), 1e-9);
+  EXPECT_NEAR(frame.error->of_depth_percent, 0.5, 1e-9);
 }
 
 TEST(Metrics, IsometryErrorIsTheStrainOfTheEdges) {
@@ -243,6 +260,7 @@ TEST(Metrics, IsometryErrorIsTheStrainOfTheEdges) {
   const RunMetrics metrics = evaluated(run);
   EXPECT_NEAR(metrics.frames[0].strain_mean, 0.02, kExact);
   EXPECT_NEAR(metrics.frames[0].strain_p95, 0.02, kExact);
+  EXPECT_NEAR(metrics.strain_p95, 0.03, kExact);
   EXPECT_NEAR(metrics.strain_mean, 0.03, kExact);
   EXPECT_NEAR(metrics.all.strain_mean, 0.02, kExact);
 }

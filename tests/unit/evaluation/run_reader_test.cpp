@@ -160,6 +160,16 @@ TEST(RunReader, ACutFileIsAnErrorThatNamesIt) {
   }
 }
 
+TEST(RunReader, CountsTheFilesThatAreDamaged) {
+  TestRun run;
+  for (int i = 0; i < 4; ++i) run.solved(1.0, TestRun::truth("mdh"));
+  for (const int i : {1, 3}) run.write_text(TestRun::frame_name(i), "PK");
+  const Error error = failure(run);
+  EXPECT_THAT(error.where, EndsWith("frames/000001.npz"));
+  EXPECT_THAT(error.message, HasSubstr("2 of 4 frames are damaged"));
+  EXPECT_THAT(error.message, HasSubstr("frames/000003.npz"));
+}
+
 TEST(RunReader, AFlippedByteNeverGivesAnotherNumber) {
   TestRun run;
   run.solved(3.0, TestRun::truth("mdh"));

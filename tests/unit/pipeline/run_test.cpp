@@ -85,8 +85,8 @@ TEST_F(Runs, KeepsShapeTruthAndFilteredMatchesOfEachFrame) {
     for (const auto& [slot, record] : *records) names.push_back(slot + " " + record->type());
     return names;
   };
-  const std::string matches = "filters.matches correspondences/1";
-  const std::string mask = "filters.inlier_mask inlier_mask/1";
+  const std::string matches = "matchers.correspondences correspondences/1";
+  const std::string mask = "matchers.filters.inlier_mask inlier_mask/1";
   EXPECT_THAT(slots("000000"), ElementsAre("ground_truth ground_truth/1", matches, mask));
   EXPECT_THAT(slots("000001"),
               ElementsAre("shape shape/1", "ground_truth ground_truth/1", matches, mask));
@@ -143,7 +143,7 @@ TEST_F(Runs, WritesReasonsOfAnyBytesAsJson) {
                           "\x80\x01",
                           0.1,
                           {{"diag.x", std::numeric_limits<double>::quiet_NaN()}}});
-  ASSERT_TRUE(folder->add(frame, nullptr));
+  ASSERT_TRUE(folder->add(Graph{}, frame, nullptr));
   const auto lines = read_lines(path("run") + "/frames.jsonl");
   ASSERT_EQ(lines.size(), 1U);
   EXPECT_TRUE(json::parse(lines[0])["stages"][0]["diag.x"].is_null());

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <string>
 #include <vector>
 #include <weft/data/correspondences.hpp>
@@ -28,9 +27,9 @@ struct FilterCounts {
 struct FilterMetrics {
   std::string stage;
   std::int64_t frames = 0;                   ///< [] with labelled matches
-  std::int64_t frames_without_mismatch = 0;  ///< [] not in the mean of the TPR
-  std::int64_t frames_without_correct = 0;   ///< [] not in the mean of the FPR
-  std::int64_t frames_without_kept = 0;      ///< [] no labelled match kept: not in precision and F1
+  std::int64_t frames_without_mismatch = 0;  ///< [] not in the TPR
+  std::int64_t frames_without_correct = 0;   ///< [] not in the FPR, recall and F1
+  std::int64_t frames_without_kept = 0;      ///< [] no labelled match kept: not in the precision
   std::int64_t labelled = 0, entered = 0;    ///< [] matches
   double tpr_percent = kNoRate;              ///< [] mismatches that were rejected
   double fpr_percent = kNoRate;              ///< [] correct matches that were rejected
@@ -48,8 +47,8 @@ std::vector<std::int8_t> label_matches(const Correspondences& matches, const Tru
                                        const Eigen::Vector2d& m_per_px, const Pinhole& camera,
                                        double tolerance_px);
 
-/// Counts of one frame; the mask has one entry a match.
-FilterCounts count_filter(const Correspondences& matches, const InlierMask& mask,
+/// Counts of one frame from what was kept before and after the filter, an entry a match, 0 or 1.
+FilterCounts count_filter(const Array<std::uint8_t>& before, const Array<std::uint8_t>& after,
                           const std::vector<std::int8_t>& labels);
 
 /// Rates of one stage over its frames.

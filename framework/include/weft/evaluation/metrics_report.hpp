@@ -14,6 +14,12 @@ std::string to_json(const RunMetrics& metrics);
 /// with an old shape follow in parts of their own. UTF-8, ends with a line break.
 std::string to_table(const RunMetrics& metrics);
 
+/// The part of it with the 3D errors alone, for a further alignment.
+std::string to_error_table(const RunMetrics& metrics);
+
+/// One row a frame: state, errors, and at the end the frames with the largest errors.
+std::string to_frames_table(const RunMetrics& metrics);
+
 /// metrics.json, or metrics_scale.json and metrics_rigid.json for aligned errors: the file in a run
 /// folder never mixes them.
 std::string metrics_file_name(Alignment alignment);

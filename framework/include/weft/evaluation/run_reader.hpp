@@ -22,18 +22,24 @@ struct FrameLine {
   bool failed = false;  ///< a stage, the source or a sink had an error
 };
 
-/// The matches that entered a filter, and its verdict on them.
+/// What a filter left of the matches that a stage made.
 struct FilterRecords {
   std::string stage;
+  Array<std::uint8_t> before, after;  ///< [N] 1 where kept
+};
+
+/// The matches of a stage, finite and on the mesh, and the filters that they went through.
+struct MatchRecords {
+  std::string stage;
   Correspondences matches;
-  InlierMask mask;
+  std::vector<FilterRecords> filters;  ///< in the order of the stages
 };
 
 /// The records of one frame; the nouns borrow from `owners`.
 struct FrameRecords {
   std::optional<Shape> shape;  ///< vertices may be NaN: that is for the reader to count
   std::optional<GroundTruth> ground_truth;  ///< finite
-  std::vector<FilterRecords> filters;       ///< in the order of the stages
+  std::vector<MatchRecords> matches;        ///< in the order of the stages
   host::NamedRecords owners;
 };
 
@@ -54,8 +60,8 @@ class RunReader {
   /// Components of the run that may read the ground truth: their results are no measurement.
   const std::vector<std::string>& truth_users() const { return truth_users_; }
 
-  /// Shape and truth of one frame. Fails where its file is damaged, contradicts its line or has a
-  /// shape of another mesh.
+  /// Shape, truth and matches of one frame. Fails where its file is damaged, contradicts its line
+  /// or has a shape of another mesh.
   Result<FrameRecords> read(const FrameLine& line) const;
 
  private:

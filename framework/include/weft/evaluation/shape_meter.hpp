@@ -14,6 +14,7 @@ namespace weft::evaluation {
 /// Distances between a shape and the truth at the points of the truth.
 struct PointErrors {
   std::vector<double> distances_m;   ///< [L] m, of the points that lie on the mesh
+  std::vector<double> depths_m;      ///< [L] m, true distance of each along the camera's axis
   std::vector<std::int64_t> points;  ///< [L] which points of the truth these are, ascending
   std::int64_t extrapolated = 0;     ///< [] of them beside the mesh, within the locator's rule
   std::int64_t unlocated = 0;        ///< [] points too far from the mesh to have a place on it

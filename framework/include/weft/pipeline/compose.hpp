@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <initializer_list>
-#include <string_view>
 #include <weft/host/record.hpp>
 
 namespace weft {
-
-/// The arrays of these names, shared with the record.
-host::RecordPtr part_of(const host::Record& record, std::initializer_list<std::string_view> names);
 
 /// Matches with a filter's verdict: kept only if kept before too, the filter's scores; all other
 /// arrays are shared. Fails when the mask is of another length.

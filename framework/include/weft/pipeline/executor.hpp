@@ -54,9 +54,7 @@ struct FrameResult {
   std::vector<StageReport> stages;
   std::vector<host::RecordPtr> values;  ///< one for each of Graph::values, null where absent
   std::vector<std::string> causes;      ///< one for each value: why it is absent, if it is
-  /// What evaluation needs of each filter: "STAGE.matches" as they entered it, "STAGE.inlier_mask".
-  host::NamedRecords filtered;
-  host::RecordPtr shape;  ///< solved or predicted; null before the first one
+  host::RecordPtr shape;                ///< solved or predicted; null before the first one
   ShapeState state = ShapeState::none;
   std::int64_t age_frames = 0;        ///< [frames] since the shape was measured
   std::vector<host::Timing> timings;  ///< of nested components too
@@ -96,7 +94,7 @@ class Executor {
   void keep_call(const Stage& stage, const host::Outcome& outcome, FrameResult& result) const;
   StageReport run_stage(Stage& stage, FrameResult& result);
   Result<std::vector<host::RecordPtr>> outputs_of(const Stage& stage, const host::Outcome& outcome,
-                                                  FrameResult& result);
+                                                  const FrameResult& result);
   Result<void> store(const Stage& stage, const host::Outcome& outcome, FrameResult& result);
   void settle_shape(FrameResult& result);
 

@@ -10,10 +10,11 @@ namespace weft {
 /// A value that flows through the graph in every frame: an output of the source, the template, the
 /// host or a stage.
 struct ValueInfo {
-  std::string slot;  ///< "image", "correspondences", "previous.shape"
-  int stage = -1;    ///< index of the stage that produces it, -1 for source, template and host
-  std::string name;  ///< the stage's name, which `from` may choose
-  int lag = 0;       ///< [frames] previous values: how long ago
+  std::string slot;   ///< "image", "correspondences", "previous.shape"
+  int stage = -1;     ///< index of the stage that produces it, -1 for source, template and host
+  std::string name;   ///< the stage's name, which `from` may choose
+  int lag = 0;        ///< [frames] previous values: how long ago
+  int filtered = -1;  ///< of a filter: the value whose matches these are, else -1
 };
 
 struct InputLink {

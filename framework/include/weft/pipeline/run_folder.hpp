@@ -8,9 +8,13 @@
 namespace weft {
 
 /// The folder of one run: pipeline.yaml (effective configuration), manifest.json, template.npz
-/// (template, camera), frames.jsonl (a line a frame), frames/NNNNNN.npz (shape, ground_truth, and
-/// for each filter STAGE.matches and STAGE.inlier_mask) and what the sinks write. Whatever is
-/// finished stays readable when the run is killed.
+/// (template, camera), frames.jsonl (a line a frame), frames/NNNNNN.npz and what the sinks write.
+/// Whatever is finished stays readable when the run is killed.
+///
+/// The slots of frames/NNNNNN.npz: `shape`, `ground_truth`; `STAGE.correspondences`, whole, of each
+/// stage (or `sources`) that made matches; `STAGE.FILTER.inlier_mask` of each filter that they went
+/// through (`STAGE.FILTER.NEXT.inlier_mask` of the next): what it and those before it kept, and its
+/// scores. What is absent in a frame has no slot.
 class RunFolder {
  public:
   /// Creates the folder; refuses one that is not empty.
@@ -22,8 +26,9 @@ class RunFolder {
   Result<void> begin(const PipelineConfig& config, const host::Record& templ,
                      const host::Record& camera);
 
-  /// Writes one frame; its line is flushed.
-  Result<void> add(const FrameResult& frame, const host::RecordPtr& ground_truth);
+  /// Writes one frame of the graph; its line is flushed.
+  Result<void> add(const Graph& graph, const FrameResult& frame,
+                   const host::RecordPtr& ground_truth);
 
  private:
   explicit RunFolder(std::string path) : path_(std::move(path)) {}
