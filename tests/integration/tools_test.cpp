@@ -271,6 +271,12 @@ TEST_F(ReplayTool, FindsNothingDifferent) {
   EXPECT_THAT(one.out, HasSubstr(" ms, identical\n1 calls: 1 identical"));
 }
 
+TEST_F(ReplayTool, FindsTheDumpOfACallInTheWorkingDirectory) {
+  fs::copy(path("run/dumps/solvers"), folder_);  // where the program runs
+  const Ended ended = weft({"replay", "solvers", "000001.npz"});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+}
+
 TEST_F(ReplayTool, ReportsDifferences) {
   const std::vector<std::string> replay{"replay", "solvers", path("run")};
   std::vector<std::string> changed = replay;

@@ -105,7 +105,7 @@ Replayed Replay::run(const StageCall& call, int repeat) {
 
 Result<std::string> find_dump(const std::string& records, const std::string& stage) {
   std::error_code code;
-  fs::path root(records);
+  fs::path root = fs::absolute(records);
   if (!fs::exists(root, code)) return Error{Errc::io, "does not exist", records};
   if (!fs::is_directory(root, code)) root = root.parent_path();
   if (has_dump(root)) {

@@ -14,8 +14,8 @@ namespace {
 
 constexpr int kPatchPx = 31;  // with it OpenCV takes the published pattern, without random numbers
 constexpr int kDescriptorBytes = 32;
-constexpr int kComparedPoints = 2;  // for each bit
-constexpr int kAll = 100000000;     // far more than there are, and no overflow of twice as many
+constexpr int kComparedPoints = 2;   // for each bit
+constexpr double kMostAtOnce = 1e8;  // OpenCV doubles the number as an int
 /// The descriptor compares points of a pyramid level blurred with this sigma.
 constexpr double kBlurPx = 2.0;
 
@@ -48,9 +48,9 @@ class Orb final : public Detector {
     std::vector<cv::KeyPoint> selected;
     cv::Mat descriptors(0, kDescriptorBytes, CV_8U);
     if (const int levels = levels_in(grey.size()); levels > 0) {
-      const auto detector =
-          cv::ORB::create(kAll, static_cast<float>(scale_factor_), levels, border_px_, 0,
-                          kComparedPoints, cv::ORB::HARRIS_SCORE, kPatchPx, fast_threshold_);
+      const auto detector = cv::ORB::create(
+          enough_for_all(grey.size(), levels), static_cast<float>(scale_factor_), levels,
+          border_px_, 0, kComparedPoints, cv::ORB::HARRIS_SCORE, kPatchPx, fast_threshold_);
       std::vector<cv::KeyPoint> found;
       detector->detect(grey, found);
       selected = select(found, grey.size(), in.region ? &in.region->mask : nullptr);
@@ -61,6 +61,13 @@ class Orb final : public Detector {
 
  private:
   double scale_of(int level) const { return std::pow(scale_factor_, level); }
+
+  /// Sum of the widths of the finest levels, in widths of the image.
+  double widths(int levels) const {
+    double sum = 0.0;
+    for (int level = 0; level < levels; ++level) sum += 1.0 / scale_of(level);
+    return sum;
+  }
 
   cv::Size2d level_size(cv::Size image, int level) const {
     const double scale = scale_of(level);
@@ -76,6 +83,13 @@ class Orb final : public Detector {
       ++levels;
     }
     return levels;
+  }
+
+  /// A number of which the finest level's part, and so that of every level, is more than it can
+  /// have corners: they are never neighbours. OpenCV reserves memory for it.
+  int enough_for_all(cv::Size image, int levels) const {
+    return static_cast<int>(
+        std::min(0.5 * image.width * image.height * widths(levels), kMostAtOnce));
   }
 
   /// OpenCV multiplies the place in a level, a whole pixel, with the level's scale. Levels are
@@ -115,11 +129,7 @@ class Orb final : public Detector {
   }
 
   /// The part of what is left of the cap that a level may take, coarser ones being done.
-  double share_of(int level) const {
-    double finer = 0.0;
-    for (int other = 0; other <= level; ++other) finer += 1.0 / scale_of(other);
-    return 1.0 / scale_of(level) / finer;
-  }
+  double share_of(int level) const { return 1.0 / scale_of(level) / widths(level + 1); }
 
   Result<Keypoints> answer(std::vector<cv::KeyPoint> keypoints, const cv::Mat& descriptors,
                            cv::Size image) const {
