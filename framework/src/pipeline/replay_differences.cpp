@@ -52,6 +52,7 @@ std::string difference(const weft_array& before, const weft_array& after) {
     return "has the shape " + shape_of(after) + " instead of " + shape_of(before);
   }
   const std::int64_t size = dtype_size(before.dtype);
+  if (size == 0) return "has an unknown type";
   const std::int64_t count = host::array_bytes(before.dtype, before.ndim, before.shape) / size;
   std::int64_t different = 0;
   double largest = 0.0;
