@@ -13,6 +13,11 @@ struct GroundTruth {
   Array<double> points_m;       ///< [T,3] m, camera frame
   std::string kind;             ///< [n] how the truth was measured; groups the report
   std::string apart;            ///< [n] why the frame is reported apart; empty if it is not
+  Array<std::int32_t> faces = {};    ///< [F,3] the points are the corners of the true surface
+  Array<std::uint8_t> visible = {};  ///< [T] 1 where the camera sees the point
+  Array<float> depth_m = {};         ///< [H,W] m along the optical axis, 0 where it is not known
+  Array<float> uv_m = {};  ///< [H,W,2] m, template point seen at the pixel, NaN where none is
+  Array<double> match_xy_px = {};  ///< [N,2] px, true image of the source's matches, or NaN
 
   std::int64_t count() const { return template_xy_m.rows(); }
 
@@ -22,6 +27,13 @@ struct GroundTruth {
     visit(self.points_m, Field{"points_m", "T,3", "m, camera", "true positions"});
     visit(self.kind, Field{"kind", "*", "", "how the truth was measured"});
     visit(self.apart, Field{"apart", "*", "", "why the frame is reported apart, or empty"});
+    visit(self.faces, Field{"faces", "F,3", "index", "triangles over the true points", true});
+    visit(self.visible, Field{"visible", "T", "0 or 1", "1 where the camera sees the point", true});
+    visit(self.depth_m,
+          Field{"depth_m", "H,W", "m", "along the optical axis, 0 where it is not known", true});
+    visit(self.uv_m, Field{"uv_m", "H,W,2", "m", "template point seen at the pixel, or NaN", true});
+    visit(self.match_xy_px,
+          Field{"match_xy_px", "N,2", "px", "true image of the source's matches, or NaN", true});
   }
 };
 
