@@ -76,7 +76,7 @@ std::string with_end_mark(std::string_view bytes) {
 /// Puts an empty value in place of the alias at `offset`; returns its name.
 std::string drop_alias(std::string& feed, std::size_t offset) {
   const std::size_t end = std::min(feed.find_first_of(" \t\r\n,[]{}", offset), feed.size());
-  const std::string name = feed.substr(offset + 1, end - offset - 1);
+  std::string name = feed.substr(offset + 1, end - offset - 1);
   const bool is_key = name.size() > 1 && name.back() == ':';
   std::string filler = is_key ? "'':" : "''";
   filler.resize(end - offset, ' ');
