@@ -85,7 +85,9 @@ function(weft_add_test name label)
     target_link_libraries(${name} PRIVATE weft_options)
   endif()
   target_include_directories(${name} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
-  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
+  # Tests spend their compile time in headers, which the files of a batch share.
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests
+    UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
   add_test(NAME ${name} COMMAND ${name})
   set_tests_properties(${name} PROPERTIES LABELS ${label}
     ENVIRONMENT "WEFT_PLUGIN_PATH=${PROJECT_BINARY_DIR}/lib/weft/plugins")

@@ -15,12 +15,6 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-RunMetrics evaluated(const TestRun& run, Alignment alignment = Alignment::none) {
-  const auto metrics = evaluate_run(run.folder(), {alignment});
-  if (!metrics) throw std::runtime_error(metrics.error().where + ": " + metrics.error().message);
-  return *metrics;
-}
-
 /// A frame of each sort.
 void fill(TestRun& run) {
   run.add(ShapeState::none, std::nullopt, TestRun::truth("mdh"));

@@ -13,12 +13,6 @@ namespace {
 
 constexpr double kExact = 1e-9;
 
-RunMetrics evaluated(const TestRun& run, Alignment alignment = Alignment::none) {
-  const auto metrics = evaluate_run(run.folder(), {alignment, 2.0});
-  if (!metrics) throw std::runtime_error(metrics.error().where + ": " + metrics.error().message);
-  return *metrics;
-}
-
 TEST(Metrics, AShapeMovedBy3MmIsWrongBy3MmAtEachPoint) {
   TestRun run;
   run.solved(3.0, TestRun::truth("mdh"));

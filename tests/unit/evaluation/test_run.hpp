@@ -13,6 +13,7 @@
 #include <weft/data/ground_truth.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/data/template.hpp>
+#include <weft/evaluation/metrics.hpp>
 #include <weft/host/npz.hpp>
 #include <weft/testing/synthetic.hpp>
 
@@ -131,5 +132,11 @@ class TestRun {
   Template templ_;
   int count_ = 0;
 };
+
+inline RunMetrics evaluated(const TestRun& run, Alignment alignment = Alignment::none) {
+  const auto metrics = evaluate_run(run.folder(), {alignment});
+  if (!metrics) throw std::runtime_error(metrics.error().where + ": " + metrics.error().message);
+  return *metrics;
+}
 
 }  // namespace weft::evaluation

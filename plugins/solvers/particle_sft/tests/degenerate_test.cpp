@@ -14,8 +14,6 @@ using ::testing::HasSubstr;
 using testing::Outcome;
 using testing::PluginUnderTest;
 
-constexpr const char* kId = "solvers/particle_sft";
-
 Shape given(const Outcome& out) {
   EXPECT_TRUE(out.status == WEFT_OK || out.status == WEFT_DEGENERATE) << out.message;
   const Shape shape = out.get<Shape>().value();
@@ -70,10 +68,10 @@ TEST(ParticleSftDegenerate, WithoutAStartItsReasonIsGiven) {
 }
 
 TEST(ParticleSftDegenerate, ResidualsOfSomePixelsMakeAWeakShape) {
-  constexpr std::uint64_t kSeed = 31;
-  std::cout << "seed " << kSeed << "\n";
+  constexpr std::uint64_t kSightSeed = 31;
+  std::cout << "seed " << kSightSeed << "\n";
   Scene scene = Scene::bent(0.25);
-  scene.look(8.0, kSeed);
+  scene.look(8.0, kSightSeed);
   const Shape previous = shape_of(scene.truth_m);
   PluginUnderTest plugin(kId);
   const Shape shape = given(scene.run(plugin, &previous));

@@ -13,9 +13,6 @@ namespace {
 using testing::Outcome;
 using testing::PluginUnderTest;
 
-constexpr const char* kId = "solvers/particle_sft";
-constexpr std::uint64_t kSeed = 20240917;
-
 Shape solved(const Outcome& out) {
   EXPECT_EQ(out.status, WEFT_OK) << out.message;
   return out.get<Shape>().value();

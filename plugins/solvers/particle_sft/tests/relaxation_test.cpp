@@ -12,8 +12,6 @@
 namespace weft::particle_sft {
 namespace {
 
-constexpr std::uint64_t kSeed = 20240917;
-
 bool never() { return false; }
 
 /// The rest mesh, fronto-parallel and centred on the optical axis.

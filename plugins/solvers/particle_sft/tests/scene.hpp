@@ -18,6 +18,9 @@
 
 namespace weft::particle_sft {
 
+inline constexpr const char* kId = "solvers/particle_sft";
+inline constexpr std::uint64_t kSeed = 20240917;
+
 /// The reference sheet: 297 x 192 mm, 10 x 6 vertices, 0.6 m away, focal length 817 px.
 inline testing::SheetSpec reference_sheet() {
   testing::SheetSpec spec;

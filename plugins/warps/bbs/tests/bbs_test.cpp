@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <weft/core/rng.hpp>
 #include <weft/core/statistics.hpp>
 #include <weft/sdk/warp_model.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 #include <weft/testing/synthetic.hpp>
+
+#include "maps.hpp"
 
 namespace {
 
@@ -17,16 +18,6 @@ using weft::Rng;
 using weft::testing::input;
 using weft::testing::Outcome;
 using weft::testing::PluginUnderTest;
-using Map = std::function<Eigen::RowVector2d(double, double)>;
-
-Eigen::RowVector2d affine(double u, double v) {
-  return {30.0 + 0.5 * u - 0.1 * v, 40.0 + 0.05 * u + 0.6 * v};
-}
-
-Eigen::RowVector2d wavy(double u, double v) {
-  return affine(u, v) + Eigen::RowVector2d(12.0 * std::sin(0.006 * u + 0.002 * v),
-                                           9.0 * std::cos(0.005 * u - 0.008 * v));
-}
 
 Correspondences matches_at(const Points2& points, const Map& map) {
   const Eigen::Index n = points.rows();

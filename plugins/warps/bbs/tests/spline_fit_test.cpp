@@ -6,10 +6,11 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <Eigen/QR>
-#include <functional>
 #include <weft/core/rng.hpp>
 #include <weft/geometry/bspline_bending.hpp>
 #include <weft/geometry/bspline_site.hpp>
+
+#include "maps.hpp"
 
 namespace {
 
@@ -17,7 +18,6 @@ using weft::Points2;
 using weft::Rng;
 using weft::SplineDomain;
 using weft::bbs::SplineFit;
-using Map = std::function<Eigen::RowVector2d(double, double)>;
 
 constexpr SplineDomain kDomain{-20.5, 979.5, -20.5, 594.5, 12, 9};
 
@@ -42,15 +42,6 @@ Points2 at(const SplineFit& fit, const Points2& points) {
     values.row(i) = weft::evaluate_site(fit.domain(), site, fit.control());
   }
   return values;
-}
-
-Eigen::RowVector2d affine(double u, double v) {
-  return {30.0 + 0.5 * u - 0.1 * v, 40.0 + 0.05 * u + 0.6 * v};
-}
-
-Eigen::RowVector2d wavy(double u, double v) {
-  return affine(u, v) + Eigen::RowVector2d(12.0 * std::sin(0.006 * u + 0.002 * v),
-                                           9.0 * std::cos(0.005 * u - 0.008 * v));
 }
 
 TEST(BandCholesky, SolvesLikeADenseFactorisation) {
