@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The filter of docs/examples/your_own_filter, which stands for all plugins from outside the tree.
+#include <cmath>
 #include <iostream>
 #include <weft/core/rng.hpp>
 
@@ -66,6 +67,17 @@ TEST_F(LocalMotionTest, RejectsMatchesThatJumpAway) {
 TEST_F(LocalMotionTest, KeepsAMatchWithoutNeighbours) {
   matches_.template_px(0, 0) = -5000.0;
   EXPECT_EQ(filter().kept(0), 1);
+}
+
+TEST_F(LocalMotionTest, GivesNoVoteToMatchesThatAnEarlierFilterRejected) {
+  for (std::int64_t i = 0; i < 100; ++i) {
+    if (i == 55) continue;
+    matches_.image_px(i, 0) += 60.0;
+    matches_.kept(i) = 0;
+  }
+  const InlierMask mask = filter();
+  EXPECT_EQ(mask.kept(55), 1);
+  for (std::int64_t i = 0; i < 100; ++i) EXPECT_TRUE(std::isfinite(mask.score(i))) << i;
 }
 
 TEST_F(LocalMotionTest, IsAsStrictAsItIsTold) {

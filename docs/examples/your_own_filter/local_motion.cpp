@@ -5,6 +5,8 @@
 namespace {
 /// Keeps a match whose displacement is close to the median of its neighbourhood, itself included.
 class LocalMotion final : public weft::Filter {
+  double radius_px_ = 60.0, max_deviation_px_ = 15.0;
+
  public:
   explicit LocalMotion(weft::Params& p) {
     p.read("radius_px", radius_px_, "px", {1, 1000}, "neighbourhood on the template");
@@ -19,6 +21,7 @@ class LocalMotion final : public weft::Filter {
     for (std::int64_t i = 0; i < n; ++i) {
       std::vector<double> u, v;
       for (std::int64_t j = 0; j < n; ++j) {
+        if (j != i && !in.correspondences.kept(j)) continue;  // an earlier filter rejected it
         if ((place.row(j) - place.row(i)).norm() > radius_px_) continue;
         u.push_back(motion(j, 0));
         v.push_back(motion(j, 1));
@@ -30,9 +33,6 @@ class LocalMotion final : public weft::Filter {
     }
     return mask;
   }
-
- private:
-  double radius_px_ = 60.0, max_deviation_px_ = 15.0;
 };
 }  // namespace
 
