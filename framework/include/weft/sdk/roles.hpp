@@ -13,7 +13,24 @@
 
 namespace weft {
 
-/// All roles, in the order in which data flow through them.
+/// All roles, in the order in which data flow through them: method, what it consumes -> produces.
+/// An asterisk marks what is required in, or produced by, every use; see docs/records.md.
+///   sources open: -> camera*
+///   sources count: -> count*
+///   sources read: -> image, time, known_points, ground_truth, correspondences
+///   templates build: -> template*
+///   detectors detect: image*, region -> keypoints*
+///   matchers match: keypoints, template_keypoints, correspondences -> correspondences*
+///   filters filter: correspondences*, template, camera, previous.shape, ground_truth ->
+///       inlier_mask*
+///   warps fit: correspondences*, template*, weights -> warp*
+///   warps evaluate: warp*, points* -> warp_samples*
+///   passes run: template*, camera*, warp, warp_samples, correspondences, shape, visibility,
+///       previous.shape, previous.visibility -> sightlines, visibility, region
+///   solvers solve: template*, camera*, sightlines, correspondences, warp, image, visibility,
+///       known_points, previous.shape -> shape*
+///   sinks write: image, camera, time, template, keypoints, correspondences, warp, warp_samples,
+///       sightlines, visibility, shape, ground_truth
 inline std::vector<Role> all_roles() {
   return {Source::role(),  TemplateBuilder::role(), Detector::role(),
           Matcher::role(), Filter::role(),          WarpModel::role(),

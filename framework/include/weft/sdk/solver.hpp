@@ -8,7 +8,7 @@
 namespace weft {
 
 /// Role `solvers`: the 3D shape of the template's mesh in the camera frame, in metres. States that
-/// a solver may give: estimated and weak.
+/// a solver may give: estimated and weak. SolverInput is in weft/sdk/nested.hpp.
 class Solver : public Prepared {
  public:
   virtual Result<Shape> solve(const SolverInput& in) = 0;
