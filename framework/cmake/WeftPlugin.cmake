@@ -82,7 +82,7 @@ function(weft_add_test name label)
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE weft_testing GTest::gmock GTest::gtest_main ${arg_LINK})
   if(TARGET weft_options)
-    target_link_libraries(${name} PRIVATE weft_options)
+    target_link_libraries(${name} PRIVATE weft_options weft_test_options)
   endif()
   target_include_directories(${name} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
   # Tests spend their compile time in headers, which the files of a batch share.
