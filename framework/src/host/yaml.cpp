@@ -120,6 +120,14 @@ std::string place(std::string_view file, Position at) {
   return std::string(file) + ":" + std::to_string(at.line) + ":" + std::to_string(at.column);
 }
 
+Position position_in(std::string_view where, std::string_view file) {
+  Position at;
+  std::istringstream numbers(std::string(where.substr(std::min(file.size() + 1, where.size()))));
+  char colon = ':';
+  numbers >> at.line >> colon >> at.column;
+  return at;
+}
+
 Result<Document> parse(std::string_view text_bytes, std::string file_name) {
   const Text text(text_bytes);
   if (const auto fault = text.check()) return syntax_error(text, *fault, file_name);
