@@ -14,7 +14,9 @@ namespace weft {
 /// The slots of frames/NNNNNN.npz: `shape`, `ground_truth`; `STAGE.correspondences`, whole, of each
 /// stage (or `sources`) that made matches; `STAGE.FILTER.inlier_mask` of each filter that they went
 /// through (`STAGE.FILTER.NEXT.inlier_mask` of the next): what it and those before it kept, and its
-/// scores. What is absent in a frame has no slot.
+/// scores. What is absent in a frame has no slot. Of the truth what is as large as the image is left
+/// out; `STAGE.match_depths` has the true depth at the matches of a stage. `STAGE.warp_samples` is
+/// where a warp takes the template's vertices.
 class RunFolder {
  public:
   /// Creates the folder; refuses one that is not empty.
