@@ -114,9 +114,13 @@ class Member {
   }
 
   void measure() {
-    RunMetrics metrics = evaluator_->finish();
+    const auto& stages = pipeline_.config.stages;
+    RunMetrics metrics =
+        evaluator_->finish(std::any_of(stages.begin(), stages.end(), [](const StageConfig& stage) {
+          return stage.component.component().role() == "solvers";
+        }));
     metrics.run = cell_.identity.key;
-    for (const StageConfig& stage : pipeline_.config.stages) {
+    for (const StageConfig& stage : stages) {
       add_truth_users(stage.component, metrics.truth_users);
     }
     const FrameCounts& counts = metrics.counts;

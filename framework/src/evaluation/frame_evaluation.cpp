@@ -5,6 +5,7 @@
 #include <cmath>
 #include <weft/core/statistics.hpp>
 #include <weft/geometry/barycentric.hpp>
+#include <weft/geometry/match_labels.hpp>
 
 namespace weft::evaluation {
 namespace {
@@ -26,7 +27,7 @@ void measure_reprojection(const Correspondences& matches, const std::vector<std:
   const FacesView faces = sheet.faces.matrix<3>();
   std::vector<double> distances_px;
   for (std::int64_t n = 0; n < matches.count(); ++n) {
-    if (labels[static_cast<std::size_t>(n)] != 1 || matches.face(n) < 0) continue;
+    if (labels[static_cast<std::size_t>(n)] != kCorrectMatch || matches.face(n) < 0) continue;
     const Eigen::Vector3d weights = matches.barycentrics.matrix<3>().row(n);
     const Eigen::Vector3d point_m = interpolate(vertices_m, faces, matches.face(n), weights);
     const Eigen::Vector2d image_px = matches.image_px.matrix<2>().row(n);
@@ -36,6 +37,39 @@ void measure_reprojection(const Correspondences& matches, const std::vector<std:
   image.reprojection_px = mean_px(distances_px, image);
 }
 
+/// Which matches of a stage its last filter kept.
+const Array<std::uint8_t>& last_kept(const MatchRecords& made) {
+  return made.filters.empty() ? made.matches.kept : made.filters.back().after;
+}
+
+/// Over the kept matches on the mesh: the estimate X(p) against the point D^-1(q) that the depth
+/// camera saw at the match's pixel (Shetab-Bushehri et al. 2023, Section VI). The median, because
+/// what is left of mismatches lies on the background.
+std::optional<DepthMetrics> depth_metrics(const MatchRecords& made, const Points3View& vertices_m,
+                                          const Template& sheet, const Pinhole& camera) {
+  if (!made.depth_m.present()) return std::nullopt;
+  const FacesView faces = sheet.faces.matrix<3>();
+  const Array<std::uint8_t>& kept = last_kept(made);
+  DepthMetrics depth;
+  std::vector<double> distances_mm;
+  for (std::int64_t n = 0; n < made.matches.count(); ++n) {
+    if (kept(n) == 0 || made.matches.face(n) < 0) continue;
+    const double depth_m = made.depth_m(n);
+    if (!(depth_m > 0.0) || !std::isfinite(depth_m)) {
+      ++depth.without_depth;
+      continue;
+    }
+    const Eigen::Vector2d image_px = made.matches.image_px.matrix<2>().row(n);
+    const Eigen::Vector3d ray = unit_ray(camera, image_px);
+    const Eigen::Vector3d weights = made.matches.barycentrics.matrix<3>().row(n);
+    const Eigen::Vector3d point_m = interpolate(vertices_m, faces, made.matches.face(n), weights);
+    distances_mm.push_back(kMmPerM * (point_m - depth_m / ray.z() * ray).norm());
+  }
+  depth.matches = static_cast<std::int64_t>(distances_mm.size());
+  depth.median_mm = median(distances_mm);
+  return depth;
+}
+
 /// Over the vertices whose true place is known.
 void measure_overlay(const Points3View& vertices_m, const Template& sheet, const TruthMap& truth,
                      const Pinhole& camera, ImageMetrics& image) {
@@ -43,10 +77,10 @@ void measure_overlay(const Points3View& vertices_m, const Template& sheet, const
   std::vector<double> distances_px;
   for (Eigen::Index v = 0; v < vertices_m.rows(); ++v) {
     const Eigen::Vector2d flat_px = sheet.flat_px.matrix<2>().row(v);
-    const auto true_m = truth.at(flat_px.cwiseProduct(m_per_px));
-    if (!true_m || !(true_m->z() > 0.0)) continue;
+    const auto place = truth.at(flat_px.cwiseProduct(m_per_px));
+    if (!place || !(place->point_m.z() > 0.0)) continue;
     const Eigen::Vector3d vertex_m = vertices_m.row(v);
-    distances_px.push_back((project(camera, vertex_m) - project(camera, *true_m)).norm());
+    distances_px.push_back((project(camera, vertex_m) - project(camera, place->point_m)).norm());
   }
   image.overlay_vertices = static_cast<std::int64_t>(distances_px.size());
   image.overlay_px = mean_px(distances_px, image);
@@ -87,7 +121,9 @@ Result<void> measure_error(const ShapeMeter& meter, const FrameRecords& records,
   }
   frame.extrapolated = errors->extrapolated;
   frame.unlocated = errors->unlocated;
-  if (errors->distances_m.empty()) {
+  if (frame.points == 0) {
+    frame.no_error_because = "the truth has no points";
+  } else if (errors->distances_m.empty()) {
     frame.no_error_because = "no point of the truth lies on the template's mesh";
   } else {
     frame.error = summarise(*errors);
@@ -95,29 +131,48 @@ Result<void> measure_error(const ShapeMeter& meter, const FrameRecords& records,
   return {};
 }
 
+void measure_warps(const FrameRecords& records, const Template& sheet, const TruthMap& truth,
+                   const Pinhole& camera, FrameMetrics& frame) {
+  if (records.matches.empty()) return;
+  const MatchRecords& made = records.matches.back();
+  for (const WarpRecords& warp : records.warps) {
+    frame.warps.emplace_back(
+        warp.stage, warp_errors(warp.samples, made.matches, last_kept(made), sheet, truth, camera));
+  }
+}
+
 /// Labels by the truth, what filters made of them, and errors of a solved shape in the image.
-void measure_image(const RunReader& reader, const FrameRecords& records, double tolerance_px,
-                   FrameMetrics& frame) {
+Result<void> measure_image(const RunReader& reader, const FrameRecords& records,
+                           double tolerance_px, FrameMetrics& frame) {
   const Template& sheet = reader.sheet();
-  if (!sheet.m_per_px.present()) return;
   const Pinhole camera{reader.camera().fx, reader.camera().fy, reader.camera().cx,
                        reader.camera().cy};
-  const TruthMap truth(*records.ground_truth);
-  frame.image.truth_map_px = truth.leave_one_out_px(camera);
+  const auto truth = TruthMap::create(*records.ground_truth);
+  if (!truth) {
+    return Error{truth.error().code,
+                 "frame " + std::to_string(frame.frame) + ": " + truth.error().message,
+                 reader.folder()};
+  }
+  frame.image.truth_map_px = truth->leave_one_out_px(camera);
   std::vector<std::int8_t> labels;
   for (const MatchRecords& made : records.matches) {
-    labels = label_matches(made.matches, truth, sheet.m_per_px.matrix<1>(), camera, tolerance_px);
+    labels = label_matches(made.matches, *truth, sheet, camera, tolerance_px);
     for (const FilterRecords& filter : made.filters) {
-      frame.filters.emplace_back(filter.stage, count_filter(filter.before, filter.after, labels));
+      frame.filters.emplace_back(filter.stage,
+                                 count_filter(filter.before, filter.after, filter.score, labels));
     }
   }
-  if (frame.outcome != Outcome::solved) return;
+  const bool has_scale = sheet.m_per_px.present();
+  if (has_scale) measure_warps(records, sheet, *truth, camera, frame);
+  if (frame.outcome != Outcome::solved) return {};
   const auto vertices_m = records.shape->vertices_m.matrix<3>();
   if (!records.matches.empty()) {
     measure_reprojection(records.matches.back().matches, labels, vertices_m, sheet, camera,
                          frame.image);
+    frame.depth = depth_metrics(records.matches.back(), vertices_m, sheet, camera);
   }
-  measure_overlay(vertices_m, sheet, truth, camera, frame.image);
+  if (has_scale) measure_overlay(vertices_m, sheet, *truth, camera, frame.image);
+  return {};
 }
 
 }  // namespace
@@ -136,7 +191,8 @@ Result<FrameMetrics> evaluate_frame(const RunReader& reader, const ShapeMeter& m
     frame.kind = records.ground_truth->kind;
     frame.apart = records.ground_truth->apart;
     frame.points = records.ground_truth->count();
-    measure_image(reader, records, options.match_tolerance_px, frame);
+    const auto done = measure_image(reader, records, options.match_tolerance_px, frame);
+    if (!done) return done.error();
   }
   if (frame.outcome == Outcome::missing || frame.outcome == Outcome::invalid) {
     const bool missing = frame.outcome == Outcome::missing;

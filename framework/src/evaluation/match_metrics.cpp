@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
 #include <weft/core/statistics.hpp>
 #include <weft/evaluation/match_metrics.hpp>
+#include <weft/geometry/match_labels.hpp>
 
 namespace weft::evaluation {
 namespace {
@@ -15,27 +18,20 @@ double mean_or_unknown(const std::vector<double>& values) {
   return values.empty() ? FilterMetrics::kNoRate : mean(values);
 }
 
-}  // namespace
-
-std::vector<std::int8_t> label_matches(const Correspondences& matches, const TruthMap& truth,
-                                       const Eigen::Vector2d& m_per_px, const Pinhole& camera,
-                                       double tolerance_px) {
-  std::vector<std::int8_t> labels;
-  for (std::int64_t n = 0; n < matches.count(); ++n) {
-    const Eigen::Vector2d template_px(matches.template_px(n, 0), matches.template_px(n, 1));
-    const Eigen::Vector2d image_px(matches.image_px(n, 0), matches.image_px(n, 1));
-    const auto true_m = truth.at(template_px.cwiseProduct(m_per_px));
-    if (!true_m || !(true_m->z() > 0.0)) {
-      labels.push_back(-1);
-    } else {
-      labels.push_back((project(camera, *true_m) - image_px).norm() < tolerance_px ? 1 : 0);
-    }
-  }
-  return labels;
+void add_score(double score, ScoreCounts& counts) {
+  const double bins = static_cast<double>(counts.size());
+  if (std::isnan(score)) return;
+  ++counts[static_cast<std::size_t>(std::clamp(std::floor(bins * score), 0.0, bins - 1.0))];
 }
 
+void add(const ScoreCounts& counts, ScoreCounts& sums) {
+  for (std::size_t i = 0; i < counts.size(); ++i) sums[i] += counts[i];
+}
+
+}  // namespace
+
 FilterCounts count_filter(const Array<std::uint8_t>& before, const Array<std::uint8_t>& after,
-                          const std::vector<std::int8_t>& labels) {
+                          const Array<double>& scores, const std::vector<std::int8_t>& labels) {
   FilterCounts counts;
   for (std::int64_t n = 0; n < before.rows(); ++n) {
     if (before(n) == 0) continue;
@@ -43,10 +39,12 @@ FilterCounts count_filter(const Array<std::uint8_t>& before, const Array<std::ui
     const std::int8_t label = labels[static_cast<std::size_t>(n)];
     ++counts.entered;
     counts.kept += kept;
-    counts.mismatches += label == 0;
-    counts.correct += label == 1;
-    counts.rejected_wrong += label == 0 && !kept;
-    counts.rejected_right += label == 1 && !kept;
+    counts.mismatches += label == kMismatch;
+    counts.correct += label == kCorrectMatch;
+    if (label == kMismatch) add_score(scores(n), counts.wrong_scores);
+    if (label == kCorrectMatch) add_score(scores(n), counts.right_scores);
+    counts.rejected_wrong += label == kMismatch && !kept;
+    counts.rejected_right += label == kCorrectMatch && !kept;
   }
   return counts;
 }
@@ -58,6 +56,8 @@ FilterMetrics summarise_filter(const std::string& stage, const std::vector<Filte
   for (const FilterCounts& frame : frames) {
     metrics.entered += frame.entered;
     metrics.labelled += frame.labelled();
+    add(frame.wrong_scores, metrics.wrong_scores);
+    add(frame.right_scores, metrics.right_scores);
     if (frame.entered > 0) kept.push_back(percent(frame.kept, frame.entered));
     if (frame.labelled() == 0) continue;
     ++metrics.frames;

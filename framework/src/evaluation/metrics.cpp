@@ -62,7 +62,7 @@ GroupMetrics summarise_group(const std::vector<const FrameMetrics*>& frames, dou
     group.extrapolated += frame->extrapolated;
     group.unlocated += frame->unlocated;
     const bool has_shape = frame->outcome == Outcome::solved || frame->outcome == Outcome::held;
-    group.unmeasured += has_shape && !frame->error;
+    group.unmeasured += has_shape && !frame->error && frame->points > 0;
     group.off += frame->error && frame->error->mean_mm > off_mm;
     if (frame->outcome != Outcome::solved) continue;
     strains.push_back(frame->strain_mean);
@@ -122,6 +122,22 @@ void summarise_image(double match_tolerance_px, RunMetrics& metrics) {
   image.truth_map_px = median(truth_map);
 }
 
+void summarise_depth(RunMetrics& metrics) {
+  DepthSummary& depth = metrics.depth;
+  std::vector<double> medians_mm;
+  for (const FrameMetrics& frame : metrics.frames) {
+    if (!frame.depth || !frame.apart.empty()) continue;
+    depth.matches += frame.depth->matches;
+    depth.without_depth += frame.depth->without_depth;
+    if (frame.depth->matches == 0) ++depth.frames_without_median;
+    if (frame.depth->matches > 0) medians_mm.push_back(frame.depth->median_mm);
+  }
+  depth.frames = static_cast<std::int64_t>(medians_mm.size());
+  depth.mean_mm = mean_of(medians_mm);
+  depth.median_mm = median(medians_mm);
+  depth.worst_mm = largest(medians_mm);
+}
+
 void summarise_filters(RunMetrics& metrics) {
   std::vector<std::string> stages;
   std::map<std::string, std::vector<FilterCounts>> counts;
@@ -134,6 +150,21 @@ void summarise_filters(RunMetrics& metrics) {
   }
   for (const std::string& stage : stages) {
     metrics.filters.push_back(summarise_filter(stage, counts[stage]));
+  }
+}
+
+void summarise_warps(RunMetrics& metrics) {
+  std::vector<std::string> stages;
+  std::map<std::string, std::vector<WarpErrors>> errors;
+  for (const FrameMetrics& frame : metrics.frames) {
+    if (!frame.apart.empty()) continue;
+    for (const auto& [stage, each] : frame.warps) {
+      if (errors.count(stage) == 0) stages.push_back(stage);
+      errors[stage].push_back(each);
+    }
+  }
+  for (const std::string& stage : stages) {
+    metrics.warps.push_back(summarise_warp(stage, errors[stage]));
   }
 }
 
@@ -204,16 +235,21 @@ Result<void> RunEvaluator::add(const FrameLine& line, const FrameRecords& record
 
 const std::vector<FrameMetrics>& RunEvaluator::frames() const { return state_->frames; }
 
-RunMetrics RunEvaluator::finish() {
+RunMetrics RunEvaluator::finish(bool has_solver) {
   RunMetrics metrics;
   metrics.alignment = state_->options.alignment;
   metrics.frames = std::move(state_->frames);
   mark_cuts(kMmPerM * state_->meter.diagonal_m(), metrics.frames);
   metrics.jitter = summarise_jitter(metrics.frames);
   summarise_image(state_->options.match_tolerance_px, metrics);
+  summarise_depth(metrics);
   summarise_filters(metrics);
+  summarise_warps(metrics);
   count_frames(metrics);
-  group_frames(kOffShare * kMmPerM * state_->meter.diagonal_m(), metrics);
+  metrics.has_solver = has_solver;
+  if (has_solver) {
+    group_frames(kOffShare * kMmPerM * state_->meter.diagonal_m(), metrics);
+  }
   return metrics;
 }
 
@@ -234,7 +270,7 @@ Result<RunMetrics> evaluate_run(const std::string& folder, const EvaluationOptio
     }
   }
   if (!damages.empty()) return damage_of(damages, reader->lines().size());
-  RunMetrics metrics = evaluator->finish();
+  RunMetrics metrics = evaluator->finish(reader->has_solver());
   metrics.run = name_of(folder);
   metrics.interrupted = reader->interrupted();
   metrics.truth_users = reader->truth_users();

@@ -46,6 +46,8 @@ std::string row_of(const FrameMetrics& frame, const RunMetrics& metrics) {
   const ImageMetrics& image = frame.image;
   row += fmt::format(",{},{},{},{}", number(image.reprojection_px), image.reprojection_matches,
                      number(image.overlay_px), image.overlay_vertices);
+  const DepthMetrics depth = frame.depth.value_or(DepthMetrics{});
+  row += fmt::format(",{},{},{}", number(depth.median_mm), depth.matches, depth.without_depth);
   for (const FilterMetrics& filter : metrics.filters) row += counts_of(frame, filter.stage);
   return row + "\n";
 }
@@ -56,7 +58,8 @@ std::string to_csv(const RunMetrics& metrics) {
   std::string text =
       "frame,stem,state,outcome,failed,truth,apart,cut,alignment,points,mean_mm,median_mm,p95_mm,"
       "worst_mm,rmse_mm,of_depth_percent,isometry_error_percent,isometry_error_p95_percent,"
-      "jitter_mm,truth_jitter_mm,reprojection_px,reprojection_matches,overlay_px,overlay_vertices";
+      "jitter_mm,truth_jitter_mm,reprojection_px,reprojection_matches,overlay_px,overlay_vertices,"
+      "depth_median_mm,depth_matches,depth_matches_without";
   for (const FilterMetrics& filter : metrics.filters) {
     for (const char* count :
          {"entered", "kept", "mismatches", "correct", "rejected_wrong", "rejected_right"}) {

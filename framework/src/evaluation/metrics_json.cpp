@@ -95,7 +95,15 @@ ordered_json filter_json(const FilterMetrics& filter) {
           {"kept_percent", filter.kept_percent},
           {"precision_percent", filter.precision_percent},
           {"recall_percent", filter.recall_percent},
-          {"f1_percent", filter.f1_percent}};
+          {"f1_percent", filter.f1_percent},
+          {"scores_of_mismatches", filter.wrong_scores},
+          {"scores_of_correct", filter.right_scores}};
+}
+
+ordered_json warp_json(const WarpMetrics& warp) {
+  return {{"stage", warp.stage},           {"frames", warp.frames},
+          {"salient_px", warp.salient_px}, {"salient_vertices", warp.salient},
+          {"other_px", warp.other_px},     {"other_vertices", warp.other}};
 }
 
 ordered_json image_json(const ImageSummary& image) {
@@ -108,6 +116,16 @@ ordered_json image_json(const ImageSummary& image) {
           {"overlay_frames", image.overlay_frames},
           {"overlay_vertices", image.overlay_vertices},
           {"behind_camera_frames", image.behind_camera_frames}};
+}
+
+ordered_json depth_json(const DepthSummary& depth) {
+  return {{"depth_median_mm", depth.mean_mm},
+          {"depth_median_of_frames_mm", depth.median_mm},
+          {"depth_median_worst_mm", depth.worst_mm},
+          {"frames", depth.frames},
+          {"frames_without_median", depth.frames_without_median},
+          {"matches", depth.matches},
+          {"matches_without_depth", depth.without_depth}};
 }
 
 ordered_json jitter_json(const Jitter& jitter) {
@@ -146,6 +164,11 @@ ordered_json frame_json(const FrameMetrics& frame) {
   json["overlay_px"] = frame.image.overlay_px;
   json["overlay_vertices"] = frame.image.overlay_vertices;
   json["truth_map_px"] = frame.image.truth_map_px;
+  if (frame.depth) {
+    json["depth_median_mm"] = frame.depth->median_mm;
+    json["depth_matches"] = frame.depth->matches;
+    json["depth_matches_without"] = frame.depth->without_depth;
+  }
   for (const auto& [stage, counts] : frame.filters) json["filters"][stage] = counts_json(counts);
   return json;
 }
@@ -158,6 +181,8 @@ std::string to_json(const RunMetrics& metrics) {
   for (const FrameMetrics& frame : metrics.frames) frames.push_back(frame_json(frame));
   ordered_json filters = ordered_json::array();
   for (const FilterMetrics& filter : metrics.filters) filters.push_back(filter_json(filter));
+  ordered_json warps = ordered_json::array();
+  for (const WarpMetrics& warp : metrics.warps) warps.push_back(warp_json(warp));
   ordered_json all = group_json(metrics.all);
   all.erase("kind");
   all.erase("apart");
@@ -165,6 +190,7 @@ std::string to_json(const RunMetrics& metrics) {
                           {"weft", kVersion},
                           {"run", metrics.run},
                           {"alignment", to_string(metrics.alignment)},
+                          {"has_solver", metrics.has_solver},
                           {"interrupted", metrics.interrupted},
                           {"truth_users", metrics.truth_users},
                           {"counts", counts_json(metrics.counts)},
@@ -173,7 +199,9 @@ std::string to_json(const RunMetrics& metrics) {
                           {"groups", std::move(groups)},
                           {"all", std::move(all)},
                           {"image", image_json(metrics.image)},
+                          {"depth", depth_json(metrics.depth)},
                           {"filters", std::move(filters)},
+                          {"warps", std::move(warps)},
                           {"jitter", jitter_json(metrics.jitter)},
                           {"frames", std::move(frames)}};
   return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";

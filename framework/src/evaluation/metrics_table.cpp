@@ -179,11 +179,13 @@ std::string filters_text(const RunMetrics& metrics) {
                     std::to_string(filter.frames_without_kept)});
   }
   if (rows.size() == 1) return "";
-  return fmt::format(
-             "filters: positive is a mismatch, correct within {} px; the truth foretells itself to "
-             "{} px\n",
-             number(metrics.image.match_tolerance_px, 1), number(metrics.image.truth_map_px, 2)) +
-         align(rows);
+  std::string title = fmt::format("filters: positive is a mismatch, correct within {} px",
+                                  number(metrics.image.match_tolerance_px, 1));
+  if (std::isfinite(metrics.image.truth_map_px)) {
+    title +=
+        fmt::format("; the truth foretells itself to {} px", number(metrics.image.truth_map_px, 2));
+  }
+  return title + "\n" + align(rows);
 }
 
 std::string image_text(const ImageSummary& image) {
@@ -204,14 +206,42 @@ std::string image_text(const ImageSummary& image) {
   return text.empty() ? text : "in the image, not aligned\n" + text;
 }
 
+std::string warps_text(const RunMetrics& metrics) {
+  std::vector<Row> rows{{"warp", "frames", "salient px", "vertices", "other px", "vertices"}};
+  for (const WarpMetrics& warp : metrics.warps) {
+    if (warp.salient + warp.other == 0) continue;
+    rows.push_back({printable(warp.stage), std::to_string(warp.frames), number(warp.salient_px, 2),
+                    std::to_string(warp.salient), number(warp.other_px, 2),
+                    std::to_string(warp.other)});
+  }
+  if (rows.size() == 1) return "";
+  return "warps: vertices beside their true image; salient: with a kept match in a face\n" +
+         align(rows);
+}
+
+std::string depth_text(const DepthSummary& depth) {
+  if (depth.frames + depth.frames_without_median == 0) return "";
+  return fmt::format(
+      "against depth images, not aligned\n"
+      "  median distance at kept matches: {} mm mean, {} mm median, {} mm worst of {} frames\n"
+      "  {} matches; {} more have no depth; {} frames without a figure\n",
+      number(depth.mean_mm, 2), number(depth.median_mm, 2), number(depth.worst_mm, 2), depth.frames,
+      depth.matches, depth.without_depth, depth.frames_without_median);
+}
+
 }  // namespace
 
 std::string to_table(const RunMetrics& metrics) {
   const std::string text = counts_text(metrics);
+  if (!metrics.has_solver) {
+    return text + "no solver in this run: no shapes, no 3D errors\n" + warps_text(metrics) +
+           filters_text(metrics);
+  }
   if (metrics.groups.empty()) {
     return text + "no ground truth in this run: give the source `truth` to measure errors\n";
   }
-  return text + to_error_table(metrics) + image_text(metrics.image) + filters_text(metrics);
+  return text + to_error_table(metrics) + image_text(metrics.image) + depth_text(metrics.depth) +
+         warps_text(metrics) + filters_text(metrics);
 }
 
 std::string to_error_table(const RunMetrics& metrics) {

@@ -5,6 +5,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <weft/evaluation/run_reader.hpp>
+#include <weft/pipeline/match_depths.hpp>
 
 namespace weft::evaluation {
 namespace {
@@ -93,6 +94,7 @@ class MatchFinder {
       Result<void> added;
       if (noun == "correspondences") added = add_matches(slot, path);
       if (noun == "inlier_mask") added = add_mask(slot, path);
+      if (noun == "match_depths") added = add_depths(slot, path);
       if (!added) return added.error();
     }
     return std::move(found_);
@@ -111,7 +113,7 @@ class MatchFinder {
       return damaged(file_, "has matches in " + slot + " with NaN, infinity or no such face");
     }
     left_.insert_or_assign(path, Left{found_.size(), (*matches)->kept});
-    found_.push_back({path, **std::move(matches), {}});
+    found_.push_back({path, **std::move(matches), {}, {}});
     return {};
   }
 
@@ -120,12 +122,25 @@ class MatchFinder {
     const auto before = left_.find(path.substr(0, std::min(dot, path.size())));
     auto mask = find_noun<InlierMask>(records_, slot, file_);
     if (!mask) return mask.error();
-    if (before == left_.end() || before->second.kept.rows() != (*mask)->kept.rows()) {
+    if (before == left_.end() || before->second.kept.rows() != (*mask)->kept.rows() ||
+        (*mask)->score.rows() != (*mask)->kept.rows()) {
       return damaged(file_, "has in " + slot + " no entry for each match");
     }
     const Left& from = before->second;
-    found_[from.index].filters.push_back({path.substr(dot + 1), from.kept, (*mask)->kept});
+    found_[from.index].filters.push_back(
+        {path.substr(dot + 1), from.kept, (*mask)->kept, (*mask)->score});
     left_.insert_or_assign(path, Left{from.index, (*mask)->kept});
+    return {};
+  }
+
+  Result<void> add_depths(const std::string& slot, const std::string& path) {
+    auto depths = find_noun<MatchDepths>(records_, slot, file_);
+    if (!depths) return depths.error();
+    if (found_.empty() || found_.back().stage != path ||
+        found_.back().matches.count() != (*depths)->depth_m.rows()) {
+      return damaged(file_, "has in " + slot + " no entry for each match");
+    }
+    found_.back().depth_m = (*depths)->depth_m;
     return {};
   }
 
@@ -135,6 +150,22 @@ class MatchFinder {
   std::map<std::string, Left> left_;  ///< by path
   std::vector<MatchRecords> found_;
 };
+
+Result<std::vector<WarpRecords>> find_warps(const host::NamedRecords& records,
+                                            std::int64_t vertices, const std::string& file) {
+  constexpr std::string_view kEnd = ".warp_samples";
+  std::vector<WarpRecords> warps;
+  for (const auto& [slot, record] : records) {
+    if (!slot.ends_with(kEnd)) continue;
+    auto samples = find_noun<WarpSamples>(records, slot, file);
+    if (!samples) return samples.error();
+    if ((*samples)->xy_px.rows() != vertices) {
+      return damaged(file, "has in " + slot + " no entry for each vertex");
+    }
+    warps.push_back({slot.substr(0, slot.size() - kEnd.size()), **std::move(samples)});
+  }
+  return warps;
+}
 
 }  // namespace
 
@@ -216,7 +247,12 @@ Result<void> RunReader::read_manifest() {
   if (!stream) return {};  // a folder made by another program need not have one
   const json manifest = json::parse(stream, nullptr, false);
   if (!manifest.is_object()) return damaged(file, "is no JSON object");
-  for (const json& component : manifest.value("components", json::array())) {
+  const json components = manifest.value("components", json::array());
+  has_solver_ = std::any_of(components.begin(), components.end(), [](const json& component) {
+    const json id = component.is_object() ? component.value("id", json()) : json();
+    return id.is_string() && id.get<std::string>().starts_with("solvers/");
+  });
+  for (const json& component : components) {
     if (!component.is_object() || component.value("uses_truth", json()) != json(true)) continue;
     const json id = component.value("id", json());
     truth_users_.push_back(id.is_string() ? id.get<std::string>() : "a component without id");
@@ -249,6 +285,9 @@ Result<FrameRecords> RunReader::sort(host::NamedRecords records, const FrameLine
   auto matches = MatchFinder(frame.owners, template_.faces.rows(), file).find();
   if (!matches) return matches.error();
   frame.matches = *std::move(matches);
+  auto warps = find_warps(frame.owners, template_.vertices_m.rows(), file);
+  if (!warps) return warps.error();
+  frame.warps = *std::move(warps);
   const ShapeState stored = frame.shape ? frame.shape->shape_state() : ShapeState::none;
   if (stored != line.state) {
     return damaged(file, std::string("has the state '") + to_string(stored) +

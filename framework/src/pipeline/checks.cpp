@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <weft/data/ground_truth.hpp>
 #include <weft/geometry/mesh_validation.hpp>
 #include <weft/pipeline/checks.hpp>
 
@@ -23,8 +24,8 @@ Result<void> check_indices(const Array<std::int32_t>& indices, std::int64_t leas
   return {};
 }
 
-Result<void> check_size(const std::string& what, const Array<std::uint8_t>& pixels,
-                        const Camera& camera) {
+template <class T>
+Result<void> check_size(const std::string& what, const Array<T>& pixels, const Camera& camera) {
   if (pixels.dim(0) == camera.height_px && pixels.dim(1) == camera.width_px) return {};
   const auto size = [](std::int64_t width, std::int64_t height) {
     return std::to_string(width) + "x" + std::to_string(height) + " px";
@@ -60,6 +61,16 @@ class FitCheck {
   }
   Result<void> operator()(const Region& region) const {
     return check_size("the region", region.mask, camera_);
+  }
+  Result<void> operator()(const GroundTruth& truth) const {
+    if (truth.faces.present()) {
+      const auto legal = check_face_indices(truth.faces.matrix<3>(), truth.count());
+      if (!legal) return broken("the true surface: " + legal.error().message);
+    }
+    Result<void> fits;
+    if (truth.depth_m.present()) fits = check_size("the true depth", truth.depth_m, camera_);
+    if (fits && truth.uv_m.present()) fits = check_size("the true uv", truth.uv_m, camera_);
+    return fits;
   }
 
  private:

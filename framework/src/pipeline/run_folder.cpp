@@ -9,6 +9,7 @@
 #include <set>
 #include <weft/core/version.hpp>
 #include <weft/host/processor.hpp>
+#include <weft/pipeline/match_depths.hpp>
 #include <weft/pipeline/run_folder.hpp>
 
 namespace weft {
@@ -112,8 +113,42 @@ host::RecordPtr mask_of(const host::Record& matches) {
   return mask;
 }
 
+/// The truth without its images, of which one is larger than all that a frame leaves otherwise.
+host::RecordPtr without_images(const host::Record& truth) {
+  auto kept = std::make_shared<host::Record>(truth.type());
+  const weft_record view = truth.view("");
+  for (std::uint64_t i = 0; i < view.count; ++i) {
+    const std::string_view name = view.arrays[i].name;
+    if (name != "depth_m" && name != "uv_m") kept->share(truth, name);
+  }
+  return kept;
+}
+
+/// The true depth at matches, if it is known.
+void add_depths(const std::string& path, const host::Record& matches, const host::RecordPtr& truth,
+                host::NamedRecords& records) {
+  const auto known = truth == nullptr ? Result<GroundTruth>(no_result("no truth"))
+                                      : host::view_as<GroundTruth>(*truth);
+  const auto noun = host::view_as<Correspondences>(matches);
+  if (!known || !known->depth_m.present() || !noun) return;
+  records.emplace_back(path + ".match_depths",
+                       host::Record::copy_of(depths_at(*noun, known->depth_m)));
+}
+
+/// Where warps take the template's vertices, without derivatives.
+void add_warps(const Graph& graph, const FrameResult& frame, host::NamedRecords& records) {
+  for (std::size_t i = 0; i < frame.values.size(); ++i) {
+    const ValueInfo& value = graph.values[i];
+    if (value.slot != "warp_samples" || frame.values[i] == nullptr) continue;
+    auto samples = std::make_shared<host::Record>(WarpSamples::kType);
+    for (const char* array : {"xy_px", "valid"}) samples->share(*frame.values[i], array);
+    records.emplace_back(value.name + ".warp_samples", std::move(samples));
+  }
+}
+
 /// All matches of a frame, each array once.
-void add_matches(const Graph& graph, const FrameResult& frame, host::NamedRecords& records) {
+void add_matches(const Graph& graph, const FrameResult& frame, const host::RecordPtr& truth,
+                 host::NamedRecords& records) {
   std::map<int, std::string> paths;  // by index of the value
   for (std::size_t i = 0; i < frame.values.size(); ++i) {
     const ValueInfo& value = graph.values[i];
@@ -125,6 +160,7 @@ void add_matches(const Graph& graph, const FrameResult& frame, host::NamedRecord
     paths.emplace(static_cast<int>(i), path);
     records.emplace_back(path + (marked ? ".inlier_mask" : ".correspondences"),
                          marked ? mask_of(*record) : record);
+    if (!marked) add_depths(path, *record, truth, records);
   }
 }
 
@@ -134,8 +170,9 @@ host::NamedRecords frame_records(const Graph& graph, const FrameResult& frame,
                                  const host::RecordPtr& ground_truth) {
   host::NamedRecords records;
   if (frame.shape != nullptr) records.emplace_back("shape", frame.shape);
-  if (ground_truth != nullptr) records.emplace_back("ground_truth", ground_truth);
-  add_matches(graph, frame, records);
+  if (ground_truth != nullptr) records.emplace_back("ground_truth", without_images(*ground_truth));
+  add_matches(graph, frame, ground_truth, records);
+  add_warps(graph, frame, records);
   return records;
 }
 

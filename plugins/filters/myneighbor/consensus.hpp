@@ -21,6 +21,7 @@ struct Options {
   double authors_alpha_s = 0.07;  ///< [] of the mean distance of image points; authors_code
   double mf_threshold_scale = 1.0;
   int min_selected = 8;
+  int steps = 3;  ///< [] the last one judges
   Transfer transfer = Transfer::mesh;
   bool weighted_fit = false;
   Refinement refinement = Refinement::off;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "consensus.hpp"
 
@@ -28,6 +29,8 @@ class MyNeighbor final : public weft::Filter {
     Options& o = options_;
     p.choice("mode", o.mode, {{"paper", Mode::paper}, {"authors_code", Mode::authors_code}},
              "as published, or as in the authors' program");
+    p.read("steps", o.steps, "", {1, 3},
+           "1: kept is what step I selects, 2: what step II leaves, 3: what agrees with its warp");
     p.read("alpha_s", o.alpha_s, "", {0, 10},
            "for paper: kept within this part of the mean distance of the warped vertices");
     p.read("authors_alpha_s", o.authors_alpha_s, "", {0, 10},
@@ -70,7 +73,21 @@ class MyNeighbor final : public weft::Filter {
     return size_px * (options_.mode == Mode::paper ? options_.alpha_s : options_.authors_alpha_s);
   }
 
-  /// Step III: a match is kept when its distance is below the threshold; its score is then > 1/2.
+  /// Whether candidate k is kept, and its score, which is above 1/2 for what step III keeps; where
+  /// step I judges, it is 1 less the mismatch factor.
+  std::pair<bool, double> verdict(std::size_t k, double threshold_px) const {
+    const Stage stage = consensus_.stage(k);
+    const double mismatch_percent = consensus_.mismatch_percent()[k];
+    const double distance_px = consensus_.distance_px()[k];
+    const double score = threshold_px > 0.0 ? threshold_px / (threshold_px + distance_px) : 0.0;
+    if (options_.steps == 1) {
+      const bool took_part = !std::isnan(mismatch_percent);
+      return {stage != Stage::candidate, took_part ? 1.0 - 0.01 * mismatch_percent : 0.0};
+    }
+    if (options_.steps == 2) return {stage == Stage::trusted, score};
+    return {distance_px < threshold_px, score};
+  }
+
   InlierMask judge(const FilterInput& in, double threshold_px) const {
     const std::int64_t n = in.correspondences.count();
     const Eigen::VectorXd none =
@@ -83,11 +100,11 @@ class MyNeighbor final : public weft::Filter {
     weft::Array<double> stage = weft::make_array<double>(none);
     for (std::size_t k = 0; k < consensus_.candidates().size(); ++k) {
       const std::int64_t i = consensus_.candidates()[k];
-      const double distance_px = consensus_.distance_px()[k];
-      mask.kept(i) = distance_px < threshold_px ? 1 : 0;
-      mask.score(i) = threshold_px > 0.0 ? threshold_px / (threshold_px + distance_px) : 0.0;
+      const auto [kept, score] = verdict(k, threshold_px);
+      mask.kept(i) = kept ? 1 : 0;
+      mask.score(i) = score;
       factor(i) = consensus_.mismatch_percent()[k];
-      distance(i) = distance_px;
+      distance(i) = consensus_.distance_px()[k];
       stage(i) = static_cast<double>(consensus_.stage(k));
     }
     mask.diag.set("mismatch_factor_percent", factor);

@@ -42,4 +42,14 @@ Result<Image> CalibratedCamera::undistorted(const cv::Mat& stored, const std::st
   return image;
 }
 
+Result<Array<float>> CalibratedCamera::undistorted_depth(const cv::Mat& stored,
+                                                         const std::string& name,
+                                                         double unit_m) const {
+  if (auto fits = check_size(stored.size(), name); !fits) return fits.error();
+  Array<float> depth_m({std::int64_t{stored.rows}, std::int64_t{stored.cols}});
+  cv::Mat target(stored.size(), CV_32F, depth_m.data());
+  undistorter_.nearest(stored).convertTo(target, CV_32F, unit_m);
+  return depth_m;
+}
+
 }  // namespace weft::sources

@@ -28,6 +28,11 @@ class CalibratedCamera {
   Result<Image> undistorted(const cv::Mat& stored, const std::string& name,
                             const std::string& stem) const;
 
+  /// A depth image of the camera (16 bits, one channel) in metres [H,W], without its distortion;
+  /// each pixel has one measured depth, or 0. Fails as check_size() does.
+  Result<Array<float>> undistorted_depth(const cv::Mat& stored, const std::string& name,
+                                         double unit_m) const;
+
  private:
   std::string path_;
   Camera camera_;

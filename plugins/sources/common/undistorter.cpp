@@ -28,4 +28,20 @@ void Undistorter::apply(const cv::Mat& image, cv::Mat& undistorted) const {
   cv::remap(image, undistorted, map_xy_, map_weights_, cv::INTER_LINEAR, cv::BORDER_CONSTANT);
 }
 
+cv::Mat Undistorter::nearest(const cv::Mat& image) const {
+  if (!changes_images()) return image;
+  cv::Mat whole = map_xy_.clone();  // the fractions are multiples of 1/32 px; halves are rounded up
+  for (int y = 0; y < whole.rows; ++y) {
+    for (int x = 0; x < whole.cols; ++x) {
+      const int fraction = map_weights_.at<std::uint16_t>(y, x);
+      auto& source = whole.at<cv::Vec2s>(y, x);
+      source[0] = static_cast<std::int16_t>(source[0] + (fraction % 32 >= 16));
+      source[1] = static_cast<std::int16_t>(source[1] + (fraction / 32 >= 16));
+    }
+  }
+  cv::Mat undistorted;
+  cv::remap(image, undistorted, whole, cv::Mat(), cv::INTER_NEAREST, cv::BORDER_CONSTANT);
+  return undistorted;
+}
+
 }  // namespace weft::sources

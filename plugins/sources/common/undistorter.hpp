@@ -18,6 +18,9 @@ class Undistorter {
   bool changes_images() const { return !map_xy_.empty(); }
   /// `image` has the size of the camera; `undistorted` is allocated unless it has size and type.
   void apply(const cv::Mat& image, cv::Mat& undistorted) const;
+  /// The same without interpolation, for what must not be mixed, such as depth: each pixel has the
+  /// value nearest to where it comes from, and 0 where the camera did not see.
+  cv::Mat nearest(const cv::Mat& image) const;
 
  private:
   cv::Mat map_xy_;       // [H,W,2] i16: whole source pixels

@@ -4,6 +4,7 @@
 #include <weft/sdk/source.hpp>
 
 #include "common/calibrated_camera.hpp"
+#include "depth_files.hpp"
 #include "frame_files.hpp"
 #include "image_file.hpp"
 #include "truth_file.hpp"
@@ -33,6 +34,7 @@ class Images final : public Source {
     p.input_path("truth", truth_path_,
                  "CSV files of true points; STEM_KIND.csv belongs to the frame STEM");
     p.labels("apart", apart_, "frames that are reported apart: stem and reason");
+    depth_.declare(p);
     p.read("fps", fps_, "1/s", {1e-3, 1e6}, "frames a second; gives each frame its time");
   }
 
@@ -44,6 +46,9 @@ class Images final : public Source {
     camera_ = *std::move(camera);
     if (auto listed = list_frames(); !listed) return listed.error();
     if (auto attached = attach_truth(); !attached) return attached.error();
+    std::vector<std::string> stems;
+    for (const Frame& frame : frames_) stems.push_back(frame.stem);
+    if (auto opened = depth_.open(stems); !opened) return opened.error();
     if (auto marked = mark_apart(); !marked) return marked.error();
     return camera_.pinhole();
   }
@@ -66,6 +71,8 @@ class Images final : public Source {
     result.image = *std::move(image);
     result.time = Time{static_cast<double>(index) / fps_};
     result.ground_truth = frame.truth;
+    const auto added = depth_.add_to(result.ground_truth, frame.stem, camera_);
+    if (!added) return added.error();
     return result;
   }
 
@@ -147,6 +154,7 @@ class Images final : public Source {
   double fps_ = 30.0;
 
   sources::CalibratedCamera camera_;
+  DepthFiles depth_;
   std::vector<Frame> frames_;
   std::map<std::string, std::size_t> frame_of_;  // index of each stem
 };

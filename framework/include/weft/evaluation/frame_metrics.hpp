@@ -9,6 +9,7 @@
 #include <vector>
 #include <weft/data/shape.hpp>
 #include <weft/evaluation/match_metrics.hpp>
+#include <weft/evaluation/warp_metrics.hpp>
 
 namespace weft::evaluation {
 
@@ -45,6 +46,14 @@ struct ImageMetrics {
   double truth_map_px = kUnknown;  ///< [] px, how well the truth foretells itself
 };
 
+/// The estimate against a depth image, of a solved frame with one. Never aligned, and never mixed
+/// with errors at points.
+struct DepthMetrics {
+  double median_mm = kUnknown;     ///< [] mm, median over kept matches of |X(p) - D^-1(q)|
+  std::int64_t matches = 0;        ///< [] kept and on the mesh, with a depth
+  std::int64_t without_depth = 0;  ///< [] kept and on the mesh, without one
+};
+
 /// How a frame follows those before it; see docs/metrics.md.
 struct MotionMetrics {
   double jitter_mm = kUnknown;        ///< [] mm, mean |X_t - 2 X_(t-1) + X_(t-2)| over vertices
@@ -70,8 +79,10 @@ struct FrameMetrics {
   double strain_mean = kUnknown;  ///< [] mean |l / l0 - 1| over the edges
   double strain_p95 = kUnknown;   ///< [] 95th percentile of it
   ImageMetrics image;
+  std::optional<DepthMetrics> depth;  ///< where the truth has a depth image
   MotionMetrics motion;
   std::vector<std::pair<std::string, FilterCounts>> filters;  ///< by stage
+  std::vector<std::pair<std::string, WarpErrors>> warps;      ///< by stage
 
   /// The stem, or the index where there is no stem.
   std::string label() const { return stem.empty() ? std::to_string(frame) : stem; }

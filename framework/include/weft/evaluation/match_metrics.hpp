@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
-#include <weft/data/correspondences.hpp>
-#include <weft/evaluation/truth_map.hpp>
+#include <weft/data/array.hpp>
 
 namespace weft::evaluation {
+
+/// Numbers of scores in equal parts of [0, 1]; what is beyond counts at the ends.
+using ScoreCounts = std::array<std::int64_t, 40>;
 
 /// What a filter made of the matches of one frame. Positive is a mismatch, as in Shetab-Bushehri et
 /// al. 2023, Section V. Only matches count that were kept before the filter and have a label.
@@ -19,6 +22,8 @@ struct FilterCounts {
   std::int64_t correct = 0;         ///< [] labelled right
   std::int64_t rejected_wrong = 0;  ///< [] true positives
   std::int64_t rejected_right = 0;  ///< [] false positives
+  ScoreCounts wrong_scores{};       ///< [] what the filter thinks of mismatches
+  ScoreCounts right_scores{};       ///< [] and of correct matches
 
   std::int64_t labelled() const { return mismatches + correct; }
 };
@@ -26,30 +31,26 @@ struct FilterCounts {
 /// Rates of a filter over a run: means over the frames in which they are defined.
 struct FilterMetrics {
   std::string stage;
-  std::int64_t frames = 0;                   ///< [] with labelled matches
-  std::int64_t frames_without_mismatch = 0;  ///< [] not in the TPR
-  std::int64_t frames_without_correct = 0;   ///< [] not in the FPR, recall and F1
-  std::int64_t frames_without_kept = 0;      ///< [] no labelled match kept: not in the precision
-  std::int64_t labelled = 0, entered = 0;    ///< [] matches
-  double tpr_percent = kNoRate;              ///< [] mismatches that were rejected
-  double fpr_percent = kNoRate;              ///< [] correct matches that were rejected
-  double kept_percent = kNoRate;             ///< [] n_s: matches kept of those that entered
-  double precision_percent = kNoRate;        ///< [] AoS: correct ones among those kept
-  double recall_percent = kNoRate;           ///< [] correct ones that were kept
-  double f1_percent = kNoRate;               ///< [] of the inlier class
+  std::int64_t frames = 0;                     ///< [] with labelled matches
+  std::int64_t frames_without_mismatch = 0;    ///< [] not in the TPR
+  std::int64_t frames_without_correct = 0;     ///< [] not in the FPR, recall and F1
+  std::int64_t frames_without_kept = 0;        ///< [] no labelled match kept: not in the precision
+  std::int64_t labelled = 0, entered = 0;      ///< [] matches
+  double tpr_percent = kNoRate;                ///< [] mismatches that were rejected
+  double fpr_percent = kNoRate;                ///< [] correct matches that were rejected
+  double kept_percent = kNoRate;               ///< [] n_s: matches kept of those that entered
+  double precision_percent = kNoRate;          ///< [] AoS: correct ones among those kept
+  double recall_percent = kNoRate;             ///< [] correct ones that were kept
+  double f1_percent = kNoRate;                 ///< [] of the inlier class
+  ScoreCounts wrong_scores{}, right_scores{};  ///< [] sums over the frames
 
   static constexpr double kNoRate = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// One label a match: 1 where its image point is within the tolerance of the true image of its
-/// template point, 0 where it is not, -1 where the truth does not say.
-std::vector<std::int8_t> label_matches(const Correspondences& matches, const TruthMap& truth,
-                                       const Eigen::Vector2d& m_per_px, const Pinhole& camera,
-                                       double tolerance_px);
-
-/// Counts of one frame from what was kept before and after the filter, an entry a match, 0 or 1.
+/// Counts of one frame from what was kept before and after the filter, an entry a match, 0 or 1,
+/// the filter's scores, and the labels of the matches.
 FilterCounts count_filter(const Array<std::uint8_t>& before, const Array<std::uint8_t>& after,
-                          const std::vector<std::int8_t>& labels);
+                          const Array<double>& scores, const std::vector<std::int8_t>& labels);
 
 /// Rates of one stage over its frames.
 FilterMetrics summarise_filter(const std::string& stage, const std::vector<FilterCounts>& frames);

@@ -39,7 +39,7 @@ struct GroupMetrics {
   std::int64_t missing = 0;  ///< [] failures: truth, but no shape
   std::int64_t invalid = 0;  ///< [] failures: NaN or infinity
   std::int64_t off = 0;      ///< [] failures: solved or held, but off
-  /// [] solved or held, but no error: no point on the mesh, no alignment
+  /// [] solved or held and truth with points, but no error: none on the mesh, no alignment
   std::int64_t unmeasured = 0;
   std::int64_t points = 0;
   std::int64_t extrapolated = 0;
@@ -72,6 +72,16 @@ struct ImageSummary {
   double truth_map_px = kUnknown;         ///< [] px, median over frames
 };
 
+/// DepthMetrics over solved frames with a depth image.
+struct DepthSummary {
+  std::int64_t frames = 0;  ///< [] with a median
+  std::int64_t frames_without_median = 0;
+  std::int64_t matches = 0, without_depth = 0;
+  double mean_mm = kUnknown;    ///< [] mm, mean over frames of their medians
+  double median_mm = kUnknown;  ///< [] mm, median over frames of their medians
+  double worst_mm = kUnknown;   ///< [] mm, largest median of a frame
+};
+
 /// All frames, with truth or without. frames is the sum of the six that follow.
 struct FrameCounts {
   std::int64_t frames = 0;
@@ -84,7 +94,8 @@ struct FrameCounts {
 struct RunMetrics {
   std::string run;  ///< name of the folder
   Alignment alignment = Alignment::none;
-  bool interrupted = false;              ///< the run was killed while it wrote a frame's line
+  bool has_solver = true;    ///< without one there are no shapes, no groups and no failures
+  bool interrupted = false;  ///< the run was killed while it wrote a frame's line
   std::vector<std::string> truth_users;  ///< components that may have read the truth
   FrameCounts counts;
   double strain_mean = kUnknown;       ///< [] mean over all solved frames
@@ -92,7 +103,9 @@ struct RunMetrics {
   std::vector<GroupMetrics> groups;    ///< by kind, then reason; kinds without a reason first
   GroupMetrics all;                    ///< every frame with truth that is not apart
   ImageSummary image;                  ///< frames apart are left out
+  DepthSummary depth;                  ///< frames apart are left out
   std::vector<FilterMetrics> filters;  ///< by stage; frames apart are left out
+  std::vector<WarpMetrics> warps;      ///< by stage; frames apart are left out
   Jitter jitter;
   std::vector<FrameMetrics> frames;  ///< in order
 };
@@ -123,9 +136,9 @@ class RunEvaluator {
 
   const std::vector<FrameMetrics>& frames() const;
 
-  /// What the frames came to; ends the evaluation. `run` and what a run folder says of itself are
-  /// for the caller to fill in.
-  RunMetrics finish();
+  /// What the frames came to; ends the evaluation. Without a solver no shape is missing. `run` and
+  /// what a run folder says of itself are for the caller to fill in.
+  RunMetrics finish(bool has_solver);
 
  private:
   struct State;

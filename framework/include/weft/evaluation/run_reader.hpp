@@ -10,6 +10,7 @@
 #include <weft/data/ground_truth.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/data/template.hpp>
+#include <weft/data/warp.hpp>
 #include <weft/host/npz.hpp>
 
 namespace weft::evaluation {
@@ -26,13 +27,21 @@ struct FrameLine {
 struct FilterRecords {
   std::string stage;
   Array<std::uint8_t> before, after;  ///< [N] 1 where kept
+  Array<double> score;                ///< [N] of the filter
 };
 
 /// The matches of a stage, finite and on the mesh, and the filters that they went through.
 struct MatchRecords {
   std::string stage;
   Correspondences matches;
+  Array<float> depth_m;  ///< [N] m, true depth at each match, 0 where unknown; absent without any
   std::vector<FilterRecords> filters;  ///< in the order of the stages
+};
+
+/// Where the warp of a stage takes the template's vertices.
+struct WarpRecords {
+  std::string stage;
+  WarpSamples samples;  ///< one a vertex; may be NaN
 };
 
 /// The records of one frame; the nouns borrow from `owners`.
@@ -40,6 +49,7 @@ struct FrameRecords {
   std::optional<Shape> shape;  ///< vertices may be NaN: that is for the reader to count
   std::optional<GroundTruth> ground_truth;  ///< finite
   std::vector<MatchRecords> matches;        ///< in the order of the stages
+  std::vector<WarpRecords> warps;           ///< in the order of the stages
   host::NamedRecords owners;
 };
 
@@ -61,6 +71,8 @@ class RunReader {
   const std::vector<FrameLine>& lines() const { return lines_; }
   /// The last line is cut off because the run was killed; it is not among lines().
   bool interrupted() const { return interrupted_; }
+  /// Without a solver there are no shapes, and none is missing.
+  bool has_solver() const { return has_solver_; }
   /// Components of the run that may read the ground truth: their results are no measurement.
   const std::vector<std::string>& truth_users() const { return truth_users_; }
 
@@ -85,6 +97,7 @@ class RunReader {
   Camera camera_;
   std::vector<FrameLine> lines_;
   bool interrupted_ = false;
+  bool has_solver_ = true;
   std::vector<std::string> truth_users_;
 };
 

@@ -43,4 +43,18 @@ inline Result<Faces> rectangular_grid_faces(std::int64_t columns, std::int64_t r
   return faces;
 }
 
+/// Where the vertices [columns * rows,2] of that grid lie in a texture of this size which fills it
+/// from edge to edge: u = i * width_px / (columns - 1) - 1/2, v alike, px.
+inline Points2 rectangular_grid_px(int columns, int rows, int width_px, int height_px) {
+  Points2 points_px(Eigen::Index{columns} * rows, 2);
+  for (int j = 0; j < rows; ++j) {
+    for (int i = 0; i < columns; ++i) {
+      points_px.row(Eigen::Index{j} * columns + i)
+          << static_cast<double>(i) * width_px / (columns - 1) - 0.5,
+          static_cast<double>(j) * height_px / (rows - 1) - 0.5;
+    }
+  }
+  return points_px;
+}
+
 }  // namespace weft

@@ -10,6 +10,7 @@
 #include <weft/data/template.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/developable.hpp>
+#include <weft/geometry/random_deformation.hpp>
 #include <weft/geometry/types.hpp>
 
 /// Small scenes with exact truth for tests: everything follows from the arguments and the Rng.
@@ -88,30 +89,15 @@ LabelledMatches draw_matches(const Template& templ, const Camera& camera,
 LabelledMatches draw_matches(const Template& templ, const Camera& camera,
                              const DevelopableSheet& sheet, const MatchSpec& spec, Rng& rng);
 
-/// The random deformations of the paper's synthetic experiments (Shetab-Bushehri et al. 2023,
-/// Section V): two cells of a mesh that is fronto-parallel at first, in the middle row of the left
-/// and of the right border, get a random rigid motion each; position based dynamics carries the
-/// rest along. Drawn again while an edge is strained too much or a vertex is outside the image.
-struct RandomDeformationSpec {
-  double distance_m = 0.65;               ///< [] m, of the sheet at first
-  Eigen::Vector3d turn_rad{0.7, 1, 0.5};  ///< [3] rad, uniform in +- this about x, y and z
-  double approach_m = 0.06;               ///< [] m, towards each other, uniform from 0
-  double shift_y_m = 0.03;                ///< [] m, uniform in +- this
-  double shift_z_m = 0.08;                ///< [] m, uniform in +- this
-  int sweeps = 600;                       ///< [] of all edges, then of all bending pairs
-  double bend_stiffness = 0.3;            ///< [] 0 to 1; that of the edges is 1
-  double max_strain = 0.08;               ///< [] of an edge, |l / l0 - 1|
-  int max_draws = 10000;
-};
-
-struct RandomDeformation {
+struct DrawnDeformation {
   Points3 vertices_m;       ///< [V,3] m, camera frame
   double max_strain = 0.0;  ///< [] of an edge
   int draws = 0;            ///< [] this one included
 };
 
-/// One deformation of a template made by make_template(sheet). no_result when max_draws is used up.
-Result<RandomDeformation> draw_deformation(const SheetSpec& sheet, const Camera& camera, Rng& rng,
-                                           const RandomDeformationSpec& spec = {});
+/// The first accepted deformation of a template made by make_template(sheet). no_result when
+/// max_draws is used up.
+Result<DrawnDeformation> draw_deformation(const SheetSpec& sheet, const Camera& camera, Rng& rng,
+                                          const RandomDeformationSpec& spec = {});
 
 }  // namespace weft::testing

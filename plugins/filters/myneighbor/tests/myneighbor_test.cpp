@@ -92,6 +92,21 @@ TEST_F(MyNeighbor, KeepsMoreTheLargerAlphaIs) {
   EXPECT_GT(std::accumulate(smaller.begin(), smaller.end(), 0), 100);
 }
 
+TEST_F(MyNeighbor, KeepsWhatItsLastStepLeaves) {
+  const LabelledMatches drawn = bent_matches(200, 0.5, 14);
+  const auto full = *run(drawn.matches).get<InlierMask>();
+  const auto step1 = *run(drawn.matches, "{steps: 1}").get<InlierMask>();
+  const auto step2 = *run(drawn.matches, "{steps: 2}").get<InlierMask>();
+  for (int i = 0; i < 200; ++i) {
+    const double stage = evidence(full, "stage")(i);
+    EXPECT_EQ(step1.kept(i), stage >= 1.0 ? 1 : 0) << i;
+    EXPECT_EQ(step2.kept(i), stage >= 2.0 ? 1 : 0) << i;
+    EXPECT_NEAR(100.0 * (1.0 - step1.score(i)), evidence(full, "mismatch_factor_percent")(i), 1e-9);
+  }
+  EXPECT_NE(flags(step1), flags(step2));
+  EXPECT_NE(flags(step2), flags(full));
+}
+
 TEST_F(MyNeighbor, GivesTheSameAnswerFreshAndWarm) {
   PluginUnderTest warm("filters/myneighbor", "{refinement: second_pass, weighted_fit: true}");
   ASSERT_EQ(run_on(warm, bent_matches(400, 0.8, 12).matches).status, WEFT_OK);

@@ -102,6 +102,39 @@ TEST(CalibratedCamera, UndoesTheFisheyeModel) {
   });
 }
 
+TEST(CalibratedCamera, TakesEachDepthFromTheNearestPixel) {
+  constexpr int kWidth = 160, kHeight = 120;
+  constexpr double kF = 150.0, kCx = 81.0, kCy = 58.0, kK1 = -0.22;
+  const FrameFolder folder;
+  folder.write("camera.yaml",
+               "{fx: 150, fy: 150, cx: 81, cy: 58, width: 160, height: 120, "
+               "distortion: [-0.22, 0, 0, 0, 0]}");
+  const auto camera = CalibratedCamera::read(folder.path("camera.yaml"));
+  ASSERT_TRUE(camera) << camera.error().message;
+  cv::Mat stored(kHeight, kWidth, CV_16UC1);  // each value tells its pixel, and none is 0
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      stored.at<std::uint16_t>(v, u) = static_cast<std::uint16_t>(1 + u + kWidth * v);
+    }
+  }
+  const auto depth_m = camera->undistorted_depth(stored, "d.png", 1.0);
+  ASSERT_TRUE(depth_m) << depth_m.error().message;
+  double worst_px = 0.0, shift_px = 0.0;
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      const double x = (u - kCx) / kF, y = (v - kCy) / kF, radial = 1 + kK1 * (x * x + y * y);
+      const int value = static_cast<int>((*depth_m)(v, u)) - 1;
+      ASSERT_GE(value, 0) << "the lens sees all of the ideal image";
+      const double du = value % kWidth - (kF * x * radial + kCx);
+      const double dv = value / kWidth - (kF * y * radial + kCy);
+      worst_px = std::max({worst_px, std::abs(du), std::abs(dv)});
+      shift_px = std::max(shift_px, std::abs(kF * x * (radial - 1.0)));
+    }
+  }
+  EXPECT_LT(worst_px, 0.5 + 1.0 / 32);
+  EXPECT_GT(shift_px, 3.0) << "the lens is too weak for this test";
+}
+
 TEST(CalibratedCamera, KeepsThePixelsOfAnIdealCameraAndRefusesOtherSizes) {
   const FrameFolder folder;
   folder.write_camera();

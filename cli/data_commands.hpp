@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "commands.hpp"
+
+namespace weft::cli {
+
+// `weft data COMMAND`; each adds its own, and its callback sets Context::exit_code.
+void add_data_info(CLI::App& data, Context& context);
+void add_data_convert(CLI::App& data, Context& context);
+
+}  // namespace weft::cli

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <weft/pipeline/data_layout.hpp>
+
+#include "data_commands.hpp"
+#include "sequence_maker.hpp"
+
+namespace weft::cli {
+namespace {
+
+struct Options {
+  std::string path, folder, camera, texture;
+  double width_m = 0.0, height_m = 0.0;
+  int columns = 10, rows = 7;
+  std::vector<std::string> settings;
+  bool quiet = false;
+};
+
+/// The pipeline that reads the data and writes the sequence.
+Result<std::string> pipeline_text(const Options& options) {
+  const auto layout = find_data_layout(options.path, options.camera);
+  if (!layout) return layout.error();
+  if (layout->kind == "sequence") {
+    return Error{Errc::invalid_value, "is a sequence already; there is nothing to convert",
+                 options.path};
+  }
+  const std::string texture = options.texture.empty()
+                                  ? layout->texture
+                                  : std::filesystem::absolute(options.texture).string();
+  if (texture.empty()) {
+    return Error{Errc::not_found,
+                 "has no template/texture.png and no texture.png; give the texture with --texture",
+                 options.path};
+  }
+  std::string text = "# Made by `weft data convert`.\nweft: 1\non_error: stop\nsource:\n";
+  text += "  use: " + layout->source.find("use")->scalar + "\n  params:\n";
+  for (const yaml::Entry& entry : layout->source.find("params")->entries) {
+    text += "    " + entry.key + ": " + yaml_quoted(entry.value.scalar) + "\n";
+  }
+  text +=
+      "template:\n  use: templates/rectangular\n  params:\n    texture: " + yaml_quoted(texture) +
+      "\n";
+  text += fmt::format("    width_m: {}\n    height_m: {}\n    columns: {}\n    rows: {}\n",
+                      options.width_m, options.height_m, options.columns, options.rows);
+  return text + "sinks:\n  - use: sinks/dataset\n    params: {path: .}\n";
+}
+
+void convert(const Options& options, Context& context) {
+  const auto text = pipeline_text(options);
+  if (!text) {
+    print_error(text.error());
+    const bool misuse = text.error().code == Errc::invalid_value;
+    context.exit_code = misuse ? kBadConfiguration : kInputOutput;
+    return;
+  }
+  make_sequence(*text, options.folder, options.settings, options.quiet, context);
+}
+
+}  // namespace
+
+void add_data_convert(CLI::App& data, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = data.add_subcommand(
+      "convert", "Import a folder of images (with depth or true points) or a video as a sequence");
+  command
+      ->add_option("PATH", options->path, "Folder or video; `weft data info` shows how it is read")
+      ->required();
+  command->add_option("--out", options->folder, "Folder of the sequence, new or empty")->required();
+  command->add_option("--camera", options->camera,
+                      "Camera file, where none lies beside the images");
+  command->add_option("--texture", options->texture,
+                      "Texture of the template (default: template/texture.png or texture.png)");
+  command->add_option("--width-m", options->width_m, "Width of what the texture shows")->required();
+  command->add_option("--height-m", options->height_m, "Its height; 0: texels are square")
+      ->capture_default_str();
+  command->add_option("--columns", options->columns, "Vertices along the width")
+      ->capture_default_str();
+  command->add_option("--rows", options->rows, "Vertices along the height")->capture_default_str();
+  command
+      ->add_option(
+          "--set", options->settings,
+          "PATH=VALUE, such as source.depth_unit_m=0.0002 or template.texel_origin=centre; "
+          "may be repeated")
+      ->allow_extra_args(false);
+  command->add_flag("--quiet", options->quiet, "No progress");
+  command->callback([&context, options] { convert(*options, context); });
+}
+
+}  // namespace weft::cli

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sequence_maker.hpp"
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <atomic>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <weft/host/yaml.hpp>
+#include <weft/pipeline/run.hpp>
+
+namespace weft::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kPipelineName = "make.yaml";
+
+// A signal handler can reach nothing but an object with static storage.
+std::atomic<bool> interrupted{false};
+
+/// Frames that were made, on the terminal.
+class Progress final : public RunObserver {
+ public:
+  explicit Progress(bool quiet) : quiet_(quiet) {}
+
+  void started(std::int64_t frames) override { total_ = frames; }
+  void frame_done(const FrameResult& frame) override {
+    ++done_;
+    for (const StageReport& report : frame.stages) {
+      if (report.status != StageStatus::error || !first_error_.empty()) continue;
+      first_error_ = fmt::format("frame {}: {}", frame.index, report.reason);
+    }
+    if (quiet_) return;
+    fmt::print(stderr, "\r{}{} frames", done_, total_ < 0 ? "" : fmt::format("/{}", total_));
+  }
+  void end_line() const {
+    if (!quiet_ && done_ > 0) fmt::print(stderr, "\n");
+  }
+  const std::string& first_error() const { return first_error_; }
+
+ private:
+  bool quiet_;
+  std::int64_t done_ = 0, total_ = -1;
+  std::string first_error_;
+};
+
+Result<void> write_pipeline(const std::string& text, const fs::path& folder) {
+  std::error_code code;
+  if (fs::exists(folder, code) && !(fs::is_directory(folder, code) && fs::is_empty(folder, code))) {
+    return Error{Errc::io, "exists and is not an empty folder; choose another with --out",
+                 folder.string()};
+  }
+  fs::create_directories(folder, code);
+  if (code) return Error{Errc::io, "cannot be created: " + code.message(), folder.string()};
+  std::ofstream stream(folder / kPipelineName, std::ios::binary);
+  stream << text;
+  stream.close();
+  if (stream) return {};
+  return Error{Errc::io, "cannot be written; is the disk full?", (folder / kPipelineName).string()};
+}
+
+/// Nothing was made: what was there before is left.
+void withdraw(const fs::path& folder) {
+  std::error_code ignored;
+  fs::remove(folder / kPipelineName, ignored);
+  fs::remove(folder, ignored);
+}
+
+/// The exit code of a run that could not be made.
+int exit_code_of(const Error& error) {
+  return error.code == Errc::io ? kInputOutput : kBadConfiguration;
+}
+
+}  // namespace
+
+void make_sequence(const std::string& pipeline_text, const std::string& folder,
+                   const std::vector<std::string>& settings, bool quiet, Context& context) {
+  if (auto written = write_pipeline(pipeline_text, folder); !written) {
+    print_error(written.error());
+    context.exit_code = kInputOutput;
+    return;
+  }
+  const auto registry = context.registry();
+  const auto [pipeline, report] = check_pipeline((fs::path(folder) / kPipelineName).string(),
+                                                 registry, fs::absolute(folder).string(), settings);
+  if (!report.ok()) {
+    fmt::print(stderr, "{}", report.text());
+    withdraw(folder);
+    context.exit_code = kBadConfiguration;
+    return;
+  }
+  std::signal(SIGINT, [](int) { interrupted = true; });
+  std::signal(SIGTERM, [](int) { interrupted = true; });
+  Progress progress(quiet);
+  const auto summary = run_pipeline(pipeline, "", progress, interrupted);
+  progress.end_line();
+  if (!summary) {
+    print_error(summary.error());
+    withdraw(folder);
+    context.exit_code = exit_code_of(summary.error());
+    return;
+  }
+  if (!progress.first_error().empty()) fmt::print(stderr, "error: {}\n", progress.first_error());
+  fmt::print("{} frames, {} failed{}: {}\n", summary->frames, summary->failed,
+             summary->stopped ? ", stopped early" : "", folder);
+  if (summary->failed > 0 || summary->stopped) context.exit_code = kFramesFailed;
+}
+
+std::string yaml_quoted(const std::string& text) {
+  yaml::Node node;
+  node.kind = yaml::Kind::scalar;
+  node.scalar = text;
+  node.quoted = true;
+  std::string emitted = yaml::emit(node);
+  while (!emitted.empty() && emitted.back() == '\n') emitted.pop_back();
+  return emitted;
+}
+
+}  // namespace weft::cli

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+#include <weft/data/correspondences.hpp>
+#include <weft/data/template.hpp>
+#include <weft/geometry/camera_model.hpp>
+#include <weft/geometry/truth_map.hpp>
+
+namespace weft {
+
+/// What the truth says of one match.
+inline constexpr std::int8_t kUnknownMatch = -1, kMismatch = 0, kCorrectMatch = 1;
+
+/// Whether the truth has an entry for each of these matches: they come from the source itself,
+/// hence from no keypoints, and not by way of a stage that changed their number.
+inline bool has_own_truth(const Correspondences& matches, const TruthMap& truth) {
+  return truth.match_xy_px().rows() > 0 && truth.match_xy_px().rows() == matches.count() &&
+         !matches.image_keypoint.present();
+}
+
+/// One label a match (p, q): correct where |W(p) - q| < tolerance_px, W(p) being the true image of
+/// p: of the source's own matches its truth's, else the projection of the true place of p. A match
+/// of a hidden point is a mismatch; unknown is what lies beside the truth, is not finite, or has a
+/// template without m_per_px.
+inline std::vector<std::int8_t> label_matches(const Correspondences& matches, const TruthMap& truth,
+                                              const Template& templ, const Pinhole& camera,
+                                              double tolerance_px) {
+  const bool own = has_own_truth(matches, truth);
+  Eigen::Vector2d m_per_px = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+  if (templ.m_per_px.present()) m_per_px = templ.m_per_px.matrix<1>();
+  const auto label = [&](std::int64_t n) {
+    const Eigen::Vector2d template_px = matches.template_px.matrix<2>().row(n);
+    const Eigen::Vector2d image_px = matches.image_px.matrix<2>().row(n);
+    Eigen::Vector2d true_px;
+    if (own) {
+      true_px = truth.match_xy_px().row(n);
+    } else {
+      const auto place = truth.at(template_px.cwiseProduct(m_per_px));
+      if (!place) return kUnknownMatch;
+      if (place->hidden) return kMismatch;
+      true_px = project(camera, place->point_m);
+    }
+    const double distance_px = (true_px - image_px).norm();
+    if (!(distance_px >= 0.0)) return kUnknownMatch;
+    return distance_px < tolerance_px ? kCorrectMatch : kMismatch;
+  };
+  std::vector<std::int8_t> labels;
+  for (std::int64_t n = 0; n < matches.count(); ++n) labels.push_back(label(n));
+  return labels;
+}
+
+}  // namespace weft

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+#include <weft/geometry/match_labels.hpp>
+#include <weft/sdk/filter.hpp>
+
+namespace {
+
+using weft::FilterInput;
+using weft::InlierMask;
+
+/// Keeps the matches that the truth calls correct: the best that any filter could do.
+class Oracle final : public weft::Filter {
+ public:
+  static constexpr weft::About kAbout{
+      .reference = "Shetab-Bushehri et al. 2023, ROBUSfT, Sections V and VI (correct matches)",
+      .needs = "template camera ground_truth",
+      .uses_truth = true};
+
+  explicit Oracle(weft::Params& p) {
+    p.read("tolerance_px", tolerance_px_, "px", {1e-6, 1e4},
+           "a match is correct when it is closer than this to its true image");
+    p.read("keep_unknown", keep_unknown_, "keep matches of which the truth says nothing");
+  }
+
+  weft::Result<InlierMask> filter(const FilterInput& in) override {
+    if (!in.templ || !in.camera || !in.ground_truth) {
+      return weft::Error{weft::Errc::invalid_data,
+                         "template, camera and ground_truth are needed: connect all three",
+                         {}};
+    }
+    const auto truth = weft::TruthMap::create(*in.ground_truth);
+    if (!truth) return truth.error();
+    const weft::Pinhole camera{in.camera->fx, in.camera->fy, in.camera->cx, in.camera->cy};
+    return judge(weft::label_matches(in.correspondences, *truth, *in.templ, camera, tolerance_px_));
+  }
+
+ private:
+  InlierMask judge(const std::vector<std::int8_t>& labels) const {
+    const auto count = static_cast<std::int64_t>(labels.size());
+    InlierMask mask;
+    mask.kept = weft::Array<std::uint8_t>({count});
+    mask.score = weft::Array<double>({count});
+    for (std::int64_t n = 0; n < count; ++n) {
+      const std::int8_t label = labels[static_cast<std::size_t>(n)];
+      const bool unknown = label == weft::kUnknownMatch;
+      mask.kept(n) = label == weft::kCorrectMatch || (unknown && keep_unknown_) ? 1 : 0;
+      mask.score(n) = unknown ? 0.5 : static_cast<double>(label);
+    }
+    for (const auto& [name, label] : {std::pair("correct_matches", weft::kCorrectMatch),
+                                      std::pair("mismatches", weft::kMismatch),
+                                      std::pair("unknown_matches", weft::kUnknownMatch)}) {
+      mask.diag.set(name, static_cast<double>(std::count(labels.begin(), labels.end(), label)));
+    }
+    return mask;
+  }
+
+  double tolerance_px_ = 2.0;
+  bool keep_unknown_ = false;
+};
+
+}  // namespace
+
+WEFT_PLUGIN(Oracle, "filters/oracle", "1.0.0",
+            "Keeps the matches that the ground truth calls correct; for experiments only.")

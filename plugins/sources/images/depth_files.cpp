@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "depth_files.hpp"
+
+#include <fstream>
+#include <iterator>
+#include <opencv2/imgcodecs.hpp>
+#include <set>
+
+#include "frame_files.hpp"
+
+namespace weft::images {
+namespace {
+
+Result<cv::Mat> read_depth_file(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream) return Error{Errc::io, path + ": cannot be read", {}};
+  cv::Mat depth;
+  try {
+    if (!bytes.empty()) depth = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception&) {
+    depth.release();
+  }
+  if (depth.empty()) {
+    return Error{
+        Errc::invalid_data,
+        path + ": is no image that can be decoded (empty, damaged or of an unknown format)",
+        {}};
+  }
+  if (depth.type() != CV_16UC1) {
+    return Error{Errc::unsupported,
+                 path +
+                     ": a depth image has one channel of 16 bits; convert it, 0 where nothing "
+                     "was measured",
+                 {}};
+  }
+  return depth;
+}
+
+}  // namespace
+
+void DepthFiles::declare(Params& p) {
+  p.input_path("depth", pattern_,
+               "depth images aligned to the frames, 16 bits; one has its frame's stem");
+  p.read("depth_unit_m", unit_m_, "m", {1e-9, 1e3}, "depth of one unit of the depth images");
+}
+
+Result<void> DepthFiles::open(const std::vector<std::string>& stems) {
+  path_of_.clear();
+  if (pattern_.empty()) return {};
+  std::set<std::string> frames;
+  for (const std::string& stem : stems) {
+    if (frames.insert(stem).second) continue;
+    return Error{Errc::invalid_value,
+                 "two frames have the stem '" + stem +
+                     "', so that 'depth' is ambiguous: narrow 'path' or rename one",
+                 {}};
+  }
+  const auto paths = matching_files(pattern_);
+  if (!paths) return Error{paths.error().code, "depth: " + paths.error().message, {}};
+  for (const std::string& path : *paths) {
+    const std::string stem = stem_of(path);
+    if (frames.count(stem) == 0) {
+      return Error{Errc::invalid_data,
+                   path + ": belongs to no frame: no image has the stem '" + stem + "'",
+                   {}};
+    }
+    const auto [twin, is_new] = path_of_.emplace(stem, path);
+    if (is_new) continue;
+    return Error{Errc::invalid_data,
+                 path + ": belongs to the frame '" + stem + "', which already has " + twin->second +
+                     ": remove one",
+                 {}};
+  }
+  return {};
+}
+
+Result<void> DepthFiles::add_to(std::optional<GroundTruth>& truth, const std::string& stem,
+                                const sources::CalibratedCamera& camera) const {
+  const auto found = path_of_.find(stem);
+  if (found == path_of_.end()) return {};
+  const auto stored = read_depth_file(found->second);
+  if (!stored) return stored.error();
+  auto depth_m = camera.undistorted_depth(*stored, found->second, unit_m_);
+  if (!depth_m) return depth_m.error();
+  if (!truth) truth = GroundTruth{Array<double>({0, 2}), Array<double>({0, 3}), "depth", ""};
+  truth->depth_m = *std::move(depth_m);
+  return {};
+}
+
+}  // namespace weft::images
