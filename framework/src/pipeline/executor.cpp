@@ -13,30 +13,10 @@ using host::RecordPtr;
 
 namespace {
 
-void add_count(const RecordPtr& record, const char* array, const char* name, StageReport& report) {
-  const weft_record view = record->view("");
+void add_count(const Record& record, const char* array, const char* name, StageReport& report) {
+  const weft_record view = record.view("");
   if (const weft_array* values = find_array(view, array)) {
     report.numbers.emplace_back(name, static_cast<double>(values->shape[0]));
-  }
-}
-
-/// Lengths that a reader of frames.jsonl wants, and scalars that the component calls evidence.
-void add_numbers(const RecordPtr& record, StageReport& report) {
-  const weft_record view = record->view("");
-  if (record->type() == Keypoints::kType) add_count(record, "xy_px", "keypoints", report);
-  if (record->type() == Sightlines::kType) add_count(record, "vertex", "sightlines", report);
-  if (record->type() == Correspondences::kType) {
-    add_count(record, "kept", "matches", report);
-    const auto matches = host::view_as<Correspondences>(*record);
-    const auto kept = matches->kept.matrix<1>().template cast<double>().sum();
-    report.numbers.emplace_back("kept", kept);
-  }
-  for (std::uint64_t i = 0; i < view.count; ++i) {
-    const weft_array& array = view.arrays[i];
-    const std::string_view name = array.name;
-    if (name.starts_with("diag.") && array.ndim == 0 && array.dtype == WEFT_F64) {
-      report.numbers.emplace_back(name, *static_cast<const double*>(array.data));
-    }
   }
 }
 
@@ -52,6 +32,25 @@ double since(std::chrono::steady_clock::time_point start) {
 }
 
 }  // namespace
+
+void add_numbers(const Record& record, StageReport& report) {
+  const weft_record view = record.view("");
+  if (record.type() == Keypoints::kType) add_count(record, "xy_px", "keypoints", report);
+  if (record.type() == Sightlines::kType) add_count(record, "vertex", "sightlines", report);
+  if (record.type() == Correspondences::kType) {
+    add_count(record, "kept", "matches", report);
+    const auto matches = host::view_as<Correspondences>(record);
+    const auto kept = matches->kept.matrix<1>().template cast<double>().sum();
+    report.numbers.emplace_back("kept", kept);
+  }
+  for (std::uint64_t i = 0; i < view.count; ++i) {
+    const weft_array& array = view.arrays[i];
+    const std::string_view name = array.name;
+    if (name.starts_with("diag.") && array.ndim == 0 && array.dtype == WEFT_F64) {
+      report.numbers.emplace_back(name, *static_cast<const double*>(array.data));
+    }
+  }
+}
 
 Executor::Executor(const PipelineConfig& config, const Graph& graph, host::Lane& lane,
                    RecordPtr templ, RecordPtr camera)
@@ -188,10 +187,10 @@ StageReport Executor::run_stage(Stage& stage, FrameResult& result) {
     report = report_of(stage.config->name, outcome, since(start));
     for (const int output : stage.node->outputs) {
       const RecordPtr& record = result.values[static_cast<std::size_t>(output)];
-      if (record != nullptr && record != stage.template_keypoints) add_numbers(record, report);
+      if (record != nullptr && record != stage.template_keypoints) add_numbers(*record, report);
     }
     if (stage.role == "filters" && outcome.usable()) {
-      add_numbers(outcome.find("inlier_mask"), report);
+      add_numbers(*outcome.find("inlier_mask"), report);
     }
   }
   const std::string own_cause = cause.empty() ? report.stage + ": " + report.reason : cause;

@@ -68,7 +68,7 @@ class Run {
       throw;
     }
     need(finish());
-    summary_.folder = folder_->path();
+    if (folder_) summary_.folder = folder_->path();
     summary_.stopped = summary_.stopped || cancel_.load();
     return summary_;
   }
@@ -94,13 +94,17 @@ class Run {
     check(check_template(*template_), *config_.templ);
     executor_ = need(Executor::create(config_, graph_, lane_, template_, camera_));
     // Not before: a run that cannot start leaves no folder behind.
+    if (!folder_path_.empty()) open_folder();
+    open_sinks();
+    if (trace_) need(trace_->add(lane_.take_timings()));
+  }
+
+  void open_folder() {
     folder_.emplace(need(RunFolder::create(folder_path_)));
     need(folder_->begin(config_, *template_, *camera_));
     trace_.emplace(need(Trace::create(folder_->path() + "/trace.json")));
     dump_.emplace(need(Dump::create(folder_->path(), config_, dumped_, template_, camera_)));
     for (const std::string& stage : dumped_) executor_->keep_calls_of(stage);
-    open_sinks();
-    need(trace_->add(lane_.take_timings()));
   }
 
   void open_sinks() {
@@ -137,7 +141,8 @@ class Run {
     Outcome read = read_frame(index);
     const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
     if (count_ < 0 && read.status == WEFT_NO_RESULT) return false;
-    const StageReport source_report = report_of(config_.source->name, read, ms.count());
+    StageReport source_report = report_of(config_.source->name, read, ms.count());
+    for (const auto& [slot, record] : read.outputs) add_numbers(*record, source_report);
     FrameInput input{index, std::move(read.outputs), {}};
     if (!read.usable()) input.failure = read.error.message;
     FrameResult result = executor_->process(input);
@@ -149,9 +154,11 @@ class Run {
     for (const auto& [slot, record] : input.records) {
       if (slot == "ground_truth") truth = record;
     }
-    need(folder_->add(graph_, result, truth));
-    need(trace_->add(result));
-    need(dump_->add(result));
+    if (folder_) {
+      need(folder_->add(graph_, result, truth));
+      need(trace_->add(result));
+      need(dump_->add(result));
+    }
     ++summary_.frames;
     summary_.failed += result.failed() ? 1 : 0;
     observer_.frame_done(result);
