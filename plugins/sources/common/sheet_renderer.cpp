@@ -124,7 +124,8 @@ void SheetRenderer::trace_centres(const Window& window, View& view) const {
   for (std::size_t k = 0; k < hits.size(); ++k) view.hits[pixels[k]] = hits[k];
 }
 
-void SheetRenderer::fill_maps(const Scene& scene, const Window& window, View& view) const {
+void SheetRenderer::fill_maps(Scene& scene, const Window& window, View& view) const {
+  scene.light.resize(view.hits.size());
   for (int y = window.y0; y < window.y1; ++y) {
     for (int x = window.x0; x < window.x1; ++x) {
       const RayHit& hit = view.hits[index(x, y)];
@@ -132,6 +133,7 @@ void SheetRenderer::fill_maps(const Scene& scene, const Window& window, View& vi
       const LitMesh& mesh = hit.mesh == kSheet ? scene.sheet : *scene.solid;
       const FacePoint point = mesh.at(hit.face, x, y, Reach::of_a_hit);
       view.depth_m(y, x) = static_cast<float>(point.depth_m);
+      scene.light[index(x, y)] = mesh.brightness(point);
       if (hit.mesh != kSheet || !mesh.is_front(hit.face)) continue;
       const Eigen::RowVector2d uv = mesh.interpolated(uv_px_, point);
       view.uv_px.row(y)[2 * x] = static_cast<float>(uv.x());
@@ -150,7 +152,7 @@ void SheetRenderer::draw(const Scene& scene, const Window& window, View& view) c
         edges.push_back({x, y});
         for (const auto& [dx, dy] : kSamples) rays.push_back(ray(x + dx, y + dy));
       } else if (hit.mesh >= 0) {
-        view.image.pixels[index(x, y)] = inner_colour(scene, hit, x, y);
+        view.image.pixels[index(x, y)] = inner_colour(scene, view, x, y);
       }
     }
   }
@@ -180,22 +182,20 @@ bool SheetRenderer::is_on_an_edge(const Scene& scene, int x, int y, const View& 
   return false;
 }
 
-float SheetRenderer::texels_of_sample(const LitMesh& sheet, std::int32_t face, double x,
-                                      double y) const {
+/// By a ray of its own, which stands for half a pixel along each side.
+Colour SheetRenderer::sheet_colour(const LitMesh& sheet, std::int32_t face, double x,
+                                   double y) const {
+  const FacePoint point = sheet.at(face, x, y, Reach::of_a_hit);
+  const float light = sheet.brightness(point);
+  if (!sheet.is_front(face)) return Colour::Constant(light * kBack);
   const auto uv = [&](double dx, double dy) {
     return sheet.interpolated(uv_px_, sheet.at(face, x + dx, y + dy, Reach::of_a_neighbour));
   };
   const double along = (uv(0.25, 0.0) - uv(-0.25, 0.0)).squaredNorm();
   const double across = (uv(0.0, 0.25) - uv(0.0, -0.25)).squaredNorm();
-  return static_cast<float>(std::sqrt(0.5 * (along + across)));
-}
-
-Colour SheetRenderer::print_colour(const LitMesh& sheet, const FacePoint& point,
-                                   float texels) const {
-  const float light = sheet.brightness(point);
-  if (!sheet.is_front(point.face)) return Colour::Constant(light * kBack);
-  const Eigen::RowVector2d uv = sheet.interpolated(uv_px_, point);
-  return light * print_.sample(static_cast<float>(uv.x()), static_cast<float>(uv.y()), texels);
+  const Eigen::RowVector2d here = sheet.interpolated(uv_px_, point);
+  return light * print_.sample(static_cast<float>(here.x()), static_cast<float>(here.y()),
+                               static_cast<float>(std::sqrt(0.5 * (along + across))));
 }
 
 Colour SheetRenderer::solid_colour(const Scene& scene, std::int32_t face, double x,
@@ -209,15 +209,27 @@ Colour SheetRenderer::solid_colour(const Scene& scene, std::int32_t face, double
   return scene.solid->brightness(point) * colour;
 }
 
-Colour SheetRenderer::inner_colour(const Scene& scene, const RayHit& hit, int x, int y) const {
+/// Samples lie where the map of template points, linear around the pixel, puts them.
+Colour SheetRenderer::inner_colour(const Scene& scene, const View& view, int x, int y) const {
+  const RayHit& hit = view.hits[index(x, y)];
   if (hit.mesh != kSheet) return solid_colour(scene, hit.face, x, y);
-  const float texels = texels_of_sample(scene.sheet, hit.face, x, y);
+  const float light = scene.light[index(x, y)];
+  if (!scene.sheet.is_front(hit.face)) return Colour::Constant(light * kBack);
+  const auto uv = [&](int i, int j) {
+    return Eigen::Array2f(view.uv_px.row(j)[2 * i], view.uv_px.row(j)[2 * i + 1]);
+  };
+  const int left = std::max(x - 1, 0), right = std::min(x + 1, width_ - 1);
+  const int above = std::max(y - 1, 0), below = std::min(y + 1, height_ - 1);
+  const Eigen::Array2f along = (uv(right, y) - uv(left, y)) / static_cast<float>(right - left);
+  const Eigen::Array2f across = (uv(x, below) - uv(x, above)) / static_cast<float>(below - above);
+  const float texels = 0.5F * std::sqrt(0.5F * (along.square().sum() + across.square().sum()));
   Colour sum = Colour::Zero();
   for (const auto& [dx, dy] : kSamples) {
-    const FacePoint point = scene.sheet.at(hit.face, x + dx, y + dy, Reach::of_a_neighbour);
-    sum += print_colour(scene.sheet, point, texels);
+    const Eigen::Array2f at =
+        uv(x, y) + static_cast<float>(dx) * along + static_cast<float>(dy) * across;
+    sum += print_.sample(at[0], at[1], texels);
   }
-  return sum / static_cast<float>(kSamples.size());
+  return light * sum / static_cast<float>(kSamples.size());
 }
 
 Colour SheetRenderer::edge_colour(const Scene& scene, std::span<const RayHit> hits, int x,
@@ -229,8 +241,7 @@ Colour SheetRenderer::edge_colour(const Scene& scene, std::span<const RayHit> hi
     if (hits[k].mesh < 0) {
       sum += background_.pixels[index(x, y)];
     } else if (hits[k].mesh == kSheet) {
-      const float texels = texels_of_sample(scene.sheet, face, at_x, at_y);
-      sum += print_colour(scene.sheet, scene.sheet.at(face, at_x, at_y, Reach::of_a_hit), texels);
+      sum += sheet_colour(scene.sheet, face, at_x, at_y);
     } else {
       sum += solid_colour(scene, face, at_x, at_y);
     }

@@ -54,21 +54,21 @@ class SheetRenderer {
     LitMesh sheet;
     std::optional<LitMesh> solid{};
     std::vector<Colour> solid_colours{};
+    std::vector<float> light{};  ///< [H*W] on what is seen at the pixel centres
   };
 
   SheetRenderer(const Camera& camera, MipTexture print, const Points2& uv_px, const Faces& faces,
                 Picture background, RayCaster caster);
   Window covered(const Scene& scene) const;
   void trace_centres(const Window& window, View& view) const;
-  void fill_maps(const Scene& scene, const Window& window, View& view) const;
+  void fill_maps(Scene& scene, const Window& window, View& view) const;
   void draw(const Scene& scene, const Window& window, View& view) const;
   void find_visible(const Scene& scene, View& view) const;
   bool is_on_an_edge(const Scene& scene, int x, int y, const View& view) const;
-  Colour inner_colour(const Scene& scene, const RayHit& hit, int x, int y) const;
+  Colour inner_colour(const Scene& scene, const View& view, int x, int y) const;
   Colour edge_colour(const Scene& scene, std::span<const RayHit> hits, int x, int y) const;
-  Colour print_colour(const LitMesh& sheet, const FacePoint& point, float texels) const;
+  Colour sheet_colour(const LitMesh& sheet, std::int32_t face, double x, double y) const;
   Colour solid_colour(const Scene& scene, std::int32_t face, double x, double y) const;
-  float texels_of_sample(const LitMesh& sheet, std::int32_t face, double x, double y) const;
   Eigen::Vector3f ray(double x, double y) const;
   std::size_t index(int x, int y) const;
 

@@ -9,22 +9,12 @@
 namespace weft::frex {
 namespace {
 
-constexpr std::uint64_t kMotionStream = 1, kHandleStream = 2;
+constexpr std::uint64_t kMotionStream = 1;
 constexpr double kRollTurn_rad = 2.6, kBendTurn_rad = 1.5, kWaveSlope_rad = 0.62;
 constexpr double kFoldTurn_rad = 2.3, kFoldWidth_m = 0.06;
 constexpr double kBulgeShare = 0.3;  // height of a bulge over half the shorter side
 constexpr double kPoisson = 0.3;     // what a stretched sheet loses across
 constexpr double kGuideCompliance = 1e-4;
-constexpr double kKeyEvery_s = 0.9;  // key poses of the handles
-constexpr double kTaut = 0.98;       // largest distance of the handles over that at rest
-
-double eased(double x) { return x * x * (3.0 - 2.0 * x); }
-
-Eigen::Matrix3d rotation_of(const Eigen::Vector3d& axis_angle) {
-  const double angle = axis_angle.norm();
-  if (angle < 1e-12) return Eigen::Matrix3d::Identity();
-  return Eigen::AngleAxisd(angle, axis_angle / angle).toRotationMatrix();
-}
 
 /// The plane curve of unit speed with a given curvature, through the origin with the tangent (1,0).
 class BentCurve {
@@ -71,6 +61,9 @@ Choreography::Choreography(const MotionSettings& settings, int columns, int rows
   const Eigen::RowVector2d low = flat_m.colwise().minCoeff(), high = flat_m.colwise().maxCoeff();
   centred_m_.rowwise() -= 0.5 * (low + high);
   half_m_ = 0.5 * (high - low).transpose();
+  if (settings_.pattern == Pattern::handles) {
+    handles_.emplace(half_m_.x(), settings_.bend, settings_.seed);
+  }
   Rng rng = sources::random_stream(settings_.seed, kMotionStream);
   const double tilt = settings_.tilt_rad, travel = settings_.travel_m;
   const std::array<double, 6> largest{0.8 * tilt, tilt, 0.6 * tilt, travel, 0.6 * travel, travel};
@@ -195,7 +188,7 @@ std::vector<sources::ClothGuide> Choreography::handles_at(double t_s) const {
   const int first_row = (rows_ - high) / 2;
   std::vector<sources::ClothGuide> guides;
   for (const int side : {0, 1}) {
-    const Eigen::Isometry3d pose = pose_at(t_s) * handle_at(side, t_s);
+    const Eigen::Isometry3d pose = pose_at(t_s) * handles_->at(side, t_s);
     for (int j = first_row; j < first_row + high; ++j) {
       for (int i = 0; i < deep; ++i) {
         const int column = side == 0 ? i : columns_ - 1 - i;
@@ -206,47 +199,6 @@ std::vector<sources::ClothGuide> Choreography::handles_at(double t_s) const {
     }
   }
   return guides;
-}
-
-/// Eases from one random key pose to the next; the first is where the flat sheet has the handle.
-Eigen::Isometry3d Choreography::handle_at(int side, double t_s) const {
-  struct Key {
-    Eigen::Vector3d shift_m = Eigen::Vector3d::Zero(), turn = Eigen::Vector3d::Zero();
-  };
-  const double apart_m = 2.0 * half_m_.x();
-  const auto key = [&](std::int64_t index) {
-    std::array<Key, 2> keys;
-    if (index <= 0) return keys[0];
-    Rng rng =
-        sources::random_stream(settings_.seed, kHandleStream, static_cast<std::uint64_t>(index));
-    const auto draw = [&](double x, double y, double z) {
-      return Eigen::Vector3d(rng.uniform(-x, x), rng.uniform(-y, y), rng.uniform(-z, z));
-    };
-    for (const int k : {0, 1}) {
-      Key& each = keys[static_cast<std::size_t>(k)];
-      each.shift_m = settings_.bend * draw(0.0, 0.02, 0.04);
-      each.shift_m.x() = (k == 0 ? 1.0 : -1.0) * settings_.bend * rng.uniform(0.01, 0.06);
-      each.turn = settings_.bend * draw(0.5, 0.8, 0.35);
-    }
-    // Nearer to each other where the sheet would be torn.
-    const Eigen::Vector3d off = keys[1].shift_m - keys[0].shift_m;
-    const double room_m = std::sqrt(
-        std::max(0.0, std::pow(kTaut * apart_m, 2) - off.y() * off.y() - off.z() * off.z()));
-    const double excess_m = std::max(0.0, apart_m + off.x() - room_m);
-    keys[0].shift_m.x() += 0.5 * excess_m;
-    keys[1].shift_m.x() -= 0.5 * excess_m;
-    return keys[static_cast<std::size_t>(side)];
-  };
-  const double place = t_s / kKeyEvery_s;
-  const auto index = static_cast<std::int64_t>(std::floor(place));
-  const double share = eased(place - static_cast<double>(index));
-  const Key from = key(index), to = key(index + 1);
-  const Eigen::Vector3d centre((side == 0 ? -1.0 : 1.0) * half_m_.x(), 0.0, 0.0);
-  Eigen::Isometry3d handle = Eigen::Isometry3d::Identity();
-  handle.linear() = rotation_of((1.0 - share) * from.turn + share * to.turn);
-  handle.translation() = centre + (1.0 - share) * from.shift_m + share * to.shift_m;
-  handle.translation() -= handle.linear() * centre;
-  return handle;
 }
 
 Points3 Choreography::start() const {

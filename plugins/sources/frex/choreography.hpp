@@ -5,11 +5,13 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 #include <weft/core/rng.hpp>
 #include <weft/geometry/types.hpp>
 
 #include "common/cloth.hpp"
+#include "handle_pair.hpp"
 
 namespace weft::frex {
 
@@ -58,7 +60,6 @@ class Choreography {
   Points3 bent(const Points2& flat_m, double t_s) const;
   Points3 bulged(const Points2& flat_m, double t_s) const;
   std::vector<sources::ClothGuide> handles_at(double t_s) const;
-  Eigen::Isometry3d handle_at(int side, double t_s) const;
 
   MotionSettings settings_;
   int columns_, rows_;
@@ -67,6 +68,7 @@ class Choreography {
   std::array<Sway, 6> sway_{};  ///< rotation about x, y, z and displacement along them
   double ruling_rad_ = 0.0;     ///< direction across which the sheet is curved
   double sign_ = 1.0;           ///< which way it is curved
+  std::optional<HandlePair> handles_;
 };
 
 }  // namespace weft::frex
