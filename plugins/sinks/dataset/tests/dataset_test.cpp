@@ -8,8 +8,8 @@
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
-#include <weft/host/npz.hpp>
 #include <weft/testing/plugin_under_test.hpp>
+#include <weft/testing/record_file.hpp>
 #include <weft/testing/synthetic.hpp>
 
 namespace {
@@ -22,6 +22,7 @@ using weft::Image;
 using weft::testing::input;
 using weft::testing::Outcome;
 using weft::testing::PluginUnderTest;
+using weft::testing::RecordFile;
 
 constexpr int kOpen = 0, kWrite = 1, kFinish = 2;
 
@@ -96,11 +97,10 @@ TEST_F(DatasetSink, WritesImagesAndTruthWithoutLoss) {
   const Image expected = make_image(2);
   ASSERT_EQ(image.total(), static_cast<std::size_t>(expected.pixels.size()));
   EXPECT_EQ(std::memcmp(image.data, expected.pixels.data(), image.total()), 0);
-  const auto records = weft::host::read_npz(path("gt/000000.npz").string());
-  ASSERT_TRUE(records) << records.error().message;
-  ASSERT_EQ(records->size(), 1U);
-  const auto truth = weft::host::view_as<GroundTruth>(*records->front().second);
-  ASSERT_TRUE(truth);
+  const RecordFile file(path("gt/000000.npz").string());
+  EXPECT_EQ(file.count(), 1U);
+  const auto truth = file.get<GroundTruth>();
+  ASSERT_TRUE(truth.has_value());
   EXPECT_EQ(truth->kind, "made");
   EXPECT_EQ(truth->points_m(1, 2), 1.0 / 3.0);
   EXPECT_EQ(truth->uv_m.dim(2), 2);
@@ -116,7 +116,7 @@ TEST_F(DatasetSink, DescribesWhatItWrote) {
   EXPECT_THAT(read_file(path("camera.yaml")), HasSubstr("\nwidth: 640\nheight: 480\n"));
   EXPECT_THAT(read_file(path("sequence.yaml")), HasSubstr("truth: gt/*.npz"));
   EXPECT_TRUE(fs::exists(path("template/texture.png")));
-  EXPECT_TRUE(weft::host::read_npz(path("template/template.npz").string()));
+  EXPECT_TRUE(RecordFile(path("template/template.npz").string()).get<weft::Template>());
 }
 
 TEST_F(DatasetSink, LeavesDenseTruthOutIfAsked) {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
-#include <filesystem>
 #include <weft/data/ground_truth.hpp>
-#include <weft/host/npz.hpp>
+#include <weft/testing/record_file.hpp>
 
 #include "images_source.hpp"
 
@@ -34,9 +33,7 @@ void fill(const FrameFolder& folder, const std::string& archive) {
   truth.visible(1) = 1;
   truth.diag.set("stretch_max", 0.07);
   folder.write("gt/placeholder", "");
-  const auto written = weft::host::write_npz(
-      folder.path(archive), {{"ground_truth", weft::host::Record::copy_of(truth)}});
-  ASSERT_TRUE(written) << written.error().message;
+  weft::testing::write_record_file(folder.path(archive), "ground_truth", truth);
 }
 
 PluginUnderTest source(const FrameFolder& folder) {
