@@ -79,9 +79,7 @@ TEST(TruthArchives, AreAnErrorOfTheirFrameWhenTheyAreDamaged) {
 TEST(TruthArchives, MustHoldATruth) {
   const FrameFolder folder;
   fill(folder, "gt/009.npz");
-  const auto written = weft::host::write_npz(folder.path("gt/010.npz"),
-                                             {{"time", weft::host::Record::copy_of(weft::Time{})}});
-  ASSERT_TRUE(written);
+  weft::testing::write_record_file(folder.path("gt/010.npz"), "time", weft::Time{});
   auto images = source(folder);
   ASSERT_EQ(images.process(kOpen, {}).status, WEFT_OK);
   EXPECT_THAT(images.process(kRead, {}, 2).message, HasSubstr("no record 'ground_truth'"));
