@@ -13,33 +13,6 @@ using host::RecordPtr;
 
 namespace {
 
-void add_count(const RecordPtr& record, const char* array, const char* name, StageReport& report) {
-  const weft_record view = record->view("");
-  if (const weft_array* values = find_array(view, array)) {
-    report.numbers.emplace_back(name, static_cast<double>(values->shape[0]));
-  }
-}
-
-/// Lengths that a reader of frames.jsonl wants, and scalars that the component calls evidence.
-void add_numbers(const RecordPtr& record, StageReport& report) {
-  const weft_record view = record->view("");
-  if (record->type() == Keypoints::kType) add_count(record, "xy_px", "keypoints", report);
-  if (record->type() == Sightlines::kType) add_count(record, "vertex", "sightlines", report);
-  if (record->type() == Correspondences::kType) {
-    add_count(record, "kept", "matches", report);
-    const auto matches = host::view_as<Correspondences>(*record);
-    const auto kept = matches->kept.matrix<1>().template cast<double>().sum();
-    report.numbers.emplace_back("kept", kept);
-  }
-  for (std::uint64_t i = 0; i < view.count; ++i) {
-    const weft_array& array = view.arrays[i];
-    const std::string_view name = array.name;
-    if (name.starts_with("diag.") && array.ndim == 0 && array.dtype == WEFT_F64) {
-      report.numbers.emplace_back(name, *static_cast<const double*>(array.data));
-    }
-  }
-}
-
 Result<host::Instance*> instantiate(host::Lane& lane, const StageConfig& stage,
                                     const host::ComponentSpec& component) {
   return stage.isolation ? lane.instantiate_apart(component, stage.name, *stage.isolation)
@@ -226,10 +199,11 @@ StageReport Executor::execute(Stage& stage, FrameResult& result) {
     report = report_of(stage.config->name, outcome, since(start));
     for (const int output : stage.node->outputs) {
       const RecordPtr& record = result.values[static_cast<std::size_t>(output)];
-      if (record != nullptr && record != stage.made.template_keypoints) add_numbers(record, report);
+      if (record != nullptr && record != stage.made.template_keypoints)
+        add_numbers(*record, report);
     }
     if (stage.role == "filters" && outcome.usable()) {
-      add_numbers(outcome.find("inlier_mask"), report);
+      add_numbers(*outcome.find("inlier_mask"), report);
     }
   }
   const std::string own_cause = cause.empty() ? report.stage + ": " + report.reason : cause;

@@ -1,11 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <weft/data/correspondences.hpp>
+#include <weft/data/keypoints.hpp>
+#include <weft/data/sightlines.hpp>
 #include <weft/pipeline/frame_result.hpp>
 
 namespace weft {
 
 using host::Outcome;
+using host::Record;
 using host::RecordPtr;
+
+namespace {
+
+void add_count(const Record& record, const char* array, const char* name, StageReport& report) {
+  const weft_record view = record.view("");
+  if (const weft_array* values = find_array(view, array)) {
+    report.numbers.emplace_back(name, static_cast<double>(values->shape[0]));
+  }
+}
+
+}  // namespace
 
 const char* to_string(StageStatus status) {
   constexpr const char* kNames[] = {"ok", "degenerate", "no_result", "error", "skipped"};
@@ -22,6 +37,25 @@ RecordPtr FrameInput::find(std::string_view wanted) const {
 bool FrameResult::failed() const {
   return std::any_of(stages.begin(), stages.end(),
                      [](const StageReport& report) { return report.status == StageStatus::error; });
+}
+
+void add_numbers(const Record& record, StageReport& report) {
+  const weft_record view = record.view("");
+  if (record.type() == Keypoints::kType) add_count(record, "xy_px", "keypoints", report);
+  if (record.type() == Sightlines::kType) add_count(record, "vertex", "sightlines", report);
+  if (record.type() == Correspondences::kType) {
+    add_count(record, "kept", "matches", report);
+    const auto matches = host::view_as<Correspondences>(record);
+    const auto kept = matches->kept.matrix<1>().template cast<double>().sum();
+    report.numbers.emplace_back("kept", kept);
+  }
+  for (std::uint64_t i = 0; i < view.count; ++i) {
+    const weft_array& array = view.arrays[i];
+    const std::string_view name = array.name;
+    if (name.starts_with("diag.") && array.ndim == 0 && array.dtype == WEFT_F64) {
+      report.numbers.emplace_back(name, *static_cast<const double*>(array.data));
+    }
+  }
 }
 
 StageReport report_of(const std::string& stage, const Outcome& outcome, double ms) {

@@ -70,6 +70,7 @@ std::optional<PipelineInput::Frame> PipelineInput::read(std::uint64_t index) {
   const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
   if (frames_ < 0 && read.status == WEFT_NO_RESULT) return std::nullopt;
   Frame frame{{index, {}, {}}, report_of(config_->source->name, read, ms.count())};
+  for (const auto& [slot, record] : read.outputs) add_numbers(*record, frame.report);
   if (!read.usable()) frame.input.failure = read.error.message;
   frame.input.records = std::move(read.outputs);
   return frame;

@@ -63,7 +63,7 @@ class Run {
       throw;
     }
     need(finish());
-    summary_.folder = folder_->path();
+    if (folder_) summary_.folder = folder_->path();
     summary_.stopped = summary_.stopped || cancel_.load();
     return summary_;
   }
@@ -78,16 +78,20 @@ class Run {
   void open() {
     need(Dump::check_names(config_, dumped_));
     input_.emplace(need(PipelineInput::open(config_, lane_)));
-    const RecordPtr &templ = input_->templ(), &camera = input_->camera();
-    executor_ = need(Executor::create(config_, graph_, lane_, templ, camera));
+    executor_ = need(Executor::create(config_, graph_, lane_, input_->templ(), input_->camera()));
     // Not before: a run that cannot start leaves no folder behind.
+    if (!folder_path_.empty()) open_folder();
+    open_sinks();
+    if (trace_) need(trace_->add(lane_.take_timings()));
+  }
+
+  void open_folder() {
+    const RecordPtr &templ = input_->templ(), &camera = input_->camera();
     folder_.emplace(need(RunFolder::create(folder_path_)));
     need(folder_->begin(config_, *templ, *camera));
     trace_.emplace(need(Trace::create(folder_->path() + "/trace.json")));
     dump_.emplace(need(Dump::create(folder_->path(), config_, dumped_, templ, camera)));
     for (const std::string& stage : dumped_) executor_->keep_calls_of(stage);
-    open_sinks();
-    need(trace_->add(lane_.take_timings()));
   }
 
   void open_sinks() {
@@ -110,9 +114,11 @@ class Run {
     if (result.failed() && cancel_.load()) return false;  // cut short: this is no result
     for (const Sink& sink : sinks_) result.stages.push_back(write(sink, result));
     for (const host::Timing& timing : lane_.take_timings()) result.timings.push_back(timing);
-    need(folder_->add(graph_, result, read->input.find("ground_truth")));
-    need(trace_->add(result));
-    need(dump_->add(result));
+    if (folder_) {
+      need(folder_->add(graph_, result, read->input.find("ground_truth")));
+      need(trace_->add(result));
+      need(dump_->add(result));
+    }
     ++summary_.frames;
     summary_.failed += result.failed() ? 1 : 0;
     observer_.frame_done(result);

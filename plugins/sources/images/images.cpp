@@ -7,6 +7,7 @@
 #include "depth_files.hpp"
 #include "frame_files.hpp"
 #include "image_file.hpp"
+#include "truth_archive.hpp"
 #include "truth_file.hpp"
 
 namespace weft::images {
@@ -16,8 +17,12 @@ namespace {
 struct Frame {
   std::string path;
   std::string stem;
-  std::optional<GroundTruth> truth;
+  std::optional<GroundTruth> truth;  ///< of a CSV file
   std::string truth_path;
+  std::string kind;   ///< what follows the stem in the name of the truth file
+  std::string apart;  ///< why it is reported apart, if it is
+
+  bool has_archive() const { return truth_path.ends_with(".npz"); }
 };
 
 /// Image files of a calibrated camera, in bytewise order of their paths.
@@ -32,7 +37,8 @@ class Images final : public Source {
                  "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info",
                  Need::required);
     p.input_path("truth", truth_path_,
-                 "CSV files of true points; STEM_KIND.csv belongs to the frame STEM");
+                 "CSV files of true points or npz files of truth records; STEM_KIND.csv or .npz "
+                 "belongs to the frame STEM");
     p.labels("apart", apart_, "frames that are reported apart: stem and reason");
     depth_.declare(p);
     p.read("fps", fps_, "1/s", {1e-3, 1e6}, "frames a second; gives each frame its time");
@@ -70,7 +76,9 @@ class Images final : public Source {
     SourceFrame result;
     result.image = *std::move(image);
     result.time = Time{static_cast<double>(index) / fps_};
-    result.ground_truth = frame.truth;
+    auto truth = truth_of(frame);
+    if (!truth) return truth.error();
+    result.ground_truth = *std::move(truth);
     const auto added = depth_.add_to(result.ground_truth, frame.stem, camera_);
     if (!added) return added.error();
     return result;
@@ -91,7 +99,7 @@ class Images final : public Source {
                          "'path' or rename one",
                      {}};
       }
-      frames_.push_back({std::move(path), std::move(stem), {}, {}});
+      frames_.push_back({std::move(path), std::move(stem), {}, {}, {}, {}});
     }
     return {};
   }
@@ -110,17 +118,18 @@ class Images final : public Source {
                          "', which is the name up to the first '_'",
                      {}};
       }
-      if (frame->truth) {
+      if (!frame->truth_path.empty()) {
         return Error{Errc::invalid_data,
                      path + ": belongs to the frame '" + frame->stem + "', which already has " +
                          frame->truth_path + ": remove one",
                      {}};
       }
+      frame->truth_path = path;
+      frame->kind = end == stem.npos ? "" : stem.substr(end + 1);
+      if (frame->has_archive()) continue;
       auto truth = read_truth_file(path);
       if (!truth) return truth.error();
       frame->truth = *std::move(truth);
-      frame->truth->kind = end == stem.npos ? "" : stem.substr(end + 1);
-      frame->truth_path = path;
     }
     return {};
   }
@@ -137,9 +146,26 @@ class Images final : public Source {
                          (meant.empty() ? "" : "; did you mean '" + meant + "'?"),
                      {}};
       }
-      if (frame->truth) frame->truth->apart = reason;
+      frame->apart = reason;
     }
     return {};
+  }
+
+  /// Archives may hold much, so that they are read with their frames.
+  Result<std::optional<GroundTruth>> truth_of(const Frame& frame) {
+    std::optional<GroundTruth> truth = frame.truth;
+    if (frame.has_archive()) {
+      auto archive = TruthArchive::read(frame.truth_path);
+      if (!archive) return archive.error();
+      archive_.emplace(*std::move(archive));
+      auto read = archive_->truth();
+      if (!read) return read.error();
+      truth = *std::move(read);
+    }
+    if (!truth) return truth;
+    if (!frame.kind.empty()) truth->kind = frame.kind;
+    if (!frame.apart.empty()) truth->apart = frame.apart;
+    return truth;
   }
 
   Frame* find(const std::string& stem) {
@@ -156,6 +182,7 @@ class Images final : public Source {
   sources::CalibratedCamera camera_;
   DepthFiles depth_;
   std::vector<Frame> frames_;
+  std::optional<TruthArchive> archive_;          ///< from which the last frame's truth borrows
   std::map<std::string, std::size_t> frame_of_;  // index of each stem
 };
 

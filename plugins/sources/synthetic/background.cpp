@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <weft/core/rng.hpp>
 
-#include "noise.hpp"
+#include "common/value_noise.hpp"
 
 namespace weft::synthetic {
 namespace {
@@ -46,7 +46,7 @@ std::vector<Thing> draw_things(double width, double height, Rng& rng) {
 
 std::vector<float> draw_background(int width, int height, std::uint64_t seed) {
   Rng rng(seed);
-  std::vector<ValueNoise> layers;
+  std::vector<sources::ValueNoise> layers;
   double cell_px = 0.4 * height;
   while (cell_px > 8.0) {
     layers.emplace_back(width, height, cell_px, rng);
@@ -58,7 +58,7 @@ std::vector<float> draw_background(int width, int height, std::uint64_t seed) {
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       double value = 92.0, amplitude = 34.0;
-      for (const ValueNoise& layer : layers) {
+      for (const sources::ValueNoise& layer : layers) {
         value += amplitude * layer(x, y);
         amplitude *= 0.55;
       }

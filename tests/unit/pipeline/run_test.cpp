@@ -168,6 +168,21 @@ TEST_F(Runs, TakesAnEmptyFolder) {
   EXPECT_TRUE(run(chain()).summary);
 }
 
+TEST_F(Runs, NeedNoStagesAndLeaveOnlyWhatSinksWriteIfTheyHaveNoFolder) {
+  const std::string text = head() + "sinks:\n  - {use: sinks/test.scripted, params: {path: '" +
+                           path("lines.txt") + "'}}\n";
+  const auto [pipeline, report] = check(text);
+  ASSERT_TRUE(report.ok()) << report.text();
+  Ran ran;
+  const std::atomic<bool> cancel{false};
+  const auto summary = run_pipeline(pipeline, "", ran, cancel);
+  ASSERT_TRUE(summary) << summary.error().message;
+  EXPECT_EQ(summary->frames, 3);
+  EXPECT_EQ(summary->folder, "");
+  EXPECT_EQ(read_lines(path("lines.txt")).size(), 3U);
+  EXPECT_FALSE(fs::exists(path("run")));
+}
+
 TEST_F(Runs, LeavesNoFolderBehindWhenTheyCannotStart) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {chain({{"sources", "{refuse: true}"}}), "refuses as scripted"},

@@ -18,6 +18,7 @@ struct GroundTruth {
   Array<float> depth_m = {};         ///< [H,W] m along the optical axis, 0 where it is not known
   Array<float> uv_m = {};  ///< [H,W,2] m, template point seen at the pixel, NaN where none is
   Array<double> match_xy_px = {};  ///< [N,2] px, true image of the source's matches, or NaN
+  Diagnostics diag = {};
 
   std::int64_t count() const { return template_xy_m.rows(); }
 
@@ -31,9 +32,10 @@ struct GroundTruth {
     visit(self.visible, Field{"visible", "T", "0 or 1", "1 where the camera sees the point", true});
     visit(self.depth_m,
           Field{"depth_m", "H,W", "m", "along the optical axis, 0 where it is not known", true});
-    visit(self.uv_m, Field{"uv_m", "H,W,2", "m", "template point seen at the pixel, or NaN", true});
+    visit(self.uv_m, Field{"uv_m", "H,W,2", "m", "template point seen at the pixel", true, true});
     visit(self.match_xy_px,
-          Field{"match_xy_px", "N,2", "px", "true image of the source's matches, or NaN", true});
+          Field{"match_xy_px", "N,2", "px", "true image of the source's matches", true, true});
+    visit(self.diag, Field{"diag.*", "*", "", "evidence", true});
   }
 };
 

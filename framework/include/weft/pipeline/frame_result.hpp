@@ -70,6 +70,10 @@ struct FrameResult {
 /// Collects the inputs of a stage or sink; the reason is why a required one is absent, else empty.
 std::string gather(const Node& node, const FrameResult& result, std::vector<weft_record>& inputs);
 
+/// Appends what a reader of frames.jsonl wants of an output: counts, and the scalars that the
+/// component calls evidence.
+void add_numbers(const host::Record& record, StageReport& report);
+
 /// Status, reason and time of a call as a report.
 StageReport report_of(const std::string& stage, const host::Outcome& outcome, double ms);
 

@@ -36,7 +36,8 @@ std::pair<CheckedPipeline, ConfigReport> check_pipeline(
     const std::string& file, const host::Registry& registry, const std::string& output_folder,
     const std::vector<std::string>& settings = {}, const std::vector<Patch>& patches = {});
 
-/// Runs all frames of the source into `output_folder`, which must be new or empty. Fails with the
+/// Runs all frames of the source into `output_folder`, which must be new or empty; an empty name
+/// leaves no run folder, only what the sinks write. Fails with the
 /// first error before the first frame, or when the run folder cannot be written; errors of single
 /// frames are recorded and counted. `cancel` may be set from another thread or a signal handler.
 /// The calls of the stages `dumped` are written too, see Dump.

@@ -7,7 +7,7 @@
 #include <vector>
 #include <weft/core/rng.hpp>
 
-namespace weft::synthetic {
+namespace weft::sources {
 
 /// Smooth random values over a rectangle: a lattice of uniform numbers in [-1,1), joined by quintic
 /// blending. C2.
@@ -40,4 +40,4 @@ class ValueNoise {
   std::vector<double> values_;
 };
 
-}  // namespace weft::synthetic
+}  // namespace weft::sources

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "choreography.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/random_stream.hpp"
+
+namespace weft::frex {
+namespace {
+
+constexpr std::uint64_t kMotionStream = 1;
+constexpr double kRollTurn_rad = 2.6, kBendTurn_rad = 1.5, kWaveSlope_rad = 0.62;
+constexpr double kFoldTurn_rad = 2.3, kFoldWidth_m = 0.06;
+constexpr double kBulgeShare = 0.3;  // height of a bulge over half the shorter side
+constexpr double kPoisson = 0.3;     // what a stretched sheet loses across
+constexpr double kGuideCompliance = 1e-4;
+
+/// The plane curve of unit speed with a given curvature, through the origin with the tangent (1,0).
+class BentCurve {
+ public:
+  template <class Curvature>
+  BentCurve(double reach_m, const Curvature& curvature_per_m) : step_m_(reach_m / kHalf) {
+    points_.resize(2 * kHalf + 1, Eigen::Vector2d::Zero());
+    for (const int way : {1, -1}) {
+      double turn = 0.0;
+      for (int k = 0; k < kHalf; ++k) {
+        const double middle = way * (k + 0.5) * step_m_;
+        const double half_turn = 0.5 * way * step_m_ * curvature_per_m(middle);
+        turn += half_turn;
+        const Eigen::Vector2d tangent(std::cos(turn), std::sin(turn));
+        turn += half_turn;
+        points_[at(way * (k + 1))] = points_[at(way * k)] + way * step_m_ * tangent;
+      }
+    }
+  }
+
+  /// Up to `reach_m` on either side.
+  Eigen::Vector2d operator()(double s_m) const {
+    const double place = std::clamp(s_m / step_m_ + kHalf, 0.0, 2.0 * kHalf);
+    const auto i = std::min(static_cast<std::size_t>(place), points_.size() - 2);
+    const double share = place - static_cast<double>(i);
+    return (1.0 - share) * points_[i] + share * points_[i + 1];
+  }
+
+ private:
+  static constexpr int kHalf = 1024;
+  static std::size_t at(int k) { return static_cast<std::size_t>(k + kHalf); }
+
+  double step_m_;
+  std::vector<Eigen::Vector2d> points_;
+};
+
+}  // namespace
+
+double Choreography::Sway::at(double phase) const { return amplitude * std::sin(speed * phase); }
+
+Choreography::Choreography(const MotionSettings& settings, int columns, int rows,
+                           const Points2& flat_m)
+    : settings_(settings), columns_(columns), rows_(rows), centred_m_(flat_m) {
+  const Eigen::RowVector2d low = flat_m.colwise().minCoeff(), high = flat_m.colwise().maxCoeff();
+  centred_m_.rowwise() -= 0.5 * (low + high);
+  half_m_ = 0.5 * (high - low).transpose();
+  if (settings_.pattern == Pattern::handles) {
+    handles_.emplace(half_m_.x(), settings_.bend, settings_.seed);
+  }
+  Rng rng = sources::random_stream(settings_.seed, kMotionStream);
+  const double tilt = settings_.tilt_rad, travel = settings_.travel_m;
+  const std::array<double, 6> largest{0.8 * tilt, tilt, 0.6 * tilt, travel, 0.6 * travel, travel};
+  for (std::size_t k = 0; k < sway_.size(); ++k) {
+    const double sign = rng.below(2) == 0 ? -1.0 : 1.0;
+    sway_[k] = {sign * largest[k] * rng.uniform(0.6, 1.0), rng.uniform(0.55, 1.2)};
+  }
+  sign_ = rng.below(2) == 0 ? -1.0 : 1.0;
+  ruling_rad_ = rng.uniform(-0.35, 0.35);
+  if (settings_.pattern == Pattern::corner_fold) {
+    // Towards one of the corners; a corner that folds to the back would hide what it does.
+    const double corner = std::atan2(half_m_.y(), half_m_.x()) + rng.uniform(0.0, 0.35);
+    ruling_rad_ = std::array{corner, M_PI - corner, corner - M_PI, -corner}[rng.below(4)];
+    sign_ = -1.0;
+  }
+}
+
+double Choreography::phase_at(double t_s) const { return 2.0 * M_PI * t_s / settings_.period_s; }
+
+double Choreography::share_at(double t_s) const {
+  return 0.5 * settings_.bend * (1.0 - std::cos(phase_at(t_s)));
+}
+
+Eigen::Isometry3d Choreography::pose_at(double t_s) const {
+  const double phase = phase_at(t_s);
+  const auto sway = [&](std::size_t first) {
+    return Eigen::Vector3d(sway_[first].at(phase), sway_[first + 1].at(phase),
+                           sway_[first + 2].at(phase));
+  };
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = rotation_of(sway(0));
+  pose.translation() = sway(3) + Eigen::Vector3d(0.0, 0.0, settings_.distance_m);
+  return pose;
+}
+
+/// Strain along x is largest in the middle column and fades to the sides; the map of the plane onto
+/// itself keeps the sheet developable.
+Points2 Choreography::stretched(double t_s) const {
+  const double strain = settings_.stretch * 0.5 * (1.0 - std::cos(0.8 * phase_at(t_s)));
+  Points2 plane = centred_m_;
+  if (strain <= 0.0) return plane;
+  for (Eigen::Index v = 0; v < plane.rows(); ++v) {
+    const double xi = plane(v, 0) / half_m_.x();
+    plane(v, 0) += 0.5 * strain * half_m_.x() * (xi + std::sin(M_PI * xi) / M_PI);
+    plane(v, 1) *= 1.0 - kPoisson * strain * 0.5 * (1.0 + std::cos(M_PI * xi));
+  }
+  return plane;
+}
+
+double Choreography::curvature_per_m(double s_m, double t_s) const {
+  const double share = sign_ * share_at(t_s);
+  const double extent_m = 2.0 * (half_m_.x() * std::abs(std::cos(ruling_rad_)) +
+                                 half_m_.y() * std::abs(std::sin(ruling_rad_)));
+  if (settings_.pattern == Pattern::roll) return share * kRollTurn_rad / extent_m;
+  if (settings_.pattern == Pattern::s_bend) {
+    return share * kBendTurn_rad * M_PI / extent_m * std::sin(2.0 * M_PI * s_m / extent_m);
+  }
+  if (settings_.pattern == Pattern::wave) {
+    const double frequency = 4.0 * M_PI / extent_m;
+    const double ramp = settings_.bend * eased(std::min(1.0, 2.0 * t_s / settings_.period_s));
+    return sign_ * ramp * kWaveSlope_rad * frequency *
+           std::sin(frequency * s_m - 1.5 * phase_at(t_s));
+  }
+  // A fold half-way from the middle to the corner.
+  const double off = (s_m - 0.27 * extent_m) / kFoldWidth_m;
+  return share * kFoldTurn_rad / (std::sqrt(M_PI) * 0.5 * kFoldWidth_m) *
+         std::exp(-4.0 * off * off);
+}
+
+Points3 Choreography::bent(const Points2& flat_m, double t_s) const {
+  const Eigen::RowVector2d across(std::cos(ruling_rad_), std::sin(ruling_rad_));
+  const Eigen::RowVector2d ruling(-across.y(), across.x());
+  const BentCurve curve(1.3 * half_m_.norm(),
+                        [&](double s_m) { return curvature_per_m(s_m, t_s); });
+  Points3 surface(flat_m.rows(), 3);
+  for (Eigen::Index v = 0; v < flat_m.rows(); ++v) {
+    const Eigen::Vector2d on_curve = curve(flat_m.row(v).dot(across));
+    const Eigen::RowVector2d plane = on_curve.x() * across + flat_m.row(v).dot(ruling) * ruling;
+    surface.row(v) << plane, on_curve.y();
+  }
+  return surface;
+}
+
+Points3 Choreography::bulged(const Points2& flat_m, double t_s) const {
+  const double height_m = kBulgeShare * share_at(t_s) * half_m_.minCoeff();
+  Points3 surface(flat_m.rows(), 3);
+  for (Eigen::Index v = 0; v < flat_m.rows(); ++v) {
+    const double xi = centred_m_(v, 0) / half_m_.x(), eta = centred_m_(v, 1) / half_m_.y();
+    const double dome = std::pow((1.0 - xi * xi) * (1.0 - eta * eta), 2);
+    surface.row(v) << flat_m.row(v), -height_m * dome;
+  }
+  return surface;
+}
+
+Points3 Choreography::lengths_at(double t_s) const {
+  const Points2 plane = stretched(t_s);
+  if (settings_.pattern == Pattern::bulge) return bulged(plane, t_s);
+  Points3 surface = Points3::Zero(plane.rows(), 3);
+  surface.leftCols<2>() = plane;
+  return surface;
+}
+
+std::vector<sources::ClothGuide> Choreography::guides_at(double t_s) const {
+  if (settings_.pattern == Pattern::handles) return handles_at(t_s);
+  const Points2 plane = stretched(t_s);
+  const Points3 surface =
+      settings_.pattern == Pattern::bulge ? bulged(plane, t_s) : bent(plane, t_s);
+  const Eigen::Isometry3d pose = pose_at(t_s);
+  std::vector<sources::ClothGuide> guides;
+  guides.reserve(static_cast<std::size_t>(surface.rows()));
+  for (Eigen::Index v = 0; v < surface.rows(); ++v) {
+    guides.push_back(
+        {static_cast<std::int32_t>(v), pose * surface.row(v).transpose(), kGuideCompliance});
+  }
+  return guides;
+}
+
+/// Two patches in the middle row, at the left and the right border, move as rigid bodies.
+std::vector<sources::ClothGuide> Choreography::handles_at(double t_s) const {
+  const Points2 plane = stretched(t_s);
+  const int deep = std::max(2, columns_ / 16), high = std::max(2, rows_ / 8);
+  const int first_row = (rows_ - high) / 2;
+  std::vector<sources::ClothGuide> guides;
+  for (const int side : {0, 1}) {
+    const Eigen::Isometry3d pose = pose_at(t_s) * handles_->at(side, t_s);
+    for (int j = first_row; j < first_row + high; ++j) {
+      for (int i = 0; i < deep; ++i) {
+        const int column = side == 0 ? i : columns_ - 1 - i;
+        const std::int32_t vertex = j * columns_ + column;
+        const Eigen::Vector3d place(plane(vertex, 0), plane(vertex, 1), 0.0);
+        guides.push_back({vertex, pose * place, 0.0});
+      }
+    }
+  }
+  return guides;
+}
+
+Points3 Choreography::start() const {
+  Points3 sheet = Points3::Constant(centred_m_.rows(), 3, settings_.distance_m);
+  sheet.leftCols<2>() = centred_m_;
+  return sheet;
+}
+
+}  // namespace weft::frex

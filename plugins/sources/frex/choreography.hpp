@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+#include <weft/core/rng.hpp>
+#include <weft/geometry/types.hpp>
+
+#include "common/cloth.hpp"
+#include "handle_pair.hpp"
+
+namespace weft::frex {
+
+/// How the sheet deforms.
+enum class Pattern { roll, s_bend, corner_fold, wave, handles, bulge };
+
+struct MotionSettings {
+  Pattern pattern = Pattern::wave;
+  double bend = 1.0;        ///< [] size of the deformation, 1 is usual
+  double stretch = 0.0;     ///< [] largest elastic strain
+  double distance_m = 0.6;  ///< [] m, from the camera to the middle of the sheet
+  double tilt_rad = 0.3;    ///< [] rad, largest turn about each axis
+  double travel_m = 0.02;   ///< [] m, largest displacement to the side
+  double period_s = 4.0;    ///< [] s, from flat to flat
+  std::uint64_t seed = 1;   ///< chooses directions, signs and speeds
+};
+
+/// Where a sheet is led, and how long it is, at each time. At time 0 it is flat and faces the
+/// camera. Functions of time alone.
+class Choreography {
+ public:
+  /// `flat_m` [V,2] is the grid in the template's frame, vertex = row * columns + column.
+  Choreography(const MotionSettings& settings, int columns, int rows, const Points2& flat_m);
+
+  /// The surface [V,3] m whose edge lengths are those of the sheet at time t: the plane, stretched
+  /// or bulged.
+  Points3 lengths_at(double t_s) const;
+  /// What leads the sheet, in the camera frame. `handles` holds two patches and leaves the rest to
+  /// the cloth, all others draw each vertex softly to the surface that the pattern describes.
+  std::vector<sources::ClothGuide> guides_at(double t_s) const;
+  /// The flat sheet at time 0 [V,3] m, camera frame.
+  Points3 start() const;
+
+ private:
+  /// A sine of time that starts at 0.
+  struct Sway {
+    double amplitude, speed;
+    double at(double phase) const;
+  };
+
+  double share_at(double t_s) const;
+  double phase_at(double t_s) const;
+  Eigen::Isometry3d pose_at(double t_s) const;
+  Points2 stretched(double t_s) const;
+  double curvature_per_m(double s_m, double t_s) const;
+  Points3 bent(const Points2& flat_m, double t_s) const;
+  Points3 bulged(const Points2& flat_m, double t_s) const;
+  std::vector<sources::ClothGuide> handles_at(double t_s) const;
+
+  MotionSettings settings_;
+  int columns_, rows_;
+  Points2 centred_m_;           ///< [V,2] flat sheet, measured from its middle
+  Eigen::Vector2d half_m_;      ///< half its width and height
+  std::array<Sway, 6> sway_{};  ///< rotation about x, y, z and displacement along them
+  double ruling_rad_ = 0.0;     ///< direction across which the sheet is curved
+  double sign_ = 1.0;           ///< which way it is curved
+  std::optional<HandlePair> handles_;
+};
+
+}  // namespace weft::frex

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "settings.hpp"
+
+#include <cmath>
+
+namespace weft::frex {
+
+void Settings::read(Params& p) {
+  p.input_path("texture", texture_path, "image printed on the sheet, from edge to edge",
+               Need::required);
+  p.read("width_m", width_m, "m", {0.001, 1000.0}, "width of the sheet");
+  p.read("height_m", height_m, "m", {0.0, 1000.0}, "height of the sheet; 0: texels are square");
+  p.read("columns", columns, "", {3, 400}, "vertices of the simulated mesh along the width");
+  p.read("rows", rows, "", {3, 400}, "vertices of the simulated mesh along the height");
+  p.read("frames", frames, "", {1, 10000}, "number of frames");
+  p.read("fps", fps, "1/s", {1.0, 1000.0}, "frames a second");
+  p.read("image_width_px", camera.width_px, "px", {16, 8192}, "width of the images");
+  p.read("image_height_px", camera.height_px, "px", {16, 8192}, "height of the images");
+  p.read("focal_px", camera.fx, "px", {1.0, 100000.0}, "focal length");
+  p.read("distance_m", motion.distance_m, "m", {0.01, 1000.0},
+         "from the camera to the middle of the sheet");
+  p.choice("pattern", motion.pattern,
+           {{"roll", Pattern::roll},
+            {"s_bend", Pattern::s_bend},
+            {"corner_fold", Pattern::corner_fold},
+            {"wave", Pattern::wave},
+            {"handles", Pattern::handles},
+            {"bulge", Pattern::bulge}},
+           "how the sheet deforms");
+  p.read("bend", motion.bend, "", {0.0, 1.5}, "size of the deformation over the usual one");
+  p.read("stretch", motion.stretch, "", {0.0, 0.2},
+         "largest elastic strain along the width; 0: the sheet does not stretch");
+  p.read("tilt_rad", motion.tilt_rad, "rad", {0.0, 1.5}, "largest turn of the whole sheet");
+  p.read("travel_m", motion.travel_m, "m", {0.0, 1000.0}, "how far the whole sheet moves");
+  p.read("period_s", motion.period_s, "s", {0.1, 10000.0}, "from flat to flat");
+  p.choice("background", background,
+           {{"plain", Background::plain},
+            {"clutter", Background::clutter},
+            {"look_alike", Background::look_alike},
+            {"image", Background::image}},
+           "what lies behind: a bare table, a full one, copies of the print, background_image");
+  p.input_path("background_image", background_path, "picture of background: image");
+  p.read("occluder", occluder, "an arm that hides parts of the sheet");
+  p.read("invisible_frames", invisible_frames, "", {0.0, 1e6},
+         "frames that show the background only; the truth is where the sheet would be");
+  p.read("cut_frames", cut_frames, "", {0.0, 1e6},
+         "frames before which a part of the film is missing");
+  p.read("ambient", ambient, "", {0.0, 1.0}, "share of the light that comes from all around");
+  p.read("light_drift_rad", light_drift_rad, "rad", {0.0, 0.5}, "how far the lamp wanders");
+  p.read("noise_grey", noise_grey, "grey level", {0.0, 255.0}, "sigma of the noise of a pixel");
+  p.read("blur_px", blur_px, "px", {0.0, 20.0}, "sigma of the blur of the lens");
+  p.read("dense_truth", dense_truth, "give depth and template point of each pixel too");
+  std::int64_t seed = 1;
+  p.read("seed", seed, "", {0, 9007199254740992.0},
+         "chooses movement, light, background and noise, whatever the seed of the run is");
+  motion.seed = static_cast<std::uint64_t>(seed);
+}
+
+Result<void> Settings::check() const {
+  for (const auto& [name, values] :
+       {std::pair{"cut_frames", &cut_frames}, std::pair{"invisible_frames", &invisible_frames}}) {
+    for (const double value : *values) {
+      if (value == std::floor(value) && value < static_cast<double>(frames)) continue;
+      return Error{Errc::invalid_value,
+                   std::string("'") + name + "' holds " + std::to_string(value) +
+                       ", which is no frame: give whole numbers from 0 to " +
+                       std::to_string(frames - 1),
+                   {}};
+    }
+  }
+  if ((background == Background::image) != background_path.empty()) return {};
+  return Error{Errc::invalid_value,
+               background_path.empty()
+                   ? "'background: image' needs 'background_image'"
+                   : "'background_image' needs 'background: image', or leave it out",
+               {}};
+}
+
+}  // namespace weft::frex

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+#include <weft/core/params.hpp>
+#include <weft/data/camera.hpp>
+
+#include "choreography.hpp"
+
+namespace weft::frex {
+
+enum class Background { plain, clutter, look_alike, image };
+
+/// The parameters of sources/frex.
+struct Settings {
+  std::string texture_path;
+  double width_m = 0.297;
+  double height_m = 0.0;
+  int columns = 64;
+  int rows = 41;
+  std::int64_t frames = 60;
+  double fps = 30.0;
+  Camera camera{820.0, 820.0, 0.0, 0.0, 640, 480};
+  MotionSettings motion;
+  Background background = Background::plain;
+  std::string background_path;
+  bool occluder = false;
+  std::vector<double> invisible_frames;
+  std::vector<double> cut_frames;
+  double ambient = 0.45;
+  double light_drift_rad = 0.2;
+  double noise_grey = 2.0;
+  double blur_px = 0.5;
+  bool dense_truth = true;
+
+  /// Declares or reads all of them.
+  void read(Params& p);
+  /// What a range cannot say.
+  Result<void> check() const;
+};
+
+}  // namespace weft::frex

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sheet_film.hpp"
+
+#include <utility>
+#include <weft/geometry/mesh_topology.hpp>
+#include <weft/geometry/rectangular_grid.hpp>
+
+namespace weft::frex {
+
+Result<SheetFilm> SheetFilm::create(const MotionSettings& settings, int columns, int rows,
+                                    const Points2& flat_m, double fps) {
+  const auto faces = rectangular_grid_faces(columns, rows);
+  if (!faces) return faces.error();
+  const auto topology = build_topology(*faces, flat_m.rows());
+  if (!topology) return topology.error();
+  Choreography choreography(settings, columns, rows, flat_m);
+  const Points3 start_m = choreography.start();
+  auto edges = distance_constraints(topology->edges, start_m);
+  if (!edges) return edges.error();
+  auto cloth = sources::Cloth::create(columns, rows, start_m);
+  if (!cloth) return cloth.error();
+  return SheetFilm(std::move(choreography), *std::move(cloth), *std::move(edges), fps);
+}
+
+SheetFilm::SheetFilm(Choreography choreography, sources::Cloth cloth,
+                     std::vector<DistanceConstraint> flat_edges, double fps)
+    : choreography_(std::move(choreography)),
+      cloth_(std::move(cloth)),
+      flat_edges_(std::move(flat_edges)),
+      fps_(fps) {
+  states_.push_back(state_now());
+}
+
+Result<const SheetState*> SheetFilm::at(std::int64_t index, const Call& call) {
+  while (static_cast<std::int64_t>(states_.size()) <= index) {
+    if (call.cancelled()) return Error{Errc::cancelled, "the simulation was cancelled", {}};
+    const double t_s = static_cast<double>(states_.size()) / fps_;
+    cloth_.set_lengths_of(choreography_.lengths_at(t_s));
+    if (auto moved = cloth_.step(1.0 / fps_, choreography_.guides_at(t_s)); !moved) {
+      return Error{moved.error().code,
+                   "frame " + std::to_string(states_.size()) + ": " + moved.error().message,
+                   {}};
+    }
+    states_.push_back(state_now());
+  }
+  return &states_[static_cast<std::size_t>(index)];
+}
+
+SheetState SheetFilm::state_now() const {
+  return {cloth_.vertices_m(), cloth_.worst_strain(),
+          strain_statistics(flat_edges_, cloth_.vertices_m())};
+}
+
+}  // namespace weft::frex

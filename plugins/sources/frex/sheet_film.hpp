@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+#include <weft/geometry/distance_constraints.hpp>
+#include <weft/sdk/call.hpp>
+
+#include "choreography.hpp"
+
+namespace weft::frex {
+
+/// One moment of the sheet.
+struct SheetState {
+  Points3 vertices_m;            ///< [V,3] m, camera frame
+  double residual_strain = 0.0;  ///< [] largest of an edge against the length that it should have
+  StrainStatistics true_strain;  ///< of the edges against the flat sheet: elasticity and residue
+};
+
+/// The simulated sheet, frame after frame. Whichever frame is asked for first, the frames before it
+/// are simulated and kept, so that each is the same in any order of asking.
+class SheetFilm {
+ public:
+  /// `flat_m` [V,2] as in Choreography.
+  static Result<SheetFilm> create(const MotionSettings& settings, int columns, int rows,
+                                  const Points2& flat_m, double fps);
+
+  /// Frame `index` from 0, valid until the next call. Fails when the sheet cannot follow, or as
+  /// soon as the call is cancelled.
+  Result<const SheetState*> at(std::int64_t index, const Call& call);
+
+ private:
+  SheetFilm(Choreography choreography, sources::Cloth cloth,
+            std::vector<DistanceConstraint> flat_edges, double fps);
+  SheetState state_now() const;
+
+  Choreography choreography_;
+  sources::Cloth cloth_;
+  std::vector<DistanceConstraint> flat_edges_;
+  double fps_;
+  std::vector<SheetState> states_;
+};
+
+}  // namespace weft::frex

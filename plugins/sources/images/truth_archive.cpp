@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "truth_archive.hpp"
+
+#include <zip.h>
+
+#include <array>
+#include <memory>
+#include <utility>
+#include <vector>
+#include <weft/data/codec.hpp>
+
+namespace weft::images {
+namespace {
+
+constexpr const char* kSlot = "ground_truth";
+
+struct Discard {
+  void operator()(zip_t* archive) const { zip_discard(archive); }
+};
+struct Close {
+  void operator()(zip_file_t* file) const { zip_fclose(file); }
+};
+
+/// Reads a member to its end, where its checksum is compared, and in pieces, because the size that
+/// a damaged file states may be anything.
+bool read_bytes(zip_t* archive, zip_uint64_t index, std::string& bytes) {
+  const std::unique_ptr<zip_file_t, Close> stream(zip_fopen_index(archive, index, 0));
+  if (!stream) return false;
+  std::array<char, 1U << 16U> piece;
+  zip_int64_t got = 0;
+  while ((got = zip_fread(stream.get(), piece.data(), piece.size())) > 0) {
+    bytes.append(piece.data(), static_cast<std::size_t>(got));
+  }
+  return got == 0;
+}
+
+}  // namespace
+
+TruthArchive::TruthArchive(std::string path, NpzRecord record)
+    : path_(std::move(path)), record_(std::move(record)) {}
+
+Result<TruthArchive> TruthArchive::read(const std::string& path) {
+  int code = 0;
+  const std::unique_ptr<zip_t, Discard> archive(zip_open(path.c_str(), ZIP_RDONLY, &code));
+  if (!archive) return Error{Errc::io, path + ": cannot be read as an npz file", {}};
+  std::vector<NpzMember> members;
+  const zip_int64_t count = zip_get_num_entries(archive.get(), 0);
+  for (zip_int64_t i = 0; i < count; ++i) {
+    const auto index = static_cast<zip_uint64_t>(i);
+    const char* name = zip_get_name(archive.get(), index, 0);
+    auto member = NpzMember::of_path(name != nullptr ? name : "");
+    if (!member || member->slot != kSlot) continue;
+    if (!read_bytes(archive.get(), index, member->bytes)) {
+      return Error{Errc::invalid_data, path + ": is damaged at " + member->path(), {}};
+    }
+    members.push_back(*std::move(member));
+  }
+  auto record = NpzRecord::create(std::move(members), kSlot);
+  if (!record) return Error{record.error().code, path + ": " + record.error().message, {}};
+  return TruthArchive(path, *std::move(record));
+}
+
+Result<GroundTruth> TruthArchive::truth() const {
+  auto truth = record_.with_view([](const auto& view) { return read_record<GroundTruth>(view); });
+  if (!truth) return Error{truth.error().code, path_ + ": " + truth.error().message, {}};
+  return truth;
+}
+
+}  // namespace weft::images
