@@ -79,8 +79,8 @@ Jitter summarise_jitter(const std::vector<FrameMetrics>& frames) {
   jitter.triples = static_cast<std::int64_t>(shape_mm.size());
   jitter.truth_triples = static_cast<std::int64_t>(truth_mm.size());
   jitter.median_mm = median(shape_mm);
-  if (!shape_mm.empty()) jitter.mean_mm = mean(shape_mm);
-  if (!truth_mm.empty()) jitter.truth_mean_mm = mean(truth_mm);
+  jitter.mean_mm = mean(shape_mm);
+  jitter.truth_mean_mm = mean(truth_mm);
   return jitter;
 }
 

@@ -12,8 +12,11 @@
 namespace weft::evaluation {
 namespace {
 
-constexpr int kHalvings = 36;
+constexpr int kHalvings = 26;
 constexpr double kRounding = 1e-12;  // relative: what equal differences may spread
+
+/// Computes in double: the same everywhere, and enough.
+using Plain = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
 
 /// The shift at which the test begins to reject on the way from the mean to an extreme, from the
 /// rejected side.
@@ -26,17 +29,18 @@ double end_of_interval(const SignFlips& flips, double mean, double extreme) {
   return outside;
 }
 
-double least_p_of(std::span<const double> differences, std::uint64_t seed) {
-  std::vector<double> magnitudes;
-  for (const double difference : differences) magnitudes.push_back(std::abs(difference));
-  return SignFlips(magnitudes, seed).p(0.0);
+/// The p of differences of these magnitudes, were all of one sign.
+double least_p_of(std::span<const double> differences) {
+  const auto zeros = std::count(differences.begin(), differences.end(), 0.0);
+  const auto others = static_cast<double>(differences.size()) - static_cast<double>(zeros);
+  return std::min(1.0,
+                  std::max(std::exp2(1.0 - others), SignFlips::resolution(differences.size())));
 }
 
 /// The largest level up to `alpha` that the p of n differences of distinct size can take.
 double attained_level(std::int64_t n, double alpha) {
-  const auto exact = n <= static_cast<std::int64_t>(SignFlips::kMostExact);
-  const double patterns = exact ? std::exp2(static_cast<double>(n - 1)) : 1.0 + SignFlips::kSample;
-  return std::floor(alpha * patterns) / patterns;
+  const double step = SignFlips::resolution(static_cast<std::size_t>(n));
+  return std::floor(alpha / step) * step;
 }
 
 }  // namespace
@@ -52,7 +56,7 @@ PairedTest test_differences(std::span<const double> differences, std::uint64_t s
   const SignFlips flips(differences, seed);
   test.exact = flips.exact();
   test.p = flips.p(0.0);
-  test.least_p = least_p_of(differences, seed);
+  test.least_p = least_p_of(differences);
   if (test.n < kLeastSequences) return test;
   const auto [least, most] = std::minmax_element(differences.begin(), differences.end());
   test.interval = {end_of_interval(flips, test.mean, *least),
@@ -64,10 +68,10 @@ double smallest_effect(double standard_deviation, std::int64_t n, double alpha, 
   const double level = n < 2 ? 0.0 : attained_level(n, alpha);
   if (!(level > 0.0) || !std::isfinite(standard_deviation)) return kUnknown;
   const auto freedom = static_cast<double>(n - 1);
-  const double critical =
-      boost::math::quantile(boost::math::students_t(freedom), 1.0 - 0.5 * level);
+  const double critical = boost::math::quantile(
+      boost::math::students_t_distribution<double, Plain>(freedom), 1.0 - 0.5 * level);
   const auto power_at = [&](double noncentrality) {
-    const boost::math::non_central_t t(freedom, noncentrality);
+    const boost::math::non_central_t_distribution<double, Plain> t(freedom, noncentrality);
     return boost::math::cdf(boost::math::complement(t, critical)) + boost::math::cdf(t, -critical);
   };
   double low = 0.0, high = 1.0;

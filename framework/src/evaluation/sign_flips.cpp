@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <weft/core/rng.hpp>
 
 namespace weft::evaluation {
@@ -13,15 +12,23 @@ constexpr double kTie = 1e-12;  // of the sum of magnitudes
 
 /// All 2^n sums of differences - shift with either sign, ascending.
 std::vector<double> sorted_sums(std::span<const double> differences, double shift) {
-  std::vector<double> sums{0.0}, lower, upper;
+  std::vector<double> sums(std::size_t{1} << differences.size()), before(sums.size() / 2 + 1);
+  std::size_t count = 1;
   for (const double difference : differences) {
     const double magnitude = std::abs(difference - shift);
-    lower.clear();
-    upper.clear();
-    for (const double sum : sums) lower.push_back(sum - magnitude);
-    for (const double sum : sums) upper.push_back(sum + magnitude);
-    sums.clear();
-    std::merge(lower.begin(), lower.end(), upper.begin(), upper.end(), std::back_inserter(sums));
+    std::copy_n(sums.begin(), count, before.begin());
+    // Merges the sums before, less the magnitude, with the same, plus the magnitude. The lower
+    // ones run out first.
+    std::size_t lower = 0, upper = 0;
+    while (lower < count) {
+      const double less = before[lower] - magnitude, more = before[upper] + magnitude;
+      const bool first = less <= more;
+      sums[lower + upper] = first ? less : more;
+      lower += first;
+      upper += !first;
+    }
+    for (; upper < count; ++upper) sums[count + upper] = before[upper] + magnitude;
+    count *= 2;
   }
   return sums;
 }
@@ -30,7 +37,9 @@ std::vector<double> sorted_sums(std::span<const double> differences, double shif
 
 SignFlips::SignFlips(std::span<const double> differences, std::uint64_t seed)
     : differences_(differences.begin(), differences.end()) {
-  if (exact()) return;
+  const bool zero = std::all_of(differences.begin(), differences.end(),
+                                [](double difference) { return difference == 0.0; });
+  if (exact() || zero) return;
   Rng rng(seed);
   sample_.reserve(kSample);
   for (int k = 0; k < kSample; ++k) {
@@ -38,12 +47,16 @@ SignFlips::SignFlips(std::span<const double> differences, std::uint64_t seed)
     std::uint32_t bits = 0;
     for (std::size_t i = 0; i < differences_.size(); ++i) {
       if (i % 32 == 0) bits = rng.next_u32();
-      const double sign = (bits >> (i % 32) & 1U) == 0 ? -1.0 : 1.0;
+      const auto sign = static_cast<double>(static_cast<int>(2U * (bits >> (i % 32) & 1U)) - 1);
       sum.differences += sign * differences_[i];
       sum.signs += sign;
     }
     sample_.push_back(sum);
   }
+}
+
+double SignFlips::resolution(std::size_t n) {
+  return n <= kMostExact ? std::exp2(1.0 - static_cast<double>(n)) : 1.0 / (1.0 + kSample);
 }
 
 double SignFlips::p(double shift) const {

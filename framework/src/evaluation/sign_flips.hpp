@@ -16,6 +16,9 @@ class SignFlips {
 
   SignFlips(std::span<const double> differences, std::uint64_t seed);
 
+  /// The smallest p of n differences, and what others are multiples of.
+  static double resolution(std::size_t n);
+
   bool exact() const { return differences_.size() <= kMostExact; }
 
   /// Two-sided p of the sum when `shift` is taken from each difference first. Sums that differ by

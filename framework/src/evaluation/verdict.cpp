@@ -91,16 +91,16 @@ std::string failures_text(const PairComparison& pair, std::int64_t tests) {
   const FailurePair& failures = pair.failures;
   const std::int64_t of_a = failures.only_a + failures.both;
   const std::int64_t of_b = failures.only_b + failures.both;
-  if (of_a + of_b == 0) return fmt::format(" Neither fails on any of {} frames.", failures.rows);
-  const std::string counts = fmt::format(" Of {} frames {} fails on {} and {} on {}", failures.rows,
-                                         pair.a, of_a, pair.b, of_b);
+  if (of_a + of_b == 0) return fmt::format(" No failures in {} results of each.", failures.rows);
+  const std::string counts = fmt::format(" Failures in {} results of each: {} {}, {} {};",
+                                         failures.rows, pair.a, of_a, pair.b, of_b);
   const std::string p = p_text(failures.test.p, failures.p_holm, tests);
   if (decided(failures.call)) {
-    return fmt::format("{}: {} fails less ({}).", counts,
-                       failures.call == Call::a ? pair.a : pair.b, p);
+    return fmt::format("{} {} fails less ({}).", counts, failures.call == Call::a ? pair.a : pair.b,
+                       p);
   }
-  if (failures.call == Call::too_few) return counts + ": too few to decide.";
-  return fmt::format("{}: no difference is shown ({}).", counts, p);
+  if (failures.call == Call::too_few) return counts + " too few to decide.";
+  return fmt::format("{} no difference is shown ({}).", counts, p);
 }
 
 std::string list_of(const std::vector<std::string>& names) {
@@ -111,14 +111,14 @@ std::string list_of(const std::vector<std::string>& names) {
 
 std::string unpaired_text(const std::string& name, const std::vector<PanelPlace>& places) {
   if (places.empty()) return "";
-  return fmt::format(" Left out, for {} was not tried there: {} frames, the first at {}.", name,
-                     places.size(), to_string(places.front()));
+  return fmt::format(" Left out: {} results that {} lacks, the first at {}.", places.size(), name,
+                     to_string(places.front()));
 }
 
 std::string left_out_text(const PairComparison& pair) {
   std::string text = unpaired_text(pair.a, pair.without_a) + unpaired_text(pair.b, pair.without_b);
   if (pair.sequences_without_pair.empty()) return text;
-  return text + fmt::format(" Without a frame where both have a value: {}.",
+  return text + fmt::format(" Sequences without a pair of values: {}.",
                             list_of(pair.sequences_without_pair));
 }
 
@@ -172,7 +172,7 @@ std::string sentence_of(const FriedmanComparison& friedman) {
   std::string text;
   if (static_cast<std::int64_t>(n) < kLeastSequences) {
     text = fmt::format(
-        "Too few to rank the treatments: {} of at least {} sequences have a frame "
+        "Too few to rank the treatments: {} of at least {} sequences have a result "
         "where each has a value.",
         n, kLeastSequences);
   } else {

@@ -59,6 +59,12 @@ TEST(Statistics, MeanAndMedianAbsoluteDeviation) {
   EXPECT_EQ(median_absolute_deviation(Values{5.0, 5.0, 5.0}), 0.0);
 }
 
+TEST(Statistics, StandardDeviationIsThatOfThePopulation) {
+  EXPECT_DOUBLE_EQ(standard_deviation(Values{1.0, 2.0, 6.0}), std::sqrt(14.0 / 2.0));
+  EXPECT_EQ(standard_deviation(Values{3.0, 3.0}), 0.0);
+  EXPECT_TRUE(std::isnan(standard_deviation(Values{3.0})));
+}
+
 TEST(Statistics, ScaledDeviationEstimatesTheSigmaOfANormal) {
   std::cout << "seed 42\n";
   Rng rng(42);
