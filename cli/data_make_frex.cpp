@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <filesystem>
@@ -70,15 +71,22 @@ std::string quoted(const std::string& text) {
   return emitted;
 }
 
+std::string one_line(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  return text;
+}
+
 /// The pipeline that makes the sequence. It stands in the sequence and says how it was made, so it
 /// does not depend on where that is.
 std::string pipeline_text(const Options& options) {
   const std::string texture = quoted(fs::absolute(options.texture).lexically_normal().string());
   const std::string size =
       fmt::format("    width_m: {}\n    height_m: {}\n", options.width_m, options.height_m);
-  std::string text =
-      "# Made by `weft data make frex`; `weft run` of this file makes it again, with:\n";
-  for (const std::string& setting : options.settings) text += "#   --set " + setting + "\n";
+  std::string text = "# Made by `weft data make frex`; `weft run` of this file makes it again";
+  text += options.settings.empty() ? ".\n" : ", with:\n";
+  for (const std::string& setting : options.settings)
+    text += "#   --set " + one_line(setting) + "\n";
   text += "weft: 1\non_error: stop\nsource:\n  use: sources/frex\n  params:\n";
   text += "    texture: " + texture + "\n" + size;
   text += fmt::format("    frames: {}\n    seed: {}\n", options.frames, options.seed);
