@@ -17,6 +17,7 @@ const kConfig = {
     domainColor: "var(--rule-strong)", tickColor: "var(--rule-strong)",
     labelFontSize: 12, titleFontSize: 12.5, titleFontWeight: 500, titlePadding: 8,
   },
+  axisX: { grid: false },
   axisY: { titleAngle: 0, titleAlign: "left", titleAnchor: "end", titleY: -14, titleX: 0 },
   header: { labelColor: "var(--ink)", titleColor: "var(--ink)", labelFontSize: 12.5 },
   legend: { labelColor: "var(--ink)", titleColor: "var(--muted)" },

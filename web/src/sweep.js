@@ -64,7 +64,7 @@ function roc_spec(figure, sweep, series) {
       { data: { values: points },
         mark: { type: "line", strokeWidth: 2, point: { filled: true, size: 16 } },
         encoding: {
-          x: { field: "x", ...percent, title: "Correct matches rejected (FPR), %" },
+          x: { field: "x", ...percent, title: "Correct matches rejected (FPR), %", axis: { grid: true } },
           y: { field: "y", ...percent, title: "Mismatches rejected (TPR), %" },
           order: { field: "x" },
           tooltip: [

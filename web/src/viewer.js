@@ -26,7 +26,7 @@ class Drawing {
     this.surface = new Mesh(new BufferGeometry(),
       new MeshLambertMaterial({ side: DoubleSide, transparent: true, opacity: 0.82,
         polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }));
-    this.edges = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
+    this.edges = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ transparent: true, opacity: 0.4 }));
     this.truth = new Points(new BufferGeometry(), new PointsMaterial({ sizeAttenuation: false, size: 4 }));
     this.errors = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
     this.group.add(this.surface, this.edges, this.truth, this.errors);
@@ -143,7 +143,7 @@ class Viewer {
     const centre = box.getCenter(new Vector3());
     const radius = 0.5 * box.getSize(new Vector3()).length();
     const distance = radius / Math.tan((this.camera.fov * Math.PI) / 360);
-    this.camera.position.copy(centre).add(new Vector3(0.45, 0.35, 1).normalize().multiplyScalar(1.05 * distance));
+    this.camera.position.copy(centre).add(new Vector3(0.45, 0.35, 1).normalize().multiplyScalar(0.9 * distance));
     this.camera.near = 0.01 * radius;
     this.camera.far = 100 * radius;
     this.camera.updateProjectionMatrix();
