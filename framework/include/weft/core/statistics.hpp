@@ -24,9 +24,20 @@ inline bool unordered(std::span<const double> values) {
 
 /// Arithmetic mean, summed in the given order.
 inline double mean(std::span<const double> values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   double sum = 0.0;
   for (const double value : values) sum += value;
   return sum / static_cast<double>(values.size());
+}
+
+/// Standard deviation of the population that the values are a sample of: with n - 1, so NaN for a
+/// single value.
+inline double standard_deviation(std::span<const double> values) {
+  if (values.size() < 2) return std::numeric_limits<double>::quiet_NaN();
+  const double centre = mean(values);
+  double squares = 0.0;
+  for (const double value : values) squares += (value - centre) * (value - centre);
+  return std::sqrt(squares / static_cast<double>(values.size() - 1));
 }
 
 /// Median; for an even count the mean of the two middle values. Reorders `values`.

@@ -2,17 +2,15 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 #include <weft/data/shape.hpp>
 #include <weft/evaluation/match_metrics.hpp>
+#include <weft/evaluation/unknown.hpp>
 
 namespace weft::evaluation {
-
-inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// A frame is off when its mean error exceeds this share of the template's diagonal.
 inline constexpr double kOffShare = 0.1;
