@@ -20,14 +20,14 @@ namespace {
 namespace fs = std::filesystem;
 
 /// The records of one frame; the nouns borrow from the file's records.
-struct StoredFrame {
+struct FrameShapes {
   std::optional<Shape> shape;
   std::optional<GroundTruth> truth;
 };
 
-struct StoredCell {
+struct CellShapes {
   Template sheet;
-  std::map<std::uint64_t, StoredFrame> frames;
+  std::map<std::uint64_t, FrameShapes> frames;
 };
 
 /// The number at the end of `text`, as in "000012" or "worst_000012".
@@ -48,8 +48,8 @@ Result<void> take(const host::Record& record, std::optional<Noun>& place) {
 }
 
 /// Slots are `template`, `NNNNNN.shape` and `NNNNNN.ground_truth`.
-Result<StoredCell> sort_records(const host::NamedRecords& records) {
-  StoredCell cell;
+Result<CellShapes> sort_records(const host::NamedRecords& records) {
+  CellShapes cell;
   std::optional<Template> sheet;
   for (const auto& [slot, record] : records) {
     const std::size_t dot = slot.find('.');
@@ -71,7 +71,7 @@ void append(std::vector<float>& values, const Eigen::Vector3d& point) {
 }
 
 /// Every `step`-th true point with its place on the estimate.
-void add_truth(const Template& sheet, const FaceLocator& locator, const StoredFrame& stored,
+void add_truth(const Template& sheet, const FaceLocator& locator, const FrameShapes& stored,
                std::size_t most_points, ViewFrame& frame) {
   const GroundTruth& truth = *stored.truth;
   const std::int64_t most = static_cast<std::int64_t>(most_points);
@@ -94,7 +94,7 @@ void add_truth(const Template& sheet, const FaceLocator& locator, const StoredFr
 }
 
 ViewFrame view_frame(const Template& sheet, const FaceLocator& locator, std::uint64_t index,
-                     const StoredFrame& stored, std::size_t most_points) {
+                     const FrameShapes& stored, std::size_t most_points) {
   ViewFrame frame{index, "none", {}, {}, {}};
   if (stored.shape) {
     frame.state = to_string(stored.shape->shape_state());
@@ -105,7 +105,7 @@ ViewFrame view_frame(const Template& sheet, const FaceLocator& locator, std::uin
   return frame;
 }
 
-Result<CellView> view_of(const StoredCell& cell, const ViewLimits& limits) {
+Result<CellView> view_of(const CellShapes& cell, const ViewLimits& limits) {
   const auto faces = cell.sheet.faces.matrix<3>();
   const auto locator = FaceLocator::create(cell.sheet.flat_px.matrix<2>(), faces);
   if (!locator) return locator.error();

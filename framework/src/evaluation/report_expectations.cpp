@@ -18,7 +18,7 @@ std::string value_of(const Results& results, const PlanCell& cell, const std::st
   return name == "data" && data != results.data_of.end() ? data->second : "";
 }
 
-bool selects(const Expectation& expectation, const Results& results, const PlanCell& cell) {
+bool selects(const PlanExpectation& expectation, const Results& results, const PlanCell& cell) {
   return std::all_of(expectation.where.begin(), expectation.where.end(),
                      [&](const auto& condition) {
                        return value_of(results, cell, condition.first) == condition.second;
@@ -27,7 +27,7 @@ bool selects(const Expectation& expectation, const Results& results, const PlanC
 
 }  // namespace
 
-ExpectationRow check(const Results& results, const Expectation& expectation) {
+ExpectationRow check(const Results& results, const PlanExpectation& expectation) {
   ExpectationRow row;
   for (const auto& [name, value] : expectation.where) {
     row.where += (row.where.empty() ? "" : ", ") + name + ": " + value;

@@ -149,7 +149,7 @@ TextTable expectations_sheet(const Results& results, const ReportTables& tables)
                    {"met", "met"}},
                   {}};
   for (std::size_t i = 0; i < tables.expectations.size(); ++i) {
-    const Expectation& plan = results.expectations[i];
+    const PlanExpectation& plan = results.expectations[i];
     const ExpectationRow& row = tables.expectations[i];
     table.rows.push_back(
         {{text_cell(row.where), text_cell(plan.metric), number_cell(plan.at_least, 2),
@@ -239,9 +239,10 @@ std::vector<TextTable> all_sheets(const Results& results, const ReportTables& ta
   std::vector<std::size_t> every(results.cells.size());
   std::iota(every.begin(), every.end(), 0);
   std::vector<TextTable> sheets;
-  for (TextTable& table : std::vector{combinations_sheet(results, tables),
-                                      comparisons_sheet(tables), filters_sheet(results, tables),
-                                      times_sheet(results, tables), cells_sheet(results, every)}) {
+  for (TextTable& table :
+       std::vector{combinations_sheet(results, tables), comparison_sheet(tables.comparisons),
+                   expectations_sheet(results, tables), filters_sheet(results, tables),
+                   times_sheet(results, tables), cells_sheet(results, every)}) {
     if (!table.rows.empty()) sheets.push_back(std::move(table));
   }
   return sheets;

@@ -159,7 +159,7 @@ Result<ReportTables> make_tables(const Results& results) {
       }
     }
   }
-  for (const Expectation& expectation : results.expectations) {
+  for (const PlanExpectation& expectation : results.expectations) {
     tables.expectations.push_back(check(results, expectation));
   }
   for (const PlanComparison& plan : results.comparisons) {

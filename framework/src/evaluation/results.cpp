@@ -18,7 +18,8 @@ constexpr const char* kLineSchema = "weft.cell/1";
 std::set<std::string> metrics_of(const Results& results) {
   std::set<std::string> metrics(results.show.begin(), results.show.end());
   for (const PlanComparison& comparison : results.comparisons) metrics.insert(comparison.metric);
-  for (const Expectation& expectation : results.expectations) metrics.insert(expectation.metric);
+  for (const PlanExpectation& expectation : results.expectations)
+    metrics.insert(expectation.metric);
   return metrics;
 }
 
@@ -143,7 +144,7 @@ const CellRecord& Results::record(const PlanCell& cell) const {
 }
 
 Result<Results> read_results(const std::string& folder) {
-  auto results = read_plan(folder);
+  auto results = read_results_plan(folder);
   if (!results) return results.error();
   std::vector<std::string> files;
   std::error_code code;

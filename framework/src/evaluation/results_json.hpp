@@ -17,6 +17,6 @@ double number_of(const nlohmann::json& object, const char* key);
 double metric_at(const nlohmann::json& metrics, const std::string& path);
 
 /// Reads manifest.json and plan.json; everything but the records.
-Result<Results> read_plan(const std::string& folder);
+Result<Results> read_results_plan(const std::string& folder);
 
 }  // namespace weft::evaluation

@@ -66,8 +66,8 @@ PlanCell plan_cell(const json& entry, const std::vector<PlanAxis>& axes) {
   return cell;
 }
 
-Expectation plan_expectation(const json& entry) {
-  Expectation expectation;
+PlanExpectation plan_expectation(const json& entry) {
+  PlanExpectation expectation;
   for (const auto& [name, value] : entry.at("where").items()) {
     expectation.where.emplace_back(name, name_of(value));
   }
@@ -135,7 +135,7 @@ double metric_at(const nlohmann::json& metrics, const std::string& path) {
   return place->is_number() ? place->get<double>() : kUnknown;
 }
 
-Result<Results> read_plan(const std::string& folder) {
+Result<Results> read_results_plan(const std::string& folder) {
   Results results;
   results.folder = folder;
   if (auto read = read_manifest(folder + "/manifest.json", results); !read) return read.error();

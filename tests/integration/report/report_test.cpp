@@ -76,7 +76,9 @@ TEST(Report, CountsASequenceOnceHoweverManyOfItsSeedsAreThere) {
   Results results = read(fake);
   const Combination before = named(tables_of(results), "steady · 0.1");
   // One seed of the last sequence fails, so that the other stands for the sequence.
-  results.records[results.cells[before.cells.back()].key] = {CellOutcome::failed, "gone"};
+  CellRecord& last = results.records[results.cells[before.cells.back()].key];
+  last = CellRecord();
+  last.outcome = CellOutcome::failed;
   const Combination after = named(tables_of(results), "steady · 0.1");
   EXPECT_EQ(after.failed, 1);
   EXPECT_EQ(after.sequences, 8);

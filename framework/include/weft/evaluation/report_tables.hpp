@@ -24,15 +24,15 @@ struct Combination {
   double mean_mm = kUnknown;                       ///< [] mm, over sequences
   Interval interval_mm;                            ///< [] mm, 95 % of the mean, by sequence
   double worst_mm = kUnknown;                      ///< [] mm, largest mean error of a frame
-  std::string worst_place;                         ///< sequence, seed and frame of it
+  std::string worst_place = {};                    ///< sequence, seed and frame of it
   std::int64_t sequences = 0;                      ///< [] with an error, the n of the interval
   std::int64_t frames = 0, solved = 0;             ///< [] over its cells
   std::int64_t truth_frames = 0, failures = 0;     ///< [] with truth that counts; of them failures
   std::int64_t done = 0, failed = 0, missing = 0;  ///< [] cells
-  bool uses_truth = false;             ///< a component may have read the truth: no measurement
-  std::vector<FilterSummary> filters;  ///< in the order of the stages
-  std::vector<StageTime> times;        ///< empty without a pass with --timing
-  std::vector<double> shown;           ///< one for each metric of Results::show, over sequences
+  bool uses_truth = false;                  ///< a component may have read the truth: no measurement
+  std::vector<FilterSummary> filters = {};  ///< in the order of the stages
+  std::vector<StageTime> times = {};        ///< empty without a pass with --timing
+  std::vector<double> shown = {};  ///< one for each metric of Results::show, over sequences
 
   /// The rates of a stage, or nullptr.
   const FilterRates* filter(const std::string& stage) const;
@@ -66,7 +66,7 @@ struct ReportTables {
 std::vector<Combination> combinations_of(const Results& results);
 
 /// What became of an expectation; a selected cell without the figure is one more way to miss it.
-ExpectationRow check(const Results& results, const Expectation& expectation);
+ExpectationRow check(const Results& results, const PlanExpectation& expectation);
 
 /// The unit that the name of a metric ends with: "mm", "px", "%", "ms" or nothing.
 std::string unit_of(const std::string& metric);

@@ -79,7 +79,7 @@ struct PlanComparison {
 };
 
 /// A figure that the plan expects of the mean over the cells that `where` selects.
-struct Expectation {
+struct PlanExpectation {
   std::vector<std::pair<std::string, std::string>> where;  ///< axis, data, sequence or seed
   std::string metric;
   double at_least = kUnknown, at_most = kUnknown;  ///< NaN: no bound
@@ -98,7 +98,7 @@ struct Results {
   std::map<std::string, std::string> data_of;  ///< name of the data of each sequence
   std::vector<std::string> show;               ///< metrics that the plan wants in its table
   std::vector<PlanComparison> comparisons;
-  std::vector<Expectation> expectations;
+  std::vector<PlanExpectation> expectations;
   std::vector<PlanCell> cells;
   std::map<std::string, CellRecord> records;  ///< by key
 
