@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
   weft::cli::add_run_command(app, context);
   weft::cli::add_check_command(app, context);
   weft::cli::add_eval_command(app, context);
+  weft::cli::add_ablate_command(app, context);
   weft::cli::add_plugins_command(app, context);
   weft::cli::add_replay_command(app, context);
   weft::cli::add_doctor_command(app, context);

@@ -162,26 +162,6 @@ Error damage_of(const std::vector<Error>& errors, std::size_t frames) {
   return first;
 }
 
-Result<std::vector<FrameMetrics>> evaluate_frames(const RunReader& reader, const ShapeMeter& meter,
-                                                  const EvaluationOptions& options) {
-  std::vector<FrameMetrics> frames;
-  std::vector<Error> errors;
-  MotionMeter motion;
-  for (const FrameLine& line : reader.lines()) {
-    const auto records = reader.read(line);
-    if (!records) {
-      errors.push_back(records.error());
-      continue;
-    }
-    auto frame = evaluate_frame(reader, meter, line, *records, options);
-    if (!frame) return frame.error();
-    frame->motion = motion.add(*frame, *records);
-    frames.push_back(*std::move(frame));
-  }
-  if (!errors.empty()) return damage_of(errors, reader.lines().size());
-  return frames;
-}
-
 std::string name_of(const std::string& folder) {
   const auto path = std::filesystem::absolute(folder).lexically_normal();
   return (path.has_filename() ? path : path.parent_path()).filename().string();
@@ -194,27 +174,68 @@ const char* to_string(Outcome outcome) {
   return kNames[static_cast<int>(outcome)];
 }
 
+struct RunEvaluator::State {
+  const RunReader& scene;
+  ShapeMeter meter;
+  EvaluationOptions options;
+  MotionMeter motion{};
+  std::vector<FrameMetrics> frames{};
+};
+
+RunEvaluator::RunEvaluator(std::unique_ptr<State> state) : state_(std::move(state)) {}
+RunEvaluator::RunEvaluator(RunEvaluator&& other) noexcept = default;
+RunEvaluator& RunEvaluator::operator=(RunEvaluator&& other) noexcept = default;
+RunEvaluator::~RunEvaluator() = default;
+
+Result<RunEvaluator> RunEvaluator::create(const RunReader& scene,
+                                          const EvaluationOptions& options) {
+  auto meter = ShapeMeter::create(scene.sheet());
+  if (!meter) return meter.error();
+  return RunEvaluator(std::unique_ptr<State>(new State{scene, *std::move(meter), options}));
+}
+
+Result<void> RunEvaluator::add(const FrameLine& line, const FrameRecords& records) {
+  auto frame = evaluate_frame(state_->scene, state_->meter, line, records, state_->options);
+  if (!frame) return frame.error();
+  frame->motion = state_->motion.add(*frame, records);
+  state_->frames.push_back(*std::move(frame));
+  return {};
+}
+
+RunMetrics RunEvaluator::finish() {
+  RunMetrics metrics;
+  metrics.alignment = state_->options.alignment;
+  metrics.frames = std::move(state_->frames);
+  mark_cuts(kMmPerM * state_->meter.diagonal_m(), metrics.frames);
+  metrics.jitter = summarise_jitter(metrics.frames);
+  summarise_image(state_->options.match_tolerance_px, metrics);
+  summarise_filters(metrics);
+  count_frames(metrics);
+  group_frames(kOffShare * kMmPerM * state_->meter.diagonal_m(), metrics);
+  return metrics;
+}
+
 Result<RunMetrics> evaluate_run(const std::string& folder, const EvaluationOptions& options) {
   const auto reader = RunReader::open(folder);
   if (!reader) return reader.error();
-  const auto meter = ShapeMeter::create(reader->sheet());
-  if (!meter) {
-    return Error{meter.error().code, meter.error().message, folder + "/template.npz"};
+  auto evaluator = RunEvaluator::create(*reader, options);
+  if (!evaluator) {
+    return Error{evaluator.error().code, evaluator.error().message, folder + "/template.npz"};
   }
-  RunMetrics metrics;
+  std::vector<Error> damages;
+  for (const FrameLine& line : reader->lines()) {
+    const auto records = reader->read(line);
+    if (!records) {
+      damages.push_back(records.error());
+    } else if (auto added = evaluator->add(line, *records); !added) {
+      return added.error();
+    }
+  }
+  if (!damages.empty()) return damage_of(damages, reader->lines().size());
+  RunMetrics metrics = evaluator->finish();
   metrics.run = name_of(folder);
-  metrics.alignment = options.alignment;
   metrics.interrupted = reader->interrupted();
   metrics.truth_users = reader->truth_users();
-  auto frames = evaluate_frames(*reader, *meter, options);
-  if (!frames) return frames.error();
-  metrics.frames = *std::move(frames);
-  mark_cuts(kMmPerM * meter->diagonal_m(), metrics.frames);
-  metrics.jitter = summarise_jitter(metrics.frames);
-  summarise_image(options.match_tolerance_px, metrics);
-  summarise_filters(metrics);
-  count_frames(metrics);
-  group_frames(kOffShare * kMmPerM * meter->diagonal_m(), metrics);
   return metrics;
 }
 

@@ -152,17 +152,23 @@ Result<RunReader> RunReader::open(const std::string& folder) {
                  folder};
   }
   RunReader reader(folder);
-  if (auto read = reader.read_template(); !read) return read.error();
+  const std::string file = folder + "/template.npz";
+  auto scene = host::read_npz(file);
+  if (!scene) return scene.error();
+  if (auto taken = reader.take_scene(*std::move(scene), file); !taken) return taken.error();
   if (auto read = reader.read_lines(); !read) return read.error();
   if (auto read = reader.read_manifest(); !read) return read.error();
   return reader;
 }
 
-Result<void> RunReader::read_template() {
-  const std::string file = folder_ + "/template.npz";
-  auto records = host::read_npz(file);
-  if (!records) return records.error();
-  template_owner_ = *std::move(records);
+Result<RunReader> RunReader::in_memory(const std::string& where, host::NamedRecords scene) {
+  RunReader reader(where);
+  if (auto taken = reader.take_scene(std::move(scene), where); !taken) return taken.error();
+  return reader;
+}
+
+Result<void> RunReader::take_scene(host::NamedRecords scene, const std::string& file) {
+  template_owner_ = std::move(scene);
   auto sheet = find_noun<Template>(template_owner_, "template", file);
   if (!sheet) return sheet.error();
   if (!*sheet) return damaged(file, "holds no template");
@@ -220,15 +226,20 @@ Result<void> RunReader::read_manifest() {
 
 Result<FrameRecords> RunReader::read(const FrameLine& line) const {
   const std::string file = frame_file(folder_, line.frame);
-  FrameRecords frame;
   std::error_code code;
   if (fs::exists(file, code)) {
     auto records = host::read_npz(file, host::NpzCheck::none);
     if (!records) return records.error();
-    frame.owners = *std::move(records);
-  } else if (line.state != ShapeState::none) {
-    return damaged(file, "is missing");
+    return sort(*std::move(records), line, file);
   }
+  if (line.state != ShapeState::none) return damaged(file, "is missing");
+  return sort({}, line, file);
+}
+
+Result<FrameRecords> RunReader::sort(host::NamedRecords records, const FrameLine& line,
+                                     const std::string& file) const {
+  FrameRecords frame;
+  frame.owners = std::move(records);
   auto shape = find_noun<Shape>(frame.owners, "shape", file);
   if (!shape) return shape.error();
   auto truth = find_noun<GroundTruth>(frame.owners, "ground_truth", file);

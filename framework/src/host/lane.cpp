@@ -164,6 +164,7 @@ Result<Instance*> Lane::instantiate(const ComponentSpec& spec, const std::string
 
 Instance& Lane::add(std::unique_ptr<Instance> instance) {
   instance->handle = instances_.size() + 1;
+  instance->run_seed = run_seed_;
   instances_.push_back(std::move(instance));
   return *instances_.back();
 }
@@ -174,14 +175,10 @@ weft_call Lane::make_call(const Instance& instance, Scope& scope, int method, st
   call.method = method;
   call.host = &kHost;
   call.context = &scope;
-  call.seed = seed_for(instance, frame);
+  call.seed = component_seed(instance.run_seed, frame, instance.stage, instance.path);
   call.frame = frame;
   call.threads = 1;
   return call;
-}
-
-std::uint64_t Lane::seed_for(const Instance& instance, std::uint64_t frame) const {
-  return component_seed(run_seed_, frame, instance.stage, instance.path);
 }
 
 Result<void> Lane::prepare(Instance& instance, const Record& templ, const Record& camera) {

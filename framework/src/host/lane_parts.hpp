@@ -35,6 +35,7 @@ class Instance {
   std::string stage;
   std::string path;  ///< of nested parameters: "start", "start/warp"
   std::uint64_t handle = 0;
+  std::uint64_t run_seed = 0;
   const weft_component* table = nullptr;  ///< null where the component lives in a worker
   void* self = nullptr;
   std::vector<Instance*> nested;

@@ -29,7 +29,9 @@ Result<Instance*> Lane::instantiate_apart(const ComponentSpec& spec, const std::
   Instance& instance = add(std::make_unique<Instance>(spec, stage, ""));
   const CreateMessage create{instance.handle, stage, "", Recipe::of(spec)};
   if (instance.role() == "warps") instance.recreate = create;
-  instance.worker = std::make_unique<Worker>(isolation, *workplace_, create);
+  Workplace workplace = *workplace_;
+  workplace.run_seed = run_seed_;
+  instance.worker = std::make_unique<Worker>(isolation, std::move(workplace), create);
   if (auto started = instance.worker->start(); !started) return started.error();
   return &instance;
 }

@@ -85,9 +85,9 @@ std::int64_t array_bytes(std::int32_t dtype, std::int32_t ndim, const std::int64
 
 std::size_t Record::slot_of(std::string_view name) {
   for (std::size_t i = 0; i < arrays_.size(); ++i) {
-    if (*entries_[i].name == name) return i;
+    if (entries_[i].name == name) return i;
   }
-  entries_.push_back({std::make_unique<std::string>(name), nullptr});
+  entries_.push_back({std::string(name), nullptr});
   arrays_.emplace_back();
   return arrays_.size() - 1;
 }
@@ -115,7 +115,7 @@ void Record::place(std::string_view name, std::int32_t dtype, std::int32_t ndim,
                    const std::int64_t* shape, std::shared_ptr<void> contents, weft_memory kind) {
   const std::size_t index = slot_of(name);
   weft_array array{};
-  array.name = entries_[index].name->c_str();
+  array.name = entries_[index].name.c_str();
   array.dtype = dtype;
   array.ndim = ndim;
   array.data = contents.get();
@@ -136,17 +136,17 @@ weft_record Record::view(const char* slot) const {
 
 void Record::share(const Record& other, std::string_view name) {
   for (std::size_t i = 0; i < other.arrays_.size(); ++i) {
-    if (*other.entries_[i].name != name) continue;
+    if (other.entries_[i].name != name) continue;
     const std::size_t index = slot_of(name);
     entries_[index].memory = other.entries_[i].memory;
     arrays_[index] = other.arrays_[i];
-    arrays_[index].name = entries_[index].name->c_str();
+    arrays_[index].name = entries_[index].name.c_str();
   }
 }
 
 std::shared_ptr<const Record> Record::alias() const {
   auto same = std::make_shared<Record>(type_);
-  for (const Entry& entry : entries_) same->share(*this, *entry.name);
+  for (const Entry& entry : entries_) same->share(*this, entry.name);
   same->revision_ = revision_;
   same->producer_ = producer_;
   return same;

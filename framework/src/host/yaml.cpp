@@ -76,7 +76,7 @@ std::string with_end_mark(std::string_view bytes) {
 /// Puts an empty value in place of the alias at `offset`; returns its name.
 std::string drop_alias(std::string& feed, std::size_t offset) {
   const std::size_t end = std::min(feed.find_first_of(" \t\r\n,[]{}", offset), feed.size());
-  const std::string name = feed.substr(offset + 1, end - offset - 1);
+  std::string name = feed.substr(offset + 1, end - offset - 1);
   const bool is_key = name.size() > 1 && name.back() == ':';
   std::string filler = is_key ? "'':" : "''";
   filler.resize(end - offset, ' ');
@@ -118,6 +118,14 @@ Error syntax_error(const Text& text, const Fault& fault, const std::string& file
 
 std::string place(std::string_view file, Position at) {
   return std::string(file) + ":" + std::to_string(at.line) + ":" + std::to_string(at.column);
+}
+
+Position position_in(std::string_view where, std::string_view file) {
+  Position at;
+  std::istringstream numbers(std::string(where.substr(std::min(file.size() + 1, where.size()))));
+  char colon = ':';
+  numbers >> at.line >> colon >> at.column;
+  return at;
 }
 
 Result<Document> parse(std::string_view text_bytes, std::string file_name) {

@@ -26,9 +26,10 @@ void ConfigReport::sort() {
 std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
                                                       const host::Registry& registry,
                                                       const std::string& output_folder,
-                                                      const std::vector<std::string>& settings) {
+                                                      const std::vector<std::string>& settings,
+                                                      const std::vector<Patch>& patches) {
   auto paths = host::PathRules::of_process({}, output_folder);
-  Document document = read_document(file, settings, paths);
+  Document document = read_document(file, settings, paths, patches);
   for (const ConfigSource& source : document.sources) paths.input_folders.push_back(source.folder);
   PipelineConfig config;
   config.file = file;

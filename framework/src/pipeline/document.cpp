@@ -26,15 +26,6 @@ void stamp(yaml::Node& node, int source) {
   }
 }
 
-/// The place that is part of a syntax error.
-yaml::Position position_in(const std::string& where, std::size_t prefix) {
-  yaml::Position at;
-  std::istringstream place(where.substr(std::min(prefix, where.size())));
-  char colon = ':';
-  place >> at.line >> colon >> at.column;
-  return at;
-}
-
 void erase(yaml::Node& map, std::string_view key) {
   std::erase_if(map.entries, [&](const yaml::Entry& entry) { return entry.key == key; });
 }
@@ -43,10 +34,12 @@ class Reader {
  public:
   explicit Reader(const host::PathRules& paths) : paths_(paths) {}
 
-  Document read(const std::string& file, const std::vector<std::string>& settings) {
+  Document read(const std::string& file, const std::vector<Patch>& patches,
+                const std::vector<std::string>& settings) {
     document_.root = read_file(file, {});
+    for (const Patch& patch : patches) lay(patch);
     for (const std::string& setting : settings) {
-      const int source = add_source(setting, fs::current_path().string(), true);
+      const int source = add_source({setting, fs::current_path().string(), true});
       if (unreadable_) continue;
       auto [overlay, problems] = overlay_of(setting, document_.root);
       stamp(overlay, source);
@@ -57,9 +50,27 @@ class Reader {
   }
 
  private:
-  int add_source(const std::string& name, std::string folder, bool is_setting) {
-    document_.sources.push_back({name, std::move(folder), is_setting});
+  int add_source(ConfigSource source) {
+    document_.sources.push_back(std::move(source));
     return static_cast<int>(document_.sources.size()) - 1;
+  }
+
+  void lay(const Patch& patch) {
+    const int source = add_source(patch.source);
+    if (unreadable_) return;
+    yaml::Node node = patch.node;
+    stamp(node, source);
+    if (const yaml::Node* without = node.find("without")) leave_out(document_.root, *without);
+    const yaml::Node* given = node.find("set");
+    const yaml::Node settings = given != nullptr ? *given : yaml::Node{};
+    erase(node, "without");
+    erase(node, "set");
+    document_.root = merged(std::move(document_.root), std::move(node));
+    for (const yaml::Entry& setting : settings.entries) {
+      auto [overlay, problems] = overlay_of(setting, document_.root);
+      report(std::move(problems), source);
+      document_.root = merged(std::move(document_.root), std::move(overlay));
+    }
   }
 
   void report(std::vector<yaml::Problem> problems, int source) {
@@ -83,7 +94,7 @@ class Reader {
   }
 
   yaml::Node read_file(const std::string& file, std::vector<std::string> chain) {
-    const int source = add_source(file, fs::absolute(file).parent_path().string(), false);
+    const int source = add_source({file, fs::absolute(file).parent_path().string(), false});
     std::ifstream stream(file, std::ios::binary);
     std::ostringstream content;
     content << stream.rdbuf();
@@ -92,7 +103,7 @@ class Reader {
     }
     auto parsed = yaml::parse(content.str(), file);
     if (!parsed) {
-      yaml::Position at = position_in(parsed.error().where, file.size() + 1);
+      yaml::Position at = yaml::position_in(parsed.error().where, file);
       stamp(at, source);
       return syntax_error(at, parsed.error().message);
     }
@@ -194,8 +205,8 @@ std::vector<std::string> names_of_stages(const yaml::Node& list) {
 }
 
 Document read_document(const std::string& file, const std::vector<std::string>& settings,
-                       const host::PathRules& paths) {
-  return Reader(paths).read(file, settings);
+                       const host::PathRules& paths, const std::vector<Patch>& patches) {
+  return Reader(paths).read(file, patches, settings);
 }
 
 }  // namespace weft

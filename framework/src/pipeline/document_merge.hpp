@@ -19,4 +19,8 @@ std::vector<std::string> remove_stages(yaml::Node& root, const std::set<std::str
 std::pair<yaml::Node, std::vector<yaml::Problem>> overlay_of(const std::string& setting,
                                                              const yaml::Node& root);
 
+/// The same of a setting in a file: its key is the PATH.
+std::pair<yaml::Node, std::vector<yaml::Problem>> overlay_of(const yaml::Entry& setting,
+                                                             const yaml::Node& root);
+
 }  // namespace weft

@@ -11,11 +11,11 @@
 namespace weft {
 namespace {
 
-/// What a setting says, with the column of each of its keys.
+/// What a setting says, with the place of each of its keys.
 struct Setting {
   struct Key {
     std::string text;
-    int column;
+    yaml::Position at;
   };
   std::vector<Key> path;
   yaml::Node value;
@@ -24,7 +24,7 @@ struct Setting {
 yaml::Node map_of(const Setting::Key& key, yaml::Node value) {
   yaml::Node map;
   map.kind = yaml::Kind::map;
-  map.at = {1, key.column};
+  map.at = key.at;
   map.entries.push_back({key.text, map.at, std::move(value)});
   return map;
 }
@@ -56,10 +56,24 @@ class Overlay {
     return {std::move(node), std::move(problems_)};
   }
 
+  /// A setting whose value has been read.
+  std::pair<yaml::Node, std::vector<yaml::Problem>> of(const yaml::Entry& entry) {
+    Setting setting;
+    yaml::Node node;
+    if (split_path(entry.key, entry.at, setting)) {
+      setting.value = entry.value;
+      node = whole(std::move(setting));
+    }
+    return {std::move(node), std::move(problems_)};
+  }
+
  private:
-  std::nullopt_t fail(int column, std::string message) {
-    problems_.push_back({{1, column}, std::move(message)});
+  std::nullopt_t fail(yaml::Position at, std::string message) {
+    problems_.push_back({at, std::move(message)});
     return std::nullopt;
+  }
+  std::nullopt_t fail(int column, std::string message) {
+    return fail(yaml::Position{1, column}, std::move(message));
   }
 
   static int columns(std::string_view text) {
@@ -74,15 +88,26 @@ class Overlay {
       return fail(columns(text) + 1, "expected '=' and a value, such as filters.alpha_s=0.2");
     }
     Setting setting;
-    for (std::size_t start = 0; start <= equals;) {
-      const std::size_t end = std::min(text.find('.', start), equals);
-      const int column = columns(text.substr(0, start)) + 1;
-      if (end == start) return fail(column, "expected a name before '" + text.substr(end, 1) + "'");
-      setting.path.push_back({text.substr(start, end - start), column});
-      start = end + 1;
-    }
+    if (!split_path(text.substr(0, equals), {1, 1}, setting)) return std::nullopt;
     return with_value(std::move(setting), text.substr(equals + 1),
                       columns(text.substr(0, equals + 1)));
+  }
+
+  /// The keys of a path that begins at `at`; false when one is empty.
+  bool split_path(const std::string& path, yaml::Position at, Setting& setting) {
+    for (std::size_t start = 0; start <= path.size();) {
+      const std::size_t end = std::min(path.find('.', start), path.size());
+      yaml::Position key_at = at;
+      key_at.column += columns(path.substr(0, start));
+      if (end == start) {
+        const std::string next = end == path.size() ? "=" : path.substr(end, 1);
+        fail(key_at, "expected a name before '" + next + "'");
+        return false;
+      }
+      setting.path.push_back({path.substr(start, end - start), key_at});
+      start = end + 1;
+    }
+    return true;
   }
 
   std::optional<Setting> with_value(Setting setting, const std::string& text, int column) {
@@ -116,7 +141,7 @@ class Overlay {
     if (own && !key.text.ends_with("params")) return nested(setting, i);
     const std::string block = own ? key.text : "params";
     const yaml::Node* params = base != nullptr ? base->find(block) : nullptr;
-    return map_of({block, key.column}, parameter(setting, own ? i + 1 : i, params));
+    return map_of({block, key.at}, parameter(setting, own ? i + 1 : i, params));
   }
 
   static yaml::Node parameter(Setting& setting, std::size_t i, const yaml::Node* params) {
@@ -143,7 +168,7 @@ class Overlay {
       return map_of(first, component(setting, 1, root_.find(first.text)));
     }
     if (setting.path.size() > 1 || first.text == "stages") {
-      fail(first.column, "no stage or sink is named '" + first.text + "'" + suggestion(first.text));
+      fail(first.at, "no stage or sink is named '" + first.text + "'" + suggestion(first.text));
       return {};
     }
     return nested(setting, 0);
@@ -156,10 +181,10 @@ class Overlay {
       yaml::Node as;
       as.kind = yaml::Kind::scalar;
       as.scalar = name.text;
-      as.at = {1, name.column};
+      as.at = name.at;
       item.entries.push_back({"as", as.at, as});
     }
-    return map_of({list, name.column}, list_of(std::move(item)));
+    return map_of({list, name.at}, list_of(std::move(item)));
   }
 
   std::string suggestion(const std::string& name) const {
@@ -180,6 +205,11 @@ class Overlay {
 }  // namespace
 
 std::pair<yaml::Node, std::vector<yaml::Problem>> overlay_of(const std::string& setting,
+                                                             const yaml::Node& root) {
+  return Overlay(root).of(setting);
+}
+
+std::pair<yaml::Node, std::vector<yaml::Problem>> overlay_of(const yaml::Entry& setting,
                                                              const yaml::Node& root) {
   return Overlay(root).of(setting);
 }

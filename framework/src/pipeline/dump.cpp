@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -60,7 +59,8 @@ Result<void> write_text(const std::string& file, const std::string& text) {
 
 void put_text(Record& record, const char* array, const std::string& text) {
   const auto length = static_cast<std::int64_t>(text.size());
-  std::memcpy(record.allocate(array, WEFT_U8, 1, &length), text.data(), text.size());
+  std::copy(text.begin(), text.end(),
+            static_cast<char*>(record.allocate(array, WEFT_U8, 1, &length)));
 }
 
 void put_number(Record& record, const char* array, std::int64_t number) {

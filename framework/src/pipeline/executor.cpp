@@ -54,54 +54,65 @@ double since(std::chrono::steady_clock::time_point start) {
 }  // namespace
 
 Executor::Executor(const PipelineConfig& config, const Graph& graph, host::Lane& lane,
-                   RecordPtr templ, RecordPtr camera)
+                   RecordPtr templ, RecordPtr camera, Sharing sharing)
     : config_(config),
       graph_(graph),
       lane_(lane),
       template_(std::move(templ)),
       camera_(std::move(camera)),
+      sharing_(std::move(sharing)),
       history_(graph) {}
 
 Result<std::unique_ptr<Executor>> Executor::create(const PipelineConfig& config, const Graph& graph,
                                                    host::Lane& lane, RecordPtr templ,
-                                                   RecordPtr camera) {
+                                                   RecordPtr camera, Sharing sharing) {
   std::unique_ptr<Executor> executor(
-      new Executor(config, graph, lane, std::move(templ), std::move(camera)));
+      new Executor(config, graph, lane, std::move(templ), std::move(camera), std::move(sharing)));
   const auto sheet = host::view_as<Template>(*executor->template_);
   if (!sheet) return sheet.error();
   executor->vertices_ = {sheet->flat_px, 1};
   for (std::size_t i = 0; i < config.stages.size(); ++i) {
     const StageConfig& stage = config.stages[i];
-    const auto instance = instantiate(lane, stage, stage.component);
-    if (!instance) return instance.error();
-    if (auto ready = lane.prepare(**instance, *executor->template_, *executor->camera_); !ready) {
-      return ready.error();
-    }
-    executor->stages_.push_back(
-        {&stage, &graph.stages[i], *instance, stage.component.component().role(), nullptr, false});
-    if (auto found = executor->detect_on_template(executor->stages_.back()); !found) {
-      return found.error();
-    }
+    const auto& keys = executor->sharing_.keys;
+    const std::string key = i < keys.size() ? keys[i] : "";
+    auto made = executor->made_stage(stage, key);
+    if (!made) return made.error();
+    executor->stages_.push_back({&stage, &graph.stages[i], stage.component.component().role(),
+                                 *std::move(made), false, key});
   }
   return executor;
 }
 
-Result<void> Executor::detect_on_template(Stage& stage) {
-  if (stage.role != "detectors") return {};
-  host::Instance* instance = stage.instance;
-  if (stage.config->on_template) {
-    const auto own = instantiate(lane_, *stage.config, *stage.config->on_template);
+Result<MadeStage> Executor::made_stage(const StageConfig& stage, const std::string& key) {
+  if (sharing_.memo == nullptr) return make(stage);
+  if (sharing_.memo->made(key) == nullptr) sharing_.memo->keep(key, make(stage));
+  return *sharing_.memo->made(key);
+}
+
+Result<MadeStage> Executor::make(const StageConfig& stage) {
+  const auto instance = instantiate(lane_, stage, stage.component);
+  if (!instance) return instance.error();
+  if (auto ready = lane_.prepare(**instance, *template_, *camera_); !ready) return ready.error();
+  if (stage.component.component().role() != "detectors") return MadeStage{*instance, nullptr};
+  auto keypoints = detect_on_template(stage, *instance);
+  if (!keypoints) return keypoints.error();
+  return MadeStage{*instance, *std::move(keypoints)};
+}
+
+Result<RecordPtr> Executor::detect_on_template(const StageConfig& stage, host::Instance* instance) {
+  if (stage.on_template) {
+    const auto own = instantiate(lane_, stage, *stage.on_template);
     if (!own) return own.error();
-    if (auto ready = lane_.prepare(**own, *template_, *camera_); !ready) return ready;
+    if (auto ready = lane_.prepare(**own, *template_, *camera_); !ready) return ready.error();
     instance = *own;
   }
   const auto texture = texture_input(*template_);
   if (!texture) return texture.error();
   const weft_record inputs[] = {texture->image->view("image"), texture->region->view("region")};
   const Outcome outcome = lane_.call(*instance, 0, inputs, host::kOfflineFrame);
-  const std::string id = stage.config->component.component().id;
+  const std::string id = stage.component.component().id;
   if (!outcome.usable()) return Error{outcome.error.code, outcome.error.message, id};
-  const auto located = locate_on_template(*outcome.find("keypoints"), *template_);
+  auto located = locate_on_template(*outcome.find("keypoints"), *template_);
   if (!located) return located.error();
   if (host::view_as<Keypoints>(**located)->count() == 0) {
     return Error{Errc::invalid_data,
@@ -109,8 +120,7 @@ Result<void> Executor::detect_on_template(Stage& stage) {
                  "or another detector",
                  id};
   }
-  stage.template_keypoints = *located;
-  return {};
+  return located;
 }
 
 void Executor::place_given(const FrameInput& input, FrameResult& result) const {
@@ -125,9 +135,7 @@ void Executor::place_given(const FrameInput& input, FrameResult& result) const {
       result.values[i] = history_.find(value.slot, value.lag);
       result.causes[i] = value.slot + ": none " + std::to_string(value.lag) + " frames ago";
     } else {
-      for (const auto& [slot, record] : input.records) {
-        if (slot == value.slot) result.values[i] = record;
-      }
+      result.values[i] = input.find(value.slot);
       result.causes[i] = "sources: " + (input.failure.empty() ? "no " + value.slot : input.failure);
     }
   }
@@ -163,19 +171,49 @@ void Executor::keep_call(const Stage& stage, const Outcome& outcome, FrameResult
     GivenRecord& given = call.inputs.emplace_back(GivenRecord{link.slot, record, {}});
     const std::uint64_t producer = record->view("").producer;
     for (const Stage& other : stages_) {
-      if (host::handle_of(*other.instance) == producer) given.producer = other.config->name;
+      if (host::handle_of(*other.made.instance) == producer) given.producer = other.config->name;
     }
   }
   result.calls.push_back(std::move(call));
 }
 
+StageAnswer Executor::answer_of(const Stage& stage, StageReport report, const FrameResult& result) {
+  StageAnswer answer{std::move(report), {}, {}};
+  for (const int output : stage.node->outputs) {
+    answer.outputs.push_back(result.values[static_cast<std::size_t>(output)]);
+    answer.causes.push_back(result.causes[static_cast<std::size_t>(output)]);
+  }
+  return answer;
+}
+
+StageReport Executor::take(const StageAnswer& answer, const Stage& stage, FrameResult& result) {
+  for (std::size_t i = 0; i < answer.outputs.size(); ++i) {
+    const auto output = static_cast<std::size_t>(stage.node->outputs[i]);
+    result.values[output] = answer.outputs[i];
+    result.causes[output] = answer.causes[i];
+  }
+  StageReport report = answer.report;
+  report.shared = true;
+  return report;
+}
+
 StageReport Executor::run_stage(Stage& stage, FrameResult& result) {
+  if (sharing_.memo == nullptr) return execute(stage, result);
+  if (const StageAnswer* answer = sharing_.memo->answer(stage.key)) {
+    return take(*answer, stage, result);
+  }
+  StageReport report = execute(stage, result);
+  sharing_.memo->keep(stage.key, answer_of(stage, report, result));
+  return report;
+}
+
+StageReport Executor::execute(Stage& stage, FrameResult& result) {
   std::vector<weft_record> inputs;
   const std::string cause = gather(*stage.node, result, inputs);
-  StageReport report{stage.config->name, StageStatus::skipped, cause, 0.0, {}};
+  StageReport report{stage.config->name, StageStatus::skipped, cause, 0.0, {}, false};
   if (cause.empty()) {
     const auto start = std::chrono::steady_clock::now();
-    Outcome outcome = lane_.call(*stage.instance, 0, inputs, result.index);
+    Outcome outcome = lane_.call(*stage.made.instance, 0, inputs, result.index);
     if (stage.is_kept) keep_call(stage, outcome, result);
     if (outcome.usable()) {
       if (auto stored = store(stage, outcome, result); !stored) {
@@ -188,7 +226,7 @@ StageReport Executor::run_stage(Stage& stage, FrameResult& result) {
     report = report_of(stage.config->name, outcome, since(start));
     for (const int output : stage.node->outputs) {
       const RecordPtr& record = result.values[static_cast<std::size_t>(output)];
-      if (record != nullptr && record != stage.template_keypoints) add_numbers(record, report);
+      if (record != nullptr && record != stage.made.template_keypoints) add_numbers(record, report);
     }
     if (stage.role == "filters" && outcome.usable()) {
       add_numbers(outcome.find("inlier_mask"), report);
@@ -216,7 +254,7 @@ Result<std::vector<RecordPtr>> Executor::outputs_of(const Stage& stage, const Ou
     return std::vector<RecordPtr>{warp, samples.find("warp_samples")};
   }
   if (stage.role == "detectors") {
-    return std::vector<RecordPtr>{outcome.find("keypoints"), stage.template_keypoints};
+    return std::vector<RecordPtr>{outcome.find("keypoints"), stage.made.template_keypoints};
   }
   std::vector<RecordPtr> made;
   for (const int output : stage.node->outputs) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <weft/pipeline/executor.hpp>
+#include <weft/pipeline/frame_result.hpp>
 
 namespace weft {
 
@@ -12,13 +12,20 @@ const char* to_string(StageStatus status) {
   return kNames[static_cast<int>(status)];
 }
 
+RecordPtr FrameInput::find(std::string_view wanted) const {
+  for (const auto& [slot, record] : records) {
+    if (slot == wanted) return record;
+  }
+  return nullptr;
+}
+
 bool FrameResult::failed() const {
   return std::any_of(stages.begin(), stages.end(),
                      [](const StageReport& report) { return report.status == StageStatus::error; });
 }
 
 StageReport report_of(const std::string& stage, const Outcome& outcome, double ms) {
-  StageReport report{stage, StageStatus::ok, {}, ms, {}};
+  StageReport report{stage, StageStatus::ok, {}, ms, {}, false};
   if (outcome.status == WEFT_OK) return report;
   report.status = outcome.status == WEFT_DEGENERATE  ? StageStatus::degenerate
                   : outcome.status == WEFT_NO_RESULT ? StageStatus::no_result

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <chrono>
-#include <weft/pipeline/checks.hpp>
 #include <weft/pipeline/dump.hpp>
+#include <weft/pipeline/input.hpp>
 #include <weft/pipeline/run.hpp>
 #include <weft/pipeline/run_folder.hpp>
 #include <weft/pipeline/trace.hpp>
@@ -13,8 +13,7 @@ namespace {
 using host::Outcome;
 using host::RecordPtr;
 
-constexpr int kOpen = 0, kCount = 1, kRead = 2;  // methods of sources
-constexpr int kWrite = 1, kFinish = 2;           // methods of sinks
+constexpr int kOpen = 0, kWrite = 1, kFinish = 2;  // methods of sinks
 
 struct Failed {
   Error error;
@@ -28,11 +27,6 @@ T need(Result<T> result) {
 }
 void need(const Result<void>& result) {
   if (!result) throw Failed{result.error()};
-}
-
-RecordPtr need_output(const Outcome& outcome, const char* slot) {
-  if (!outcome.usable()) throw Failed{outcome.error};
-  return outcome.find(slot);
 }
 
 /// Where records stand when another process is to read them.
@@ -59,8 +53,9 @@ class Run {
   RunSummary run() {
     try {
       open();
-      observer_.started(count_);
-      for (std::int64_t index = 0; count_ < 0 || index < count_; ++index) {
+      const std::int64_t count = input_->frames();
+      observer_.started(count);
+      for (std::int64_t index = 0; count < 0 || index < count; ++index) {
         if (cancel_.load() || !frame(static_cast<std::uint64_t>(index))) break;
       }
     } catch (const Failed&) {
@@ -82,22 +77,14 @@ class Run {
 
   void open() {
     need(Dump::check_names(config_, dumped_));
-    source_ = need(lane_.instantiate(config_.source->component, config_.source->name));
-    camera_ = need_output(lane_.call(*source_, kOpen, {}, host::kOfflineFrame), "camera");
-    check(check_camera(*camera_), *config_.source);
-    const RecordPtr count =
-        need_output(lane_.call(*source_, kCount, {}, host::kOfflineFrame), "count");
-    count_ = host::view_as<Count>(*count)->frames;
-    host::Instance* builder =
-        need(lane_.instantiate(config_.templ->component, config_.templ->name));
-    template_ = need_output(lane_.call(*builder, 0, {}, host::kOfflineFrame), "template");
-    check(check_template(*template_), *config_.templ);
-    executor_ = need(Executor::create(config_, graph_, lane_, template_, camera_));
+    input_.emplace(need(PipelineInput::open(config_, lane_)));
+    const RecordPtr &templ = input_->templ(), &camera = input_->camera();
+    executor_ = need(Executor::create(config_, graph_, lane_, templ, camera));
     // Not before: a run that cannot start leaves no folder behind.
     folder_.emplace(need(RunFolder::create(folder_path_)));
-    need(folder_->begin(config_, *template_, *camera_));
+    need(folder_->begin(config_, *templ, *camera));
     trace_.emplace(need(Trace::create(folder_->path() + "/trace.json")));
-    dump_.emplace(need(Dump::create(folder_->path(), config_, dumped_, template_, camera_)));
+    dump_.emplace(need(Dump::create(folder_->path(), config_, dumped_, templ, camera)));
     for (const std::string& stage : dumped_) executor_->keep_calls_of(stage);
     open_sinks();
     need(trace_->add(lane_.take_timings()));
@@ -107,49 +94,23 @@ class Run {
     for (std::size_t i = 0; i < config_.sinks.size(); ++i) {
       const StageConfig& sink = config_.sinks[i];
       host::Instance* instance = need(lane_.instantiate(sink.component, sink.name));
-      need(lane_.prepare(*instance, *template_, *camera_));
+      need(lane_.prepare(*instance, *input_->templ(), *input_->camera()));
       const Outcome opened = lane_.call(*instance, kOpen, {}, host::kOfflineFrame);
       if (!opened.usable()) throw Failed{opened.error};
       sinks_.push_back({&sink, &graph_.sinks[i], instance});
     }
   }
 
-  static void check(const Result<void>& valid, const StageConfig& stage) {
-    if (valid) return;
-    throw Failed{{valid.error().code, valid.error().message, stage.component.component().id}};
-  }
-
-  /// What the source gives, if it fits template and camera.
-  Outcome read_frame(std::uint64_t index) {
-    Outcome read = lane_.call(*source_, kRead, {}, index);
-    for (const auto& [slot, record] : read.outputs) {
-      const auto fits = check_fits(*record, *template_, *camera_);
-      if (fits) continue;
-      const std::string id = config_.source->component.component().id;
-      return {WEFT_ERROR, {fits.error().code, fits.error().message, id}, {}};
-    }
-    return read;
-  }
-
   /// False when the run ends here.
   bool frame(std::uint64_t index) {
-    const auto start = std::chrono::steady_clock::now();
-    Outcome read = read_frame(index);
-    const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
-    if (count_ < 0 && read.status == WEFT_NO_RESULT) return false;
-    const StageReport source_report = report_of(config_.source->name, read, ms.count());
-    FrameInput input{index, std::move(read.outputs), {}};
-    if (!read.usable()) input.failure = read.error.message;
-    FrameResult result = executor_->process(input);
-    result.stages.insert(result.stages.begin(), source_report);
+    const auto read = input_->read(index);
+    if (!read) return false;
+    FrameResult result = executor_->process(read->input);
+    result.stages.insert(result.stages.begin(), read->report);
     if (result.failed() && cancel_.load()) return false;  // cut short: this is no result
     for (const Sink& sink : sinks_) result.stages.push_back(write(sink, result));
     for (const host::Timing& timing : lane_.take_timings()) result.timings.push_back(timing);
-    RecordPtr truth;
-    for (const auto& [slot, record] : input.records) {
-      if (slot == "ground_truth") truth = record;
-    }
-    need(folder_->add(graph_, result, truth));
+    need(folder_->add(graph_, result, read->input.find("ground_truth")));
     need(trace_->add(result));
     need(dump_->add(result));
     ++summary_.frames;
@@ -162,7 +123,7 @@ class Run {
   StageReport write(const Sink& sink, const FrameResult& result) {
     std::vector<weft_record> inputs;
     const std::string cause = gather(*sink.node, result, inputs);
-    if (!cause.empty()) return {sink.config->name, StageStatus::skipped, cause, 0.0, {}};
+    if (!cause.empty()) return {sink.config->name, StageStatus::skipped, cause, 0.0, {}, false};
     const auto start = std::chrono::steady_clock::now();
     const Outcome outcome = lane_.call(*sink.instance, kWrite, inputs, result.index);
     const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
@@ -202,10 +163,7 @@ class Run {
   std::optional<RunFolder> folder_;
   std::optional<Trace> trace_;
   std::optional<Dump> dump_;
-  host::Instance* source_ = nullptr;
-  RecordPtr camera_;
-  RecordPtr template_;
-  std::int64_t count_ = -1;
+  std::optional<PipelineInput> input_;
   std::unique_ptr<Executor> executor_;
   std::vector<Sink> sinks_;
   RunSummary summary_;
@@ -216,8 +174,9 @@ class Run {
 std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file,
                                                         const host::Registry& registry,
                                                         const std::string& output_folder,
-                                                        const std::vector<std::string>& settings) {
-  auto [config, report] = load_pipeline(file, registry, output_folder, settings);
+                                                        const std::vector<std::string>& settings,
+                                                        const std::vector<Patch>& patches) {
+  auto [config, report] = load_pipeline(file, registry, output_folder, settings, patches);
   CheckedPipeline pipeline{std::move(config), {}};
   if (report.wirable) pipeline.graph = wire(pipeline.config, registry, report.problems);
   report.sort();

@@ -130,6 +130,15 @@ void add_matches(const Graph& graph, const FrameResult& frame, host::NamedRecord
 
 }  // namespace
 
+host::NamedRecords frame_records(const Graph& graph, const FrameResult& frame,
+                                 const host::RecordPtr& ground_truth) {
+  host::NamedRecords records;
+  if (frame.shape != nullptr) records.emplace_back("shape", frame.shape);
+  if (ground_truth != nullptr) records.emplace_back("ground_truth", ground_truth);
+  add_matches(graph, frame, records);
+  return records;
+}
+
 Result<RunFolder> RunFolder::create(const std::string& path) {
   std::error_code code;
   if (fs::exists(path, code) && !(fs::is_directory(path, code) && fs::is_empty(path, code))) {
@@ -159,10 +168,7 @@ Result<void> RunFolder::begin(const PipelineConfig& config, const host::Record& 
 
 Result<void> RunFolder::add(const Graph& graph, const FrameResult& frame,
                             const host::RecordPtr& ground_truth) {
-  host::NamedRecords records;
-  if (frame.shape != nullptr) records.emplace_back("shape", frame.shape);
-  if (ground_truth != nullptr) records.emplace_back("ground_truth", ground_truth);
-  add_matches(graph, frame, records);
+  const host::NamedRecords records = frame_records(graph, frame, ground_truth);
   if (!records.empty()) {
     const std::string file = path_ + "/frames/" + frame_name(frame.index) + ".npz";
     if (auto written = host::write_npz(file, records); !written) return written;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 #include <weft/core/result.hpp>
@@ -9,6 +10,10 @@
 #include <weft/evaluation/frame_metrics.hpp>
 
 namespace weft::evaluation {
+
+class RunReader;
+struct FrameLine;
+struct FrameRecords;
 
 /// 3D error of a run: statistics over the frames' mean errors, each frame counting the same.
 struct ErrorSummary {
@@ -101,5 +106,29 @@ struct EvaluationOptions {
 /// counts, strains and jitter only. Fails where the folder is no run folder or files in it are
 /// damaged; the Error names the first and counts them.
 Result<RunMetrics> evaluate_run(const std::string& folder, const EvaluationOptions& options = {});
+
+/// The same, frame by frame, of a run that need not be written.
+class RunEvaluator {
+ public:
+  /// `scene` has the template and the camera, and must outlive this. Fails on a template that
+  /// cannot be measured.
+  static Result<RunEvaluator> create(const RunReader& scene, const EvaluationOptions& options);
+
+  RunEvaluator(RunEvaluator&& other) noexcept;
+  RunEvaluator& operator=(RunEvaluator&& other) noexcept;
+  ~RunEvaluator();
+
+  /// Frames in their order.
+  Result<void> add(const FrameLine& line, const FrameRecords& records);
+
+  /// What the frames came to; ends the evaluation. `run` and what a run folder says of itself are
+  /// for the caller to fill in.
+  RunMetrics finish();
+
+ private:
+  struct State;
+  explicit RunEvaluator(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace weft::evaluation

@@ -50,6 +50,10 @@ class RunReader {
   /// syntax or invalid_data and the place where a file is damaged.
   static Result<RunReader> open(const std::string& folder);
 
+  /// A run that is not written: `where` names it in errors, `scene` has the slots template and
+  /// camera. It has no lines and no truth users.
+  static Result<RunReader> in_memory(const std::string& where, host::NamedRecords scene);
+
   const std::string& folder() const { return folder_; }
   const Template& sheet() const { return template_; }
   const Camera& camera() const { return camera_; }
@@ -64,9 +68,14 @@ class RunReader {
   /// or has a shape of another mesh.
   Result<FrameRecords> read(const FrameLine& line) const;
 
+  /// The same from records that are at hand, with slots as in frames/NNNNNN.npz; `file` names them
+  /// in errors.
+  Result<FrameRecords> sort(host::NamedRecords records, const FrameLine& line,
+                            const std::string& file) const;
+
  private:
   explicit RunReader(std::string folder) : folder_(std::move(folder)) {}
-  Result<void> read_template();
+  Result<void> take_scene(host::NamedRecords scene, const std::string& file);
   Result<void> read_lines();
   Result<void> read_manifest();
 

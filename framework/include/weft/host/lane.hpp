@@ -56,6 +56,9 @@ class Lane {
   Lane(const Lane&) = delete;
   Lane& operator=(const Lane&) = delete;
 
+  /// Instances made from now on draw from this run seed.
+  void use_seed(std::uint64_t run_seed) { run_seed_ = run_seed; }
+
   /// Loads the library and creates the component and those nested in it; `path` is that of a nested
   /// component that stands alone here.
   Result<Instance*> instantiate(const ComponentSpec& spec, const std::string& stage,
@@ -97,12 +100,12 @@ class Lane {
                 std::uint64_t frame, int depth);
   Outcome finish(Instance& instance, Scope& scope, std::span<const weft_record> inputs,
                  std::int32_t status, const weft_error& error);
-  weft_call make_call(const Instance& instance, Scope& scope, int method, std::uint64_t frame);
+  static weft_call make_call(const Instance& instance, Scope& scope, int method,
+                             std::uint64_t frame);
   std::int32_t call_worker(Instance& instance, Scope& scope, int method,
                            std::span<const weft_record> inputs, weft_error* error);
   Instance* find(std::uint64_t handle) const;
   bool is_cancelled() const { return cancel_ || (watched_ != nullptr && *watched_); }
-  std::uint64_t seed_for(const Instance& instance, std::uint64_t frame) const;
 
   std::uint64_t run_seed_;
   Log log_;

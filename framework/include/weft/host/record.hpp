@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <span>
 #include <string>
@@ -55,7 +56,7 @@ class Record {
 
  private:
   struct Entry {
-    std::unique_ptr<std::string> name;  ///< stays where it is when entries move
+    std::string name;
     std::shared_ptr<void> memory;
   };
   std::size_t slot_of(std::string_view name);
@@ -66,7 +67,7 @@ class Record {
   std::shared_ptr<SharedArena> arena_;
   std::uint64_t revision_ = 0;
   std::uint64_t producer_ = 0;
-  std::vector<Entry> entries_;
+  std::deque<Entry> entries_;  ///< a deque: arrays point at the names
   std::vector<weft_array> arrays_;
 };
 

@@ -30,6 +30,9 @@ struct Position {
 /// "file:line:column".
 std::string place(std::string_view file, Position at);
 
+/// The place in the `where` of an Error of parse.
+Position position_in(std::string_view where, std::string_view file);
+
 enum class Kind : std::uint8_t { null, scalar, sequence, map };
 
 struct Entry;

@@ -58,13 +58,15 @@ struct ConfigReport {
   std::string text() const;
 };
 
-/// Reads a pipeline file with what it extends, sets `settings` ("filters.alpha_s=0.2", see
-/// read_document) and checks everything but the wiring. All mistakes are reported in one pass, by
-/// place; a syntax error is reported alone. Use the configuration only when the report is ok, or
-/// for the wiring.
-std::pair<PipelineConfig, ConfigReport> load_pipeline(
-    const std::string& file, const host::Registry& registry, const std::string& output_folder,
-    const std::vector<std::string>& settings = {});
+/// Reads a pipeline file with what it extends, lays `patches` over it, sets `settings`
+/// ("filters.alpha_s=0.2", see read_document) and checks everything but the wiring. All mistakes
+/// are reported in one pass, by place; a syntax error is reported alone. Use the configuration only
+/// when the report is ok, or for the wiring.
+std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
+                                                      const host::Registry& registry,
+                                                      const std::string& output_folder,
+                                                      const std::vector<std::string>& settings = {},
+                                                      const std::vector<Patch>& patches = {});
 
 /// The configuration with all defaults filled in and paths resolved, as YAML.
 std::string effective_yaml(const PipelineConfig& config);

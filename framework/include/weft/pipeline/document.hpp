@@ -18,6 +18,13 @@ struct ConfigSource {
 /// "file:line:column", or "--set a.b=c, column 5".
 std::string place_in(const std::vector<ConfigSource>& sources, yaml::Position at);
 
+/// Something laid over a pipeline that stands in a text of its own: keys of a pipeline that extends
+/// another one, `without`, and `set`, a map of settings.
+struct Patch {
+  ConfigSource source;  ///< positions in `node` are in this text
+  yaml::Node node;
+};
+
 /// A pipeline as one document. Its root is null when a text could not be read to its end.
 struct Document {
   yaml::Node root;
@@ -26,7 +33,7 @@ struct Document {
 };
 
 /// Reads a pipeline file, merges it over the file that it `extends` (which may extend another), and
-/// lays the settings over the result.
+/// lays the patches over the result, then the settings.
 ///
 /// Maps are merged key by key, anything else is replaced; another `use` drops the `params` of the
 /// plugin that it replaces. Stages and sinks are merged by name (see names_of_stages): one that the
@@ -37,7 +44,7 @@ struct Document {
 /// `template` or with the name of a stage or sink, and goes on with parameters, joined by dots:
 /// `filters.alpha_s=0.2`, `filters.warp.robust=none`, `detectors.use=detectors/orb`. VALUE is YAML.
 Document read_document(const std::string& file, const std::vector<std::string>& settings,
-                       const host::PathRules& paths);
+                       const host::PathRules& paths, const std::vector<Patch>& patches = {});
 
 /// The names of the stages in a list: `as`, else the role, numbered from the second stage without a
 /// name on: "filters", "filters#2".

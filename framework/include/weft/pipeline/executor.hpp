@@ -1,76 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <map>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 #include <weft/host/lane.hpp>
-#include <weft/host/npz.hpp>
-#include <weft/pipeline/graph.hpp>
+#include <weft/pipeline/frame_result.hpp>
 #include <weft/pipeline/history.hpp>
+#include <weft/pipeline/stage_memo.hpp>
 
 namespace weft {
-
-enum class StageStatus { ok, degenerate, no_result, error, skipped };
-
-const char* to_string(StageStatus status);
-
-/// What one stage, or one sink, came to in one frame.
-struct StageReport {
-  std::string stage;
-  StageStatus status = StageStatus::ok;
-  std::string reason;  ///< of anything but ok; for skipped the first cause
-  double ms = 0.0;     ///< [ms] nested components included
-  std::vector<std::pair<std::string, double>> numbers;  ///< counts and scalar diagnostics
-};
-
-/// What enters the graph in one frame: the source's outputs, or why there are none.
-struct FrameInput {
-  std::uint64_t index = 0;
-  host::NamedRecords records;
-  std::string failure;  ///< empty when the source could read the frame
-};
-
-/// An input of a call.
-struct GivenRecord {
-  std::string slot;
-  host::RecordPtr record;
-  std::string producer;  ///< of a warp: the stage that made it, whose component evaluates it
-};
-
-/// One call of a stage: all that went in and came out.
-struct StageCall {
-  std::string stage;
-  std::uint64_t frame = 0;
-  std::vector<GivenRecord> inputs;
-  host::Outcome outcome;
-};
-
-struct FrameResult {
-  std::uint64_t index = 0;
-  std::string stem;
-  std::vector<StageReport> stages;
-  std::vector<host::RecordPtr> values;  ///< one for each of Graph::values, null where absent
-  std::vector<std::string> causes;      ///< one for each value: why it is absent, if it is
-  host::RecordPtr shape;                ///< solved or predicted; null before the first one
-  ShapeState state = ShapeState::none;
-  std::int64_t age_frames = 0;        ///< [frames] since the shape was measured
-  std::vector<host::Timing> timings;  ///< of nested components too
-  std::vector<StageCall> calls;       ///< of the stages of Executor::keep_calls_of
-
-  /// A frame is failed when a stage, the source or a sink had an error; no_result is none.
-  bool failed() const;
-};
 
 /// Runs the stages of a wired pipeline, frame by frame.
 class Executor {
  public:
-  /// Instantiates and prepares all stages and runs the detectors on the template.
+  /// Instantiates and prepares all stages and runs the detectors on the template. Stages that share
+  /// a key with another pipeline of this lane are made, and run in each frame, only once.
   static Result<std::unique_ptr<Executor>> create(const PipelineConfig& config, const Graph& graph,
                                                   host::Lane& lane, host::RecordPtr templ,
-                                                  host::RecordPtr camera);
+                                                  host::RecordPtr camera, Sharing sharing = {});
 
   /// From now on frames hold what goes into this stage and comes out of it.
   void keep_calls_of(const std::string& stage);
@@ -81,18 +29,23 @@ class Executor {
   struct Stage {
     const StageConfig* config;
     const Node* node;
-    host::Instance* instance;
     std::string role;
-    host::RecordPtr template_keypoints;  ///< detectors only
-    bool is_kept;                        ///< its calls are
+    MadeStage made;
+    bool is_kept = false;  ///< its calls are
+    std::string key = {};  ///< for the memo
   };
 
   Executor(const PipelineConfig& config, const Graph& graph, host::Lane& lane,
-           host::RecordPtr templ, host::RecordPtr camera);
-  Result<void> detect_on_template(Stage& stage);
+           host::RecordPtr templ, host::RecordPtr camera, Sharing sharing);
+  Result<MadeStage> make(const StageConfig& stage);
+  Result<MadeStage> made_stage(const StageConfig& stage, const std::string& key);
+  Result<host::RecordPtr> detect_on_template(const StageConfig& stage, host::Instance* instance);
   void place_given(const FrameInput& input, FrameResult& result) const;
   void keep_call(const Stage& stage, const host::Outcome& outcome, FrameResult& result) const;
   StageReport run_stage(Stage& stage, FrameResult& result);
+  StageReport execute(Stage& stage, FrameResult& result);
+  static StageAnswer answer_of(const Stage& stage, StageReport report, const FrameResult& result);
+  static StageReport take(const StageAnswer& answer, const Stage& stage, FrameResult& result);
   Result<std::vector<host::RecordPtr>> outputs_of(const Stage& stage, const host::Outcome& outcome,
                                                   const FrameResult& result);
   Result<void> store(const Stage& stage, const host::Outcome& outcome, FrameResult& result);
@@ -104,15 +57,10 @@ class Executor {
   host::RecordPtr template_;
   host::RecordPtr camera_;
   Points vertices_;  ///< where warps are sampled
+  Sharing sharing_;
   std::vector<Stage> stages_;
   History history_;
   std::int64_t frames_since_measured_ = 0;
 };
-
-/// Collects the inputs of a stage or sink; the reason is why a required one is absent, else empty.
-std::string gather(const Node& node, const FrameResult& result, std::vector<weft_record>& inputs);
-
-/// Status, reason and time of a call as a report.
-StageReport report_of(const std::string& stage, const host::Outcome& outcome, double ms);
 
 }  // namespace weft

@@ -30,10 +30,11 @@ struct CheckedPipeline {
   Graph graph;
 };
 
-/// Loads and wires a pipeline; use it only when the report is ok. `settings` as in load_pipeline.
+/// Loads and wires a pipeline; use it only when the report is ok. `settings` and `patches` as in
+/// load_pipeline.
 std::pair<CheckedPipeline, ConfigReport> check_pipeline(
     const std::string& file, const host::Registry& registry, const std::string& output_folder,
-    const std::vector<std::string>& settings = {});
+    const std::vector<std::string>& settings = {}, const std::vector<Patch>& patches = {});
 
 /// Runs all frames of the source into `output_folder`, which must be new or empty. Fails with the
 /// first error before the first frame, or when the run folder cannot be written; errors of single

@@ -7,14 +7,18 @@
 
 namespace weft {
 
+/// What a run keeps of a frame, by slot:
+/// `shape`, `ground_truth`; `STAGE.correspondences`, whole, of each stage (or `sources`) that made
+/// matches; `STAGE.FILTER.inlier_mask` of each filter that they went through
+/// (`STAGE.FILTER.NEXT.inlier_mask` of the next): what it and those before it kept, and its scores.
+/// What is absent in a frame has no slot.
+host::NamedRecords frame_records(const Graph& graph, const FrameResult& frame,
+                                 const host::RecordPtr& ground_truth);
+
 /// The folder of one run: pipeline.yaml (effective configuration), manifest.json, template.npz
 /// (template, camera), frames.jsonl (a line a frame), frames/NNNNNN.npz and what the sinks write.
 /// Whatever is finished stays readable when the run is killed.
-///
-/// The slots of frames/NNNNNN.npz: `shape`, `ground_truth`; `STAGE.correspondences`, whole, of each
-/// stage (or `sources`) that made matches; `STAGE.FILTER.inlier_mask` of each filter that they went
-/// through (`STAGE.FILTER.NEXT.inlier_mask` of the next): what it and those before it kept, and its
-/// scores. What is absent in a frame has no slot.
+/// frames/NNNNNN.npz holds the frame_records.
 class RunFolder {
  public:
   /// Creates the folder; refuses one that is not empty.

@@ -19,8 +19,9 @@ class Terrain {
  public:
   Terrain(int width, int height, Rng& rng) : width_(width), height_(height) {
     double cell = 260.0;
-    for (int octave = 0; octave < 6; ++octave, cell *= 0.47) {
+    for (int octave = 0; octave < 6; ++octave) {
       layers_.emplace_back(width, height, cell, rng);
+      cell *= 0.47;
     }
     std::vector<double> samples;
     for (int y = 0; y < height; y += 4) {

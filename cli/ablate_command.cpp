@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <memory>
+#include <weft/evaluation/ablation.hpp>
+
+#include "commands.hpp"
+
+namespace weft::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// A signal handler can reach nothing but an object with static storage.
+std::atomic<bool> interrupted{false};
+
+struct Options {
+  std::string plan, folder, engine = "local";
+  std::vector<std::string> settings;
+  int jobs = 1;
+  bool timing = false, accept_rebuilt = false, status = false, quiet = false;
+};
+
+std::string duration_text(double seconds) {
+  const auto whole = static_cast<long>(std::lround(seconds));
+  if (whole < 60) return fmt::format("{} s", whole);
+  if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+  return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
+}
+
+/// A line on the terminal that is drawn over itself; elsewhere a line now and then.
+class ProgressLine {
+ public:
+  ProgressLine(std::size_t cells, bool quiet)
+      : cells_(cells), quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()) {}
+
+  void show(double share) {
+    constexpr auto kRarely = std::chrono::seconds(30);
+    const auto now = Clock::now();
+    if (quiet_ || (!terminal_ && now - last_ < kRarely)) return;
+    last_ = now;
+    const std::chrono::duration<double> spent = now - start_;
+    const double left_s = share > 0.0 ? spent.count() / share * (1.0 - share) : 0.0;
+    const std::string left = share > 0.0 ? duration_text(left_s) + " left" : "";
+    const std::string line =
+        fmt::format("{:.1f} of {} cells, {}", share * static_cast<double>(cells_), cells_, left);
+    fmt::print(stderr, "{}{:<60}{}", terminal_ ? "\r" : "", line, terminal_ ? "" : "\n");
+  }
+
+  void clear() const {
+    if (!quiet_ && terminal_) fmt::print(stderr, "\r{:60}\r", "");
+  }
+
+ private:
+  std::size_t cells_;
+  bool quiet_, terminal_;
+  Clock::time_point start_, last_;
+};
+
+/// The command that repeats the ablation, whatever the folder and the number of jobs.
+std::string command_of(const Options& options) {
+  std::string command = "weft ablate " + options.plan;
+  for (const std::string& setting : options.settings) command += " --set '" + setting + "'";
+  return command;
+}
+
+void print_failures(const evaluation::Grid& grid, const evaluation::AblationState& state) {
+  constexpr std::size_t kMost = 10;
+  std::size_t shown = 0;
+  for (const evaluation::Cell& cell : grid.cells()) {
+    const auto stored = state.stored.find(cell.identity.key);
+    if (stored == state.stored.end() || !stored->second.failed || shown++ >= kMost) continue;
+    std::string name;
+    for (const evaluation::Axis& axis : grid.plan().axes) {
+      name += axis.name + "=" + grid.value_of(cell, axis.name) + ", ";
+    }
+    fmt::print("failed: {}sequence={}, seed={}: {}\n", name, grid.value_of(cell, "sequence"),
+               cell.seed, stored->second.reason);
+  }
+  if (shown > kMost) fmt::print("failed: {} more cells\n", shown - kMost);
+}
+
+bool print_verdicts(const evaluation::Grid& grid, const evaluation::AblationState& state) {
+  bool all_met = true;
+  for (const evaluation::Verdict& verdict : evaluation::judge(grid, state)) {
+    const evaluation::Expectation& expected = *verdict.expectation;
+    std::string where, bounds;
+    for (const auto& [name, value] : expected.where) {
+      where += (where.empty() ? "" : ", ") + name + "=" + value;
+    }
+    if (expected.at_least) bounds += fmt::format(" at least {:g}", *expected.at_least);
+    if (expected.at_most) bounds += fmt::format(" at most {:g}", *expected.at_most);
+    const std::string figure = verdict.why_not.empty() ? fmt::format("mean {:.6g} of {} cells",
+                                                                     verdict.mean, verdict.cells)
+                                                       : verdict.why_not;
+    fmt::print("{}: {} [{}]{}: {}\n", verdict.met ? "met" : "MISSED", expected.metric, where,
+               bounds, figure);
+    all_met = all_met && verdict.met;
+  }
+  return all_met;
+}
+
+void print_state(const evaluation::AblationState& state) {
+  fmt::print(
+      "{} cells ({} distinct): {} done, {} failed, {} left; {} stages, {} executed, {} reused\n",
+      state.cells, state.keys, state.done, state.failed, state.left, state.stages,
+      state.stages_executed, state.stages - state.stages_executed);
+  for (const std::string& reason : state.reasons) fmt::print("left: {}\n", reason);
+}
+
+/// The grid, checked; exits 2 with all mistakes otherwise.
+std::optional<evaluation::Grid> load_grid(const Options& options, const host::Registry& registry,
+                                          Context& context) {
+  auto [plan, report] = evaluation::read_plan(options.plan);
+  if (report.ok()) {
+    auto [grid, mistakes] = evaluation::Grid::expand(std::move(plan), registry, options.settings);
+    if (mistakes.ok()) return std::move(grid);
+    report = std::move(mistakes);
+  }
+  fmt::print(stderr, "{}", report.text());
+  context.exit_code = kBadConfiguration;
+  return std::nullopt;
+}
+
+Result<evaluation::AblationState> execute(evaluation::Grid& grid,
+                                          const evaluation::ResultsFolder& folder,
+                                          const Options& options) {
+  const evaluation::AblationOptions how{options.timing, options.accept_rebuilt,
+                                        command_of(options)};
+  if (options.status) return evaluation::state_of(grid, folder, how);
+  std::signal(SIGINT, [](int) { interrupted = true; });
+  std::signal(SIGTERM, [](int) { interrupted = true; });
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that is too large is an error of its write
+  const auto engine = evaluation::local_engine(options.timing ? 1 : options.jobs);
+  ProgressLine line(grid.cells().size(), options.quiet);
+  auto state = evaluation::run_ablation(
+      grid, folder, *engine, how, [&](double share) { line.show(share); }, interrupted);
+  line.clear();
+  return state;
+}
+
+void ablate(Options options, Context& context) {
+  const auto fail = [&](const Error& error) {
+    print_error(error);
+    context.exit_code = error.code == Errc::invalid_value ? kBadConfiguration : kInputOutput;
+  };
+  const auto registry = context.registry();
+  auto grid = load_grid(options, registry, context);
+  if (!grid) return;
+  if (options.folder.empty()) options.folder = "ablations/" + grid->plan().name;
+  const auto folder = evaluation::ResultsFolder::open(options.folder);
+  if (!folder) {
+    print_error(folder.error());
+    context.exit_code = kBadConfiguration;
+    return;
+  }
+  const auto state = execute(*grid, *folder, options);
+  if (!state) return fail(state.error());
+  if (!options.quiet) fmt::print("{}", evaluation::summary_table(*grid, *state));
+  print_failures(*grid, *state);
+  print_state(*state);
+  const bool met = state->left > 0 || print_verdicts(*grid, *state);
+  fmt::print("{}{}\n", options.folder, interrupted ? " (interrupted; run again to go on)" : "");
+  if (state->left > 0 || state->failed > 0 || !met) context.exit_code = kFramesFailed;
+}
+
+}  // namespace
+
+void add_ablate_command(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("ablate", "Run a grid of pipelines that a plan describes; resumes");
+  command->add_option("PLAN", options->plan, "Plan (YAML)")->required();
+  command->add_option(
+      "--out", options->folder,
+      "Results folder, new or of this plan (default: ablations/<name of the plan>)");
+  command->add_option("--jobs", options->jobs, "Processes; the results are the same for any number")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  command->add_flag("--timing", options->timing,
+                    "Run each cell alone, nothing shared, one job, and keep the times");
+  command->add_option("--engine", options->engine, "Where cells run")
+      ->check(CLI::IsMember({"local"}))
+      ->capture_default_str();
+  command->add_flag("--accept-rebuilt", options->accept_rebuilt,
+                    "Take results of components of the same version that were built anew");
+  command
+      ->add_option("--set", options->settings,
+                   "PATH=VALUE over all cells, such as source.frames=20; may be repeated")
+      ->allow_extra_args(false);
+  command->add_flag("--status", options->status, "Say what is done; run nothing");
+  command->add_flag("--quiet", options->quiet, "No progress and no table");
+  command->callback([&context, options] { ablate(*options, context); });
+}
+
+}  // namespace weft::cli

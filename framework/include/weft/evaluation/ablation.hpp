@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <string>
+#include <vector>
+#include <weft/evaluation/engine.hpp>
+
+namespace weft::evaluation {
+
+struct AblationOptions {
+  bool timed = false;
+  bool accept_rebuilt = false;  ///< takes results of the same versions built anew
+  std::string command;          ///< that repeats the ablation
+};
+
+/// Where an ablation stands. cells = done + failed + left.
+struct AblationState {
+  std::size_t cells = 0;
+  std::size_t keys = 0;  ///< distinct ones
+  std::size_t done = 0, failed = 0, left = 0;
+  std::size_t stages = 0;                    ///< stages of the distinct keys that are finished
+  std::size_t stages_executed = 0;           ///< of these, executed; the others were shared
+  std::map<std::string, StoredCell> stored;  ///< by key
+  std::vector<std::string> reasons;          ///< why cells were left
+};
+
+/// What the folder has of the grid's cells. Results that are accepted give their cells their keys.
+Result<AblationState> state_of(Grid& grid, const ResultsFolder& folder,
+                               const AblationOptions& options);
+
+/// Runs the cells that have no result yet. Cells that fail are results.
+Result<AblationState> run_ablation(Grid& grid, const ResultsFolder& folder, Engine& engine,
+                                   const AblationOptions& options, const Engine::Progress& progress,
+                                   const std::atomic<bool>& cancel);
+
+/// What became of an expectation.
+struct Verdict {
+  const Expectation* expectation = nullptr;
+  bool met = false;
+  std::size_t cells = 0;  ///< [] selected
+  double mean = kUnknown;
+  std::string why_not;  ///< without a mean
+};
+std::vector<Verdict> judge(const Grid& grid, const AblationState& state);
+
+/// Means of the metrics that the plan shows over the cells of each combination of axis values, or
+/// of each single value where there are many combinations. UTF-8, ends with a line break.
+std::string summary_table(const Grid& grid, const AblationState& state);
+
+}  // namespace weft::evaluation

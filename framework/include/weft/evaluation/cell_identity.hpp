@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+#include <weft/evaluation/plan.hpp>
+#include <weft/pipeline/run.hpp>
+
+namespace weft::evaluation {
+
+/// What tells whether two cells, or two stages, do the same work; docs/results.md says what enters.
+struct CellIdentity {
+  std::string key;                  ///< of the cell
+  std::string rebuilt_key;          ///< the same without build ids
+  std::string group;                ///< of what it reads: source, template and their files
+  std::vector<std::string> stages;  ///< a key for each stage, of it and all that it depends on
+};
+
+/// Identifies cells; hashes each file once.
+class Identifier {
+ public:
+  /// Files that cannot be read are appended to `problems`, at the parameter that names them; the
+  /// identity is then not to be used.
+  CellIdentity identify(const CheckedPipeline& pipeline, std::uint64_t run_seed,
+                        const Measurement& measurement, std::vector<yaml::Problem>& problems);
+
+ private:
+  friend class IdentityWriter;
+  const Result<std::string>& hash_of(const std::string& path);
+
+  std::map<std::string, Result<std::string>> hashes_;  ///< by path
+};
+
+}  // namespace weft::evaluation

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+#include <weft/evaluation/cell_identity.hpp>
+#include <weft/evaluation/plan.hpp>
+#include <weft/host/registry.hpp>
+#include <weft/pipeline/run.hpp>
+
+namespace weft::evaluation {
+
+/// One value of each axis, one sequence and one run seed.
+struct Cell {
+  std::vector<std::size_t> values;  ///< of each axis, as an index
+  std::size_t data = 0;             ///< index into Plan::data
+  std::size_t sequence = 0;         ///< index into its sequences
+  std::uint64_t seed = 0;
+  std::vector<std::string> stages;  ///< names
+  CellIdentity identity;
+};
+
+/// All cells of a plan, each loaded, wired and checked once.
+class Grid {
+ public:
+  /// Expands the plan over `settings` of the command line. The report has all mistakes of all
+  /// cells, each once; use the grid only when it is ok.
+  static std::pair<Grid, ConfigReport> expand(Plan plan, const host::Registry& registry,
+                                              std::vector<std::string> settings);
+
+  const Plan& plan() const { return plan_; }
+  const std::vector<Cell>& cells() const { return cells_; }
+  const std::vector<std::string>& settings() const { return settings_; }
+
+  /// The pipeline of a cell, with its run seed and without sinks. It was ok when the grid was made.
+  std::pair<CheckedPipeline, ConfigReport> load(const Cell& cell) const;
+
+  /// "myneighbor" of the axis `filter`, "plain" of `data`, "plain_101" of `sequence`, "1" of
+  /// `seed`.
+  std::string value_of(const Cell& cell, const std::string& name) const;
+
+  /// Takes the result of another key for this cell's.
+  void adopt(std::size_t cell, const std::string& key) { cells_[cell].identity.key = key; }
+
+  bool selects(const Selection& where, const Cell& cell) const;
+
+ private:
+  friend class GridBuilder;
+  Plan plan_;
+  const host::Registry* registry_ = nullptr;
+  std::vector<std::string> settings_;
+  std::vector<Cell> cells_;
+};
+
+}  // namespace weft::evaluation

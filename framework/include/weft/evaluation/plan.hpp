@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+#include <weft/evaluation/metrics.hpp>
+#include <weft/pipeline/config.hpp>
+
+namespace weft::evaluation {
+
+/// Data seeds up to this one are for tuning, those above for reporting.
+inline constexpr std::uint64_t kLastTuningSeed = 100;
+
+/// Something with a name that is laid over the base pipeline.
+struct NamedPatch {
+  std::string name;
+  yaml::Node patch;  ///< see Patch; positions in the plan file
+};
+
+/// One thing that is varied.
+struct Axis {
+  std::string name;
+  std::vector<NamedPatch> values;
+};
+
+/// A group of sequences under one name of the plan.
+struct PlannedData {
+  std::string name;
+  std::vector<NamedPatch> sequences;
+};
+
+/// Which cells: names of axes, `data`, `sequence` or `seed`, each with a value as the plan has it.
+using Selection = std::vector<std::pair<std::string, std::string>>;
+
+/// A bound on the mean of a metric over the cells that are selected.
+struct Expectation {
+  Selection where;
+  std::string metric;  ///< path in to_json(RunMetrics)
+  std::optional<double> at_most, at_least;
+  yaml::Position metric_at;
+};
+
+/// What the report is to compare: the values of an axis, with a reference or each with each.
+struct PlannedComparison {
+  std::string axis;
+  std::optional<std::string> reference;
+  std::string metric;
+  yaml::Position metric_at;
+};
+
+/// How cells are measured and what of it is kept.
+struct Measurement {
+  EvaluationOptions options;
+  bool frames = true;  ///< keep the figures of each frame
+};
+
+/// An ablation plan; docs/ablations.md describes the file.
+struct Plan {
+  ConfigSource source;  ///< the plan file
+  std::string name;
+  std::string pipeline;  ///< file of the base
+  bool reporting = false;
+  std::vector<Axis> axes;
+  std::vector<PlannedData> data;
+  std::vector<std::uint64_t> seeds;  ///< run seeds; none: the pipeline's own
+  Measurement measurement;
+  std::vector<std::pair<std::string, yaml::Position>> show;  ///< metrics of the table
+  std::vector<PlannedComparison> comparisons;
+  std::vector<Expectation> expect;
+};
+
+/// Reads a plan and checks all of it that needs no plugin. Use the plan only when the report is ok.
+std::pair<Plan, ConfigReport> read_plan(const std::string& file);
+
+}  // namespace weft::evaluation

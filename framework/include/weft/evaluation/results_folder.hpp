@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+#include <weft/evaluation/cell_group.hpp>
+#include <weft/evaluation/grid.hpp>
+
+namespace weft::evaluation {
+
+/// What the line of a cell says, as far as an ablation wants to know it again.
+struct StoredCell {
+  std::string key, rebuilt_key;
+  bool failed = false;
+  bool timed = false;  ///< the line has times
+  std::string reason;
+  std::string metrics;                ///< as JSON, without its frames; "null" where there are none
+  std::vector<std::string> executed;  ///< stages that the cell ran itself
+  std::string file;
+  std::uint64_t offset = 0;  ///< [bytes] where the line begins
+};
+
+/// A file of lines that one process writes.
+class LineWriter {
+ public:
+  LineWriter(LineWriter&& other) noexcept;
+  LineWriter& operator=(LineWriter&&) = delete;
+  ~LineWriter();
+
+  /// Appends a line with one write and makes it last; a line that did not fit is taken back.
+  Result<void> append(const std::string& line);
+
+ private:
+  friend class ResultsFolder;
+  LineWriter(std::string file, int descriptor) : file_(std::move(file)), descriptor_(descriptor) {}
+
+  std::string file_;
+  int descriptor_;
+  std::int64_t size_ = 0;  ///< [bytes] of whole lines
+};
+
+/// The folder of an ablation; docs/results.md describes it. Whatever a process has finished stays
+/// when it is killed.
+class ResultsFolder {
+ public:
+  /// Creates the folder, or opens one of this schema for this process and its children alone.
+  /// Fails where it holds something else, cannot be written, or is in use.
+  static Result<ResultsFolder> open(const std::string& path);
+  ResultsFolder(ResultsFolder&& other) noexcept;
+  ResultsFolder& operator=(ResultsFolder&&) = delete;
+  ~ResultsFolder();
+
+  const std::string& path() const { return path_; }
+
+  /// Writes manifest.json and plan.json. `command` repeats the ablation.
+  Result<void> describe(const Grid& grid, const std::string& command, bool accept_rebuilt) const;
+
+  /// All finished cells by key. A line that was cut off is none; a damaged one is an error.
+  Result<std::map<std::string, StoredCell>> read() const;
+
+  /// A new file of lines; those of a timing pass stand before the others by name.
+  Result<LineWriter> writer(bool timed) const;
+
+  /// Writes what belongs to a cell, then its line.
+  Result<void> keep(const Cell& cell, const CellResult& result, bool timed,
+                    const Measurement& measurement, LineWriter& lines) const;
+
+ private:
+  ResultsFolder(std::string path, int lock) : path_(std::move(path)), lock_(lock) {}
+
+  std::string path_;
+  int lock_;  ///< descriptor of the folder, which holds the lock
+};
+
+}  // namespace weft::evaluation

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <deque>
+#include <weft/evaluation/cell_group.hpp>
+#include <weft/evaluation/run_reader.hpp>
+#include <weft/pipeline/input.hpp>
+#include <weft/pipeline/run_folder.hpp>
+
+#include "kept_frames.hpp"
+
+namespace weft::evaluation {
+namespace {
+
+using host::RecordPtr;
+
+void add_truth_users(const host::ComponentSpec& spec, std::vector<std::string>& users) {
+  if (spec.component().uses_truth) users.push_back(spec.component().id);
+  for (const host::NestedSpec& nested : spec.nested) add_truth_users(nested.component, users);
+}
+
+std::string text_of(const Error& error) {
+  return (error.where.empty() ? "" : error.where + ": ") + error.message;
+}
+
+/// What cells of a group have in common.
+struct Common {
+  host::Lane& lane;
+  PipelineInput input;
+  RunReader scene;
+  StageMemo memo{};
+};
+
+/// A cell on its way through the frames.
+class Member {
+ public:
+  Member(const Cell& cell, CheckedPipeline pipeline) : cell_(cell), pipeline_(std::move(pipeline)) {
+    result_.pipeline = effective_yaml(pipeline_.config);
+  }
+
+  const Cell& cell() const { return cell_; }
+  const PipelineConfig& config() const { return pipeline_.config; }
+
+  /// Makes the stages that no member before it has made.
+  void open(Common& common, const EvaluationOptions& options) {
+    common.lane.use_seed(cell_.seed);
+    auto executor =
+        Executor::create(pipeline_.config, pipeline_.graph, common.lane, common.input.templ(),
+                         common.input.camera(), {&common.memo, cell_.identity.stages});
+    if (!executor) return fail(text_of(executor.error()));
+    auto evaluator = RunEvaluator::create(common.scene, options);
+    if (!evaluator) return fail(text_of(evaluator.error()));
+    executor_ = *std::move(executor);
+    evaluator_.emplace(*std::move(evaluator));
+    for (const std::string& stage : cell_.stages) result_.timings.push_back({stage, {}});
+  }
+
+  /// Runs and measures a frame, unless the cell has failed.
+  void process(const Common& common, const PipelineInput::Frame& read,
+               const RecordPtr& kept_truth) {
+    if (!result_.failure.empty()) return;
+    FrameResult frame = executor_->process(read.input);
+    for (std::size_t i = 0; i < frame.stages.size(); ++i) take(frame.stages[i], i);
+    frame.stages.insert(frame.stages.begin(), read.report);
+    note_error(frame);
+    const FrameLine line{frame.index, frame.stem, frame.state, frame.failed()};
+    const auto sorted =
+        common.scene.sort(frame_records(pipeline_.graph, frame, read.input.find("ground_truth")),
+                          line, "frame " + std::to_string(frame.index));
+    const auto measured = sorted ? evaluator_->add(line, *sorted) : Result<void>(sorted.error());
+    if (!measured) return fail("cannot be measured: " + text_of(measured.error()));
+    kept_.add(frame.index, frame.shape, kept_truth);
+  }
+
+  void fail(const std::string& reason) { result_.failure = reason; }
+
+  CellResult finish(const RecordPtr& templ) {
+    if (evaluator_) measure();
+    host::NamedRecords shapes = kept_.records();
+    if (!shapes.empty()) shapes.emplace(shapes.begin(), "template", templ);
+    result_.shapes = std::move(shapes);
+    return std::move(result_);
+  }
+
+ private:
+  void take(const StageReport& report, std::size_t stage) {
+    if (report.shared) return;
+    if (report.status != StageStatus::skipped) result_.timings[stage].ms.push_back(report.ms);
+    std::vector<std::string>& executed = result_.executed;
+    if (std::find(executed.begin(), executed.end(), report.stage) == executed.end()) {
+      executed.push_back(report.stage);
+    }
+  }
+
+  void note_error(const FrameResult& frame) {
+    for (const StageReport& report : frame.stages) {
+      if (!first_error_.empty() || report.status != StageStatus::error) continue;
+      first_error_ =
+          "frame " + std::to_string(frame.index) + ", " + report.stage + ": " + report.reason;
+    }
+  }
+
+  void measure() {
+    RunMetrics metrics = evaluator_->finish();
+    metrics.run = cell_.identity.key;
+    for (const StageConfig& stage : pipeline_.config.stages) {
+      add_truth_users(stage.component, metrics.truth_users);
+    }
+    const FrameCounts& counts = metrics.counts;
+    if (result_.failure.empty() && counts.frames == 0) fail("the source has no frames");
+    if (result_.failure.empty() && counts.failed == counts.frames) {
+      fail("every frame had an error; the first: " + first_error_);
+    }
+    result_.metrics = std::move(metrics);
+  }
+
+  const Cell& cell_;
+  CheckedPipeline pipeline_;
+  std::unique_ptr<Executor> executor_;
+  std::optional<RunEvaluator> evaluator_;
+  KeptFrames kept_;
+  std::string first_error_;
+  CellResult result_;
+};
+
+class Group {
+ public:
+  Group(const Grid& grid, const std::vector<const Cell*>& cells, GroupObserver& observer)
+      : options_(grid.plan().measurement.options), observer_(observer) {
+    for (const Cell* cell : cells) members_.emplace_back(*cell, grid.load(*cell).first);
+  }
+
+  Result<void> run() {
+    const auto lane = make_lane();
+    auto common = lane ? open(**lane) : lane.error();
+    if (common) {
+      for (Member& member : members_) member.open(*common, options_);
+      run_frames(*common);
+    } else {
+      for (Member& member : members_) member.fail(text_of(common.error()));
+    }
+    const RecordPtr templ = common ? without_texture(*common->input.templ()) : nullptr;
+    for (Member& member : members_) {
+      if (auto kept = observer_.cell_done(member.cell(), member.finish(templ)); !kept) return kept;
+    }
+    return {};
+  }
+
+ private:
+  /// Records stand in shared memory where some stage runs in a process of its own.
+  Result<std::unique_ptr<host::Lane>> make_lane() {
+    const auto isolated = [](const StageConfig& stage) { return stage.isolation.has_value(); };
+    const bool any = std::any_of(members_.begin(), members_.end(), [&](const Member& member) {
+      const auto& stages = member.config().stages;
+      return std::any_of(stages.begin(), stages.end(), isolated);
+    });
+    std::shared_ptr<host::SharedArena> arena;
+    if (any) {
+      auto made = host::SharedArena::create();
+      if (!made) return made.error();
+      arena = *std::move(made);
+    }
+    return std::make_unique<host::Lane>(members_.front().cell().seed, host::Lane::Log(), arena);
+  }
+
+  Result<Common> open(host::Lane& lane) {
+    auto input = PipelineInput::open(members_.front().config(), lane);
+    if (!input) return input.error();
+    auto scene = RunReader::in_memory("the template",
+                                      {{"template", input->templ()}, {"camera", input->camera()}});
+    if (!scene) return scene.error();
+    return Common{lane, *std::move(input), *std::move(scene)};
+  }
+
+  void run_frames(Common& common) {
+    const std::int64_t frames = common.input.frames();
+    for (std::int64_t index = 0; frames < 0 || index < frames; ++index) {
+      const auto read = common.input.read(static_cast<std::uint64_t>(index));
+      if (!read) break;
+      const RecordPtr truth = read->input.find("ground_truth");
+      const RecordPtr kept_truth = truth != nullptr ? thinned(*truth) : nullptr;
+      common.memo.next_frame();
+      for (Member& member : members_) member.process(common, *read, kept_truth);
+      observer_.frame_done(index + 1, frames);
+    }
+  }
+
+  EvaluationOptions options_;
+  GroupObserver& observer_;
+  std::deque<Member> members_;  ///< executors refer to what is in them
+};
+
+}  // namespace
+
+Result<void> run_group(const Grid& grid, const std::vector<const Cell*>& cells,
+                       GroupObserver& observer) {
+  return Group(grid, cells, observer).run();
+}
+
+}  // namespace weft::evaluation

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <weft/core/version.hpp>
+#include <weft/evaluation/cell_identity.hpp>
+#include <weft/host/content_hash.hpp>
+#include <weft/host/processor.hpp>
+
+namespace weft::evaluation {
+
+using nlohmann::json;
+
+namespace {
+
+/// The stages that a stage depends on, itself included, as indices; through previous.* too.
+std::set<int> closure_of(const Graph& graph, int stage) {
+  std::set<int> closure;
+  std::vector<int> open{stage};
+  while (!open.empty()) {
+    const int next = open.back();
+    open.pop_back();
+    if (!closure.insert(next).second) continue;
+    for (const InputLink& link : graph.stages[static_cast<std::size_t>(next)].inputs) {
+      const ValueInfo& value = graph.values[static_cast<std::size_t>(link.value)];
+      if (value.stage >= 0) open.push_back(value.stage);
+      if (value.lag == 0) continue;
+      for (const ValueInfo& made : graph.values) {
+        if (made.stage >= 0 && "previous." + made.slot == value.slot) open.push_back(made.stage);
+      }
+    }
+  }
+  return closure;
+}
+
+bool is_random(const host::ComponentSpec& spec) {
+  return spec.component().random ||
+         std::any_of(spec.nested.begin(), spec.nested.end(),
+                     [](const host::NestedSpec& nested) { return is_random(nested.component); });
+}
+
+/// A plain value with its type, so that 0.2 and 0.20 are one number.
+json value_json(const host::ParameterSpec& parameter, const yaml::Node& node) {
+  if (node.kind == yaml::Kind::sequence) {
+    json list = json::array();
+    for (const yaml::Node& item : node.items) list.push_back(value_json(parameter, item));
+    return list;
+  }
+  if (node.kind == yaml::Kind::map) {
+    json map = json::object();
+    for (const yaml::Entry& entry : node.entries) map[entry.key] = entry.value.scalar;
+    return map;
+  }
+  if (parameter.type == WEFT_VALUE_F64) return yaml::as_double(node).value_or(0.0);
+  if (parameter.type == WEFT_VALUE_I64) return yaml::as_int64(node).value_or(0);
+  if (parameter.type == WEFT_VALUE_BOOL) return yaml::as_bool(node).value_or(false);
+  return node.scalar;
+}
+
+std::string digest(const json& identity) {
+  return host::content_hash(identity.dump(-1, ' ', false, json::error_handler_t::replace));
+}
+
+}  // namespace
+
+/// The canonical JSON of one cell, with build ids or without.
+class IdentityWriter {
+ public:
+  IdentityWriter(Identifier& files, const CheckedPipeline& pipeline, std::uint64_t run_seed,
+                 bool builds, std::vector<yaml::Problem>& problems)
+      : files_(files),
+        config_(pipeline.config),
+        graph_(pipeline.graph),
+        run_seed_(run_seed),
+        builds_(builds),
+        problems_(problems) {}
+
+  /// Of what enters the graph.
+  json data() {
+    const host::ComponentSpec &source = config_.source->component,
+                              &templ = config_.templ->component;
+    json identity{{"weft", kVersion},
+                  {"processor", host::processor_features()},
+                  {"source", component(source)},
+                  {"template", component(templ)}};
+    if (is_random(source) || is_random(templ)) identity["seed"] = run_seed_;
+    return identity;
+  }
+
+  /// Of some of the stages.
+  json stages(const std::set<int>& chosen) {
+    json list = json::array();
+    bool random = false, looks_back = false;
+    for (const int index : chosen) {
+      const StageConfig& stage = config_.stages[static_cast<std::size_t>(index)];
+      list.push_back(stage_json(stage, graph_.stages[static_cast<std::size_t>(index)]));
+      random = random || is_random(stage.component);
+      for (const InputLink& link : graph_.stages[static_cast<std::size_t>(index)].inputs) {
+        const auto value = static_cast<std::size_t>(link.value);
+        looks_back = looks_back || graph_.values[value].slot == "previous.shape";
+      }
+    }
+    json identity{{"stages", std::move(list)}};
+    if (random) identity["seed"] = run_seed_;
+    if (looks_back) identity["lost_after"] = config_.lost_after;
+    return identity;
+  }
+
+ private:
+  json stage_json(const StageConfig& stage, const Node& node) {
+    json inputs = json::array();
+    for (const InputLink& link : node.inputs) {
+      const ValueInfo& value = graph_.values[static_cast<std::size_t>(link.value)];
+      inputs.push_back({link.slot, value.slot, value.name, value.lag});
+    }
+    json identity{{"name", stage.name},
+                  {"component", component(stage.component)},
+                  {"inputs", std::move(inputs)}};
+    if (stage.on_template) identity["on_template"] = component(*stage.on_template);
+    if (stage.isolation) identity["deadline_ms"] = stage.isolation->deadline.count();
+    return identity;
+  }
+
+  json component(const host::ComponentSpec& spec) {
+    const host::ComponentManifest& manifest = spec.component();
+    json identity{{"id", manifest.id}, {"version", manifest.version}};
+    if (builds_) identity["build_id"] = spec.installed->library->build_id;
+    json& params = identity["params"] = json::object();
+    const yaml::Node* given = spec.effective.find("params");
+    for (const host::ParameterSpec& parameter : manifest.parameters) {
+      const yaml::Node* value = given != nullptr ? given->find(parameter.name) : nullptr;
+      const bool plain =
+          parameter.type != WEFT_VALUE_COMPONENT && parameter.type != WEFT_VALUE_OUTPUT_PATH;
+      if (value == nullptr || !plain) continue;
+      params[parameter.name] = parameter.type == WEFT_VALUE_INPUT_PATH
+                                   ? content_of(*value)
+                                   : value_json(parameter, *value);
+    }
+    for (const auto& [parameter, nested] : spec.nested) params[parameter] = component(nested);
+    return identity;
+  }
+
+  json content_of(const yaml::Node& path) {
+    if (path.scalar.empty()) return nullptr;
+    const Result<std::string>& hash = files_.hash_of(path.scalar);
+    if (hash) return *hash;
+    const std::string& where = hash.error().where;
+    problems_.push_back({path.at, (where.empty() ? "" : where + ": ") + hash.error().message});
+    return nullptr;
+  }
+
+  Identifier& files_;
+  const PipelineConfig& config_;
+  const Graph& graph_;
+  std::uint64_t run_seed_;
+  bool builds_;
+  std::vector<yaml::Problem>& problems_;
+};
+
+const Result<std::string>& Identifier::hash_of(const std::string& path) {
+  const auto known = hashes_.find(path);
+  if (known != hashes_.end()) return known->second;
+  return hashes_.emplace(path, host::hash_of_files(path)).first->second;
+}
+
+CellIdentity Identifier::identify(const CheckedPipeline& pipeline, std::uint64_t run_seed,
+                                  const Measurement& measurement,
+                                  std::vector<yaml::Problem>& problems) {
+  const auto count = static_cast<int>(pipeline.config.stages.size());
+  std::set<int> all;
+  for (int i = 0; i < count; ++i) all.insert(i);
+  const json measured{{"alignment", to_string(measurement.options.alignment)},
+                      {"match_tolerance_px", measurement.options.match_tolerance_px},
+                      {"frames", measurement.frames}};
+  const auto whole = [&](IdentityWriter& writer, const json& data) {
+    return digest({{"data", data},
+                   {"pipeline", writer.stages(all)},
+                   {"lost_after", pipeline.config.lost_after},
+                   {"metrics", measured}});
+  };
+  std::vector<yaml::Problem> again;  // the same as of the first time
+  IdentityWriter writer(*this, pipeline, run_seed, true, problems);
+  IdentityWriter rebuilt(*this, pipeline, run_seed, false, again);
+  const json data = writer.data();
+  CellIdentity identity{whole(writer, data), whole(rebuilt, rebuilt.data()), digest(data), {}};
+  for (int i = 0; i < count; ++i) {
+    const std::string& name = pipeline.config.stages[static_cast<std::size_t>(i)].name;
+    identity.stages.push_back(digest({{"data", identity.group},
+                                      {"stage", name},
+                                      {"of", writer.stages(closure_of(pipeline.graph, i))}}));
+  }
+  return identity;
+}
+
+}  // namespace weft::evaluation

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <weft/core/suggest.hpp>
+
+#include "plan_parts.hpp"
+
+namespace weft::evaluation {
+namespace {
+
+constexpr std::int64_t kLargestSeed = 1'000'000'000;
+constexpr std::size_t kMostSeeds = 10'000;
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string all;
+  for (const std::string& word : words) all += (all.empty() ? "" : ", ") + word;
+  return all;
+}
+
+std::optional<std::int64_t> seed_in(const std::string& text) {
+  yaml::Node node;
+  node.kind = yaml::Kind::scalar;
+  node.scalar = text;
+  const auto seed = yaml::as_int64(node);
+  return seed && *seed >= 0 && *seed <= kLargestSeed ? seed : std::nullopt;
+}
+
+}  // namespace
+
+bool PlanValues::is_map(const yaml::Node& node, const std::string& what,
+                        const std::vector<std::string>& keys) {
+  if (node.kind != yaml::Kind::map && !yaml::is_null(node)) {
+    problem(node.at, what + " must be a map");
+    return false;
+  }
+  for (const yaml::Entry& entry : node.entries) {
+    if (std::find(keys.begin(), keys.end(), entry.key) != keys.end()) continue;
+    const std::string near = nearest(entry.key, keys);
+    problem(entry.at, what + " has no key '" + entry.key + "'" +
+                          (near.empty() ? "; it may have: " + joined(keys)
+                                        : "; did you mean '" + near + "'?"));
+  }
+  return true;
+}
+
+std::string PlanValues::text(const yaml::Node& node, const std::string& what) {
+  if (node.kind == yaml::Kind::scalar && !node.scalar.empty()) return node.scalar;
+  problem(node.at, what + " must be a text");
+  return {};
+}
+
+std::vector<std::pair<std::string, yaml::Position>> PlanValues::texts(const yaml::Node& node,
+                                                                      const std::string& what) {
+  std::vector<std::pair<std::string, yaml::Position>> found;
+  if (node.kind != yaml::Kind::sequence) problem(node.at, what + " must be a list of texts");
+  for (const yaml::Node& item : node.items) {
+    found.emplace_back(text(item, "an entry of " + what), item.at);
+  }
+  return found;
+}
+
+std::optional<double> PlanValues::number(const yaml::Node& node, const std::string& what) {
+  const auto value = yaml::as_double(node);
+  if (value && std::isfinite(*value)) return value;
+  problem(node.at, what + " must be a number");
+  return std::nullopt;
+}
+
+std::optional<bool> PlanValues::flag(const yaml::Node& node, const std::string& what) {
+  const auto value = yaml::as_bool(node);
+  if (!value) problem(node.at, what + " must be true or false");
+  return value;
+}
+
+std::vector<std::uint64_t> PlanValues::seeds(const yaml::Node& node, const std::string& what) {
+  std::vector<std::uint64_t> found;
+  const bool is_list = node.kind == yaml::Kind::sequence;
+  const std::vector<yaml::Node> items = is_list ? node.items : std::vector<yaml::Node>{node};
+  for (const yaml::Node& item : items) add_seeds(item, what, found);
+  std::vector<std::uint64_t> sorted = found;
+  std::sort(sorted.begin(), sorted.end());
+  const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
+  if (twice != sorted.end()) {
+    problem(node.at, what + " hold the seed " + std::to_string(*twice) + " twice");
+  } else if (items.empty()) {
+    problem(node.at, what + " are an empty list");
+  }
+  return found;
+}
+
+void PlanValues::add_seeds(const yaml::Node& node, const std::string& what,
+                           std::vector<std::uint64_t>& seeds) {
+  const std::size_t dash = std::min(node.scalar.find('-', 1), node.scalar.size());
+  const bool range = dash < node.scalar.size();
+  const auto first = seed_in(node.scalar.substr(0, dash));
+  const auto last = range ? seed_in(node.scalar.substr(dash + 1)) : first;
+  if (node.kind != yaml::Kind::scalar || !first || !last || *last < *first) {
+    return problem(node.at, what + " must be whole numbers from 0 or ranges such as 101-120");
+  }
+  if (static_cast<std::size_t>(*last - *first) >= kMostSeeds) {
+    return problem(node.at, what + " are more than " + std::to_string(kMostSeeds));
+  }
+  for (auto seed = *first; seed <= *last; ++seed) seeds.push_back(static_cast<std::uint64_t>(seed));
+}
+
+bool PlanValues::is_name(const std::string& name, yaml::Position at, const std::string& what) {
+  const auto legal = [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '.' || c == '_' || c == '-' || c == '+' || c == '/';
+  };
+  if (!name.empty() && std::all_of(name.begin(), name.end(), legal)) return true;
+  problem(at, what + " must be made of letters, digits and . _ - + /, not '" + name + "'");
+  return false;
+}
+
+bool PlanValues::has(const yaml::Node& map, const char* key, const std::string& what) {
+  if (map.find(key) != nullptr) return true;
+  problem(map.at, what + " lacks the key '" + key + "'");
+  return false;
+}
+
+void PlanValues::unknown(yaml::Position at, const std::string& what, const std::string& word,
+                         const std::vector<std::string>& known) {
+  const std::string near = nearest(word, known);
+  problem(at,
+          "there is no " + what + " '" + word + "'" +
+              (near.empty() ? "; there are: " + joined(known) : "; did you mean '" + near + "'?"));
+}
+
+}  // namespace weft::evaluation
