@@ -71,8 +71,8 @@ export function series_channels(series) {
   };
 }
 
-/** A legend below a plot: a line sample, a name and a note for each series. */
-export function write_legend(figure, series) {
+/** The legend of a plot: a line sample, a name and a note for each series. */
+export function write_legend(figure, series, left_out = 0) {
   const items = series.map(({ name, colour, dash, note }) => {
     const sample = element("span", { className: dash[1] ? "sample dashed" : "sample" });
     sample.style.setProperty("--colour", colour);
@@ -80,6 +80,9 @@ export function write_legend(figure, series) {
     if (note) item.append(element("span", { className: "note", textContent: note }));
     return item;
   });
+  if (left_out > 0) {
+    items.push(element("li", { className: "note", textContent: `${left_out} more are not drawn` }));
+  }
   figure.querySelector(".legend").replaceChildren(...items);
 }
 

@@ -28,18 +28,18 @@ function make_choices(sweep, again) {
   });
 }
 
-/** The curves that the choices leave, with names of what still differs. */
+/** The curves that the choices leave, with names of what still differs; eight at most. */
 function chosen_curves(sweep, choices) {
   const free = choices.map(({ value }) => value === kColour);
-  return sweep.curves
-    .filter(({ others }) => others.every((value, i) => free[i] || value === choices[i].value))
-    .slice(0, kColours)
-    .map((curve, slot) => ({
-      name: curve.others.filter((_, i) => free[i]).join(" · ") || "all cells",
-      note: curve.auc === null ? "" :
-        `AUC ${shown(curve.auc, 4)}, to FPR 10 %: ${shown(curve.partial_auc, 4)}`,
-      ...style_of(slot), curve,
-    }));
+  const curves = sweep.curves.filter(({ others }) =>
+    others.every((value, i) => free[i] || value === choices[i].value));
+  const series = curves.slice(0, kColours).map((curve, slot) => ({
+    name: curve.others.filter((_, i) => free[i]).join(" · ") || "all cells",
+    note: curve.auc === null ? "" :
+      `AUC ${shown(curve.auc, 4)}, to FPR 10 %: ${shown(curve.partial_auc, 4)}`,
+    ...style_of(slot), curve,
+  }));
+  return { series, left_out: curves.length - series.length };
 }
 
 /** A row for each value of the axis: the value and the figures x and y. */
@@ -98,8 +98,8 @@ function response_spec(figure, sweep, series, measure) {
 
 export async function draw_sweep(figure, sweep) {
   const again = async () => {
-    const series = chosen_curves(sweep, choices);
-    write_legend(figure, series);
+    const { series, left_out } = chosen_curves(sweep, choices);
+    write_legend(figure, series, left_out);
     await draw(figure, sweep.roc ? roc_spec(figure, sweep, series)
       : response_spec(figure, sweep, series, measure.selectedIndex));
   };

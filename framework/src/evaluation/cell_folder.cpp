@@ -77,10 +77,11 @@ void add_truth(const Template& sheet, const FaceLocator& locator, const FrameSha
   const std::int64_t most = static_cast<std::int64_t>(most_points);
   const std::int64_t step = std::max<std::int64_t>(1, (truth.count() + most - 1) / most);
   const bool flat = sheet.m_per_px.present() && sheet.m_per_px.matrix<1>().minCoeff() > 0.0;
+  const bool placeable = flat && !frame.vertices.empty();
   for (std::int64_t i = 0; i < truth.count(); i += step) {
     append(frame.truth, truth.points_m.matrix<3>().row(i));
     FaceLocation place;
-    if (flat && stored.shape) {
+    if (placeable) {
       const Eigen::Vector2d xy_m(truth.template_xy_m(i, 0), truth.template_xy_m(i, 1));
       place = locator.locate(xy_m.cwiseQuotient(Eigen::Vector2d(sheet.m_per_px.matrix<1>())));
     }
@@ -97,9 +98,12 @@ ViewFrame view_frame(const Template& sheet, const FaceLocator& locator, std::uin
                      const FrameShapes& stored, std::size_t most_points) {
   ViewFrame frame{index, "none", {}, {}, {}};
   if (stored.shape) {
-    frame.state = to_string(stored.shape->shape_state());
     const auto vertices_m = stored.shape->vertices_m.matrix<3>();
-    for (Eigen::Index v = 0; v < vertices_m.rows(); ++v) append(frame.vertices, vertices_m.row(v));
+    const bool finite = vertices_m.allFinite();
+    frame.state = finite ? to_string(stored.shape->shape_state()) : "invalid";
+    for (Eigen::Index v = 0; finite && v < vertices_m.rows(); ++v) {
+      append(frame.vertices, vertices_m.row(v));
+    }
   }
   if (stored.truth) add_truth(sheet, locator, stored, most_points, frame);
   return frame;

@@ -3,17 +3,19 @@
 
 #include <fmt/format.h>
 
+#include <vector>
+
 #include "report_parts.hpp"
 #include "report_sheets.hpp"
 
 namespace weft::evaluation {
 namespace {
 
-std::string section(const std::string& id, const std::string& title, const std::string& content) {
-  if (content.empty()) return "";
-  return fmt::format("<section id=\"{}\"><h2>{}</h2>\n{}</section>\n", id, html_escaped(title),
-                     content);
-}
+struct Section {
+  const char* id;
+  const char* title;
+  std::string content;  ///< HTML; a section without it is left out
+};
 
 std::string header(const Results& results) {
   return fmt::format(
@@ -35,21 +37,32 @@ std::string footer(const Results& results, const PageAssets& assets) {
   return text + "</footer>\n";
 }
 
-std::string sections(const Results& results, const ReportTables& tables, const Figures& figures,
-                     bool scripted) {
-  std::string text = section("verdicts", "In short", verdicts_part(results, tables));
-  text += section("compared", "What was compared", compared_part(results, tables));
-  text += section("results", "Results", results_part(results, tables));
-  text += section("comparisons", "Comparisons", comparisons_part(tables, scripted));
-  text += section("expectations", "Expectations", expectations_part(results, tables));
-  if (scripted) text += section("curves", "Errors", curves_part(tables));
-  if (scripted) text += section("sweeps", "Along an axis", sweeps_part(results, figures));
-  text += section("filters", "Filters", filters_part(results, tables));
-  text += section("times", "Time of each stage", times_part(results, tables, scripted));
-  text += section("worst", "Worst frames", worst_part(results, figures));
-  if (scripted) text += section("shapes", "Estimate and truth in 3D", viewer_part(figures));
-  return text + section("reproduce", "Every cell, and how to run it again",
-                        reproduce_part(results, tables));
+std::vector<Section> sections_of(const Results& results, const ReportTables& tables,
+                                 const Figures& figures, bool scripted) {
+  std::vector<Section> sections = {
+      {"verdicts", "In short", verdicts_part(results, tables)},
+      {"compared", "What was compared", compared_part(results, tables)},
+      {"results", "Results", results_part(results, tables)},
+      {"comparisons", "Comparisons", comparisons_part(tables, scripted)},
+      {"expectations", "Expectations", expectations_part(results, tables)},
+      {"errors", "Errors", scripted ? curves_part(tables) : ""},
+      {"axes", "Along an axis", scripted ? sweeps_part(results, figures) : ""},
+      {"filters", "Filters", filters_part(results, tables)},
+      {"times", "Time of each stage", times_part(results, tables, scripted)},
+      {"worst", "Worst frames", worst_part(results, figures)},
+      {"shapes", "Estimate and truth in 3D", scripted ? viewer_part(figures) : ""},
+      {"reproduce", "Every cell, and how to run it again", reproduce_part(results, tables)}};
+  std::erase_if(sections, [](const Section& section) { return section.content.empty(); });
+  return sections;
+}
+
+std::string body(const std::vector<Section>& sections) {
+  std::string links, text;
+  for (const auto& [id, title, content] : sections) {
+    links += fmt::format("<a href=\"#{}\">{}</a>\n", id, title);
+    text += fmt::format("<section id=\"{}\"><h2>{}</h2>\n{}</section>\n", id, title, content);
+  }
+  return "<nav>" + links + "</nav>\n" + text;
 }
 
 }  // namespace
@@ -70,7 +83,7 @@ std::string page_html(const Results& results, const ReportTables& tables, const 
         "with npm, which was absent when Weft was built. Install npm, run "
         "<code>scripts/bootstrap.sh</code>, build again and repeat <code>weft report</code>.</p>\n";
   }
-  page += sections(results, tables, figures, scripted) + footer(results, assets);
+  page += body(sections_of(results, tables, figures, scripted)) + footer(results, assets);
   if (scripted) {
     page += "<script type=\"application/json\" id=\"weft-data\">" +
             to_json(results, tables, figures) + "</script>\n<script>" + assets.script +

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report_sheets.hpp"
 
+#include <cmath>
 #include <numeric>
 
 namespace weft::evaluation {
@@ -33,7 +34,8 @@ void add_error(const Combination& combination, TextRow& row) {
 
 TextRow combination_row(const ReportTables& tables, std::size_t index) {
   const Combination& combination = tables.combinations[index];
-  TextRow row{{}, static_cast<std::ptrdiff_t>(index), combination.done == 0};
+  const bool drawable = std::isfinite(combination.mean_mm);
+  TextRow row{{}, drawable ? static_cast<std::ptrdiff_t>(index) : -1, combination.done == 0};
   add_values(tables, index, row);
   if (tables.has_error) add_error(combination, row);
   for (const double figure : combination.shown) row.cells.push_back(number_cell(figure, 2));
@@ -72,6 +74,16 @@ TextRow comparison_row(const PlanComparison& plan, const PairComparison& pair) {
   return row;
 }
 
+/// A path as a shell takes it.
+std::string in_shell(const std::string& path) {
+  constexpr const char* kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789/._-+=:,@%";
+  if (path.find_first_not_of(kPlain) == std::string::npos) return path;
+  std::string quoted = "'";
+  for (const char c : path) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
 }  // namespace
 
 std::string anchor_of(std::size_t combination) {
@@ -79,7 +91,7 @@ std::string anchor_of(std::size_t combination) {
 }
 
 std::string command_of(const Results& results, const PlanCell& cell) {
-  return "weft run " + results.folder + "/cells/" + cell.key + "/pipeline.yaml";
+  return "weft run " + in_shell(results.folder + "/cells/" + cell.key + "/pipeline.yaml");
 }
 
 TextTable combinations_sheet(const Results& results, const ReportTables& tables) {
@@ -194,12 +206,14 @@ TextTable times_sheet(const Results& results, const ReportTables& tables) {
   add_axes(results, table);
   table.columns.push_back({"stage", "stage"});
   table.columns.push_back({"mean, ms a frame", "mean_ms", true});
+  table.columns.push_back({"median, ms", "median_ms", true});
   for (std::size_t i = 0; i < tables.combinations.size(); ++i) {
     for (const StageTime& time : tables.combinations[i].times) {
       TextRow row;
       add_values(tables, i, row);
       row.cells.push_back(text_cell(time.stage));
       row.cells.push_back(number_cell(time.mean_ms, 2));
+      row.cells.push_back(number_cell(time.median_ms, 2));
       table.rows.push_back(std::move(row));
     }
   }

@@ -144,6 +144,8 @@ std::string compared_part(const Results& results, const ReportTables& tables) {
   text += fact("cells", fmt::format("{} planned: {} done, {} failed, {} not run; {} distinct",
                                     results.cells.size(), counts.done, counts.failed,
                                     counts.missing, distinct_keys(results)));
+  const std::vector<std::string> processors(results.processors.begin(), results.processors.end());
+  if (!processors.empty()) text += fact("processor", listed(processors));
   text += fact("command", "<code class=\"command\">" + html_escaped(results.command) + "</code>");
   return text + "</dl>\n";
 }

@@ -94,6 +94,10 @@ struct FilterMeans {
   }
 };
 
+struct TimeMeans {
+  MeansBySequence mean_ms, median_ms;
+};
+
 /// The element for a stage, made at the end when it is the first of its stage.
 template <class T>
 T& of_stage(std::vector<std::pair<std::string, T>>& parts, const std::string& stage) {
@@ -105,7 +109,7 @@ T& of_stage(std::vector<std::pair<std::string, T>>& parts, const std::string& st
 
 void fill_stages(const Results& results, Combination& row) {
   std::vector<std::pair<std::string, FilterMeans>> filters;
-  std::vector<std::pair<std::string, MeansBySequence>> times;
+  std::vector<std::pair<std::string, TimeMeans>> times;
   for (const std::size_t index : row.cells) {
     const PlanCell& cell = results.cells[index];
     const CellRecord& record = results.record(cell);
@@ -113,14 +117,17 @@ void fill_stages(const Results& results, Combination& row) {
       of_stage(filters, rates.stage).add(cell.sequence, rates);
     }
     for (const StageTime& time : record.times) {
-      of_stage(times, time.stage).add(cell.sequence, time.mean_ms);
+      of_stage(times, time.stage).mean_ms.add(cell.sequence, time.mean_ms);
+      of_stage(times, time.stage).median_ms.add(cell.sequence, time.median_ms);
     }
   }
   for (auto& [stage, means] : filters) {
     means.summary.rates.stage = stage;
     row.filters.push_back(means.finish());
   }
-  for (const auto& [stage, mean_ms] : times) row.times.push_back({stage, mean_ms.value()});
+  for (const auto& [stage, means] : times) {
+    row.times.push_back({stage, means.mean_ms.value(), means.median_ms.value()});
+  }
 }
 
 }  // namespace

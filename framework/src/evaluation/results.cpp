@@ -4,6 +4,7 @@
 #include <fstream>
 #include <set>
 
+#include "metric_path.hpp"
 #include "results_json.hpp"
 
 namespace weft::evaluation {
@@ -50,7 +51,10 @@ FilterRates filter_rates(const json& filter, const json& frames) {
 }
 
 void read_metrics(const json& metrics, const std::set<std::string>& wanted, CellRecord& record) {
-  for (const std::string& metric : wanted) record.figures[metric] = metric_at(metrics, metric);
+  for (const std::string& metric : wanted) {
+    const auto figure = metric_at(metrics, metric);
+    record.figures[metric] = figure ? *figure : kUnknown;
+  }
   record.frames = metrics.at("counts").at("frames");
   record.solved = metrics.at("counts").at("solved");
   const json& all = metrics.at("all");
@@ -73,7 +77,8 @@ void read_metrics(const json& metrics, const std::set<std::string>& wanted, Cell
 void read_times(const json& timing, CellRecord& record) {
   if (timing.value("cached", false) || !timing.contains("stages")) return;
   for (const json& stage : timing.at("stages")) {
-    record.times.push_back({stage.at("stage"), number_of(stage, "mean_ms")});
+    record.times.push_back(
+        {stage.at("stage"), number_of(stage, "mean_ms"), number_of(stage, "p50_ms")});
   }
 }
 
@@ -92,9 +97,8 @@ Result<void> read_line(const json& line, const std::set<std::string>& wanted, Re
     read_metrics(line.at("metrics"), wanted, record);
   }
   if (line.contains("timing")) read_times(line.at("timing"), record);
-  if (results.accept_rebuilt && line.contains("rebuilt_key")) {
-    results.records.emplace(line.at("rebuilt_key"), record);
-  }
+  const std::string processor = line.value("/machine/processor"_json_pointer, "");
+  if (!processor.empty()) results.processors.insert(processor);
   results.records.emplace(line.at("key"), std::move(record));
   return {};
 }

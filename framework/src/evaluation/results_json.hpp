@@ -11,11 +11,6 @@ namespace weft::evaluation {
 /// A number of an object, or NaN where there is null or nothing.
 double number_of(const nlohmann::json& object, const char* key);
 
-/// The figure at a path such as "all.error_solved.mean_mm" or "filters.filters#2.tpr_percent": the
-/// elements of a list are named by their stage or kind, a list of one needs no name. NaN where
-/// there is none.
-double metric_at(const nlohmann::json& metrics, const std::string& path);
-
 /// Reads manifest.json and plan.json; everything but the records.
 Result<Results> read_results_plan(const std::string& folder);
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fstream>
-#include <sstream>
 
 #include "results_json.hpp"
 
@@ -109,30 +108,6 @@ void fill_plan(const json& plan, Results& results) {
 double number_of(const nlohmann::json& object, const char* key) {
   const auto found = object.find(key);
   return found == object.end() || found->is_null() ? kUnknown : found->get<double>();
-}
-
-double metric_at(const nlohmann::json& metrics, const std::string& path) {
-  const json* place = &metrics;
-  std::istringstream names(path);
-  for (std::string name; std::getline(names, name, '.');) {
-    if (place->is_array()) {
-      const json* named = nullptr;
-      for (const json& element : *place) {
-        for (const char* key : {"stage", "kind"}) {
-          if (element.is_object() && element.value(key, json()) == name) named = &element;
-        }
-      }
-      if (named != nullptr) {
-        place = named;
-        continue;
-      }
-      if (place->size() != 1) return kUnknown;
-      place = &place->front();
-    }
-    if (!place->is_object() || !place->contains(name)) return kUnknown;
-    place = &place->at(name);
-  }
-  return place->is_number() ? place->get<double>() : kUnknown;
 }
 
 Result<Results> read_results_plan(const std::string& folder) {

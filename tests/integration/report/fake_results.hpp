@@ -57,7 +57,7 @@ class FakeResults {
   const std::string& folder() const { return folder_; }
   void keep() { kept_ = true; }
 
-  static double alpha(int i) { return 0.05 * (i + 1); }
+  static double alpha(int i) { return (5 * i + 5) / 100.0; }
   static double tpr(int i) { return 99.0 - 10.0 * i; }
   static double fpr(int i) { return 40.0 / (1 << i); }
 
@@ -97,6 +97,8 @@ class FakeResults {
         }
       }
     }
+    const json comparison{
+        {"axis", "filter"}, {"reference", "steady"}, {"metric", "all.error_solved.mean_mm"}};
     write("plan.json",
           {{"name", "Filters <on> a plain sheet"},
            {"command", "weft ablate stages.yaml --out results/stages"},
@@ -106,7 +108,7 @@ class FakeResults {
            {"seeds", choice_.seeds},
            {"data_use", choice_.data_use},
            {"cells", cells_},
-           {"comparisons", json::array()},
+           {"comparisons", json::array({comparison})},
            {"expect", json::array()}});
   }
 
@@ -126,10 +128,10 @@ class FakeResults {
     line["stages"] = nlohmann::json::array();
     line["timing"] = {{"cached", !choice_.timing}};
     if (choice_.timing) {
-      line["timing"]["stages"] = {{{"stage", "detectors"}, {"mean_ms", 4.0}},
-                                  {{"stage", "filters"}, {"mean_ms", 1.5}}};
+      line["timing"]["stages"] = {{{"stage", "detectors"}, {"mean_ms", 4.0}, {"p50_ms", 3.5}},
+                                  {{"stage", "filters"}, {"mean_ms", 1.5}, {"p50_ms", 1.25}}};
     }
-    line["machine"] = nlohmann::json::object();
+    line["machine"] = {{"processor", "A <fine> one"}};
     append("results/" + std::to_string(cell["cell"].get<int>() % 2) + ".jsonl", line.dump() + "\n");
     if (choice_.shapes && !broken) write_folder(cell);
   }
@@ -211,6 +213,7 @@ class FakeResults {
     }
     cv::Mat picture(120, 160, CV_8UC3, cv::Scalar(90, 100, 110));
     cv::rectangle(picture, {30, 25}, {130, 95}, cv::Scalar(200, 210, 220), cv::FILLED);
+    std::ofstream(folder + "/pipeline.yaml") << "weft: 1\n# " << folder << "\n";
     cv::imwrite(folder + "/worst_000009.png", picture);
   }
 

@@ -17,8 +17,7 @@ const browser = await puppeteer.launch({
   userDataDir: profile,
   args: [
     "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
-    "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
+    "--disable-component-update", "--disable-sync", "--disable-gpu", "--enable-unsafe-swiftshader",
   ],
 });
 
@@ -32,7 +31,10 @@ try {
   const page = await browser.newPage();
   const complaints = [];
   page.on("console", (message) => {
-    if (["error", "warn"].includes(message.type())) complaints.push(message.text());
+    // The drivers of WebGL warn of what this test itself does when it reads pixels.
+    if (["error", "warn"].includes(message.type()) && !message.text().includes("GL Driver Message")) {
+      complaints.push(message.text());
+    }
   });
   page.on("pageerror", (error) => complaints.push(String(error)));
   page.on("request", (request) => {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 #include <weft/core/result.hpp>
@@ -38,10 +39,11 @@ struct FilterRates {
   std::int64_t entered = 0, mismatches = 0, correct = 0;  ///< [] over all frames
 };
 
-/// Mean time of a stage for a frame, of a pass with --timing.
+/// Time of a stage for a frame, of a pass with --timing.
 struct StageTime {
   std::string stage;
-  double mean_ms = kUnknown;  ///< [] ms
+  double mean_ms = kUnknown;    ///< [] ms
+  double median_ms = kUnknown;  ///< [] ms
 };
 
 /// What the results say of one key: the cells that have it share it.
@@ -53,10 +55,10 @@ struct CellRecord {
   double mean_mm = kUnknown;                    ///< [] mm, mean over solved frames with truth
   double worst_mm = kUnknown;                   ///< [] mm, largest mean error of a frame
   std::string worst_frame;
-  std::vector<std::string> truth_users;  ///< components that may have read the truth
-  std::vector<FrameError> errors;        ///< in the order of the frames
-  std::vector<FilterRates> filters;      ///< in the order of the stages
-  std::vector<StageTime> times;          ///< empty where no uncached time was taken
+  std::vector<std::string> truth_users;   ///< components that may have read the truth
+  std::vector<FrameError> errors;         ///< in the order of the frames
+  std::vector<FilterRates> filters;       ///< in the order of the stages
+  std::vector<StageTime> times;           ///< empty where no uncached time was taken
   std::map<std::string, double> figures;  ///< by metric: those that the plan names
 
   /// A figure that the plan names, NaN where the run has none.
@@ -101,6 +103,7 @@ struct Results {
   std::vector<PlanExpectation> expectations;
   std::vector<PlanCell> cells;
   std::map<std::string, CellRecord> records;  ///< by key
+  std::set<std::string> processors;           ///< that computed them
 
   /// What is known of a cell; outcome `missing` where nothing is.
   const CellRecord& record(const PlanCell& cell) const;
