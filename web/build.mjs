@@ -45,7 +45,8 @@ const licences = [...titles_by_text].map(([text, titles]) => `${titles.join("\n"
 
 mkdirSync("dist", { recursive: true });
 const script = bundle.outputFiles[0].text;
-if (/<\/script|<!--/i.test(script)) throw new Error("the bundle would end the element it stands in");
+if (/<\/script|<!--/i.test(script))
+  throw new Error("the bundle would end the element it stands in");
 writeFileSync("dist/report.js", script);
 writeFileSync("dist/licences.txt", licences.join(`\n${"-".repeat(72)}\n\n`));
 console.log(`dist/report.js: ${(script.length / 1e6).toFixed(2)} MB, ${packages.size} packages`);

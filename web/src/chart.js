@@ -13,9 +13,15 @@ const kConfig = {
   font: kFont,
   view: { stroke: null },
   axis: {
-    labelColor: "var(--muted)", titleColor: "var(--ink)", gridColor: "var(--rule)",
-    domainColor: "var(--rule-strong)", tickColor: "var(--rule-strong)",
-    labelFontSize: 12, titleFontSize: 12.5, titleFontWeight: 500, titlePadding: 8,
+    labelColor: "var(--muted)",
+    titleColor: "var(--ink)",
+    gridColor: "var(--rule)",
+    domainColor: "var(--rule-strong)",
+    tickColor: "var(--rule-strong)",
+    labelFontSize: 12,
+    titleFontSize: 12.5,
+    titleFontWeight: 500,
+    titlePadding: 8,
   },
   axisX: { grid: false },
   axisY: { titleAngle: 0, titleAlign: "left", titleAnchor: "end", titleY: -14, titleX: 0 },
@@ -32,7 +38,11 @@ function with_plain_colours(svg) {
 }
 
 function offer_download(figure, view) {
-  const button = element("button", { type: "button", className: "save", textContent: "Save as SVG" });
+  const button = element("button", {
+    type: "button",
+    className: "save",
+    textContent: "Save as SVG",
+  });
   button.addEventListener("click", async () => {
     const svg = with_plain_colours(await view.toSVG());
     const address = URL.createObjectURL(new Blob([svg], { type: "image/svg+xml" }));
@@ -49,7 +59,12 @@ export async function draw(figure, spec) {
   figure.view?.finalize();
   plot.replaceChildren();
   const compiled = compile({ ...spec, config: kConfig }).spec;
-  const view = new View(parse(compiled), { renderer: "svg", container: plot, logLevel: Warn, hover: true });
+  const view = new View(parse(compiled), {
+    renderer: "svg",
+    container: plot,
+    logLevel: Warn,
+    hover: true,
+  });
   await view.runAsync();
   plot.querySelector("svg")?.setAttribute("role", "img");
   figure.view = view;
@@ -61,11 +76,15 @@ export function series_channels(series) {
   const domain = series.map(({ name }) => name);
   return {
     color: {
-      field: "series", type: "nominal", legend: null,
+      field: "series",
+      type: "nominal",
+      legend: null,
       scale: { domain, range: series.map(({ colour }) => colour) },
     },
     strokeDash: {
-      field: "series", type: "nominal", legend: null,
+      field: "series",
+      type: "nominal",
+      legend: null,
       scale: { domain, range: series.map(({ dash }) => dash) },
     },
   };

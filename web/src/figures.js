@@ -14,13 +14,17 @@ function named(drawn) {
 /** One row a point of the curve that a treatment holds under `curve`. */
 function points_of(series, curve) {
   return series.flatMap(({ name, treatment }) => {
-    const xs = floats(treatment[curve].x), ys = floats(treatment[curve].y);
+    const xs = floats(treatment[curve].x),
+      ys = floats(treatment[curve].y);
     return Array.from(xs, (x, i) => ({ series: name, x, y: Number.isNaN(ys[i]) ? null : ys[i] }));
   });
 }
 
 function spread_is_large(points) {
-  const values = points.map(({ x }) => x).filter((x) => x > 0).sort((a, b) => a - b);
+  const values = points
+    .map(({ x }) => x)
+    .filter((x) => x > 0)
+    .sort((a, b) => a - b);
   return values.at(-1) > kManyTimesMedian * values[values.length >> 1];
 }
 
@@ -29,16 +33,21 @@ async function draw_distribution(figure, data, series) {
   const log = spread_is_large(points);
   write_legend(figure, series);
   await draw(figure, {
-    width: width_of(figure), height: kHeight,
+    width: width_of(figure),
+    height: kHeight,
     data: { values: log ? points.filter(({ x }) => x > 0) : points },
     mark: { type: "line", interpolate: "step-after", strokeWidth: 2, clip: true },
     encoding: {
       x: {
-        field: "x", type: "quantitative", title: `${data.measure.name}, ${data.measure.unit}`,
+        field: "x",
+        type: "quantitative",
+        title: `${data.measure.name}, ${data.measure.unit}`,
         scale: { type: log ? "log" : "linear", nice: !log },
       },
       y: {
-        field: "y", type: "quantitative", title: "Share of all frames with truth, %",
+        field: "y",
+        type: "quantitative",
+        title: "Share of all frames with truth, %",
         scale: { domain: [0, 100] },
       },
       ...series_channels(series),
@@ -49,13 +58,22 @@ async function draw_distribution(figure, data, series) {
 async function draw_by_frame(figure, data, series) {
   write_legend(figure, series);
   await draw(figure, {
-    width: width_of(figure), height: kHeight,
+    width: width_of(figure),
+    height: kHeight,
     data: { values: points_of(series, "by_frame") },
     mark: { type: "line", strokeWidth: 1.75, invalid: "break-paths-show-path-domains" },
     encoding: {
-      x: { field: "x", type: "quantitative", title: "Frame", axis: { tickMinStep: 1 }, scale: { nice: false } },
+      x: {
+        field: "x",
+        type: "quantitative",
+        title: "Frame",
+        axis: { tickMinStep: 1 },
+        scale: { nice: false },
+      },
       y: {
-        field: "y", type: "quantitative", title: `${data.measure.name}, ${data.measure.unit}`,
+        field: "y",
+        type: "quantitative",
+        title: `${data.measure.name}, ${data.measure.unit}`,
         scale: { zero: true },
       },
       ...series_channels(series),
@@ -67,26 +85,43 @@ async function draw_by_frame(figure, data, series) {
 async function draw_differences(figure, { pairs, unit }) {
   const values = pairs.map((pair) => ({ ...pair, name: `${pair.a} − ${pair.b}` }));
   await draw(figure, {
-    width: Math.max(220, width_of(figure) - 260), height: { step: 26 },
+    width: Math.max(220, width_of(figure) - 260),
+    height: { step: 26 },
     data: { values },
     encoding: {
-      y: { field: "name", type: "nominal", sort: null, title: null, axis: { labelLimit: 260, domain: false, ticks: false, grid: true } },
+      y: {
+        field: "name",
+        type: "nominal",
+        sort: null,
+        title: null,
+        axis: { labelLimit: 260, domain: false, ticks: false, grid: true },
+      },
     },
     layer: [
       { mark: { type: "rule", strokeDash: [3, 3] }, encoding: { x: { datum: 0 }, y: null } },
       {
         mark: { type: "rule", strokeWidth: 2 },
         encoding: {
-          x: { field: "low", type: "quantitative", title: `Difference${unit && `, ${unit}`} (95 % interval)` },
+          x: {
+            field: "low",
+            type: "quantitative",
+            title: `Difference${unit && `, ${unit}`} (95 % interval)`,
+          },
           x2: { field: "high" },
-          stroke: { condition: { test: "datum.decided", value: "var(--series-1)" }, value: "var(--muted)" },
+          stroke: {
+            condition: { test: "datum.decided", value: "var(--series-1)" },
+            value: "var(--muted)",
+          },
         },
       },
       {
         mark: { type: "point", filled: true, size: 60 },
         encoding: {
           x: { field: "difference", type: "quantitative" },
-          fill: { condition: { test: "datum.decided", value: "var(--series-1)" }, value: "var(--muted)" },
+          fill: {
+            condition: { test: "datum.decided", value: "var(--series-1)" },
+            value: "var(--muted)",
+          },
         },
       },
     ],
@@ -95,16 +130,28 @@ async function draw_differences(figure, { pairs, unit }) {
 
 async function draw_stage_times(figure, data) {
   const values = data.treatments.flatMap(({ name, stages }) =>
-    stages.map(({ stage, ms }, order) => ({ name, stage, ms, order })));
+    stages.map(({ stage, ms }, order) => ({ name, stage, ms, order })),
+  );
   const stages = [...new Set(values.map(({ stage }) => stage))];
-  const series = stages.map((name, i) => ({ name, colour: `var(--series-${(i % 8) + 1})`, dash: [1, 0] }));
+  const series = stages.map((name, i) => ({
+    name,
+    colour: `var(--series-${(i % 8) + 1})`,
+    dash: [1, 0],
+  }));
   write_legend(figure, series);
   await draw(figure, {
-    width: Math.max(220, width_of(figure) - 260), height: { step: 24 },
+    width: Math.max(220, width_of(figure) - 260),
+    height: { step: 24 },
     data: { values },
     mark: { type: "bar" },
     encoding: {
-      y: { field: "name", type: "nominal", sort: null, title: null, axis: { labelLimit: 260, domain: false, ticks: false } },
+      y: {
+        field: "name",
+        type: "nominal",
+        sort: null,
+        title: null,
+        axis: { labelLimit: 260, domain: false, ticks: false },
+      },
       x: { field: "ms", type: "quantitative", title: "Mean time for a frame, ms" },
       order: { field: "order" },
       color: series_channels(series).color,
@@ -130,8 +177,12 @@ async function keep_drawn(id, selection, draw_it) {
 
 /** Draws every figure for which the page has a place. */
 export async function draw_figures(data, selection) {
-  await keep_drawn("figure-distribution", selection, (figure, series) => draw_distribution(figure, data, series));
-  await keep_drawn("figure-by-frame", selection, (figure, series) => draw_by_frame(figure, data, series));
+  await keep_drawn("figure-distribution", selection, (figure, series) =>
+    draw_distribution(figure, data, series),
+  );
+  await keep_drawn("figure-by-frame", selection, (figure, series) =>
+    draw_by_frame(figure, data, series),
+  );
   await keep_drawn("figure-times", selection, (figure) => draw_stage_times(figure, data));
   for (const figure of document.querySelectorAll("figure.differences")) {
     await draw_differences(figure, data.comparisons[Number(figure.dataset.comparison)]);

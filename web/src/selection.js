@@ -23,14 +23,17 @@ export class Selection extends EventTarget {
       button.addEventListener("click", () => this.toggle(treatment));
     }
     const drawn = treatments.filter(({ drawn }) => drawn).slice(0, kColours);
-    drawn.forEach(({ id }, slot) => { this.#slots[slot] = id; });
+    drawn.forEach(({ id }, slot) => {
+      this.#slots[slot] = id;
+    });
     this.#show();
   }
 
   /** The treatments drawn, each with its colour and dashes. */
   drawn() {
     return this.#slots.flatMap((id, slot) =>
-      id === null ? [] : [{ treatment: this.#treatments[id], ...style_of(slot) }]);
+      id === null ? [] : [{ treatment: this.#treatments[id], ...style_of(slot) }],
+    );
   }
 
   toggle(id) {
@@ -50,9 +53,12 @@ export class Selection extends EventTarget {
       button.setAttribute("aria-pressed", slot >= 0);
       button.style.setProperty("--colour", slot >= 0 ? style_of(slot).colour : "transparent");
       button.classList.toggle("dashed", slot >= kSolidLines);
-      button.title = slot >= 0 ? "Drawn in the figures; click to leave it out"
-        : full ? `The figures draw ${kColours} at most; leave one out first`
-        : "Click to draw it in the figures";
+      button.title =
+        slot >= 0
+          ? "Drawn in the figures; click to leave it out"
+          : full
+            ? `The figures draw ${kColours} at most; leave one out first`
+            : "Click to draw it in the figures";
     }
   }
 }

@@ -18,10 +18,13 @@ function make_measure(sweep, again) {
 
 /** For each other axis a choice: one of its values, or the colours. */
 function make_choices(sweep, again) {
-  const colours = sweep.others.findLastIndex(({ values }) => values.length > 1 && values.length <= kColours);
+  const colours = sweep.others.findLastIndex(
+    ({ values }) => values.length > 1 && values.length <= kColours,
+  );
   return sweep.others.map(({ name, values }, i) => {
     const select = element("select", { ariaLabel: name });
-    for (const value of [...values, kColour]) select.append(element("option", { textContent: value }));
+    for (const value of [...values, kColour])
+      select.append(element("option", { textContent: value }));
     if (i === colours) select.value = kColour;
     select.addEventListener("change", again);
     return select;
@@ -32,12 +35,16 @@ function make_choices(sweep, again) {
 function chosen_curves(sweep, choices) {
   const free = choices.map(({ value }) => value === kColour);
   const curves = sweep.curves.filter(({ others }) =>
-    others.every((value, i) => free[i] || value === choices[i].value));
+    others.every((value, i) => free[i] || value === choices[i].value),
+  );
   const series = curves.slice(0, kColours).map((curve, slot) => ({
     name: curve.others.filter((_, i) => free[i]).join(" · ") || "all cells",
-    note: curve.auc === null ? "" :
-      `AUC ${shown(curve.auc, 4)}, to FPR 10 %: ${shown(curve.partial_auc, 4)}`,
-    ...style_of(slot), curve,
+    note:
+      curve.auc === null
+        ? ""
+        : `AUC ${shown(curve.auc, 4)}, to FPR 10 %: ${shown(curve.partial_auc, 4)}`,
+    ...style_of(slot),
+    curve,
   }));
   return { series, left_out: curves.length - series.length };
 }
@@ -45,50 +52,84 @@ function chosen_curves(sweep, choices) {
 /** A row for each value of the axis: the value and the figures x and y. */
 function points_of(series, x_of, y_of) {
   return series.flatMap(({ name, curve }) => {
-    const values = floats(curve.values), xs = x_of(curve), ys = y_of(curve);
-    return Array.from(values, (value, i) => ({ series: name, value, x: xs[i], y: ys[i] }))
-      .filter(({ x, y }) => !Number.isNaN(x) && !Number.isNaN(y));
+    const values = floats(curve.values),
+      xs = x_of(curve),
+      ys = y_of(curve);
+    return Array.from(values, (value, i) => ({ series: name, value, x: xs[i], y: ys[i] })).filter(
+      ({ x, y }) => !Number.isNaN(x) && !Number.isNaN(y),
+    );
   });
 }
 
 function roc_spec(figure, sweep, series) {
-  const points = points_of(series, ({ figures }) => floats(figures[0]), ({ figures }) => floats(figures[1]));
+  const points = points_of(
+    series,
+    ({ figures }) => floats(figures[0]),
+    ({ figures }) => floats(figures[1]),
+  );
   const side = Math.min(440, width_of(figure));
-  const diagonal = [{ x: 0, y: 0 }, { x: 100, y: 100 }];
+  const diagonal = [
+    { x: 0, y: 0 },
+    { x: 100, y: 100 },
+  ];
   const percent = { type: "quantitative", scale: { domain: [0, 100] } };
   return {
-    width: side, height: side,
+    width: side,
+    height: side,
     layer: [
-      { data: { values: diagonal }, mark: { type: "line", stroke: "var(--rule-strong)", strokeDash: [3, 3] },
-        encoding: { x: { field: "x", ...percent }, y: { field: "y", ...percent } } },
-      { data: { values: points },
+      {
+        data: { values: diagonal },
+        mark: { type: "line", stroke: "var(--rule-strong)", strokeDash: [3, 3] },
+        encoding: { x: { field: "x", ...percent }, y: { field: "y", ...percent } },
+      },
+      {
+        data: { values: points },
         mark: { type: "line", strokeWidth: 2, point: { filled: true, size: 16 } },
         encoding: {
-          x: { field: "x", ...percent, title: "Correct matches rejected (FPR), %", axis: { grid: true } },
+          x: {
+            field: "x",
+            ...percent,
+            title: "Correct matches rejected (FPR), %",
+            axis: { grid: true },
+          },
           y: { field: "y", ...percent, title: "Mismatches rejected (TPR), %" },
           order: { field: "x" },
           tooltip: [
-            { field: "series", title: "curve" }, { field: "value", title: sweep.axis },
-            { field: "x", title: "FPR, %", format: ".1f" }, { field: "y", title: "TPR, %", format: ".1f" },
+            { field: "series", title: "curve" },
+            { field: "value", title: sweep.axis },
+            { field: "x", title: "FPR, %", format: ".1f" },
+            { field: "y", title: "TPR, %", format: ".1f" },
           ],
           ...series_channels(series),
-        } },
+        },
+      },
     ],
   };
 }
 
 function response_spec(figure, sweep, series, measure) {
   const title = sweep.measures[measure];
-  const points = points_of(series, ({ values }) => floats(values), ({ figures }) => floats(figures[measure]));
+  const points = points_of(
+    series,
+    ({ values }) => floats(values),
+    ({ figures }) => floats(figures[measure]),
+  );
   return {
-    width: width_of(figure), height: 260,
+    width: width_of(figure),
+    height: 260,
     data: { values: points },
     mark: { type: "line", strokeWidth: 2, point: { filled: true, size: 22 } },
     encoding: {
-      x: { field: "x", type: "quantitative", title: sweep.axis, scale: { zero: false, nice: false } },
+      x: {
+        field: "x",
+        type: "quantitative",
+        title: sweep.axis,
+        scale: { zero: false, nice: false },
+      },
       y: { field: "y", type: "quantitative", title, scale: { zero: true } },
       tooltip: [
-        { field: "series", title: "curve" }, { field: "x", title: sweep.axis },
+        { field: "series", title: "curve" },
+        { field: "x", title: sweep.axis },
         { field: "y", title, format: ".4" },
       ],
       ...series_channels(series),
@@ -100,13 +141,18 @@ export async function draw_sweep(figure, sweep) {
   const again = async () => {
     const { series, left_out } = chosen_curves(sweep, choices);
     write_legend(figure, series, left_out);
-    await draw(figure, sweep.roc ? roc_spec(figure, sweep, series)
-      : response_spec(figure, sweep, series, measure.selectedIndex));
+    await draw(
+      figure,
+      sweep.roc
+        ? roc_spec(figure, sweep, series)
+        : response_spec(figure, sweep, series, measure.selectedIndex),
+    );
   };
   const measure = make_measure(sweep, again);
   const choices = make_choices(sweep, again);
   const controls = figure.querySelector(".controls");
-  if (!sweep.roc && sweep.measures.length > 1) controls.append(element("label", {}, "shown ", measure));
+  if (!sweep.roc && sweep.measures.length > 1)
+    controls.append(element("label", {}, "shown ", measure));
   sweep.others.forEach(({ name, values }, i) => {
     if (values.length > 1) controls.append(element("label", {}, `${name} `, choices[i]));
   });

@@ -48,7 +48,9 @@ export function filter_tables() {
     const rows = [...table.tBodies[0].rows];
     if (rows.length <= kLongRows) continue;
     const field = element("input", {
-      type: "search", className: "filter", placeholder: `Filter ${rows.length} rows`,
+      type: "search",
+      className: "filter",
+      placeholder: `Filter ${rows.length} rows`,
       ariaLabel: "Show only rows with these words",
     });
     field.addEventListener("input", () => {

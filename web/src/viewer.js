@@ -1,9 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 // The estimate against the truth, frame by frame, in the camera's frame (x right, y down, z ahead).
 import {
-  AmbientLight, Box3, BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, Group, LineBasicMaterial,
-  LineSegments, Mesh, MeshLambertMaterial, PerspectiveCamera, Points, PointsMaterial, Scene, Vector2, Vector3,
-  WebGLRenderer, WireframeGeometry,
+  AmbientLight,
+  Box3,
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DirectionalLight,
+  DoubleSide,
+  Group,
+  LineBasicMaterial,
+  LineSegments,
+  Mesh,
+  MeshLambertMaterial,
+  PerspectiveCamera,
+  Points,
+  PointsMaterial,
+  Scene,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+  WireframeGeometry,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { floats, indices, shown } from "./data.js";
@@ -23,11 +40,25 @@ class Drawing {
     this.group = new Group();
     // OpenCV's axes to those of WebGL: y up, z towards the viewer.
     this.group.rotation.x = Math.PI;
-    this.surface = new Mesh(new BufferGeometry(),
-      new MeshLambertMaterial({ side: DoubleSide, transparent: true, opacity: 0.82,
-        polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }));
-    this.edges = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ transparent: true, opacity: 0.4 }));
-    this.truth = new Points(new BufferGeometry(), new PointsMaterial({ sizeAttenuation: false, size: 4 }));
+    this.surface = new Mesh(
+      new BufferGeometry(),
+      new MeshLambertMaterial({
+        side: DoubleSide,
+        transparent: true,
+        opacity: 0.82,
+        polygonOffset: true,
+        polygonOffsetFactor: 1,
+        polygonOffsetUnits: 1,
+      }),
+    );
+    this.edges = new LineSegments(
+      new BufferGeometry(),
+      new LineBasicMaterial({ transparent: true, opacity: 0.4 }),
+    );
+    this.truth = new Points(
+      new BufferGeometry(),
+      new PointsMaterial({ sizeAttenuation: false, size: 4 }),
+    );
     this.errors = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
     this.group.add(this.surface, this.edges, this.truth, this.errors);
     this.colour();
@@ -49,7 +80,10 @@ class Drawing {
       geometry.computeVertexNormals();
     }
     this.#replace(this.surface, geometry);
-    this.#replace(this.edges, frame.vertices.length ? new WireframeGeometry(geometry) : new BufferGeometry());
+    this.#replace(
+      this.edges,
+      frame.vertices.length ? new WireframeGeometry(geometry) : new BufferGeometry(),
+    );
     this.#replace(this.truth, points_geometry(frame.truth));
     this.#replace(this.errors, points_geometry(segments(frame)));
   }
@@ -76,9 +110,13 @@ function segments({ truth, placed }) {
 
 function decoded(cell) {
   return {
-    ...cell, faces: indices(cell.faces),
+    ...cell,
+    faces: indices(cell.faces),
     frames: cell.frames.map((frame) => ({
-      ...frame, vertices: floats(frame.vertices), truth: floats(frame.truth), placed: floats(frame.placed),
+      ...frame,
+      vertices: floats(frame.vertices),
+      truth: floats(frame.truth),
+      placed: floats(frame.placed),
     })),
   };
 }
@@ -92,7 +130,12 @@ class Viewer {
     this.root = root;
     this.cells = cells;
     this.canvas = root.querySelector("canvas");
-    this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
+    this.renderer = new WebGLRenderer({
+      canvas: this.canvas,
+      antialias: true,
+      alpha: true,
+      preserveDrawingBuffer: true,
+    });
     this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(40, 1, 0.001, 100);
@@ -143,7 +186,9 @@ class Viewer {
     const centre = box.getCenter(new Vector3());
     const radius = 0.5 * box.getSize(new Vector3()).length();
     const distance = radius / Math.tan((this.camera.fov * Math.PI) / 360);
-    this.camera.position.copy(centre).add(new Vector3(0.45, 0.35, 1).normalize().multiplyScalar(0.9 * distance));
+    this.camera.position
+      .copy(centre)
+      .add(new Vector3(0.45, 0.35, 1).normalize().multiplyScalar(0.9 * distance));
     this.camera.near = 0.01 * radius;
     this.camera.far = 100 * radius;
     this.camera.updateProjectionMatrix();
@@ -168,7 +213,10 @@ class Viewer {
       clearInterval(this.#timer);
       this.#timer = null;
     } else {
-      this.#timer = setInterval(() => this.show((this.#index + 1) % this.#cell.frames.length), kPlayMs);
+      this.#timer = setInterval(
+        () => this.show((this.#index + 1) % this.#cell.frames.length),
+        kPlayMs,
+      );
     }
     this.root.querySelector(".play").textContent = this.#timer ? "Pause" : "Play";
   }
@@ -176,7 +224,9 @@ class Viewer {
   #listen() {
     this.slider = this.root.querySelector("input[type=range]");
     this.slider.addEventListener("input", () => this.show(Number(this.slider.value)));
-    this.root.querySelector("select").addEventListener("change", (event) => this.choose(event.target.selectedIndex));
+    this.root
+      .querySelector("select")
+      .addEventListener("change", (event) => this.choose(event.target.selectedIndex));
     this.root.querySelector(".play").addEventListener("click", () => this.toggle_play());
     this.root.querySelector(".reset").addEventListener("click", () => this.look_from_camera());
     for (const box of this.root.querySelectorAll("input[type=checkbox]")) {

@@ -70,7 +70,7 @@ void append(std::vector<float>& values, const Eigen::Vector3d& point) {
   for (const double value : point) values.push_back(static_cast<float>(value));
 }
 
-/// Every `step`-th true point with its place on the estimate.
+/// True points, thinned evenly to `most_points`, with their places on the estimate.
 void add_truth(const Template& sheet, const FaceLocator& locator, const FrameShapes& stored,
                std::size_t most_points, ViewFrame& frame) {
   const GroundTruth& truth = *stored.truth;

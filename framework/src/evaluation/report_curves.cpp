@@ -12,13 +12,10 @@ namespace {
 
 constexpr std::size_t kMostPoints = 256;  ///< of a drawn distribution
 
-std::vector<double> sorted_errors(const Results& results, const Combination& combination,
-                                  std::size_t& frames) {
+std::vector<double> sorted_errors(const Results& results, const Combination& combination) {
   std::vector<double> errors;
-  frames = 0;
-  for (const std::size_t cell : combination.cells) {
-    for (const FrameError& error : results.record(results.cells[cell]).errors) {
-      ++frames;
+  for (const std::size_t index : combination.cells) {
+    for (const FrameError& error : results.record(results.cells[index]).errors) {
       if (std::isfinite(error.mean_mm)) errors.push_back(error.mean_mm);
     }
   }
@@ -29,16 +26,15 @@ std::vector<double> sorted_errors(const Results& results, const Combination& com
 }  // namespace
 
 Curve distribution_of(const Results& results, const Combination& combination) {
-  std::size_t frames = 0;
-  const std::vector<double> errors = sorted_errors(results, combination, frames);
+  const std::vector<double> errors = sorted_errors(results, combination);
   Curve curve;
   if (errors.empty()) return curve;
   const std::size_t points = std::min(errors.size(), kMostPoints);
   for (std::size_t i = 0; i < points; ++i) {
     const std::size_t rank = (i + 1) * errors.size() / points;
     curve.x.push_back(static_cast<float>(errors[rank - 1]));
-    curve.y.push_back(
-        static_cast<float>(100.0 * static_cast<double>(rank) / static_cast<double>(frames)));
+    curve.y.push_back(static_cast<float>(100.0 * static_cast<double>(rank) /
+                                         static_cast<double>(combination.truth_frames)));
   }
   return curve;
 }

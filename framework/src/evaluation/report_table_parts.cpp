@@ -162,7 +162,9 @@ std::string results_part(const Results& results, const ReportTables& tables) {
   }
   return text +
          "Frames failed: with truth, but without a shape, or off by more than a tenth of the "
-         "template's diagonal. A failed cell is counted here and enters no mean. A row's first "
+         "template's diagonal; a cell that failed as a whole failed at each of them. Neither "
+         "enters "
+         "a mean. A row's first "
          "value leads to the keys and commands behind it.</p>\n";
 }
 

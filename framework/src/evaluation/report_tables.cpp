@@ -53,10 +53,11 @@ void fill(const Results& results, Combination& row) {
     row.done += record.outcome == CellOutcome::done ? 1 : 0;
     row.failed += record.outcome == CellOutcome::failed ? 1 : 0;
     row.missing += record.outcome == CellOutcome::missing ? 1 : 0;
-    row.frames += record.frames;
+    const SequenceSize size = results.size(cell);
+    row.frames += size.frames;
     row.solved += record.solved;
-    row.truth_frames += record.truth_frames;
-    row.failures += record.failures;
+    row.truth_frames += size.truth_frames;
+    row.failures += record.failures + size.truth_frames - record.truth_frames;
     row.uses_truth = row.uses_truth || !record.truth_users.empty();
     error.add(cell.sequence, record.mean_mm);
     for (std::size_t m = 0; m < shown.size(); ++m) {
@@ -138,7 +139,11 @@ std::vector<Combination> combinations_of(const Results& results) {
   for (std::size_t c = 0; c < results.cells.size(); ++c) {
     const PlanCell& cell = results.cells[c];
     const auto [place, fresh] = places.try_emplace(cell.values, rows.size());
-    if (fresh) rows.push_back({joined_name(results, cell.values), cell.values});
+    if (fresh) {
+      rows.emplace_back();
+      rows.back().name = joined_name(results, cell.values);
+      rows.back().values = cell.values;
+    }
     rows[place->second].cells.push_back(c);
   }
   return rows;

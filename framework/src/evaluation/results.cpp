@@ -147,6 +147,15 @@ const CellRecord& Results::record(const PlanCell& cell) const {
   return found == records.end() ? kMissing : found->second;
 }
 
+SequenceSize Results::size(const PlanCell& cell) const {
+  const CellRecord& known = record(cell);
+  if (known.outcome != CellOutcome::failed || known.frames > 0) {
+    return {known.frames, known.truth_frames};
+  }
+  const auto found = sizes.find(cell.sequence);
+  return found == sizes.end() ? SequenceSize{} : found->second;
+}
+
 Result<Results> read_results(const std::string& folder) {
   auto results = read_results_plan(folder);
   if (!results) return results.error();
@@ -158,6 +167,12 @@ Result<Results> read_results(const std::string& folder) {
   std::sort(files.begin(), files.end());
   for (const std::string& file : files) {
     if (auto read = read_lines(file, *results); !read) return read.error();
+  }
+  for (const PlanCell& cell : results->cells) {
+    const CellRecord& record = results->record(cell);
+    SequenceSize& size = results->sizes[cell.sequence];
+    size.frames = std::max(size.frames, record.frames);
+    size.truth_frames = std::max(size.truth_frames, record.truth_frames);
   }
   return results;
 }

@@ -51,6 +51,8 @@ TEST(Report, HasARowForEveryCombinationWhateverBecameOfIt) {
   EXPECT_EQ(broken.done, 0);
   EXPECT_TRUE(std::isnan(broken.mean_mm));
   EXPECT_EQ(broken.sequences, 0);
+  EXPECT_EQ(broken.failures, 160) << "a cell that failed as a whole failed at every frame";
+  EXPECT_EQ(broken.truth_frames, 160);
 }
 
 TEST(Report, TakesMeansOverSequencesAndCountsFramesWithoutAShape) {

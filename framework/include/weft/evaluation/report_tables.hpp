@@ -18,15 +18,16 @@ struct FilterSummary {
 
 /// One value of each axis: what the tables compare.
 struct Combination {
-  std::string name;                                ///< its values on the axes that have several
-  std::vector<std::string> values;                 ///< one for each axis
-  std::vector<std::size_t> cells;                  ///< indices into Results::cells
-  double mean_mm = kUnknown;                       ///< [] mm, over sequences
-  Interval interval_mm;                            ///< [] mm, 95 % of the mean, by sequence
-  double worst_mm = kUnknown;                      ///< [] mm, largest mean error of a frame
-  std::string worst_place = {};                    ///< sequence, seed and frame of it
-  std::int64_t sequences = 0;                      ///< [] with an error, the n of the interval
-  std::int64_t frames = 0, solved = 0;             ///< [] over its cells
+  std::string name;                 ///< its values on the axes that have several
+  std::vector<std::string> values;  ///< one for each axis
+  std::vector<std::size_t> cells;   ///< indices into Results::cells
+  double mean_mm = kUnknown;        ///< [] mm, over sequences
+  Interval interval_mm;             ///< [] mm, 95 % of the mean, by sequence
+  double worst_mm = kUnknown;       ///< [] mm, largest mean error of a frame
+  std::string worst_place = {};     ///< sequence, seed and frame of it
+  std::int64_t sequences = 0;       ///< [] with an error, the n of the interval
+  /// [] over its cells; a cell that failed before its first frame failed at every one
+  std::int64_t frames = 0, solved = 0;
   std::int64_t truth_frames = 0, failures = 0;     ///< [] with truth that counts; of them failures
   std::int64_t done = 0, failed = 0, missing = 0;  ///< [] cells
   bool uses_truth = false;                  ///< a component may have read the truth: no measurement

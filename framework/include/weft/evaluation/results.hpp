@@ -87,6 +87,11 @@ struct PlanExpectation {
   double at_least = kUnknown, at_most = kUnknown;  ///< NaN: no bound
 };
 
+/// Frames of a sequence, as the cells say that got through it.
+struct SequenceSize {
+  std::int64_t frames = 0, truth_frames = 0;
+};
+
 struct Results {
   std::string folder;
   std::string name;             ///< of the plan
@@ -103,10 +108,13 @@ struct Results {
   std::vector<PlanExpectation> expectations;
   std::vector<PlanCell> cells;
   std::map<std::string, CellRecord> records;  ///< by key
+  std::map<std::string, SequenceSize> sizes;  ///< by sequence
   std::set<std::string> processors;           ///< that computed them
 
   /// What is known of a cell; outcome `missing` where nothing is.
   const CellRecord& record(const PlanCell& cell) const;
+  /// Frames that the cell was to solve: those of its sequence, where it failed before the first.
+  SequenceSize size(const PlanCell& cell) const;
 };
 
 /// Reads a results folder; the last line of a file that was cut off is left out. Fails with
