@@ -7,6 +7,7 @@
 #include <csignal>
 #include <memory>
 #include <weft/evaluation/ablation.hpp>
+#include <weft/evaluation/results_index.hpp>
 
 #include "commands.hpp"
 
@@ -140,6 +141,10 @@ Result<evaluation::AblationState> execute(evaluation::Grid& grid,
   auto state = evaluation::run_ablation(
       grid, folder, *engine, how, [&](double share) { line.show(share); }, interrupted);
   line.clear();
+  if (!state) return state;
+  if (auto index = evaluation::write_index(grid, *state, folder.path()); !index) {
+    return index.error();
+  }
   return state;
 }
 

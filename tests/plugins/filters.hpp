@@ -43,6 +43,22 @@ class EveryFilter final : public weft::Filter {
   int every_ = 0;
 };
 
+/// Keeps what the draw wants.
+class RandomFilter final : public weft::Filter {
+ public:
+  static constexpr weft::About kAbout{.random = true};
+
+  explicit RandomFilter(weft::Params&) {}
+
+  weft::Result<weft::InlierMask> filter(const weft::FilterInput& in) override {
+    const std::int64_t count = in.correspondences.count();
+    weft::InlierMask mask{weft::Array<std::uint8_t>({count}), weft::Array<double>({count}), {}};
+    weft::Rng rng = in.call.rng();
+    for (std::int64_t i = 0; i < count; ++i) mask.kept(i) = rng.uniform() < 0.7 ? 1 : 0;
+    return mask;
+  }
+};
+
 /// Keeps all if a nested warp can be fitted.
 class WarpedFilter final : public weft::Filter {
  public:

@@ -16,6 +16,7 @@ WEFT_LIBRARY(
     WEFT_COMPONENT(PatternMatcher, "matchers/test.pattern", "1.0.0", "Matches without keypoints."),
     WEFT_COMPONENT(Merger, "matchers/test.merge", "1.0.0", "All matches of several matchers."),
     WEFT_COMPONENT(EveryFilter, "filters/test.scripted", "1.0.0", "Rejects every so many."),
+    WEFT_COMPONENT(RandomFilter, "filters/test.random", "1.0.0", "Keeps what the draw wants."),
     WEFT_COMPONENT(WarpedFilter, "filters/test.warped", "1.0.0", "Holds a warp."),
     WEFT_COMPONENT(TruthFilter<true>, "filters/test.truth", "1.0.0", "Reads the truth."),
     WEFT_COMPONENT(TruthFilter<false>, "filters/test.peeking", "1.0.0", "Reads it in secret."),

@@ -3,43 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <weft/core/statistics.hpp>
 #include <weft/evaluation/ablation.hpp>
 
-#include "metric_path.hpp"
+#include "cell_figures.hpp"
 
 namespace weft::evaluation {
 namespace {
 
-using nlohmann::json;
-
 constexpr std::size_t kMostCombinations = 40;
 
-/// Parses the metrics of each key once.
-class Figures {
- public:
-  explicit Figures(const AblationState& state) : state_(state) {}
-
-  const StoredCell* find(const Cell& cell) const {
-    const auto found = state_.stored.find(cell.identity.key);
-    return found != state_.stored.end() ? &found->second : nullptr;
-  }
-
-  Result<double> at(const StoredCell& cell, const std::string& metric) {
-    auto known = parsed_.find(cell.key);
-    if (known == parsed_.end()) {
-      known = parsed_.emplace(cell.key, json::parse(cell.metrics, nullptr, false)).first;
-    }
-    return metric_at(known->second, metric);
-  }
-
- private:
-  const AblationState& state_;
-  std::map<std::string, json> parsed_;
-};
-
-Verdict judge_one(const Grid& grid, const Expectation& expectation, Figures& figures) {
+Verdict judge_one(const Grid& grid, const Expectation& expectation, CellFigures& figures) {
   Verdict verdict{&expectation, false, 0, kUnknown, {}};
   std::vector<double> values;
   const auto spoil = [&](const std::string& reason) {
@@ -86,16 +60,9 @@ std::string aligned(const std::vector<Row>& rows, std::size_t text_columns) {
   return text;
 }
 
-std::vector<std::string> shown(const Plan& plan) {
-  std::vector<std::string> metrics;
-  for (const auto& [metric, at] : plan.show) metrics.push_back(metric);
-  if (metrics.empty()) metrics = {"all.error_solved.mean_mm", "counts.solved_percent"};
-  return metrics;
-}
-
 /// Number of cells, failures, and a mean for each metric.
 Row figures_of(const Grid& grid, const Selection& where, const std::vector<std::string>& metrics,
-               Figures& figures) {
+               CellFigures& figures) {
   std::vector<std::vector<double>> values(metrics.size());
   std::size_t count = 0, failed = 0;
   for (const Cell& cell : grid.cells()) {
@@ -128,7 +95,7 @@ void add_combinations(const Plan& plan, std::size_t axis, Selection& where,
 }  // namespace
 
 std::vector<Verdict> judge(const Grid& grid, const AblationState& state) {
-  Figures figures(state);
+  CellFigures figures(state);
   std::vector<Verdict> verdicts;
   for (const Expectation& each : grid.plan().expect) {
     verdicts.push_back(judge_one(grid, each, figures));
@@ -138,7 +105,7 @@ std::vector<Verdict> judge(const Grid& grid, const AblationState& state) {
 
 std::string summary_table(const Grid& grid, const AblationState& state) {
   const Plan& plan = grid.plan();
-  const std::vector<std::string> metrics = shown(plan);
+  const std::vector<std::string> metrics = shown_metrics(plan);
   std::size_t combinations = 1;
   for (const Axis& axis : plan.axes) combinations *= axis.values.size();
   const bool whole = combinations <= kMostCombinations;
@@ -158,7 +125,7 @@ std::string summary_table(const Grid& grid, const AblationState& state) {
   head.insert(head.end(), {"cells", "failed"});
   head.insert(head.end(), metrics.begin(), metrics.end());
   std::vector<Row> rows{head};
-  Figures figures(state);
+  CellFigures figures(state);
   for (const Selection& where : selections) {
     Row& row = rows.emplace_back();
     for (const auto& [name, value] : where) {

@@ -7,6 +7,7 @@
 #include <weft/pipeline/run_folder.hpp>
 
 #include "kept_frames.hpp"
+#include "worst_frames.hpp"
 
 namespace weft::evaluation {
 namespace {
@@ -69,10 +70,23 @@ class Member {
     const auto measured = sorted ? evaluator_->add(line, *sorted) : Result<void>(sorted.error());
     if (!measured) return fail("cannot be measured: " + text_of(measured.error()));
     kept_.add(frame.index, frame.shape, kept_truth);
+    const int matches = pipeline_.graph.latest("correspondences");
+    const RecordPtr none;
+    worst_.add(evaluator_->frames().back(),
+               {{"image", read.input.find("image")},
+                {"shape", frame.shape},
+                {"correspondences",
+                 matches >= 0 ? frame.values[static_cast<std::size_t>(matches)] : none}});
+  }
+
+  void draw(const host::Registry& registry, const Common& common) {
+    result_.pictures =
+        worst_.draw(registry, common.lane, common.input.templ(), common.input.camera());
   }
 
   void fail(const std::string& reason) { result_.failure = reason; }
 
+  /// `templ` is the template as it is kept.
   CellResult finish(const RecordPtr& templ) {
     if (evaluator_) measure();
     host::NamedRecords shapes = kept_.records();
@@ -118,6 +132,7 @@ class Member {
   std::unique_ptr<Executor> executor_;
   std::optional<RunEvaluator> evaluator_;
   KeptFrames kept_;
+  WorstFrames worst_;
   std::string first_error_;
   CellResult result_;
 };
@@ -125,7 +140,7 @@ class Member {
 class Group {
  public:
   Group(const Grid& grid, const std::vector<const Cell*>& cells, GroupObserver& observer)
-      : options_(grid.plan().measurement.options), observer_(observer) {
+      : registry_(grid.registry()), options_(grid.plan().measurement.options), observer_(observer) {
     for (const Cell* cell : cells) members_.emplace_back(*cell, grid.load(*cell).first);
   }
 
@@ -135,6 +150,7 @@ class Group {
     if (common) {
       for (Member& member : members_) member.open(*common, options_);
       run_frames(*common);
+      for (Member& member : members_) member.draw(registry_, *common);
     } else {
       for (Member& member : members_) member.fail(text_of(common.error()));
     }
@@ -184,6 +200,7 @@ class Group {
     }
   }
 
+  const host::Registry& registry_;
   EvaluationOptions options_;
   GroupObserver& observer_;
   std::deque<Member> members_;  ///< executors refer to what is in them

@@ -19,8 +19,8 @@ using nlohmann::ordered_json;
 constexpr const char* kLineSchema = "weft.cell/1";
 
 /// Text of any bytes as JSON: what is no UTF-8 is replaced.
-std::string dump(const ordered_json& json, int indent = -1) {
-  return json.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
+std::string dump(const ordered_json& value, int indent = -1) {
+  return value.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
 }
 
 ordered_json metrics_json(const CellResult& result, bool with_frames) {
@@ -53,9 +53,9 @@ ordered_json measurement_json(const Measurement& measurement) {
 
 /// All values of the cell by name.
 ordered_json selection_json(const Selection& where) {
-  ordered_json json = ordered_json::object();
-  for (const auto& [name, value] : where) json[name] = value;
-  return json;
+  ordered_json values = ordered_json::object();
+  for (const auto& [name, value] : where) values[name] = value;
+  return values;
 }
 
 ordered_json cells_json(const Grid& grid) {
@@ -74,17 +74,17 @@ ordered_json cells_json(const Grid& grid) {
 }
 
 ordered_json expectation_json(const Expectation& expectation) {
-  ordered_json json{{"where", selection_json(expectation.where)}, {"metric", expectation.metric}};
-  if (expectation.at_most) json["at_most"] = *expectation.at_most;
-  if (expectation.at_least) json["at_least"] = *expectation.at_least;
-  return json;
+  ordered_json entry{{"where", selection_json(expectation.where)}, {"metric", expectation.metric}};
+  if (expectation.at_most) entry["at_most"] = *expectation.at_most;
+  if (expectation.at_least) entry["at_least"] = *expectation.at_least;
+  return entry;
 }
 
 ordered_json comparison_json(const PlannedComparison& comparison) {
-  ordered_json json{
+  ordered_json entry{
       {"axis", comparison.axis}, {"reference", nullptr}, {"metric", comparison.metric}};
-  if (comparison.reference) json["reference"] = *comparison.reference;
-  return json;
+  if (comparison.reference) entry["reference"] = *comparison.reference;
+  return entry;
 }
 
 ordered_json names_json(const std::vector<NamedPatch>& patches) {

@@ -47,7 +47,8 @@ class Reporter final : public GroupObserver {
   std::optional<LineWriter> lines_;
 };
 
-int run_cells(const Order& order, const std::vector<const Cell*>& cells, int pipe) {
+/// What happened is said, and not left to the exit code, which components may choose too.
+void run_cells(const Order& order, const std::vector<const Cell*>& cells, int pipe) {
   Reporter reporter(order, pipe);
   Result<void> done;
   try {
@@ -55,10 +56,9 @@ int run_cells(const Order& order, const std::vector<const Cell*>& cells, int pip
   } catch (const std::exception& failure) {
     done = Error{Errc::io, std::string("the host is out of memory: ") + failure.what(), {}};
   }
-  if (done) return kChildDone;
+  if (done) return reporter.say("d");
   const Error& error = done.error();
   reporter.say("e" + (error.where.empty() ? "" : error.where + ": ") + error.message);
-  return kChildGaveUp;
 }
 
 void print_into(const std::string& file) {
@@ -86,17 +86,19 @@ Result<ChildProcess> start_child(const Order& order, const std::vector<const Cel
     return ChildProcess{child, ends[0]};
   }
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(kChildGaveUp);
+  if (getppid() != parent) _exit(1);
   close(ends[0]);
   for (const int signal : {SIGINT, SIGTERM, SIGPIPE}) std::signal(signal, SIG_DFL);
   print_into(order.folder.path() + "/log.txt");
-  _exit(run_cells(order, cells, ends[1]));
+  run_cells(order, cells, ends[1]);
+  _exit(0);
 }
 
 ChildMessage parse_message(const std::string& line) {
   ChildMessage message;
   if (line.starts_with("p")) message.share = std::atof(line.c_str() + 1);
   if (line.starts_with("e")) message.error = line.substr(1);
+  message.done = line == "d";
   return message;
 }
 

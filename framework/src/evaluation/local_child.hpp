@@ -10,9 +10,6 @@
 
 namespace weft::evaluation {
 
-inline constexpr int kChildDone = 0;
-inline constexpr int kChildGaveUp = 3;  ///< results could not be kept; it has said why
-
 struct ChildProcess {
   pid_t id;
   int pipe;  ///< what it says, a message a line
@@ -28,7 +25,8 @@ Result<ChildProcess> start_child(const Order& order, const std::vector<const Cel
 /// What a child says.
 struct ChildMessage {
   std::optional<double> share;  ///< of its frames that are done
-  std::string error;
+  std::string error;            ///< why results could not be kept
+  bool done = false;            ///< all results are kept
 };
 ChildMessage parse_message(const std::string& line);
 

@@ -36,6 +36,7 @@ struct Child {
   double share = 0.0;  ///< of its frames
   std::string said;    ///< not yet a whole line
   std::string error;   ///< why it gave up
+  bool done = false;   ///< it has kept all results
 };
 
 /// Signals that a program sends itself by a mistake; any other comes from outside.
@@ -121,6 +122,7 @@ class LocalRun {
       child.said.erase(0, end + 1);
       if (heard.share) child.share = *heard.share;
       if (!heard.error.empty()) child.error = heard.error;
+      child.done = child.done || heard.done;
     }
     return count > 0;
   }
@@ -130,7 +132,7 @@ class LocalRun {
     int status = 0;
     while (waitpid(child.process, &status, 0) < 0 && errno == EINTR) {
     }
-    if (WIFEXITED(status) && WEXITSTATUS(status) == kChildDone) {
+    if (child.done) {
       done_ += static_cast<double>(child.task.cells.size());
       return {};
     }

@@ -202,6 +202,8 @@ Result<void> RunEvaluator::add(const FrameLine& line, const FrameRecords& record
   return {};
 }
 
+const std::vector<FrameMetrics>& RunEvaluator::frames() const { return state_->frames; }
+
 RunMetrics RunEvaluator::finish() {
   RunMetrics metrics;
   metrics.alignment = state_->options.alignment;

@@ -199,6 +199,10 @@ Result<void> ResultsFolder::keep(const Cell& cell, const CellResult& result, boo
     files.push_back(folder + "/shapes.npz");
     if (auto written = host::write_npz(files.back(), result.shapes); !written) return written;
   }
+  for (const auto& [name, bytes] : result.pictures) {
+    files.push_back(folder + "/" + name);
+    if (auto written = write_whole(bytes, files.back()); !written) return written;
+  }
   files.insert(files.end(), {folder, path_ + "/cells"});
   for (const std::string& file : files) {
     if (auto lasting = make_last(file); !lasting) return lasting;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -26,6 +27,8 @@ class Overlay final : public Sink {
     p.read("fps", fps_, "1/s", {0.1, 1000.0}, "frames a second of the video");
     p.read("stills_every", stills_every_, "frames", {0, 1'000'000},
            "also keep every n-th frame as PNG, in a folder named like the video; 0: none");
+    p.read("stills_width_px", stills_width_px_, "px", {0, 10'000},
+           "width of these; 0: that of the frames");
     p.read("draw_matches", draw_matches_, "draw the kept matches as dots");
     p.read("line_width_px", line_width_px_, "px", {1, 20}, "width of the mesh's lines");
   }
@@ -132,6 +135,14 @@ class Overlay final : public Sink {
     return text;
   }
 
+  cv::Mat still_of(const cv::Mat& canvas) const {
+    if (stills_width_px_ == 0 || stills_width_px_ >= canvas.cols) return canvas;
+    cv::Mat still;
+    const int height = std::max(1, canvas.rows * stills_width_px_ / canvas.cols);
+    cv::resize(canvas, still, {stills_width_px_, height}, 0, 0, cv::INTER_AREA);
+    return still;
+  }
+
   /// Writes under a temporary name first, so that no half-written picture bears the final one.
   Result<void> write_still(const cv::Mat& canvas, std::uint64_t frame) const {
     char name[32];
@@ -139,7 +150,7 @@ class Overlay final : public Sink {
     const fs::path path = fs::path(path_).replace_extension() / name;
     const fs::path temporary = path.string() + ".part";
     std::vector<std::uint8_t> bytes;
-    cv::imencode(".png", canvas, bytes);
+    cv::imencode(".png", still_of(canvas), bytes);
     std::error_code status;
     fs::create_directories(path.parent_path(), status);
     std::ofstream stream(temporary, std::ios::binary);
@@ -154,6 +165,7 @@ class Overlay final : public Sink {
   std::string path_ = "overlay.avi";
   double fps_ = 30.0;
   int stills_every_ = 0;
+  int stills_width_px_ = 0;
   bool draw_matches_ = true;
   int line_width_px_ = 1;
 

@@ -24,7 +24,8 @@ struct CellResult {
   std::vector<std::string> executed;  ///< stages that it ran itself
   std::vector<StageTiming> timings;   ///< of these stages and of the source
   std::string pipeline;               ///< the effective configuration, as YAML
-  host::NamedRecords shapes;          ///< template, and shape and truth of some of the frames
+  std::vector<std::pair<std::string, std::string>> pictures;  ///< of the worst frames, by file name
+  host::NamedRecords shapes;  ///< template, and shape and truth of some of the frames
 };
 
 /// Told what comes out of a group, from the thread that runs it.

@@ -31,6 +31,7 @@ class Grid {
 
   const Plan& plan() const { return plan_; }
   const std::vector<Cell>& cells() const { return cells_; }
+  const host::Registry& registry() const { return *registry_; }
   const std::vector<std::string>& settings() const { return settings_; }
 
   /// The pipeline of a cell, with its run seed and without sinks. It was ok when the grid was made.

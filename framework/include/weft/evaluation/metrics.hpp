@@ -121,6 +121,8 @@ class RunEvaluator {
   /// Frames in their order.
   Result<void> add(const FrameLine& line, const FrameRecords& records);
 
+  const std::vector<FrameMetrics>& frames() const;
+
   /// What the frames came to; ends the evaluation. `run` and what a run folder says of itself are
   /// for the caller to fill in.
   RunMetrics finish();

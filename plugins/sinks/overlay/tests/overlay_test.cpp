@@ -251,6 +251,14 @@ TEST_F(OverlaySink, KeepsEveryNthFrameAsAStill) {
   EXPECT_THAT(names, ::testing::UnorderedElementsAre("000000.png", "000004.png", "000008.png"));
 }
 
+TEST_F(OverlaySink, MakesStillsSmallerButNeverLarger) {
+  const cv::Mat whole = still(inputs());
+  const cv::Mat half = still(inputs(), ", stills_width_px: " + std::to_string(whole.cols / 2));
+  EXPECT_EQ(half.cols, whole.cols / 2);
+  EXPECT_EQ(half.rows, whole.rows / 2);
+  EXPECT_EQ(still(inputs(), ", stills_width_px: 10000").size(), whole.size());
+}
+
 TEST_F(OverlaySink, RefusesFormatsThatAKilledRunWouldLeaveBroken) {
   auto plugin = sink("", "view.mp4");
   const Outcome refused = open(plugin);

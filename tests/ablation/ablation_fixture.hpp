@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <weft/evaluation/ablation.hpp>
+#include <weft/evaluation/metrics_report.hpp>
+
+#include "support/pipeline_fixture.hpp"
+
+namespace weft::evaluation {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// Runs plans over the base of the folder of plans.
+class AblationTest : public weft::testing::PipelineTest {
+ protected:
+  AblationTest()
+      : registry_of_all_(
+            host::Registry::scan({{WEFT_TEST_PLUGINS, "test"}, {WEFT_DEADLY_FOLDER, "test"}})) {}
+
+  std::string write_plan(const std::string& rest) const {
+    return write("weft: 1\nname: plan\npipeline: " + std::string(WEFT_PLANS) +
+                     "/base.yaml\ndata_use: tuning\n" + rest,
+                 "plan.yaml");
+  }
+
+  Grid expand(const std::string& rest) const {
+    auto [plan, report] = read_plan(write_plan(rest));
+    EXPECT_TRUE(report.ok()) << report.text();
+    auto [grid, mistakes] = Grid::expand(std::move(plan), registry_of_all_, {});
+    EXPECT_TRUE(mistakes.ok()) << mistakes.text();
+    return std::move(grid);
+  }
+
+  /// Runs what has no result yet, until the share of it that is done.
+  AblationState run(Grid& grid, const std::string& out, int jobs = 1,
+                    const AblationOptions& options = {}, double until = 2.0) const {
+    const auto folder = ResultsFolder::open(path(out));
+    EXPECT_TRUE(folder) << (folder ? "" : folder.error().message);
+    std::atomic<bool> cancel{false};
+    auto state = run_ablation(
+        grid, *folder, *local_engine(jobs), options,
+        [&](double share) { cancel = cancel || share >= until; }, cancel);
+    EXPECT_TRUE(state) << (state ? "" : state.error().message);
+    return *std::move(state);
+  }
+
+  std::vector<json> lines(const std::string& out) const {
+    std::vector<std::string> files;
+    for (const auto& entry : fs::directory_iterator(path(out + "/results"))) {
+      files.push_back(entry.path().string());
+    }
+    std::sort(files.begin(), files.end());
+    std::vector<json> all;
+    for (const std::string& file : files) {
+      for (const std::string& line : weft::testing::read_lines(file)) {
+        all.push_back(json::parse(line));
+      }
+    }
+    return all;
+  }
+
+  /// All that is promised to be the same, sorted; each key may have one line only.
+  std::string results(const std::string& out) const {
+    std::map<std::string, std::string> by_key;
+    for (json line : lines(out)) {
+      line.erase("timing");
+      line.erase("machine");
+      const std::string key = line.at("key");
+      EXPECT_TRUE(by_key.emplace(key, line.dump()).second) << "two lines of " << key;
+    }
+    std::string text = weft::testing::read_text(path(out + "/plan.json"));
+    for (const auto& [key, line] : by_key) {
+      text += line + "\n" + weft::testing::read_text(path(out + "/cells/" + key + "/shapes.npz")) +
+              weft::testing::read_text(path(out + "/cells/" + key + "/pipeline.yaml"));
+    }
+    return text;
+  }
+
+  host::Registry registry_of_all_;
+};
+
+/// Two sequences, eight pipelines, two run seeds that only half of them look at.
+inline const char* const kGrid =
+    "axes:\n"
+    "  filter:\n"
+    "    values:\n"
+    "      none: {without: [filters]}\n"
+    "      every: {set: {filters.every: 3}}\n"
+    "      chance: {set: {filters.use: filters/test.random}}\n"
+    "      off: {set: {filters.error_at: [0, 1, 2, 3, 4]}}\n"
+    "  solver: {set: solvers.distance_m, values: [0.2, 0.3]}\n"
+    "data: {plain: {seeds: 3-4, seed_setting: source.frames}}\n"
+    "seeds: 1-2\n";
+
+}  // namespace weft::evaluation

@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ablation_fixture.hpp"
+#include "support/child.hpp"
+
+namespace weft::evaluation {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+using ::testing::UnorderedElementsAre;
+
+using Ablation = AblationTest;
+
+TEST_F(Ablation, ExecutesEachDistinctStageKeyOnce) {
+  Grid grid = expand(kGrid);
+  const AblationState state = run(grid, "out");
+  EXPECT_EQ(state.cells, 32U);
+  EXPECT_EQ(state.keys, 2U * (3U * 2U + 2U * 2U)) << "only the filter `chance` is random";
+  EXPECT_EQ(state.left, 0U);
+  std::map<std::string, int> executed;
+  std::size_t stages = 0;
+  for (const json& line : lines("out")) {
+    std::map<std::string, std::string> keys;
+    for (const json& stage : line.at("stages")) {
+      keys[stage.at("stage")] = stage.at("key");
+      executed.try_emplace(stage.at("key"), 0);
+      ++stages;
+    }
+    for (const std::string stage : line.at("machine").at("executed")) ++executed[keys.at(stage)];
+  }
+  for (const auto& [key, times] : executed) EXPECT_EQ(times, 1) << key;
+  EXPECT_EQ(state.stages, stages);
+  EXPECT_EQ(state.stages_executed, executed.size());
+  // Of each sequence: a detector, a matcher; what follows reads the shape back, or the seed.
+  EXPECT_EQ(executed.size(), 2U * (2U + 2U * 3U + 3U * 2U * 4U + 2U * 4U) - 0U);
+}
+
+TEST_F(Ablation, GivesWhatTheSamePipelineGivesByItself) {
+  Grid grid = expand(kGrid);
+  const AblationState state = run(grid, "out");
+  for (const std::size_t index : {0U, 9U, 17U, 30U}) {
+    const std::string& key = grid.cells()[index].identity.key;
+    const std::string file = path("out/cells/" + key + "/pipeline.yaml");
+    const auto [pipeline, report] = check_pipeline(file, registry_of_all_, path(key));
+    ASSERT_TRUE(report.ok()) << report.text();
+    weft::testing::Ran ran;
+    ASSERT_TRUE(run_pipeline(pipeline, path(key), ran, std::atomic<bool>{false}));
+    const auto alone = evaluate_run(path(key));
+    ASSERT_TRUE(alone) << alone.error().message;
+    json expected = json::parse(to_json(*alone));
+    expected.erase("frames");
+    EXPECT_EQ(json::parse(state.stored.at(key).metrics), expected) << index;
+  }
+}
+
+TEST_F(Ablation, IsTheSameForAnyNumberOfJobsAndWhenInterrupted) {
+  Grid one = expand(kGrid), two = expand(kGrid), three = expand(kGrid);
+  run(one, "one", 1);
+  run(two, "two", 2);
+  AblationState state = run(three, "three", 1, {}, 0.3);
+  EXPECT_GT(state.left, 0U);
+  EXPECT_GT(state.done, 0U);
+  state = run(three, "three", 2);
+  EXPECT_EQ(state.left, 0U);
+  EXPECT_EQ(results("one"), results("two"));
+  EXPECT_EQ(results("one"), results("three"));
+}
+
+TEST_F(Ablation, ExtendsAPlanWithoutRunningItsCellsAgain) {
+  Grid small = expand("axes: {every: {set: filters.every, values: [2, 3]}}\ndata: {all: {}}\n");
+  run(small, "out");
+  Grid large = expand("axes: {every: {set: filters.every, values: [3, 4, 2]}}\ndata: {all: {}}\n");
+  const AblationState state = run(large, "out");
+  EXPECT_EQ(state.done, 3U);
+  EXPECT_EQ(lines("out").size(), 3U);
+}
+
+TEST_F(Ablation, RecordsCellsThatFail) {
+  Grid grid = expand(
+      "axes:\n  solver:\n    values:\n      good: {}\n"
+      "      refuses: {set: {solvers.refuse: true}}\n"
+      "      errs: {set: {solvers.error_at: [0, 1]}}\n"
+      "      errs_once: {set: {solvers.error_at: [0]}}\n"
+      "data: {all: {}}\n");
+  const AblationState state = run(grid, "out");
+  EXPECT_EQ(state.done, 2U);
+  EXPECT_EQ(state.failed, 2U);
+  const auto reason = [&](std::size_t cell) {
+    return state.stored.at(grid.cells()[cell].identity.key).reason;
+  };
+  EXPECT_EQ(reason(1), "solvers/test.scripted: refuses as scripted");
+  EXPECT_THAT(reason(2), StartsWith("every frame had an error; the first: frame 0, solvers: "));
+  EXPECT_EQ(state.stored.at(grid.cells()[1].identity.key).metrics, "null");
+}
+
+TEST_F(Ablation, RecordsDataThatCannotBeRead) {
+  Grid grid = expand(
+      "data: {good: {}, bad: {set: {source.refuse: true}}, none: {set: "
+      "{source.frames: 0}}}\n");
+  const AblationState state = run(grid, "out", 2);
+  EXPECT_EQ(state.done, 1U);
+  EXPECT_EQ(state.stored.at(grid.cells()[1].identity.key).reason,
+            "sources/test.scripted: refuses as scripted");
+  EXPECT_EQ(state.stored.at(grid.cells()[2].identity.key).reason, "the source has no frames");
+}
+
+TEST_F(Ablation, SurvivesComponentsThatTakeTheirProcessWithThem) {
+  const std::string deadly = "{set: {filters.use: filters/zoo_deadly, filters.deed: ";
+  Grid grid = expand(
+      "axes:\n  filter:\n    values:\n      good: {}\n"
+      "      crash: " +
+      deadly + "crash}}\n      abort: " + deadly +
+      "abort}}\n"
+      "      exit: " +
+      deadly + "exit}}\n      early: " + deadly +
+      "abort, filters.where: create}}\n"
+      "data: {all: {}}\n");
+  const AblationState state = run(grid, "out");
+  EXPECT_EQ(state.done, 1U);
+  EXPECT_EQ(state.failed, 4U);
+  const auto reason = [&](std::size_t cell) {
+    return state.stored.at(grid.cells()[cell].identity.key).reason;
+  };
+  EXPECT_EQ(reason(1), "its process died of signal 11 (Segmentation fault)");
+  EXPECT_EQ(reason(2), "its process died of signal 6 (Aborted)");
+  EXPECT_EQ(reason(3), "it ended its process with exit code 7");
+  EXPECT_EQ(reason(4), "its process died of signal 6 (Aborted)");
+  EXPECT_THAT(weft::testing::read_text(path("out/log.txt")), HasSubstr("last words"));
+}
+
+TEST_F(Ablation, LeavesACellWhoseProcessIsKilledFromOutside) {
+  Grid grid = expand(
+      "axes:\n  filter:\n    values:\n      good: {}\n"
+      "      killed: {set: {filters.use: filters/zoo_deadly, filters.deed: kill}}\n"
+      "data: {all: {}}\n");
+  const AblationState state = run(grid, "out");
+  EXPECT_EQ(state.done, 1U);
+  EXPECT_EQ(state.left, 1U);
+  ASSERT_EQ(state.reasons.size(), 1U);
+  EXPECT_THAT(state.reasons[0], HasSubstr("signal 9"));
+}
+
+TEST_F(Ablation, LeavesOutALineThatWasCutOff) {
+  Grid grid = expand(kGrid);
+  run(grid, "out");
+  const std::string expected = results("out");
+  const std::string file = path("out/results/cached-000001.jsonl");
+  fs::resize_file(file, fs::file_size(file) - 5);
+  const auto folder = ResultsFolder::open(path("out"));
+  const auto stored = folder->read();
+  ASSERT_TRUE(stored);
+  EXPECT_EQ(stored->size(), lines("out").size() - 1);
+}
+
+TEST_F(Ablation, RunsACellAgainWhoseLineWasCutOff) {
+  Grid grid = expand("data: {all: {}}\n");
+  run(grid, "out");
+  const std::string file = path("out/results/cached-000001.jsonl");
+  const std::string whole = weft::testing::read_text(file);
+  fs::resize_file(file, fs::file_size(file) / 2);
+  const AblationState state = run(grid, "out");
+  EXPECT_EQ(state.done, 1U);
+  json first = json::parse(whole);
+  json second = json::parse(weft::testing::read_text(path("out/results/cached-000002.jsonl")));
+  EXPECT_EQ(first, second);
+}
+
+TEST_F(Ablation, RefusesADamagedFileAndNamesTheLine) {
+  Grid grid = expand("data: {all: {}}\n");
+  run(grid, "out");
+  std::ofstream(path("out/results/cached-000001.jsonl"), std::ios::app) << "{\n{}\n";
+  const auto stored = ResultsFolder::open(path("out"))->read();
+  ASSERT_FALSE(stored);
+  EXPECT_THAT(stored.error().where, ::testing::EndsWith("cached-000001.jsonl:2"));
+}
+
+TEST_F(Ablation, RefusesFoldersThatAreNoneOfItsOwn) {
+  fs::create_directories(path("other"));
+  std::ofstream(path("other/thesis.tex")) << "all of it";
+  const auto other = ResultsFolder::open(path("other"));
+  ASSERT_FALSE(other);
+  EXPECT_THAT(other.error().message, HasSubstr("neither empty nor a results folder"));
+  fs::create_directories(path("old"));
+  std::ofstream(path("old/manifest.json")) << R"({"schema": "weft.results/0"})";
+  const auto old = ResultsFolder::open(path("old"));
+  ASSERT_FALSE(old);
+  EXPECT_THAT(old.error().message, HasSubstr("'weft.results/0'"));
+  std::ofstream(path("file")) << "";
+  EXPECT_FALSE(ResultsFolder::open(path("file")));
+}
+
+TEST_F(Ablation, KeepsTwoProgramsFromOneFolder) {
+  const auto first = ResultsFolder::open(path("out"));
+  ASSERT_TRUE(first);
+  const auto second = ResultsFolder::open(path("out"));
+  ASSERT_FALSE(second);
+  EXPECT_THAT(second.error().message, HasSubstr("in use"));
+}
+
+TEST_F(Ablation, TakesResultsOfRebuiltComponentsOnlyWhenTold) {
+  Grid grid = expand("data: {all: {}}\n");
+  run(grid, "out");
+  const std::string key = grid.cells()[0].identity.key, old_key(32, 'a');
+  std::string line = weft::testing::read_text(path("out/results/cached-000001.jsonl"));
+  for (std::size_t at = line.find(key); at != std::string::npos; at = line.find(key)) {
+    line.replace(at, key.size(), old_key);
+  }
+  std::ofstream(path("out/results/cached-000001.jsonl")) << line;
+  Grid accepted = expand("data: {all: {}}\n");
+  EXPECT_EQ(run(accepted, "out", 1, {false, true, {}}).done, 1U);
+  EXPECT_EQ(lines("out").size(), 1U);
+  EXPECT_EQ(accepted.cells()[0].identity.key, old_key);
+  EXPECT_EQ(json::parse(weft::testing::read_text(path("out/plan.json")))["cells"][0]["key"],
+            old_key);
+  run(grid, "out");
+  EXPECT_EQ(lines("out").size(), 2U);
+}
+
+TEST_F(Ablation, KeepsTimesOfCellsThatRanAlone) {
+  Grid grid = expand("axes: {every: {set: filters.every, values: [2, 3]}}\ndata: {all: {}}\n");
+  run(grid, "out");
+  for (const json& line : lines("out")) EXPECT_EQ(line.at("timing"), json({{"cached", true}}));
+  const AblationState timed = run(grid, "out", 1, {true, false, {}});
+  EXPECT_EQ(timed.done, 2U);
+  EXPECT_EQ(timed.stages_executed, timed.stages) << "nothing is shared";
+  const std::vector<json> all = lines("out");
+  ASSERT_EQ(all.size(), 4U);
+  for (std::size_t i = 0; i < 2; ++i) {  // their files come first
+    const json& stages = all[i].at("timing").at("stages");
+    ASSERT_EQ(stages.size(), 6U);
+    EXPECT_EQ(stages[0].at("stage"), "detectors");
+    EXPECT_EQ(stages[0].at("frames"), 2);
+    EXPECT_GT(stages[0].at("p95_ms"), 0.0);
+    EXPECT_EQ(all[i].at("metrics"), all[i + 2].at("metrics"));
+  }
+  run(grid, "out", 1, {true, false, {}});
+  EXPECT_EQ(lines("out").size(), 4U);
+}
+
+TEST_F(Ablation, KeepsShapesOfFramesSpreadEvenly) {
+  Grid grid = expand("data: {all: {set: {source.frames: 130}}}\n");
+  run(grid, "out");
+  const auto records =
+      host::read_npz(path("out/cells/" + grid.cells()[0].identity.key + "/shapes.npz"));
+  ASSERT_TRUE(records) << records.error().message;
+  std::set<std::string> slots;
+  for (const auto& [slot, record] : *records) slots.insert(slot);
+  EXPECT_EQ(slots.size(), 1U + 2U * 33U) << "every fourth of 130";
+  EXPECT_EQ(slots.count("000128.shape"), 1U);
+  EXPECT_EQ(slots.count("000128.ground_truth"), 1U);
+}
+
+TEST_F(Ablation, JudgesWhatThePlanExpects) {
+  Grid grid = expand(
+      "axes: {every: {set: filters.every, values: [2, 3]}}\ndata: {all: {}}\n"
+      "expect:\n"
+      "  - {where: {every: 2}, metric: counts.frames, at_least: 2, at_most: 2}\n"
+      "  - {metric: counts.frames, at_most: 1.5}\n"
+      "  - {metric: jitter.mean_mm, at_most: 1}\n");
+  const AblationState state = run(grid, "out");
+  const std::vector<Verdict> verdicts = judge(grid, state);
+  ASSERT_EQ(verdicts.size(), 3U);
+  EXPECT_TRUE(verdicts[0].met);
+  EXPECT_EQ(verdicts[0].cells, 1U);
+  EXPECT_FALSE(verdicts[1].met);
+  EXPECT_EQ(verdicts[1].cells, 2U);
+  EXPECT_EQ(verdicts[1].mean, 2.0);
+  EXPECT_FALSE(verdicts[2].met);
+  EXPECT_EQ(verdicts[2].why_not, "a cell has no such figure") << "two frames have no jitter";
+}
+
+class AblateCommand : public AblationTest {
+ protected:
+  weft::testing::Ended ablate(std::vector<std::string> words) const {
+    std::vector<std::string> command{WEFT_PROGRAM, "--plugin-path", WEFT_TEST_PLUGINS, "ablate"};
+    command.insert(command.end(), words.begin(), words.end());
+    return weft::testing::Child(command, path("printed")).wait();
+  }
+};
+
+TEST_F(AblateCommand, RunsAPlanAndPrintsATable) {
+  const std::string plan = write_plan(
+      "axes: {every: {set: filters.every, values: [2, 3]}}\ndata: {all: {}}\n"
+      "show: [counts.frames]\nexpect: [{metric: counts.frames, at_least: 2}]\n");
+  const auto ended = ablate({plan, "--out", path("out"), "--jobs", "2"});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("every  cells  failed  counts.frames\n"
+                                   "2          1       0              2\n"));
+  EXPECT_THAT(ended.out, HasSubstr("2 cells (2 distinct): 2 done, 0 failed, 0 left"));
+  EXPECT_THAT(ended.out, HasSubstr("met: counts.frames"));
+  EXPECT_EQ(ablate({plan, "--out", path("out"), "--status"}).exit_code, 0);
+}
+
+TEST_F(AblateCommand, FailsWhenAnExpectationIsMissed) {
+  const std::string plan =
+      write_plan("data: {all: {}}\nexpect: [{metric: counts.frames, at_least: 3}]\n");
+  const auto ended = ablate({plan, "--out", path("out")});
+  EXPECT_EQ(ended.exit_code, 1);
+  EXPECT_THAT(ended.out, HasSubstr("MISSED: counts.frames [] at least 3: mean 2 of 1 cells"));
+}
+
+TEST_F(AblateCommand, EndsWithCodeTwoBeforeAnyCell) {
+  const std::string good = write_plan("data: {all: {}}\n");
+  fs::create_directories(path("other"));
+  std::ofstream(path("other/thesis.tex")) << "all of it";
+  EXPECT_EQ(ablate({good, "--out", path("other")}).exit_code, 2);
+  EXPECT_EQ(ablate({good, "--out", "/proc/nowhere"}).exit_code, 2);
+  EXPECT_EQ(ablate({good, "--out", path("out"), "--set", "filters.evry=1"}).exit_code, 2);
+  EXPECT_EQ(ablate({std::string(WEFT_PLANS) + "/wiring.yaml", "--out", path("out")}).exit_code, 2);
+  EXPECT_FALSE(fs::exists(path("out")));
+}
+
+}  // namespace
+}  // namespace weft::evaluation
