@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs the Debian 12 packages that Weft needs and that are missing. Both demo.sh and test.sh call it.
+# Installs the Debian 12 packages that Weft needs and that are missing, and builds the script of the
+# reports' pages with npm. Both demo.sh and test.sh call it.
 set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 packages=(
   g++ cmake ninja-build ccache git binutils pkg-config
@@ -14,23 +16,43 @@ packages=(
   clang-format clang-tidy gcovr python3
 )
 
-missing=()
-for package in "${packages[@]}"; do
-  dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
-done
-if ((${#missing[@]} == 0)); then
-  exit 0
-fi
+# npm comes with Node where that is not Debian's.
+command -v npm >/dev/null || packages+=(npm)
 
-as_root=()
-if ((EUID != 0)); then
-  command -v sudo >/dev/null || {
-    echo "bootstrap.sh: install these packages as root first: ${missing[*]}" >&2
-    exit 1
-  }
-  as_root=(sudo)
-fi
-echo "Installing ${#missing[@]} packages: ${missing[*]}"
-export DEBIAN_FRONTEND=noninteractive
-"${as_root[@]}" apt-get update -qq
-"${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+install_packages() {
+  local package missing=() as_root=()
+  for package in "${packages[@]}"; do
+    dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
+  done
+  ((${#missing[@]})) || return 0
+  if ((EUID != 0)); then
+    command -v sudo >/dev/null || {
+      echo "bootstrap.sh: install these packages as root first: ${missing[*]}" >&2
+      exit 1
+    }
+    as_root=(sudo)
+  fi
+  echo "Installing ${#missing[@]} packages: ${missing[*]}"
+  export DEBIAN_FRONTEND=noninteractive
+  "${as_root[@]}" apt-get update -qq
+  "${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+}
+
+# The script of the reports' pages, from the packages that web/package-lock.json fixes. Without a
+# registry reports have tables only, and say so.
+build_report_script() {
+  local inputs
+  inputs=$(cat web/package-lock.json web/build.mjs web/src/*.js | sha256sum)
+  if [[ -f web/dist/report.js && $(cat web/dist/inputs 2>/dev/null) == "$inputs" ]]; then
+    return 0
+  fi
+  echo "Building the script of the reports with npm"
+  if npm --prefix web ci --no-audit --no-fund --loglevel=error && npm --prefix web run --silent build; then
+    echo "$inputs" >web/dist/inputs
+  else
+    echo "bootstrap.sh: npm could not build web/dist/report.js: reports will have tables only" >&2
+  fi
+}
+
+install_packages
+build_report_script

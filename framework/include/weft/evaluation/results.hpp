@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+#include <weft/core/result.hpp>
+#include <weft/evaluation/frame_metrics.hpp>
+
+/// The results folder of an ablation, read for tables and figures; see docs/results.md.
+namespace weft::evaluation {
+
+/// An axis of the plan and the names of its values, in the plan's order.
+struct PlanAxis {
+  std::string name;
+  std::vector<std::string> values;
+};
+
+/// `missing` is a cell of the plan that has not been run yet.
+enum class CellOutcome { done, failed, missing };
+
+const char* to_string(CellOutcome outcome);
+
+/// A frame whose truth counts. Without a shape of its own it has no error.
+struct FrameError {
+  std::uint64_t frame = 0;    ///< [] index from 0
+  double mean_mm = kUnknown;  ///< [] mm, mean over the frame's points; NaN unless solved
+};
+
+/// Rates of a filter stage, each averaged over the frames in which it is defined.
+struct FilterRates {
+  std::string stage;
+  double tpr_percent = kUnknown;        ///< [] mismatches rejected, of all mismatches
+  double fpr_percent = kUnknown;        ///< [] correct matches rejected, of all correct ones
+  double kept_percent = kUnknown;       ///< [] kept, of those that entered
+  double precision_percent = kUnknown;  ///< [] correct, of those kept
+  std::int64_t entered = 0, mismatches = 0, correct = 0;  ///< [] over all frames
+};
+
+/// Time of a stage for a frame, of a pass with --timing.
+struct StageTime {
+  std::string stage;
+  double mean_ms = kUnknown;    ///< [] ms
+  double median_ms = kUnknown;  ///< [] ms
+};
+
+/// What the results say of one key: the cells that have it share it.
+struct CellRecord {
+  CellOutcome outcome = CellOutcome::missing;
+  std::string reason;                           ///< of a failure
+  std::int64_t frames = 0, solved = 0;          ///< [] of all frames
+  std::int64_t truth_frames = 0, failures = 0;  ///< [] with truth that counts; of them failures
+  double mean_mm = kUnknown;                    ///< [] mm, mean over solved frames with truth
+  double worst_mm = kUnknown;                   ///< [] mm, largest mean error of a frame
+  std::string worst_frame;
+  std::vector<std::string> truth_users;   ///< components that may have read the truth
+  std::vector<FrameError> errors;         ///< in the order of the frames
+  std::vector<FilterRates> filters;       ///< in the order of the stages
+  std::vector<StageTime> times;           ///< empty where no uncached time was taken
+  std::map<std::string, double> figures;  ///< by metric: those that the plan names
+
+  /// A figure that the plan names, NaN where the run has none.
+  double figure(const std::string& metric) const;
+};
+
+/// A cell of the plan.
+struct PlanCell {
+  std::int64_t index = 0;
+  std::vector<std::string> values;  ///< one for each axis
+  std::string sequence;
+  std::uint64_t seed = 0;
+  std::string key;
+};
+
+/// What the plan compares: the values of an axis, in a metric, the rest paired.
+struct PlanComparison {
+  std::string axis, metric;
+  std::string reference;  ///< a value of the axis; empty: each with each
+};
+
+/// A figure that the plan expects of the mean over the cells that `where` selects.
+struct PlanExpectation {
+  std::vector<std::pair<std::string, std::string>> where;  ///< axis, data, sequence or seed
+  std::string metric;
+  double at_least = kUnknown, at_most = kUnknown;  ///< NaN: no bound
+};
+
+/// Frames of a sequence, as the cells say that got through it.
+struct SequenceSize {
+  std::int64_t frames = 0, truth_frames = 0;
+};
+
+struct Results {
+  std::string folder;
+  std::string name;             ///< of the plan
+  std::string command;          ///< that wrote the folder
+  std::string version;          ///< of weft
+  std::string data_use;         ///< "tuning", "reporting" or empty
+  bool accept_rebuilt = false;  ///< results of differently built components may stand side by side
+  std::vector<PlanAxis> axes;
+  std::vector<std::string> sequences;
+  std::vector<std::uint64_t> seeds;
+  std::map<std::string, std::string> data_of;  ///< name of the data of each sequence
+  std::vector<std::string> show;               ///< metrics that the plan wants in its table
+  std::vector<PlanComparison> comparisons;
+  std::vector<PlanExpectation> expectations;
+  std::vector<PlanCell> cells;
+  std::map<std::string, CellRecord> records;  ///< by key
+  std::map<std::string, SequenceSize> sizes;  ///< by sequence
+  std::set<std::string> processors;           ///< that computed them
+
+  /// What is known of a cell; outcome `missing` where nothing is.
+  const CellRecord& record(const PlanCell& cell) const;
+  /// Frames that the cell was to solve: those of its sequence, where it failed before the first.
+  SequenceSize size(const PlanCell& cell) const;
+};
+
+/// Reads a results folder; the last line of a file that was cut off is left out. Fails with
+/// not_found where the folder is no results folder, with incompatible where it has another schema,
+/// with invalid_data and the place where a file is damaged.
+Result<Results> read_results(const std::string& folder);
+
+}  // namespace weft::evaluation

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace weft::evaluation {
+
+/// Base64 of bytes (RFC 4648, section 4), as pages carry binary data.
+std::string base64(std::string_view bytes);
+
+/// Base64 of numbers as they lie in memory, little-endian.
+template <class T>
+std::string base64_of(std::span<const T> numbers) {
+  static_assert(std::endian::native == std::endian::little);
+  return base64({reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()});
+}
+
+}  // namespace weft::evaluation

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <weft/evaluation/report.hpp>
+
+#include "report_page.hpp"
+#include "report_sheets.hpp"
+#include "write_whole.hpp"
+
+namespace weft::evaluation {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::optional<std::string> read_text(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) return std::nullopt;
+  return std::string(std::istreambuf_iterator<char>(stream), {});
+}
+
+Result<PageAssets> read_assets(const std::string& folder) {
+  const auto style = read_text(folder + "/report.css");
+  if (!style) {
+    return Error{
+        Errc::not_found,
+        "there is no such file, but it belongs to the program: build or install Weft again",
+        folder + "/report.css"};
+  }
+  return PageAssets{*style, read_text(folder + "/report.js").value_or(""),
+                    read_text(folder + "/licences.txt").value_or("")};
+}
+
+Result<std::vector<std::string>> write_tables(const std::string& folder,
+                                              const std::vector<TextTable>& sheets,
+                                              const std::string& title) {
+  std::error_code code;
+  fs::create_directories(folder, code);
+  std::vector<std::string> files;
+  std::string markdown = "# " + title + "\n\n";
+  for (const TextTable& sheet : sheets) {
+    files.push_back(folder + "/" + sheet.id + ".csv");
+    if (auto written = write_whole(to_csv(sheet), files.back()); !written) return written.error();
+    markdown += to_markdown(sheet);
+  }
+  files.push_back(folder + "/tables.md");
+  if (auto written = write_whole(markdown, files.back()); !written) return written.error();
+  return files;
+}
+
+}  // namespace
+
+Result<ReportFiles> write_report(const std::string& folder, const ReportOptions& options) {
+  const auto assets = read_assets(options.assets);
+  if (!assets) return assets.error();
+  const auto results = read_results(folder);
+  if (!results) return results.error();
+  const auto tables = make_tables(*results);
+  if (!tables) return tables.error();
+  const auto figures = make_figures(*results, *tables);
+  if (!figures) return figures.error();
+  auto files = write_tables(folder + "/report", all_sheets(*results, *tables), results->name);
+  if (!files) return files.error();
+  const std::string page = options.page.empty() ? folder + "/report.html" : options.page;
+  if (auto written = write_whole(page_html(*results, *tables, *figures, *assets), page); !written) {
+    return written.error();
+  }
+  return ReportFiles{page, *std::move(files), !assets->script.empty()};
+}
+
+}  // namespace weft::evaluation

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+#include <weft/evaluation/report_tables.hpp>
+
+/// The curves that the figures of a report draw.
+namespace weft::evaluation {
+
+struct Curve {
+  std::vector<float> x, y;
+};
+
+/// Share y [%] of all frames with truth whose error is at most x [mm], ascending. A frame without
+/// an error stays above every x, so that failures keep the curve below 100 %. Runs of many frames
+/// are drawn at evenly spaced ranks.
+Curve distribution_of(const Results& results, const Combination& combination);
+
+/// Mean error y [mm] at frame x over sequences, each the mean over its seeds.
+Curve error_over_frames(const Results& results, const Combination& combination);
+
+/// Along an axis of numbers, all other values fixed.
+struct SweepCurve {
+  std::vector<std::string> others;                                ///< values of the other axes
+  std::vector<float> values;                                      ///< of the axis
+  std::vector<std::vector<float>> figures;                        ///< for each measure one a value
+  double auc_percent = kUnknown, partial_auc_percent = kUnknown;  ///< [] of a ROC curve
+};
+
+/// What an axis of numbers does. A ROC curve has the measures FPR and TPR, in this order, and its
+/// points in ascending FPR.
+struct Sweep {
+  std::size_t axis = 0;
+  std::string stage;  ///< the filter of a ROC curve, else empty
+  std::vector<std::string> measures;
+  std::vector<SweepCurve> curves;
+};
+
+/// A sweep of every axis of at least three numbers, and a ROC curve where the axis is the threshold
+/// of a filter: where it changes what a stage rejects, but not what the stage is given.
+std::vector<Sweep> sweeps_of(const Results& results, const ReportTables& tables);
+
+}  // namespace weft::evaluation

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base64.hpp"
+#include "report_parts.hpp"
+#include "report_sheets.hpp"
+
+namespace weft::evaluation {
+namespace {
+
+/// A place for a figure, with what a reader should know of it.
+std::string figure(const std::string& id, const std::string& caption) {
+  return fmt::format(
+      "<figure id=\"{}\"><ul class=\"legend\"></ul><div class=\"plot\"></div>\n"
+      "<figcaption>{}</figcaption></figure>\n",
+      id, caption);
+}
+
+std::string sweep_figure(const Results& results, const Sweep& sweep, std::size_t index) {
+  const std::string axis = html_escaped(results.axes[sweep.axis].name);
+  const std::string title = sweep.stage.empty()
+                                ? "Along " + axis
+                                : "ROC of " + html_escaped(sweep.stage) + " over " + axis;
+  const std::string caption =
+      sweep.stage.empty()
+          ? "Means over sequences, each the mean over its seeds; the interval of each mean is in "
+            "the table of results."
+          : "A point is the mean over all frames at one value of " + axis +
+                ", which changes what the stage rejects and not what it is given. AUC: trapezoids, "
+                "with (0, 0) and (100, 100) added; in percent. Positive is a rejected match.";
+  return fmt::format(
+      "<figure class=\"sweep\" id=\"figure-sweep-{}\" data-sweep=\"{}\"><h3>{}</h3>\n<div "
+      "class=\"controls\"></div><ul class=\"legend\"></ul><div "
+      "class=\"plot\"></div>\n<figcaption>{}</figcaption></figure>\n",
+      index, index, title, caption);
+}
+
+std::string checkbox(const std::string& parts, const std::string& label) {
+  return fmt::format("<label><input type=\"checkbox\" value=\"{}\" checked> {}</label>\n", parts,
+                     label);
+}
+
+}  // namespace
+
+std::string curves_part(const ReportTables& tables) {
+  if (!tables.has_error) return "";
+  return "<p>Which combinations are drawn is chosen with the squares in the table of results, "
+         "eight at most.</p>\n<h3>Distribution</h3>\n" +
+         figure("figure-distribution",
+                "Share of all frames with truth whose mean error is at most x. Frames without a "
+                "shape of their own have no error: they keep a curve below 100 %.") +
+         "<h3>Over the frames</h3>\n" +
+         figure("figure-by-frame",
+                "Mean over sequences, each the mean over its seeds, of the error at each frame. "
+                "Frames that were not solved are left out: see the table for how many they are.");
+}
+
+std::string sweeps_part(const Results& results, const Figures& figures) {
+  std::string text;
+  for (std::size_t i = 0; i < figures.sweeps.size(); ++i) {
+    text += sweep_figure(results, figures.sweeps[i], i);
+  }
+  return text;
+}
+
+std::string worst_part(const Results& results, const Figures& figures) {
+  if (figures.worst_frames.empty()) return "";
+  std::string text =
+      "<p>The largest errors of all cells, the estimate drawn over the image.</p>\n<div "
+      "class=\"thumbnails\">\n";
+  for (const ShownFrame& frame : figures.worst_frames) {
+    const PlanCell& cell = results.cells[frame.cell];
+    const TextCell error = number_cell(frame.mean_mm, 1);
+    std::string values;
+    for (const std::string& value : cell.values) values += html_escaped(value) + " · ";
+    text += fmt::format(
+        "<figure><img alt=\"\" src=\"data:{};base64,{}\">\n<figcaption>{}{}, seed {}, frame {}: "
+        "{}<br><code class=\"command\">{}</code></figcaption></figure>\n",
+        frame.picture.type, base64(frame.picture.bytes), values, html_escaped(cell.sequence),
+        cell.seed, frame.picture.frame,
+        std::isfinite(frame.mean_mm) ? error.shown + " mm" : "no error could be measured",
+        html_escaped(command_of(results, cell)));
+  }
+  return text + "</div>\n";
+}
+
+std::string viewer_part(const Figures& figures) {
+  if (figures.cells.empty()) return "";
+  return fmt::format(
+             "<p>The page holds the worst, the median and the best cell of each combination that "
+             "the figures draw at first, at most {} frames a cell and {} true points a frame, "
+             "evenly chosen. Drag to turn, scroll to come nearer.</p>\n<p "
+             "class=\"needs-script\">The 3D view needs JavaScript.</p>\n",
+             ViewLimits{}.frames, ViewLimits{}.truth_points) +
+         "<div id=\"viewer\"><div class=\"controls\"><label>Cell <select "
+         "aria-label=\"Cell\"></select></label></div>\n"
+         "<canvas aria-label=\"Estimate and truth in 3D\"></canvas>\n<div class=\"controls\">"
+         "<button type=\"button\" class=\"plain play\">Play</button>\n"
+         "<input type=\"range\" min=\"0\" max=\"0\" value=\"0\" step=\"1\" "
+         "aria-label=\"Frame\">\n<output class=\"readout\"></output></div>\n"
+         "<div class=\"controls\">" +
+         checkbox("surface edges", "estimate") + checkbox("truth", "true points") +
+         checkbox("errors", "errors") +
+         "<button type=\"button\" class=\"plain reset\">Reset the view</button></div>\n"
+         "<p class=\"small\">Again: <code class=\"command\"></code></p></div>\n";
+}
+
+}  // namespace weft::evaluation

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "base64.hpp"
+#include "report_figures.hpp"
+#include "report_sheets.hpp"
+
+namespace weft::evaluation {
+namespace {
+
+using nlohmann::ordered_json;
+
+std::string packed(const std::vector<float>& values) {
+  return base64_of(std::span<const float>(values));
+}
+
+ordered_json curve_json(const Curve& curve) {
+  return {{"x", packed(curve.x)}, {"y", packed(curve.y)}};
+}
+
+ordered_json treatment_json(const Results& results, const ReportTables& tables,
+                            const Figures& figures, std::size_t index) {
+  const Combination& combination = tables.combinations[index];
+  ordered_json stages = ordered_json::array();
+  for (const StageTime& time : combination.times) {
+    stages.push_back({{"stage", time.stage}, {"ms", time.mean_ms}});
+  }
+  return {{"id", index},
+          {"name", combination.name},
+          {"drawn", std::count(figures.drawn.begin(), figures.drawn.end(), index) > 0},
+          {"distribution", curve_json(distribution_of(results, combination))},
+          {"by_frame", curve_json(error_over_frames(results, combination))},
+          {"stages", std::move(stages)}};
+}
+
+ordered_json comparison_json(const ComparisonResult& comparison) {
+  ordered_json pairs = ordered_json::array();
+  for (const PairComparison& pair : comparison.table.pairs) {
+    pairs.push_back({{"a", pair.a},
+                     {"b", pair.b},
+                     {"difference", pair.test.mean},
+                     {"low", pair.test.interval.low},
+                     {"high", pair.test.interval.high},
+                     {"decided", pair.call == Call::a || pair.call == Call::b}});
+  }
+  return {{"unit", comparison.unit}, {"pairs", std::move(pairs)}};
+}
+
+ordered_json sweep_json(const Results& results, const Sweep& sweep) {
+  ordered_json others = ordered_json::array(), curves = ordered_json::array();
+  for (std::size_t axis = 0; axis < results.axes.size(); ++axis) {
+    if (axis == sweep.axis) continue;
+    others.push_back({{"name", results.axes[axis].name}, {"values", results.axes[axis].values}});
+  }
+  for (const SweepCurve& curve : sweep.curves) {
+    ordered_json figures = ordered_json::array();
+    for (const std::vector<float>& figure : curve.figures) figures.push_back(packed(figure));
+    curves.push_back({{"others", curve.others},
+                      {"values", packed(curve.values)},
+                      {"figures", std::move(figures)},
+                      {"auc", curve.auc_percent},
+                      {"partial_auc", curve.partial_auc_percent}});
+  }
+  return {{"axis", results.axes[sweep.axis].name},
+          {"roc", !sweep.stage.empty()},
+          {"measures", sweep.measures},
+          {"others", std::move(others)},
+          {"curves", std::move(curves)}};
+}
+
+ordered_json cell_json(const Results& results, const ShownCell& shown) {
+  const PlanCell& cell = results.cells[shown.cell];
+  const CellRecord& record = results.record(cell);
+  ordered_json frames = ordered_json::array();
+  for (const ViewFrame& frame : shown.view.frames) {
+    const auto error =
+        std::find_if(record.errors.begin(), record.errors.end(),
+                     [&](const FrameError& one) { return one.frame == frame.frame; });
+    frames.push_back({{"frame", frame.frame},
+                      {"state", frame.state},
+                      {"mean_mm", error == record.errors.end() ? kUnknown : error->mean_mm},
+                      {"vertices", packed(frame.vertices)},
+                      {"truth", packed(frame.truth)},
+                      {"placed", packed(frame.placed)}});
+  }
+  return {{"name", shown.name},
+          {"command", command_of(results, cell)},
+          {"faces", base64_of(std::span<const std::uint32_t>(shown.view.faces))},
+          {"frames", std::move(frames)}};
+}
+
+}  // namespace
+
+std::string to_json(const Results& results, const ReportTables& tables, const Figures& figures) {
+  ordered_json json{{"measure", {{"name", "mean 3D error of a frame"}, {"unit", "mm"}}}};
+  for (const char* list : {"treatments", "comparisons", "sweeps", "cells"}) {
+    json[list] = ordered_json::array();
+  }
+  for (std::size_t i = 0; i < tables.combinations.size(); ++i) {
+    json["treatments"].push_back(treatment_json(results, tables, figures, i));
+  }
+  for (const ComparisonResult& comparison : tables.comparisons) {
+    json["comparisons"].push_back(comparison_json(comparison));
+  }
+  for (const Sweep& sweep : figures.sweeps) json["sweeps"].push_back(sweep_json(results, sweep));
+  for (const ShownCell& cell : figures.cells) json["cells"].push_back(cell_json(results, cell));
+  // A text could hold the end of the element that the JSON stands in.
+  std::string text;
+  for (const char c : json.dump(-1, ' ', true, ordered_json::error_handler_t::replace)) {
+    text += c == '<' ? std::string("\\u003c") : std::string(1, c);
+  }
+  return text;
+}
+
+}  // namespace weft::evaluation

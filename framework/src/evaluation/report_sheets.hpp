@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+#include <weft/evaluation/report_tables.hpp>
+
+#include "text_table.hpp"
+
+namespace weft::evaluation {
+
+/// The main table: one row a combination.
+TextTable combinations_sheet(const Results& results, const ReportTables& tables);
+/// Two values of an axis a row, of one comparison or of all.
+TextTable comparison_sheet(const std::vector<ComparisonResult>& comparisons);
+/// One row an expectation of the plan.
+TextTable expectations_sheet(const Results& results, const ReportTables& tables);
+/// One row a combination and filter stage.
+TextTable filters_sheet(const Results& results, const ReportTables& tables);
+/// One row a combination and stage.
+TextTable times_sheet(const Results& results, const ReportTables& tables);
+/// One row a cell, of those that `cells` names.
+TextTable cells_sheet(const Results& results, const std::vector<std::size_t>& cells);
+
+/// The tables that have rows, with every cell of the plan last.
+std::vector<TextTable> all_sheets(const Results& results, const ReportTables& tables);
+
+/// The command that runs a cell anew.
+std::string command_of(const Results& results, const PlanCell& cell);
+
+/// The anchor of what reproduces a combination.
+std::string anchor_of(std::size_t combination);
+
+}  // namespace weft::evaluation

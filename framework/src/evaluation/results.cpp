@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include "metric_path.hpp"
+#include "results_json.hpp"
+
+namespace weft::evaluation {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr const char* kLineSchema = "weft.cell/1";
+
+/// The metrics that the plan names, each once.
+std::set<std::string> metrics_of(const Results& results) {
+  std::set<std::string> metrics(results.show.begin(), results.show.end());
+  for (const PlanComparison& comparison : results.comparisons) metrics.insert(comparison.metric);
+  for (const PlanExpectation& expectation : results.expectations)
+    metrics.insert(expectation.metric);
+  return metrics;
+}
+
+FrameError frame_error(const json& frame) {
+  FrameError error{frame.at("frame")};
+  if (frame.at("outcome") == "solved") error.mean_mm = number_of(frame.at("truth"), "mean_mm");
+  return error;
+}
+
+/// Whether the frame enters the figures of the run.
+bool counts(const json& frame) {
+  return frame.contains("truth") && frame.at("truth").value("apart", "").empty();
+}
+
+FilterRates filter_rates(const json& filter, const json& frames) {
+  FilterRates rates{filter.at("stage"), number_of(filter, "tpr_percent"),
+                    number_of(filter, "fpr_percent"), number_of(filter, "kept_percent"),
+                    number_of(filter, "precision_percent")};
+  for (const json& frame : frames) {
+    if (!counts(frame) || !frame.contains("filters")) continue;
+    const auto found = frame.at("filters").find(rates.stage);
+    if (found == frame.at("filters").end()) continue;
+    rates.entered += found->at("entered").get<std::int64_t>();
+    rates.mismatches += found->at("mismatches").get<std::int64_t>();
+    rates.correct += found->at("correct").get<std::int64_t>();
+  }
+  return rates;
+}
+
+void read_metrics(const json& metrics, const std::set<std::string>& wanted, CellRecord& record) {
+  for (const std::string& metric : wanted) {
+    const auto figure = metric_at(metrics, metric);
+    record.figures[metric] = figure ? *figure : kUnknown;
+  }
+  record.frames = metrics.at("counts").at("frames");
+  record.solved = metrics.at("counts").at("solved");
+  const json& all = metrics.at("all");
+  record.truth_frames = all.at("frames");
+  record.failures = all.at("failures");
+  const json& error = all.at("error_solved");
+  record.mean_mm = number_of(error, "mean_mm");
+  record.worst_mm = number_of(error, "worst_mm");
+  if (error.at("worst_frame").is_string()) record.worst_frame = error.at("worst_frame");
+  record.truth_users = metrics.at("truth_users").get<std::vector<std::string>>();
+  const json& frames = metrics.at("frames");
+  for (const json& frame : frames) {
+    if (counts(frame)) record.errors.push_back(frame_error(frame));
+  }
+  for (const json& filter : metrics.at("filters")) {
+    record.filters.push_back(filter_rates(filter, frames));
+  }
+}
+
+void read_times(const json& timing, CellRecord& record) {
+  if (timing.value("cached", false) || !timing.contains("stages")) return;
+  for (const json& stage : timing.at("stages")) {
+    record.times.push_back(
+        {stage.at("stage"), number_of(stage, "mean_ms"), number_of(stage, "p50_ms")});
+  }
+}
+
+Result<void> read_line(const json& line, const std::set<std::string>& wanted, Results& results) {
+  if (line.value("schema", "") != kLineSchema) {
+    return Error{Errc::incompatible,
+                 "the schema is '" + line.value("schema", "") + "', this program reads '" +
+                     kLineSchema + "'",
+                 {}};
+  }
+  CellRecord record;
+  const bool done = line.at("outcome") == "done";
+  record.outcome = done ? CellOutcome::done : CellOutcome::failed;
+  record.reason = line.value("reason", "");
+  if (line.contains("metrics") && line.at("metrics").is_object()) {
+    read_metrics(line.at("metrics"), wanted, record);
+  }
+  if (line.contains("timing")) read_times(line.at("timing"), record);
+  const std::string processor = line.value("/machine/processor"_json_pointer, "");
+  if (!processor.empty()) results.processors.insert(processor);
+  results.records.emplace(line.at("key"), std::move(record));
+  return {};
+}
+
+Result<void> read_lines(const std::string& file, Results& results) {
+  const std::set<std::string> wanted = metrics_of(results);
+  std::ifstream stream(file, std::ios::binary);
+  std::string text;
+  for (int number = 1; std::getline(stream, text); ++number) {
+    if (stream.eof()) break;  // the last line was cut off
+    const std::string place = file + ":" + std::to_string(number);
+    const json line = json::parse(text, nullptr, false);
+    if (!line.is_object()) return Error{Errc::invalid_data, "is not a JSON object", place};
+    try {
+      if (auto read = read_line(line, wanted, results); !read) {
+        return Error{read.error().code, read.error().message, place};
+      }
+    } catch (const json::exception& damage) {
+      return Error{Errc::invalid_data, damage.what(), place};
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+const char* to_string(CellOutcome outcome) {
+  switch (outcome) {
+    case CellOutcome::done:
+      return "done";
+    case CellOutcome::failed:
+      return "failed";
+    default:
+      return "missing";
+  }
+}
+
+double CellRecord::figure(const std::string& metric) const {
+  const auto found = figures.find(metric);
+  return found == figures.end() ? kUnknown : found->second;
+}
+
+const CellRecord& Results::record(const PlanCell& cell) const {
+  static const CellRecord kMissing;
+  const auto found = records.find(cell.key);
+  return found == records.end() ? kMissing : found->second;
+}
+
+SequenceSize Results::size(const PlanCell& cell) const {
+  const CellRecord& known = record(cell);
+  if (known.outcome != CellOutcome::failed || known.frames > 0) {
+    return {known.frames, known.truth_frames};
+  }
+  const auto found = sizes.find(cell.sequence);
+  return found == sizes.end() ? SequenceSize{} : found->second;
+}
+
+Result<Results> read_results(const std::string& folder) {
+  auto results = read_results_plan(folder);
+  if (!results) return results.error();
+  std::vector<std::string> files;
+  std::error_code code;
+  for (const auto& entry : fs::directory_iterator(folder + "/results", code)) {
+    if (entry.path().extension() == ".jsonl") files.push_back(entry.path().string());
+  }
+  std::sort(files.begin(), files.end());
+  for (const std::string& file : files) {
+    if (auto read = read_lines(file, *results); !read) return read.error();
+  }
+  for (const PlanCell& cell : results->cells) {
+    const CellRecord& record = results->record(cell);
+    SequenceSize& size = results->sizes[cell.sequence];
+    size.frames = std::max(size.frames, record.frames);
+    size.truth_frames = std::max(size.truth_frames, record.truth_frames);
+  }
+  return results;
+}
+
+}  // namespace weft::evaluation

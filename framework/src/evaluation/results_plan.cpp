@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fstream>
+
+#include "results_json.hpp"
+
+namespace weft::evaluation {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kFolderSchema = "weft.results/1";
+
+/// The name of an axis value, a sequence or the like: a text, a plain value, or an object's name.
+std::string name_of(const json& value) {
+  if (value.is_object()) return name_of(value.at("name"));
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+std::vector<std::string> names_of(const json& values) {
+  std::vector<std::string> names;
+  for (const json& value : values) names.push_back(name_of(value));
+  return names;
+}
+
+Result<json> read_json(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) {
+    return Error{Errc::not_found,
+                 "there is no such file; a results folder is what `weft ablate` writes", file};
+  }
+  json content = json::parse(stream, nullptr, false);
+  if (!content.is_object()) return Error{Errc::invalid_data, "is not a JSON object", file};
+  return content;
+}
+
+Result<void> read_manifest(const std::string& file, Results& results) {
+  const auto manifest = read_json(file);
+  if (!manifest) return manifest.error();
+  const std::string schema = manifest->value("schema", "");
+  if (schema != kFolderSchema) {
+    return Error{Errc::incompatible,
+                 "the schema is '" + schema + "', this program reads '" + kFolderSchema + "'",
+                 file};
+  }
+  results.version = manifest->value("weft", "");
+  results.accept_rebuilt = manifest->value("accept_rebuilt", false);
+  return {};
+}
+
+/// A text that may be null or absent.
+std::string text_or_empty(const json& object, const char* key) {
+  const auto found = object.find(key);
+  return found == object.end() || found->is_null() ? "" : name_of(*found);
+}
+
+PlanCell plan_cell(const json& entry, const std::vector<PlanAxis>& axes) {
+  PlanCell cell;
+  cell.index = entry.at("cell");
+  for (const PlanAxis& axis : axes) {
+    cell.values.push_back(name_of(entry.at("axes").at(axis.name)));
+  }
+  cell.sequence = name_of(entry.at("sequence"));
+  cell.seed = entry.at("seed");
+  cell.key = entry.at("key");
+  return cell;
+}
+
+PlanExpectation plan_expectation(const json& entry) {
+  PlanExpectation expectation;
+  for (const auto& [name, value] : entry.at("where").items()) {
+    expectation.where.emplace_back(name, name_of(value));
+  }
+  expectation.metric = entry.at("metric");
+  expectation.at_least = number_of(entry, "at_least");
+  expectation.at_most = number_of(entry, "at_most");
+  return expectation;
+}
+
+void fill_plan(const json& plan, Results& results) {
+  results.name = plan.at("name");
+  results.command = plan.value("command", "");
+  results.data_use = plan.value("data_use", "");
+  for (const json& axis : plan.at("axes")) {
+    results.axes.push_back({axis.at("name"), names_of(axis.at("values"))});
+  }
+  results.sequences = names_of(plan.at("sequences"));
+  results.seeds = plan.at("seeds").get<std::vector<std::uint64_t>>();
+  for (const json& data : plan.value("data", json::array())) {
+    for (const std::string& sequence : names_of(data.at("sequences"))) {
+      results.data_of[sequence] = data.at("name");
+    }
+  }
+  results.show = names_of(plan.value("show", json::array()));
+  for (const json& one : plan.value("comparisons", json::array())) {
+    results.comparisons.push_back(
+        {one.at("axis"), one.at("metric"), text_or_empty(one, "reference")});
+  }
+  for (const json& one : plan.value("expect", json::array())) {
+    results.expectations.push_back(plan_expectation(one));
+  }
+  for (const json& cell : plan.at("cells")) {
+    results.cells.push_back(plan_cell(cell, results.axes));
+  }
+}
+
+}  // namespace
+
+double number_of(const nlohmann::json& object, const char* key) {
+  const auto found = object.find(key);
+  return found == object.end() || found->is_null() ? kUnknown : found->get<double>();
+}
+
+Result<Results> read_results_plan(const std::string& folder) {
+  Results results;
+  results.folder = folder;
+  if (auto read = read_manifest(folder + "/manifest.json", results); !read) return read.error();
+  const std::string file = folder + "/plan.json";
+  const auto plan = read_json(file);
+  if (!plan) return plan.error();
+  try {
+    fill_plan(*plan, results);
+  } catch (const json::exception& damage) {
+    return Error{Errc::invalid_data, damage.what(), file};
+  }
+  return results;
+}
+
+}  // namespace weft::evaluation

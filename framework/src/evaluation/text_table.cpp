@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "text_table.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdint>
+
+namespace weft::evaluation {
+namespace {
+
+/// Text as RFC 4180 wants it.
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string result = "\"";
+  for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return result + "\"";
+}
+
+std::string in_markdown(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '|' || c == '\\' || c == '*' || c == '_' || c == '`' || c == '<') result += '\\';
+    result += c == '\n' ? ' ' : c;
+  }
+  return result;
+}
+
+std::string heading_html(const TextColumn& column) {
+  return fmt::format("<th scope=\"col\"{}>{}</th>", column.numeric ? " class=\"number\"" : "",
+                     html_escaped(column.name));
+}
+
+std::string cell_html(const TextCell& cell, bool numeric, const std::string& before) {
+  std::string attributes = numeric ? " class=\"number\"" : "";
+  if (numeric) attributes += fmt::format(" data-value=\"{}\"", html_escaped(cell.exact));
+  if (!cell.tip.empty()) attributes += fmt::format(" title=\"{}\"", html_escaped(cell.tip));
+  std::string text = html_escaped(cell.shown);
+  if (!cell.link.empty()) {
+    text = fmt::format("<a href=\"#{}\">{}</a>", html_escaped(cell.link), text);
+  }
+  return fmt::format("<td{}>{}{}</td>", attributes, before, text);
+}
+
+std::string row_html(const TextTable& table, const TextRow& row) {
+  std::string text = row.failed ? "<tr class=\"failed\">" : "<tr>";
+  for (std::size_t i = 0; i < row.cells.size(); ++i) {
+    std::string before;
+    if (i == 0 && row.treatment >= 0) {
+      before = fmt::format(
+          "<button type=\"button\" class=\"swatch\" data-treatment=\"{}\" aria-label=\"Draw it in "
+          "the figures\"></button> ",
+          row.treatment);
+    }
+    text += cell_html(row.cells[i], table.columns[i].numeric, before);
+  }
+  return text + "</tr>\n";
+}
+
+}  // namespace
+
+TextCell text_cell(const std::string& text) { return {text, text}; }
+
+TextCell count_cell(std::int64_t count) { return text_cell(std::to_string(count)); }
+
+TextCell number_cell(double value, int decimals) {
+  if (!std::isfinite(value)) return {"–", ""};
+  return {fmt::format("{:.{}f}", value, decimals), fmt::format("{:.9g}", value)};
+}
+
+std::string to_csv(const TextTable& table) {
+  std::string text;
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    text += (i > 0 ? "," : "") + quoted(table.columns[i].field);
+  }
+  text += "\n";
+  for (const TextRow& row : table.rows) {
+    for (std::size_t i = 0; i < row.cells.size(); ++i) {
+      text += (i > 0 ? "," : "") + quoted(row.cells[i].exact);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string to_markdown(const TextTable& table) {
+  std::string text = "## " + table.title + "\n\n";
+  if (!table.note.empty()) text += table.note + "\n\n";
+  std::string rule;
+  for (const TextColumn& column : table.columns) {
+    text += "| " + in_markdown(column.name) + " ";
+    rule += column.numeric ? "|---:" : "|---";
+  }
+  text += "|\n" + rule + "|\n";
+  for (const TextRow& row : table.rows) {
+    for (const TextCell& cell : row.cells) text += "| " + in_markdown(cell.shown) + " ";
+    text += "|\n";
+  }
+  return text + "\n";
+}
+
+std::string to_html(const TextTable& table) {
+  std::string text = fmt::format(
+      "<div class=\"scroll\" tabindex=\"0\"><table class=\"sortable\" "
+      "id=\"table-{}\"><thead><tr>",
+      table.id);
+  for (const TextColumn& column : table.columns) text += heading_html(column);
+  text += "</tr></thead>\n<tbody>\n";
+  for (const TextRow& row : table.rows) text += row_html(table, row);
+  return text + "</tbody></table></div>\n";
+}
+
+std::string html_escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += c;
+    }
+  }
+  return result;
+}
+
+}  // namespace weft::evaluation

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// page_test.mjs WEB PAGE SCREENSHOTS: opens a report in Chromium without a network and uses it.
+import assert from "node:assert/strict";
+import { mkdtempSync, rmSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { pathToFileURL } from "node:url";
+
+const [web, file, screenshots] = process.argv.slice(2);
+const puppeteer = createRequire(path.join(web, "package.json"))("puppeteer-core");
+const profile = mkdtempSync(path.join(tmpdir(), "weft-chromium-"));
+
+const browser = await puppeteer.launch({
+  executablePath: "/usr/bin/chromium",
+  headless: true,
+  userDataDir: profile,
+  args: [
+    "--no-sandbox",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--disable-gpu",
+    "--enable-unsafe-swiftshader",
+  ],
+});
+
+/** Marks of a figure that Vega has drawn: elements of one kind of mark. */
+const marks = (page, figure, kind) =>
+  page.$$eval(`#${figure} svg .mark-${kind} path`, (all) => all.length);
+const positions = (page) => page.evaluate(() => window.weft_report.viewer.positions());
+const shot = (page, name, fullPage = false) =>
+  page.screenshot({ path: path.join(screenshots, name), fullPage });
+
+try {
+  const page = await browser.newPage();
+  const complaints = [];
+  page.on("console", (message) => {
+    // The drivers of WebGL warn of what this test itself does when it reads pixels.
+    if (
+      ["error", "warn"].includes(message.type()) &&
+      !message.text().includes("GL Driver Message")
+    ) {
+      complaints.push(message.text());
+    }
+  });
+  page.on("pageerror", (error) => complaints.push(String(error)));
+  page.on("request", (request) => {
+    if (!/^(file|data|blob):/.test(request.url())) complaints.push(`asks for ${request.url()}`);
+  });
+  await page.setViewport({ width: 1200, height: 900 });
+  await page.goto(pathToFileURL(file).href);
+  await page.waitForSelector("html[data-ready=true]", { timeout: 15000 });
+
+  // Curves: a line for each of the eight combinations with an error.
+  assert.equal(await marks(page, "figure-distribution", "line"), 8);
+  assert.equal(await marks(page, "figure-by-frame", "line"), 8);
+  assert.equal(await marks(page, "figure-times", "rect"), 2 * 8);
+  const sweeps = await page.$$eval("figure.sweep h3", (all) => all.map((one) => one.textContent));
+  assert.deepEqual(sweeps, ["ROC of filters over alpha", "Along alpha"]);
+  assert.equal(await marks(page, "figure-sweep-0", "line"), 1 + 2);
+
+  // A square of the main table takes its combination out of the figures.
+  await page.click('button.swatch[data-treatment="0"]');
+  await page.waitForFunction(
+    () => document.querySelectorAll("#figure-distribution svg .mark-line path").length === 7,
+  );
+
+  // Sorting: ascending, then descending; what has no mean stays last.
+  const column = (n) =>
+    page.$$eval(`#table-combinations tbody tr td:nth-child(${n})`, (all) =>
+      all.map((one) => one.textContent),
+    );
+  const mean =
+    (await page.$$eval("#table-combinations th", (all) =>
+      all.findIndex((one) => one.textContent.startsWith("mean")),
+    )) + 1;
+  await page.click(`#table-combinations th:nth-child(${mean}) button`);
+  await page.click(`#table-combinations th:nth-child(${mean}) button`);
+  const sorted = await column(mean);
+  assert.equal(sorted.at(-1), "–");
+  const numbers = sorted.map(Number).filter((value) => !Number.isNaN(value));
+  assert.deepEqual(
+    numbers,
+    [...numbers].sort((a, b) => b - a),
+  );
+
+  // The slider moves the mesh: the estimate waves, so its vertices change and their number does not.
+  const before = await positions(page);
+  assert.equal(before.length, 3 * 9 * 7);
+  assert.ok(before.every(Number.isFinite));
+  const slide = (value) =>
+    page.$eval(
+      "#viewer input[type=range]",
+      (slider, to) => {
+        slider.value = to;
+        slider.dispatchEvent(new Event("input"));
+      },
+      value,
+    );
+  const pixels = () => page.$eval("#viewer canvas", (canvas) => canvas.toDataURL());
+  const drawn = await pixels();
+  await slide(5);
+  const after = await positions(page);
+  assert.equal(after.length, before.length);
+  assert.ok(
+    after.some((value, i) => Math.abs(value - before[i]) > 0.01),
+    "the mesh did not move",
+  );
+  assert.notEqual(await pixels(), drawn, "the drawing did not change");
+  assert.match(
+    await page.$eval("#viewer .readout", (one) => one.textContent),
+    /frame 5 · estimated/,
+  );
+
+  await shot(page, "light.png", true);
+  await page.$eval("#viewer", (viewer) => viewer.scrollIntoView());
+  await shot(page, "viewer.png");
+
+  // Dark: the paper gets darker than the ink, and the figures follow without being drawn again.
+  await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: "dark" }]);
+  const brightness = (selector, property) =>
+    page.$eval(
+      selector,
+      (one, name) =>
+        getComputedStyle(one)
+          [name].match(/\d+/g)
+          .slice(0, 3)
+          .reduce((sum, part) => sum + Number(part), 0),
+      property,
+    );
+  assert.ok((await brightness("body", "backgroundColor")) < (await brightness("body", "color")));
+  assert.ok((await brightness("#figure-distribution svg .mark-text text", "fill")) > 384);
+  await shot(page, "dark.png", true);
+
+  await page.emulateMediaFeatures([]);
+  await page.setViewport({ width: 400, height: 800 });
+  const overflow = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  assert.ok(overflow <= 0, `the page is ${overflow} px too wide for a telephone`);
+  await shot(page, "narrow.png", true);
+  await page.pdf({ path: path.join(screenshots, "print.pdf") });
+
+  assert.deepEqual(complaints, []);
+} finally {
+  await browser.close();
+  rmSync(profile, { recursive: true, force: true });
+}

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <weft/evaluation/report.hpp>
+#include <weft/evaluation/report_tables.hpp>
+
+#include "fake_results.hpp"
+
+namespace weft::evaluation {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+Results read(const FakeResults& fake) {
+  auto results = read_results(fake.folder());
+  if (!results) throw std::runtime_error(results.error().where + ": " + results.error().message);
+  return *std::move(results);
+}
+
+ReportTables tables_of(const Results& results) {
+  auto tables = make_tables(results);
+  if (!tables) throw std::runtime_error(tables.error().message);
+  return *std::move(tables);
+}
+
+std::string written(FakeResults& fake) {
+  const std::string assets = fake.folder() + "/assets";
+  std::filesystem::create_directories(assets);
+  fake.append("assets/report.css", "body {}");
+  const auto files = write_report(fake.folder(), {"", assets});
+  if (!files) throw std::runtime_error(files.error().where + ": " + files.error().message);
+  EXPECT_FALSE(files->figures);
+  return fake.read("report.html");
+}
+
+const Combination& named(const ReportTables& tables, const std::string& name) {
+  for (const Combination& row : tables.combinations) {
+    if (row.name == name) return row;
+  }
+  throw std::runtime_error("no combination " + name);
+}
+
+TEST(Report, HasARowForEveryCombinationWhateverBecameOfIt) {
+  const FakeResults fake({});
+  const ReportTables tables = tables_of(read(fake));
+  ASSERT_EQ(tables.combinations.size(), 12U);
+  const Combination& broken = named(tables, "broken · 0.1");
+  EXPECT_EQ(broken.failed, 16);
+  EXPECT_EQ(broken.done, 0);
+  EXPECT_TRUE(std::isnan(broken.mean_mm));
+  EXPECT_EQ(broken.sequences, 0);
+  EXPECT_EQ(broken.failures, 160) << "a cell that failed as a whole failed at every frame";
+  EXPECT_EQ(broken.truth_frames, 160);
+}
+
+TEST(Report, TakesMeansOverSequencesAndCountsFramesWithoutAShape) {
+  const FakeResults fake({});
+  const ReportTables tables = tables_of(read(fake));
+  // Sequences add 0, 0.1 ... 0.7 mm and frames 0, 0.01 ... 0.09 mm.
+  const Combination& steady = named(tables, "steady · 0.1");
+  EXPECT_NEAR(steady.mean_mm, 2.0 + 0.35 + 0.045, 1e-9);
+  EXPECT_EQ(steady.sequences, 8);
+  EXPECT_EQ(steady.failures, 0);
+  EXPECT_NEAR(steady.worst_mm, 2.79, 1e-9);
+  EXPECT_EQ(steady.worst_place, "plain_108, seed 1, frame 9");
+  // Four sequences err by 1 mm more; in the first the last frame is missing for both seeds.
+  const Combination& shaky = named(tables, "shaky · 0.1");
+  EXPECT_NEAR(shaky.mean_mm, 2.0 + 0.35 + 0.5 + (7 * 0.045 + 0.04) / 8, 1e-9);
+  EXPECT_EQ(shaky.failures, 2);
+  EXPECT_EQ(shaky.solved, 158);
+  EXPECT_EQ(shaky.frames, 160);
+}
+
+TEST(Report, CountsASequenceOnceHoweverManyOfItsSeedsAreThere) {
+  const FakeResults fake({});
+  Results results = read(fake);
+  const Combination before = named(tables_of(results), "steady · 0.1");
+  // One seed of the last sequence fails, so that the other stands for the sequence.
+  CellRecord& last = results.records[results.cells[before.cells.back()].key];
+  last = CellRecord();
+  last.outcome = CellOutcome::failed;
+  const Combination after = named(tables_of(results), "steady · 0.1");
+  EXPECT_EQ(after.failed, 1);
+  EXPECT_EQ(after.sequences, 8);
+  EXPECT_NEAR(after.mean_mm, before.mean_mm, 1e-12);
+}
+
+TEST(Report, LeavesNoCellOutThatHasNotBeenRun) {
+  const FakeResults fake({});
+  Results results = read(fake);
+  const Combination& row = combinations_of(results).front();
+  results.records.erase(results.cells[row.cells.front()].key);
+  EXPECT_EQ(tables_of(results).combinations.front().missing, 1);
+}
+
+TEST(Report, SharesALineBetweenCellsOfOneKey) {
+  const FakeResults fake({});
+  Results results = read(fake);
+  results.cells[1].key = results.cells[0].key;
+  results.cells[1].seed = 2;
+  EXPECT_EQ(tables_of(results).combinations.front().done, 16);
+}
+
+TEST(Report, IgnoresALastLineThatWasCutOff) {
+  const FakeResults fake({});
+  fake.append("results/0.jsonl", R"({"schema": "weft.cell/1", "key": "00)");
+  EXPECT_TRUE(read_results(fake.folder()));
+}
+
+TEST(Report, LetsTheFirstLineOfAKeyCount) {
+  const FakeResults fake({});
+  fake.append("results/zz.jsonl",
+              R"({"schema": "weft.cell/1", "key": "00000000000000000000000000000001",)"
+              R"( "outcome": "failed", "reason": "later", "metrics": null})"
+              "\n");
+  EXPECT_EQ(named(tables_of(read(fake)), "steady · 0.05").failed, 0);
+}
+
+struct Damage {
+  std::string file, text;
+  Errc code;
+  std::string where, message;
+};
+
+TEST(Report, NamesThePlaceOfDamage) {
+  const std::vector<Damage> damages = {
+      {"manifest.json", R"({"schema": "weft.results/9"})", Errc::incompatible, "manifest.json",
+       "weft.results/9"},
+      {"manifest.json", "[1, 2]", Errc::invalid_data, "manifest.json", "object"},
+      {"plan.json", R"({"name": "x"})", Errc::invalid_data, "plan.json", "axes"},
+      {"results/a.jsonl", "{\"schema\": \"weft.cell/2\"}\n", Errc::incompatible,
+       "results/a.jsonl:1", "weft.cell/2"},
+      {"results/a.jsonl", "{\"schema\": \n", Errc::invalid_data, "results/a.jsonl:1", "object"},
+      {"results/a.jsonl", "{\"schema\": \"weft.cell/1\", \"key\": \"0\"}\n", Errc::invalid_data,
+       "results/a.jsonl:1", "outcome"},
+  };
+  for (const Damage& damage : damages) {
+    FakeResults::Choice few;
+    few.sequences = 1;
+    const FakeResults fake(few);
+    std::ofstream(fake.folder() + "/" + damage.file, std::ios::trunc) << damage.text;
+    const auto results = read_results(fake.folder());
+    ASSERT_FALSE(results) << damage.text;
+    EXPECT_EQ(results.error().code, damage.code) << damage.text;
+    EXPECT_THAT(results.error().where, HasSubstr(damage.where));
+    EXPECT_THAT(results.error().message, HasSubstr(damage.message));
+  }
+}
+
+TEST(Report, RefusesAFolderThatHoldsNoResults) {
+  const auto results = read_results(::testing::TempDir());
+  ASSERT_FALSE(results);
+  EXPECT_EQ(results.error().code, Errc::not_found);
+  EXPECT_THAT(results.error().message, HasSubstr("weft ablate"));
+}
+
+TEST(Report, ReadsFiguresThatThePlanNames) {
+  FakeResults fake({});
+  nlohmann::json plan = nlohmann::json::parse(fake.read("plan.json"));
+  plan["show"] = {"filters.tpr_percent", "filters.filters.fpr_percent",
+                  "filters.other.tpr_percent"};
+  plan["expect"] = {
+      {{"where", {{"filter", "steady"}, {"alpha", 0.1}, {"seed", 1}}},
+       {"metric", "filters.tpr_percent"},
+       {"at_least", 89.0}},
+      {{"where", {{"alpha", 0.1}}}, {"metric", "filters.tpr_percent"}, {"at_least", 1}},
+      {{"where", {{"filter", "steady"}, {"sequence", "plain_101"}}},
+       {"metric", "all.error_solved.mean_mm"},
+       {"at_most", 2.0}}};
+  fake.write("plan.json", plan);
+  const ReportTables tables = tables_of(read(fake));
+  const Combination& row = named(tables, "steady · 0.1");
+  ASSERT_EQ(row.shown.size(), 3U);
+  EXPECT_NEAR(row.shown[0], FakeResults::tpr(1), 1e-9);
+  EXPECT_NEAR(row.shown[1], FakeResults::fpr(1), 1e-9);
+  EXPECT_TRUE(std::isnan(row.shown[2]));
+  ASSERT_EQ(tables.expectations.size(), 3U);
+  EXPECT_TRUE(tables.expectations[0].met);
+  EXPECT_EQ(tables.expectations[0].cells, 8);
+  EXPECT_FALSE(tables.expectations[1].met) << "the broken filter has no such figure";
+  EXPECT_EQ(tables.expectations[1].without, 16);
+  EXPECT_FALSE(tables.expectations[2].met);
+  EXPECT_NEAR(tables.expectations[2].measured, 2.045, 1e-9);
+}
+
+TEST(Report, ShowsTimesOnlyOfAPassThatTookThem) {
+  FakeResults cached({});
+  EXPECT_FALSE(tables_of(read(cached)).has_times);
+  EXPECT_THAT(written(cached), HasSubstr("--timing"));
+  FakeResults::Choice alone;
+  alone.timing = true;
+  FakeResults timed(alone);
+  const ReportTables tables = tables_of(read(timed));
+  ASSERT_EQ(named(tables, "steady · 0.1").times.size(), 2U);
+  EXPECT_NEAR(named(tables, "steady · 0.1").times[1].mean_ms, 1.5, 1e-12);
+  EXPECT_THAT(written(timed), HasSubstr("detectors"));
+}
+
+TEST(Report, WritesTablesAsCsvAndMarkdown) {
+  FakeResults fake({});
+  written(fake);
+  const std::string csv = fake.read("report/combinations.csv");
+  EXPECT_THAT(csv, HasSubstr("filter,alpha,mean_mm,low_mm,high_mm,worst_mm"));
+  EXPECT_THAT(csv, HasSubstr("\nsteady,0.1,2.395,"));
+  EXPECT_THAT(csv, HasSubstr("\nbroken,0.2,,,,,"));
+  const std::string cells = fake.read("report/cells.csv");
+  EXPECT_EQ(std::count(cells.begin(), cells.end(), '\n'), 1 + 192);
+  EXPECT_THAT(cells, HasSubstr(FakeResults::kReason));
+  const std::string filters = fake.read("report/filters.csv");
+  EXPECT_THAT(filters, HasSubstr("\nsteady,0.2,filters,69,5,60,95,16000,9600,8\n"));
+  EXPECT_THAT(fake.read("report/tables.md"), HasSubstr("| steady | 0.1 | 2.40 |"));
+}
+
+TEST(Report, SaysWhereItHasTablesOnlyAndShowsTextAsText) {
+  FakeResults fake({});
+  const std::string page = written(fake);
+  EXPECT_THAT(page, HasSubstr("This report has tables only"));
+  EXPECT_THAT(page, HasSubstr("<title>Filters &lt;on&gt; a plain sheet</title>"));
+  EXPECT_THAT(page, HasSubstr("signal 11 &lt;/script&gt;&lt;b&gt;"));
+  EXPECT_THAT(page, Not(HasSubstr("</script>")));
+  EXPECT_THAT(page, Not(HasSubstr("http")));
+}
+
+TEST(Report, WarnsOfFiguresThatAreForTuning) {
+  FakeResults::Choice tuning;
+  tuning.data_use = "tuning";
+  FakeResults fake(tuning);
+  EXPECT_THAT(written(fake), HasSubstr("not for publication"));
+}
+
+TEST(Report, SaysWhichOfItsOwnFilesIsMissing) {
+  const FakeResults fake({});
+  const auto files = write_report(fake.folder(), {"", fake.folder() + "/nowhere"});
+  ASSERT_FALSE(files);
+  EXPECT_THAT(files.error().where, HasSubstr("nowhere/report.css"));
+}
+
+}  // namespace
+}  // namespace weft::evaluation

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// Draws Vega-Lite specifications as SVG whose colours are those of the page's style, so that a
+// change of theme and print need no second drawing.
+import { View, parse, Warn } from "vega";
+import { compile } from "vega-lite";
+import { element } from "./data.js";
+
+// A family by name, so that Vega can measure its texts.
+const kFont = "system-ui, -apple-system, Segoe UI, Helvetica Neue, DejaVu Sans, sans-serif";
+
+const kConfig = {
+  background: null,
+  font: kFont,
+  view: { stroke: null },
+  axis: {
+    labelColor: "var(--muted)",
+    titleColor: "var(--ink)",
+    gridColor: "var(--rule)",
+    domainColor: "var(--rule-strong)",
+    tickColor: "var(--rule-strong)",
+    labelFontSize: 12,
+    titleFontSize: 12.5,
+    titleFontWeight: 500,
+    titlePadding: 8,
+  },
+  axisX: { grid: false },
+  axisY: { titleAngle: 0, titleAlign: "left", titleAnchor: "end", titleY: -14, titleX: 0 },
+  header: { labelColor: "var(--ink)", titleColor: "var(--ink)", labelFontSize: 12.5 },
+  legend: { labelColor: "var(--ink)", titleColor: "var(--muted)" },
+  rule: { stroke: "var(--rule-strong)" },
+  text: { fill: "var(--ink)" },
+};
+
+/** Colours of the page in place of their names, for a file that stands alone. */
+function with_plain_colours(svg) {
+  const style = getComputedStyle(document.documentElement);
+  return svg.replaceAll(/var\((--[\w-]+)\)/g, (_, name) => style.getPropertyValue(name).trim());
+}
+
+function offer_download(figure, view) {
+  const button = element("button", {
+    type: "button",
+    className: "save",
+    textContent: "Save as SVG",
+  });
+  button.addEventListener("click", async () => {
+    const svg = with_plain_colours(await view.toSVG());
+    const address = URL.createObjectURL(new Blob([svg], { type: "image/svg+xml" }));
+    element("a", { href: address, download: `${figure.id}.svg` }).click();
+    URL.revokeObjectURL(address);
+  });
+  figure.querySelector(".save")?.remove();
+  figure.querySelector(".plot").after(button);
+}
+
+/** Draws `spec` in the figure in place of what was there. */
+export async function draw(figure, spec) {
+  const plot = figure.querySelector(".plot");
+  figure.view?.finalize();
+  plot.replaceChildren();
+  const compiled = compile({ ...spec, config: kConfig }).spec;
+  const view = new View(parse(compiled), {
+    renderer: "svg",
+    container: plot,
+    logLevel: Warn,
+    hover: true,
+  });
+  await view.runAsync();
+  plot.querySelector("svg")?.setAttribute("role", "img");
+  figure.view = view;
+  offer_download(figure, view);
+}
+
+/** Colour and dash of series by name, as channels of an encoding. */
+export function series_channels(series) {
+  const domain = series.map(({ name }) => name);
+  return {
+    color: {
+      field: "series",
+      type: "nominal",
+      legend: null,
+      scale: { domain, range: series.map(({ colour }) => colour) },
+    },
+    strokeDash: {
+      field: "series",
+      type: "nominal",
+      legend: null,
+      scale: { domain, range: series.map(({ dash }) => dash) },
+    },
+  };
+}
+
+/** The legend of a plot: a line sample, a name and a note for each series. */
+export function write_legend(figure, series, left_out = 0) {
+  const items = series.map(({ name, colour, dash, note }) => {
+    const sample = element("span", { className: dash[1] ? "sample dashed" : "sample" });
+    sample.style.setProperty("--colour", colour);
+    const item = element("li", {}, sample, element("span", { textContent: name }));
+    if (note) item.append(element("span", { className: "note", textContent: note }));
+    return item;
+  });
+  if (left_out > 0) {
+    items.push(element("li", { className: "note", textContent: `${left_out} more are not drawn` }));
+  }
+  figure.querySelector(".legend").replaceChildren(...items);
+}
+
+/** The inner width that a plot has where it stands. */
+export function width_of(figure) {
+  return Math.max(220, Math.min(figure.querySelector(".plot").clientWidth, 1100) - 70);
+}

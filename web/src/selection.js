@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which combinations the figures draw, chosen in the main table, which thereby is their legend.
+
+export const kColours = 8;
+const kSolidLines = 4;
+
+/** Colour and dashes of a slot; the page's style defines the colour for light, dark and print. */
+export function style_of(slot) {
+  return { colour: `var(--series-${slot + 1})`, dash: slot < kSolidLines ? [1, 0] : [5, 3] };
+}
+
+export class Selection extends EventTarget {
+  #treatments;
+  #slots = Array(kColours).fill(null); // index of a treatment, or null
+  #buttons = new Map();
+
+  constructor(treatments) {
+    super();
+    this.#treatments = treatments;
+    for (const button of document.querySelectorAll("button.swatch")) {
+      const treatment = Number(button.dataset.treatment);
+      this.#buttons.set(treatment, button);
+      button.addEventListener("click", () => this.toggle(treatment));
+    }
+    const drawn = treatments.filter(({ drawn }) => drawn).slice(0, kColours);
+    drawn.forEach(({ id }, slot) => {
+      this.#slots[slot] = id;
+    });
+    this.#show();
+  }
+
+  /** The treatments drawn, each with its colour and dashes. */
+  drawn() {
+    return this.#slots.flatMap((id, slot) =>
+      id === null ? [] : [{ treatment: this.#treatments[id], ...style_of(slot) }],
+    );
+  }
+
+  toggle(id) {
+    const slot = this.#slots.indexOf(id);
+    const free = this.#slots.indexOf(null);
+    if (slot >= 0) this.#slots[slot] = null;
+    else if (free >= 0) this.#slots[free] = id;
+    else return; // every colour is in use: the button says so
+    this.#show();
+    this.dispatchEvent(new Event("change"));
+  }
+
+  #show() {
+    const full = !this.#slots.includes(null);
+    for (const [id, button] of this.#buttons) {
+      const slot = this.#slots.indexOf(id);
+      button.setAttribute("aria-pressed", slot >= 0);
+      button.style.setProperty("--colour", slot >= 0 ? style_of(slot).colour : "transparent");
+      button.classList.toggle("dashed", slot >= kSolidLines);
+      button.title =
+        slot >= 0
+          ? "Drawn in the figures; click to leave it out"
+          : full
+            ? `The figures draw ${kColours} at most; leave one out first`
+            : "Click to draw it in the figures";
+    }
+  }
+}

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+// The estimate against the truth, frame by frame, in the camera's frame (x right, y down, z ahead).
+import {
+  AmbientLight,
+  Box3,
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DirectionalLight,
+  DoubleSide,
+  Group,
+  LineBasicMaterial,
+  LineSegments,
+  Mesh,
+  MeshLambertMaterial,
+  PerspectiveCamera,
+  Points,
+  PointsMaterial,
+  Scene,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+  WireframeGeometry,
+} from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { floats, indices, shown } from "./data.js";
+
+const kPlayMs = 100;
+
+/** A colour of the page's style. */
+function colour_of(name) {
+  const text = getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+  return new Color(text);
+}
+
+/** What is drawn: the estimate as a surface with its edges, the truth as points or as edges, and a
+    line from each true point to its place on the estimate. */
+class Drawing {
+  constructor() {
+    this.group = new Group();
+    // OpenCV's axes to those of WebGL: y up, z towards the viewer.
+    this.group.rotation.x = Math.PI;
+    this.surface = new Mesh(
+      new BufferGeometry(),
+      new MeshLambertMaterial({
+        side: DoubleSide,
+        transparent: true,
+        opacity: 0.82,
+        polygonOffset: true,
+        polygonOffsetFactor: 1,
+        polygonOffsetUnits: 1,
+      }),
+    );
+    this.edges = new LineSegments(
+      new BufferGeometry(),
+      new LineBasicMaterial({ transparent: true, opacity: 0.4 }),
+    );
+    this.truth = new Points(
+      new BufferGeometry(),
+      new PointsMaterial({ sizeAttenuation: false, size: 4 }),
+    );
+    this.errors = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
+    this.group.add(this.surface, this.edges, this.truth, this.errors);
+    this.colour();
+  }
+
+  colour() {
+    this.surface.material.color = colour_of("--series-1");
+    this.edges.material.color = colour_of("--ink");
+    this.truth.material.color = colour_of("--series-2");
+    this.errors.material.color = colour_of("--series-2");
+  }
+
+  /** Without a shape only the truth is seen. */
+  show(cell, frame) {
+    const geometry = new BufferGeometry();
+    if (frame.vertices.length) {
+      geometry.setAttribute("position", new BufferAttribute(frame.vertices, 3));
+      geometry.setIndex(new BufferAttribute(cell.faces, 1));
+      geometry.computeVertexNormals();
+    }
+    this.#replace(this.surface, geometry);
+    this.#replace(
+      this.edges,
+      frame.vertices.length ? new WireframeGeometry(geometry) : new BufferGeometry(),
+    );
+    this.#replace(this.truth, points_geometry(frame.truth));
+    this.#replace(this.errors, points_geometry(segments(frame)));
+  }
+
+  #replace(object, geometry) {
+    object.geometry.dispose();
+    object.geometry = geometry;
+  }
+}
+
+function points_geometry(positions) {
+  return new BufferGeometry().setAttribute("position", new BufferAttribute(positions, 3));
+}
+
+/** From each true point to its place on the estimate, where it has one. */
+function segments({ truth, placed }) {
+  const ends = [];
+  for (let i = 0; i < placed.length; i += 3) {
+    if (Number.isNaN(placed[i])) continue;
+    ends.push(...truth.subarray(i, i + 3), ...placed.subarray(i, i + 3));
+  }
+  return new Float32Array(ends);
+}
+
+function decoded(cell) {
+  return {
+    ...cell,
+    faces: indices(cell.faces),
+    frames: cell.frames.map((frame) => ({
+      ...frame,
+      vertices: floats(frame.vertices),
+      truth: floats(frame.truth),
+      placed: floats(frame.placed),
+    })),
+  };
+}
+
+class Viewer {
+  #cell;
+  #index = 0;
+  #timer = null;
+
+  constructor(root, cells) {
+    this.root = root;
+    this.cells = cells;
+    this.canvas = root.querySelector("canvas");
+    this.renderer = new WebGLRenderer({
+      canvas: this.canvas,
+      antialias: true,
+      alpha: true,
+      preserveDrawingBuffer: true,
+    });
+    this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
+    this.scene = new Scene();
+    this.camera = new PerspectiveCamera(40, 1, 0.001, 100);
+    this.controls = new OrbitControls(this.camera, this.canvas);
+    this.drawing = new Drawing();
+    const lamp = new DirectionalLight(0xffffff, 2);
+    lamp.position.set(0.4, 0.8, 1);
+    this.scene.add(this.drawing.group, new AmbientLight(0xffffff, 1.4), lamp);
+    this.controls.addEventListener("change", () => this.render());
+    this.#listen();
+    this.choose(0);
+  }
+
+  /** Vertices [V,3] m of the estimate that is drawn now, one after the other. */
+  positions() {
+    return [...(this.drawing.surface.geometry.getAttribute("position")?.array ?? [])];
+  }
+
+  choose(index) {
+    this.#cell = decoded(this.cells[index]);
+    this.slider.max = this.#cell.frames.length - 1;
+    this.show(Number(this.slider.max) < this.#index ? 0 : this.#index);
+    this.look_from_camera();
+    this.root.querySelector(".command").textContent = this.#cell.command;
+  }
+
+  show(index) {
+    this.#index = index;
+    const frame = this.#cell.frames[index];
+    this.slider.value = index;
+    this.root.querySelector(".readout").textContent =
+      `frame ${frame.frame} · ${frame.state} · ${shown(frame.mean_mm ?? NaN)} mm`;
+    this.drawing.show(this.#cell, frame);
+    this.render();
+  }
+
+  /** Where the camera stands, but turned a little, and near enough to fill the view. */
+  look_from_camera() {
+    const box = new Box3();
+    for (const frame of this.#cell.frames) {
+      for (const points of [frame.vertices, frame.truth]) {
+        for (let i = 0; i < points.length; i += 3) {
+          box.expandByPoint(new Vector3(points[i], -points[i + 1], -points[i + 2]));
+        }
+      }
+    }
+    if (box.isEmpty()) return;
+    const centre = box.getCenter(new Vector3());
+    const radius = 0.5 * box.getSize(new Vector3()).length();
+    const distance = radius / Math.tan((this.camera.fov * Math.PI) / 360);
+    this.camera.position
+      .copy(centre)
+      .add(new Vector3(0.45, 0.35, 1).normalize().multiplyScalar(0.9 * distance));
+    this.camera.near = 0.01 * radius;
+    this.camera.far = 100 * radius;
+    this.camera.updateProjectionMatrix();
+    this.controls.target.copy(centre);
+    this.controls.update();
+    this.render();
+  }
+
+  render() {
+    const { clientWidth, clientHeight } = this.canvas;
+    const size = this.renderer.getSize(new Vector2());
+    if (size.x !== clientWidth || size.y !== clientHeight) {
+      this.renderer.setSize(clientWidth, clientHeight, false);
+      this.camera.aspect = clientWidth / Math.max(1, clientHeight);
+      this.camera.updateProjectionMatrix();
+    }
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  toggle_play() {
+    if (this.#timer) {
+      clearInterval(this.#timer);
+      this.#timer = null;
+    } else {
+      this.#timer = setInterval(
+        () => this.show((this.#index + 1) % this.#cell.frames.length),
+        kPlayMs,
+      );
+    }
+    this.root.querySelector(".play").textContent = this.#timer ? "Pause" : "Play";
+  }
+
+  #listen() {
+    this.slider = this.root.querySelector("input[type=range]");
+    this.slider.addEventListener("input", () => this.show(Number(this.slider.value)));
+    this.root
+      .querySelector("select")
+      .addEventListener("change", (event) => this.choose(event.target.selectedIndex));
+    this.root.querySelector(".play").addEventListener("click", () => this.toggle_play());
+    this.root.querySelector(".reset").addEventListener("click", () => this.look_from_camera());
+    for (const box of this.root.querySelectorAll("input[type=checkbox]")) {
+      box.addEventListener("change", () => {
+        for (const part of box.value.split(" ")) this.drawing[part].visible = box.checked;
+        this.render();
+      });
+    }
+    new ResizeObserver(() => this.render()).observe(this.canvas);
+    document.documentElement.addEventListener("themechange", () => {
+      this.drawing.colour();
+      this.render();
+    });
+  }
+}
+
+/** Starts the view where the page has one; says why where the browser cannot draw it. */
+export function start_viewer(data) {
+  const root = document.getElementById("viewer");
+  if (!root || data.cells.length === 0) return null;
+  const choice = root.querySelector("select");
+  for (const { name } of data.cells) choice.append(new Option(name));
+  try {
+    const viewer = new Viewer(root, data.cells);
+    root.classList.add("started");
+    return viewer;
+  } catch (error) {
+    root.querySelector(".readout").textContent = `This browser draws no 3D view: ${error.message}`;
+    return null;
+  }
+}
