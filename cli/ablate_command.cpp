@@ -37,7 +37,11 @@ std::string duration_text(double seconds) {
 class ProgressLine {
  public:
   ProgressLine(std::size_t cells, bool quiet)
-      : cells_(cells), quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()) {}
+      : cells_(cells),
+        quiet_(quiet),
+        terminal_(isatty(STDERR_FILENO) != 0),
+        start_(Clock::now()),
+        last_(start_) {}
 
   void show(double share) {
     constexpr auto kRarely = std::chrono::seconds(30);
@@ -49,7 +53,8 @@ class ProgressLine {
     const std::string left = share > 0.0 ? duration_text(left_s) + " left" : "";
     const std::string line =
         fmt::format("{:.1f} of {} cells, {}", share * static_cast<double>(cells_), cells_, left);
-    fmt::print(stderr, "{}{:<60}{}", terminal_ ? "\r" : "", line, terminal_ ? "" : "\n");
+    if (terminal_) fmt::print(stderr, "\r{:<60}", line);
+    if (!terminal_) fmt::print(stderr, "{}\n", line);
   }
 
   void clear() const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <weft/core/suggest.hpp>
 
 #include "plan_parts.hpp"
@@ -77,15 +78,13 @@ std::vector<std::uint64_t> PlanValues::seeds(const yaml::Node& node, const std::
   const bool is_list = node.kind == yaml::Kind::sequence;
   const std::vector<yaml::Node> items = is_list ? node.items : std::vector<yaml::Node>{node};
   for (const yaml::Node& item : items) add_seeds(item, what, found);
-  std::vector<std::uint64_t> sorted = found;
-  std::sort(sorted.begin(), sorted.end());
-  const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
-  if (twice != sorted.end()) {
-    problem(node.at, what + " hold the seed " + std::to_string(*twice) + " twice");
-  } else if (items.empty()) {
-    problem(node.at, what + " are an empty list");
-  }
-  return found;
+  if (items.empty()) problem(node.at, what + " are an empty list");
+  std::set<std::uint64_t> known;
+  const auto is_new = [&](std::uint64_t seed) { return known.insert(seed).second; };
+  const auto twice = std::find_if_not(found.begin(), found.end(), is_new);
+  if (twice == found.end()) return found;
+  problem(node.at, what + " hold the seed " + std::to_string(*twice) + " twice");
+  return {};
 }
 
 void PlanValues::add_seeds(const yaml::Node& node, const std::string& what,
