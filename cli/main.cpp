@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
   weft::cli::add_eval_command(app, context);
   weft::cli::add_plugins_command(app, context);
   weft::cli::add_replay_command(app, context);
+  weft::cli::add_data_command(app, context);
   weft::cli::add_doctor_command(app, context);
   weft::cli::add_records_command(app, context);
   try {

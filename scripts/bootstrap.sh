@@ -7,9 +7,10 @@ packages=(
   g++ cmake ninja-build ccache git binutils pkg-config
   libgtest-dev libgmock-dev libbenchmark-dev
   libopencv-core-dev libopencv-imgproc-dev libopencv-features2d-dev libopencv-flann-dev
+  libopencv-contrib-dev
   libopencv-calib3d-dev libopencv-imgcodecs-dev libopencv-videoio-dev libopencv-video-dev
   libeigen3-dev libboost-dev libboost-filesystem-dev libyaml-cpp-dev libcgal-dev
-  libcli11-dev libfmt-dev nlohmann-json3-dev libxxhash-dev libzip-dev
+  libcli11-dev libfmt-dev nlohmann-json3-dev libxxhash-dev libzip-dev libcairo2-dev
   clang-format clang-tidy gcovr python3
 )
 
