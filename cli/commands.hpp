@@ -30,10 +30,10 @@ void add_check_command(CLI::App& app, Context& context);
 void add_plugins_command(CLI::App& app, Context& context);
 void add_eval_command(CLI::App& app, Context& context);
 void add_replay_command(CLI::App& app, Context& context);
+void add_data_command(CLI::App& app, Context& context);
 void add_doctor_command(CLI::App& app, Context& context);
 void add_ablate_command(CLI::App& app, Context& context);
 void add_records_command(CLI::App& app, Context& context);
-void add_data_command(CLI::App& app, Context& context);
 void add_report_command(CLI::App& app, Context& context);
 
 /// Prints "error: where: message" to stderr.

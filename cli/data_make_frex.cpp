@@ -1,29 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/core.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
-#include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <memory>
-#include <weft/host/yaml.hpp>
-#include <weft/pipeline/run.hpp>
 
 #include "data_commands.hpp"
+#include "data_frex_sheet.hpp"
+#include "data_frex_video.hpp"
+#include "sequence_maker.hpp"
 
 namespace weft::cli {
 namespace {
 
-namespace fs = std::filesystem;
-
-constexpr const char* kPipelineName = "make.yaml";
-
-// A signal handler can reach nothing but an object with static storage.
-std::atomic<bool> interrupted{false};
-
 struct Options {
+  std::string sheet;  ///< the PDF, where the sheet of markers is asked for
+  std::string video, camera, layout;
   std::string folder, texture, pattern, background;
   double width_m = 0.297;
   double height_m = 0.0;
@@ -34,53 +26,17 @@ struct Options {
   bool quiet = false;
 };
 
-/// Frames that were made, on the terminal.
-class Progress final : public RunObserver {
- public:
-  explicit Progress(bool quiet) : quiet_(quiet) {}
-
-  void started(std::int64_t frames) override { total_ = frames; }
-  void frame_done(const FrameResult& frame) override {
-    ++done_;
-    for (const StageReport& report : frame.stages) {
-      if (report.status == StageStatus::error && first_error_.empty()) {
-        first_error_ = fmt::format("frame {}: {}", frame.index, report.reason);
-      }
-    }
-    if (!quiet_) fmt::print(stderr, "\r{}/{} frames", done_, total_);
-  }
-  void end_line() const {
-    if (!quiet_ && done_ > 0) fmt::print(stderr, "\n");
-  }
-  const std::string& first_error() const { return first_error_; }
-
- private:
-  bool quiet_;
-  std::int64_t done_ = 0, total_ = 0;
-  std::string first_error_;
-};
-
-/// A text as YAML, whatever it holds.
-std::string quoted(const std::string& text) {
-  yaml::Node node;
-  node.kind = yaml::Kind::scalar;
-  node.scalar = text;
-  node.quoted = true;
-  std::string emitted = yaml::emit(node);
-  while (!emitted.empty() && emitted.back() == '\n') emitted.pop_back();
-  return emitted;
-}
-
 std::string one_line(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
   return text;
 }
 
-/// The pipeline that makes the sequence. It stands in the sequence and says how it was made, so it
-/// does not depend on where that is.
-std::string pipeline_text(const Options& options) {
-  const std::string texture = quoted(fs::absolute(options.texture).lexically_normal().string());
+/// The pipeline that simulates the sequence. It stands in the sequence and says how that was made,
+/// so it does not depend on where that is.
+std::string simulation_text(const Options& options) {
+  const std::string texture =
+      yaml_quoted(std::filesystem::absolute(options.texture).lexically_normal().string());
   const std::string size =
       fmt::format("    width_m: {}\n    height_m: {}\n", options.width_m, options.height_m);
   std::string text = "# Made by `weft data make frex`; `weft run` of this file makes it again";
@@ -90,8 +46,10 @@ std::string pipeline_text(const Options& options) {
   text += "weft: 1\non_error: stop\nsource:\n  use: sources/frex\n  params:\n";
   text += "    texture: " + texture + "\n" + size;
   text += fmt::format("    frames: {}\n    seed: {}\n", options.frames, options.seed);
-  if (!options.pattern.empty()) text += "    pattern: " + quoted(options.pattern) + "\n";
-  if (!options.background.empty()) text += "    background: " + quoted(options.background) + "\n";
+  if (!options.pattern.empty()) text += "    pattern: " + yaml_quoted(options.pattern) + "\n";
+  if (!options.background.empty()) {
+    text += "    background: " + yaml_quoted(options.background) + "\n";
+  }
   if (options.occluder) text += "    occluder: true\n";
   text +=
       "template:\n  use: templates/rectangular\n  params:\n    texture: " + texture + "\n" + size;
@@ -99,61 +57,53 @@ std::string pipeline_text(const Options& options) {
   return text;
 }
 
-Result<void> write_pipeline(const Options& options) {
-  std::error_code code;
-  const fs::path folder(options.folder);
-  if (fs::exists(folder, code) && !(fs::is_directory(folder, code) && fs::is_empty(folder, code))) {
-    return Error{Errc::io, "exists and is not an empty folder; choose another with --out",
-                 options.folder};
-  }
-  fs::create_directories(folder, code);
-  if (code) return Error{Errc::io, "cannot be created: " + code.message(), options.folder};
-  std::ofstream stream(folder / kPipelineName, std::ios::binary);
-  stream << pipeline_text(options);
-  stream.close();
-  if (stream) return {};
-  return Error{Errc::io, "cannot be written; is the disk full?", (folder / kPipelineName).string()};
-}
-
-/// Nothing was made: what was there before is left.
-void withdraw(const Options& options) {
-  std::error_code ignored;
-  fs::remove(fs::path(options.folder) / kPipelineName, ignored);
-  fs::remove(options.folder, ignored);
-}
-
 void make(const Options& options, Context& context) {
-  if (auto written = write_pipeline(options); !written) {
-    print_error(written.error());
-    context.exit_code = kInputOutput;
+  if (!options.sheet.empty()) {
+    context.exit_code = make_frex_sheet(context, {options.sheet, options.seed});
     return;
   }
-  const auto registry = context.registry();
-  const std::string file = (fs::path(options.folder) / kPipelineName).string();
-  const auto [pipeline, report] =
-      check_pipeline(file, registry, fs::absolute(options.folder).string(), options.settings);
-  if (!report.ok()) {
-    fmt::print(stderr, "{}", report.text());
-    withdraw(options);
+  if (options.folder.empty() || options.texture.empty()) {
+    print_error({Errc::invalid_value,
+                 "a sequence needs --out FOLDER and --texture IMAGE; the sheet of markers needs "
+                 "--sheet FILE.pdf",
+                 "weft data make frex"});
     context.exit_code = kBadConfiguration;
     return;
   }
-  std::signal(SIGINT, [](int) { interrupted = true; });
-  std::signal(SIGTERM, [](int) { interrupted = true; });
-  Progress progress(options.quiet);
-  const auto summary = run_pipeline(pipeline, "", progress, interrupted);
-  progress.end_line();
-  if (!summary) {
-    print_error(summary.error());
-    const bool io = summary.error().code == Errc::io;
-    if (!io) withdraw(options);
-    context.exit_code = io ? kInputOutput : kBadConfiguration;
+  Result<std::string> pipeline = std::string{};
+  if (options.video.empty()) {
+    pipeline = simulation_text(options);
+  } else {
+    pipeline = frex_video_pipeline(context, {options.video, options.camera, options.layout,
+                                             options.texture, options.background, options.seed});
+  }
+  if (!pipeline) {
+    print_error(pipeline.error());
+    context.exit_code = pipeline.error().code == Errc::io ? kInputOutput : kBadConfiguration;
     return;
   }
-  if (!progress.first_error().empty()) fmt::print(stderr, "error: {}\n", progress.first_error());
-  fmt::print("{} frames, {} failed{}: {}\n", summary->frames, summary->failed,
-             summary->stopped ? ", stopped early" : "", options.folder);
-  if (summary->failed > 0 || summary->stopped) context.exit_code = kFramesFailed;
+  make_sequence(*pipeline, options.folder, options.settings, options.quiet, context);
+}
+
+/// What belongs to a recorded video only, and to a simulation only.
+void add_kinds(CLI::App& command, Options& options) {
+  CLI::Option* video =
+      command.add_option("--video", options.video, "Film of the sheet of markers, to be textured");
+  command.add_option("--camera", options.camera, "Camera file of the film")->needs(video);
+  command.add_option("--layout", options.layout, "Layout of the sheet, written beside its PDF")
+      ->needs(video);
+  video->needs("--camera")->needs("--layout");
+  for (CLI::Option* option :
+       {command.add_option("--width-m", options.width_m, "Width of the simulated sheet"),
+        command.add_option("--height-m", options.height_m, "Its height; 0: texels are square"),
+        command.add_option("--frames", options.frames, "Number of simulated frames")}) {
+    option->capture_default_str()->excludes(video);
+  }
+  command
+      .add_option("--pattern", options.pattern, "roll, s_bend, corner_fold, wave, handles or bulge")
+      ->excludes(video);
+  command.add_flag("--occluder", options.occluder, "An arm hides parts of the sheet")
+      ->excludes(video);
 }
 
 }  // namespace
@@ -161,19 +111,26 @@ void make(const Options& options, Context& context) {
 void add_data_make_frex(CLI::App& make_command, Context& context) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = make_command.add_subcommand(
-      "frex", "Simulate a printed sheet before a camera: sources/frex into sinks/dataset");
-  command->add_option("--out", options->folder, "Folder of the sequence, new or empty")->required();
-  command->add_option("--texture", options->texture, "Image printed on the sheet")->required();
-  command->add_option("--width-m", options->width_m, "Width of the sheet")->capture_default_str();
-  command->add_option("--height-m", options->height_m, "Height of the sheet; 0: texels are square")
+      "frex",
+      "A printed sheet before a camera, simulated (sources/frex) or filmed (--video, "
+      "sources/frex_video), or the sheet that is to be filmed (--sheet)");
+  CLI::Option* sheet = command->add_option(
+      "--sheet", options->sheet,
+      "Write only the sheet of ArUco markers to be printed and filmed: a PDF, and beside it its "
+      "layout (.yaml) and its picture (.png)");
+  for (CLI::Option* option :
+       {command->add_option("--out", options->folder, "Folder of the sequence, new or empty"),
+        command->add_option("--texture", options->texture, "Image printed on the sheet")}) {
+    option->excludes(sheet);
+  }
+  command
+      ->add_option("--seed", options->seed,
+                   "Chooses movement, light, background and noise; of a sheet, the markers' places")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command->add_option("--frames", options->frames, "Number of frames")->capture_default_str();
-  command->add_option("--seed", options->seed, "Chooses movement, light, background and noise")
-      ->capture_default_str();
-  command->add_option("--pattern", options->pattern,
-                      "roll, s_bend, corner_fold, wave, handles or bulge");
-  command->add_option("--background", options->background, "plain, clutter, look_alike or image");
-  command->add_flag("--occluder", options->occluder, "An arm hides parts of the sheet");
+  command->add_option("--background", options->background,
+                      "plain, clutter, look_alike or image; of a film original, white or image");
+  add_kinds(*command, *options);
   command
       ->add_option("--set", options->settings,
                    "PATH=VALUE, such as source.noise_grey=4 or source.cut_frames=[20]; may be "

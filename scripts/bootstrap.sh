@@ -10,9 +10,10 @@ packages=(
   libgtest-dev libgmock-dev libbenchmark-dev
   libopencv-core-dev libopencv-imgproc-dev libopencv-features2d-dev libopencv-flann-dev
   libopencv-calib3d-dev libopencv-imgcodecs-dev libopencv-videoio-dev libopencv-video-dev
+  libopencv-contrib-dev
   libeigen3-dev libboost-dev libboost-filesystem-dev libyaml-cpp-dev libcgal-dev
-  libembree-dev
-  libcli11-dev libfmt-dev nlohmann-json3-dev libxxhash-dev libzip-dev libsqlite3-dev
+  libembree-dev libcli11-dev libfmt-dev nlohmann-json3-dev libxxhash-dev libzip-dev libsqlite3-dev
+  libcairo2-dev
   clang-format clang-tidy gcovr python3
 )
 

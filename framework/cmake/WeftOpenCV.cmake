@@ -4,7 +4,7 @@
 # of all of OpenCV (0.7 GB with what it pulls in) brings a CMake configuration.
 
 find_path(WEFT_OPENCV_INCLUDE opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
-foreach(module core imgproc features2d calib3d imgcodecs videoio)
+foreach(module core imgproc features2d calib3d imgcodecs videoio aruco)
   find_library(WEFT_OPENCV_${module} opencv_${module} REQUIRED)
   add_library(opencv_${module} SHARED IMPORTED GLOBAL)
   set_target_properties(opencv_${module} PROPERTIES

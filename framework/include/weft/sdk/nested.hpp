@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <weft/sdk/role.hpp>
 
 namespace weft {
@@ -34,11 +35,25 @@ struct SolverInput {
 
 namespace detail {
 
-/// Calls `component` through the host; the noun borrows memory of the host that lives until the
-/// caller's own process() returns.
-template <class Output>
-Result<Output> invoke(const Call& call, std::uint64_t component, int method,
-                      const std::vector<weft_record>& inputs) {
+/// What another component answered; it borrows memory of the host that lives until the caller's
+/// own process() returns.
+struct Answer {
+  std::span<const weft_record> outputs;
+  std::string degenerate_reason;  ///< empty unless the answer is degenerate
+
+  /// The output of this type, if there is one.
+  template <class Noun>
+  std::optional<Result<Noun>> find() const {
+    for (const weft_record& output : outputs) {
+      if (std::string_view(output.type) == Noun::kType) return read_record<Noun>(output);
+    }
+    return std::nullopt;
+  }
+};
+
+/// Calls `component` through the host.
+inline Result<Answer> ask(const Call& call, std::uint64_t component, int method,
+                          const std::vector<weft_record>& inputs) {
   const weft_record* outputs = nullptr;
   std::uint64_t count = 0;
   weft_error error{};
@@ -47,13 +62,24 @@ Result<Output> invoke(const Call& call, std::uint64_t component, int method,
   if (status != WEFT_OK && status != WEFT_DEGENERATE) {
     return Error{static_cast<Errc>(error.code), error.message, error.where};
   }
-  for (std::uint64_t i = 0; i < count; ++i) {
-    if (std::string_view(outputs[i].type) != Output::kType) continue;
-    auto noun = read_record<Output>(outputs[i]);
-    if (noun && status == WEFT_DEGENERATE) return degenerate(*std::move(noun), error.message);
-    return noun;
+  return Answer{{outputs, static_cast<std::size_t>(count)},
+                status == WEFT_DEGENERATE ? error.message : ""};
+}
+
+/// The only output of a method.
+template <class Output>
+Result<Output> invoke(const Call& call, std::uint64_t component, int method,
+                      const std::vector<weft_record>& inputs) {
+  const auto answer = ask(call, component, method, inputs);
+  if (!answer) return answer.error();
+  auto noun = answer->template find<Output>();
+  if (!noun) {
+    return Error{Errc::plugin_failure, std::string("no ") + Output::kType + " was produced", {}};
   }
-  return Error{Errc::plugin_failure, std::string("no ") + Output::kType + " was produced", {}};
+  if (*noun && !answer->degenerate_reason.empty()) {
+    return degenerate(**std::move(noun), answer->degenerate_reason);
+  }
+  return *std::move(noun);
 }
 
 }  // namespace detail

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <weft/sdk/export.hpp>
+#include <weft/sdk/nested.hpp>
 #include <weft/sdk/role.hpp>
 
 namespace weft {
@@ -59,6 +60,34 @@ class Source {
       if (status) status = call.write("correspondences", frame.correspondences);
       return status;
     });
+  }
+};
+
+/// A source that a component holds, to make other frames out of its frames.
+struct SourceComponent : ComponentHandle {
+  explicit SourceComponent(const char* default_component)
+      : ComponentHandle{"sources", default_component} {}
+
+  Result<Camera> open(const Call& call) const {
+    return detail::invoke<Camera>(call, handle, 0, {});
+  }
+  /// Number of frames, -1 when unknown.
+  Result<Count> count(const Call& call) const { return detail::invoke<Count>(call, handle, 1, {}); }
+  /// Image and time of the frame that the call is about.
+  Result<SourceFrame> read(const Call& call) const {
+    const auto answer = detail::ask(call, handle, 2, {});
+    if (!answer) return answer.error();
+    SourceFrame frame;
+    if (const auto image = answer->find<Image>()) {
+      if (!*image) return image->error();
+      frame.image = **image;
+    }
+    if (const auto time = answer->find<Time>()) {
+      if (!*time) return time->error();
+      frame.time = **time;
+    }
+    if (!answer->degenerate_reason.empty()) return degenerate(frame, answer->degenerate_reason);
+    return frame;
   }
 };
 

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <weft/sdk/source.hpp>
+
+#include "layout_file.hpp"
+#include "scene.hpp"
+
+namespace weft::frex_video {
+namespace {
+
+enum class Background { original, white, image };
+
+/// Turns recorded frames of a sheet of markers into frames of the same sheet with another print.
+class FrexVideo final : public Source {
+ public:
+  static constexpr About kAbout{
+      .reference =
+          "Shetab-Bushehri et al., ROBUSfT, arXiv:2301.04037 (2023), section IV; Garrido-Jurado et "
+          "al., Pattern Recognition 47 (2014)",
+      .produces = "image time ground_truth",
+      .random = true};
+
+  explicit FrexVideo(Params& p) {
+    p.component("frames", frames_, "source of the recorded frames");
+    p.input_path("layout", layout_path_, "layout of the sheet, written beside its PDF",
+                 Need::required);
+    p.input_path("texture", texture_path_, "image that is put on the sheet", Need::required);
+    p.choice("background", background_,
+             {{"original", Background::original},
+              {"white", Background::white},
+              {"image", Background::image}},
+             "what is around the sheet: what was recorded, nothing, or 'background_image'");
+    p.input_path("background_image", background_path_, "image around the sheet");
+    p.read("min_markers", min_markers_, "", {4, 250}, "markers below which a frame is left out");
+    p.read("max_marker_error_px", locate_.max_marker_error_px, "px", {0.1, 1000.0},
+           "distance from the warp of the others above which a marker is dropped");
+    p.choice("truth", scene_.truth, {{"surface", Truth::surface}, {"markers", Truth::markers}},
+             "points of the surface fitted to all markers, or markers each by itself");
+    p.read("truth_spacing_mm", scene_.truth_spacing_mm, "mm", {0.5, 100.0},
+           "between points of the true surface");
+    p.read("lighting_seed", scene_.lighting_seed, "", {0, 1e15}, "chooses where the light is");
+    p.read("ambient", scene_.ambient, "", {0.0, 1.0}, "share of light that has no direction");
+    p.read("blur_px", scene_.blur_px, "px", {0.0, 20.0}, "sigma of the blur of the new print");
+    p.read("noise_grey", noise_grey_, "grey level", {0.0, 255.0}, "sigma of its noise");
+  }
+
+  Result<Camera> open(const Call& call) override {
+    maker_.reset();
+    auto layout = read_layout_file(layout_path_);
+    if (!layout) return layout.error();
+    locate_.min_markers = static_cast<std::size_t>(min_markers_);
+    if (layout->markers.size() < locate_.min_markers) {
+      return Error{Errc::invalid_value,
+                   fmt::format("{}: has {} markers, but 'min_markers' is {}: lower that",
+                               layout_path_, layout->markers.size(), min_markers_),
+                   {}};
+    }
+    const auto texture = read_picture("texture", texture_path_);
+    if (!texture) return texture.error();
+    const auto camera = frames_.open(call);
+    if (!camera) return camera.error();
+    const auto count = frames_.count(call);
+    if (!count) return count.error();
+    count_ = count->frames;
+    if (auto ready = make_background(*camera); !ready) return ready.error();
+    pinhole_ = {camera->fx, camera->fy, camera->cx, camera->cy};
+    maker_.emplace(*layout, Texture(*texture), *camera, scene_);
+    finder_.emplace(*std::move(layout));
+    const Eigen::Vector2d size_m = maker_->texture_size_m();
+    call.log_info(fmt::format("the texture is {:.6f} m wide and {:.6f} m high on the sheet",
+                              size_m.x(), size_m.y()));
+    return camera;
+  }
+
+  std::int64_t count() const override { return count_; }
+
+  /// A frame in which the sheet is not found has no image and no truth: it is degenerate rather
+  /// than no_result, which would be the end of a video.
+  Result<SourceFrame> read(std::int64_t, const Call& call) override {
+    if (!maker_) return Error{Errc::invalid_value, "the source is not open: open it first", {}};
+    const auto recorded = frames_.read(call);
+    if (!recorded) return recorded.error();
+    SourceFrame frame;
+    frame.time = recorded->time;
+    if (!recorded->image) return degenerate(std::move(frame), "there is no recorded image");
+    const cv::Mat pixels = view(recorded->image->pixels);
+    cv::Mat grey = pixels, colour = pixels;
+    if (pixels.channels() == 3) cv::cvtColor(pixels, grey, cv::COLOR_BGR2GRAY);
+    if (pixels.channels() == 1) cv::cvtColor(pixels, colour, cv::COLOR_GRAY2BGR);
+    const auto sheet = locate_sheet(*finder_, grey, pinhole_, locate_);
+    if (!sheet && sheet.error().code != Errc::no_result) return sheet.error();
+    if (!sheet) return degenerate(std::move(frame), sheet.error().message);
+    const double t_s = frame.time ? frame.time->t_s : 0.0;
+    Scene scene = maker_->make(*sheet, t_s);
+    frame.image = compose(scene.layer, colour, call.rng());
+    frame.image->stem = recorded->image->stem;
+    frame.ground_truth = std::move(scene.truth);
+    call.log_info(
+        fmt::format("{} markers, leave-one-out {:.2f} px, reprojection {:.2f} px, strain "
+                    "{:.3f} %",
+                    sheet->warp.markers.size(), sheet->warp.leave_one_out_px,
+                    sheet->surface.rms_px(), 100.0 * sheet->surface.rms_strain()));
+    return frame;
+  }
+
+ private:
+  /// The pixels without a copy.
+  static cv::Mat view(const Array<std::uint8_t>& pixels) {
+    return {static_cast<int>(pixels.dim(0)), static_cast<int>(pixels.dim(1)),
+            pixels.ndim() == 2 ? CV_8UC1 : CV_8UC3, const_cast<std::uint8_t*>(pixels.data()),
+            static_cast<std::size_t>(pixels.row_stride())};
+  }
+
+  Result<void> make_background(const Camera& camera) {
+    const cv::Size size(static_cast<int>(camera.width_px), static_cast<int>(camera.height_px));
+    if ((background_ == Background::image) == background_path_.empty()) {
+      return Error{Errc::invalid_value,
+                   "'background: image' and 'background_image' go together: give both or neither",
+                   {}};
+    }
+    if (background_ == Background::white) behind_ = cv::Mat(size, CV_8UC3, cv::Scalar::all(255));
+    if (background_ != Background::image) return {};
+    const auto picture = read_picture("background_image", background_path_);
+    if (!picture) return picture.error();
+    cv::resize(*picture, behind_, size, 0.0, 0.0, cv::INTER_AREA);
+    return {};
+  }
+
+  /// The sheet over its background. What was recorded has noise of its own.
+  Image compose(const SheetLayer& layer, const cv::Mat& recorded, Rng noise) const {
+    const bool keep = background_ == Background::original;
+    const cv::Mat3b behind = keep ? recorded : behind_;
+    Image image;
+    image.pixels = Array<std::uint8_t>({behind.rows, behind.cols, 3});
+    cv::Mat3b result(behind.rows, behind.cols, reinterpret_cast<cv::Vec3b*>(image.pixels.data()));
+    for (int y = 0; y < behind.rows; ++y) {
+      for (int x = 0; x < behind.cols; ++x) {
+        const float coverage = layer.coverage(y, x);
+        const double sigma = noise_grey_ * (keep ? coverage : 1.0);
+        for (int c = 0; c < 3; ++c) {
+          const double value = layer.colour(y, x)[c] + (1.0 - coverage) * behind(y, x)[c] +
+                               (sigma > 0.0 ? sigma * noise.normal() : 0.0);
+          result(y, x)[c] = static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
+        }
+      }
+    }
+    return image;
+  }
+
+  SourceComponent frames_{"sources/video"};
+  std::string layout_path_;
+  std::string texture_path_;
+  Background background_ = Background::original;
+  std::string background_path_;
+  int min_markers_ = 30;
+  LocateOptions locate_;
+  SceneOptions scene_;
+  double noise_grey_ = 2.0;
+
+  std::int64_t count_ = -1;
+  Pinhole pinhole_;
+  cv::Mat behind_;
+  std::optional<MarkerFinder> finder_;
+  std::optional<SceneMaker> maker_;
+};
+
+}  // namespace
+}  // namespace weft::frex_video
+
+using weft::frex_video::FrexVideo;
+WEFT_PLUGIN(FrexVideo, "sources/frex_video", "1.0.0",
+            "Puts a texture on a recorded sheet of ArUco markers, with 2D and 3D truth.")
