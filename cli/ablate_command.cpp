@@ -10,16 +10,14 @@
 #include <weft/evaluation/results_index.hpp>
 
 #include "commands.hpp"
+#include "interruption.hpp"
 
 namespace weft::cli {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// A signal handler can reach nothing but an object with static storage.
-std::atomic<bool> interrupted{false};
-
-struct Options {
+struct AblateOptions {
   std::string plan, folder, engine = "local";
   std::vector<std::string> settings;
   int jobs = 1;
@@ -68,7 +66,7 @@ class ProgressLine {
 };
 
 /// The command that repeats the ablation, whatever the folder and the number of jobs.
-std::string command_of(const Options& options) {
+std::string command_of(const AblateOptions& options) {
   std::string command = "weft ablate " + options.plan;
   for (const std::string& setting : options.settings) command += " --set '" + setting + "'";
   return command;
@@ -119,8 +117,8 @@ void print_state(const evaluation::AblationState& state) {
 }
 
 /// The grid, checked; exits 2 with all mistakes otherwise.
-std::optional<evaluation::Grid> load_grid(const Options& options, const host::Registry& registry,
-                                          Context& context) {
+std::optional<evaluation::Grid> load_grid(const AblateOptions& options,
+                                          const host::Registry& registry, Context& context) {
   auto [plan, report] = evaluation::read_plan(options.plan);
   if (report.ok()) {
     auto [grid, mistakes] = evaluation::Grid::expand(std::move(plan), registry, options.settings);
@@ -134,12 +132,11 @@ std::optional<evaluation::Grid> load_grid(const Options& options, const host::Re
 
 Result<evaluation::AblationState> execute(evaluation::Grid& grid,
                                           const evaluation::ResultsFolder& folder,
-                                          const Options& options) {
+                                          const AblateOptions& options) {
   const evaluation::AblationOptions how{options.timing, options.accept_rebuilt,
                                         command_of(options)};
   if (options.status) return evaluation::state_of(grid, folder, how);
-  std::signal(SIGINT, [](int) { interrupted = true; });
-  std::signal(SIGTERM, [](int) { interrupted = true; });
+  const std::atomic<bool>& interrupted = watch_for_interruption();
   std::signal(SIGXFSZ, SIG_IGN);  // a file that is too large is an error of its write
   const auto engine = evaluation::local_engine(options.timing ? 1 : options.jobs);
   ProgressLine line(grid.cells().size(), options.quiet);
@@ -153,7 +150,7 @@ Result<evaluation::AblationState> execute(evaluation::Grid& grid,
   return state;
 }
 
-void ablate(Options options, Context& context) {
+void ablate(AblateOptions options, Context& context) {
   const auto fail = [&](const Error& error) {
     print_error(error);
     context.exit_code = error.code == Errc::invalid_value ? kBadConfiguration : kInputOutput;
@@ -174,14 +171,14 @@ void ablate(Options options, Context& context) {
   print_failures(*grid, *state);
   print_state(*state);
   const bool met = state->left > 0 || print_verdicts(*grid, *state);
-  fmt::print("{}{}\n", options.folder, interrupted ? " (interrupted; run again to go on)" : "");
+  fmt::print("{}{}\n", options.folder, state->left > 0 ? " (interrupted; run again to go on)" : "");
   if (state->left > 0 || state->failed > 0 || !met) context.exit_code = kFramesFailed;
 }
 
 }  // namespace
 
 void add_ablate_command(CLI::App& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<AblateOptions>();
   CLI::App* command =
       app.add_subcommand("ablate", "Run a grid of pipelines that a plan describes; resumes");
   command->add_option("PLAN", options->plan, "Plan (YAML)")->required();

@@ -12,7 +12,7 @@
 namespace weft::cli {
 namespace {
 
-struct Options {
+struct ConvertOptions {
   std::string path, folder, camera, texture;
   double width_m = 0.0, height_m = 0.0;
   int columns = 10, rows = 7;
@@ -21,7 +21,7 @@ struct Options {
 };
 
 /// The pipeline that reads the data and writes the sequence.
-Result<std::string> pipeline_text(const Options& options) {
+Result<std::string> pipeline_text(const ConvertOptions& options) {
   const auto layout = find_data_layout(options.path, options.camera);
   if (!layout) return layout.error();
   if (layout->kind == "sequence") {
@@ -49,7 +49,7 @@ Result<std::string> pipeline_text(const Options& options) {
   return text + "sinks:\n  - use: sinks/dataset\n    params: {path: .}\n";
 }
 
-void convert(const Options& options, Context& context) {
+void convert(const ConvertOptions& options, Context& context) {
   const auto text = pipeline_text(options);
   if (!text) {
     print_error(text.error());
@@ -63,7 +63,7 @@ void convert(const Options& options, Context& context) {
 }  // namespace
 
 void add_data_convert(CLI::App& data, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ConvertOptions>();
   CLI::App* command = data.add_subcommand(
       "convert", "Import a folder of images (with depth or true points) or a video as a sequence");
   command

@@ -3,20 +3,17 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <csignal>
 #include <memory>
 #include <weft/pipeline/data_survey.hpp>
 
 #include "data_commands.hpp"
+#include "interruption.hpp"
 #include "json_text.hpp"
 
 namespace weft::cli {
 namespace {
 
 using nlohmann::ordered_json;
-
-// A signal handler can reach nothing but an object with static storage.
-std::atomic<bool> interrupted{false};
 
 ordered_json truth_json(const std::string& kind, const TruthSurvey& truth) {
   const bool measured = std::isfinite(truth.nearest_m);
@@ -103,7 +100,7 @@ void inform(const std::string& path, const std::string& camera, bool json, Conte
     context.exit_code = kInputOutput;
     return;
   }
-  std::signal(SIGINT, [](int) { interrupted = true; });
+  const std::atomic<bool>& interrupted = watch_for_interruption();
   const auto survey = survey_data(*layout, context.registry(), interrupted);
   if (!survey) {
     print_error(survey.error());

@@ -13,7 +13,7 @@
 namespace weft::cli {
 namespace {
 
-struct Options {
+struct FrexOptions {
   std::string sheet;  ///< the PDF, where the sheet of markers is asked for
   std::string video, camera, layout;
   std::string folder, texture, pattern, background;
@@ -34,7 +34,7 @@ std::string one_line(std::string text) {
 
 /// The pipeline that simulates the sequence. It stands in the sequence and says how that was made,
 /// so it does not depend on where that is.
-std::string simulation_text(const Options& options) {
+std::string simulation_text(const FrexOptions& options) {
   const std::string texture =
       yaml_quoted(std::filesystem::absolute(options.texture).lexically_normal().string());
   const std::string size =
@@ -57,7 +57,7 @@ std::string simulation_text(const Options& options) {
   return text;
 }
 
-void make(const Options& options, Context& context) {
+void make(const FrexOptions& options, Context& context) {
   if (!options.sheet.empty()) {
     context.exit_code = make_frex_sheet(context, {options.sheet, options.seed});
     return;
@@ -86,7 +86,7 @@ void make(const Options& options, Context& context) {
 }
 
 /// What belongs to a recorded video only, and to a simulation only.
-void add_kinds(CLI::App& command, Options& options) {
+void add_kinds(CLI::App& command, FrexOptions& options) {
   CLI::Option* video =
       command.add_option("--video", options.video, "Film of the sheet of markers, to be textured");
   command.add_option("--camera", options.camera, "Camera file of the film")->needs(video);
@@ -109,7 +109,7 @@ void add_kinds(CLI::App& command, Options& options) {
 }  // namespace
 
 void add_data_make_frex(CLI::App& make_command, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<FrexOptions>();
   CLI::App* command = make_command.add_subcommand(
       "frex",
       "A printed sheet before a camera, simulated (sources/frex) or filmed (--video, "

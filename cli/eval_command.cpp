@@ -9,7 +9,7 @@
 namespace weft::cli {
 namespace {
 
-struct Options {
+struct EvalOptions {
   std::string folder;
   std::string json_file;  ///< "-" is the standard output
   std::string csv_file;
@@ -20,7 +20,7 @@ struct Options {
   bool quiet = false;
 };
 
-Result<void> evaluate(const Options& options, const std::string& alignment) {
+Result<void> evaluate(const EvalOptions& options, const std::string& alignment) {
   evaluation::EvaluationOptions choice;
   choice.alignment = *evaluation::alignment_of(alignment);
   choice.match_tolerance_px = options.match_tolerance_px;
@@ -51,7 +51,7 @@ Result<void> evaluate(const Options& options, const std::string& alignment) {
   return {};
 }
 
-Result<void> evaluate_all(const Options& options) {
+Result<void> evaluate_all(const EvalOptions& options) {
   if (options.alignment != "all") return evaluate(options, options.alignment);
   if (!options.json_file.empty() || !options.csv_file.empty()) {
     return Error{
@@ -69,7 +69,7 @@ Result<void> evaluate_all(const Options& options) {
 }  // namespace
 
 void add_eval_command(CLI::App& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<EvalOptions>();
   CLI::App* command =
       app.add_subcommand("eval", "Measure a run against its ground truth; writes metrics.json");
   command->add_option("RUN", options->folder, "Folder that `weft run` wrote")->required();

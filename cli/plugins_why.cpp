@@ -136,7 +136,7 @@ Verdict explain_file(const std::string& file, const std::vector<std::string>& pl
   return verdict;
 }
 
-ordered_json json_of(const Verdict& verdict) {
+ordered_json verdict_json(const Verdict& verdict) {
   ordered_json found = ordered_json::array();
   for (const Finding& finding : verdict.found) {
     found.push_back({{"id", finding.id},
@@ -189,7 +189,7 @@ void explain_plugin(const std::string& id_or_file, bool json, Context& context) 
   verdict.usable = !found.empty() && (is_file ? std::all_of(found.begin(), found.end(), is_used)
                                               : std::any_of(found.begin(), found.end(), is_used));
   if (json) {
-    print_json(json_of(verdict));
+    print_json(verdict_json(verdict));
   } else {
     print_text(verdict);
   }

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ReplayOptions {
   std::string stage, records, params, out;
   int repeat = 1;
 };
@@ -75,7 +75,7 @@ void print_call(const StageCall& call, const Replayed& replayed) {
 }
 
 Result<Summary> replay_all(Replay& replay, const DumpedStage& stage,
-                           const std::vector<std::string>& files, const Options& options) {
+                           const std::vector<std::string>& files, const ReplayOptions& options) {
   Summary summary;
   for (const std::string& file : files) {
     const auto call = read_call(file, stage);
@@ -92,7 +92,7 @@ Result<Summary> replay_all(Replay& replay, const DumpedStage& stage,
   return summary;
 }
 
-Result<Summary> replay(const Options& options, const Context& context) {
+Result<Summary> replay(const ReplayOptions& options, const Context& context) {
   const auto folder = find_dump(options.records, options.stage);
   if (!folder) return folder.error();
   const auto stage = read_dumped_stage(*folder);
@@ -114,7 +114,7 @@ Result<Summary> replay(const Options& options, const Context& context) {
   return replay_all(**replay, *stage, *files, options);
 }
 
-void run(const Options& options, Context& context) {
+void run(const ReplayOptions& options, Context& context) {
   const auto summary = replay(options, context);
   if (!summary) {
     print_error(summary.error());
@@ -131,7 +131,7 @@ void run(const Options& options, Context& context) {
 }  // namespace
 
 void add_replay_command(CLI::App& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ReplayOptions>();
   CLI::App* command = app.add_subcommand(
       "replay",
       "Run one stage on what `weft run --dump` wrote, and compare; exit code 0 when all outputs "

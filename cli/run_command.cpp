@@ -2,21 +2,18 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <filesystem>
 #include <map>
 #include <weft/core/statistics.hpp>
 #include <weft/pipeline/run.hpp>
 
 #include "commands.hpp"
+#include "interruption.hpp"
 
 namespace weft::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-// A signal handler can reach nothing but an object with static storage.
-std::atomic<bool> interrupted{false};
 
 /// Progress on the terminal and what the summary needs.
 class Progress final : public RunObserver {
@@ -117,8 +114,7 @@ void run(const std::string& file, std::string folder, const std::vector<std::str
     context.exit_code = kBadConfiguration;
     return;
   }
-  std::signal(SIGINT, [](int) { interrupted = true; });
-  std::signal(SIGTERM, [](int) { interrupted = true; });
+  const std::atomic<bool>& interrupted = watch_for_interruption();
   Progress progress(quiet);
   const auto summary = run_pipeline(pipeline, folder, progress, interrupted, dumped);
   if (!summary) {

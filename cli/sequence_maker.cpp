@@ -4,12 +4,12 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
-#include <atomic>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <weft/host/yaml.hpp>
 #include <weft/pipeline/run.hpp>
+
+#include "interruption.hpp"
 
 namespace weft::cli {
 namespace {
@@ -18,13 +18,10 @@ namespace fs = std::filesystem;
 
 constexpr const char* kPipelineName = "make.yaml";
 
-// A signal handler can reach nothing but an object with static storage.
-std::atomic<bool> interrupted{false};
-
 /// Frames that were made, on the terminal.
-class Progress final : public RunObserver {
+class SequenceProgress final : public RunObserver {
  public:
-  explicit Progress(bool quiet) : quiet_(quiet) {}
+  explicit SequenceProgress(bool quiet) : quiet_(quiet) {}
 
   void started(std::int64_t frames) override { total_ = frames; }
   void frame_done(const FrameResult& frame) override {
@@ -69,11 +66,6 @@ void withdraw(const fs::path& folder) {
   fs::remove(folder, ignored);
 }
 
-/// The exit code of a run that could not be made.
-int exit_code_of(const Error& error) {
-  return error.code == Errc::io ? kInputOutput : kBadConfiguration;
-}
-
 }  // namespace
 
 void make_sequence(const std::string& pipeline_text, const std::string& folder,
@@ -92,15 +84,14 @@ void make_sequence(const std::string& pipeline_text, const std::string& folder,
     context.exit_code = kBadConfiguration;
     return;
   }
-  std::signal(SIGINT, [](int) { interrupted = true; });
-  std::signal(SIGTERM, [](int) { interrupted = true; });
-  Progress progress(quiet);
+  const std::atomic<bool>& interrupted = watch_for_interruption();
+  SequenceProgress progress(quiet);
   const auto summary = run_pipeline(pipeline, "", progress, interrupted);
   progress.end_line();
   if (!summary) {
     print_error(summary.error());
     withdraw(folder);
-    context.exit_code = exit_code_of(summary.error());
+    context.exit_code = summary.error().code == Errc::io ? kInputOutput : kBadConfiguration;
     return;
   }
   if (!progress.first_error().empty()) fmt::print(stderr, "error: {}\n", progress.first_error());
@@ -110,11 +101,7 @@ void make_sequence(const std::string& pipeline_text, const std::string& folder,
 }
 
 std::string yaml_quoted(const std::string& text) {
-  yaml::Node node;
-  node.kind = yaml::Kind::scalar;
-  node.scalar = text;
-  node.quoted = true;
-  std::string emitted = yaml::emit(node);
+  std::string emitted = yaml::emit(yaml::text_node(text));
   while (!emitted.empty() && emitted.back() == '\n') emitted.pop_back();
   return emitted;
 }

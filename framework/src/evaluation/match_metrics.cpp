@@ -5,10 +5,10 @@
 #include <weft/evaluation/match_metrics.hpp>
 #include <weft/geometry/match_labels.hpp>
 
+#include "percent.hpp"
+
 namespace weft::evaluation {
 namespace {
-
-constexpr double kPercent = 100.0;
 
 double percent(std::int64_t part, std::int64_t whole) {
   return kPercent * static_cast<double>(part) / static_cast<double>(whole);

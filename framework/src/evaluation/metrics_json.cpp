@@ -3,14 +3,13 @@
 #include <weft/core/version.hpp>
 #include <weft/evaluation/metrics_report.hpp>
 
+#include "percent.hpp"
 #include "write_whole.hpp"
 
 namespace weft::evaluation {
 namespace {
 
 using nlohmann::ordered_json;
-
-constexpr double kPercent = 100.0;
 
 ordered_json counts_json(const FrameCounts& counts) {
   const double share = static_cast<double>(counts.solved()) / static_cast<double>(counts.frames);
@@ -27,17 +26,17 @@ ordered_json counts_json(const FrameCounts& counts) {
 }
 
 ordered_json summary_json(const ErrorSummary& summary) {
-  ordered_json json{{"frames", summary.frames},
-                    {"mean_mm", summary.mean_mm},
-                    {"standard_error_mm", summary.standard_error_mm},
-                    {"median_mm", summary.median_mm},
-                    {"p95_mm", summary.p95_mm},
-                    {"worst_mm", summary.worst_mm},
-                    {"worst_frame", nullptr},
-                    {"worst_point_mm", summary.worst_point_mm},
-                    {"of_depth_percent", summary.of_depth_percent}};
-  if (summary.frames > 0) json["worst_frame"] = summary.worst_frame;
-  return json;
+  ordered_json object{{"frames", summary.frames},
+                      {"mean_mm", summary.mean_mm},
+                      {"standard_error_mm", summary.standard_error_mm},
+                      {"median_mm", summary.median_mm},
+                      {"p95_mm", summary.p95_mm},
+                      {"worst_mm", summary.worst_mm},
+                      {"worst_frame", nullptr},
+                      {"worst_point_mm", summary.worst_point_mm},
+                      {"of_depth_percent", summary.of_depth_percent}};
+  if (summary.frames > 0) object["worst_frame"] = summary.worst_frame;
+  return object;
 }
 
 ordered_json group_json(const GroupMetrics& group) {
@@ -63,23 +62,23 @@ ordered_json group_json(const GroupMetrics& group) {
 }
 
 ordered_json truth_json(const FrameMetrics& frame) {
-  ordered_json json{{"kind", frame.kind},
-                    {"apart", frame.apart},
-                    {"points", frame.points},
-                    {"points_extrapolated", frame.extrapolated},
-                    {"points_unlocated", frame.unlocated}};
+  ordered_json object{{"kind", frame.kind},
+                      {"apart", frame.apart},
+                      {"points", frame.points},
+                      {"points_extrapolated", frame.extrapolated},
+                      {"points_unlocated", frame.unlocated}};
   if (frame.error) {
-    json["mean_mm"] = frame.error->mean_mm;
-    json["median_mm"] = frame.error->median_mm;
-    json["p95_mm"] = frame.error->p95_mm;
-    json["worst_mm"] = frame.error->worst_mm;
-    json["rmse_mm"] = frame.error->rmse_mm;
-    json["of_depth_percent"] = frame.error->of_depth_percent;
-    json["worst_point"] = frame.error->worst_point;
+    object["mean_mm"] = frame.error->mean_mm;
+    object["median_mm"] = frame.error->median_mm;
+    object["p95_mm"] = frame.error->p95_mm;
+    object["worst_mm"] = frame.error->worst_mm;
+    object["rmse_mm"] = frame.error->rmse_mm;
+    object["of_depth_percent"] = frame.error->of_depth_percent;
+    object["worst_point"] = frame.error->worst_point;
   } else {
-    json["no_error_because"] = frame.no_error_because;
+    object["no_error_because"] = frame.no_error_because;
   }
-  return json;
+  return object;
 }
 
 ordered_json filter_json(const FilterMetrics& filter) {
@@ -147,30 +146,30 @@ ordered_json counts_json(const FilterCounts& counts) {
 }
 
 ordered_json frame_json(const FrameMetrics& frame) {
-  ordered_json json{{"frame", frame.frame},
-                    {"stem", frame.stem},
-                    {"state", to_string(frame.state)},
-                    {"outcome", to_string(frame.outcome)},
-                    {"failed", frame.failed},
-                    {"isometry_error_percent", kPercent * frame.strain_mean},
-                    {"isometry_error_p95_percent", kPercent * frame.strain_p95},
-                    {"jitter_mm", frame.motion.jitter_mm}};
-  if (!frame.has_truth) return json;
-  json["truth"] = truth_json(frame);
-  json["cut"] = frame.motion.cut;
-  json["truth_jitter_mm"] = frame.motion.truth_jitter_mm;
-  json["reprojection_px"] = frame.image.reprojection_px;
-  json["reprojection_matches"] = frame.image.reprojection_matches;
-  json["overlay_px"] = frame.image.overlay_px;
-  json["overlay_vertices"] = frame.image.overlay_vertices;
-  json["truth_map_px"] = frame.image.truth_map_px;
+  ordered_json object{{"frame", frame.frame},
+                      {"stem", frame.stem},
+                      {"state", to_string(frame.state)},
+                      {"outcome", to_string(frame.outcome)},
+                      {"failed", frame.failed},
+                      {"isometry_error_percent", kPercent * frame.strain_mean},
+                      {"isometry_error_p95_percent", kPercent * frame.strain_p95},
+                      {"jitter_mm", frame.motion.jitter_mm}};
+  if (!frame.has_truth) return object;
+  object["truth"] = truth_json(frame);
+  object["cut"] = frame.motion.cut;
+  object["truth_jitter_mm"] = frame.motion.truth_jitter_mm;
+  object["reprojection_px"] = frame.image.reprojection_px;
+  object["reprojection_matches"] = frame.image.reprojection_matches;
+  object["overlay_px"] = frame.image.overlay_px;
+  object["overlay_vertices"] = frame.image.overlay_vertices;
+  object["truth_map_px"] = frame.image.truth_map_px;
   if (frame.depth) {
-    json["depth_median_mm"] = frame.depth->median_mm;
-    json["depth_matches"] = frame.depth->matches;
-    json["depth_matches_without"] = frame.depth->without_depth;
+    object["depth_median_mm"] = frame.depth->median_mm;
+    object["depth_matches"] = frame.depth->matches;
+    object["depth_matches_without"] = frame.depth->without_depth;
   }
-  for (const auto& [stage, counts] : frame.filters) json["filters"][stage] = counts_json(counts);
-  return json;
+  for (const auto& [stage, counts] : frame.filters) object["filters"][stage] = counts_json(counts);
+  return object;
 }
 
 }  // namespace
@@ -186,25 +185,25 @@ std::string to_json(const RunMetrics& metrics) {
   ordered_json all = group_json(metrics.all);
   all.erase("kind");
   all.erase("apart");
-  const ordered_json json{{"schema", "weft-metrics/1"},
-                          {"weft", kVersion},
-                          {"run", metrics.run},
-                          {"alignment", to_string(metrics.alignment)},
-                          {"has_solver", metrics.has_solver},
-                          {"interrupted", metrics.interrupted},
-                          {"truth_users", metrics.truth_users},
-                          {"counts", counts_json(metrics.counts)},
-                          {"isometry_error_percent", kPercent * metrics.strain_mean},
-                          {"isometry_error_p95_percent", kPercent * metrics.strain_p95},
-                          {"groups", std::move(groups)},
-                          {"all", std::move(all)},
-                          {"image", image_json(metrics.image)},
-                          {"depth", depth_json(metrics.depth)},
-                          {"filters", std::move(filters)},
-                          {"warps", std::move(warps)},
-                          {"jitter", jitter_json(metrics.jitter)},
-                          {"frames", std::move(frames)}};
-  return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+  const ordered_json object{{"schema", "weft-metrics/1"},
+                            {"weft", kVersion},
+                            {"run", metrics.run},
+                            {"alignment", to_string(metrics.alignment)},
+                            {"has_solver", metrics.has_solver},
+                            {"interrupted", metrics.interrupted},
+                            {"truth_users", metrics.truth_users},
+                            {"counts", counts_json(metrics.counts)},
+                            {"isometry_error_percent", kPercent * metrics.strain_mean},
+                            {"isometry_error_p95_percent", kPercent * metrics.strain_p95},
+                            {"groups", std::move(groups)},
+                            {"all", std::move(all)},
+                            {"image", image_json(metrics.image)},
+                            {"depth", depth_json(metrics.depth)},
+                            {"filters", std::move(filters)},
+                            {"warps", std::move(warps)},
+                            {"jitter", jitter_json(metrics.jitter)},
+                            {"frames", std::move(frames)}};
+  return object.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
 std::string metrics_file_name(Alignment alignment) {

@@ -6,10 +6,11 @@
 #include <vector>
 #include <weft/evaluation/metrics_report.hpp>
 
+#include "percent.hpp"
+
 namespace weft::evaluation {
 namespace {
 
-constexpr double kPercent = 100.0;
 constexpr const char* kNoValue = "-";
 constexpr std::ptrdiff_t kWorstFrames = 5;
 

@@ -8,8 +8,8 @@
 namespace weft::evaluation {
 namespace {
 
-using Results = std::vector<std::optional<double>>;
-using Rows = std::map<PanelPlace, Results>;
+using Values = std::vector<std::optional<double>>;
+using Rows = std::map<PanelPlace, Values>;
 
 std::vector<std::string> treatments_of(const std::vector<Observation>& observations) {
   std::vector<std::string> treatments;
@@ -40,7 +40,7 @@ Result<Rows> fill(const std::vector<Observation>& observations,
                        "; only a failure may",
                    {}};
     }
-    Results& results = rows[place];
+    Values& results = rows[place];
     results.resize(treatments.size());
     std::optional<double>& result = results[index[each.treatment]];
     if (result) return twice(each.treatment, place);

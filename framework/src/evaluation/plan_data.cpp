@@ -11,19 +11,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-yaml::Node text_node(const std::string& text, yaml::Position at) {
-  yaml::Node node;
-  node.kind = yaml::Kind::scalar;
-  node.scalar = text;
-  node.quoted = true;
-  node.at = at;
-  return node;
-}
-
 yaml::Node number_node(std::uint64_t number, yaml::Position at) {
-  yaml::Node node = text_node(std::to_string(number), at);
-  node.quoted = false;
-  return node;
+  return yaml::plain_node(std::to_string(number), at);
 }
 
 yaml::Node map_node(yaml::Position at) {
@@ -103,7 +92,7 @@ class DataReader {
   /// The patch with a source that reads the folder.
   yaml::Node of_folder(const fs::path& folder, yaml::Position at) {
     yaml::Node use = map_node(at), patch = patch_;
-    use.entries.push_back({"use", at, text_node("sources/images", at)});
+    use.entries.push_back({"use", at, yaml::text_node("sources/images", at)});
     patch.entries.push_back({"source", at, use});
     const std::vector<std::pair<const char*, fs::path>> files{{"path", folder / "frames/*.png"},
                                                               {"camera", folder / "camera.yaml"},
@@ -111,7 +100,7 @@ class DataReader {
     for (const auto& [parameter, file] : files) {
       if (file.parent_path().filename() == "gt" && !fs::exists(file.parent_path())) continue;
       const std::string path = std::string("source.") + parameter;
-      patch = with_setting(std::move(patch), path, at, text_node(file.string(), at));
+      patch = with_setting(std::move(patch), path, at, yaml::text_node(file.string(), at));
     }
     return patch;
   }

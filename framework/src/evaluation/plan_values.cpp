@@ -19,10 +19,7 @@ std::string joined(const std::vector<std::string>& words) {
 }
 
 std::optional<std::int64_t> seed_in(const std::string& text) {
-  yaml::Node node;
-  node.kind = yaml::Kind::scalar;
-  node.scalar = text;
-  const auto seed = yaml::as_int64(node);
+  const auto seed = yaml::as_int64(yaml::plain_node(text));
   return seed && *seed >= 0 && *seed <= kLargestSeed ? seed : std::nullopt;
 }
 

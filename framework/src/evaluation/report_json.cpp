@@ -94,21 +94,21 @@ ordered_json cell_json(const Results& results, const ShownCell& shown) {
 }  // namespace
 
 std::string to_json(const Results& results, const ReportTables& tables, const Figures& figures) {
-  ordered_json json{{"measure", {{"name", "mean 3D error of a frame"}, {"unit", "mm"}}}};
+  ordered_json object{{"measure", {{"name", "mean 3D error of a frame"}, {"unit", "mm"}}}};
   for (const char* list : {"treatments", "comparisons", "sweeps", "cells"}) {
-    json[list] = ordered_json::array();
+    object[list] = ordered_json::array();
   }
   for (std::size_t i = 0; i < tables.combinations.size(); ++i) {
-    json["treatments"].push_back(treatment_json(results, tables, figures, i));
+    object["treatments"].push_back(treatment_json(results, tables, figures, i));
   }
   for (const ComparisonResult& comparison : tables.comparisons) {
-    json["comparisons"].push_back(comparison_json(comparison));
+    object["comparisons"].push_back(comparison_json(comparison));
   }
-  for (const Sweep& sweep : figures.sweeps) json["sweeps"].push_back(sweep_json(results, sweep));
-  for (const ShownCell& cell : figures.cells) json["cells"].push_back(cell_json(results, cell));
+  for (const Sweep& sweep : figures.sweeps) object["sweeps"].push_back(sweep_json(results, sweep));
+  for (const ShownCell& cell : figures.cells) object["cells"].push_back(cell_json(results, cell));
   // A text could hold the end of the element that the JSON stands in.
   std::string text;
-  for (const char c : json.dump(-1, ' ', true, ordered_json::error_handler_t::replace)) {
+  for (const char c : object.dump(-1, ' ', true, ordered_json::error_handler_t::replace)) {
     text += c == '<' ? std::string("\\u003c") : std::string(1, c);
   }
   return text;

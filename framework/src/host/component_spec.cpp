@@ -16,15 +16,6 @@ std::optional<ComponentSpec> resolve(const Registry& registry, const yaml::Node&
                                      std::vector<yaml::Problem>& problems,
                                      std::vector<std::string> parents);
 
-yaml::Node text_node(std::string text, yaml::Position at, bool quoted = true) {
-  yaml::Node node;
-  node.kind = yaml::Kind::scalar;
-  node.scalar = std::move(text);
-  node.quoted = quoted;
-  node.at = at;
-  return node;
-}
-
 /// Binds the parameters of one component.
 class Binder {
  public:
@@ -196,7 +187,7 @@ class Binder {
     if (input && !pattern && !fs::exists(path, code)) {
       return problem(value.at, "'" + parameter.name + "': there is no file " + path);
     }
-    resolved = text_node(path, value.at);
+    resolved = yaml::text_node(path, value.at);
     spec_.arguments.add_texts(parameter.name, parameter.type, {path});
   }
 
@@ -226,7 +217,7 @@ class Binder {
       if (entry.key == kKeys[0] || entry.key == kKeys[1]) continue;
       problem(entry.at, "a nested component has no key '" + entry.key + "'; it has use and params");
     }
-    const yaml::Node default_use = text_node(parameter.default_value.scalar, value.at);
+    const yaml::Node default_use = yaml::text_node(parameter.default_value.scalar, value.at);
     const yaml::Node* use = given ? value.find("use") : &default_use;
     if (use == nullptr) return problem(value.at, "'" + parameter.name + "' lacks the key 'use'");
     if (!given && std::find(chain_.begin(), chain_.end(), use->scalar) != chain_.end()) {
@@ -267,7 +258,7 @@ std::optional<ComponentSpec> resolve(const Registry& registry, const yaml::Node&
   }
   const std::size_t before = problems.size();
   spec.effective.kind = yaml::Kind::map;
-  spec.effective.entries.push_back({"use", use.at, text_node(use.scalar, use.at, false)});
+  spec.effective.entries.push_back({"use", use.at, yaml::plain_node(use.scalar, use.at)});
   parents.push_back(use.scalar);
   Binder(registry, paths, problems, spec, std::move(parents)).bind(params, use.at);
   if (problems.size() > before) return std::nullopt;

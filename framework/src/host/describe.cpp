@@ -12,7 +12,7 @@ namespace weft::host {
 namespace {
 
 /// A double-quoted YAML scalar.
-std::string quoted(std::string_view text) {
+std::string double_quoted(std::string_view text) {
   std::string result = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') result += '\\';
@@ -47,7 +47,7 @@ std::string element(const weft_value& value, std::uint64_t index) {
     case WEFT_VALUE_BOOL:
       return static_cast<const std::uint8_t*>(value.data)[index] != 0 ? "true" : "false";
     default:
-      return quoted(static_cast<const char* const*>(value.data)[index]);
+      return double_quoted(static_cast<const char* const*>(value.data)[index]);
   }
 }
 
@@ -63,24 +63,25 @@ std::string default_of(const weft_value& value) {
 
 void write_parameter(std::ostream& out, const weft_parameter& parameter) {
   const weft_value& value = parameter.default_value;
-  out << "      - name: " << quoted(value.name) << "\n        type: " << type_name(value.type);
+  out << "      - name: " << double_quoted(value.name)
+      << "\n        type: " << type_name(value.type);
   if (value.is_vector != 0) out << "\n        vector: true";
   if (parameter.required != 0) {
     out << "\n        required: true";
   } else {
     out << "\n        default: " << default_of(value);
   }
-  if (*parameter.unit != '\0') out << "\n        unit: " << quoted(parameter.unit);
+  if (*parameter.unit != '\0') out << "\n        unit: " << double_quoted(parameter.unit);
   if (parameter.minimum != parameter.maximum) {
     out << "\n        range: [" << number(parameter.minimum) << ", " << number(parameter.maximum)
         << "]";
   }
   for (std::uint64_t i = 0; i < parameter.choice_count; ++i) {
-    out << (i == 0 ? "\n        choices: [" : ", ") << quoted(parameter.choices[i]);
+    out << (i == 0 ? "\n        choices: [" : ", ") << double_quoted(parameter.choices[i]);
   }
   if (parameter.choice_count > 0) out << "]";
-  if (*parameter.role != '\0') out << "\n        role: " << quoted(parameter.role);
-  out << "\n        help: " << quoted(parameter.help) << "\n";
+  if (*parameter.role != '\0') out << "\n        role: " << double_quoted(parameter.role);
+  out << "\n        help: " << double_quoted(parameter.help) << "\n";
 }
 
 bool is_outside(double number, const weft_parameter& parameter) {
@@ -128,17 +129,19 @@ struct Declarations {
 std::string words(std::string_view text) {
   std::string list = "[";
   std::istringstream stream{std::string(text)};
-  for (std::string word; stream >> word;) list += (list.size() > 1 ? ", " : "") + quoted(word);
+  for (std::string word; stream >> word;)
+    list += (list.size() > 1 ? ", " : "") + double_quoted(word);
   return list + "]";
 }
 
 /// Returns what is wrong with the declarations, or an empty text.
 std::string write_component(std::ostream& out, const weft_component& component) {
-  out << "  - id: " << quoted(component.id) << "\n    version: " << quoted(component.version)
-      << "\n    summary: " << quoted(component.summary)
-      << "\n    reference: " << quoted(component.reference)
-      << "\n    licence: " << quoted(component.licence)
-      << "\n    determinism: " << quoted(component.determinism)
+  out << "  - id: " << double_quoted(component.id)
+      << "\n    version: " << double_quoted(component.version)
+      << "\n    summary: " << double_quoted(component.summary)
+      << "\n    reference: " << double_quoted(component.reference)
+      << "\n    licence: " << double_quoted(component.licence)
+      << "\n    determinism: " << double_quoted(component.determinism)
       << "\n    needs: " << words(component.needs) << "\n    reads: " << words(component.reads)
       << "\n    produces: " << words(component.produces)
       << "\n    random: " << ((component.flags & WEFT_FLAG_RANDOM) != 0 ? "true" : "false")
@@ -164,8 +167,9 @@ Result<std::string> describe_library(const weft_library_table& library,
   std::ostringstream out;
   out << "# Written by the build; bound to the library by its build-id.\n"
       << "weft_plugin: 1\nabi: [" << library.abi_major << ", " << library.abi_minor << "]\n"
-      << "build_id: " << quoted(build_id) << "\ncompiler: " << quoted(library.compiler)
-      << "\nisa: " << words(library.isa) << "\ncomponents:\n";
+      << "build_id: " << double_quoted(build_id)
+      << "\ncompiler: " << double_quoted(library.compiler) << "\nisa: " << words(library.isa)
+      << "\ncomponents:\n";
   for (std::uint32_t i = 0; i < library.count; ++i) {
     const weft_component& component = *library.components[i];
     if (std::string problem = write_component(out, component); !problem.empty()) {

@@ -143,11 +143,8 @@ void Builder::OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anc
                        const std::string& value) {
   const std::size_t offset = begin(mark);
   check_tag(tag, Kind::scalar, offset);
-  Node node;
-  node.kind = Kind::scalar;
-  node.scalar = value;
+  Node node = plain_node(value, text_.position(offset));
   node.quoted = tag != "?";
-  node.at = text_.position(offset);
   deliver(std::move(node), offset, anchor);
 }
 

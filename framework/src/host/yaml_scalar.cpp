@@ -257,6 +257,20 @@ std::optional<double> as_double(const Node& node) {
   return value;
 }
 
+Node plain_node(std::string text, Position at) {
+  Node node;
+  node.kind = Kind::scalar;
+  node.scalar = std::move(text);
+  node.at = at;
+  return node;
+}
+
+Node text_node(std::string text, Position at) {
+  Node node = plain_node(std::move(text), at);
+  node.quoted = true;
+  return node;
+}
+
 std::string emit(const Node& node) {
   if (!is_block(node)) return inline_text(node) + '\n';
   std::string out;

@@ -11,8 +11,6 @@ using host::view_as;
 
 namespace {
 
-Error broken(std::string message) { return {Errc::invalid_data, std::move(message), {}}; }
-
 /// A copy of a record that shares all arrays but those named.
 std::shared_ptr<Record> share_except(const Record& record,
                                      std::initializer_list<std::string_view> names) {
@@ -35,8 +33,10 @@ Result<RecordPtr> with_mask(const Record& correspondences, const Record& mask) {
   if (!verdict) return verdict.error();
   const std::int64_t count = matches->count();
   if (verdict->kept.rows() != count) {
-    return broken("the mask has " + std::to_string(verdict->kept.rows()) + " entries for " +
-                  std::to_string(count) + " matches");
+    return Error{Errc::invalid_data,
+                 "the mask has " + std::to_string(verdict->kept.rows()) + " entries for " +
+                     std::to_string(count) + " matches",
+                 {}};
   }
   auto composed = share_except(correspondences, {"kept", "score"});
   auto* kept = static_cast<std::uint8_t*>(composed->allocate("kept", WEFT_U8, 1, &count));

@@ -41,22 +41,14 @@ std::string first_of(const fs::path& folder, const std::vector<std::string>& nam
   return {};
 }
 
-yaml::Node text_node(const std::string& text) {
-  yaml::Node node;
-  node.kind = yaml::Kind::scalar;
-  node.scalar = text;
-  node.quoted = true;
-  return node;
-}
-
 yaml::Node source_node(const std::string& use,
                        const std::vector<std::pair<std::string, std::string>>& params) {
   yaml::Node map, source;
   map.kind = source.kind = yaml::Kind::map;
   for (const auto& [name, value] : params) {
-    if (!value.empty()) map.entries.push_back({name, {}, text_node(value)});
+    if (!value.empty()) map.entries.push_back({name, {}, yaml::text_node(value)});
   }
-  source.entries.push_back({"use", {}, text_node(use)});
+  source.entries.push_back({"use", {}, yaml::text_node(use)});
   source.entries.push_back({"params", {}, std::move(map)});
   return source;
 }

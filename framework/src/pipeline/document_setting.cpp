@@ -178,11 +178,7 @@ class Overlay {
                           const yaml::Node& base) {
     yaml::Node item = component(setting, 1, &base);
     if (item.kind == yaml::Kind::map) {
-      yaml::Node as;
-      as.kind = yaml::Kind::scalar;
-      as.scalar = name.text;
-      as.at = name.at;
-      item.entries.push_back({"as", as.at, as});
+      item.entries.push_back({"as", name.at, yaml::plain_node(name.text, name.at)});
     }
     return map_of({list, name.at}, list_of(std::move(item)));
   }

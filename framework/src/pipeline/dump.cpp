@@ -20,26 +20,20 @@ constexpr const char* kCall = "call";
 /// Whether a record is the same in all calls.
 bool is_constant(const std::string& slot) { return slot == "template" || slot == "camera"; }
 
-yaml::Node scalar(const std::string& text, bool is_text = true) {
-  yaml::Node node;
-  node.kind = yaml::Kind::scalar;
-  node.scalar = text;
-  node.quoted = is_text;
-  return node;
-}
-
 yaml::Node stage_node(const StageConfig& stage) {
   yaml::Node node;
   node.kind = yaml::Kind::map;
-  node.entries = {{"stage", {}, scalar(stage.name)}, {"component", {}, stage.component.effective}};
+  node.entries = {{"stage", {}, yaml::text_node(stage.name)},
+                  {"component", {}, stage.component.effective}};
   return node;
 }
 
 std::string stage_yaml(const PipelineConfig& config, const StageConfig& stage) {
   yaml::Node root = stage_node(stage);
-  root.entries.insert(root.entries.begin(), {"weft", {}, scalar("1", false)});
-  root.entries.push_back({"seed", {}, scalar(std::to_string(config.seed), false)});
-  root.entries.push_back({"build_id", {}, scalar(stage.component.installed->library->build_id)});
+  root.entries.insert(root.entries.begin(), {"weft", {}, yaml::plain_node("1")});
+  root.entries.push_back({"seed", {}, yaml::plain_node(std::to_string(config.seed))});
+  root.entries.push_back(
+      {"build_id", {}, yaml::text_node(stage.component.installed->library->build_id)});
   yaml::Node producers;
   producers.kind = yaml::Kind::sequence;
   for (const StageConfig& other : config.stages) {

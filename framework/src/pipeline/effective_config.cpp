@@ -4,24 +4,16 @@
 namespace weft {
 namespace {
 
-yaml::Node scalar(std::string text, bool is_text = false) {
-  yaml::Node node;
-  node.kind = yaml::Kind::scalar;
-  node.scalar = std::move(text);
-  node.quoted = is_text;
-  return node;
-}
-
 yaml::Node effective_stage(const StageConfig& stage) {
   yaml::Node node = stage.component.effective;
-  if (stage.named) node.entries.push_back({"as", {}, scalar(stage.name, true)});
+  if (stage.named) node.entries.push_back({"as", {}, yaml::text_node(stage.name)});
   if (!stage.from.empty()) {
     yaml::Node from;
     from.kind = yaml::Kind::map;
     for (const FromRule& rule : stage.from) {
       yaml::Node names;
       names.kind = yaml::Kind::sequence;
-      for (const std::string& name : rule.names) names.items.push_back(scalar(name, true));
+      for (const std::string& name : rule.names) names.items.push_back(yaml::text_node(name));
       from.entries.push_back({rule.slot, {}, rule.names.size() == 1 ? names.items[0] : names});
     }
     node.entries.push_back({"from", {}, from});
@@ -30,10 +22,10 @@ yaml::Node effective_stage(const StageConfig& stage) {
     node.entries.push_back({"template_params", {}, *stage.on_template->effective.find("params")});
   }
   if (stage.isolation) {
-    node.entries.push_back({"isolate", {}, scalar("process")});
+    node.entries.push_back({"isolate", {}, yaml::plain_node("process")});
     const auto deadline_ms = stage.isolation->deadline.count();
     if (deadline_ms > 0) {
-      node.entries.push_back({"deadline_ms", {}, scalar(std::to_string(deadline_ms))});
+      node.entries.push_back({"deadline_ms", {}, yaml::plain_node(std::to_string(deadline_ms))});
     }
   }
   return node;
@@ -53,11 +45,11 @@ std::string effective_yaml(const PipelineConfig& config) {
     for (const StageConfig& stage : stages) node.items.push_back(effective_stage(stage));
     return node;
   };
-  add("weft", scalar("1"));
-  add("seed", scalar(std::to_string(config.seed)));
-  add("lost_after", scalar(std::to_string(config.lost_after)));
-  add("on_error", scalar(config.stop_on_error ? "stop" : "continue"));
-  add("max_failed", scalar(std::to_string(config.max_failed)));
+  add("weft", yaml::plain_node("1"));
+  add("seed", yaml::plain_node(std::to_string(config.seed)));
+  add("lost_after", yaml::plain_node(std::to_string(config.lost_after)));
+  add("on_error", yaml::plain_node(config.stop_on_error ? "stop" : "continue"));
+  add("max_failed", yaml::plain_node(std::to_string(config.max_failed)));
   add("source", effective_stage(*config.source));
   add("template", effective_stage(*config.templ));
   add("stages", list(config.stages));

@@ -222,10 +222,7 @@ class Wiring {
   }
 
   static std::optional<int> lag_in(const std::string& text) {
-    yaml::Node number;
-    number.kind = yaml::Kind::scalar;
-    number.scalar = text;
-    const auto lag = yaml::as_int64(number);
+    const auto lag = yaml::as_int64(yaml::plain_node(text));
     if (!lag || *lag < 1 || *lag > kLongestLag) return std::nullopt;
     return static_cast<int>(*lag);
   }

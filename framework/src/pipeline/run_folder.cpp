@@ -94,16 +94,16 @@ ordered_json number_json(double value) {
 }
 
 ordered_json stage_json(const StageReport& report) {
-  ordered_json json{{"stage", report.stage}, {"status", to_string(report.status)}};
-  if (!report.reason.empty()) json["reason"] = report.reason;
-  json["ms"] = std::round(report.ms * 1000.0) / 1000.0;
-  for (const auto& [name, value] : report.numbers) json[name] = number_json(value);
-  return json;
+  ordered_json object{{"stage", report.stage}, {"status", to_string(report.status)}};
+  if (!report.reason.empty()) object["reason"] = report.reason;
+  object["ms"] = std::round(report.ms * 1000.0) / 1000.0;
+  for (const auto& [name, value] : report.numbers) object[name] = number_json(value);
+  return object;
 }
 
 /// Text of any bytes as JSON: what is no UTF-8 is replaced.
-std::string dump(const ordered_json& json, int indent = -1) {
-  return json.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
+std::string dump(const ordered_json& object, int indent = -1) {
+  return object.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
 }
 
 /// What a filter has left of its matches, without the matches themselves.

@@ -50,7 +50,7 @@ LabelledMatches draw_with(const Template& templ, const Camera& camera, const Tru
       flat_px, locator, camera, true_place, {spec.count, spec.correct_rate, spec.noise_px}, rng);
   std::vector<std::uint8_t> correct;
   for (Eigen::Index i = 0; i < spec.count; ++i) {
-    const double error_px = (matches.image_px.matrix<2>().row(i) - true_px.row(i)).norm();
+    const double error_px = (matches.image_px.template matrix<2>().row(i) - true_px.row(i)).norm();
     correct.push_back(error_px < spec.label_distance_px ? 1 : 0);
   }
   return {std::move(matches), std::move(true_px), std::move(correct)};

@@ -9,16 +9,16 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr int kLanes = 4;
-typedef float Vector __attribute__((vector_size(kLanes * sizeof(float))));
-typedef float VectorInMemory
+typedef float FourFloats __attribute__((vector_size(kLanes * sizeof(float))));
+typedef float FourFloatsInMemory
     __attribute__((vector_size(kLanes * sizeof(float)), aligned(alignof(float)), may_alias));
 
 /// The smallest of kRowMultiple values.
 float block_minimum(const float* values) {
-  const auto* vectors = reinterpret_cast<const VectorInMemory*>(values);
-  Vector low = vectors[0], high = vectors[1];
+  const auto* vectors = reinterpret_cast<const FourFloatsInMemory*>(values);
+  FourFloats low = vectors[0], high = vectors[1];
   for (int i = 2; i < kRowMultiple / kLanes; i += 2) {
-    const Vector a = vectors[i], b = vectors[i + 1];
+    const FourFloats a = vectors[i], b = vectors[i + 1];
     low = a < low ? a : low;
     high = b < high ? b : high;
   }

@@ -5,13 +5,13 @@
 #include <weft/geometry/mesh_bending.hpp>
 #include <weft/geometry/rigid_alignment.hpp>
 
+#include "at.hpp"
+
 namespace weft::brunet_mdh {
 namespace {
 
 constexpr double kRidge = 1e-6;
 constexpr double kPointWeight = 100.0;
-
-std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 

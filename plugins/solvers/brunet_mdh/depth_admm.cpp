@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <weft/core/statistics.hpp>
 
+#include "at.hpp"
+
 namespace weft::brunet_mdh {
 namespace {
 
@@ -15,8 +17,6 @@ constexpr double kFirstRho = 66.0;  ///< 2000 per m at the median distance of 33
 constexpr double kDualShare = 0.1;  ///< the copies must rest within this share of the tolerance
 constexpr int kAdaptEvery = 10;
 constexpr int kAskEvery = 16;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 

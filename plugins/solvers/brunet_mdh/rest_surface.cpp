@@ -6,12 +6,12 @@
 #include <limits>
 #include <weft/geometry/surface_distance.hpp>
 
+#include "at.hpp"
+
 namespace weft::brunet_mdh {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 

@@ -10,7 +10,6 @@
 namespace weft::frex_video {
 namespace {
 
-constexpr double kMetre = 0.001;  // in a millimetre
 constexpr int kBeyondHull_mm = 10;
 constexpr double kMostLeaveOneOut_px = 1.0;
 

@@ -8,6 +8,8 @@
 
 namespace weft::frex_video {
 
+inline constexpr double kMetre = 0.001;  ///< in a millimetre
+
 /// Where the sheet is in one frame.
 struct LocatedSheet {
   SheetWarp warp;

@@ -13,7 +13,6 @@
 namespace weft::frex_video {
 namespace {
 
-constexpr double kMetre = 0.001;  // in a millimetre
 constexpr double kCell_mm = 2.5;  // of the mesh that is drawn
 constexpr double kHidden_m = 0.003;
 

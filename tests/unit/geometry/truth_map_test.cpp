@@ -16,7 +16,7 @@
 namespace weft {
 namespace {
 
-constexpr std::uint64_t kSeed = 4711;
+constexpr std::uint64_t kMapSeed = 4711;
 
 TruthMap map_of(const GroundTruth& truth) {
   auto map = TruthMap::create(truth);
@@ -48,7 +48,7 @@ TEST(TruthMap, InterpolatesABentSheetToAFiftiethOfAPixel) {
   const Bent bent;
   const TruthMap map = map_of(bent.truth(25, 15));
   const Pinhole camera = testing::pinhole(bent.camera);
-  Rng rng(kSeed);
+  Rng rng(kMapSeed);
   double worst_px = 0.0;
   for (int i = 0; i < 300; ++i) {
     const Eigen::Vector2d xy_m(bent.spec.width_m * rng.uniform(0.0, 1.0),
@@ -59,7 +59,7 @@ TEST(TruthMap, InterpolatesABentSheetToAFiftiethOfAPixel) {
     worst_px =
         std::max(worst_px, (project(camera, found->point_m) - project(camera, true_m)).norm());
   }
-  EXPECT_LT(worst_px, 0.02) << "seed " << kSeed;
+  EXPECT_LT(worst_px, 0.02) << "seed " << kMapSeed;
   EXPECT_LT(map.leave_one_out_px(camera), 0.1);
 }
 
@@ -67,7 +67,7 @@ TEST(TruthMap, InterpolatesTheMovingSheetOfTheDemo) {
   const SheetMotion motion;
   constexpr int kColumns = 15, kRows = 11;
   const Pinhole camera = testing::pinhole(testing::make_camera());
-  Rng rng(kSeed);
+  Rng rng(kMapSeed);
   std::vector<double> errors_px;
   for (int frame = 0; frame < 60; ++frame) {
     const auto sheet = motion.at(frame / 15.0);
@@ -89,7 +89,7 @@ TEST(TruthMap, InterpolatesTheMovingSheetOfTheDemo) {
           (project(camera, found->point_m) - project(camera, sheet->at(x_m, y_m))).norm());
     }
   }
-  std::cout << "seed " << kSeed << ": mean " << mean(errors_px) << " px, P95 "
+  std::cout << "seed " << kMapSeed << ": mean " << mean(errors_px) << " px, P95 "
             << percentile(errors_px, 95.0) << " px, worst " << percentile(errors_px, 100.0)
             << " px\n";
   EXPECT_LT(percentile(errors_px, 95.0), 0.03);
@@ -123,7 +123,7 @@ TEST(TruthMap, SaysNothingWhereTruthDoesNotSurroundThePoint) {
 
 TEST(MatchLabels, AgreeWithHowTheMatchesWereDrawn) {
   const Bent bent;
-  Rng rng(kSeed);
+  Rng rng(kMapSeed);
   testing::MatchSpec spec;
   spec.count = 500;
   spec.correct_rate = 0.6;
@@ -137,8 +137,8 @@ TEST(MatchLabels, AgreeWithHowTheMatchesWereDrawn) {
     unknown += labels[n] < 0;
     disagree += labels[n] >= 0 && labels[n] != static_cast<std::int8_t>(drawn.correct[n]);
   }
-  EXPECT_LT(unknown, 25) << "seed " << kSeed;
-  EXPECT_LE(disagree, 1) << "seed " << kSeed;
+  EXPECT_LT(unknown, 25) << "seed " << kMapSeed;
+  EXPECT_LE(disagree, 1) << "seed " << kMapSeed;
 }
 
 /// The cylinder's truth as a surface, of which the points with x > `seen_to_m` are hidden.
@@ -197,7 +197,7 @@ TEST(TruthMap, RefusesFacesThatAreNoMeshOverThePoints) {
 TEST(MatchLabels, CallAMatchOfAHiddenPointAMismatch) {
   const Bent bent;
   const double seen_to_m = 0.5 * bent.spec.width_m;
-  Rng rng(kSeed);
+  Rng rng(kMapSeed);
   const auto drawn = testing::draw_matches(bent.templ, bent.camera, bent.sheet, {400}, rng);
   const auto labels = label_matches(drawn.matches, map_of(surface_of(bent, 61, 37, seen_to_m)),
                                     bent.templ, testing::pinhole(bent.camera), 2.0);
@@ -209,12 +209,12 @@ TEST(MatchLabels, CallAMatchOfAHiddenPointAMismatch) {
     EXPECT_EQ(labels[static_cast<std::size_t>(n)], beyond_m > 0.0 ? kMismatch : kCorrectMatch) << n;
     hidden += beyond_m > 0.0;
   }
-  EXPECT_GT(hidden, 100) << "seed " << kSeed;
+  EXPECT_GT(hidden, 100) << "seed " << kMapSeed;
 }
 
 TEST(MatchLabels, FollowTheSourcesOwnTruthForItsOwnMatchesOnly) {
   const Bent bent;
-  Rng rng(kSeed);
+  Rng rng(kMapSeed);
   auto drawn = testing::draw_matches(bent.templ, bent.camera, bent.sheet, {3}, rng);
   GroundTruth truth = bent.truth(25, 15);
   Points2 own_px = drawn.true_px;
@@ -232,7 +232,7 @@ TEST(MatchLabels, FollowTheSourcesOwnTruthForItsOwnMatchesOnly) {
 
 TEST(MatchLabels, AreUnknownForATemplateWithoutScale) {
   const Bent bent;
-  Rng rng(kSeed);
+  Rng rng(kMapSeed);
   const auto drawn = testing::draw_matches(bent.templ, bent.camera, bent.sheet, {5}, rng);
   Template templ = bent.templ;
   templ.m_per_px = {};

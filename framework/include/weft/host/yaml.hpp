@@ -83,6 +83,12 @@ struct Document {
 /// Too many nodes or too deep nesting end the reading and are the last problem.
 Result<Document> parse(std::string_view text, std::string file_name);
 
+/// A scalar that is text whatever it holds, as if it stood in quotes.
+Node text_node(std::string text, Position at = {});
+
+/// A scalar whose type its text decides, as if it stood without quotes.
+Node plain_node(std::string text, Position at = {});
+
 /// Empty, `~`, `null`, `Null` or `NULL`, not quoted.
 bool is_null(const Node& node);
 

@@ -9,7 +9,7 @@
 namespace weft::sources {
 namespace {
 
-constexpr int kColumns = 13, kRows = 9, kPrintWidth = 240, kPrintHeight = 160;
+constexpr int kMeshColumns = 13, kMeshRows = 9, kPrintWidth = 240, kPrintHeight = 160;
 constexpr double kPitch_m = 0.001;
 const Camera kCamera{400.0, 400.0, 159.5, 119.5, 320, 240};
 
@@ -29,10 +29,10 @@ MipTexture plain(double grey) {
 }
 
 Points2 grid_px() {
-  Points2 uv(kColumns * kRows, 2);
+  Points2 uv(kMeshColumns * kMeshRows, 2);
   for (Eigen::Index v = 0; v < uv.rows(); ++v) {
-    uv.row(v) << static_cast<double>(v % kColumns) * kPrintWidth / (kColumns - 1) - 0.5,
-        static_cast<double>(v / kColumns) * kPrintHeight / (kRows - 1) - 0.5;
+    uv.row(v) << static_cast<double>(v % kMeshColumns) * kPrintWidth / (kMeshColumns - 1) - 0.5,
+        static_cast<double>(v / kMeshColumns) * kPrintHeight / (kMeshRows - 1) - 0.5;
   }
   return uv;
 }
@@ -60,7 +60,8 @@ SheetRenderer make_renderer(MipTexture print, float background = 0.0F) {
   Picture behind{320, 240, {}};
   behind.pixels.resize(320U * 240U, Colour::Constant(background));
   return *SheetRenderer::create(kCamera, std::move(print), grid_px(),
-                                *rectangular_grid_faces(kColumns, kRows), std::move(behind));
+                                *rectangular_grid_faces(kMeshColumns, kMeshRows),
+                                std::move(behind));
 }
 
 const Light kAllAround{{0.0, 0.0, -1.0}, 1.0};
@@ -133,7 +134,7 @@ TEST(SheetRenderer, ShowsTheBlankBackBeforeWhatItHides) {
   EXPECT_LT(view.depth_m(120, 130), 0.6F);
   // All that is left to see of the print is nothing: one half is behind, the other turned over.
   const auto seen = std::count(view.is_visible.begin(), view.is_visible.end(), 1);
-  EXPECT_LE(seen, 2 * kRows) << "only the crease and the border of the lower half may be seen";
+  EXPECT_LE(seen, 2 * kMeshRows) << "only the crease and the border of the lower half may be seen";
 }
 
 TEST(SheetRenderer, MarksVerticesBehindASolidAndOutsideTheImage) {

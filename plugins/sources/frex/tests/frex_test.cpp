@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <Eigen/SVD>
 #include <cmath>
 #include <set>
 #include <stdexcept>
@@ -124,14 +125,15 @@ TEST_P(FrexPatterns, KeepTheirLengthsUnlessTheyAreElastic) {
   double bent_m = 0.0;
   for (std::uint64_t frame = 0; frame < 40; frame += 4) {
     const GroundTruth truth = source.truth(frame);
-    if (!is_elastic) EXPECT_LT(worst_strain(truth), 0.002) << "frame " << frame;
+    if (!is_elastic) {
+      EXPECT_LT(worst_strain(truth), 0.002) << "frame " << frame;
+    }
     EXPECT_LT(truth.diag.value("edge_strain", 1.0), 0.002) << "frame " << frame;
     EXPECT_NEAR(truth.diag.value("stretch_max", -1.0), worst_strain(truth), 1e-12);
     const auto points = truth.points_m.matrix<3>();
     const Points3 centred = points.rowwise() - points.colwise().mean();
-    const double thickness =
-        std::sqrt((centred.transpose() * centred).eval().ldlt().vectorD().minCoeff() /
-                  static_cast<double>(points.rows()));
+    const double thickness = Eigen::JacobiSVD<Points3>(centred).singularValues().minCoeff() /
+                             std::sqrt(static_cast<double>(points.rows()));
     bent_m = std::max(bent_m, thickness);
   }
   EXPECT_GT(bent_m, 0.003) << "the sheet stays flat";

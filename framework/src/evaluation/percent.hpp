@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace weft::evaluation {
+
+/// Of a share of 1.
+inline constexpr double kPercent = 100.0;
+
+}  // namespace weft::evaluation
