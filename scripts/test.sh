@@ -116,9 +116,11 @@ check_format() {
     && git ls-files -z -- '*.h' '*.hpp' '*.c' '*.cpp' | xargs -0 -r clang-format --dry-run --Werror
 }
 
-# Tests are left out: GoogleTest's macros are what would be reported.
+# Tests are left out: GoogleTest's macros are what would be reported. The files are listed one by one,
+# not in the batches in which they are compiled.
 check_tidy() {
-  run-clang-tidy -quiet -p build/release -j "$jobs" -extra-arg=-Wno-unknown-warning-option \
+  cmake --preset release -B build/tidy -DCMAKE_UNITY_BUILD=OFF >/dev/null \
+    && run-clang-tidy -quiet -p build/tidy -j "$jobs" -extra-arg=-Wno-unknown-warning-option \
     "^(?!.*/tests/)$PWD/(cli|framework|plugins)/" 2>/dev/null
 }
 
