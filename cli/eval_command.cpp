@@ -84,14 +84,14 @@ void add_eval_command(CLI::App& app, Context& context) {
                    "Take out one scale or one rigid motion a frame first; the table says so. all: "
                    "none, scale and rigid one after another, into metrics.json, "
                    "metrics_scale.json and metrics_rigid.json; takes neither --json nor --csv")
-      ->option_text("none|scale|rigid|all (default: none)")
+      ->option_text("none|scale|rigid|all (default: " + options->alignment + ")")
       ->check(CLI::IsMember({"none", "scale", "rigid", "all"}));
   command->add_option("--csv", options->csv_file, "Write a row for each frame to this file")
       ->option_text("FILE");
   command
       ->add_option("--match-tolerance-px", options->match_tolerance_px,
                    "A match this near the true image of its template point is correct")
-      ->option_text("PX (default: 2)")
+      ->option_text(fmt::format("PX (default: {:g})", options->match_tolerance_px))
       ->check(CLI::PositiveNumber);
   command->add_flag("--frames", options->frames,
                     "Print a row for each frame too, and the frames with the largest errors");

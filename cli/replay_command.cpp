@@ -158,7 +158,7 @@ void add_replay_command(CLI::App& app, Context& context) {
   command
       ->add_option("--repeat", options->repeat,
                    "Make each call so often and tell the median of its time")
-      ->option_text("N (default: 1)")
+      ->option_text(fmt::format("N (default: {})", options->repeat))
       ->check(CLI::Range(1, 1'000'000));
   command->callback([&context, options] { run(*options, context); });
 }

@@ -26,20 +26,14 @@ class Readers {
     const std::vector<int>& outputs = graph_.stages[stage].outputs;
     const auto read = [&](int value) { return is_read(value); };
     if (outputs.empty() || std::any_of(outputs.begin(), outputs.end(), read)) return {};
+    const auto late = std::find_if(outputs.begin(), outputs.end(),
+                                   [&](int value) { return needed_earlier(value) != nullptr; });
+    if (late != outputs.end()) return too_late(*late);
     const int lost = outputs.front();
     const ValueInfo& value = info(lost);
-    const std::string what = "the " + value.slot + " of '" + value.name + "'";
-    if (const StageConfig* earlier = needed_earlier(lost)) {
-      const std::string move = "move it up, before '" + earlier->name + "', or leave it out";
-      if (by_sinks_.count(lost) == 0) {
-        return "nobody reads " + what + ", which comes after '" + earlier->name + "'; " + move;
-      }
-      return "only sinks read " + what + ", which comes after '" + earlier->name + "'; " + move +
-             "; a sink that is to show it says from: {" + value.slot + ": " + value.name + "}";
-    }
     const std::string next = next_maker(lost);
     const bool named = config_.stages[stage].named;
-    return "nobody reads " + what +
+    return "nobody reads " + what_of(value) +
            (next.empty() ? "" : ", because '" + next + "' makes new ones") + "; " +
            (named ? "" : "name it with as: NAME and ") + "take what it makes with from: {" +
            value.slot + ": " + (named ? value.name : "NAME") + "}, or leave it out";
@@ -47,6 +41,20 @@ class Readers {
 
  private:
   const ValueInfo& info(int value) const { return graph_.values[static_cast<std::size_t>(value)]; }
+
+  static std::string what_of(const ValueInfo& value) {
+    return "the " + value.slot + " of '" + value.name + "'";
+  }
+
+  std::string too_late(int lost) const {
+    const ValueInfo& value = info(lost);
+    const std::string& earlier = needed_earlier(lost)->name;
+    const std::string where = what_of(value) + ", which comes after '" + earlier +
+                              "'; move it up, before '" + earlier + "', or leave it out";
+    if (by_sinks_.count(lost) == 0) return "nobody reads " + where;
+    return "only sinks read " + where + "; a sink that is to show it says from: {" + value.slot +
+           ": " + value.name + "}";
+  }
 
   static bool chooses(const StageConfig& sink, const std::string& slot) {
     return std::any_of(sink.from.begin(), sink.from.end(),
