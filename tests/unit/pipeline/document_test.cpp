@@ -103,7 +103,7 @@ TEST_F(Documents, SayWhichFileLeftOutWhatIsMissing) {
     return check("weft: 1\nextends: poor.yaml\n" + text).second.text();
   };
   EXPECT_EQ(check_over(""), path("base.yaml") +
-                                ":9:5: passes/test.scripted requires 'warp_samples', which no "
+                                ":10:5: passes/test.scripted requires 'warp_samples', which no "
                                 "earlier stage produces ('warps' is left out by " +
                                 path("poor.yaml") +
                                 ":5);\n    add one that produces it: warps/test.scripted\n");
