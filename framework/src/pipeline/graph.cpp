@@ -20,6 +20,12 @@ const Role& role_named(const std::map<std::string, Role>& roles, const std::stri
   return roles.at(name);
 }
 
+/// The method that takes a frame's data: the last one of sources and sinks' three, else the first.
+const RoleMethod& main_method(const Role& role) {
+  const std::size_t index = role.name == "sinks" ? 1 : role.name == "sources" ? 2 : 0;
+  return role.methods[index];
+}
+
 using host::ComponentManifest;
 
 constexpr int kLongestLag = 1000;  // [frames]
@@ -90,8 +96,8 @@ class Wiring {
     add("template", -1, "templates");
     std::set<std::string> fed_back;
     for (const StageConfig& stage : config_.stages) {
-      for (const std::string& slot : products_of(stage.component.component()))
-        fed_back.insert(slot);
+      const auto made = products_of(stage.component.component());
+      fed_back.insert(made.begin(), made.end());
     }
     for (const std::string& slot : fed_back) add("previous." + slot, -1, "previous", 1);
   }

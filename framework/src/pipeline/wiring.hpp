@@ -4,12 +4,8 @@
 #include <string>
 #include <vector>
 #include <weft/pipeline/graph.hpp>
-#include <weft/sdk/role.hpp>
 
 namespace weft {
-
-/// The method that takes a frame's data: the last one of sources and sinks' three, else the first.
-const RoleMethod& main_method(const Role& role);
 
 /// The values that a component adds to the graph. Sources and passes have a choice and say it.
 std::vector<std::string> products_of(const host::ComponentManifest& component);

@@ -58,11 +58,6 @@ std::string later_stage(const PipelineConfig& config, const StageConfig& reader,
 
 }  // namespace
 
-const RoleMethod& main_method(const Role& role) {
-  const std::size_t index = role.name == "sinks" ? 1 : role.name == "sources" ? 2 : 0;
-  return role.methods[index];
-}
-
 std::vector<std::string> products_of(const host::ComponentManifest& component) {
   const std::string role = component.role();
   if (role == "detectors") return {"keypoints", "template_keypoints"};
