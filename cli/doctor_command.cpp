@@ -189,10 +189,12 @@ void print_plugins(const ordered_json& report) {
 
 void add_doctor_command(CLI::App& app, Context& context) {
   const auto json = std::make_shared<bool>(false);
-  CLI::App* command =
-      app.add_subcommand("doctor",
-                         "What is installed, which plugins load, which devices are there; exit "
-                         "code 0 when the plugins of the demo pipeline are usable, else 1");
+  CLI::App* command = app.add_subcommand(
+      "doctor", "What is installed, which plugins load, which devices are there");
+  command->footer(
+      "Exit codes:\n"
+      "  0  the plugins of the demo pipeline are usable\n"
+      "  1  some are not");
   command->add_flag("--json", *json,
                     "Print JSON: {usable, weft, abi, system, libraries, processor: {name, "
                     "features}, memory_available_bytes, temporary: {path, writable, free_bytes}, "

@@ -72,24 +72,36 @@ void add_eval_command(CLI::App& app, Context& context) {
   const auto options = std::make_shared<EvalOptions>();
   CLI::App* command =
       app.add_subcommand("eval", "Measure a run against its ground truth; writes metrics.json");
-  command->add_option("RUN", options->folder, "Folder that `weft run` wrote")->required();
-  command->add_option("--json", options->json_file,
-                      "Write the metrics to this file too; - prints them instead of the table");
+  command->add_option("RUN", options->folder, "Folder that `weft run` wrote")
+      ->type_name("")
+      ->required();
+  command
+      ->add_option("--json", options->json_file,
+                   "Write the metrics to this file too; - prints them instead of the table")
+      ->option_text("FILE");
   command
       ->add_option("--alignment", options->alignment,
-                   "Take out one scale or one rigid motion a frame first; the table says so")
-      ->check(CLI::IsMember({"none", "scale", "rigid", "all"}))
-      ->capture_default_str();
-  command->add_option("--csv", options->csv_file, "Write a row for each frame to this file");
+                   "Take out one scale or one rigid motion a frame first; the table says so. all: "
+                   "none, scale and rigid one after another, into metrics.json, "
+                   "metrics_scale.json and metrics_rigid.json; takes neither --json nor --csv")
+      ->option_text("none|scale|rigid|all (default: " + options->alignment + ")")
+      ->check(CLI::IsMember({"none", "scale", "rigid", "all"}));
+  command->add_option("--csv", options->csv_file, "Write a row for each frame to this file")
+      ->option_text("FILE");
   command
       ->add_option("--match-tolerance-px", options->match_tolerance_px,
                    "A match this near the true image of its template point is correct")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+      ->option_text(fmt::format("PX (default: {:g})", options->match_tolerance_px))
+      ->check(CLI::PositiveNumber);
   command->add_flag("--frames", options->frames,
                     "Print a row for each frame too, and the frames with the largest errors");
   command->add_flag("--no-save", options->no_save, "Write nothing into the run folder");
   command->add_flag("--quiet", options->quiet, "No table");
+  command->footer(
+      "Exit codes:\n"
+      "  0  measured\n"
+      "  2  the command line is wrong\n"
+      "  3  a file or folder cannot be read or written");
   command->callback([&context, options] {
     if (auto done = evaluate_all(*options); !done) {
       print_error(done.error());

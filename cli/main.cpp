@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
+#include <fmt/format.h>
 
+#include <weft/core/suggest.hpp>
 #include <weft/core/version.hpp>
 
 #include "commands.hpp"
@@ -14,6 +16,26 @@ void print_error(const Error& error) {
 
 }  // namespace weft::cli
 
+namespace {
+
+/// What is wrong with the name of a command; empty when something else is.
+std::string wrong_command(const CLI::App& app) {
+  const CLI::App* last = &app;
+  while (!last->get_subcommands().empty()) last = last->get_subcommands().front();
+  std::vector<std::string> known;
+  for (const CLI::App* command : last->get_subcommands([](const CLI::App*) { return true; })) {
+    known.push_back(command->get_name());
+  }
+  const std::vector<std::string> unknown = app.remaining();
+  if (known.empty() || unknown.empty() || unknown.front().starts_with("-")) return {};
+  const std::string near = weft::nearest(unknown.front(), known);
+  return fmt::format("no command '{}'; {}", unknown.front(),
+                     near.empty() ? fmt::format("there are: {}", fmt::join(known, ", "))
+                                  : fmt::format("did you mean '{}'?", near));
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   CLI::App app{"Weft recovers the 3D shape of a deforming surface from one camera and a template."};
   app.set_version_flag("--version", weft::kVersion);
@@ -21,6 +43,7 @@ int main(int argc, char** argv) {
   weft::cli::Context context;
   app.add_option("--plugin-path", context.plugin_path,
                  "Folder of plugins, searched before WEFT_PLUGIN_PATH; may be repeated")
+      ->option_text("FOLDER")
       ->allow_extra_args(false);
   app.fallthrough();
   weft::cli::add_run_command(app, context);
@@ -36,7 +59,12 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? weft::cli::kDone : weft::cli::kBadConfiguration;
+    const std::string message = error.get_exit_code() != 0 ? wrong_command(app) : "";
+    if (message.empty()) {
+      return app.exit(error) == 0 ? weft::cli::kDone : weft::cli::kBadConfiguration;
+    }
+    weft::cli::print_error({weft::Errc::invalid_value, message, {}});
+    return weft::cli::kBadConfiguration;
   } catch (const std::exception& error) {
     weft::cli::print_error({weft::Errc::io, error.what(), {}});
     return weft::cli::kInputOutput;

@@ -10,6 +10,7 @@
 #include "commands.hpp"
 #include "json_text.hpp"
 #include "plugins_why.hpp"
+#include "role_text.hpp"
 
 namespace weft::cli {
 namespace {
@@ -106,6 +107,7 @@ ordered_json json_of(const host::Installed& entry) {
           {"summary", component.summary},
           {"reference", component.reference},
           {"licence", component.licence},
+          {"methods", role_json(component)},
           {"needs", component.needs},
           {"reads", component.reads},
           {"produces", component.produces},
@@ -125,6 +127,12 @@ void print_component(const host::Installed& entry) {
   };
   line("reference", component.reference);
   line("licence", component.licence);
+  const char* label = "role";
+  for (const std::string& method : role_lines(component)) {
+    line(label, method);
+    label = "";
+  }
+  line("", "(*: in every use of the role)");
   line("needs", words(component.needs));
   line("reads", words(component.reads));
   line("produces", words(component.produces));
@@ -188,21 +196,34 @@ void add_list(CLI::App& plugins, const std::shared_ptr<bool>& json, Context& con
 
 void add_show(CLI::App& plugins, const std::shared_ptr<bool>& json, Context& context) {
   const auto id = std::make_shared<std::string>();
-  CLI::App* command = plugins.add_subcommand("show", "One plugin with all its parameters");
-  command->add_option("ID", *id, "Id of the plugin (role/name)")->required();
-  command->add_flag("--json", *json,
-                    "Print JSON: {id, version, summary, reference, licence, needs, reads, "
-                    "produces, determinism, random, uses_truth, library, origin, parameters: "
-                    "[{name, type, list, required, default, unit, range, choices, role, help}]}; "
-                    "default to role only where there is one");
+  CLI::App* command = plugins.add_subcommand(
+      "show", "One plugin: what its role takes and makes, what it needs, all its parameters");
+  command->footer(
+      "Exit codes:\n"
+      "  0  shown\n"
+      "  2  there is no such plugin");
+  command->add_option("ID", *id, "Id of the plugin (role/name)")->type_name("")->required();
+  command->add_flag(
+      "--json", *json,
+      "Print JSON: {id, version, summary, reference, licence, methods: [{name, takes: "
+      "[{slot, always}], makes: [{slot, always}]}], needs, reads, produces, "
+      "determinism, random, uses_truth, library, origin, parameters: [{name, type, "
+      "list, required, default, unit, range, choices, role, help}]}; "
+      "default to role only where there is one");
   command->callback([&context, id, json] { show(*id, *json, context); });
 }
 
 void add_why(CLI::App& plugins, const std::shared_ptr<bool>& json, Context& context) {
   const auto subject = std::make_shared<std::string>();
-  CLI::App* command = plugins.add_subcommand(
-      "why", "Why a plugin can be used or not; exit code 0 when it can, else 2");
-  command->add_option("ID_OR_FILE", *subject, "Id (role/name), library or manifest")->required();
+  CLI::App* command = plugins.add_subcommand("why", "Why a plugin can be used or not");
+  command->footer(
+      "Exit codes:\n"
+      "  0  it can\n"
+      "  2  it cannot\n"
+      "  3  the file is not there");
+  command->add_option("ID_OR_FILE", *subject, "Id (role/name), library or manifest")
+      ->type_name("")
+      ->required();
   command->add_flag("--json", *json,
                     "Print JSON: {subject, usable, reason, found: [{id, state, library, version, "
                     "origin, cause, fix, notes}]}; state is used, shadowed, refused or not "
@@ -214,7 +235,11 @@ void add_describe(CLI::App& plugins, const std::shared_ptr<bool>& json, Context&
   const auto file = std::make_shared<std::string>();
   CLI::App* command =
       plugins.add_subcommand("describe", "Write the manifest of a plugin library beside it");
-  command->add_option("FILE", *file, "Library (.so)")->required();
+  command->footer(
+      "Exit codes:\n"
+      "  0  written or printed\n"
+      "  3  the library cannot be read or is no plugin, or the manifest cannot be written");
+  command->add_option("FILE", *file, "Library (.so)")->type_name("")->required();
   command->add_flag("--json", *json, "Print the manifest as JSON, with its keys; write nothing");
   command->callback([&context, file, json] {
     if (auto done = describe(*file, *json); !done) {

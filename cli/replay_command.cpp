@@ -132,23 +132,33 @@ void run(const ReplayOptions& options, Context& context) {
 
 void add_replay_command(CLI::App& app, Context& context) {
   const auto options = std::make_shared<ReplayOptions>();
-  CLI::App* command = app.add_subcommand(
-      "replay",
-      "Run one stage on what `weft run --dump` wrote, and compare; exit code 0 when all outputs "
-      "are identical, 1 when not, 2 for a wrong stage or parameter, 3 for files");
-  command->add_option("STAGE", options->stage, "Name of the stage, as in frames.jsonl")->required();
+  CLI::App* command =
+      app.add_subcommand("replay", "Run one stage on what `weft run --dump` wrote, and compare");
+  command->footer(
+      "Exit codes:\n"
+      "  0  all outputs are identical, or --params was given\n"
+      "  1  some are not\n"
+      "  2  the command line, the stage or a parameter is wrong\n"
+      "  3  a file or folder cannot be read or written");
+  command->add_option("STAGE", options->stage, "Name of the stage, as in frames.jsonl")
+      ->type_name("")
+      ->required();
   command
       ->add_option("RECORDS", options->records,
                    "Run folder, folder of the dump, or one of its files (NNNNNN.npz)")
+      ->type_name("")
       ->required();
-  command->add_option("--params", options->params,
-                      "Parameters over the dumped ones, as a YAML map: \"{alpha_s: 0.2}\"; "
-                      "differences are then told with exit code 0");
-  command->add_option("--out", options->out,
-                      "Write the new outputs into this folder, new or empty");
+  command
+      ->add_option("--params", options->params,
+                   "Parameters over the dumped ones, as a YAML map: \"{alpha_s: 0.2}\"; "
+                   "differences are then told with exit code 0")
+      ->option_text("MAP");
+  command->add_option("--out", options->out, "Write the new outputs into this folder, new or empty")
+      ->option_text("FOLDER");
   command
       ->add_option("--repeat", options->repeat,
                    "Make each call so often and tell the median of its time")
+      ->option_text(fmt::format("N (default: {})", options->repeat))
       ->check(CLI::Range(1, 1'000'000));
   command->callback([&context, options] { run(*options, context); });
 }

@@ -149,6 +149,7 @@ void add_settings(CLI::App& command, std::vector<std::string>& settings) {
           "--set", settings,
           "PATH=VALUE over the file, such as filters.alpha_s=0.2, detectors.use=detectors/orb "
           "or seed=7; may be repeated")
+      ->option_text("PATH=VALUE")
       ->allow_extra_args(false);
 }
 
@@ -162,16 +163,27 @@ void add_run_command(CLI::App& app, Context& context) {
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("run", "Run a pipeline on all frames of its source");
-  command->add_option("PIPELINE", options->pipeline, "Pipeline file (YAML)")->required();
-  command->add_option("--out", options->folder,
-                      "Run folder, new or empty (default: runs/<name of the pipeline>)");
+  command->add_option("PIPELINE", options->pipeline, "Pipeline file (YAML)")
+      ->type_name("")
+      ->required();
+  command
+      ->add_option("--out", options->folder,
+                   "Run folder, new or empty (default: runs/<name of the pipeline>)")
+      ->option_text("FOLDER");
   add_settings(*command, options->settings);
   command
       ->add_option("--dump", options->dumped,
                    "Stage (a name as in frames.jsonl) whose inputs and outputs are written into "
                    "RUN/dumps/STAGE, for `weft replay`; may be repeated")
+      ->option_text("STAGE")
       ->allow_extra_args(false);
   command->add_flag("--quiet", options->quiet, "No progress bar and no table of stages");
+  command->footer(
+      "Exit codes:\n"
+      "  0  done, or interrupted; at most max_failed frames had an error\n"
+      "  1  more frames had an error, or one had with on_error: stop\n"
+      "  2  the command line or the pipeline is wrong, or a component could not start\n"
+      "  3  a file or folder could not be read or written after the checks");
   command->callback([&context, options] {
     run(options->pipeline, options->folder, options->settings, options->dumped, options->quiet,
         context);
@@ -183,8 +195,12 @@ void add_check_command(CLI::App& app, Context& context) {
   const auto settings = std::make_shared<std::vector<std::string>>();
   CLI::App* command =
       app.add_subcommand("check", "Check a pipeline without running it; lists all mistakes");
-  command->add_option("PIPELINE", *pipeline, "Pipeline file (YAML)")->required();
+  command->add_option("PIPELINE", *pipeline, "Pipeline file (YAML)")->type_name("")->required();
   add_settings(*command, *settings);
+  command->footer(
+      "Exit codes:\n"
+      "  0  the pipeline can be run\n"
+      "  2  the command line or the pipeline is wrong");
   command->callback([&context, pipeline, settings] { check(*pipeline, *settings, context); });
 }
 

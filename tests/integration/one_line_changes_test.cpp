@@ -114,6 +114,41 @@ TEST_F(OneLineChanges, ASolverRunsTwice) {
   expect_solved(replaced(demo_, solver, solver + solver), 0.7);
 }
 
+TEST_F(OneLineChanges, WorkThatWouldBeLostIsRefusedWithTheFix) {
+  const Ended two = weft("check", replaced(demo_, "  - use: matchers/descriptor\n",
+                                           "  - use: matchers/descriptor\n"
+                                           "  - use: detectors/orb\n"
+                                           "  - use: matchers/descriptor\n"));
+  EXPECT_EQ(two.exit_code, 2);
+  EXPECT_EQ(two.err, path("pipeline.yaml") +
+                         ":12:5: nobody reads the correspondences of 'matchers', because "
+                         "'matchers#2' makes new ones; name it with as: NAME and take what it "
+                         "makes with from: {correspondences: NAME}, or leave it out\n");
+  const Ended merged = weft("check", replaced(demo_, "  - use: matchers/descriptor\n",
+                                              "  - use: matchers/descriptor\n"
+                                              "  - use: detectors/orb\n"
+                                              "  - use: matchers/descriptor\n"
+                                              "  - use: matchers/merge\n"));
+  EXPECT_EQ(merged.exit_code, 2);
+  EXPECT_THAT(merged.err, AllOf(HasSubstr(":15:5: matchers/merge unites several"),
+                                HasSubstr("from: {correspondences: [matchers, matchers#2]}")));
+  // A filter that an extending file adds without saying where stands at the end.
+  const Ended late = weft("check", "weft: 1\nextends: " WEFT_PIPELINES
+                                   "/demo.yaml\nstages:\n"
+                                   "  - {use: filters/myneighbor, as: again}\n");
+  EXPECT_EQ(late.exit_code, 2);
+  EXPECT_THAT(late.err, AllOf(HasSubstr(":4:5: only sinks read the correspondences of 'again'"),
+                              HasSubstr("move it up, before 'warps'")));
+}
+
+TEST_F(OneLineChanges, ASinkKeepsItsNameWhenAnotherIsLeftOut) {
+  const Ended ended =
+      weft("check", "weft: 1\nextends: " WEFT_PIPELINES "/demo.yaml\nwithout: [overlay]\n",
+           {"--set", "meshes.path=elsewhere"});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("1 sinks"));
+}
+
 TEST_F(OneLineChanges, AStageWithoutItsInputIsRefusedWithReasonAndFix) {
   const Ended ended = weft("check", replaced(demo_,
                                              "  - use: warps/bbs\n"

@@ -91,10 +91,62 @@ TEST_F(Program, ExitsWithTwoForAMistakeOfTheUser) {
   }
   const Ended missing = weft({"check", "x.yaml"});
   EXPECT_EQ(missing.exit_code, 2);
-  EXPECT_EQ(missing.err, "x.yaml:1:1: the pipeline file cannot be read\n");
+  EXPECT_EQ(missing.err, "x.yaml:1:1: the pipeline file cannot be read: there is no such file\n");
   const Ended refused = run(chain({{"solvers", "{refuse: true}"}}));
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_EQ(refused.err, "error: solvers/test.scripted: refuses as scripted\n");
+}
+
+TEST_F(Program, SuggestsTheCommandThatIsMeant) {
+  const auto refusal = [&](const std::vector<std::string>& arguments) {
+    const Ended ended = weft(arguments);
+    EXPECT_EQ(ended.exit_code, 2);
+    EXPECT_EQ(ended.out, "");
+    return ended.err;
+  };
+  EXPECT_EQ(refusal({"chekc", "x.yaml"}), "error: no command 'chekc'; did you mean 'check'?\n");
+  EXPECT_EQ(refusal({"plugins", "shwo"}), "error: no command 'shwo'; did you mean 'show'?\n");
+  EXPECT_EQ(refusal({"frobnicate"}),
+            "error: no command 'frobnicate'; there are: run, check, eval, plugins, replay, doctor, "
+            "records\n");
+  EXPECT_THAT(refusal({"check", "x.yaml", "y.yaml"}), HasSubstr("y.yaml"));
+  EXPECT_THAT(refusal({"--frob", "check"}), HasSubstr("PIPELINE is required"));
+}
+
+TEST_F(Program, HelpsWithTypesAndExitCodes) {
+  const auto help = [&](std::vector<std::string> command) {
+    command.push_back("--help");
+    const Ended ended = weft(command);
+    EXPECT_EQ(ended.exit_code, 0) << ended.err;
+    EXPECT_THAT(ended.out, Not(HasSubstr("TEXT")));
+    return ended.out;
+  };
+  EXPECT_THAT(help({}), HasSubstr("--plugin-path FOLDER "));
+  const std::string run = help({"run"});
+  EXPECT_THAT(run, HasSubstr("--set PATH=VALUE "));
+  EXPECT_THAT(run, HasSubstr("--dump STAGE "));
+  EXPECT_THAT(run, HasSubstr("--out FOLDER "));
+  EXPECT_THAT(run, Not(HasSubstr(" ...")));
+  EXPECT_THAT(run, HasSubstr("Exit codes:\n  0  done, or interrupted; at most max_failed"));
+  EXPECT_THAT(help({"check"}), HasSubstr("Exit codes:\n  0  the pipeline can be run\n  2  "));
+  const std::string eval = help({"eval"});
+  EXPECT_THAT(eval, HasSubstr("--alignment none|scale|rigid|all (default: none)"));
+  EXPECT_THAT(eval, HasSubstr("one after another, into metrics.json, metrics_scale.json and "));
+  EXPECT_THAT(eval, HasSubstr("takes neither --json nor --csv"));
+  EXPECT_THAT(eval, HasSubstr("--match-tolerance-px PX (default: 2)"));
+  EXPECT_THAT(eval, HasSubstr("Exit codes:\n  0  measured\n"));
+  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
+           {"replay"}, {"doctor"}, {"plugins", "show"}, {"plugins", "why"}}) {
+    EXPECT_THAT(help(command), HasSubstr("Exit codes:\n  0  ")) << command.back();
+  }
+}
+
+TEST_F(Program, TakesSettingsAndDumpsOneByOne) {
+  const Ended ended = run(chain(), {"--set", "source.frames=1", "--set", "seed=4", "--dump",
+                                    "warps", "--dump", "filters", "--quiet"});
+  EXPECT_EQ(ended.out, "1 frames, 0 failed: " + path("run") + "\n") << ended.err;
+  EXPECT_TRUE(fs::exists(path("run/dumps/warps")));
+  EXPECT_TRUE(fs::exists(path("run/dumps/filters")));
 }
 
 TEST_F(Program, ExitsWithThreeWhenItCannotWrite) {
@@ -191,6 +243,15 @@ TEST_F(Program, ShowsAComponentWithItsParameters) {
   EXPECT_THAT(shown.out, StartsWith("templates/test.scripted 1.0.0\nA flat sheet, or a broken"));
   EXPECT_THAT(shown.out, HasSubstr("columns: vertices in a row\n      i64, 2 to 100, default 6\n"));
   EXPECT_THAT(shown.out, HasSubstr("choice: none, index, "));
+  EXPECT_THAT(shown.out, HasSubstr("role         build makes template*\n"));
+  EXPECT_THAT(weft({"plugins", "show", "filters/test.scripted"}).out,
+              HasSubstr("role         filter takes correspondences*, template, camera, "
+                        "previous.shape, ground_truth; makes inlier_mask*\n"
+                        "             (*: in every use of the role)\n"
+                        "reads        previous.shape\n"));
+  EXPECT_THAT(weft({"plugins", "show", "warps/test.scripted"}).out,
+              HasSubstr("role         fit takes correspondences*, template*, weights; makes warp*\n"
+                        "             evaluate takes warp*, points*; makes warp_samples*\n"));
   const Ended unknown = weft({"plugins", "show", "templates/test.script"});
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_THAT(unknown.err, HasSubstr("did you mean 'templates/test.scripted'?"));

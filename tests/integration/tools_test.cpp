@@ -173,9 +173,12 @@ TEST_F(Tools, ShowsAPluginAsJson) {
   EXPECT_EQ(shown["id"], "templates/test.scripted");
   std::set<std::string> keys;
   for (const auto& [key, value] : shown.items()) keys.insert(key);
-  EXPECT_EQ(keys, (std::set<std::string>{"id", "version", "summary", "reference", "licence",
-                                         "needs", "reads", "produces", "determinism", "random",
-                                         "uses_truth", "library", "origin", "parameters"}));
+  EXPECT_EQ(keys,
+            (std::set<std::string>{"id", "version", "summary", "reference", "licence", "methods",
+                                   "needs", "reads", "produces", "determinism", "random",
+                                   "uses_truth", "library", "origin", "parameters"}));
+  EXPECT_EQ(shown["methods"], json::parse(R"([{"name": "build", "takes": [],
+      "makes": [{"slot": "template", "always": true}]}])"));
   EXPECT_EQ(shown["parameters"][0], json::parse(R"({"name": "columns", "type": "i64", "list": false,
       "required": false, "default": 6, "range": [2, 100], "help": "vertices in a row"})"));
   const Ended unknown = weft({"plugins", "show", "templates/nothing", "--json"});

@@ -34,6 +34,7 @@ std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
   PipelineConfig config;
   config.file = file;
   config.sources = document.sources;
+  config.left_out = std::move(document.left_out);
   ConfigReport report{std::move(document.sources), std::move(document.problems), false};
   const auto of_text = static_cast<std::ptrdiff_t>(report.problems.size());
   // A text that could not be read to its end has no root.

@@ -22,7 +22,7 @@ const Place kTemplate{"the template", {"use", "params"}, {"templates"}};
 const Place kStage{"a stage",
                    {"use", "params", "as", "from", "template_params", "isolate", "deadline_ms"},
                    {"detectors", "matchers", "filters", "warps", "passes", "solvers"}};
-const Place kSink{"a sink", {"use", "params", "from"}, {"sinks"}};
+const Place kSink{"a sink", {"use", "params", "as", "from"}, {"sinks"}};
 
 std::string joined(const Words& words) {
   std::string all;
@@ -47,7 +47,7 @@ class Loader {
     }
     refuse_unknown(root, "a pipeline",
                    {"weft", "source", "template", "stages", "sinks", "seed", "lost_after",
-                    "on_error", "max_failed"});
+                    "on_error", "max_failed", "extends", "without"});
     check_version(root);
     read_options(root);
     config_.source = read_single(root, "source", kSource);
@@ -206,6 +206,7 @@ class Loader {
     const yaml::Node* from = item.find("from");
     if (from == nullptr) return;
     if (from->kind != yaml::Kind::map) {
+      stage.from.push_back({"", {}, from->at});
       return problem(from->at, "'from' must be a map of inputs and names, such as {warp: NAME}");
     }
     for (const yaml::Entry& entry : from->entries) {
@@ -220,9 +221,9 @@ class Loader {
         problem(entry.value.at, "'" + entry.key +
                                     "' must be the name of a stage, or a list of "
                                     "names");
-      } else {
-        stage.from.push_back(std::move(rule));
+        rule.names.clear();
       }
+      stage.from.push_back(std::move(rule));
     }
   }
 

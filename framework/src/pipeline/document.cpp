@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -24,6 +27,17 @@ void stamp(yaml::Node& node, int source) {
     stamp(entry.at, source);
     stamp(entry.value, source);
   }
+}
+
+/// Why the text of a file cannot be had.
+std::string why_unreadable(const std::string& file) {
+  std::error_code code;
+  const fs::file_type type = fs::status(file, code).type();
+  if (type == fs::file_type::not_found) return "there is no such file";
+  if (type == fs::file_type::directory) return "it is a folder";
+  if (code) return code.message();
+  return ::access(file.c_str(), R_OK) != 0 ? std::generic_category().message(errno)
+                                           : "reading it fails";
 }
 
 void erase(yaml::Node& map, std::string_view key) {
@@ -99,7 +113,8 @@ class Reader {
     std::ostringstream content;
     content << stream.rdbuf();
     if (!stream || fs::is_directory(file)) {
-      return syntax_error({1, 1, source}, "the pipeline file cannot be read");
+      return syntax_error({1, 1, source},
+                          "the pipeline file cannot be read: " + why_unreadable(file));
     }
     auto parsed = yaml::parse(content.str(), file);
     if (!parsed) {
@@ -147,7 +162,9 @@ class Reader {
     const std::string file = (fs::path(folder) / *expanded).lexically_normal().string();
     std::error_code code;
     if (!fs::is_regular_file(file, code)) {
-      return give_up(extends.at, "'extends': there is no file " + file);
+      const bool missing = fs::status(file, code).type() == fs::file_type::not_found;
+      return give_up(extends.at, missing ? "'extends': there is no file " + file
+                                         : "'extends': " + file + ": " + why_unreadable(file));
     }
     if (std::find(chain.begin(), chain.end(), fs::weakly_canonical(file).string()) != chain.end()) {
       return give_up(extends.at, "'extends': " + file + " extends itself");
@@ -161,9 +178,17 @@ class Reader {
     }
     std::set<std::string> unwanted;
     for (const yaml::Node& name : without.items) unwanted.insert(name.scalar);
-    const std::vector<std::string> known = remove_stages(base, unwanted);
+    std::vector<std::string> known;
+    std::map<std::string, std::string> plugins;
+    for (NamedStage& stage : remove_stages(base, unwanted)) {
+      plugins[stage.name] = std::move(stage.use);
+      known.push_back(std::move(stage.name));
+    }
     for (const yaml::Node& name : without.items) {
-      if (std::find(known.begin(), known.end(), name.scalar) != known.end()) continue;
+      if (const auto found = plugins.find(name.scalar); found != plugins.end()) {
+        document_.left_out.push_back({name.scalar, found->second, name.at});
+        continue;
+      }
       const std::string near = nearest(name.scalar, known);
       problem(name.at, "the extended file has no stage or sink '" + name.scalar + "'" +
                            (near.empty() ? "" : "; did you mean '" + near + "'?"));

@@ -83,16 +83,19 @@ yaml::Node merged(yaml::Node base, yaml::Node over) {
   return base;
 }
 
-std::vector<std::string> remove_stages(yaml::Node& root, const std::set<std::string>& unwanted) {
-  std::vector<std::string> known;
+std::vector<NamedStage> remove_stages(yaml::Node& root, const std::set<std::string>& unwanted) {
+  std::vector<NamedStage> known;
   for (const char* key : {"stages", "sinks"}) {
     yaml::Entry* list = entry_of(root, key);
     if (list == nullptr) continue;
     const std::vector<std::string> names = names_of_stages(list->value);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const yaml::Node* use = list->value.items[i].find("use");
+      known.push_back({names[i], use != nullptr ? use->scalar : ""});
+    }
     std::size_t i = 0;
     std::erase_if(list->value.items,
                   [&](const yaml::Node&) { return unwanted.count(names[i++]) > 0; });
-    known.insert(known.end(), names.begin(), names.end());
   }
   return known;
 }

@@ -12,8 +12,13 @@ namespace weft {
 /// One document laid over another, by the rules of read_document.
 yaml::Node merged(yaml::Node base, yaml::Node over);
 
-/// Removes stages and sinks by name; returns all names that there were.
-std::vector<std::string> remove_stages(yaml::Node& root, const std::set<std::string>& unwanted);
+/// A stage or sink and the id of its plugin.
+struct NamedStage {
+  std::string name, use;
+};
+
+/// Removes stages and sinks by name; returns all that there were.
+std::vector<NamedStage> remove_stages(yaml::Node& root, const std::set<std::string>& unwanted);
 
 /// The document that a setting "PATH=VALUE" lays over `root`, positions in the text of the setting.
 std::pair<yaml::Node, std::vector<yaml::Problem>> overlay_of(const std::string& setting,

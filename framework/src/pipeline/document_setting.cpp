@@ -152,6 +152,18 @@ class Overlay {
                   holds_component ? component(setting, i + 1, own) : nested(setting, i + 1));
   }
 
+  /// A path may end at a component only with a map; a plugin's id is meant for its key `use`.
+  bool ends_well(const Setting& setting) {
+    if (setting.path.size() > 1 || setting.value.kind == yaml::Kind::map) return true;
+    const std::string& name = setting.path.front().text;
+    const std::string& text = setting.value.scalar;
+    const bool is_id = text.find('/') != std::string::npos;
+    fail(setting.value.at, "'" + name + "' is a component" +
+                               (is_id ? "; did you mean " + name + ".use=" + text + "?"
+                                      : "; set a key or parameter of it: " + name + ".KEY=VALUE"));
+    return false;
+  }
+
   yaml::Node whole(Setting setting) {
     const Setting::Key first = setting.path.front();
     for (const char* list : {"stages", "sinks"}) {
@@ -160,14 +172,23 @@ class Overlay {
       const std::vector<std::string> names = names_of_stages(*stages);
       const auto found = std::find(names.begin(), names.end(), first.text);
       if (found != names.end()) {
+        if (!ends_well(setting)) return {};
         const yaml::Node& base = stages->items[static_cast<std::size_t>(found - names.begin())];
         return stage(setting, list, first, base);
       }
     }
     if (first.text == "source" || first.text == "template") {
+      if (!ends_well(setting)) return {};
       return map_of(first, component(setting, 1, root_.find(first.text)));
     }
-    if (setting.path.size() > 1 || first.text == "stages") {
+    static constexpr const char* kOfFiles[] = {"extends", "without", "stages", "sinks"};
+    const bool of_files =
+        std::find(std::begin(kOfFiles), std::end(kOfFiles), first.text) != std::end(kOfFiles);
+    if (of_files && (setting.path.size() == 1 || first.text != "sinks")) {
+      fail(first.at, "a setting cannot set '" + first.text + "'; write it into a file");
+      return {};
+    }
+    if (setting.path.size() > 1) {
       fail(first.at, "no stage or sink is named '" + first.text + "'" + suggestion(first.text));
       return {};
     }

@@ -3,8 +3,9 @@
 #include <map>
 #include <set>
 #include <weft/core/suggest.hpp>
-#include <weft/pipeline/graph.hpp>
 #include <weft/sdk/roles.hpp>
+
+#include "wiring.hpp"
 
 namespace weft {
 namespace {
@@ -30,7 +31,7 @@ using host::ComponentManifest;
 constexpr int kLongestLag = 1000;  // [frames]
 constexpr int kRefused = -2;       // instead of a value: a mistake has been reported
 
-/// Sources and passes have a choice; they say what they produce.
+/// Sources have a choice; they say what they produce.
 bool declares(const ComponentManifest& component, const std::string& slot) {
   const auto& made = component.produces;
   return std::find(made.begin(), made.end(), slot) != made.end();
@@ -45,11 +46,12 @@ class Wiring {
   }
 
   Graph wire() {
+    const std::size_t before = problems_.size();
     add_given();
     for (std::size_t i = 0; i < config_.stages.size(); ++i) {
       const StageConfig& stage = config_.stages[i];
       Node node = connect(stage);
-      for (const std::string& slot : products(stage)) {
+      for (const std::string& slot : products_of(stage.component.component())) {
         node.outputs.push_back(add(slot, static_cast<int>(i), stage.name));
       }
       if (stage.component.component().role() == "filters" && !node.inputs.empty()) {
@@ -58,10 +60,25 @@ class Wiring {
       graph_.stages.push_back(std::move(node));
     }
     for (const StageConfig& sink : config_.sinks) graph_.sinks.push_back(connect(sink));
+    // What is read by nobody may only follow from another mistake.
+    if (problems_.size() == before && !has_broken_rules()) {
+      refuse_unread(config_, graph_, problems_);
+    }
     return std::move(graph_);
   }
 
  private:
+  /// Whether `from` cannot be understood, which has been reported.
+  static bool has_broken_rule(const StageConfig& stage) {
+    return std::any_of(stage.from.begin(), stage.from.end(),
+                       [](const FromRule& rule) { return rule.names.empty(); });
+  }
+
+  bool has_broken_rules() const {
+    return std::any_of(config_.stages.begin(), config_.stages.end(), has_broken_rule) ||
+           std::any_of(config_.sinks.begin(), config_.sinks.end(), has_broken_rule);
+  }
+
   int add(const std::string& slot, int stage, const std::string& name, int lag = 0) {
     graph_.values.push_back({slot, stage, name, lag});
     return static_cast<int>(graph_.values.size()) - 1;
@@ -79,18 +96,10 @@ class Wiring {
     add("template", -1, "templates");
     std::set<std::string> fed_back;
     for (const StageConfig& stage : config_.stages) {
-      for (const std::string& slot : products(stage)) fed_back.insert(slot);
+      const auto made = products_of(stage.component.component());
+      fed_back.insert(made.begin(), made.end());
     }
     for (const std::string& slot : fed_back) add("previous." + slot, -1, "previous", 1);
-  }
-
-  std::vector<std::string> products(const StageConfig& stage) const {
-    const std::string role = stage.component.component().role();
-    if (role == "detectors") return {"keypoints", "template_keypoints"};
-    if (role == "matchers" || role == "filters") return {"correspondences"};
-    if (role == "warps") return {"warp", "warp_samples"};
-    if (role == "solvers") return {"shape"};
-    return stage.component.component().produces;
   }
 
   /// What the component and those nested in it want of the role's inputs.
@@ -134,10 +143,16 @@ class Wiring {
     check_from(stage, demands);
     Node node;
     for (const Demand& demand : demands) {
+      const bool unites = takes_several(component, demand.slot);
+      if (unites && chosen(stage, demand.slot) == nullptr && !has_broken_rule(stage)) {
+        problems_.push_back({stage.at, nothing_to_unite(graph_, stage, demand.slot)});
+        continue;
+      }
       const std::vector<int> values = choose(stage, demand.slot);
       for (const int value : values) node.inputs.push_back({demand.slot, value, demand.required});
       if (values.empty() && demand.required && !chosen(stage, demand.slot)) {
-        problems_.push_back({stage.at, missing(component.id, demand.slot)});
+        problems_.push_back(
+            {stage.at, missing_input(config_, registry_, component.id, demand.slot)});
       }
     }
     return node;
@@ -148,6 +163,7 @@ class Wiring {
     for (const Demand& demand : demands) slots.push_back(demand.slot);
     const ComponentManifest& component = stage.component.component();
     for (const FromRule& rule : stage.from) {
+      if (rule.names.empty()) continue;  // reported
       const bool read = std::find(slots.begin(), slots.end(), rule.slot) != slots.end();
       if (rule.slot == "template_keypoints") {
         problems_.push_back({rule.at, "'from' chooses both kinds of keypoints with: keypoints"});
@@ -187,7 +203,7 @@ class Wiring {
       if (value >= 0) {
         values.push_back(value);
       } else if (slot == rule->slot) {
-        problems_.push_back({rule->at, unknown_name(slot, name)});
+        problems_.push_back({rule->at, wrong_name(config_, graph_, stage, slot, name)});
       }
     }
     return values;
@@ -227,42 +243,12 @@ class Wiring {
     return static_cast<int>(*lag);
   }
 
-  std::string unknown_name(const std::string& slot, const std::string& name) const {
-    std::vector<std::string> names;
-    for (const ValueInfo& value : graph_.values) {
-      if (value.slot == slot) names.push_back(value.name);
-    }
-    const std::string near = nearest(name, names);
-    return "no earlier stage named '" + name + "' produces '" + slot + "'" +
-           (near.empty() ? "; name it with: as: " + name : "; did you mean '" + near + "'?");
-  }
-
   int named(const std::string& slot, const std::string& name) const {
     for (int i = static_cast<int>(graph_.values.size()) - 1; i >= 0; --i) {
       const ValueInfo& value = graph_.values[static_cast<std::size_t>(i)];
       if (value.slot == slot && value.name == name) return i;
     }
     return -1;
-  }
-
-  std::string missing(const std::string& id, const std::string& slot) const {
-    std::string message = id + " requires '" + slot + "', which no earlier stage produces";
-    std::string producers;
-    for (const host::Installed& entry : registry_.installed()) {
-      if (entry.shadowed) continue;
-      const std::string role = entry.component.role();
-      const auto& outputs =
-          roles_.count(role) > 0 ? main_method(roles_.at(role)).outputs : std::vector<RoleSlot>{};
-      const bool by_role = std::any_of(outputs.begin(), outputs.end(), [&](const RoleSlot& output) {
-        return output.name == slot || (slot == "warp_samples" && output.name == "warp") ||
-               (slot == "template_keypoints" && output.name == "keypoints");
-      });
-      const bool leaves_choice = role == "sources" || role == "passes";
-      if (!by_role || (leaves_choice && !declares(entry.component, slot))) continue;
-      producers += (producers.empty() ? "" : ", ") + entry.component.id;
-    }
-    if (producers.empty()) return message;
-    return message + ";\n    add one that produces it: " + producers;
   }
 
   const PipelineConfig& config_;

@@ -60,7 +60,7 @@ TEST_F(Config, SuggestsTheNearestKeyOnEachLevel) {
                           "  - use: filters/test.warped\n"
                           "    params: {warp: {use: warps/test.scripted, params: {eror_at: [1]}}}\n"
                           "sinks:\n"
-                          "  - {use: sinks/test.scripted, as: a}\n")
+                          "  - {use: sinks/test.scripted, note: a}\n")
                           .second;
   EXPECT_THAT(
       lines(report),
@@ -71,7 +71,7 @@ TEST_F(Config, SuggestsTheNearestKeyOnEachLevel) {
                   "7:5: a stage has no key 'form'; did you mean 'from'?",
                   StartsWith("9:47: a nested component has no key 'prams'"),
                   "11:56: warps/test.scripted has no parameter 'eror_at'; did you mean 'error_at'?",
-                  "13:32: a sink has no key 'as'; it may have: use, params, from"));
+                  "13:32: a sink has no key 'note'; it may have: use, params, as, from"));
 }
 
 TEST_F(Config, RefusesComponentsInTheWrongPlace) {
@@ -186,11 +186,26 @@ TEST_F(Config, ReportsASyntaxErrorAlone) {
   EXPECT_FALSE(report.wirable);
 }
 
-TEST_F(Config, NamesAFileThatCannotBeRead) {
-  for (const std::string& file : {path("missing.yaml"), folder_}) {
-    const auto report = load_pipeline(file, registry_, path("run")).second;
-    EXPECT_THAT(report.text(), file + ":1:1: the pipeline file cannot be read\n");
-  }
+TEST_F(Config, KnowsTheKeysThatLayFilesOverOneAnother) {
+  EXPECT_THAT(lines(load(head() + "extend: base.yaml\n").second),
+              ElementsAre("4:1: a pipeline has no key 'extend'; did you mean 'extends'?"));
+  EXPECT_THAT(lines(load(head() + "withuot: [sinks]\n").second),
+              ElementsAre("4:1: a pipeline has no key 'withuot'; did you mean 'without'?"));
+  EXPECT_THAT(lines(load(head() + "zzz: 1\n").second),
+              ElementsAre(::testing::EndsWith("max_failed, extends, without")));
+}
+
+TEST_F(Config, SaysWhyAFileCannotBeRead) {
+  const auto text = [&](const std::string& file) {
+    return load_pipeline(file, registry_, path("run")).second.text();
+  };
+  const std::string cannot = ":1:1: the pipeline file cannot be read: ";
+  EXPECT_EQ(text(path("missing.yaml")), path("missing.yaml") + cannot + "there is no such file\n");
+  EXPECT_EQ(text(folder_), folder_ + cannot + "it is a folder\n");
+  const std::string locked = write(chain(), "locked.yaml");
+  std::filesystem::permissions(locked, std::filesystem::perms::none);
+  if (std::ifstream(locked)) GTEST_SKIP() << "this user may read everything";
+  EXPECT_EQ(text(locked), locked + cannot + "Permission denied\n");
 }
 
 TEST_F(Config, ResolvesPathsAgainstTheFileAndRefusesMissingOnes) {

@@ -97,12 +97,44 @@ TEST_F(Documents, LeavesOutWhatTheExtensionDoesWithout) {
   EXPECT_EQ(config.stages.size(), 5U);
 }
 
+TEST_F(Documents, SayWhichFileLeftOutWhatIsMissing) {
+  write("weft: 1\nextends: base.yaml\nwithout:\n  - sinks\n  - warps\n", "poor.yaml");
+  const auto check_over = [&](const std::string& text) {
+    return check("weft: 1\nextends: poor.yaml\n" + text).second.text();
+  };
+  EXPECT_EQ(check_over(""), path("base.yaml") +
+                                ":10:5: passes/test.scripted requires 'warp_samples', which no "
+                                "earlier stage produces ('warps' is left out by " +
+                                path("poor.yaml") +
+                                ":5);\n    add one that produces it: warps/test.scripted\n");
+  EXPECT_THAT(check_over("stages:\n  - {as: passes, from: {warp_samples: warps}}\n"),
+              HasSubstr(":4:25: 'warps' is left out by " + path("poor.yaml") + ":5\n"));
+  EXPECT_EQ(check_over("stages:\n  - {as: filters}\n  - {use: warps/test.scripted}\n"), "");
+}
+
 TEST_F(Documents, LeavesOutStagesByTheNamesThatTheyHadBefore) {
   write(chain() + "  - {use: sinks/test.scripted}\n  - {use: sinks/test.visibility}\n",
         "base.yaml");
   const auto [config, report] = over("without: [sinks, sinks#2, sinks#3]\n");
   ASSERT_TRUE(report.ok()) << report.text();
   EXPECT_TRUE(config.sinks.empty());
+}
+
+TEST_F(Documents, NameSinksLikeStages) {
+  std::string text = chain();
+  text += "  - {use: sinks/test.scripted, as: second, params: {path: b.txt}}\n";
+  text += "  - {use: sinks/test.visibility, as: third}\n";
+  write(text, "base.yaml");
+  const auto [config, report] = over("without: [sinks]\nsinks:\n  - {as: third}\n",
+                                     {"second.path=c.txt", "second.from={shape: solvers}"});
+  ASSERT_TRUE(report.ok()) << report.text();
+  EXPECT_THAT(names_and_ids(config.sinks),
+              ElementsAre("second=sinks/test.scripted", "third=sinks/test.visibility"));
+  EXPECT_EQ(parameter(config.sinks[0], "path"), path("run/c.txt"));
+  EXPECT_TRUE(config.sinks[0].named);
+  const auto [again, second] = load(effective_yaml(config));
+  ASSERT_TRUE(second.ok()) << second.text();
+  EXPECT_EQ(again.sinks[0].name, "second");
 }
 
 TEST_F(Documents, RefusesToDoWithoutWhatIsNotThere) {
@@ -139,6 +171,8 @@ TEST_F(Documents, ResolvesPathsAgainstTheFileInWhichTheyStand) {
 TEST_F(Documents, RefusesAChainThatCannotBeFollowed) {
   EXPECT_THAT(testing::lines(load("weft: 1\nextends: none.yaml\n").second),
               ElementsAre("2:10: 'extends': there is no file " + path("none.yaml")));
+  EXPECT_THAT(testing::lines(load("weft: 1\nextends: .\n").second),
+              ElementsAre(::testing::EndsWith(": it is a folder")));
   EXPECT_THAT(testing::lines(load("weft: 1\nextends: [a]\n").second),
               ElementsAre(StartsWith("2:10: 'extends' must be the path")));
   EXPECT_THAT(testing::lines(load("weft: 1\nextends: \"${WEFT_NOT_SET_ANYWHERE}\"\n").second),
@@ -197,6 +231,29 @@ TEST_F(Documents, NamesTheSettingAndItsColumn) {
   EXPECT_THAT(text("filters.note={a: 1, a: 2}"), HasSubstr("column 21: "));
   EXPECT_THAT(text("source.päth=x"), StartsWith("--set source.päth=x, column 8: "));
   EXPECT_THAT(text("source.note=ä: {"), StartsWith("--set source.note=ä: {, column 1"));
+}
+
+TEST_F(Documents, RefusesSettingsOfWholeComponentsWithTheSettingThatIsMeant) {
+  const auto text = [&](const std::string& setting) { return set({setting}).second.text(); };
+  EXPECT_EQ(text("detectors=detectors/test.scripted"),
+            "--set detectors=detectors/test.scripted, column 11: 'detectors' is a component; did "
+            "you mean detectors.use=detectors/test.scripted?\n");
+  EXPECT_THAT(text("source=sources/x"), HasSubstr("did you mean source.use=sources/x?"));
+  EXPECT_THAT(text("sinks=sinks/x"), HasSubstr("did you mean sinks.use=sinks/x?"));
+  EXPECT_EQ(text("filters=7"),
+            "--set filters=7, column 9: 'filters' is a component; set a key or parameter of it: "
+            "filters.KEY=VALUE\n");
+  EXPECT_THAT(text("filters=[a]"), HasSubstr("'filters' is a component"));
+  EXPECT_THAT(text("filters="), HasSubstr("'filters' is a component"));
+}
+
+TEST_F(Documents, RefusesSettingsOfWhatOnlyAFileSays) {
+  for (const std::string key : {"extends", "without", "stages"}) {
+    EXPECT_EQ(set({key + "=[]"}).second.text(), "--set " + key +
+                                                    "=[], column 1: a setting cannot "
+                                                    "set '" +
+                                                    key + "'; write it into a file\n");
+  }
 }
 
 TEST_F(Documents, CountsOnlyStagesWithoutANameWhenItNamesThem) {

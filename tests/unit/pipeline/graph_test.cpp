@@ -153,7 +153,7 @@ TEST_F(Wiring, RefusesFromAStageThatComesLater) {
                             "  - {use: filters/test.scripted, from: {correspondences: b}}\n"
                             "  - {use: matchers/test.pattern, as: b}\n")
                           .second;
-  EXPECT_THAT(lines(report), ElementsAre(HasSubstr("no earlier stage named 'b' produces")));
+  EXPECT_THAT(lines(report), ElementsAre("6:41: 'b' comes later; move it up, before 'filters'"));
 }
 
 constexpr const char* kTwoDetectors =

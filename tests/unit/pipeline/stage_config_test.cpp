@@ -49,6 +49,30 @@ TEST_F(StageConfigs, RefusesNamesThatAreIllegalTakenOrReserved) {
                           "11:38: 'as' must be a name of a-z, 0-9 and _"));
 }
 
+TEST_F(StageConfigs, NamesSinksByTheSameRules) {
+  const auto [config, report] = load(head() +
+                                     "stages:\n"
+                                     "  - {use: matchers/test.pattern}\n"
+                                     "sinks:\n"
+                                     "  - {use: sinks/test.scripted, as: lines}\n"
+                                     "  - {use: sinks/test.scripted}\n"
+                                     "  - {use: sinks/test.scripted}\n");
+  ASSERT_TRUE(report.ok()) << report.text();
+  EXPECT_EQ(config.sinks[0].name, "lines");
+  EXPECT_EQ(config.sinks[1].name, "sinks");
+  EXPECT_EQ(config.sinks[2].name, "sinks#2");
+  const auto refused = load(head() +
+                            "stages:\n"
+                            "  - {use: matchers/test.pattern, as: one}\n"
+                            "sinks:\n"
+                            "  - {use: sinks/test.scripted, as: one}\n"
+                            "  - {use: sinks/test.scripted, as: sinks}\n")
+                           .second;
+  EXPECT_THAT(lines(refused),
+              ElementsAre("7:36: the name 'one' is used twice",
+                          "8:36: 'as' must not be 'sinks', which has a meaning of its own"));
+}
+
 TEST_F(StageConfigs, ReadsNamesAndListsOfNamesFromFrom) {
   const auto [config, report] = load(head() +
                                      "stages:\n"
@@ -142,7 +166,7 @@ TEST_F(StageConfigs, IsolationIsRefusedWhereItMeansNothing) {
       ElementsAre("5:43: 'isolate' must be process; leave it out to run the stage in here",
                   "6:47: 'deadline_ms' needs 'isolate: process': only a process can be ended",
                   "7:63: 'deadline_ms' must be a whole number from 1 to 86400000",
-                  "9:32: a sink has no key 'isolate'; it may have: use, params, from"));
+                  "9:32: a sink has no key 'isolate'; it may have: use, params, as, from"));
 }
 
 }  // namespace

@@ -15,7 +15,8 @@ namespace weft {
 /// An input that a stage takes from a named output instead of the latest of its type.
 struct FromRule {
   std::string slot;
-  std::vector<std::string> names;  ///< several for an input that takes several records
+  std::vector<std::string> names;  ///< several for an input that takes several records; none when
+                                   ///< the rule cannot be understood, which has been reported
   yaml::Position at;
 };
 
@@ -35,6 +36,7 @@ struct StageConfig {
 struct PipelineConfig {
   std::string file;
   std::vector<ConfigSource> sources;  ///< the file, what it extends, what the command line sets
+  std::vector<LeftOut> left_out;
   std::optional<StageConfig> source;
   std::optional<StageConfig> templ;
   std::vector<StageConfig> stages;

@@ -25,10 +25,18 @@ struct Patch {
   yaml::Node node;
 };
 
+/// A stage or sink of an extended file that `without` leaves out.
+struct LeftOut {
+  std::string name;
+  std::string use;
+  yaml::Position at;  ///< of the name in `without`
+};
+
 /// A pipeline as one document. Its root is null when a text could not be read to its end.
 struct Document {
   yaml::Node root;
-  std::vector<ConfigSource> sources;    ///< the file, what it extends, settings
+  std::vector<ConfigSource> sources;  ///< the file, what it extends, settings
+  std::vector<LeftOut> left_out;
   std::vector<yaml::Problem> problems;  ///< a syntax error stands alone
 };
 
@@ -42,7 +50,8 @@ struct Document {
 ///
 /// A setting is PATH=VALUE. PATH begins with a key of the file (`seed`), with `source` or
 /// `template` or with the name of a stage or sink, and goes on with parameters, joined by dots:
-/// `filters.alpha_s=0.2`, `filters.warp.robust=tukey`, `detectors.use=detectors/orb`. VALUE is YAML.
+/// `filters.alpha_s=0.2`, `filters.warp.robust=tukey`, `detectors.use=detectors/orb`. VALUE is
+/// YAML.
 Document read_document(const std::string& file, const std::vector<std::string>& settings,
                        const host::PathRules& paths, const std::vector<Patch>& patches = {});
 

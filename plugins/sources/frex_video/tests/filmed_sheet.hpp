@@ -9,6 +9,7 @@
 #include <weft/data/ground_truth.hpp>
 #include <weft/data/image.hpp>
 #include <weft/data/template.hpp>
+#include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/marker_sheet.hpp>
 #include <weft/geometry/sheet_motion.hpp>
 #include <weft/testing/plugin_under_test.hpp>
