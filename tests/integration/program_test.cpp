@@ -197,7 +197,7 @@ TEST_F(Program, LeavesFinishedFramesReadableWhenItIsKilled) {
     std::snprintf(name, sizeof name, "run/frames/%06zu.npz", i);
     const auto records = host::read_npz(path(name));
     ASSERT_TRUE(records) << name;
-    EXPECT_EQ(records->size(), 4U);  // shape, truth, matches and mask
+    EXPECT_EQ(records->size(), 5U);  // shape, truth, matches, mask and warp samples
   }
   for (const auto& entry : fs::directory_iterator(path("run/frames"))) {
     if (entry.path().extension() != ".npz") continue;

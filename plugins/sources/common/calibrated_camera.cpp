@@ -48,7 +48,9 @@ Result<Array<float>> CalibratedCamera::undistorted_depth(const cv::Mat& stored,
   if (auto fits = check_size(stored.size(), name); !fits) return fits.error();
   Array<float> depth_m({std::int64_t{stored.rows}, std::int64_t{stored.cols}});
   cv::Mat target(stored.size(), CV_32F, depth_m.data());
-  undistorter_.nearest(stored).convertTo(target, CV_32F, unit_m);
+  cv::Mat exact_m;  // OpenCV scales in the precision of the target
+  undistorter_.nearest(stored).convertTo(exact_m, CV_64F, unit_m);
+  exact_m.convertTo(target, CV_32F);
   return depth_m;
 }
 
