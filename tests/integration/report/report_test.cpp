@@ -90,7 +90,7 @@ TEST(Report, CountsASequenceOnceHoweverManyOfItsSeedsAreThere) {
 TEST(Report, LeavesNoCellOutThatHasNotBeenRun) {
   const FakeResults fake({});
   Results results = read(fake);
-  const Combination& row = combinations_of(results).front();
+  const Combination row = combinations_of(results).front();
   results.records.erase(results.cells[row.cells.front()].key);
   EXPECT_EQ(tables_of(results).combinations.front().missing, 1);
 }
