@@ -113,7 +113,7 @@ TEST_F(Identity, KeepsAStageApartFromWhatComesAfterIt) {
            last;
   };
   const CellIdentity short_one = of(line("")),
-                     long_one = of(line("  - use: filters/test.random\n"));
+                     long_one = of(line("  - use: solvers/test.warped\n"));
   EXPECT_TRUE(differences(short_one, long_one).empty());
   EXPECT_NE(short_one.key, long_one.key);
 }

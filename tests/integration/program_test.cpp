@@ -107,8 +107,8 @@ TEST_F(Program, SuggestsTheCommandThatIsMeant) {
   EXPECT_EQ(refusal({"chekc", "x.yaml"}), "error: no command 'chekc'; did you mean 'check'?\n");
   EXPECT_EQ(refusal({"plugins", "shwo"}), "error: no command 'shwo'; did you mean 'show'?\n");
   EXPECT_EQ(refusal({"frobnicate"}),
-            "error: no command 'frobnicate'; there are: run, check, eval, plugins, replay, doctor, "
-            "records\n");
+            "error: no command 'frobnicate'; there are: run, check, eval, ablate, data, plugins, "
+            "replay, doctor, records, report\n");
   EXPECT_THAT(refusal({"check", "x.yaml", "y.yaml"}), HasSubstr("y.yaml"));
   EXPECT_THAT(refusal({"--frob", "check"}), HasSubstr("PIPELINE is required"));
 }

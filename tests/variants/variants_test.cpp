@@ -64,7 +64,7 @@ class Variants : public testing::PipelineTest {
 
   /// Runs the beginning of the demo with the plugins of these folders before all others.
   std::string run(const std::string& name, const std::vector<std::string>& folders) const {
-    const std::string file = write("weft: 1\nextends: " WEFT_DEMO "\nwithout: [sinks, sinks#2]\n");
+    const std::string file = write("weft: 1\nextends: " WEFT_DEMO "\nwithout: [overlay, meshes]\n");
     std::vector<std::string> words;
     for (const std::string& folder : folders) {
       words.insert(words.end(), {"--plugin-path", folder});

@@ -96,7 +96,7 @@ Result<void> read_line(const json& line, const std::set<std::string>& wanted, Re
   if (line.contains("metrics") && line.at("metrics").is_object()) {
     read_metrics(line.at("metrics"), wanted, record);
   }
-  if (line.contains("timing")) read_times(line.at("timing"), record);
+  if (done && line.contains("timing")) read_times(line.at("timing"), record);
   const std::string processor = line.value("/machine/processor"_json_pointer, "");
   if (!processor.empty()) results.processors.insert(processor);
   results.records.emplace(line.at("key"), std::move(record));

@@ -44,6 +44,10 @@ Result<void> read_manifest(const std::string& file, Results& results) {
   }
   results.version = manifest->value("weft", "");
   results.accept_rebuilt = manifest->value("accept_rebuilt", false);
+  if (const auto metrics = manifest->find("metrics"); metrics != manifest->end()) {
+    results.alignment = metrics->value("alignment", results.alignment);
+    results.match_tolerance_px = number_of(*metrics, "match_tolerance_px");
+  }
   return {};
 }
 

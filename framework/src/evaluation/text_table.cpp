@@ -17,18 +17,19 @@ std::string quoted(const std::string& text) {
   return result + "\"";
 }
 
-std::string in_markdown(const std::string& text) {
+/// A long name may break behind its dots and underscores.
+std::string breakable(const std::string& name) {
   std::string result;
-  for (const char c : text) {
-    if (c == '|' || c == '\\' || c == '*' || c == '_' || c == '`' || c == '<') result += '\\';
-    result += c == '\n' ? ' ' : c;
+  for (const char c : html_escaped(name)) {
+    result += c;
+    if (c == '.' || c == '_') result += "<wbr>";
   }
   return result;
 }
 
 std::string heading_html(const TextColumn& column) {
   return fmt::format("<th scope=\"col\"{}>{}</th>", column.numeric ? " class=\"number\"" : "",
-                     html_escaped(column.name));
+                     breakable(column.name));
 }
 
 std::string cell_html(const TextCell& cell, bool numeric, const std::string& before) {
@@ -70,13 +71,15 @@ TextCell number_cell(double value, int decimals) {
 
 std::string to_csv(const TextTable& table) {
   std::string text;
-  for (std::size_t i = 0; i < table.columns.size(); ++i) {
-    text += (i > 0 ? "," : "") + quoted(table.columns[i].field);
+  for (const TextColumn& column : table.columns) {
+    text += (text.empty() ? "" : ",") + quoted(column.field);
+    if (!column.of.empty()) text += "," + quoted(column.of);
   }
   text += "\n";
   for (const TextRow& row : table.rows) {
     for (std::size_t i = 0; i < row.cells.size(); ++i) {
       text += (i > 0 ? "," : "") + quoted(row.cells[i].exact);
+      if (!table.columns[i].of.empty()) text += "," + quoted(row.cells[i].of);
     }
     text += "\n";
   }
@@ -85,15 +88,15 @@ std::string to_csv(const TextTable& table) {
 
 std::string to_markdown(const TextTable& table) {
   std::string text = "## " + table.title + "\n\n";
-  if (!table.note.empty()) text += table.note + "\n\n";
+  if (!table.note.empty()) text += markdown_escaped(table.note) + "\n\n";
   std::string rule;
   for (const TextColumn& column : table.columns) {
-    text += "| " + in_markdown(column.name) + " ";
+    text += "| " + markdown_escaped(column.name) + " ";
     rule += column.numeric ? "|---:" : "|---";
   }
   text += "|\n" + rule + "|\n";
   for (const TextRow& row : table.rows) {
-    for (const TextCell& cell : row.cells) text += "| " + in_markdown(cell.shown) + " ";
+    for (const TextCell& cell : row.cells) text += "| " + markdown_escaped(cell.shown) + " ";
     text += "|\n";
   }
   return text + "\n";
@@ -107,7 +110,18 @@ std::string to_html(const TextTable& table) {
   for (const TextColumn& column : table.columns) text += heading_html(column);
   text += "</tr></thead>\n<tbody>\n";
   for (const TextRow& row : table.rows) text += row_html(table, row);
-  return text + "</tbody></table></div>\n";
+  text += "</tbody></table></div>\n";
+  if (table.note.empty()) return text;
+  return text + "<p class=\"small muted\">" + html_escaped(table.note) + "</p>\n";
+}
+
+std::string markdown_escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '|' || c == '\\' || c == '*' || c == '_' || c == '`' || c == '<') result += '\\';
+    result += c == '\n' ? ' ' : c;
+  }
+  return result;
 }
 
 std::string html_escaped(const std::string& text) {

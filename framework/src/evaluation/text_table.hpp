@@ -12,6 +12,7 @@ struct TextCell {
   std::string exact;
   std::string tip{};   ///< where the figure comes from, on a page
   std::string link{};  ///< an anchor of the page
+  std::string of{};    ///< where the figure is a share: the whole, exactly
 };
 
 TextCell text_cell(const std::string& text);
@@ -23,6 +24,7 @@ struct TextColumn {
   std::string name;     ///< as people read it, with its unit
   std::string field{};  ///< as programs do
   bool numeric = false;
+  std::string of{};  ///< for programs, the name of the whole that a share is of
 };
 
 struct TextRow {
@@ -35,16 +37,19 @@ struct TextRow {
 struct TextTable {
   std::string id;  ///< name of its file and its anchor
   std::string title;
-  std::string note;
+  std::string note;  ///< what the figures mean
   std::vector<TextColumn> columns;
   std::vector<TextRow> rows;
 };
 
+/// Shares have a second column, with the whole.
 std::string to_csv(const TextTable& table);
 std::string to_markdown(const TextTable& table);
 std::string to_html(const TextTable& table);
 
 /// Text in HTML, in an attribute as well.
 std::string html_escaped(const std::string& text);
+/// Text that is no markup in Markdown.
+std::string markdown_escaped(const std::string& text);
 
 }  // namespace weft::evaluation
