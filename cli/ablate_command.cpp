@@ -171,7 +171,7 @@ void ablate(AblateOptions options, Context& context) {
   print_failures(*grid, *state);
   print_state(*state);
   const bool met = state->left > 0 || print_verdicts(*grid, *state);
-  fmt::print("{}{}\n", options.folder, state->left > 0 ? " (interrupted; run again to go on)" : "");
+  fmt::print("{}{}\n", options.folder, state->left > 0 ? " (not finished; run again to go on)" : "");
   if (state->left > 0 || state->failed > 0 || !met) context.exit_code = kFramesFailed;
 }
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Installs the Debian 12 packages that Weft needs and that are missing, and builds the script of the
-# reports' pages with npm. Both demo.sh and test.sh call it.
+# reports' pages with npm. demo.sh calls it, and test.sh with --tests, which adds what tests need.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -13,9 +13,11 @@ packages=(
   libopencv-contrib-dev
   libeigen3-dev libboost-dev libboost-filesystem-dev libyaml-cpp-dev libcgal-dev
   libembree-dev libcli11-dev libfmt-dev nlohmann-json3-dev libxxhash-dev libzip-dev libsqlite3-dev
-  libcairo2-dev
-  clang-format clang-tidy gcovr python3
+  libcairo2-dev python3
 )
+if [[ ${1:-} == --tests ]]; then
+  packages+=(clang-format clang-tidy gcovr chromium)
+fi
 
 # npm comes with Node where that is not Debian's.
 command -v npm >/dev/null || packages+=(npm)

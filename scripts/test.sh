@@ -150,7 +150,7 @@ coverage() {
 what="quick tests"
 ((long == 0)) || what="quick and long tests"
 echo "Weft: $what, $jobs jobs, data: ${WEFT_DATA:-none}"
-step bootstrap build/bootstrap.log scripts/bootstrap.sh || exit 1
+step bootstrap build/bootstrap.log scripts/bootstrap.sh --tests || exit 1
 build_and_test release
 build_and_test asan
 if ((long)); then

@@ -119,7 +119,7 @@ TEST_F(Survival, GoesOnWhereAFullDiskStoppedIt) {
   finish("whole");
   const auto stopped = finish("disk/out");
   EXPECT_EQ(stopped.exit_code, 3) << stopped.out;
-  EXPECT_THAT(stopped.err, HasSubstr("disk full"));
+  EXPECT_THAT(stopped.err, HasSubstr("the disk not full?"));
   const std::set<std::string> before = finished("disk/out");
   disk.grow();
   EXPECT_EQ(finish("disk/out").exit_code, 1);
