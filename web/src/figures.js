@@ -20,6 +20,13 @@ function points_of(series, curve) {
   });
 }
 
+/** Each curve with the foot that it rises from. */
+function rising_from_zero(points) {
+  return points.flatMap((point, i) =>
+    i > 0 && points[i - 1].series === point.series ? [point] : [{ ...point, y: 0 }, point],
+  );
+}
+
 function spread_is_large(points) {
   const values = points
     .map(({ x }) => x)
@@ -29,7 +36,7 @@ function spread_is_large(points) {
 }
 
 async function draw_distribution(figure, data, series) {
-  const points = points_of(series, "distribution");
+  const points = rising_from_zero(points_of(series, "distribution"));
   const log = spread_is_large(points);
   write_legend(figure, series);
   await draw(figure, {
@@ -42,7 +49,7 @@ async function draw_distribution(figure, data, series) {
         field: "x",
         type: "quantitative",
         title: `${data.measure.name}, ${data.measure.unit}`,
-        scale: { type: log ? "log" : "linear", nice: !log },
+        scale: { type: log ? "log" : "linear", nice: !log, ...(!log && { zero: true }) },
       },
       y: {
         field: "y",
@@ -81,8 +88,9 @@ async function draw_by_frame(figure, data, series) {
   });
 }
 
-/** Differences with their intervals: what lies across zero is not decided. */
+/** Differences with their intervals, where they have one: what lies across zero is not decided. */
 async function draw_differences(figure, { pairs, unit }) {
+  const title = `Difference${unit && `, ${unit}`}`;
   const values = pairs.map((pair) => ({ ...pair, name: `${pair.a} − ${pair.b}` }));
   await draw(figure, {
     width: Math.max(220, width_of(figure) - 260),
@@ -100,13 +108,10 @@ async function draw_differences(figure, { pairs, unit }) {
     layer: [
       { mark: { type: "rule", strokeDash: [3, 3] }, encoding: { x: { datum: 0 }, y: null } },
       {
+        data: { values: values.filter(({ low }) => low !== null) },
         mark: { type: "rule", strokeWidth: 2 },
         encoding: {
-          x: {
-            field: "low",
-            type: "quantitative",
-            title: `Difference${unit && `, ${unit}`} (95 % interval)`,
-          },
+          x: { field: "low", type: "quantitative" },
           x2: { field: "high" },
           stroke: {
             condition: { test: "datum.decided", value: "var(--series-1)" },
@@ -115,9 +120,9 @@ async function draw_differences(figure, { pairs, unit }) {
         },
       },
       {
-        mark: { type: "point", filled: true, size: 60 },
+        mark: { type: "point", filled: true, size: 60, opacity: 1 },
         encoding: {
-          x: { field: "difference", type: "quantitative" },
+          x: { field: "difference", type: "quantitative", title },
           fill: {
             condition: { test: "datum.decided", value: "var(--series-1)" },
             value: "var(--muted)",

@@ -67,6 +67,11 @@ function roc_spec(figure, sweep, series) {
     ({ figures }) => floats(figures[0]),
     ({ figures }) => floats(figures[1]),
   );
+  const whole = series.flatMap(({ name }) => [
+    { series: name, x: 0, y: 0 },
+    ...points.filter((point) => point.series === name),
+    { series: name, x: 100, y: 100 },
+  ]);
   const side = Math.min(440, width_of(figure));
   const diagonal = [
     { x: 0, y: 0 },
@@ -81,6 +86,17 @@ function roc_spec(figure, sweep, series) {
         data: { values: diagonal },
         mark: { type: "line", stroke: "var(--rule-strong)", strokeDash: [3, 3] },
         encoding: { x: { field: "x", ...percent }, y: { field: "y", ...percent } },
+      },
+      {
+        data: { values: whole },
+        mark: { type: "line", strokeWidth: 1, opacity: 0.6 },
+        encoding: {
+          x: { field: "x", ...percent },
+          y: { field: "y", ...percent },
+          order: { field: "place" },
+          ...series_channels(series),
+        },
+        transform: [{ calculate: "datum.x + datum.y", as: "place" }],
       },
       {
         data: { values: points },

@@ -61,6 +61,7 @@ class Drawing {
     );
     this.errors = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
     this.group.add(this.surface, this.edges, this.truth, this.errors);
+    this.enlarged = 1;
     this.colour();
   }
 
@@ -85,7 +86,7 @@ class Drawing {
       frame.vertices.length ? new WireframeGeometry(geometry) : new BufferGeometry(),
     );
     this.#replace(this.truth, points_geometry(frame.truth));
-    this.#replace(this.errors, points_geometry(segments(frame)));
+    this.#replace(this.errors, points_geometry(segments(frame, this.enlarged)));
   }
 
   #replace(object, geometry) {
@@ -98,12 +99,15 @@ function points_geometry(positions) {
   return new BufferGeometry().setAttribute("position", new BufferAttribute(positions, 3));
 }
 
-/** From each true point to its place on the estimate, where it has one. */
-function segments({ truth, placed }) {
+/** From each true point towards its place on the estimate, where it has one. */
+function segments({ truth, placed }, enlarged) {
   const ends = [];
   for (let i = 0; i < placed.length; i += 3) {
     if (Number.isNaN(placed[i])) continue;
-    ends.push(...truth.subarray(i, i + 3), ...placed.subarray(i, i + 3));
+    for (let axis = i; axis < i + 3; ++axis) ends.push(truth[axis]);
+    for (let axis = i; axis < i + 3; ++axis) {
+      ends.push(truth[axis] + enlarged * (placed[axis] - truth[axis]));
+    }
   }
   return new Float32Array(ends);
 }
@@ -167,7 +171,7 @@ class Viewer {
     const frame = this.#cell.frames[index];
     this.slider.value = index;
     this.root.querySelector(".readout").textContent =
-      `frame ${frame.frame} · ${frame.state} · ${shown(frame.mean_mm ?? NaN)} mm`;
+      `frame ${frame.frame} · ${frame.state} · mean error ${shown(frame.mean_mm ?? NaN)} mm`;
     this.drawing.show(this.#cell, frame);
     this.render();
   }
@@ -227,6 +231,10 @@ class Viewer {
     this.root
       .querySelector("select")
       .addEventListener("change", (event) => this.choose(event.target.selectedIndex));
+    this.root.querySelector(".enlarged").addEventListener("change", (event) => {
+      this.drawing.enlarged = Number(event.target.value);
+      this.show(this.#index);
+    });
     this.root.querySelector(".play").addEventListener("click", () => this.toggle_play());
     this.root.querySelector(".reset").addEventListener("click", () => this.look_from_camera());
     for (const box of this.root.querySelectorAll("input[type=checkbox]")) {

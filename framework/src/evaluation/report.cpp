@@ -5,6 +5,7 @@
 #include <optional>
 #include <weft/evaluation/report.hpp>
 
+#include "report_notes.hpp"
 #include "report_page.hpp"
 #include "report_sheets.hpp"
 #include "write_whole.hpp"
@@ -32,14 +33,30 @@ Result<PageAssets> read_assets(const std::string& folder) {
                     read_text(folder + "/licences.txt").value_or("")};
 }
 
-Result<std::vector<std::string>> write_tables(const std::string& folder,
-                                              const std::vector<TextTable>& sheets,
-                                              const std::string& title) {
+/// What stands before the tables: what was run, and what came of it.
+std::string markdown_head(const Results& results, const ReportTables& tables) {
+  std::string text = "# " + markdown_escaped(results.name) + "\n\nMade by Weft " +
+                     markdown_escaped(results.version) + " with `" + results.command + "`.\n\n";
+  for (const auto& [name, value] : facts_of(results, tables)) {
+    text += "- " + markdown_escaped(name) + ": " + markdown_escaped(value) + "\n";
+  }
+  text += "\n";
+  for (const std::string& notice : notices_of(results, tables)) {
+    text += "> " + markdown_escaped(notice) + "\n\n";
+  }
+  for (const std::string& verdict : verdicts_of(tables)) {
+    text += "- " + markdown_escaped(verdict) + "\n";
+  }
+  return text + "\n";
+}
+
+Result<std::vector<std::string>> write_tables(const std::string& folder, const Results& results,
+                                              const ReportTables& tables) {
   std::error_code code;
   fs::create_directories(folder, code);
   std::vector<std::string> files;
-  std::string markdown = "# " + title + "\n\n";
-  for (const TextTable& sheet : sheets) {
+  std::string markdown = markdown_head(results, tables);
+  for (const TextTable& sheet : all_sheets(results, tables)) {
     files.push_back(folder + "/" + sheet.id + ".csv");
     if (auto written = write_whole(to_csv(sheet), files.back()); !written) return written.error();
     markdown += to_markdown(sheet);
@@ -60,7 +77,7 @@ Result<ReportFiles> write_report(const std::string& folder, const ReportOptions&
   if (!tables) return tables.error();
   const auto figures = make_figures(*results, *tables);
   if (!figures) return figures.error();
-  auto files = write_tables(folder + "/report", all_sheets(*results, *tables), results->name);
+  auto files = write_tables(folder + "/report", *results, *tables);
   if (!files) return files.error();
   const std::string page = options.page.empty() ? folder + "/report.html" : options.page;
   if (auto written = write_whole(page_html(*results, *tables, *figures, *assets), page); !written) {

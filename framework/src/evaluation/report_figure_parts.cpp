@@ -68,11 +68,13 @@ std::string sweeps_part(const Results& results, const Figures& figures) {
 std::string worst_part(const Results& results, const Figures& figures) {
   if (figures.worst_frames.empty()) return "";
   std::string text =
-      "<p>The largest errors of all cells, the estimate drawn over the image.</p>\n<div "
-      "class=\"thumbnails\">\n";
+      "<p>The frames with the largest errors of each combination. Lines: the estimated mesh over "
+      "the image, green where it was estimated in this frame, amber where that is weak, red where "
+      "it is only predicted. Blue dots: the matches that were kept. A click on a command copies "
+      "it.</p>\n<div class=\"thumbnails\">\n";
   for (const ShownFrame& frame : figures.worst_frames) {
     const PlanCell& cell = results.cells[frame.cell];
-    const TextCell error = number_cell(frame.mean_mm, 1);
+    const TextCell error = number_cell(frame.mean_mm, 3);
     std::string values;
     for (const std::string& value : cell.values) values += html_escaped(value) + " · ";
     text += fmt::format(
@@ -80,7 +82,8 @@ std::string worst_part(const Results& results, const Figures& figures) {
         "{}<br><code class=\"command\">{}</code></figcaption></figure>\n",
         frame.picture.type, base64(frame.picture.bytes), values, html_escaped(cell.sequence),
         cell.seed, frame.picture.frame,
-        std::isfinite(frame.mean_mm) ? error.shown + " mm" : "no error could be measured",
+        std::isfinite(frame.mean_mm) ? error.shown + " mm mean error"
+                                     : "no error could be measured",
         html_escaped(command_of(results, cell)));
   }
   return text + "</div>\n";
@@ -91,7 +94,9 @@ std::string viewer_part(const Figures& figures) {
   return fmt::format(
              "<p>The page holds the worst, the median and the best cell of each combination that "
              "the figures draw at first, at most {} frames a cell and {} true points a frame, "
-             "evenly chosen. Drag to turn, scroll to come nearer.</p>\n<p "
+             "evenly chosen. A line leads from each true point to its place on the estimate, "
+             "longer than it is where the errors are enlarged. Drag to turn, scroll to come "
+             "nearer.</p>\n<p "
              "class=\"needs-script\">The 3D view needs JavaScript.</p>\n",
              ViewLimits{}.frames, ViewLimits{}.truth_points) +
          "<div id=\"viewer\"><div class=\"controls\"><label>Cell <select "
@@ -101,8 +106,12 @@ std::string viewer_part(const Figures& figures) {
          "<input type=\"range\" min=\"0\" max=\"0\" value=\"0\" step=\"1\" "
          "aria-label=\"Frame\">\n<output class=\"readout\"></output></div>\n"
          "<div class=\"controls\">" +
-         checkbox("surface edges", "estimate") + checkbox("truth", "true points") +
+         checkbox("surface edges", "<span class=\"key estimate\"></span>estimate") +
+         checkbox("truth", "<span class=\"key truth\"></span>true points") +
          checkbox("errors", "errors") +
+         "<label>enlarged <select class=\"enlarged\" aria-label=\"Errors enlarged\">"
+         "<option value=\"1\">1×</option><option value=\"10\">10×</option>"
+         "<option value=\"50\">50×</option></select></label>"
          "<button type=\"button\" class=\"plain reset\">Reset the view</button></div>\n"
          "<p class=\"small\">Again: <code class=\"command\"></code></p></div>\n";
 }

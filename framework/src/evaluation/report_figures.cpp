@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::size_t kMostDrawn = 8;      ///< colours that can be told apart
 constexpr std::size_t kMostPictures = 12;  ///< of worst frames
+constexpr std::size_t kPicturesOfOne = 2;  ///< of them of one combination
 
 /// The combinations with the smallest mean errors, at most kMostDrawn, in the plan's order.
 std::vector<std::size_t> drawn_at_first(const ReportTables& tables) {
@@ -72,17 +73,19 @@ double error_of(const CellRecord& record, std::uint64_t frame) {
   return kUnknown;
 }
 
-/// The worst frames of all cells of which there is a picture, frames without an error first.
-std::vector<ShownFrame> worst_frames(const Results& results) {
+/// A frame without an error is worse than any other.
+bool worse(const ShownFrame& a, const ShownFrame& b) {
+  if (std::isnan(a.mean_mm) || std::isnan(b.mean_mm)) {
+    return std::isnan(a.mean_mm) && !std::isnan(b.mean_mm);
+  }
+  return a.mean_mm > b.mean_mm;
+}
+
+/// The worst frames of a combination of which there is a picture.
+std::vector<ShownFrame> worst_of(const Results& results, const Combination& combination,
+                                 std::set<std::string>& keys) {
   std::vector<ShownFrame> frames;
-  std::set<std::string> keys;
-  const auto worse = [](const ShownFrame& a, const ShownFrame& b) {
-    if (std::isnan(a.mean_mm) || std::isnan(b.mean_mm)) {
-      return std::isnan(a.mean_mm) && !std::isnan(b.mean_mm);
-    }
-    return a.mean_mm > b.mean_mm;
-  };
-  for (std::size_t c = 0; c < results.cells.size(); ++c) {
+  for (const std::size_t c : combination.cells) {
     const PlanCell& cell = results.cells[c];
     if (!keys.insert(cell.key).second) continue;
     for (Thumbnail& picture : read_thumbnails(cell_folder(results, cell))) {
@@ -90,9 +93,32 @@ std::vector<ShownFrame> worst_frames(const Results& results) {
       frames.push_back({c, mean_mm, std::move(picture)});
     }
     std::stable_sort(frames.begin(), frames.end(), worse);
-    if (frames.size() > kMostPictures) frames.resize(kMostPictures);
+    if (frames.size() > kPicturesOfOne) frames.resize(kPicturesOfOne);
   }
   return frames;
+}
+
+/// The worst frame of each combination, then the second of each while there is room.
+std::vector<ShownFrame> worst_frames(const Results& results, const ReportTables& tables) {
+  std::vector<std::vector<ShownFrame>> by_rank(kPicturesOfOne);
+  std::set<std::string> keys;
+  for (const Combination& combination : tables.combinations) {
+    std::vector<ShownFrame> frames = worst_of(results, combination, keys);
+    for (std::size_t rank = 0; rank < frames.size(); ++rank) {
+      std::vector<ShownFrame>& rivals = by_rank[rank];
+      rivals.push_back(std::move(frames[rank]));
+      std::stable_sort(rivals.begin(), rivals.end(), worse);
+      if (rivals.size() > kMostPictures) rivals.resize(kMostPictures);
+    }
+  }
+  std::vector<ShownFrame> shown;
+  for (std::vector<ShownFrame>& rivals : by_rank) {
+    for (ShownFrame& frame : rivals) {
+      if (shown.size() < kMostPictures) shown.push_back(std::move(frame));
+    }
+  }
+  std::stable_sort(shown.begin(), shown.end(), worse);
+  return shown;
 }
 
 }  // namespace
@@ -106,7 +132,7 @@ Result<Figures> make_figures(const Results& results, const ReportTables& tables)
       return added.error();
     }
   }
-  figures.worst_frames = worst_frames(results);
+  figures.worst_frames = worst_frames(results, tables);
   return figures;
 }
 

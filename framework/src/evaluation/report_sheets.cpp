@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report_sheets.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numeric>
+#include <weft/evaluation/metrics.hpp>
+
+#include "report_notes.hpp"
+#include "report_statistics.hpp"
 
 namespace weft::evaluation {
 namespace {
+
+constexpr std::size_t kBetterColumn = 5;  ///< of comparisons
 
 void add_axes(const Results& results, TextTable& table) {
   for (const PlanAxis& axis : results.axes) table.columns.push_back({axis.name, axis.name});
@@ -21,24 +29,29 @@ void add_values(const ReportTables& tables, std::size_t index, TextRow& row) {
 }
 
 TextCell share_cell(std::int64_t part, std::int64_t whole) {
-  return {std::to_string(part) + " of " + std::to_string(whole), std::to_string(part)};
+  TextCell cell{std::to_string(part) + " of " + std::to_string(whole), std::to_string(part)};
+  cell.of = std::to_string(whole);
+  return cell;
 }
 
 void add_error(const Combination& combination, TextRow& row) {
-  row.cells.push_back(number_cell(combination.mean_mm, 2));
-  row.cells.push_back(number_cell(combination.interval_mm.low, 2));
-  row.cells.push_back(number_cell(combination.interval_mm.high, 2));
-  row.cells.push_back(number_cell(combination.worst_mm, 2));
+  row.cells.push_back(number_cell(combination.mean_mm, 3));
+  row.cells.push_back(number_cell(combination.interval_mm.low, 3));
+  row.cells.push_back(number_cell(combination.interval_mm.high, 3));
+  row.cells.push_back(number_cell(combination.worst_mm, 3));
   row.cells.back().tip = combination.worst_place;
 }
 
-TextRow combination_row(const ReportTables& tables, std::size_t index) {
+TextRow combination_row(const Results& results, const ReportTables& tables, std::size_t index) {
   const Combination& combination = tables.combinations[index];
   const bool drawable = std::isfinite(combination.mean_mm);
   TextRow row{{}, drawable ? static_cast<std::ptrdiff_t>(index) : -1, combination.done == 0};
   add_values(tables, index, row);
   if (tables.has_error) add_error(combination, row);
-  for (const double figure : combination.shown) row.cells.push_back(number_cell(figure, 2));
+  for (const std::size_t metric : shown_metrics(results, tables)) {
+    const bool length = unit_of(results.show[metric]) == "mm";
+    row.cells.push_back(number_cell(combination.shown[metric], length ? 3 : 2));
+  }
   row.cells.push_back(share_cell(combination.solved, combination.frames));
   row.cells.push_back(share_cell(combination.failures, combination.truth_frames));
   const std::int64_t cells = combination.done + combination.failed + combination.missing;
@@ -63,14 +76,14 @@ std::string better_text(const PairComparison& pair) {
 }
 
 TextRow comparison_row(const PlanComparison& plan, const PairComparison& pair) {
-  TextRow row{{text_cell(plan.axis), text_cell(plan.metric), text_cell(pair.a), text_cell(pair.b),
+  TextRow row{{text_cell(plan.axis), text_cell(plan.metric), text_cell(unit_of(plan.metric)),
+               text_cell(pair.a), text_cell(pair.b), text_cell(better_text(pair)),
                number_cell(pair.test.mean, 3), number_cell(pair.test.interval.low, 3),
                number_cell(pair.test.interval.high, 3), count_cell(pair.test.n),
                number_cell(pair.test.p, 4), number_cell(pair.p_holm, 4),
                number_cell(pair.smallest_effect, 3), count_cell(pair.failures.only_a),
-               count_cell(pair.failures.only_b), count_cell(pair.failures.rows),
-               text_cell(better_text(pair))}};
-  row.cells.back().tip = pair.sentence;
+               count_cell(pair.failures.only_b), count_cell(pair.failures.rows)}};
+  row.cells[kBetterColumn].tip = pair.sentence;
   return row;
 }
 
@@ -90,12 +103,35 @@ std::string anchor_of(std::size_t combination) {
   return "reproduce-" + std::to_string(combination);
 }
 
+std::string run_command(const Results& results, const std::string& key) {
+  std::string options;
+  if (results.alignment != "none") options += " --alignment " + results.alignment;
+  if (std::isfinite(results.match_tolerance_px) &&
+      results.match_tolerance_px != EvaluationOptions{}.match_tolerance_px) {
+    options += fmt::format(" --match-tolerance-px {:g}", results.match_tolerance_px);
+  }
+  return "weft run " + in_shell(results.folder + "/cells/" + key + "/pipeline.yaml") +
+         " --out runs/" + key + " && weft eval runs/" + key + options;
+}
+
 std::string command_of(const Results& results, const PlanCell& cell) {
-  return "weft run " + in_shell(results.folder + "/cells/" + cell.key + "/pipeline.yaml");
+  return run_command(results, cell.key);
+}
+
+std::string ablate_command(const Results& results, const std::string& option) {
+  return results.command + " --out " + in_shell(results.folder) + option;
+}
+
+std::vector<std::size_t> shown_metrics(const Results& results, const ReportTables& tables) {
+  std::vector<std::size_t> metrics;
+  for (std::size_t m = 0; m < results.show.size(); ++m) {
+    if (!tables.has_error || results.show[m] != kErrorMetric) metrics.push_back(m);
+  }
+  return metrics;
 }
 
 TextTable combinations_sheet(const Results& results, const ReportTables& tables) {
-  TextTable table{"combinations", "Results", "", {}, {}};
+  TextTable table{"combinations", "Results", combinations_note(results, tables), {}, {}};
   add_axes(results, table);
   if (tables.has_error) {
     for (const TextColumn& column :
@@ -104,17 +140,19 @@ TextTable combinations_sheet(const Results& results, const ReportTables& tables)
       table.columns.push_back(column);
     }
   }
-  for (const std::string& metric : results.show) table.columns.push_back({metric, metric, true});
+  for (const std::size_t metric : shown_metrics(results, tables)) {
+    table.columns.push_back({results.show[metric], results.show[metric], true});
+  }
   for (const TextColumn& column :
-       {TextColumn{"frames solved", "frames_solved", true},
-        TextColumn{"frames failed", "frames_failed", true},
-        TextColumn{"cells failed", "cells_failed", true},
+       {TextColumn{"frames solved", "frames_solved", true, "frames"},
+        TextColumn{"frames failed", "frames_failed", true, "frames_with_truth"},
+        TextColumn{"cells failed", "cells_failed", true, "cells"},
         TextColumn{"not run", "cells_missing", true}, TextColumn{"n", "sequences", true},
         TextColumn{"reads the truth", "uses_truth"}}) {
     table.columns.push_back(column);
   }
   for (std::size_t i = 0; i < tables.combinations.size(); ++i) {
-    table.rows.push_back(combination_row(tables, i));
+    table.rows.push_back(combination_row(results, tables, i));
   }
   return table;
 }
@@ -122,11 +160,13 @@ TextTable combinations_sheet(const Results& results, const ReportTables& tables)
 TextTable comparison_sheet(const std::vector<ComparisonResult>& comparisons) {
   TextTable table{"comparisons",
                   "Comparisons",
-                  "",
+                  comparisons_note(),
                   {{"axis", "axis"},
                    {"metric", "metric"},
+                   {"unit", "unit"},
                    {"A", "a"},
                    {"B", "b"},
+                   {"better", "better"},
                    {"A − B", "difference", true},
                    {"95 % from", "low", true},
                    {"to", "high", true},
@@ -136,8 +176,7 @@ TextTable comparison_sheet(const std::vector<ComparisonResult>& comparisons) {
                    {"smallest effect", "smallest_effect", true},
                    {"fails only A", "only_a_failed", true},
                    {"only B", "only_b_failed", true},
-                   {"of", "places", true},
-                   {"better", "better"}},
+                   {"of", "places", true}},
                   {}};
   for (const auto& [plan, unit, result] : comparisons) {
     for (const PairComparison& pair : result.pairs) {
@@ -150,7 +189,7 @@ TextTable comparison_sheet(const std::vector<ComparisonResult>& comparisons) {
 TextTable expectations_sheet(const Results& results, const ReportTables& tables) {
   TextTable table{"expectations",
                   "Expectations",
-                  "",
+                  expectations_note(),
                   {{"where", "where"},
                    {"metric", "metric"},
                    {"at least", "at_least", true},
@@ -164,8 +203,8 @@ TextTable expectations_sheet(const Results& results, const ReportTables& tables)
     const PlanExpectation& plan = results.expectations[i];
     const ExpectationRow& row = tables.expectations[i];
     table.rows.push_back(
-        {{text_cell(row.where), text_cell(plan.metric), number_cell(plan.at_least, 2),
-          number_cell(plan.at_most, 2), number_cell(row.measured, 3), count_cell(row.cells),
+        {{text_cell(row.where), text_cell(plan.metric), number_cell(plan.at_least, 3),
+          number_cell(plan.at_most, 3), number_cell(row.measured, 3), count_cell(row.cells),
           count_cell(row.without), text_cell(row.met ? "yes" : "no")},
          -1,
          !row.met});
@@ -174,7 +213,7 @@ TextTable expectations_sheet(const Results& results, const ReportTables& tables)
 }
 
 TextTable filters_sheet(const Results& results, const ReportTables& tables) {
-  TextTable table{"filters", "Filters", "", {}, {}};
+  TextTable table{"filters", "Filters", filters_note(results), {}, {}};
   add_axes(results, table);
   for (const TextColumn& column :
        {TextColumn{"stage", "stage"}, TextColumn{"TPR, %", "tpr_percent", true},
@@ -202,7 +241,7 @@ TextTable filters_sheet(const Results& results, const ReportTables& tables) {
 }
 
 TextTable times_sheet(const Results& results, const ReportTables& tables) {
-  TextTable table{"times", "Time of each stage", "", {}, {}};
+  TextTable table{"times", "Time of each stage", times_note(), {}, {}};
   add_axes(results, table);
   table.columns.push_back({"stage", "stage"});
   table.columns.push_back({"mean, ms a frame", "mean_ms", true});
@@ -221,14 +260,15 @@ TextTable times_sheet(const Results& results, const ReportTables& tables) {
 }
 
 TextTable cells_sheet(const Results& results, const std::vector<std::size_t>& cells) {
-  TextTable table{"cells", "Cells", "", {{"cell", "cell", true}}, {}};
+  TextTable table{"cells", "Cells", cells_note(results), {{"cell", "cell", true}}, {}};
   add_axes(results, table);
   for (const TextColumn& column :
        {TextColumn{"sequence", "sequence"}, TextColumn{"seed", "seed", true},
         TextColumn{"outcome", "outcome"}, TextColumn{"mean, mm", "mean_mm", true},
-        TextColumn{"worst, mm", "worst_mm", true}, TextColumn{"solved", "frames_solved", true},
-        TextColumn{"failed", "frames_failed", true}, TextColumn{"reason", "reason"},
-        TextColumn{"key", "key"}}) {
+        TextColumn{"worst, mm", "worst_mm", true},
+        TextColumn{"solved", "frames_solved", true, "frames"},
+        TextColumn{"failed", "frames_failed", true, "frames_with_truth"},
+        TextColumn{"reason", "reason"}, TextColumn{"key", "key"}}) {
     table.columns.push_back(column);
   }
   for (const std::size_t index : cells) {

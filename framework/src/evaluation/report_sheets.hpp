@@ -24,8 +24,14 @@ TextTable cells_sheet(const Results& results, const std::vector<std::size_t>& ce
 /// The tables that have rows, with every cell of the plan last.
 std::vector<TextTable> all_sheets(const Results& results, const ReportTables& tables);
 
-/// The command that runs a cell anew.
+/// The metrics of the plan's table that the main table does not have anyway.
+std::vector<std::size_t> shown_metrics(const Results& results, const ReportTables& tables);
+
+/// The command that runs the cell of a key anew and measures it.
+std::string run_command(const Results& results, const std::string& key);
 std::string command_of(const Results& results, const PlanCell& cell);
+/// The command that goes on with the folder, with an option.
+std::string ablate_command(const Results& results, const std::string& option);
 
 /// The anchor of what reproduces a combination.
 std::string anchor_of(std::size_t combination);

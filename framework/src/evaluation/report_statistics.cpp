@@ -8,8 +8,6 @@
 namespace weft::evaluation {
 namespace {
 
-constexpr const char* kErrorMetric = "all.error_solved.mean_mm";
-
 /// A number for each combination of a seed and values of the other axes.
 class Repeats {
  public:
@@ -29,6 +27,12 @@ std::size_t axis_index(const Results& results, const std::string& name) {
   return static_cast<std::size_t>(axis - results.axes.begin());
 }
 
+}  // namespace
+
+std::string measure_of(const std::string& metric) {
+  return metric == kErrorMetric ? "mean 3D error" : metric;
+}
+
 Better better_of(const std::string& metric) {
   for (const char* gain : {"tpr_percent", "kept_percent", "precision_percent", "recall_percent",
                            "f1_percent", "solved_percent", "solved"}) {
@@ -36,8 +40,6 @@ Better better_of(const std::string& metric) {
   }
   return Better::lower;
 }
-
-}  // namespace
 
 std::vector<Observation> observations_of(const Results& results, const PlanComparison& plan) {
   const std::size_t axis = axis_index(results, plan.axis);
@@ -74,7 +76,7 @@ Result<ComparisonTable> compare(const Results& results, const PlanComparison& pl
   const std::vector<Observation> observations = observations_of(results, plan);
   if (observations.empty()) return ComparisonTable{};
   ComparisonOptions options;
-  options.measure = plan.metric == kErrorMetric ? "mean 3D error" : plan.metric;
+  options.measure = measure_of(plan.metric);
   options.unit = unit_of(plan.metric);
   options.better = better_of(plan.metric);
   options.reference = plan.reference;

@@ -6,6 +6,13 @@
 
 namespace weft::evaluation {
 
+inline constexpr const char* kErrorMetric = "all.error_solved.mean_mm";
+
+/// The name of a metric in a sentence.
+std::string measure_of(const std::string& metric);
+/// Whether a metric had better be low or high.
+Better better_of(const std::string& metric);
+
 /// What the cells say of the values of the comparison's axis. The 3D error enters frame by frame,
 /// every other metric cell by cell. Cells that differ on other axes are paired with each other and
 /// count as further seeds of their sequence. A cell that has not been run says nothing.

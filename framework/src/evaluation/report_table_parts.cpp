@@ -6,84 +6,16 @@
 #include <map>
 #include <set>
 
+#include "report_notes.hpp"
 #include "report_parts.hpp"
 #include "report_sheets.hpp"
+#include "report_statistics.hpp"
 
 namespace weft::evaluation {
 namespace {
 
 std::string fact(const std::string& name, const std::string& value) {
   return "<dt>" + html_escaped(name) + "</dt><dd>" + value + "</dd>\n";
-}
-
-template <class T>
-std::string listed(const std::vector<T>& values) {
-  std::string text;
-  for (const T& value : values) {
-    text += text.empty() ? "" : ", ";
-    if constexpr (std::is_same_v<T, std::string>) {
-      text += html_escaped(value);
-    } else {
-      text += std::to_string(value);
-    }
-  }
-  return text;
-}
-
-std::string data_use_text(const std::string& use) {
-  if (use == "reporting") return "reporting: nothing was tuned on these sequences";
-  if (use == "tuning") return "tuning: not for publication";
-  return "the plan does not say";
-}
-
-struct Counts {
-  std::int64_t done = 0, failed = 0, missing = 0;
-};
-
-Counts count_cells(const ReportTables& tables) {
-  Counts counts;
-  for (const Combination& combination : tables.combinations) {
-    counts.done += combination.done;
-    counts.failed += combination.failed;
-    counts.missing += combination.missing;
-  }
-  return counts;
-}
-
-std::size_t distinct_keys(const Results& results) {
-  std::set<std::string> keys;
-  for (const PlanCell& cell : results.cells) keys.insert(cell.key);
-  return keys.size();
-}
-
-std::string notice(const std::string& text) { return "<p class=\"notice\">" + text + "</p>\n"; }
-
-/// What restrains everything that the page says.
-std::string notices(const Results& results, const ReportTables& tables) {
-  std::string text;
-  const Counts counts = count_cells(tables);
-  if (counts.missing > 0) {
-    text += notice(fmt::format("{} cells have not been run yet: the figures are of what is there.",
-                               counts.missing));
-  }
-  if (results.data_use == "tuning") {
-    text += notice(
-        "The sequences of this plan are for tuning: its figures are not for "
-        "publication.");
-  }
-  if (results.accept_rebuilt) {
-    text += notice(
-        "Results of components that were built again are mixed here "
-        "(<code>--accept-rebuilt</code>).");
-  }
-  for (const Combination& combination : tables.combinations) {
-    if (!combination.uses_truth) continue;
-    text += notice(
-        "Some combinations have a component that may read the truth: they are no "
-        "measurement, and their rows say so.");
-    break;
-  }
-  return text;
 }
 
 /// The failed cells of a combination, each with its reason.
@@ -110,6 +42,16 @@ std::string sentences_of(const ComparisonTable& table) {
   return text + "</ul>\n";
 }
 
+/// The rows of a comparison without what its heading says.
+TextTable without_heading(const ComparisonResult& comparison) {
+  constexpr std::ptrdiff_t kHeading = 3;  // axis, metric and unit
+  TextTable table = comparison_sheet({comparison});
+  table.note.clear();
+  table.columns.erase(table.columns.begin(), table.columns.begin() + kHeading);
+  for (TextRow& row : table.rows) row.cells.erase(row.cells.begin(), row.cells.begin() + kHeading);
+  return table;
+}
+
 /// The effective settings of a cell, where its folder has them.
 std::string settings_of(const Results& results, const PlanCell& cell) {
   std::ifstream stream(results.folder + "/cells/" + cell.key + "/pipeline.yaml", std::ios::binary);
@@ -122,50 +64,30 @@ std::string settings_of(const Results& results, const PlanCell& cell) {
 }  // namespace
 
 std::string verdicts_part(const Results& results, const ReportTables& tables) {
-  std::string text = notices(results, tables);
-  std::string verdicts;
-  for (const ComparisonResult& comparison : tables.comparisons) {
-    if (comparison.table.headline.empty()) continue;
-    verdicts += "<li>" + html_escaped(comparison.table.headline) + "</li>\n";
+  std::string text;
+  for (const std::string& notice : notices_of(results, tables)) {
+    text += "<p class=\"notice\">" + html_escaped(notice) + "</p>\n";
   }
-  if (verdicts.empty()) {
-    return text + "<p>The plan names no comparison, so the page names no difference.</p>\n";
+  text += "<ul class=\"verdicts\">\n";
+  for (const std::string& verdict : verdicts_of(tables)) {
+    text += "<li>" + html_escaped(verdict) + "</li>\n";
   }
-  return text + "<ul class=\"verdicts\">\n" + verdicts + "</ul>\n";
+  return text + "</ul>\n";
 }
 
 std::string compared_part(const Results& results, const ReportTables& tables) {
-  const Counts counts = count_cells(tables);
   std::string text = "<dl class=\"facts\">\n";
-  for (const PlanAxis& axis : results.axes) text += fact(axis.name, listed(axis.values));
-  text += fact(fmt::format("{} sequences", results.sequences.size()), listed(results.sequences));
-  text += fact(fmt::format("{} seeds", results.seeds.size()), listed(results.seeds));
-  text += fact("data for", data_use_text(results.data_use));
-  text += fact("cells", fmt::format("{} planned: {} done, {} failed, {} not run; {} distinct",
-                                    results.cells.size(), counts.done, counts.failed,
-                                    counts.missing, distinct_keys(results)));
-  const std::vector<std::string> processors(results.processors.begin(), results.processors.end());
-  if (!processors.empty()) text += fact("processor", listed(processors));
+  for (const auto& [name, value] : facts_of(results, tables)) {
+    text += fact(name, html_escaped(value));
+  }
   text += fact("command", "<code class=\"command\">" + html_escaped(results.command) + "</code>");
   return text + "</dl>\n";
 }
 
 std::string results_part(const Results& results, const ReportTables& tables) {
-  std::string text = to_html(combinations_sheet(results, tables));
-  text += "<p class=\"small muted\">";
-  if (tables.has_error) {
-    text +=
-        "Mean: over the n sequences, each the mean over its seeds, of the mean 3D error of the "
-        "solved frames; a frame's error is the mean distance of its true points from their places "
-        "on the estimated mesh, without any alignment. The interval is a bootstrap over sequences. "
-        "Worst: the largest mean error of a frame. ";
-  }
-  return text +
-         "Frames failed: with truth, but without a shape, or off by more than a tenth of the "
-         "template's diagonal; a cell that failed as a whole failed at each of them. Neither "
-         "enters "
-         "a mean. A row's first "
-         "value leads to the keys and commands behind it.</p>\n";
+  return to_html(combinations_sheet(results, tables)) +
+         "<p class=\"small muted\">A row's first value leads to its cells, their settings and "
+         "commands.</p>\n";
 }
 
 std::string comparisons_part(const ReportTables& tables, bool scripted) {
@@ -173,47 +95,38 @@ std::string comparisons_part(const ReportTables& tables, bool scripted) {
   for (std::size_t i = 0; i < tables.comparisons.size(); ++i) {
     const ComparisonResult& comparison = tables.comparisons[i];
     if (comparison.table.pairs.empty()) continue;
-    text += fmt::format("<h3>{}: {}</h3>\n", html_escaped(comparison.plan.axis),
-                        html_escaped(comparison.plan.metric));
+    const std::string& metric = comparison.plan.metric;
+    text +=
+        fmt::format("<h3>{}: {}</h3>\n", html_escaped(comparison.plan.axis), html_escaped(metric));
     if (scripted) {
       text += fmt::format(
           "<figure class=\"differences\" id=\"figure-differences-{}\" data-comparison=\"{}\"><div "
-          "class=\"plot\"></div>\n<figcaption>Mean difference with its 95 % interval. Grey: not "
-          "decided.</figcaption></figure>\n",
-          i, i);
+          "class=\"plot\"></div>\n<figcaption>Mean difference, with its 95 % interval from {} "
+          "sequences on. {} is better. Grey: not decided.</figcaption></figure>\n",
+          i, i, kLeastSequences, better_of(metric) == Better::lower ? "Less" : "More");
     }
-    text += to_html(comparison_sheet({comparison})) + sentences_of(comparison.table);
+    text += to_html(without_heading(comparison)) + sentences_of(comparison.table);
   }
   if (text.empty()) return text;
-  return "<p>Paired by sequence, frame and seed; a sequence is the unit. An interval across zero, "
-         "or "
-         "a corrected p above 5 %, decides nothing.</p>\n" +
-         text;
+  return text + "<p class=\"small muted\">" + html_escaped(comparisons_note()) + "</p>\n";
 }
 
 std::string expectations_part(const Results& results, const ReportTables& tables) {
   if (tables.expectations.empty()) return "";
-  return to_html(expectations_sheet(results, tables)) +
-         "<p class=\"small muted\">Measured: the mean over the cells that are selected. One "
-         "without "
-         "the figure misses the expectation too.</p>\n";
+  return to_html(expectations_sheet(results, tables));
 }
 
 std::string filters_part(const Results& results, const ReportTables& tables) {
   if (tables.filter_stages.empty()) return "";
-  return to_html(filters_sheet(results, tables)) +
-         "<p class=\"small muted\">TPR: mismatches that were rejected; FPR: correct matches that "
-         "were rejected; kept (n_s): of those that entered; precision (AoS): correct, of those "
-         "kept. Each is the mean over the frames in which it is defined, then over seeds, then "
-         "over "
-         "the n sequences.</p>\n";
+  return to_html(filters_sheet(results, tables));
 }
 
 std::string times_part(const Results& results, const ReportTables& tables, bool scripted) {
   if (!tables.has_times) {
     return "<p>No times: the stages of these runs were shared and cached between cells, so that "
            "their times would mean nothing. <code class=\"command\">" +
-           html_escaped(results.command) + " --timing</code> takes them, alone and uncached.</p>\n";
+           html_escaped(ablate_command(results, " --timing")) +
+           "</code> takes them, alone and uncached.</p>\n";
   }
   std::string text;
   if (scripted) {
@@ -234,6 +147,8 @@ std::string reproduce_part(const Results& results, const ReportTables& tables) {
       html_escaped(results.command) + "</code></p>\n";
   for (std::size_t i = 0; i < tables.combinations.size(); ++i) {
     const Combination& combination = tables.combinations[i];
+    TextTable cells = cells_sheet(results, combination.cells);
+    cells.note.clear();
     const PlanCell& first = results.cells[combination.cells.front()];
     text += fmt::format("<details><summary>{}</summary><div id=\"{}\">\n{}",
                         html_escaped(combination.name), anchor_of(i),
@@ -242,7 +157,7 @@ std::string reproduce_part(const Results& results, const ReportTables& tables) {
         "<p>The first of its cells again; the others with their keys: <code "
         "class=\"command\">" +
         html_escaped(command_of(results, first)) + "</code></p>\n" + settings_of(results, first) +
-        to_html(cells_sheet(results, combination.cells)) + "</div></details>\n";
+        to_html(cells) + "</div></details>\n";
   }
   return text;
 }

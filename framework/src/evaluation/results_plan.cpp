@@ -117,11 +117,12 @@ double number_of(const nlohmann::json& object, const char* key) {
 Result<Results> read_results_plan(const std::string& folder) {
   Results results;
   results.folder = folder;
-  if (auto read = read_manifest(folder + "/manifest.json", results); !read) return read.error();
-  const std::string file = folder + "/plan.json";
-  const auto plan = read_json(file);
-  if (!plan) return plan.error();
+  std::string file = folder + "/manifest.json";
   try {
+    if (auto read = read_manifest(file, results); !read) return read.error();
+    file = folder + "/plan.json";
+    const auto plan = read_json(file);
+    if (!plan) return plan.error();
     fill_plan(*plan, results);
   } catch (const json::exception& damage) {
     return Error{Errc::invalid_data, damage.what(), file};

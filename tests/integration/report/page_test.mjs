@@ -60,7 +60,8 @@ try {
   assert.equal(await marks(page, "figure-times", "rect"), 2 * 8);
   const sweeps = await page.$$eval("figure.sweep h3", (all) => all.map((one) => one.textContent));
   assert.deepEqual(sweeps, ["ROC of filters over alpha", "Along alpha"]);
-  assert.equal(await marks(page, "figure-sweep-0", "line"), 1 + 2);
+  // The diagonal, and of two curves the measured part and the whole.
+  assert.equal(await marks(page, "figure-sweep-0", "line"), 1 + 2 * 2);
 
   // A square of the main table takes its combination out of the figures.
   await page.click('button.swatch[data-treatment="0"]');

@@ -99,7 +99,7 @@ struct Results {
   std::string version;          ///< of weft
   std::string data_use;         ///< "tuning", "reporting" or empty
   bool accept_rebuilt = false;  ///< results of differently built components may stand side by side
-  std::string alignment = "none";    ///< that every error was measured with
+  std::string alignment = "none";        ///< that every error was measured with
   double match_tolerance_px = kUnknown;  ///< [] px, up to which a match is correct
   std::vector<PlanAxis> axes;
   std::vector<std::string> sequences;
