@@ -92,6 +92,19 @@ async function draw_by_frame(figure, data, series) {
 async function draw_differences(figure, { pairs, unit }) {
   const title = `Difference${unit && `, ${unit}`}`;
   const values = pairs.map((pair) => ({ ...pair, name: `${pair.a} − ${pair.b}` }));
+  const with_interval = values.filter(({ low }) => low !== null);
+  const interval = {
+    data: { values: with_interval },
+    mark: { type: "rule", strokeWidth: 2 },
+    encoding: {
+      x: { field: "low", type: "quantitative" },
+      x2: { field: "high" },
+      stroke: {
+        condition: { test: "datum.decided", value: "var(--series-1)" },
+        value: "var(--muted)",
+      },
+    },
+  };
   await draw(figure, {
     width: Math.max(220, width_of(figure) - 260),
     height: { step: 26 },
@@ -107,18 +120,7 @@ async function draw_differences(figure, { pairs, unit }) {
     },
     layer: [
       { mark: { type: "rule", strokeDash: [3, 3] }, encoding: { x: { datum: 0 }, y: null } },
-      {
-        data: { values: values.filter(({ low }) => low !== null) },
-        mark: { type: "rule", strokeWidth: 2 },
-        encoding: {
-          x: { field: "low", type: "quantitative" },
-          x2: { field: "high" },
-          stroke: {
-            condition: { test: "datum.decided", value: "var(--series-1)" },
-            value: "var(--muted)",
-          },
-        },
-      },
+      ...(with_interval.length ? [interval] : []),
       {
         mark: { type: "point", filled: true, size: 60, opacity: 1 },
         encoding: {

@@ -29,7 +29,8 @@ std::string sweep_figure(const Results& results, const Sweep& sweep, std::size_t
             "the table of results."
           : "A point is the mean over all frames at one value of " + axis +
                 ", which changes what the stage rejects and not what it is given. AUC: trapezoids, "
-                "with (0, 0) and (100, 100) added; in percent. Positive is a rejected match.";
+                "with (0, 0) and (100, 100) added, to which the thin lines lead; in percent. "
+                "Positive is a rejected match.";
   return fmt::format(
       "<figure class=\"sweep\" id=\"figure-sweep-{}\" data-sweep=\"{}\"><h3>{}</h3>\n<div "
       "class=\"controls\"></div><ul class=\"legend\"></ul><div "

@@ -55,15 +55,18 @@ std::string listed(const List& values) {
 /// The sentence of the only pair, or what is to be said of all.
 std::string verdict_of(const ComparisonResult& comparison) {
   const ComparisonTable& table = comparison.table;
-  const std::string name = comparison.plan.axis + ", " + measure_of(comparison.plan.metric) + ": ";
-  if (table.pairs.empty()) return name + "there is nothing to compare.";
+  std::string name = comparison.plan.axis + ": ";
   if (table.pairs.size() == 1) return name + table.pairs.front().sentence;
+  name = comparison.plan.axis + ", " + measure_of(comparison.plan.metric) + ": ";
+  if (table.pairs.empty()) return name + "there is nothing to compare.";
   std::int64_t n = 0;
   for (const PairComparison& pair : table.pairs) n = std::max(n, pair.test.n);
   const std::string text = name + table.headline;
-  return n >= kLeastSequences
-             ? fmt::format("{} n = {} sequences.", text, n)
-             : fmt::format("{} {} of at least {} sequences.", text, n, kLeastSequences);
+  const std::string sequences =
+      n >= kLeastSequences
+          ? fmt::format(" n = {} sequences.", n)
+          : fmt::format(" There are {} of at least {} sequences.", n, kLeastSequences);
+  return name + table.headline + sequences;
 }
 
 }  // namespace
@@ -99,7 +102,8 @@ std::string comparisons_note() {
       "values of other axes count as further seeds. p: of the exact test of the differences' "
       "signs; p, Holm: corrected for every test of the comparison, at most 0.05 names the better "
       "one. 95 %: of this difference alone. Smallest effect: the difference that would be named 4 "
-      "times in 5. Fails only A, only B: of all places compared, those where one failed and the "
+      "times in 5, a dash where n is too small for so many tests. Fails only A, only B: of all "
+      "places compared, those where one failed and the "
       "other did not. Below {} sequences nothing is decided.",
       kLeastSequences);
 }

@@ -17,12 +17,12 @@ std::string quoted(const std::string& text) {
   return result + "\"";
 }
 
-/// A long name may break behind its dots and underscores.
+/// A long name may break behind its dots.
 std::string breakable(const std::string& name) {
   std::string result;
   for (const char c : html_escaped(name)) {
     result += c;
-    if (c == '.' || c == '_') result += "<wbr>";
+    if (c == '.') result += "<wbr>";
   }
   return result;
 }

@@ -128,6 +128,8 @@ TEST(Report, NamesThePlaceOfDamage) {
   const std::vector<Damage> damages = {
       {"manifest.json", R"({"schema": "weft.results/9"})", Errc::incompatible, "manifest.json",
        "weft.results/9"},
+      {"manifest.json", R"({"schema": "weft.results/1", "metrics": {"alignment": 1}})",
+       Errc::invalid_data, "manifest.json", "string"},
       {"manifest.json", "[1, 2]", Errc::invalid_data, "manifest.json", "object"},
       {"plan.json", R"({"name": "x"})", Errc::invalid_data, "plan.json", "axes"},
       {"results/a.jsonl", "{\"schema\": \"weft.cell/2\"}\n", Errc::incompatible,
@@ -204,7 +206,7 @@ TEST(Report, WritesTablesAsCsvAndMarkdown) {
   const std::string csv = fake.read("report/combinations.csv");
   EXPECT_THAT(csv, HasSubstr("filter,alpha,mean_mm,low_mm,high_mm,worst_mm"));
   EXPECT_THAT(csv, HasSubstr("\nsteady,0.1,2.395,"));
-  EXPECT_THAT(csv, HasSubstr("\nbroken,0.2,,,,,"));
+  EXPECT_THAT(csv, HasSubstr("\nbroken,0.2,,,,,0,160,160,160,16,16,0,0,no\n"));
   const std::string cells = fake.read("report/cells.csv");
   EXPECT_EQ(std::count(cells.begin(), cells.end(), '\n'), 1 + 192);
   EXPECT_THAT(cells, HasSubstr(FakeResults::kReason));
@@ -228,6 +230,39 @@ TEST(Report, WarnsOfFiguresThatAreForTuning) {
   tuning.data_use = "tuning";
   FakeResults fake(tuning);
   EXPECT_THAT(written(fake), HasSubstr("not for publication"));
+}
+
+TEST(Report, SaysInShortWhatFailedAndWhatIsUndecided) {
+  FakeResults::Choice two;
+  two.sequences = 2;
+  FakeResults fake(two);
+  nlohmann::json plan = nlohmann::json::parse(fake.read("plan.json"));
+  plan["expect"] = {
+      {{"where", {{"filter", "steady"}}}, {"metric", "filters.tpr_percent"}, {"at_least", 1}},
+      {{"where", {{"filter", "broken"}}}, {"metric", "filters.tpr_percent"}, {"at_least", 1}}};
+  fake.write("plan.json", plan);
+  for (const std::string& text : {written(fake), fake.read("report/tables.md")}) {
+    EXPECT_THAT(text, HasSubstr("16 of 48 cells failed"));
+    EXPECT_THAT(text, HasSubstr("filter, mean 3D error: Too few to decide. There are 2 of at "
+                                "least 6 sequences."));
+    EXPECT_THAT(text, HasSubstr("Expectations: 1 of 2 met."));
+    EXPECT_THAT(text, HasSubstr("weft ablate stages.yaml --out results/stages"));
+  }
+  EXPECT_THAT(fake.read("report/comparisons.csv"), HasSubstr(",too few to decide,"));
+  EXPECT_THAT(fake.read("report/expectations.csv"), HasSubstr(",1,,,16,16,no\n"));
+}
+
+TEST(Report, SaysHowErrorsWereMeasuredAndMeasuresThemSoAgain) {
+  FakeResults fake({});
+  fake.write("manifest.json", {{"schema", "weft.results/1"},
+                               {"metrics", {{"alignment", "rigid"}, {"match_tolerance_px", 3.5}}}});
+  const std::string page = written(fake);
+  EXPECT_THAT(page, HasSubstr("after one rigid motion a frame was taken out"));
+  EXPECT_THAT(page, HasSubstr("up to 3.5 px"));
+  EXPECT_THAT(page,
+              HasSubstr("/pipeline.yaml --out runs/00000000000000000000000000000001 &amp;&amp; "
+                        "weft eval runs/00000000000000000000000000000001 --alignment rigid "
+                        "--match-tolerance-px 3.5"));
 }
 
 TEST(Report, SaysWhichOfItsOwnFilesIsMissing) {
