@@ -14,7 +14,7 @@ constexpr double kRollTurn_rad = 2.6, kBendTurn_rad = 1.5, kWaveSlope_rad = 0.62
 constexpr double kFoldTurn_rad = 2.3, kFoldWidth_m = 0.06;
 constexpr double kBulgeShare = 0.3;  // height of a bulge over half the shorter side
 constexpr double kPoisson = 0.3;     // what a stretched sheet loses across
-constexpr double kGuideCompliance = 1e-4;
+constexpr double kGuideCompliance = 1e-4, kHandCompliance = 1e-5;
 
 /// The plane curve of unit speed with a given curvature, through the origin with the tangent (1,0).
 class BentCurve {
@@ -62,7 +62,7 @@ Choreography::Choreography(const MotionSettings& settings, int columns, int rows
   centred_m_.rowwise() -= 0.5 * (low + high);
   half_m_ = 0.5 * (high - low).transpose();
   if (settings_.pattern == Pattern::handles) {
-    handles_.emplace(half_m_.x(), settings_.bend, settings_.seed);
+    handles_.emplace(settings_.bend, settings_.seed);
   }
   Rng rng = sources::random_stream(settings_.seed, kMotionStream);
   const double tilt = settings_.tilt_rad, travel = settings_.travel_m;
@@ -113,10 +113,13 @@ Points2 Choreography::stretched(double t_s) const {
   return plane;
 }
 
+double Choreography::extent_m(double ruling_rad) const {
+  return 2.0 * (half_m_.x() * std::abs(std::cos(ruling_rad)) +
+                half_m_.y() * std::abs(std::sin(ruling_rad)));
+}
+
 double Choreography::curvature_per_m(double s_m, double t_s) const {
-  const double share = sign_ * share_at(t_s);
-  const double extent_m = 2.0 * (half_m_.x() * std::abs(std::cos(ruling_rad_)) +
-                                 half_m_.y() * std::abs(std::sin(ruling_rad_)));
+  const double share = sign_ * share_at(t_s), extent_m = this->extent_m(ruling_rad_);
   if (settings_.pattern == Pattern::roll) return share * kRollTurn_rad / extent_m;
   if (settings_.pattern == Pattern::s_bend) {
     return share * kBendTurn_rad * M_PI / extent_m * std::sin(2.0 * M_PI * s_m / extent_m);
@@ -134,10 +137,16 @@ double Choreography::curvature_per_m(double s_m, double t_s) const {
 }
 
 Points3 Choreography::bent(const Points2& flat_m, double t_s) const {
-  const Eigen::RowVector2d across(std::cos(ruling_rad_), std::sin(ruling_rad_));
+  const auto hands = handles_ ? handles_->at(t_s) : HandlePair::Pose{{}, ruling_rad_};
+  const Eigen::RowVector2d across(std::cos(hands.ruling_rad), std::sin(hands.ruling_rad));
   const Eigen::RowVector2d ruling(-across.y(), across.x());
-  const BentCurve curve(1.3 * half_m_.norm(),
-                        [&](double s_m) { return curvature_per_m(s_m, t_s); });
+  const double extent_m = this->extent_m(hands.ruling_rad);
+  const BentCurve curve(1.3 * half_m_.norm(), [&](double s_m) {
+    if (!handles_) return curvature_per_m(s_m, t_s);
+    // From that which turns the left border to that which turns the right one.
+    const double right = eased(std::clamp(s_m / extent_m + 0.5, 0.0, 1.0));
+    return 2.0 / extent_m * ((1.0 - right) * hands.turn_rad[0] + right * hands.turn_rad[1]);
+  });
   Points3 surface(flat_m.rows(), 3);
   for (Eigen::Index v = 0; v < flat_m.rows(); ++v) {
     const Eigen::Vector2d on_curve = curve(flat_m.row(v).dot(across));
@@ -166,37 +175,29 @@ Points3 Choreography::lengths_at(double t_s) const {
   return surface;
 }
 
-std::vector<sources::ClothGuide> Choreography::guides_at(double t_s) const {
-  if (settings_.pattern == Pattern::handles) return handles_at(t_s);
+Points3 Choreography::surface_at(double t_s) const {
   const Points2 plane = stretched(t_s);
-  const Points3 surface =
-      settings_.pattern == Pattern::bulge ? bulged(plane, t_s) : bent(plane, t_s);
+  if (settings_.pattern == Pattern::bulge) return bulged(plane, t_s);
+  return bent(plane, t_s);
+}
+
+/// Two patches in the middle row, at the left and the right border.
+bool Choreography::is_in_a_hand(Eigen::Index vertex) const {
+  const auto i = static_cast<int>(vertex % columns_), j = static_cast<int>(vertex / columns_);
+  const int deep = std::max(2, columns_ / 16), high = std::max(2, rows_ / 8);
+  const int first_row = (rows_ - high) / 2;
+  return std::min(i, columns_ - 1 - i) < deep && j >= first_row && j < first_row + high;
+}
+
+std::vector<sources::ClothGuide> Choreography::guides_at(double t_s) const {
+  const Points3 surface = surface_at(t_s);
   const Eigen::Isometry3d pose = pose_at(t_s);
   std::vector<sources::ClothGuide> guides;
   guides.reserve(static_cast<std::size_t>(surface.rows()));
   for (Eigen::Index v = 0; v < surface.rows(); ++v) {
-    guides.push_back(
-        {static_cast<std::int32_t>(v), pose * surface.row(v).transpose(), kGuideCompliance});
-  }
-  return guides;
-}
-
-/// Two patches in the middle row, at the left and the right border, move as rigid bodies.
-std::vector<sources::ClothGuide> Choreography::handles_at(double t_s) const {
-  const Points2 plane = stretched(t_s);
-  const int deep = std::max(2, columns_ / 16), high = std::max(2, rows_ / 8);
-  const int first_row = (rows_ - high) / 2;
-  std::vector<sources::ClothGuide> guides;
-  for (const int side : {0, 1}) {
-    const Eigen::Isometry3d pose = pose_at(t_s) * handles_->at(side, t_s);
-    for (int j = first_row; j < first_row + high; ++j) {
-      for (int i = 0; i < deep; ++i) {
-        const int column = side == 0 ? i : columns_ - 1 - i;
-        const std::int32_t vertex = j * columns_ + column;
-        const Eigen::Vector3d place(plane(vertex, 0), plane(vertex, 1), 0.0);
-        guides.push_back({vertex, pose * place, 0.0});
-      }
-    }
+    const bool in_hand = handles_ && is_in_a_hand(v);
+    guides.push_back({static_cast<std::int32_t>(v), pose * surface.row(v).transpose(),
+                      in_hand ? kHandCompliance : kGuideCompliance});
   }
   return guides;
 }

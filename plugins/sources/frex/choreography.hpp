@@ -39,8 +39,8 @@ class Choreography {
   /// The surface [V,3] m whose edge lengths are those of the sheet at time t: the plane, stretched
   /// or bulged.
   Points3 lengths_at(double t_s) const;
-  /// What leads the sheet, in the camera frame. `handles` holds two patches and leaves the rest to
-  /// the cloth, all others draw each vertex softly to the surface that the pattern describes.
+  /// What leads the sheet, in the camera frame: each vertex is drawn softly to the surface that the
+  /// pattern describes, and two patches of `handles` more firmly.
   std::vector<sources::ClothGuide> guides_at(double t_s) const;
   /// The flat sheet at time 0 [V,3] m, camera frame.
   Points3 start() const;
@@ -56,10 +56,12 @@ class Choreography {
   double phase_at(double t_s) const;
   Eigen::Isometry3d pose_at(double t_s) const;
   Points2 stretched(double t_s) const;
+  double extent_m(double ruling_rad) const;
   double curvature_per_m(double s_m, double t_s) const;
   Points3 bent(const Points2& flat_m, double t_s) const;
   Points3 bulged(const Points2& flat_m, double t_s) const;
-  std::vector<sources::ClothGuide> handles_at(double t_s) const;
+  Points3 surface_at(double t_s) const;
+  bool is_in_a_hand(Eigen::Index vertex) const;
 
   MotionSettings settings_;
   int columns_, rows_;

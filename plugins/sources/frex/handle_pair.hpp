@@ -3,31 +3,30 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <array>
 #include <cstdint>
 
 namespace weft::frex {
 
-/// Two hands at the left and the right border of a sheet, in the frame of its middle. Each eases
-/// from one random key pose to the next; the first is where the flat sheet has the hand. They are
-/// never further apart than 0.98 of the sheet's width after the first, so that nothing tears.
+/// Two hands at the left and the right border of a sheet. Each eases from one random key turn to
+/// the next; at the first the sheet is flat. They move only as a sheet allows that keeps its
+/// lengths: they turn about one direction, and come as near to each other as the bend between them
+/// asks, so that nothing tears or crumples.
 class HandlePair {
  public:
-  /// `size` scales the key poses, 1 is usual.
-  HandlePair(double half_width_m, double size, std::uint64_t seed)
-      : half_width_m_(half_width_m), size_(size), seed_(seed) {}
+  struct Pose {
+    Eigen::Vector2d turn_rad = Eigen::Vector2d::Zero();  ///< left, right: against the middle
+    double ruling_rad = 0.0;  ///< direction across which they turn, from the x axis
+  };
 
-  /// The rigid motion of the left (0) or right (1) hand's part of the sheet since it was flat.
-  Eigen::Isometry3d at(int side, double t_s) const;
+  /// `size` scales the turns, 1 is usual.
+  HandlePair(double size, std::uint64_t seed) : size_(size), seed_(seed) {}
+
+  Pose at(double t_s) const;
 
  private:
-  struct Key {
-    Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();
-    Eigen::Vector3d turn = Eigen::Vector3d::Zero();  ///< axis times angle
-  };
-  std::array<Key, 2> keys(std::int64_t index) const;
+  Pose key(std::int64_t index) const;
 
-  double half_width_m_, size_;
+  double size_;
   std::uint64_t seed_;
 };
 
