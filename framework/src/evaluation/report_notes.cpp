@@ -52,6 +52,20 @@ std::string listed(const List& values) {
   return fmt::format("{}", fmt::join(values, ", "));
 }
 
+/// By how much those differ of which one is named the better, if they are few.
+std::string differences_of(const ComparisonResult& comparison) {
+  constexpr std::size_t kMost = 6;
+  std::vector<std::string> differences;
+  for (const PairComparison& pair : comparison.table.pairs) {
+    if (pair.verdict != Call::a && pair.verdict != Call::b) continue;
+    if (!std::isfinite(pair.test.mean)) continue;
+    differences.push_back(
+        fmt::format("{} − {} = {:.3g} {}", pair.a, pair.b, pair.test.mean + 0.0, comparison.unit));
+  }
+  if (differences.empty() || differences.size() > kMost) return "";
+  return fmt::format(" {}.", fmt::join(differences, ", "));
+}
+
 /// The sentence of the only pair, or what is to be said of all.
 std::string verdict_of(const ComparisonResult& comparison) {
   const ComparisonTable& table = comparison.table;
@@ -66,7 +80,7 @@ std::string verdict_of(const ComparisonResult& comparison) {
       n >= kLeastSequences
           ? fmt::format(" n = {} sequences.", n)
           : fmt::format(" There are {} of at least {} sequences.", n, kLeastSequences);
-  return name + table.headline + sequences;
+  return name + table.headline + differences_of(comparison) + sequences;
 }
 
 }  // namespace

@@ -78,10 +78,10 @@ std::string better_text(const PairComparison& pair) {
 TextRow comparison_row(const PlanComparison& plan, const PairComparison& pair) {
   TextRow row{{text_cell(plan.axis), text_cell(plan.metric), text_cell(unit_of(plan.metric)),
                text_cell(pair.a), text_cell(pair.b), text_cell(better_text(pair)),
-               number_cell(pair.test.mean, 3), number_cell(pair.test.interval.low, 3),
-               number_cell(pair.test.interval.high, 3), count_cell(pair.test.n),
+               figure_cell(pair.test.mean), figure_cell(pair.test.interval.low),
+               figure_cell(pair.test.interval.high), count_cell(pair.test.n),
                number_cell(pair.test.p, 4), number_cell(pair.p_holm, 4),
-               number_cell(pair.smallest_effect, 3), count_cell(pair.failures.only_a),
+               figure_cell(pair.smallest_effect), count_cell(pair.failures.only_a),
                count_cell(pair.failures.only_b), count_cell(pair.failures.rows)}};
   row.cells[kBetterColumn].tip = pair.sentence;
   return row;

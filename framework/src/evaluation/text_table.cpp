@@ -69,6 +69,12 @@ TextCell number_cell(double value, int decimals) {
   return {fmt::format("{:.{}f}", value, decimals), fmt::format("{:.9g}", value)};
 }
 
+TextCell figure_cell(double value) {
+  TextCell cell = number_cell(value, 0);
+  if (std::isfinite(value)) cell.shown = fmt::format("{:.3g}", value + 0.0);
+  return cell;
+}
+
 std::string to_csv(const TextTable& table) {
   std::string text;
   for (const TextColumn& column : table.columns) {

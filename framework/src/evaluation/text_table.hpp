@@ -19,6 +19,8 @@ TextCell text_cell(const std::string& text);
 TextCell count_cell(std::int64_t count);
 /// Rounded to `decimals`; nine digits for programs. NaN is shown as a dash and exactly as nothing.
 TextCell number_cell(double value, int decimals);
+/// The same with three digits, however small the number is.
+TextCell figure_cell(double value);
 
 struct TextColumn {
   std::string name;     ///< as people read it, with its unit
