@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report_sheets.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <numeric>
-#include <weft/evaluation/metrics.hpp>
 
 #include "report_notes.hpp"
 #include "report_statistics.hpp"
@@ -87,40 +84,7 @@ TextRow comparison_row(const PlanComparison& plan, const PairComparison& pair) {
   return row;
 }
 
-/// A path as a shell takes it.
-std::string in_shell(const std::string& path) {
-  constexpr const char* kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789/._-+=:,@%";
-  if (path.find_first_not_of(kPlain) == std::string::npos) return path;
-  std::string quoted = "'";
-  for (const char c : path) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
 }  // namespace
-
-std::string anchor_of(std::size_t combination) {
-  return "reproduce-" + std::to_string(combination);
-}
-
-std::string run_command(const Results& results, const std::string& key) {
-  std::string options;
-  if (results.alignment != "none") options += " --alignment " + results.alignment;
-  if (std::isfinite(results.match_tolerance_px) &&
-      results.match_tolerance_px != EvaluationOptions{}.match_tolerance_px) {
-    options += fmt::format(" --match-tolerance-px {:g}", results.match_tolerance_px);
-  }
-  return "weft run " + in_shell(results.folder + "/cells/" + key + "/pipeline.yaml") +
-         " --out runs/" + key + " && weft eval runs/" + key + options;
-}
-
-std::string command_of(const Results& results, const PlanCell& cell) {
-  return run_command(results, cell.key);
-}
-
-std::string ablate_command(const Results& results, const std::string& option) {
-  return results.command + " --out " + in_shell(results.folder) + option;
-}
 
 std::vector<std::size_t> shown_metrics(const Results& results, const ReportTables& tables) {
   std::vector<std::size_t> metrics;
@@ -274,14 +238,15 @@ TextTable cells_sheet(const Results& results, const std::vector<std::size_t>& ce
   for (const std::size_t index : cells) {
     const PlanCell& cell = results.cells[index];
     const CellRecord& record = results.record(cell);
+    const SequenceSize size = results.size(cell);
     TextRow row{{count_cell(cell.index)}, -1, record.outcome == CellOutcome::failed};
     for (const std::string& value : cell.values) row.cells.push_back(text_cell(value));
     for (const TextCell& figure :
          {text_cell(cell.sequence), text_cell(std::to_string(cell.seed)),
           text_cell(to_string(record.outcome)), number_cell(record.mean_mm, 3),
-          number_cell(record.worst_mm, 3), share_cell(record.solved, record.frames),
-          share_cell(record.failures, record.truth_frames), text_cell(record.reason),
-          text_cell(cell.key)}) {
+          number_cell(record.worst_mm, 3), share_cell(record.solved, size.frames),
+          share_cell(record.failures + size.truth_frames - record.truth_frames, size.truth_frames),
+          text_cell(record.reason), text_cell(cell.key)}) {
       row.cells.push_back(figure);
     }
     table.rows.push_back(std::move(row));

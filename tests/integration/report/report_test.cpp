@@ -210,6 +210,7 @@ TEST(Report, WritesTablesAsCsvAndMarkdown) {
   const std::string cells = fake.read("report/cells.csv");
   EXPECT_EQ(std::count(cells.begin(), cells.end(), '\n'), 1 + 192);
   EXPECT_THAT(cells, HasSubstr(FakeResults::kReason));
+  EXPECT_THAT(cells, HasSubstr("128,broken,0.05,plain_101,1,failed,,,0,10,10,10,"));
   const std::string filters = fake.read("report/filters.csv");
   EXPECT_THAT(filters, HasSubstr("\nsteady,0.2,filters,69,5,60,95,16000,6400,8\n"));
   EXPECT_THAT(fake.read("report/tables.md"), HasSubstr("| steady | 0.1 | 2."));
