@@ -65,10 +65,24 @@ class ProgressLine {
   Clock::time_point start_, last_;
 };
 
-/// The command that repeats the ablation, whatever the folder and the number of jobs.
-std::string command_of(const AblateOptions& options) {
-  std::string command = "weft ablate " + options.plan;
-  for (const std::string& setting : options.settings) command += " --set '" + setting + "'";
+/// A word of a command line, as a shell takes it.
+std::string shell_word(const std::string& text) {
+  constexpr const char* kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=,:+@%";
+  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return word + "'";
+}
+
+/// The command that repeats the ablation, whatever the folder, the number of jobs and the times.
+std::string command_of(const AblateOptions& options, const Context& context) {
+  std::string command = "weft";
+  for (const std::string& folder : context.plugin_path) {
+    command += " --plugin-path " + shell_word(folder);
+  }
+  command += " ablate " + shell_word(options.plan);
+  for (const std::string& setting : options.settings) command += " --set " + shell_word(setting);
   return command;
 }
 
@@ -132,9 +146,9 @@ std::optional<evaluation::Grid> load_grid(const AblateOptions& options,
 
 Result<evaluation::AblationState> execute(evaluation::Grid& grid,
                                           const evaluation::ResultsFolder& folder,
-                                          const AblateOptions& options) {
+                                          const AblateOptions& options, const Context& context) {
   const evaluation::AblationOptions how{options.timing, options.accept_rebuilt,
-                                        command_of(options)};
+                                        command_of(options, context)};
   if (options.status) return evaluation::state_of(grid, folder, how);
   const std::atomic<bool>& interrupted = watch_for_interruption();
   std::signal(SIGXFSZ, SIG_IGN);  // a file that is too large is an error of its write
@@ -165,13 +179,14 @@ void ablate(AblateOptions options, Context& context) {
     context.exit_code = kBadConfiguration;
     return;
   }
-  const auto state = execute(*grid, *folder, options);
+  const auto state = execute(*grid, *folder, options, context);
   if (!state) return fail(state.error());
   if (!options.quiet) fmt::print("{}", evaluation::summary_table(*grid, *state));
   print_failures(*grid, *state);
   print_state(*state);
   const bool met = state->left > 0 || print_verdicts(*grid, *state);
-  fmt::print("{}{}\n", options.folder, state->left > 0 ? " (not finished; run again to go on)" : "");
+  fmt::print("{}{}\n", options.folder,
+             state->left > 0 ? " (not finished; run again to go on)" : "");
   if (state->left > 0 || state->failed > 0 || !met) context.exit_code = kFramesFailed;
 }
 

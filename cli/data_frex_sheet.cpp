@@ -120,6 +120,7 @@ Result<void> write_file(const std::filesystem::path& path, const std::string& co
     std::filesystem::rename(part, path, failed);
     if (!failed) return {};
   }
+  std::filesystem::remove(part, failed);
   return Error{
       Errc::io, path.string() + ": cannot be written: is its folder there and writable?", {}};
 }

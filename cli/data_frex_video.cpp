@@ -19,11 +19,18 @@ std::string absolute(const std::string& path) {
   return yaml_quoted(std::filesystem::absolute(path).lexically_normal().string());
 }
 
+Result<void> check_file(const std::string& path, const std::string& option) {
+  std::error_code status;
+  if (std::filesystem::is_regular_file(path, status)) return {};
+  return Error{Errc::not_found, "there is no such file: correct " + option, path};
+}
+
 /// Width and height of the printed sheet, from its layout.
 Result<Eigen::Vector2d> sheet_size_m(const std::string& layout) {
+  if (auto found = check_file(layout, "--layout"); !found) return found.error();
   std::ifstream stream(layout, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream.is_open()) return Error{Errc::io, "cannot be read", layout};
+  if (!stream) return Error{Errc::io, "cannot be read: check its permissions", layout};
   const auto document = yaml::parse(text, layout);
   if (!document) return document.error();
   Eigen::Vector2d size_m = Eigen::Vector2d::Zero();
@@ -46,6 +53,7 @@ Result<Eigen::Vector2d> sheet_size_m(const std::string& layout) {
 Result<double> print_width_m(const Context& context, const FrexVideoRequest& request) {
   const auto sheet_m = sheet_size_m(request.layout);
   if (!sheet_m) return sheet_m.error();
+  if (auto found = check_file(request.texture, "--texture"); !found) return found.error();
   const auto record = build_template(
       context.registry(), fmt::format("{{use: templates/rectangular, params: {{texture: {}, "
                                       "width_m: 1, columns: 2, rows: 2}}}}",

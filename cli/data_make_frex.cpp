@@ -57,6 +57,26 @@ std::string simulation_text(const FrexOptions& options) {
   return text;
 }
 
+/// Frames without the sheet are left out; a sequence without any is removed. Its folder was new or
+/// empty.
+void check_sheet_was_found(const FrexOptions& options, Context& context) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  const fs::path folder = options.folder;
+  for (const auto& entry : fs::directory_iterator(folder / "frames", ignored)) {
+    if (entry.path().extension() == ".png") return;
+  }
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    fs::remove_all(entry.path(), ignored);
+  }
+  fs::remove(folder, ignored);
+  print_error({Errc::invalid_data,
+               "the sheet is found in no frame: is the layout that of the sheet in the film, and "
+               "are its markers at least 18 px wide and sharp?",
+               options.video});
+  context.exit_code = kFramesFailed;
+}
+
 void make(const FrexOptions& options, Context& context) {
   if (!options.sheet.empty()) {
     context.exit_code = make_frex_sheet(context, {options.sheet, options.seed});
@@ -83,6 +103,7 @@ void make(const FrexOptions& options, Context& context) {
     return;
   }
   make_sequence(*pipeline, options.folder, options.settings, options.quiet, context);
+  if (!options.video.empty() && context.exit_code == kDone) check_sheet_was_found(options, context);
 }
 
 /// What belongs to a recorded video only, and to a simulation only.
@@ -118,16 +139,15 @@ void add_data_make_frex(CLI::App& make_command, Context& context) {
       "--sheet", options->sheet,
       "Write only the sheet of ArUco markers to be printed and filmed: a PDF, and beside it its "
       "layout (.yaml) and its picture (.png)");
-  for (CLI::Option* option :
-       {command->add_option("--out", options->folder, "Folder of the sequence, new or empty"),
-        command->add_option("--texture", options->texture, "Image printed on the sheet")}) {
-    option->excludes(sheet);
-  }
-  command
-      ->add_option("--seed", options->seed,
-                   "Chooses movement, light, background and noise; of a sheet, the markers' places")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+  command->add_option("--out", options->folder, "Folder of the sequence, new or empty");
+  command->add_option("--texture", options->texture, "Image printed on the sheet");
+  CLI::Option* seed =
+      command
+          ->add_option(
+              "--seed", options->seed,
+              "Chooses movement, light, background and noise; of a sheet, the markers' places")
+          ->check(CLI::NonNegativeNumber)
+          ->capture_default_str();
   command->add_option("--background", options->background,
                       "plain, clutter, look_alike or image; of a film original, white or image");
   add_kinds(*command, *options);
@@ -136,7 +156,11 @@ void add_data_make_frex(CLI::App& make_command, Context& context) {
                    "PATH=VALUE, such as source.noise_grey=4 or source.cut_frames=[20]; may be "
                    "repeated; see `weft plugins show sources/frex`")
       ->allow_extra_args(false);
-  command->add_flag("--quiet", options->quiet, "No progress");
+  CLI::Option* quiet = command->add_flag("--quiet", options->quiet, "No progress");
+  for (CLI::Option* option : command->get_options()) {
+    const bool goes = option == sheet || option == seed || option == quiet;
+    if (!goes && option != command->get_help_ptr()) sheet->excludes(option);
+  }
   command->callback([&context, options] { make(*options, context); });
 }
 

@@ -55,7 +55,8 @@ Result<AblationState> state_of(Grid& grid, const ResultsFolder& folder,
     }
     const StoredCell& result = stored->at(cell.identity.key);
     ++(result.failed ? state.failed : state.done);
-    if (!is_new) continue;
+    const bool crashed = result.failed && result.executed.empty();
+    if (!is_new || crashed) continue;
     state.stages += cell.stages.size();
     state.stages_executed += result.executed.size();
   }

@@ -152,9 +152,9 @@ std::string against_reference(const std::vector<Record>& records, const std::str
   const auto names = [](const std::vector<std::string>& list) {
     return list.empty() ? std::string("none") : list_of(list);
   };
-  return fmt::format("Better than {}: {}. Worse: {}. Of the other {} nothing is said.", reference,
-                     names(better), names(worse),
-                     records.size() - 1 - better.size() - worse.size());
+  const std::size_t others = records.size() - 1 - better.size() - worse.size();
+  return fmt::format("Better than {}: {}. Worse: {}.{}", reference, names(better), names(worse),
+                     others > 0 ? fmt::format(" Of the other {} nothing is said.", others) : "");
 }
 
 }  // namespace
