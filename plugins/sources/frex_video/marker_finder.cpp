@@ -34,14 +34,14 @@ Eigen::Vector2d diagonals_meet(const Points2& corners) {
   return (corners.row(0) + t * first).transpose();
 }
 
-/// Moves corners to where the gradients meet, in a window of about one module of the marker, which
-/// holds no other corner.
+/// Moves corners to where the gradients meet. The window ends half a pixel before the next corners,
+/// one module away, to which the corners of a larger one may run.
 void refine(const cv::Mat& grey, int modules, std::vector<cv::Point2f>& corners) {
   double shortest_px = std::numeric_limits<double>::max();
   for (std::size_t k = 0; k < 4; ++k) {
     shortest_px = std::min(shortest_px, cv::norm(corners[(k + 1) % 4] - corners[k]));
   }
-  const int half = std::clamp(static_cast<int>(std::lround(shortest_px / modules)), 2, 8);
+  const int half = std::clamp(static_cast<int>(shortest_px / modules - 0.5), 2, 8);
   cv::cornerSubPix(grey, corners, {half, half}, {-1, -1},
                    {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 40, 1e-3});
 }

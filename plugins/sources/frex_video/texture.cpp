@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
@@ -80,6 +81,11 @@ cv::Mat opaque(const cv::Mat& image) {
 }  // namespace
 
 Result<cv::Mat> read_picture(const std::string& parameter, const std::string& path) {
+  std::error_code status;
+  if (!std::filesystem::is_regular_file(path, status)) {
+    return Error{
+        Errc::not_found, path + ": there is no such file: correct '" + parameter + "'", {}};
+  }
   std::ifstream stream(path, std::ios::binary);
   const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), {}};
   if (!stream) {

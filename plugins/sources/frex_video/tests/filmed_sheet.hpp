@@ -71,10 +71,13 @@ class FilmedSheet {
            folder.path("poster.png") + "'" + more + "}";
   }
 
-  /// The true place of a point of the sheet, mm from its top left corner, in a frame.
-  Eigen::Vector3d true_point_m(int frame, const Eigen::Vector2d& point_mm) const {
+  /// The sheet as it truly is in a frame.
+  DevelopableSheet true_sheet(int frame) const { return *motion.at(frame / 30.0); }
+
+  /// The place of a point of such a sheet, mm from its top left corner.
+  static Eigen::Vector3d point_m(const DevelopableSheet& sheet, const Eigen::Vector2d& point_mm) {
     const Eigen::Vector2d xy_m = (0.001 * point_mm).array() - 0.5 * kPitch_m;
-    return motion.at(frame / 30.0)->at(xy_m.x(), xy_m.y());
+    return sheet.at(xy_m.x(), xy_m.y());
   }
 
   FrameFolder folder;

@@ -28,7 +28,7 @@ using weft::testing::PluginUnderTest;
 using weft::testing::view;
 
 constexpr double kPosterPitch_mm = 0.25;
-constexpr int kFrames[] = {0, 17, 34, 58, 91, 133, 170};
+constexpr int kFrames[] = {17, 58, 91, 170};
 
 struct OpenedSource : PluginUnderTest {
   explicit OpenedSource(const std::string& params, const std::string& id = "sources/frex_video")
@@ -61,10 +61,11 @@ class FrexVideo : public ::testing::Test {
       const auto found = frame.get<GroundTruth>();
       if (!found) continue;
       EXPECT_EQ(found->kind, truth);
+      const weft::DevelopableSheet sheet = filmed_->true_sheet(index);
       for (std::int64_t k = 0; k < found->count(); ++k) {
         const Eigen::Vector2d xy_mm = 1000.0 * found->template_xy_m.matrix<2>().row(k).transpose();
         const Eigen::Vector3d exact =
-            filmed_->true_point_m(index, xy_mm.array() + 0.5 * kPosterPitch_mm);
+            FilmedSheet::point_m(sheet, xy_mm.array() + 0.5 * kPosterPitch_mm);
         errors_mm.push_back(1000.0 *
                             (found->points_m.matrix<3>().row(k).transpose() - exact).norm());
       }
@@ -91,6 +92,7 @@ TEST_F(FrexVideo, ShowsThePrintAsIfItHadBeenFilmed) {
     const cv::Mat1b expected = view(filmed_frame.get<Image>()->pixels);
     const cv::Mat1b brightness = view(blank_frame.get<Image>()->pixels);
     const auto uv_m = frame.get<GroundTruth>()->uv_m;
+    const weft::DevelopableSheet sheet = filmed_->true_sheet(index);
     for (int y = 0; y < picture.rows; ++y) {
       for (int x = 0; x < picture.cols; ++x) {
         const Eigen::Vector2d uv_mm = 1000.0 * Eigen::Vector2d(uv_m(y, 2 * x), uv_m(y, 2 * x + 1));
@@ -98,7 +100,7 @@ TEST_F(FrexVideo, ShowsThePrintAsIfItHadBeenFilmed) {
         differences_grey.push_back(
             std::abs(picture(y, x)[1] * brightness(y, x) / 255.0 - expected(y, x)));
         const Eigen::Vector3d seen =
-            filmed_->true_point_m(index, uv_mm.array() + 0.5 * kPosterPitch_mm);
+            FilmedSheet::point_m(sheet, uv_mm.array() + 0.5 * kPosterPitch_mm);
         flow_px.push_back((project(filmed_->camera, seen) - Eigen::Vector2d(x, y)).norm());
       }
     }
@@ -107,7 +109,7 @@ TEST_F(FrexVideo, ShowsThePrintAsIfItHadBeenFilmed) {
             << weft::percentile(differences_grey, 95.0) << "; flow: median "
             << weft::median(flow_px) << " px, 95 % " << weft::percentile(flow_px, 95.0)
             << " px over " << flow_px.size() << " pixels\n";
-  EXPECT_GT(flow_px.size(), 400'000U);
+  EXPECT_GT(flow_px.size(), 300'000U);
   EXPECT_LE(weft::median(differences_grey), 1.5);
   EXPECT_LE(weft::median(flow_px), 0.2);
   EXPECT_LE(weft::percentile(flow_px, 99.0), 0.7);

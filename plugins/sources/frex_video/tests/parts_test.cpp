@@ -50,13 +50,17 @@ class FrontalSheet : public ::testing::Test {
 };
 cv::Mat FrontalSheet::grey_;
 
-TEST_F(FrontalSheet, HasNearlyAllMarkersFoundWithinATenthOfAPixel) {
+TEST_F(FrontalSheet, HasNearlyAllMarkersFoundWithinASixthOfAPixel) {
   const std::vector<SeenMarker> seen = MarkerFinder(sheet_).find(grey_);
   EXPECT_GE(seen.size(), 90U);
   double sum = 0.0, sum_of_corners = 0.0;
+  Eigen::Vector2d shift = Eigen::Vector2d::Zero();
   for (const SeenMarker& one : seen) {
     const SheetMarker& marker = sheet_.markers[one.marker];
-    sum += (one.centre_px - true_px(marker.centre_mm())).squaredNorm();
+    const Eigen::Vector2d error = one.centre_px - true_px(marker.centre_mm());
+    EXPECT_LT(error.norm(), 0.5) << one.marker;
+    sum += error.squaredNorm();
+    shift += error;
     for (int k = 0; k < 4; ++k) {
       sum_of_corners +=
           (one.corners_px.row(k).transpose() - true_px(marker.corners_mm.row(k).transpose()))
@@ -66,7 +70,8 @@ TEST_F(FrontalSheet, HasNearlyAllMarkersFoundWithinATenthOfAPixel) {
   const auto count = static_cast<double>(seen.size());
   std::cout << seen.size() << " markers, rms of centres " << std::sqrt(sum / count)
             << " px, of corners " << std::sqrt(sum_of_corners / count / 4.0) << " px\n";
-  EXPECT_LT(std::sqrt(sum / count), 0.1);
+  EXPECT_LT(shift.norm() / count, 0.05) << "pixel centres are integers";
+  EXPECT_LT(std::sqrt(sum / count), 1.0 / 6.0);
   EXPECT_LT(std::sqrt(sum_of_corners / count / 4.0), 0.3);
 }
 
