@@ -150,7 +150,7 @@ std::string against_reference(const std::vector<Record>& records, const std::str
     if (record.worse > 0) worse.push_back(record.name);
   }
   const auto names = [](const std::vector<std::string>& list) {
-    return list.empty() ? std::string("none") : list_of(list);
+    return list.empty() ? std::string("nothing") : list_of(list);
   };
   const std::size_t others = records.size() - 1 - better.size() - worse.size();
   return fmt::format("Better than {}: {}. Worse: {}.{}", reference, names(better), names(worse),
