@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <string>
+#include <limits>
 #include <utility>
 #include <vector>
 #include <weft/geometry/bspline_site.hpp>
@@ -22,19 +22,16 @@ constexpr double kBend_per_m = 20.0;  // s_bend
 constexpr double kRough = 0.05;       // s_depth
 constexpr double kStart = 0.01;       // the same for the first surface, in all directions
 constexpr double kWorstFit_px = 3.0;
-
 constexpr int kLocal = 48;  // coordinates of the 16 control points that a place depends on
 template <int Rows>
 using Jacobian = Eigen::Matrix<double, Rows, kLocal>;
 
-/// The spline at one place with its derivatives: all depend on the same control points.
+/// The derivatives of the spline at one place: both depend on the same control points.
 struct Place {
-  SplineSite value, x, y;
+  SplineSite x, y;
 
   Place(const SplineDomain& domain, const Eigen::Vector2d& p)
-      : value(spline_site(domain, p.x(), p.y())),
-        x(spline_site(domain, p.x(), p.y(), 1, 0)),
-        y(spline_site(domain, p.x(), p.y(), 0, 1)) {}
+      : x(spline_site(domain, p.x(), p.y(), 1, 0)), y(spline_site(domain, p.x(), p.y(), 0, 1)) {}
 };
 
 /// d(sum_k weight_k C_k) / dC, times `factor` [Rows,3] from the left.
@@ -126,8 +123,7 @@ class Objective {
     for (Eigen::Index i = 0; i < sightings_.centres_m.rows(); ++i) {
       const Eigen::Vector3d rough = sightings_.rough_centres_m.row(i);
       if (!rough.allFinite()) continue;
-      const SplineSite site =
-          spline_site(domain_, sightings_.centres_m(i, 0), sightings_.centres_m(i, 1));
+      const SplineSite site = site_of(sightings_.centres_m, i);
       quadratic.add<3>(site, chain<3>(site, Eigen::Matrix3d::Identity()), -rough,
                        1.0 / std::pow(kStart * rough.z(), 2));
     }
@@ -158,17 +154,18 @@ class Objective {
   }
 
  private:
+  SplineSite site_of(const Points2& places_m, Eigen::Index i) const {
+    return spline_site(domain_, places_m(i, 0), places_m(i, 1));
+  }
+
   Eigen::Vector3d corner(const Points3& control, Eigen::Index i) const {
-    return evaluate_site(
-        domain_, spline_site(domain_, sightings_.corners_m(i, 0), sightings_.corners_m(i, 1)),
-        control);
+    return evaluate_site(domain_, site_of(sightings_.corners_m, i), control);
   }
 
   double add_corners(const Points3& control, Quadratic* quadratic) const {
     double cost = 0.0;
     for (Eigen::Index i = 0; i < sightings_.corners_m.rows(); ++i) {
-      const SplineSite site =
-          spline_site(domain_, sightings_.corners_m(i, 0), sightings_.corners_m(i, 1));
+      const SplineSite site = site_of(sightings_.corners_m, i);
       const Eigen::Vector3d point = evaluate_site(domain_, site, control);
       if (!(point.z() > 0.0)) return std::numeric_limits<double>::infinity();
       const Eigen::Vector2d residual =
@@ -230,8 +227,7 @@ class Objective {
     for (Eigen::Index i = 0; i < sightings_.centres_m.rows(); ++i) {
       const double rough_m = sightings_.rough_centres_m(i, 2);
       if (!std::isfinite(rough_m)) continue;
-      const SplineSite site =
-          spline_site(domain_, sightings_.centres_m(i, 0), sightings_.centres_m(i, 1));
+      const SplineSite site = site_of(sightings_.centres_m, i);
       const Eigen::Matrix<double, 1, 1> residual(
           (evaluate_site(domain_, site, control).z() - rough_m) / (kRough * rough_m));
       cost += 0.5 * residual.squaredNorm();
