@@ -257,7 +257,8 @@ std::pair<Plan, ConfigReport> read_plan(const std::string& file) {
   std::ostringstream content;
   content << stream.rdbuf();
   if (!stream || fs::is_directory(file)) {
-    report.problems.push_back({{1, 1}, "the plan cannot be read"});
+    report.problems.push_back(
+        {{1, 1}, fs::exists(file) ? "the plan cannot be read" : "there is no such plan"});
     return {std::move(plan), std::move(report)};
   }
   auto document = yaml::parse(content.str(), file);

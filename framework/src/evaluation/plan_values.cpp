@@ -117,9 +117,9 @@ bool PlanValues::has(const yaml::Node& map, const char* key, const std::string& 
 void PlanValues::unknown(yaml::Position at, const std::string& what, const std::string& word,
                          const std::vector<std::string>& known) {
   const std::string near = nearest(word, known);
-  problem(at,
-          "there is no " + what + " '" + word + "'" +
-              (near.empty() ? "; there are: " + joined(known) : "; did you mean '" + near + "'?"));
+  const std::string others = known.empty() ? "" : "; there are: " + joined(known);
+  problem(at, "there is no " + what + " '" + word + "'" +
+                  (near.empty() ? others : "; did you mean '" + near + "'?"));
 }
 
 }  // namespace weft::evaluation
