@@ -35,7 +35,7 @@ struct Document {
 ///
 /// A setting is PATH=VALUE. PATH begins with a key of the file (`seed`), with `source` or
 /// `template` or with the name of a stage or sink, and goes on with parameters, joined by dots:
-/// `filters.alpha_s=0.2`, `filters.warp.robust=tukey`, `detectors.use=detectors/orb`. VALUE is YAML.
+/// `filters.alpha_s=0.2`, `filters.warp.robust=tukey`, `detectors.use=detectors/orb`; VALUE: YAML.
 Document read_document(const std::string& file, const std::vector<std::string>& settings,
                        const host::PathRules& paths);
 
