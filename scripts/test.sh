@@ -116,12 +116,13 @@ check_format() {
     && git ls-files -z -- '*.h' '*.hpp' '*.c' '*.cpp' | xargs -0 -r clang-format --dry-run --Werror
 }
 
-# Tests are left out: GoogleTest's macros are what would be reported. The files are listed one by one,
-# not in the batches in which they are compiled.
+# Tests are left out: GoogleTest's macros are what would be reported. The files are seen in the
+# batches in which they are compiled. Clang 14 does not know all of GCC's warnings, and misses captures
+# that only instances of a generic lambda use.
 check_tidy() {
-  cmake --preset release -B build/tidy -DCMAKE_UNITY_BUILD=OFF >/dev/null \
-    && run-clang-tidy -quiet -p build/tidy -j "$jobs" -extra-arg=-Wno-unknown-warning-option \
-    "^(?!.*/tests/)$PWD/(cli|framework|plugins)/" 2>/dev/null
+  run-clang-tidy -quiet -p build/release -j "$jobs" -checks=-bugprone-suspicious-include \
+    -extra-arg=-Wno-unknown-warning-option -extra-arg=-Wno-unused-lambda-capture \
+    "^(?!.*_test\\.dir/)$PWD/build/release/(cli|framework|plugins)/" 2>/dev/null
 }
 
 # Line coverage of what is installed, tests not counted.
