@@ -3,9 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
-#include <opencv2/imgcodecs.hpp>
 #include <utility>
 
 namespace weft::sources {
@@ -31,7 +28,19 @@ Colour colour_of(const cv::Mat& image, int x, int y) {
   return {static_cast<float>(bgr[0]), static_cast<float>(bgr[1]), static_cast<float>(bgr[2]), 0.0F};
 }
 
+Picture picture_of(const cv::Mat& image) {
+  Picture picture{image.cols, image.rows};
+  picture.pixels.reserve(image.total());
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) picture.pixels.push_back(colour_of(image, x, y));
+  }
+  return picture;
+}
+
 }  // namespace
+
+MipTexture::MipTexture(const cv::Mat& picture)
+    : MipTexture(picture_of(picture), picture.channels() == 1) {}
 
 MipTexture::MipTexture(Picture picture, bool is_grey) : is_grey_(is_grey) {
   levels_.push_back(std::move(picture));
@@ -60,33 +69,6 @@ Colour MipTexture::sample(float u, float v, float texels) const {
   const Colour sharp = bilinear(levels_[fine], scale, u, v);
   if (share <= 0.0F) return sharp;
   return (1.0F - share) * sharp + share * bilinear(levels_[fine + 1], 0.5F * scale, u, v);
-}
-
-Result<MipTexture> read_mip_texture(const std::string& path, const std::string& what) {
-  std::ifstream stream(path, std::ios::binary);
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) {
-    return Error{Errc::not_found,
-                 path + ": the " + what + " cannot be read: correct the parameter or the file",
-                 {}};
-  }
-  cv::Mat image;
-  try {
-    if (!bytes.empty()) image = cv::imdecode(bytes, cv::IMREAD_ANYCOLOR);
-  } catch (const cv::Exception&) {  // reported below: the file is at fault
-  }
-  if (image.empty()) {
-    return Error{Errc::invalid_data,
-                 path + ": the " + what +
-                     " is no image that can be decoded (empty, damaged or of an unknown format)",
-                 {}};
-  }
-  Picture picture{image.cols, image.rows};
-  picture.pixels.reserve(image.total());
-  for (int y = 0; y < image.rows; ++y) {
-    for (int x = 0; x < image.cols; ++x) picture.pixels.push_back(colour_of(image, x, y));
-  }
-  return MipTexture(std::move(picture), image.channels() == 1);
 }
 
 }  // namespace weft::sources

@@ -2,9 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <string>
+#include <opencv2/core.hpp>
 #include <vector>
-#include <weft/core/result.hpp>
 
 namespace weft::sources {
 
@@ -26,6 +25,8 @@ struct Picture {
 /// A picture with the halved copies that minification needs (Williams 1983).
 class MipTexture {
  public:
+  /// Grey or BGR, u8.
+  explicit MipTexture(const cv::Mat& picture);
   /// Both sides of the picture at least 1.
   explicit MipTexture(Picture picture, bool is_grey = false);
 
@@ -44,9 +45,5 @@ class MipTexture {
   std::vector<Picture> levels_;
   bool is_grey_;
 };
-
-/// Reads an image file of 8 bits a channel; an alpha channel is dropped. The message of a failure
-/// names the file and calls it `what`.
-Result<MipTexture> read_mip_texture(const std::string& path, const std::string& what);
 
 }  // namespace weft::sources

@@ -9,6 +9,7 @@
 
 #include "arm.hpp"
 #include "backdrop.hpp"
+#include "common/picture_file.hpp"
 #include "common/random_stream.hpp"
 #include "common/sensor.hpp"
 #include "common/sheet_renderer.hpp"
@@ -64,9 +65,9 @@ class Frex final : public Source {
     camera.fy = camera.fx;
     camera.cx = 0.5 * static_cast<double>(camera.width_px - 1);
     camera.cy = 0.5 * static_cast<double>(camera.height_px - 1);
-    auto print = sources::read_mip_texture(settings_.texture_path, "texture");
+    const auto print = sources::read_picture("texture", settings_.texture_path);
     if (!print) return print.error();
-    auto studio = furnish(camera, *std::move(print));
+    auto studio = furnish(camera, sources::MipTexture(*print));
     if (!studio) return studio.error();
     studio_.emplace(*std::move(studio));
     return camera;
@@ -134,9 +135,9 @@ class Frex final : public Source {
       const double pitch_px = pitch_m * camera.fx / settings_.motion.distance_m;
       return look_alike_backdrop(camera, print, pitch_px, seed);
     }
-    const auto wall = sources::read_mip_texture(settings_.background_path, "background image");
+    const auto wall = sources::read_picture("background_image", settings_.background_path);
     if (!wall) return wall.error();
-    return picture_backdrop(camera, *wall);
+    return picture_backdrop(camera, sources::MipTexture(*wall));
   }
 
   std::int64_t cuts_until(std::int64_t index) const {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <weft/sdk/source.hpp>
 
+#include "common/picture_file.hpp"
 #include "layout_file.hpp"
 #include "scene.hpp"
 
@@ -60,7 +61,7 @@ class FrexVideo final : public Source {
                                layout_path_, layout->markers.size(), min_markers_),
                    {}};
     }
-    const auto texture = read_picture("texture", texture_path_);
+    const auto texture = sources::read_picture("texture", texture_path_);
     if (!texture) return texture.error();
     const auto camera = frames_.open(call);
     if (!camera) return camera.error();
@@ -69,7 +70,7 @@ class FrexVideo final : public Source {
     count_ = count->frames;
     if (auto ready = make_background(*camera); !ready) return ready.error();
     pinhole_ = {camera->fx, camera->fy, camera->cx, camera->cy};
-    maker_.emplace(*layout, Texture(*texture), *camera, scene_);
+    maker_.emplace(*layout, sources::MipTexture(*texture), *camera, scene_);
     finder_.emplace(*std::move(layout));
     const Eigen::Vector2d size_m = maker_->texture_size_m();
     call.log_info(fmt::format("the texture is {:.6f} m wide and {:.6f} m high on the sheet",
@@ -125,9 +126,10 @@ class FrexVideo final : public Source {
     }
     if (background_ == Background::white) behind_ = cv::Mat(size, CV_8UC3, cv::Scalar::all(255));
     if (background_ != Background::image) return {};
-    const auto picture = read_picture("background_image", background_path_);
+    const auto picture = sources::read_picture("background_image", background_path_);
     if (!picture) return picture.error();
     cv::resize(*picture, behind_, size, 0.0, 0.0, cv::INTER_AREA);
+    if (behind_.channels() == 1) cv::cvtColor(behind_, behind_, cv::COLOR_GRAY2BGR);
     return {};
   }
 

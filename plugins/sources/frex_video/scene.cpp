@@ -22,7 +22,7 @@ int vertices_along(double length_mm, double spacing_mm) {
 
 }  // namespace
 
-SceneMaker::SceneMaker(const MarkerSheet& sheet, Texture texture, const Camera& camera,
+SceneMaker::SceneMaker(const MarkerSheet& sheet, sources::MipTexture texture, const Camera& camera,
                        const SceneOptions& options)
     : sheet_(sheet),
       camera_{camera.fx, camera.fy, camera.cx, camera.cy},

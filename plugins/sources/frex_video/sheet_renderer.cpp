@@ -120,17 +120,18 @@ class RayGrid {
   std::vector<Ray> rays_;
 };
 
-bool is_on(const Texture& texture, const Ray& ray) {
+bool is_on(const sources::MipTexture& texture, const Ray& ray) {
   return ray.pitch != kBack && ray.u >= -0.5F && ray.v >= -0.5F &&
          ray.u <= static_cast<float>(texture.width()) - 0.5F &&
          ray.v <= static_cast<float>(texture.height()) - 0.5F;
 }
 
-cv::Vec3f colour_of(const Texture& texture, const Ray& ray, float ambient) {
+cv::Vec3f colour_of(const sources::MipTexture& texture, const Ray& ray, float ambient) {
   const float cosine = std::max(0.0F, ray.pitch == kBack ? -ray.light : ray.light);
   const float brightness = ambient + (1.0F - ambient) * cosine;
   if (!is_on(texture, ray)) return cv::Vec3f::all(kPaper * brightness);
-  return brightness * texture.sample(ray.u, ray.v, ray.pitch);
+  const sources::Colour ink = brightness * texture.sample(ray.u, ray.v, ray.pitch);
+  return {ink[0], ink[1], ink[2]};
 }
 
 }  // namespace
