@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <glob.h>
+#include <xxhash.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <weft/host/content_hash.hpp>
-
-#define XXH_INLINE_ALL
-#include <xxhash.h>
 
 namespace weft::host {
 namespace {

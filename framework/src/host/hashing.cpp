@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <weft/host/lane.hpp>
-
-#define XXH_INLINE_ALL
 #include <xxhash.h>
+
+#include <weft/host/lane.hpp>
 
 namespace weft::host {
 

@@ -28,7 +28,7 @@ using weft::testing::PluginUnderTest;
 using weft::testing::view;
 
 constexpr double kPosterPitch_mm = 0.25;
-constexpr int kFrames[] = {17, 58, 91, 170};
+constexpr int kFrames[] = {58, 170};
 
 struct OpenedSource : PluginUnderTest {
   explicit OpenedSource(const std::string& params, const std::string& id = "sources/frex_video")
@@ -109,7 +109,7 @@ TEST_F(FrexVideo, ShowsThePrintAsIfItHadBeenFilmed) {
             << weft::percentile(differences_grey, 95.0) << "; flow: median "
             << weft::median(flow_px) << " px, 95 % " << weft::percentile(flow_px, 95.0)
             << " px over " << flow_px.size() << " pixels\n";
-  EXPECT_GT(flow_px.size(), 300'000U);
+  EXPECT_GT(flow_px.size(), 150'000U);
   EXPECT_LE(weft::median(differences_grey), 1.5);
   EXPECT_LE(weft::median(flow_px), 0.2);
   EXPECT_LE(weft::percentile(flow_px, 99.0), 0.7);
@@ -170,15 +170,14 @@ TEST_F(FrexVideo, GivesATruthThatAgreesWithItself) {
 
 TEST_F(FrexVideo, GivesTheSameBytesInAnyOrder) {
   OpenedSource one(filmed_->scene()), other(filmed_->scene());
-  const Outcome first = one.frame(17), later = other.frame(58), second = one.frame(58);
-  const Outcome again = other.frame(17);
-  for (const auto& [a, b] : {std::pair{first, again}, std::pair{second, later}}) {
-    const Image image = *a.get<Image>(), same = *b.get<Image>();
-    EXPECT_TRUE(std::equal(image.pixels.data(), image.pixels.data() + image.pixels.size(),
-                           same.pixels.data()));
-    const GroundTruth truth = *a.get<GroundTruth>(), true_too = *b.get<GroundTruth>();
-    EXPECT_TRUE(truth.points_m.matrix<3>() == true_too.points_m.matrix<3>());
-  }
+  const Outcome first = one.frame(17);
+  EXPECT_EQ(other.frame(58).status, WEFT_OK);
+  const Outcome later = other.frame(17);
+  const Image image = *first.get<Image>(), same = *later.get<Image>();
+  EXPECT_TRUE(std::equal(image.pixels.data(), image.pixels.data() + image.pixels.size(),
+                         same.pixels.data()));
+  const GroundTruth truth = *first.get<GroundTruth>(), true_too = *later.get<GroundTruth>();
+  EXPECT_TRUE(truth.points_m.matrix<3>() == true_too.points_m.matrix<3>());
   EXPECT_EQ(first.get<Image>()->stem, "000017");
   EXPECT_NEAR(first.get<weft::Time>()->t_s, 17 / 30.0, 1e-12);
 }
