@@ -57,7 +57,9 @@ void convert(const ConvertOptions& options, Context& context) {
     context.exit_code = misuse ? kBadConfiguration : kInputOutput;
     return;
   }
-  make_sequence(*text, options.folder, options.settings, options.quiet, context);
+  make_sequence(*text, options.folder, options.settings, options.quiet,
+                {Errc::invalid_data, "holds no frame that could be written", options.path},
+                context);
 }
 
 }  // namespace

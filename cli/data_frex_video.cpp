@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <weft/data/template.hpp>
 #include <weft/host/yaml.hpp>
 
@@ -28,10 +27,9 @@ Result<void> check_file(const std::string& path, const std::string& option) {
 /// Width and height of the printed sheet, from its layout.
 Result<Eigen::Vector2d> sheet_size_m(const std::string& layout) {
   if (auto found = check_file(layout, "--layout"); !found) return found.error();
-  std::ifstream stream(layout, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) return Error{Errc::io, "cannot be read: check its permissions", layout};
-  const auto document = yaml::parse(text, layout);
+  const auto text = yaml::read_text(layout);
+  if (!text) return text.error();
+  const auto document = yaml::parse(*text, layout);
   if (!document) return document.error();
   Eigen::Vector2d size_m = Eigen::Vector2d::Zero();
   for (const auto& [key, side] : {std::pair{"width_mm", 0}, std::pair{"height_mm", 1}}) {

@@ -57,26 +57,6 @@ std::string simulation_text(const FrexOptions& options) {
   return text;
 }
 
-/// Frames without the sheet are left out; a sequence without any is removed. Its folder was new or
-/// empty.
-void check_sheet_was_found(const FrexOptions& options, Context& context) {
-  namespace fs = std::filesystem;
-  std::error_code ignored;
-  const fs::path folder = options.folder;
-  for (const auto& entry : fs::directory_iterator(folder / "frames", ignored)) {
-    if (entry.path().extension() == ".png") return;
-  }
-  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-    fs::remove_all(entry.path(), ignored);
-  }
-  fs::remove(folder, ignored);
-  print_error({Errc::invalid_data,
-               "the sheet is found in no frame: is the layout that of the sheet in the film, and "
-               "are its markers at least 18 px wide and sharp?",
-               options.video});
-  context.exit_code = kFramesFailed;
-}
-
 void make(const FrexOptions& options, Context& context) {
   if (!options.sheet.empty()) {
     context.exit_code = make_frex_sheet(context, {options.sheet, options.seed});
@@ -102,8 +82,12 @@ void make(const FrexOptions& options, Context& context) {
     context.exit_code = pipeline.error().code == Errc::io ? kInputOutput : kBadConfiguration;
     return;
   }
-  make_sequence(*pipeline, options.folder, options.settings, options.quiet, context);
-  if (!options.video.empty() && context.exit_code == kDone) check_sheet_was_found(options, context);
+  make_sequence(*pipeline, options.folder, options.settings, options.quiet,
+                {Errc::invalid_data,
+                 "the sheet is found in no frame: is the layout that of the sheet in the film, and "
+                 "are its markers at least 18 px wide and sharp?",
+                 options.video},
+                context);
 }
 
 /// What belongs to a recorded video only, and to a simulation only.

@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <weft/host/yaml.hpp>
@@ -59,17 +60,28 @@ Result<void> write_pipeline(const std::string& text, const fs::path& folder) {
   return Error{Errc::io, "cannot be written; is the disk full?", (folder / kPipelineName).string()};
 }
 
-/// Nothing was made: what was there before is left.
-void withdraw(const fs::path& folder) {
+std::int64_t frames_in(const fs::path& folder) {
   std::error_code ignored;
-  fs::remove(folder / kPipelineName, ignored);
+  const fs::directory_iterator entries(folder / "frames", ignored);
+  return std::count_if(begin(entries), end(entries),
+                       [](const auto& entry) { return entry.path().extension() == ".png"; });
+}
+
+/// Leaves what was there before, which is nothing, unless frames were finished.
+void withdraw(const fs::path& folder) {
+  if (frames_in(folder) > 0) return;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    fs::remove_all(entry.path(), ignored);
+  }
   fs::remove(folder, ignored);
 }
 
 }  // namespace
 
 void make_sequence(const std::string& pipeline_text, const std::string& folder,
-                   const std::vector<std::string>& settings, bool quiet, Context& context) {
+                   const std::vector<std::string>& settings, bool quiet, const Error& none,
+                   Context& context) {
   if (auto written = write_pipeline(pipeline_text, folder); !written) {
     print_error(written.error());
     context.exit_code = kInputOutput;
@@ -95,9 +107,18 @@ void make_sequence(const std::string& pipeline_text, const std::string& folder,
     return;
   }
   if (!progress.first_error().empty()) fmt::print(stderr, "error: {}\n", progress.first_error());
-  fmt::print("{} frames, {} failed{}: {}\n", summary->frames, summary->failed,
-             summary->stopped ? ", stopped early" : "", folder);
   if (summary->failed > 0 || summary->stopped) context.exit_code = kFramesFailed;
+  const std::int64_t written = frames_in(folder);
+  if (written == 0 && context.exit_code == kDone) {
+    print_error(none);
+    withdraw(folder);
+    context.exit_code = kFramesFailed;
+    return;
+  }
+  const std::int64_t left_out = summary->frames - summary->failed - written;
+  fmt::print("{} frames{}, {} failed{}: {}\n", summary->frames,
+             left_out > 0 ? fmt::format(", {} left out", left_out) : "", summary->failed,
+             summary->stopped ? ", stopped early" : "", folder);
 }
 
 std::string yaml_quoted(const std::string& text) {

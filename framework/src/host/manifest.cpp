@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
-#include <fstream>
-#include <sstream>
 #include <utility>
 #include <weft/host/manifest.hpp>
 
@@ -130,11 +128,9 @@ Manifest read_root(const yaml::Node& root) {
 }  // namespace
 
 Result<Manifest> read_manifest(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream content;
-  content << stream.rdbuf();
-  if (!stream) return Error{Errc::io, "cannot be read", file};
-  const auto document = yaml::parse(content.str(), file);
+  const auto text = yaml::read_text(file);
+  if (!text) return text.error();
+  const auto document = yaml::parse(*text, file);
   if (!document) return document.error();
   if (!document->problems.empty()) {
     const yaml::Problem& first = document->problems.front();

@@ -5,8 +5,13 @@
 #include <yaml-cpp/parser.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <sstream>
+#include <system_error>
 #include <utility>
 
 #include "yaml_builder.hpp"
@@ -115,6 +120,23 @@ Error syntax_error(const Text& text, const Fault& fault, const std::string& file
 }
 
 }  // namespace
+
+Result<std::string> read_text(const std::string& file) {
+  namespace fs = std::filesystem;
+  std::error_code code;
+  const fs::file_type type = fs::status(file, code).type();
+  if (type == fs::file_type::not_found)
+    return Error{Errc::not_found, "there is no such file", file};
+  if (type == fs::file_type::directory) return Error{Errc::io, "it is a folder", file};
+  errno = 0;
+  std::ifstream stream(file, std::ios::binary);
+  const int cause = errno;
+  std::string text;
+  if (stream) text.assign(std::istreambuf_iterator<char>(stream), {});
+  if (stream) return text;
+  return Error{Errc::io, cause != 0 ? std::generic_category().message(cause) : "reading it fails",
+               file};
+}
 
 std::string place(std::string_view file, Position at) {
   return std::string(file) + ":" + std::to_string(at.line) + ":" + std::to_string(at.column);

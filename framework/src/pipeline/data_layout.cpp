@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <utility>
 #include <vector>
 #include <weft/pipeline/data_layout.hpp>
@@ -63,10 +61,9 @@ Result<std::string> camera_beside(const fs::path& folder, const std::string& giv
 }
 
 Result<DataLayout> layout_of_yaml(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) return Error{Errc::io, "cannot be read", file.string()};
-  auto document = yaml::parse(text, file.string());
+  const auto text = yaml::read_text(file.string());
+  if (!text) return text.error();
+  auto document = yaml::parse(*text, file.string());
   if (!document) return document.error();
   if (!document->problems.empty()) {
     const yaml::Problem& problem = document->problems.front();

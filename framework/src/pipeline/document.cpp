@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <set>
-#include <sstream>
 #include <weft/core/suggest.hpp>
 #include <weft/pipeline/document.hpp>
 
@@ -27,17 +22,6 @@ void stamp(yaml::Node& node, int source) {
     stamp(entry.at, source);
     stamp(entry.value, source);
   }
-}
-
-/// Why the text of a file cannot be had.
-std::string why_unreadable(const std::string& file) {
-  std::error_code code;
-  const fs::file_type type = fs::status(file, code).type();
-  if (type == fs::file_type::not_found) return "there is no such file";
-  if (type == fs::file_type::directory) return "it is a folder";
-  if (code) return code.message();
-  return ::access(file.c_str(), R_OK) != 0 ? std::generic_category().message(errno)
-                                           : "reading it fails";
 }
 
 void erase(yaml::Node& map, std::string_view key) {
@@ -109,14 +93,12 @@ class Reader {
 
   yaml::Node read_file(const std::string& file, std::vector<std::string> chain) {
     const int source = add_source({file, fs::absolute(file).parent_path().string(), false});
-    std::ifstream stream(file, std::ios::binary);
-    std::ostringstream content;
-    content << stream.rdbuf();
-    if (!stream || fs::is_directory(file)) {
+    const auto text = yaml::read_text(file);
+    if (!text) {
       return syntax_error({1, 1, source},
-                          "the pipeline file cannot be read: " + why_unreadable(file));
+                          "the pipeline file cannot be read: " + text.error().message);
     }
-    auto parsed = yaml::parse(content.str(), file);
+    auto parsed = yaml::parse(*text, file);
     if (!parsed) {
       yaml::Position at = yaml::position_in(parsed.error().where, file);
       stamp(at, source);
@@ -160,11 +142,10 @@ class Reader {
     }
     const std::string& folder = document_.sources[static_cast<std::size_t>(source)].folder;
     const std::string file = (fs::path(folder) / *expanded).lexically_normal().string();
-    std::error_code code;
-    if (!fs::is_regular_file(file, code)) {
-      const bool missing = fs::status(file, code).type() == fs::file_type::not_found;
-      return give_up(extends.at, missing ? "'extends': there is no file " + file
-                                         : "'extends': " + file + ": " + why_unreadable(file));
+    if (const auto text = yaml::read_text(file); !text) {
+      return give_up(extends.at, text.error().code == Errc::not_found
+                                     ? "'extends': there is no file " + file
+                                     : "'extends': " + file + ": " + text.error().message);
     }
     if (std::find(chain.begin(), chain.end(), fs::weakly_canonical(file).string()) != chain.end()) {
       return give_up(extends.at, "'extends': " + file + " extends itself");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "texture_file.hpp"
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
@@ -13,6 +14,10 @@ namespace {
 constexpr double kHalfOpaque = 127.0;
 
 Result<cv::Mat> decode_file(const std::string& path) {
+  std::error_code status;
+  if (!std::filesystem::is_regular_file(path, status)) {
+    return Error{Errc::not_found, path + ": there is no such file: correct 'texture'", {}};
+  }
   std::ifstream stream(path, std::ios::binary);
   const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), {}};
   if (!stream) {

@@ -74,6 +74,11 @@ struct Document {
   std::vector<Problem> problems;  ///< in the order of the text
 };
 
+/// The bytes of a file that is to be parsed. Errc::not_found or Errc::io, whose message is the
+/// reason
+/// ("there is no such file", "it is a folder", "Permission denied").
+Result<std::string> read_text(const std::string& file);
+
 /// Reads one document; an empty text is a null root. A line break missing at the end is added.
 ///
 /// A text that is no YAML gives Errc::syntax at "file:line:column", alone: invalid UTF-8 or control

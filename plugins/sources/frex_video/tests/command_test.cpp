@@ -73,6 +73,7 @@ TEST_F(FrexCommand, TexturesAFilmOfThePrintedSheet) {
   const Ended strange = texture_film("other.yaml", "poster.png");
   EXPECT_EQ(strange.exit_code, 1);
   EXPECT_THAT(strange.err, AllOf(HasSubstr("film.avi"), HasSubstr("layout")));
+  EXPECT_EQ(strange.out, "") << "nothing was made";
   EXPECT_FALSE(exists("made"));
 }
 

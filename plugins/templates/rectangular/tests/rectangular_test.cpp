@@ -172,6 +172,7 @@ TEST_F(RectangularTemplate, KeepsTheTextureAndMakesAMask) {
 TEST_F(RectangularTemplate, SaysWhatToChangeWhenTheTextureIsUnusable) {
   EXPECT_THROW(build(path("missing.png"), ", width_m: 0.1"), std::runtime_error);
   const std::vector<std::pair<std::string, std::string>> cases{
+      {path(""), "there is no such file"},
       {write_text("text.png", "no image"), "no image"},
       {write_text("empty.png", ""), "empty"},
       {write("deep.png", cv::Mat::zeros(4, 4, CV_16UC1)), "8 bits"},
