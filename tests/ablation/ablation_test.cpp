@@ -218,6 +218,27 @@ TEST_F(Ablation, TakesResultsOfRebuiltComponentsOnlyWhenTold) {
   EXPECT_EQ(lines("out").size(), 2U);
 }
 
+TEST_F(Ablation, SaysWhichNumberAnAxisSweeps) {
+  Grid grid = expand(
+      "axes:\n"
+      "  every: {set: filters.every, values: [2, 3, 4]}\n"
+      "  named: {set: filters.every, values: {few: 7, some: 5, many: 4}}\n"
+      "  mixed: {values: {none: {}, a: {set: {filters.every: 2}},\n"
+      "    b: {set: {filters.every: 3}}, c: {set: {filters.every: 4}},\n"
+      "    else: {set: {filters.use: filters/test.scripted, filters.every: 9}}}}\n"
+      "  pair: {set: filters.every, values: [2, 3]}\n"
+      "data: {all: {}}\n");
+  run(grid, "out", 1, {}, 0.0);
+  const json axes = json::parse(weft::testing::read_text(path("out/plan.json")))["axes"];
+  EXPECT_EQ(axes[0]["swept"], "every");
+  EXPECT_EQ(axes[0]["numbers"], json({2.0, 3.0, 4.0}));
+  EXPECT_EQ(axes[1]["swept"], "filters.every");
+  EXPECT_EQ(axes[1]["numbers"], json({7.0, 5.0, 4.0}));
+  EXPECT_EQ(axes[2]["swept"], "filters.every");
+  EXPECT_EQ(axes[2]["numbers"], json({nullptr, 2.0, 3.0, 4.0, nullptr}));
+  EXPECT_FALSE(axes[3].contains("swept")) << "two numbers are no curve";
+}
+
 TEST_F(Ablation, KeepsTimesOfCellsThatRanAlone) {
   Grid grid = expand("axes: {every: {set: filters.every, values: [2, 3]}}\ndata: {all: {}}\n");
   run(grid, "out");

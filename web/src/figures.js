@@ -3,6 +3,7 @@
 import { floats } from "./data.js";
 import { draw, series_channels, width_of, write_legend } from "./chart.js";
 import { draw_sweep } from "./sweep.js";
+import { draw_scores } from "./scores.js";
 
 const kHeight = 300;
 const kManyTimesMedian = 20; // from there on a logarithmic axis shows more
@@ -196,5 +197,8 @@ export async function draw_figures(data, selection) {
   }
   for (const figure of document.querySelectorAll("figure.sweep")) {
     await draw_sweep(figure, data.sweeps[Number(figure.dataset.sweep)]);
+  }
+  for (const figure of document.querySelectorAll("figure.scores")) {
+    await draw_scores(figure, data.scores[Number(figure.dataset.scores)]);
   }
 }

@@ -16,7 +16,8 @@ function make_measure(sweep, again) {
   return select;
 }
 
-/** For each other axis a choice: one of its values, or the colours. */
+/** For each other axis a choice: one of its values, or the colours. A ROC curve begins amid the
+    values: at the first, often the easiest or the hardest, it may have nothing to show. */
 function make_choices(sweep, again) {
   const colours = sweep.others.findLastIndex(
     ({ values }) => values.length > 1 && values.length <= kColours,
@@ -25,6 +26,7 @@ function make_choices(sweep, again) {
     const select = element("select", { ariaLabel: name });
     for (const value of [...values, kColour])
       select.append(element("option", { textContent: value }));
+    if (sweep.roc) select.selectedIndex = values.length >> 1;
     if (i === colours) select.value = kColour;
     select.addEventListener("change", again);
     return select;

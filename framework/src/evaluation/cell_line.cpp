@@ -10,13 +10,13 @@
 #include <weft/evaluation/metrics_report.hpp>
 #include <weft/host/processor.hpp>
 
+#include "axis_sweep.hpp"
+
 namespace weft::evaluation {
 namespace {
 
 using nlohmann::json;
 using nlohmann::ordered_json;
-
-constexpr const char* kLineSchema = "weft.cell/1";
 
 /// Text of any bytes as JSON: what is no UTF-8 is replaced.
 std::string dump(const ordered_json& value, int indent = -1) {
@@ -93,6 +93,15 @@ ordered_json names_json(const std::vector<NamedPatch>& patches) {
   return names;
 }
 
+ordered_json axis_json(const Axis& axis) {
+  ordered_json object{{"name", axis.name}, {"values", names_json(axis.values)}};
+  if (const auto sweep = sweep_of(axis)) {
+    object["swept"] = sweep->name;
+    object["numbers"] = sweep->numbers;
+  }
+  return object;
+}
+
 }  // namespace
 
 std::string cell_line(const Cell& cell, const CellResult& result, bool timed,
@@ -160,7 +169,7 @@ std::string plan_text(const Grid& grid, const std::string& command) {
   ordered_json axes = ordered_json::array(), data = ordered_json::array();
   ordered_json sequences = ordered_json::array(), show = ordered_json::array();
   for (const Axis& axis : plan.axes) {
-    axes.push_back({{"name", axis.name}, {"values", names_json(axis.values)}});
+    axes.push_back(axis_json(axis));
   }
   for (const PlannedData& each : plan.data) {
     data.push_back({{"name", each.name}, {"sequences", names_json(each.sequences)}});

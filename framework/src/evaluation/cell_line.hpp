@@ -7,6 +7,8 @@
 /// The texts of a results folder; docs/results.md describes them.
 namespace weft::evaluation {
 
+inline constexpr const char* kLineSchema = "weft.cell/1";
+
 /// The line of a cell, without its line break.
 std::string cell_line(const Cell& cell, const CellResult& result, bool timed,
                       const Measurement& measurement);

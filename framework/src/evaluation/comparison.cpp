@@ -144,8 +144,6 @@ Call call_of(const PairedTest& test, double p_holm, Better better, std::int64_t 
   return test.possible() && hopeless ? Call::too_few : Call::undecided;
 }
 
-bool decided(Call call) { return call == Call::a || call == Call::b; }
-
 Call verdict_of(Call values, Call failures) {
   if (!decided(failures) || failures == values) return values;
   return decided(values) ? Call::undecided : failures;

@@ -7,10 +7,10 @@
 #include <weft/geometry/barycentric.hpp>
 #include <weft/geometry/match_labels.hpp>
 
+#include "units.hpp"
+
 namespace weft::evaluation {
 namespace {
-
-constexpr double kMmPerM = 1000.0;
 
 /// The mean of distances, unless a point behind the camera has none.
 double mean_px(const std::vector<double>& distances_px, ImageMetrics& image) {

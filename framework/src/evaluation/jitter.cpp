@@ -5,10 +5,11 @@
 #include <cmath>
 #include <weft/core/statistics.hpp>
 
+#include "units.hpp"
+
 namespace weft::evaluation {
 namespace {
 
-constexpr double kMmPerM = 1000.0;
 constexpr double kJumpInSteps = 5.0;
 constexpr double kJumpShare = 0.01;  // of the diagonal: a sheet at rest has steps of noise only
 

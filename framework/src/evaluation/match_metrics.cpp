@@ -3,19 +3,16 @@
 #include <cmath>
 #include <weft/core/statistics.hpp>
 #include <weft/evaluation/match_metrics.hpp>
+#include <weft/evaluation/unknown.hpp>
 #include <weft/geometry/match_labels.hpp>
 
-#include "percent.hpp"
+#include "units.hpp"
 
 namespace weft::evaluation {
 namespace {
 
 double percent(std::int64_t part, std::int64_t whole) {
   return kPercent * static_cast<double>(part) / static_cast<double>(whole);
-}
-
-double mean_or_unknown(const std::vector<double>& values) {
-  return values.empty() ? FilterMetrics::kNoRate : mean(values);
 }
 
 void add_score(double score, ScoreCounts& counts) {
@@ -56,6 +53,7 @@ FilterMetrics summarise_filter(const std::string& stage, const std::vector<Filte
   for (const FilterCounts& frame : frames) {
     metrics.entered += frame.entered;
     metrics.labelled += frame.labelled();
+    metrics.mismatches += frame.mismatches;
     add(frame.wrong_scores, metrics.wrong_scores);
     add(frame.right_scores, metrics.right_scores);
     if (frame.entered > 0) kept.push_back(percent(frame.kept, frame.entered));

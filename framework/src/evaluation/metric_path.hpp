@@ -8,6 +8,9 @@
 
 namespace weft::evaluation {
 
+/// The 3D error, which comparisons pair frame by frame.
+inline constexpr const char* kErrorMetric = "all.error_solved.mean_mm";
+
 /// The figure that a path such as "all.error_solved.mean_mm" names in the JSON of a RunMetrics; NaN
 /// where it is null. In a list the path names an entry by its stage or kind, or leaves it out where
 /// there is one entry only. The Error says what is missing.

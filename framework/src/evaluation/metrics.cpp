@@ -10,17 +10,12 @@
 
 #include "frame_evaluation.hpp"
 #include "jitter.hpp"
+#include "units.hpp"
 
 namespace weft::evaluation {
 namespace {
 
-constexpr double kMmPerM = 1000.0;
-
 double largest(const std::vector<double>& values) { return percentile(values, 100.0); }
-
-double mean_of(const std::vector<double>& values) {
-  return values.empty() ? kUnknown : mean(values);
-}
 
 ErrorSummary summarise(const std::vector<const FrameMetrics*>& frames, Outcome outcome) {
   ErrorSummary summary;
@@ -35,12 +30,12 @@ ErrorSummary summarise(const std::vector<const FrameMetrics*>& frames, Outcome o
     of_depth.push_back(frame->error->of_depth_percent);
   }
   summary.frames = static_cast<std::int64_t>(means.size());
-  summary.mean_mm = mean_of(means);
+  summary.mean_mm = mean_or_unknown(means);
   summary.median_mm = median(means);
   summary.p95_mm = percentile(means, 95.0);
   summary.worst_mm = largest(means);
   summary.worst_point_mm = largest(worst_points);
-  summary.of_depth_percent = mean_of(of_depth);
+  summary.of_depth_percent = mean_or_unknown(of_depth);
   if (means.size() < 2) return summary;
   double squares = 0.0;
   for (const double value : means) squares += std::pow(value - summary.mean_mm, 2);
@@ -70,8 +65,8 @@ GroupMetrics summarise_group(const std::vector<const FrameMetrics*>& frames, dou
   }
   group.solved_error = summarise(frames, Outcome::solved);
   group.held_error = summarise(frames, Outcome::held);
-  group.strain_mean = mean_of(strains);
-  group.strain_p95 = mean_of(strains_p95);
+  group.strain_mean = mean_or_unknown(strains);
+  group.strain_p95 = mean_or_unknown(strains_p95);
   return group;
 }
 
@@ -95,8 +90,8 @@ void count_frames(RunMetrics& metrics) {
     counts.lost += frame.state == ShapeState::lost;
     counts.none += frame.state == ShapeState::none;
   }
-  metrics.strain_mean = mean_of(strains);
-  metrics.strain_p95 = mean_of(strains_p95);
+  metrics.strain_mean = mean_or_unknown(strains);
+  metrics.strain_p95 = mean_or_unknown(strains_p95);
 }
 
 void summarise_image(double match_tolerance_px, RunMetrics& metrics) {
@@ -117,8 +112,8 @@ void summarise_image(double match_tolerance_px, RunMetrics& metrics) {
   image.match_tolerance_px = match_tolerance_px;
   image.reprojection_frames = static_cast<std::int64_t>(reprojection.size());
   image.overlay_frames = static_cast<std::int64_t>(overlay.size());
-  image.reprojection_px = mean_of(reprojection);
-  image.overlay_px = mean_of(overlay);
+  image.reprojection_px = mean_or_unknown(reprojection);
+  image.overlay_px = mean_or_unknown(overlay);
   image.truth_map_px = median(truth_map);
 }
 
@@ -133,7 +128,7 @@ void summarise_depth(RunMetrics& metrics) {
     if (frame.depth->matches > 0) medians_mm.push_back(frame.depth->median_mm);
   }
   depth.frames = static_cast<std::int64_t>(medians_mm.size());
-  depth.mean_mm = mean_of(medians_mm);
+  depth.mean_mm = mean_or_unknown(medians_mm);
   depth.median_mm = median(medians_mm);
   depth.worst_mm = largest(medians_mm);
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <weft/evaluation/metrics_report.hpp>
 
+#include "text_table.hpp"
 #include "write_whole.hpp"
 
 namespace weft::evaluation {
@@ -12,14 +13,6 @@ namespace {
 /// Nine digits, or nothing.
 std::string number(double value) {
   return std::isfinite(value) ? fmt::format("{:.9g}", value) : "";
-}
-
-/// Text as RFC 4180 wants it.
-std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string result = "\"";
-  for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return result + "\"";
 }
 
 std::string counts_of(const FrameMetrics& frame, const std::string& stage) {
@@ -34,8 +27,8 @@ std::string counts_of(const FrameMetrics& frame, const std::string& stage) {
 std::string row_of(const FrameMetrics& frame, const RunMetrics& metrics) {
   const PointSummary error = frame.error.value_or(PointSummary{});
   std::string row = fmt::format(
-      "{},{},{},{},{},{},{},{},{},{}", frame.frame, quoted(frame.stem), to_string(frame.state),
-      to_string(frame.outcome), frame.failed ? 1 : 0, quoted(frame.kind), quoted(frame.apart),
+      "{},{},{},{},{},{},{},{},{},{}", frame.frame, csv_field(frame.stem), to_string(frame.state),
+      to_string(frame.outcome), frame.failed ? 1 : 0, csv_field(frame.kind), csv_field(frame.apart),
       frame.motion.cut ? 1 : 0, to_string(metrics.alignment), frame.points);
   for (const double value :
        {error.mean_mm, error.median_mm, error.p95_mm, error.worst_mm, error.rmse_mm,
@@ -63,7 +56,7 @@ std::string to_csv(const RunMetrics& metrics) {
   for (const FilterMetrics& filter : metrics.filters) {
     for (const char* count :
          {"entered", "kept", "mismatches", "correct", "rejected_wrong", "rejected_right"}) {
-      text += "," + quoted(filter.stage + "_" + count);
+      text += "," + csv_field(filter.stage + "_" + count);
     }
   }
   text += "\n";

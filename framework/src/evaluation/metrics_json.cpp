@@ -3,7 +3,7 @@
 #include <weft/core/version.hpp>
 #include <weft/evaluation/metrics_report.hpp>
 
-#include "percent.hpp"
+#include "units.hpp"
 #include "write_whole.hpp"
 
 namespace weft::evaluation {
@@ -89,6 +89,7 @@ ordered_json filter_json(const FilterMetrics& filter) {
           {"frames_without_kept", filter.frames_without_kept},
           {"matches", filter.entered},
           {"matches_labelled", filter.labelled},
+          {"mismatches", filter.mismatches},
           {"tpr_percent", filter.tpr_percent},
           {"fpr_percent", filter.fpr_percent},
           {"kept_percent", filter.kept_percent},

@@ -6,7 +6,7 @@
 #include <vector>
 #include <weft/evaluation/metrics_report.hpp>
 
-#include "percent.hpp"
+#include "units.hpp"
 
 namespace weft::evaluation {
 namespace {

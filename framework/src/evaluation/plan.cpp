@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
+#include "metric_path.hpp"
 #include "plan_parts.hpp"
 
 namespace weft::evaluation {
@@ -166,6 +165,10 @@ class PlanReader {
     if (values_.has(node, "metric", "a comparison")) {
       comparison.metric = values_.text(*node.find("metric"), "'metric'");
       comparison.metric_at = node.find("metric")->at;
+      if (comparison.metric == kErrorMetric && !plan_.measurement.frames) {
+        values_.problem(comparison.metric_at,
+                        "the 3D error is compared frame by frame, but 'metrics' keeps no 'frames'");
+      }
     }
     plan_.comparisons.push_back(std::move(comparison));
   }
@@ -253,15 +256,12 @@ std::pair<Plan, ConfigReport> read_plan(const std::string& file) {
   Plan plan;
   plan.source = {file, fs::absolute(file).parent_path().string(), false};
   ConfigReport report{{plan.source}, {}, false};
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream content;
-  content << stream.rdbuf();
-  if (!stream || fs::is_directory(file)) {
-    report.problems.push_back(
-        {{1, 1}, fs::exists(file) ? "the plan cannot be read" : "there is no such plan"});
+  const auto text = yaml::read_text(file);
+  if (!text) {
+    report.problems.push_back({{1, 1}, "the plan cannot be read: " + text.error().message});
     return {std::move(plan), std::move(report)};
   }
-  auto document = yaml::parse(content.str(), file);
+  auto document = yaml::parse(*text, file);
   if (!document) {
     report.problems.push_back(
         {yaml::position_in(document.error().where, file), document.error().message});

@@ -7,6 +7,8 @@
 #include <numeric>
 #include <weft/core/statistics.hpp>
 
+#include "units.hpp"
+
 namespace weft::evaluation {
 namespace {
 
@@ -21,6 +23,17 @@ std::vector<double> sorted_errors(const Results& results, const Combination& com
   }
   std::sort(errors.begin(), errors.end());
   return errors;
+}
+
+std::vector<float> shares_of(const std::vector<std::int64_t>& counts) {
+  const std::int64_t total = std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
+  std::vector<float> shares;
+  if (total == 0) return shares;
+  for (const std::int64_t count : counts) {
+    shares.push_back(
+        static_cast<float>(kPercent * static_cast<double>(count) / static_cast<double>(total)));
+  }
+  return shares;
 }
 
 }  // namespace
@@ -56,6 +69,10 @@ Curve error_over_frames(const Results& results, const Combination& combination) 
     curve.y.push_back(static_cast<float>(mean(means)));
   }
   return curve;
+}
+
+ScoreShares scores_of(const FilterRates& rates) {
+  return {shares_of(rates.scores_of_mismatches), shares_of(rates.scores_of_correct)};
 }
 
 }  // namespace weft::evaluation

@@ -20,16 +20,24 @@ Curve distribution_of(const Results& results, const Combination& combination);
 /// Mean error y [mm] at frame x over sequences, each the mean over its seeds.
 Curve error_over_frames(const Results& results, const Combination& combination);
 
-/// Along an axis of numbers, all other values fixed.
+/// Shares [%] of the mismatches, and of the correct matches, with a score in equal parts of [0, 1].
+/// Empty where there is none of them.
+struct ScoreShares {
+  std::vector<float> mismatches, correct;
+};
+
+ScoreShares scores_of(const FilterRates& rates);
+
+/// Along the number that an axis sweeps, all other values fixed.
 struct SweepCurve {
   std::vector<std::string> others;                                ///< values of the other axes
-  std::vector<float> values;                                      ///< of the axis
+  std::vector<float> values;                                      ///< of the number
   std::vector<std::vector<float>> figures;                        ///< for each measure one a value
   double auc_percent = kUnknown, partial_auc_percent = kUnknown;  ///< [] of a ROC curve
 };
 
-/// What an axis of numbers does. A ROC curve has the measures FPR and TPR, in this order, and its
-/// points in ascending FPR.
+/// What the number that an axis sweeps does. A ROC curve has the measures FPR and TPR, in this
+/// order, and its points in ascending FPR.
 struct Sweep {
   std::size_t axis = 0;
   std::string stage;  ///< the filter of a ROC curve, else empty
@@ -37,8 +45,8 @@ struct Sweep {
   std::vector<SweepCurve> curves;
 };
 
-/// A sweep of every axis of at least three numbers, and a ROC curve where the axis is the threshold
-/// of a filter: where it changes what a stage rejects, but not what the stage is given.
+/// A sweep of every axis that sweeps a number, and a ROC curve where it is the threshold of a
+/// filter: where it changes what a stage rejects, but not what the stage is given.
 std::vector<Sweep> sweeps_of(const Results& results, const ReportTables& tables);
 
 }  // namespace weft::evaluation

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base64.hpp"
@@ -19,7 +20,7 @@ std::string figure(const std::string& id, const std::string& caption) {
 }
 
 std::string sweep_figure(const Results& results, const Sweep& sweep, std::size_t index) {
-  const std::string axis = html_escaped(results.axes[sweep.axis].name);
+  const std::string axis = html_escaped(results.axes[sweep.axis].swept);
   const std::string title = sweep.stage.empty()
                                 ? "Along " + axis
                                 : "ROC of " + html_escaped(sweep.stage) + " over " + axis;
@@ -43,6 +44,16 @@ std::string checkbox(const std::string& parts, const std::string& label) {
                      label);
 }
 
+bool has_scores(const ReportTables& tables, const std::string& stage) {
+  return std::any_of(tables.combinations.begin(), tables.combinations.end(),
+                     [&](const Combination& combination) {
+                       const FilterRates* rates = combination.filter(stage);
+                       if (rates == nullptr) return false;
+                       const ScoreShares shares = scores_of(*rates);
+                       return !shares.mismatches.empty() || !shares.correct.empty();
+                     });
+}
+
 }  // namespace
 
 std::string curves_part(const ReportTables& tables) {
@@ -62,6 +73,22 @@ std::string sweeps_part(const Results& results, const Figures& figures) {
   std::string text;
   for (std::size_t i = 0; i < figures.sweeps.size(); ++i) {
     text += sweep_figure(results, figures.sweeps[i], i);
+  }
+  return text;
+}
+
+std::string scores_part(const ReportTables& tables) {
+  std::string text;
+  for (std::size_t i = 0; i < tables.filter_stages.size(); ++i) {
+    if (!has_scores(tables, tables.filter_stages[i])) continue;
+    text += fmt::format(
+        "<figure class=\"scores\" id=\"figure-scores-{}\" data-scores=\"{}\"><h3>Scores of "
+        "{}</h3>\n"
+        "<div class=\"controls\"></div><ul class=\"legend\"></ul><div class=\"plot\"></div>\n"
+        "<figcaption>What the filter thinks of the matches that it is given, 1 best: share of all "
+        "mismatches, and of all correct matches, in each fortieth of its scores.</figcaption>"
+        "</figure>\n",
+        i, i, html_escaped(tables.filter_stages[i]));
   }
   return text;
 }

@@ -63,11 +63,30 @@ ordered_json sweep_json(const Results& results, const Sweep& sweep) {
                       {"auc", curve.auc_percent},
                       {"partial_auc", curve.partial_auc_percent}});
   }
-  return {{"axis", results.axes[sweep.axis].name},
+  return {{"axis", results.axes[sweep.axis].swept},
           {"roc", !sweep.stage.empty()},
           {"measures", sweep.measures},
           {"others", std::move(others)},
           {"curves", std::move(curves)}};
+}
+
+/// What a filter thinks of the matches: one entry for each combination in which it has an opinion.
+ordered_json scores_json(const Results& results, const ReportTables& tables,
+                         const std::string& stage) {
+  ordered_json axes = ordered_json::array(), combinations = ordered_json::array();
+  for (const PlanAxis& axis : results.axes) {
+    axes.push_back({{"name", axis.name}, {"values", axis.values}});
+  }
+  for (const Combination& combination : tables.combinations) {
+    const FilterRates* rates = combination.filter(stage);
+    if (rates == nullptr) continue;
+    const ScoreShares shares = scores_of(*rates);
+    if (shares.mismatches.empty() && shares.correct.empty()) continue;
+    combinations.push_back({{"values", combination.values},
+                            {"mismatches", packed(shares.mismatches)},
+                            {"correct", packed(shares.correct)}});
+  }
+  return {{"axes", std::move(axes)}, {"combinations", std::move(combinations)}};
 }
 
 ordered_json cell_json(const Results& results, const ShownCell& shown) {
@@ -95,7 +114,7 @@ ordered_json cell_json(const Results& results, const ShownCell& shown) {
 
 std::string to_json(const Results& results, const ReportTables& tables, const Figures& figures) {
   ordered_json object{{"measure", {{"name", "mean 3D error of a frame"}, {"unit", "mm"}}}};
-  for (const char* list : {"treatments", "comparisons", "sweeps", "cells"}) {
+  for (const char* list : {"treatments", "comparisons", "sweeps", "scores", "cells"}) {
     object[list] = ordered_json::array();
   }
   for (std::size_t i = 0; i < tables.combinations.size(); ++i) {
@@ -105,6 +124,9 @@ std::string to_json(const Results& results, const ReportTables& tables, const Fi
     object["comparisons"].push_back(comparison_json(comparison));
   }
   for (const Sweep& sweep : figures.sweeps) object["sweeps"].push_back(sweep_json(results, sweep));
+  for (const std::string& stage : tables.filter_stages) {
+    object["scores"].push_back(scores_json(results, tables, stage));
+  }
   for (const ShownCell& cell : figures.cells) object["cells"].push_back(cell_json(results, cell));
   // A text could hold the end of the element that the JSON stands in.
   std::string text;

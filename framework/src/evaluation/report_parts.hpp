@@ -20,6 +20,7 @@ std::string reproduce_part(const Results& results, const ReportTables& tables);
 // Figures
 std::string curves_part(const ReportTables& tables);
 std::string sweeps_part(const Results& results, const Figures& figures);
+std::string scores_part(const ReportTables& tables);
 std::string worst_part(const Results& results, const Figures& figures);
 std::string viewer_part(const Figures& figures);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "metric_path.hpp"
 #include "report_notes.hpp"
 #include "report_statistics.hpp"
 

@@ -5,6 +5,8 @@
 #include <map>
 #include <weft/evaluation/report_tables.hpp>
 
+#include "metric_path.hpp"
+
 namespace weft::evaluation {
 namespace {
 

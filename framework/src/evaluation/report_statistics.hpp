@@ -6,8 +6,6 @@
 
 namespace weft::evaluation {
 
-inline constexpr const char* kErrorMetric = "all.error_solved.mean_mm";
-
 /// The name of a metric in a sentence.
 std::string measure_of(const std::string& metric);
 /// Whether a metric had better be low or high.

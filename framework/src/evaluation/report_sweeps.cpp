@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <weft/evaluation/roc.hpp>
 
 #include "report_curves.hpp"
@@ -11,33 +9,27 @@
 namespace weft::evaluation {
 namespace {
 
-constexpr std::size_t kLeastValues = 3;
-
-std::optional<double> as_number(const std::string& text) {
-  double value = 0.0;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool whole = failure == std::errc() && end == text.data() + text.size();
-  return whole && std::isfinite(value) ? std::optional(value) : std::nullopt;
-}
-
-bool is_numeric(const PlanAxis& axis) {
-  return axis.values.size() >= kLeastValues &&
-         std::all_of(axis.values.begin(), axis.values.end(),
-                     [](const std::string& value) { return as_number(value).has_value(); });
-}
-
-/// Combinations that differ on one axis only, in ascending order of its value.
+/// Combinations that differ only in the number that an axis sweeps, in its ascending order.
 struct Family {
   std::vector<std::string> others;
-  std::vector<std::pair<double, std::size_t>> members;  ///< value, combination
+  std::vector<std::pair<double, std::size_t>> members;  ///< number, combination
 };
 
-std::vector<Family> families_along(const ReportTables& tables, std::size_t axis) {
+double number_at(const PlanAxis& axis, const std::string& value) {
+  const auto place = std::find(axis.values.begin(), axis.values.end(), value);
+  return place == axis.values.end()
+             ? kUnknown
+             : axis.numbers[static_cast<std::size_t>(place - axis.values.begin())];
+}
+
+std::vector<Family> families_along(const Results& results, const ReportTables& tables,
+                                   std::size_t axis) {
   std::vector<Family> families;
   std::map<std::vector<std::string>, std::size_t> places;
   for (std::size_t i = 0; i < tables.combinations.size(); ++i) {
     std::vector<std::string> others = tables.combinations[i].values;
-    const double value = *as_number(others[axis]);
+    const double value = number_at(results.axes[axis], others[axis]);
+    if (std::isnan(value)) continue;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(axis));
     const auto [place, fresh] = places.try_emplace(others, families.size());
     if (fresh) families.push_back({others, {}});
@@ -131,8 +123,8 @@ Sweep response_along(const ReportTables& tables, std::size_t axis,
 std::vector<Sweep> sweeps_of(const Results& results, const ReportTables& tables) {
   std::vector<Sweep> sweeps;
   for (std::size_t axis = 0; axis < results.axes.size(); ++axis) {
-    if (!is_numeric(results.axes[axis])) continue;
-    const std::vector<Family> families = families_along(tables, axis);
+    if (results.axes[axis].swept.empty()) continue;
+    const std::vector<Family> families = families_along(results, tables, axis);
     for (const std::string& stage : tables.filter_stages) {
       Sweep roc{axis, stage, {"FPR, %", "TPR, %"}, {}};
       for (const Family& family : families) {

@@ -71,7 +71,12 @@ void fill(const Results& results, Combination& row) {
   for (const MeansBySequence& metric : shown) row.shown.push_back(metric.value());
 }
 
-/// Means over sequences of the four rates of one filter stage.
+void add_counts(const std::vector<std::int64_t>& counts, std::vector<std::int64_t>& sums) {
+  sums.resize(std::max(sums.size(), counts.size()));
+  for (std::size_t i = 0; i < counts.size(); ++i) sums[i] += counts[i];
+}
+
+/// Rates of one filter stage: means over sequences; counts: sums.
 struct FilterMeans {
   FilterSummary summary;
   MeansBySequence tpr, fpr, kept, precision;
@@ -84,6 +89,8 @@ struct FilterMeans {
     summary.rates.entered += rates.entered;
     summary.rates.mismatches += rates.mismatches;
     summary.rates.correct += rates.correct;
+    add_counts(rates.scores_of_mismatches, summary.rates.scores_of_mismatches);
+    add_counts(rates.scores_of_correct, summary.rates.scores_of_correct);
   }
   FilterSummary finish() {
     summary.rates.tpr_percent = tpr.value();

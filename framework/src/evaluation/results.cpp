@@ -4,6 +4,7 @@
 #include <fstream>
 #include <set>
 
+#include "cell_line.hpp"
 #include "metric_path.hpp"
 #include "results_json.hpp"
 
@@ -12,8 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-constexpr const char* kLineSchema = "weft.cell/1";
 
 /// The metrics that the plan names, each once.
 std::set<std::string> metrics_of(const Results& results) {
@@ -35,18 +34,15 @@ bool counts(const json& frame) {
   return frame.contains("truth") && frame.at("truth").value("apart", "").empty();
 }
 
-FilterRates filter_rates(const json& filter, const json& frames) {
+FilterRates filter_rates(const json& filter) {
   FilterRates rates{filter.at("stage"), number_of(filter, "tpr_percent"),
                     number_of(filter, "fpr_percent"), number_of(filter, "kept_percent"),
                     number_of(filter, "precision_percent")};
-  for (const json& frame : frames) {
-    if (!counts(frame) || !frame.contains("filters")) continue;
-    const auto found = frame.at("filters").find(rates.stage);
-    if (found == frame.at("filters").end()) continue;
-    rates.entered += found->at("entered").get<std::int64_t>();
-    rates.mismatches += found->at("mismatches").get<std::int64_t>();
-    rates.correct += found->at("correct").get<std::int64_t>();
-  }
+  rates.entered = filter.at("matches");
+  rates.mismatches = filter.at("mismatches");
+  rates.correct = filter.at("matches_labelled").get<std::int64_t>() - rates.mismatches;
+  rates.scores_of_mismatches = filter.at("scores_of_mismatches").get<std::vector<std::int64_t>>();
+  rates.scores_of_correct = filter.at("scores_of_correct").get<std::vector<std::int64_t>>();
   return rates;
 }
 
@@ -65,12 +61,11 @@ void read_metrics(const json& metrics, const std::set<std::string>& wanted, Cell
   record.worst_mm = number_of(error, "worst_mm");
   if (error.at("worst_frame").is_string()) record.worst_frame = error.at("worst_frame");
   record.truth_users = metrics.at("truth_users").get<std::vector<std::string>>();
-  const json& frames = metrics.at("frames");
-  for (const json& frame : frames) {
+  for (const json& frame : metrics.at("frames")) {
     if (counts(frame)) record.errors.push_back(frame_error(frame));
   }
   for (const json& filter : metrics.at("filters")) {
-    record.filters.push_back(filter_rates(filter, frames));
+    record.filters.push_back(filter_rates(filter));
   }
 }
 

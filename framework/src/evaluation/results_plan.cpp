@@ -69,6 +69,16 @@ PlanCell plan_cell(const json& entry, const std::vector<PlanAxis>& axes) {
   return cell;
 }
 
+PlanAxis plan_axis(const json& entry) {
+  PlanAxis axis{entry.at("name"), names_of(entry.at("values")), entry.value("swept", ""), {}};
+  if (axis.swept.empty()) return axis;
+  for (const json& number : entry.at("numbers")) {
+    axis.numbers.push_back(number.is_null() ? kUnknown : number.get<double>());
+  }
+  axis.numbers.resize(axis.values.size(), kUnknown);
+  return axis;
+}
+
 PlanExpectation plan_expectation(const json& entry) {
   PlanExpectation expectation;
   for (const auto& [name, value] : entry.at("where").items()) {
@@ -85,7 +95,7 @@ void fill_plan(const json& plan, Results& results) {
   results.command = plan.value("command", "");
   results.data_use = plan.value("data_use", "");
   for (const json& axis : plan.at("axes")) {
-    results.axes.push_back({axis.at("name"), names_of(axis.at("values"))});
+    results.axes.push_back(plan_axis(axis));
   }
   results.sequences = names_of(plan.at("sequences"));
   results.seeds = plan.at("seeds").get<std::vector<std::uint64_t>>();

@@ -9,14 +9,6 @@
 namespace weft::evaluation {
 namespace {
 
-/// Text as RFC 4180 wants it.
-std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string result = "\"";
-  for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return result + "\"";
-}
-
 /// A long name may break behind its dots.
 std::string breakable(const std::string& name) {
   std::string result;
@@ -78,14 +70,14 @@ TextCell figure_cell(double value) {
 std::string to_csv(const TextTable& table) {
   std::string text;
   for (const TextColumn& column : table.columns) {
-    text += (text.empty() ? "" : ",") + quoted(column.field);
-    if (!column.of.empty()) text += "," + quoted(column.of);
+    text += (text.empty() ? "" : ",") + csv_field(column.field);
+    if (!column.of.empty()) text += "," + csv_field(column.of);
   }
   text += "\n";
   for (const TextRow& row : table.rows) {
     for (std::size_t i = 0; i < row.cells.size(); ++i) {
-      text += (i > 0 ? "," : "") + quoted(row.cells[i].exact);
-      if (!table.columns[i].of.empty()) text += "," + quoted(row.cells[i].of);
+      text += (i > 0 ? "," : "") + csv_field(row.cells[i].exact);
+      if (!table.columns[i].of.empty()) text += "," + csv_field(row.cells[i].of);
     }
     text += "\n";
   }
@@ -128,6 +120,13 @@ std::string markdown_escaped(const std::string& text) {
     result += c == '\n' ? ' ' : c;
   }
   return result;
+}
+
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string result = "\"";
+  for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return result + "\"";
 }
 
 std::string html_escaped(const std::string& text) {

@@ -49,6 +49,8 @@ std::string to_csv(const TextTable& table);
 std::string to_markdown(const TextTable& table);
 std::string to_html(const TextTable& table);
 
+/// Text as a field of CSV (RFC 4180).
+std::string csv_field(const std::string& text);
 /// Text in HTML, in an attribute as well.
 std::string html_escaped(const std::string& text);
 /// Text that is no markup in Markdown.

@@ -9,23 +9,21 @@
 namespace weft::evaluation {
 namespace {
 
-bool decided(Call call) { return call == Call::a || call == Call::b; }
-
 /// Three digits; zero has no sign.
-std::string number(double value) { return fmt::format("{:.3g}", value + 0.0); }
+std::string three_digits(double value) { return fmt::format("{:.3g}", value + 0.0); }
 
 std::string with_unit(double value, const std::string& unit) {
-  return number(value) + (unit.empty() ? "" : " " + unit);
+  return three_digits(value) + (unit.empty() ? "" : " " + unit);
 }
 
 std::string interval_text(Interval interval, const std::string& unit) {
-  return fmt::format("95 % interval {} to {}", number(interval.low),
+  return fmt::format("95 % interval {} to {}", three_digits(interval.low),
                      with_unit(interval.high, unit));
 }
 
 std::string p_text(double p, double p_holm, std::int64_t tests) {
-  if (std::isnan(p_holm) || tests < 2) return "p = " + number(p);
-  return fmt::format("p = {} after Holm's correction for {} tests", number(p_holm), tests);
+  if (std::isnan(p_holm) || tests < 2) return "p = " + three_digits(p);
+  return fmt::format("p = {} after Holm's correction for {} tests", three_digits(p_holm), tests);
 }
 
 std::string figures_of(const PairComparison& pair, const std::string& unit, std::int64_t tests) {
@@ -69,15 +67,15 @@ std::string decided_text(const PairComparison& pair, const ComparisonOptions& op
   const PairedTest& test = pair.test;
   const Interval gain =
       test.mean < 0.0 ? Interval{-test.interval.high, -test.interval.low} : test.interval;
-  return fmt::format("{} has a {} {} than {}, by {}: {}, {}n = {} sequences, {}.",
-                     a_wins ? pair.a : pair.b, options.better == Better::lower ? "lower" : "higher",
-                     options.measure, a_wins ? pair.b : pair.a,
-                     with_unit(std::abs(test.mean), options.unit),
-                     interval_text(gain, options.unit),
-                     std::isnan(test.standardised)
-                         ? ""
-                         : "standardised effect " + number(std::abs(test.standardised)) + ", ",
-                     test.n, p_text(test.p, pair.p_holm, tests));
+  return fmt::format(
+      "{} has a {} {} than {}, by {}: {}, {}n = {} sequences, {}.", a_wins ? pair.a : pair.b,
+      options.better == Better::lower ? "lower" : "higher", options.measure,
+      a_wins ? pair.b : pair.a, with_unit(std::abs(test.mean), options.unit),
+      interval_text(gain, options.unit),
+      std::isnan(test.standardised)
+          ? ""
+          : "standardised effect " + three_digits(std::abs(test.standardised)) + ", ",
+      test.n, p_text(test.p, pair.p_holm, tests));
 }
 
 std::string values_text(const PairComparison& pair, const ComparisonOptions& options,
@@ -123,15 +121,15 @@ std::string left_out_text(const PairComparison& pair) {
 }
 
 /// How often a treatment is the better and how often the worse of a pair.
-struct Record {
+struct Standing {
   std::string name;
   std::size_t better = 0, worse = 0;
 };
 
-std::vector<Record> records_of(const ComparisonTable& table) {
-  std::vector<Record> records;
+std::vector<Standing> standings_of(const ComparisonTable& table) {
+  std::vector<Standing> records;
   for (const TreatmentSummary& each : table.treatments) {
-    Record record{each.name};
+    Standing record{each.name};
     for (const PairComparison& pair : table.pairs) {
       const bool is_a = pair.a == each.name, is_b = pair.b == each.name;
       record.better += (is_a && pair.verdict == Call::a) || (is_b && pair.verdict == Call::b);
@@ -142,9 +140,9 @@ std::vector<Record> records_of(const ComparisonTable& table) {
   return records;
 }
 
-std::string against_reference(const std::vector<Record>& records, const std::string& reference) {
+std::string against_reference(const std::vector<Standing>& records, const std::string& reference) {
   std::vector<std::string> better, worse;
-  for (const Record& record : records) {
+  for (const Standing& record : records) {
     if (record.name == reference) continue;
     if (record.better > 0) better.push_back(record.name);
     if (record.worse > 0) worse.push_back(record.name);
@@ -180,7 +178,7 @@ std::string sentence_of(const FriedmanComparison& friedman) {
         "{}: Friedman's chi-squared = {}, n = {} sequences, p = {} after Holm's "
         "correction.",
         friedman.differ ? "Some treatments differ in rank" : "No difference in rank is shown",
-        number(friedman.test.chi_squared), n, number(friedman.p_holm));
+        three_digits(friedman.test.chi_squared), n, three_digits(friedman.p_holm));
   }
   if (friedman.left_out.empty()) return text;
   return text + fmt::format(" Left out: {}.", list_of(friedman.left_out));
@@ -193,9 +191,9 @@ std::string headline_of(const ComparisonTable& table, const ComparisonOptions& o
                        [call](const PairComparison& pair) { return pair.verdict == call; });
   };
   if (all(Call::too_few)) return "Too few to decide.";
-  const std::vector<Record> records = records_of(table);
+  const std::vector<Standing> records = standings_of(table);
   if (!options.reference.empty()) return against_reference(records, options.reference);
-  for (const Record& record : records) {
+  for (const Standing& record : records) {
     if (record.better + 1 == records.size()) {
       return fmt::format("{} is better than each of the others.", record.name);
     }

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <weft/core/statistics.hpp>
+#include <weft/evaluation/unknown.hpp>
 #include <weft/evaluation/warp_metrics.hpp>
 
 namespace weft::evaluation {
 namespace {
-
-double mean_or_unknown(const std::vector<double>& values) {
-  return values.empty() ? std::numeric_limits<double>::quiet_NaN() : mean(values);
-}
 
 /// Which vertices are corners of a face in which a match was kept.
 std::vector<bool> salient_vertices(const Correspondences& matches, const Array<std::uint8_t>& kept,

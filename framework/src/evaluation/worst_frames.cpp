@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <weft/pipeline/methods.hpp>
 
 namespace weft::evaluation {
 namespace {
@@ -15,7 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostFrames = 2;
-constexpr int kOpen = 0, kWrite = 1, kFinish = 2;  // methods of sinks
 
 /// A folder that is gone with this object.
 class Scratch {
@@ -44,7 +44,7 @@ Result<host::Instance*> open_sink(const host::ComponentSpec& spec, host::Lane& l
   auto sink = lane.instantiate(spec, "sinks");
   if (!sink) return sink;
   if (auto ready = lane.prepare(**sink, *templ, *camera); !ready) return ready.error();
-  const host::Outcome opened = lane.call(**sink, kOpen, {}, host::kOfflineFrame);
+  const host::Outcome opened = lane.call(**sink, kOpenSink, {}, host::kOfflineFrame);
   if (!opened.usable()) return opened.error;
   return sink;
 }
@@ -88,14 +88,14 @@ std::vector<std::pair<std::string, std::string>> WorstFrames::draw(
     for (const auto& [slot, record] : frame.records) {
       if (record != nullptr) inputs.push_back(record->view(slot.c_str()));
     }
-    lane.call(**sink, kWrite, inputs, frame.index);
+    lane.call(**sink, kWriteFrame, inputs, frame.index);
     const std::string name = fmt::format("{:06}.png", frame.index);
     std::ifstream stream(scratch.path() + "/worst/" + name, std::ios::binary);
     if (stream)
       pictures.emplace_back("worst_" + name,
                             std::string(std::istreambuf_iterator<char>(stream), {}));
   }
-  lane.call(**sink, kFinish, {}, host::kOfflineFrame);
+  lane.call(**sink, kFinishSink, {}, host::kOfflineFrame);
   return pictures;
 }
 

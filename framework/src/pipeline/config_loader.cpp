@@ -5,10 +5,10 @@
 #include <set>
 #include <weft/core/suggest.hpp>
 
+#include "wiring.hpp"
+
 namespace weft {
 namespace {
-
-using Words = std::vector<std::string>;
 
 /// A place in a pipeline where components may stand.
 struct Place {
@@ -23,16 +23,6 @@ const Place kStage{"a stage",
                    {"use", "params", "as", "from", "template_params", "isolate", "deadline_ms"},
                    {"detectors", "matchers", "filters", "warps", "passes", "solvers"}};
 const Place kSink{"a sink", {"use", "params", "as", "from"}, {"sinks"}};
-
-std::string joined(const Words& words) {
-  std::string all;
-  for (const std::string& word : words) all += (all.empty() ? "" : ", ") + word;
-  return all;
-}
-
-bool contains(const Words& words, const std::string& word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
 
 class Loader {
  public:

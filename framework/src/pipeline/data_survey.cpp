@@ -6,13 +6,12 @@
 #include <weft/geometry/camera_model.hpp>
 #include <weft/host/lane.hpp>
 #include <weft/pipeline/data_survey.hpp>
+#include <weft/pipeline/methods.hpp>
 
 namespace weft {
 namespace {
 
 using host::Outcome;
-
-constexpr int kOpen = 0, kCount = 1, kRead = 2;  // methods of sources
 
 template <class Noun>
 std::optional<Noun> noun_in(const Outcome& outcome, const char* slot) {
@@ -130,9 +129,9 @@ Result<DataSurvey> survey_data(const DataLayout& layout, const host::Registry& r
   lane.watch(&cancel);
   const auto source = lane.instantiate(*spec, "sources");
   if (!source) return source.error();
-  const Outcome opened = lane.call(**source, kOpen, {}, host::kOfflineFrame);
+  const Outcome opened = lane.call(**source, kOpenSource, {}, host::kOfflineFrame);
   if (!opened.usable()) return opened.error;
-  const Outcome counted = lane.call(**source, kCount, {}, host::kOfflineFrame);
+  const Outcome counted = lane.call(**source, kCountFrames, {}, host::kOfflineFrame);
   if (!counted.usable()) return counted.error;
   DataSurvey survey;
   survey.kind = layout.kind;
@@ -140,7 +139,7 @@ Result<DataSurvey> survey_data(const DataLayout& layout, const host::Registry& r
   survey.camera = *noun_in<Camera>(opened, "camera");
   const std::int64_t count = noun_in<Count>(counted, "count")->frames;
   for (std::int64_t i = 0; (count < 0 || i < count) && !cancel.load(); ++i) {
-    const Outcome read = lane.call(**source, kRead, {}, static_cast<std::uint64_t>(i));
+    const Outcome read = lane.call(**source, kReadFrame, {}, static_cast<std::uint64_t>(i));
     if (count < 0 && read.status == WEFT_NO_RESULT) break;
     ++survey.frames;
     if (read.usable()) add_frame(read, survey);

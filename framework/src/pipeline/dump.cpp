@@ -43,7 +43,7 @@ std::string stage_yaml(const PipelineConfig& config, const StageConfig& stage) {
   return yaml::emit(root);
 }
 
-Result<void> write_text(const std::string& file, const std::string& text) {
+Result<void> write_yaml(const std::string& file, const std::string& text) {
   std::ofstream stream(file, std::ios::binary | std::ios::trunc);
   stream << text;
   stream.close();
@@ -117,11 +117,9 @@ Result<std::vector<GivenRecord>> read_inputs(const std::string& lines,
 }
 
 Result<yaml::Node> read_yaml(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream) return Error{Errc::io, "cannot be read", file};
-  auto document = yaml::parse(text.str(), file);
+  const auto text = yaml::read_text(file);
+  if (!text) return text.error();
+  auto document = yaml::parse(*text, file);
   if (!document) return document.error();
   if (!document->problems.empty()) return damaged(file, document->problems.front().message);
   return std::move(document->root);
@@ -175,7 +173,7 @@ Result<Dump> Dump::create(const std::string& run_folder, const PipelineConfig& c
     std::error_code code;
     fs::create_directories(folder, code);
     if (code) return Error{Errc::io, "cannot be created: " + code.message(), folder};
-    auto written = write_text(folder + "/stage.yaml", stage_yaml(config, stage));
+    auto written = write_yaml(folder + "/stage.yaml", stage_yaml(config, stage));
     if (!written) return written.error();
     written = host::write_npz(folder + "/template.npz", {{"template", templ}, {"camera", camera}});
     if (!written) return written.error();

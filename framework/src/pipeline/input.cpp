@@ -2,14 +2,13 @@
 #include <chrono>
 #include <weft/pipeline/checks.hpp>
 #include <weft/pipeline/input.hpp>
+#include <weft/pipeline/methods.hpp>
 
 namespace weft {
 namespace {
 
 using host::Outcome;
 using host::RecordPtr;
-
-constexpr int kOpen = 0, kCount = 1, kRead = 2;  // methods of sources
 
 Result<RecordPtr> output_of(const Outcome& outcome, const char* slot) {
   if (!outcome.usable()) return outcome.error;
@@ -35,11 +34,12 @@ Result<void> PipelineInput::open_source() {
   const auto instance = lane_->instantiate(source.component, source.name);
   if (!instance) return instance.error();
   source_ = *instance;
-  auto camera = output_of(lane_->call(*source_, kOpen, {}, host::kOfflineFrame), "camera");
+  auto camera = output_of(lane_->call(*source_, kOpenSource, {}, host::kOfflineFrame), "camera");
   if (!camera) return camera.error();
   camera_ = *std::move(camera);
   if (auto valid = blame(check_camera(*camera_), source); !valid) return valid;
-  const auto count = output_of(lane_->call(*source_, kCount, {}, host::kOfflineFrame), "count");
+  const auto count =
+      output_of(lane_->call(*source_, kCountFrames, {}, host::kOfflineFrame), "count");
   if (!count) return count.error();
   frames_ = host::view_as<Count>(**count)->frames;
   return {};
@@ -56,7 +56,7 @@ Result<void> PipelineInput::build_template() {
 }
 
 Outcome PipelineInput::read_checked(std::uint64_t index) {
-  Outcome read = lane_->call(*source_, kRead, {}, index);
+  Outcome read = lane_->call(*source_, kReadFrame, {}, index);
   for (const auto& [slot, record] : read.outputs) {
     const auto fits = blame(check_fits(*record, *template_, *camera_), *config_->source);
     if (!fits) return {WEFT_ERROR, fits.error(), {}};

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <weft/pipeline/dump.hpp>
 #include <weft/pipeline/input.hpp>
+#include <weft/pipeline/methods.hpp>
 #include <weft/pipeline/run.hpp>
 #include <weft/pipeline/run_folder.hpp>
 #include <weft/pipeline/trace.hpp>
@@ -12,8 +13,6 @@ namespace {
 
 using host::Outcome;
 using host::RecordPtr;
-
-constexpr int kOpen = 0, kWrite = 1, kFinish = 2;  // methods of sinks
 
 struct Failed {
   Error error;
@@ -99,7 +98,7 @@ class Run {
       const StageConfig& sink = config_.sinks[i];
       host::Instance* instance = need(lane_.instantiate(sink.component, sink.name));
       need(lane_.prepare(*instance, *input_->templ(), *input_->camera()));
-      const Outcome opened = lane_.call(*instance, kOpen, {}, host::kOfflineFrame);
+      const Outcome opened = lane_.call(*instance, kOpenSink, {}, host::kOfflineFrame);
       if (!opened.usable()) throw Failed{opened.error};
       sinks_.push_back({&sink, &graph_.sinks[i], instance});
     }
@@ -131,7 +130,7 @@ class Run {
     const std::string cause = gather(*sink.node, result, inputs);
     if (!cause.empty()) return {sink.config->name, StageStatus::skipped, cause, 0.0, {}, false};
     const auto start = std::chrono::steady_clock::now();
-    const Outcome outcome = lane_.call(*sink.instance, kWrite, inputs, result.index);
+    const Outcome outcome = lane_.call(*sink.instance, kWriteFrame, inputs, result.index);
     const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
     return report_of(sink.config->name, outcome, ms.count());
   }
@@ -151,7 +150,7 @@ class Run {
     lane_.watch(nullptr);  // what was written so far is finished also when the run was cancelled
     Result<void> status;
     for (const Sink& sink : sinks_) {
-      const Outcome closed = lane_.call(*sink.instance, kFinish, {}, host::kOfflineFrame);
+      const Outcome closed = lane_.call(*sink.instance, kFinishSink, {}, host::kOfflineFrame);
       if (!closed.usable() && status) {
         status = Error{Errc::io, closed.error.message, closed.error.where};
       }

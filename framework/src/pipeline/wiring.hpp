@@ -7,6 +7,13 @@
 
 namespace weft {
 
+using Words = std::vector<std::string>;
+
+bool contains(const Words& words, const std::string& word);
+
+/// "a, b, c".
+std::string joined(const Words& words);
+
 /// The values that a component adds to the graph. Sources and passes have a choice and say it.
 std::vector<std::string> products_of(const host::ComponentManifest& component);
 

@@ -7,18 +7,6 @@
 namespace weft {
 namespace {
 
-using Words = std::vector<std::string>;
-
-bool contains(const Words& words, const std::string& word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
-
-std::string joined(const Words& words) {
-  std::string all;
-  for (const std::string& word : words) all += (all.empty() ? "" : ", ") + word;
-  return all;
-}
-
 /// Whether a component makes values of this slot out of others. Filters only mark what is there.
 bool can_make(const host::ComponentManifest& component, const std::string& slot) {
   return component.role() != "filters" && contains(products_of(component), slot);
@@ -57,6 +45,16 @@ std::string later_stage(const PipelineConfig& config, const StageConfig& reader,
 }
 
 }  // namespace
+
+bool contains(const Words& words, const std::string& word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+std::string joined(const Words& words) {
+  std::string all;
+  for (const std::string& word : words) all += (all.empty() ? "" : ", ") + word;
+  return all;
+}
 
 std::vector<std::string> products_of(const host::ComponentManifest& component) {
   const std::string role = component.role();

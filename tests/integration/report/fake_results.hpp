@@ -103,7 +103,8 @@ class FakeResults {
           {{"name", "Filters <on> a plain sheet"},
            {"command", "weft ablate stages.yaml --out results/stages"},
            {"axes",
-            {{{"name", "filter"}, {"values", filters}}, {{"name", "alpha"}, {"values", alphas}}}},
+            {{{"name", "filter"}, {"values", filters}},
+             {{"name", "alpha"}, {"values", alphas}, {"swept", "alpha"}, {"numbers", alphas}}}},
            {"sequences", sequences},
            {"seeds", choice_.seeds},
            {"data_use", choice_.data_use},
@@ -174,6 +175,11 @@ class FakeResults {
     filter.fpr_percent = fpr(a);
     filter.kept_percent = 60.0;
     filter.precision_percent = 95.0;
+    filter.entered = filter.labelled = 100 * kFrames;
+    filter.mismatches = 40 * kFrames;
+    filter.wrong_scores[4] = 30 * kFrames;
+    filter.wrong_scores[20] = 10 * kFrames;
+    filter.right_scores[36] = 60 * kFrames;
     metrics.filters.push_back(filter);
     return metrics;
   }

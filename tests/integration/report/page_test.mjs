@@ -63,6 +63,11 @@ try {
   // The diagonal, and of two curves the measured part and the whole.
   assert.equal(await marks(page, "figure-sweep-0", "line"), 1 + 2 * 2);
 
+  // Scores of mismatches and of correct matches, for the values that are chosen.
+  assert.equal(await marks(page, "figure-scores-0", "line"), 2);
+  await page.select('#figure-scores-0 select[aria-label="filter"]', "shaky");
+  assert.equal(await marks(page, "figure-scores-0", "line"), 2);
+
   // A square of the main table takes its combination out of the figures.
   await page.click('button.swatch[data-treatment="0"]');
   await page.waitForFunction(

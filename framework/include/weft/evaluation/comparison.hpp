@@ -25,6 +25,9 @@ struct ComparisonOptions {
 /// `too_few` where no outcome could have been called.
 enum class Call { too_few, undecided, a, b };
 
+/// Whether a call names one of the two.
+constexpr bool decided(Call call) { return call == Call::a || call == Call::b; }
+
 /// A treatment by itself. Its values may stand on other frames than those of the next treatment:
 /// only pairs say which is better.
 struct TreatmentSummary {

@@ -36,6 +36,7 @@ struct FilterMetrics {
   std::int64_t frames_without_correct = 0;     ///< [] not in the FPR, recall and F1
   std::int64_t frames_without_kept = 0;        ///< [] no labelled match kept: not in the precision
   std::int64_t labelled = 0, entered = 0;      ///< [] matches
+  std::int64_t mismatches = 0;                 ///< [] of those labelled
   double tpr_percent = kNoRate;                ///< [] mismatches that were rejected
   double fpr_percent = kNoRate;                ///< [] correct matches that were rejected
   double kept_percent = kNoRate;               ///< [] n_s: matches kept of those that entered

@@ -16,6 +16,8 @@ namespace weft::evaluation {
 struct PlanAxis {
   std::string name;
   std::vector<std::string> values;
+  std::string swept;            ///< the number that it sweeps; empty: it sweeps none
+  std::vector<double> numbers;  ///< with `swept`, one a value; NaN: the value sets no such number
 };
 
 /// `missing` is a cell of the plan that has not been run yet.
@@ -37,6 +39,8 @@ struct FilterRates {
   double kept_percent = kUnknown;       ///< [] kept, of those that entered
   double precision_percent = kUnknown;  ///< [] correct, of those kept
   std::int64_t entered = 0, mismatches = 0, correct = 0;  ///< [] over all frames
+  /// Scores in equal parts of [0, 1]: how many mismatches and how many correct matches.
+  std::vector<std::int64_t> scores_of_mismatches = {}, scores_of_correct = {};
 };
 
 /// Time of a stage for a frame, of a pass with --timing.
