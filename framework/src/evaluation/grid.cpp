@@ -92,7 +92,8 @@ class GridBuilder {
   /// What a plan lays over a pipeline is wrong in one place; what another file says may be wrong
   /// because of what is laid over it, so that the first such cell is named.
   void report_mistakes() {
-    for (auto& [key, mistake] : mistakes_) {
+    for (auto& entry : mistakes_) {
+      auto& mistake = entry.second;
       const auto same = [&](const ConfigSource& source) {
         return source.name == mistake.source.name && source.is_setting == mistake.source.is_setting;
       };

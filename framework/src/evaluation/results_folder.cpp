@@ -161,7 +161,7 @@ Result<ResultsFolder> ResultsFolder::open(const std::string& path) {
 
 Result<void> ResultsFolder::describe(const Grid& grid, const std::string& command,
                                      bool accept_rebuilt) const {
-  const auto manifest =
+  auto manifest =
       write_whole(manifest_text(grid, kSchema, accept_rebuilt), path_ + "/manifest.json");
   if (!manifest) return manifest;
   return write_whole(plan_text(grid, command), path_ + "/plan.json");

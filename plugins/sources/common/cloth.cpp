@@ -32,9 +32,7 @@ Result<Cloth> Cloth::create(int columns, int rows, const Points3View& flat_m,
 }
 
 Cloth::Cloth(int columns, int rows, const Points3View& flat_m, const ClothSettings& settings)
-    : columns_(columns),
-      rows_(rows),
-      settings_(settings),
+    : settings_(settings),
       position_m_(flat_m),
       before_m_(flat_m),
       velocity_m_per_s_(Points3::Zero(flat_m.rows(), 3)),

@@ -59,7 +59,6 @@ class Cloth {
   void project(std::span<const DistanceConstraint> constraints, double softness);
   Result<void> sweep_until_unstrained();
 
-  int columns_, rows_;
   ClothSettings settings_;
   Points3 position_m_, before_m_, velocity_m_per_s_;
   std::vector<double> mobility_;  ///< [V] 1, or 0 where a guide holds the vertex

@@ -66,7 +66,7 @@ Colour MipTexture::sample(float u, float v, float texels) const {
   const auto fine = static_cast<std::size_t>(depth);
   const float share = depth - static_cast<float>(fine);
   const float scale = 1.0F / static_cast<float>(1 << fine);
-  const Colour sharp = bilinear(levels_[fine], scale, u, v);
+  Colour sharp = bilinear(levels_[fine], scale, u, v);
   if (share <= 0.0F) return sharp;
   return (1.0F - share) * sharp + share * bilinear(levels_[fine + 1], 0.5F * scale, u, v);
 }

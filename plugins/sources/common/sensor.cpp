@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/sensor.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -60,8 +59,7 @@ Array<std::uint8_t> Sensor::expose(const Picture& light, bool is_grey, Rng rng) 
     const auto* row = seen.ptr<cv::Vec4f>(y);
     for (int x = 0; x < seen.cols; ++x) {
       for (int k = 0; k < channels; ++k) {
-        const float value = std::clamp(row[x][k] + noise.next(), 0.0F, 255.0F);
-        *target++ = static_cast<std::uint8_t>(value + 0.5F);
+        *target++ = cv::saturate_cast<std::uint8_t>(row[x][k] + noise.next());
       }
     }
   }

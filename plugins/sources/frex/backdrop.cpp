@@ -97,13 +97,15 @@ void draw_page(cv::Mat& image, const Placement& on, Rng& rng) {
   draw_box(image, on, 3.0, 3.0, width + 3.0, height + 3.0, Colour::Constant(30.0F));
   draw_box(image, on, 0.0, 0.0, width, height, paper);
   const double line = rng.uniform(5.0, 11.0);
-  for (double y = line; y + line < height; y += 1.7 * line) {
+  double y = line;
+  while (y + line < height) {
     double x = 8.0;
     while (x < width - 10.0) {
       const double word = std::min(rng.uniform(0.8, 5.0) * line, width - 6.0 - x);
       if (rng.below(8) != 0) draw_box(image, on, x, y, x + word, y + 0.6 * line, ink);
       x += word + 0.8 * line;
     }
+    y += 1.7 * line;
   }
 }
 

@@ -31,8 +31,9 @@ bool holds(const std::vector<double>& frames, std::int64_t index) {
 Points2 grid_px(int columns, int rows, const sources::MipTexture& print) {
   Points2 uv_px(Eigen::Index{columns} * rows, 2);
   for (Eigen::Index v = 0; v < uv_px.rows(); ++v) {
-    const auto i = static_cast<double>(v % columns), j = static_cast<double>(v / columns);
-    uv_px.row(v) << i * print.width() / (columns - 1) - 0.5, j * print.height() / (rows - 1) - 0.5;
+    const Eigen::Index i = v % columns, j = v / columns;
+    uv_px.row(v) << static_cast<double>(i) * print.width() / (columns - 1) - 0.5,
+        static_cast<double>(j) * print.height() / (rows - 1) - 0.5;
   }
   return uv_px;
 }
@@ -107,18 +108,18 @@ class Frex final : public Source {
     if (!faces) return faces.error();
     auto backdrop = make_backdrop(camera, print, pitch_m);
     if (!backdrop) return backdrop.error();
-    if (is_grey) *backdrop = sources::without_colour(*std::move(backdrop));
+    Picture behind = is_grey ? sources::without_colour(*std::move(backdrop)) : *std::move(backdrop);
     auto film = SheetFilm::create(s.motion, s.columns, s.rows, flat_m, s.fps);
     if (!film) return film.error();
-    auto renderer = sources::SheetRenderer::create(camera, std::move(print), uv_px, *faces,
-                                                   *std::move(backdrop));
+    auto renderer =
+        sources::SheetRenderer::create(camera, std::move(print), uv_px, *faces, std::move(behind));
     if (!renderer) return renderer.error();
     std::optional<Arm> arm;
     if (s.occluder) arm.emplace(camera, s.motion.distance_m, s.motion.period_s, s.motion.seed);
     return Studio{*std::move(renderer),
                   *std::move(film),
                   Lamp(s.ambient, s.light_drift_rad, s.motion.period_s, s.motion.seed),
-                  std::move(arm),
+                  arm,
                   sources::Sensor(s.blur_px, s.noise_grey),
                   is_grey,
                   pitch,

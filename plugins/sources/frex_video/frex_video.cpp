@@ -63,7 +63,7 @@ class FrexVideo final : public Source {
     }
     const auto texture = sources::read_picture("texture", texture_path_);
     if (!texture) return texture.error();
-    const auto camera = frames_.open(call);
+    auto camera = frames_.open(call);
     if (!camera) return camera.error();
     const auto count = frames_.count(call);
     if (!count) return count.error();

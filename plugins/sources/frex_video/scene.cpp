@@ -108,10 +108,10 @@ GroundTruth SceneMaker::surface_truth(const LocatedSheet& sheet, const SheetLaye
       static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), -1);
   std::vector<Eigen::Vector2d> texels;
   for (std::size_t k = 0; k < number.size(); ++k) {
-    const auto i = static_cast<double>(k % static_cast<std::size_t>(columns));
-    const auto j = static_cast<double>(k / static_cast<std::size_t>(columns));
-    const Eigen::Vector2d texel(i * size_px.x() / (columns - 1) - 0.5,
-                                j * size_px.y() / (rows - 1) - 0.5);
+    const std::size_t i = k % static_cast<std::size_t>(columns);
+    const std::size_t j = k / static_cast<std::size_t>(columns);
+    const Eigen::Vector2d texel(static_cast<double>(i) * size_px.x() / (columns - 1) - 0.5,
+                                static_cast<double>(j) * size_px.y() / (rows - 1) - 0.5);
     if (!sheet.is_known(point_mm_of(texel))) continue;
     number[k] = static_cast<std::int32_t>(texels.size());
     texels.push_back(texel);

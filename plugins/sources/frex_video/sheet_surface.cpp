@@ -253,10 +253,13 @@ Points3 minimise(const Objective& objective, const SplineDomain& domain, Points3
   for (int step = 0; step < kMostSteps && damping < kLargest; ++step) {
     Quadratic quadratic(domain);
     objective.evaluate(control, &quadratic);
-    for (; damping < kLargest; damping *= 10.0) {
+    while (damping < kLargest) {
       const Points3 moved = Objective::stepped(control, quadratic.step(damping));
       const double moved_cost = objective.evaluate(moved, nullptr);
-      if (!(moved_cost < cost)) continue;
+      if (!(moved_cost < cost)) {
+        damping *= 10.0;
+        continue;
+      }
       const bool has_converged = cost - moved_cost < kConverged * cost;
       control = moved;
       cost = moved_cost;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <compare>
 #include <cstdint>
 #include <functional>
 #include <limits>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 #include <weft/core/result.hpp>
 #include <weft/evaluation/unknown.hpp>
@@ -33,7 +33,10 @@ struct PanelPlace {
   std::string sequence;
   std::uint64_t seed = 0, frame = 0;
 
-  auto operator<=>(const PanelPlace&) const = default;
+  bool operator==(const PanelPlace&) const = default;
+  bool operator<(const PanelPlace& other) const {
+    return std::tie(sequence, seed, frame) < std::tie(other.sequence, other.seed, other.frame);
+  }
 };
 
 /// "sequence plain_101, seed 1, frame 17".

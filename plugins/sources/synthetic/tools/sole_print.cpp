@@ -36,15 +36,17 @@ void draw_stud(Canvas& canvas, const Point& at, double radius) {
 }
 
 void draw_tread(Canvas& canvas, double period) {
-  for (double y = 0.5 * period; y < canvas.height() + period; y += 1.5 * period) {
+  const int bars = static_cast<int>((canvas.height() / period + 0.5) / 1.5) + 1;
+  const int studs = static_cast<int>(canvas.width() / period) + 2;
+  for (int bar = 0; bar < bars; ++bar) {
+    const double y = (0.5 + 1.5 * bar) * period;
     std::vector<Point> zigzag;
-    int step = 0;
-    for (double x = -period; x < canvas.width() + 2.0 * period; x += 0.5 * period, ++step) {
-      zigzag.emplace_back(x, y + (step % 2 == 0 ? -0.22 : 0.22) * period);
+    for (int step = 0; step < 2 * studs + 4; ++step) {
+      zigzag.emplace_back((0.5 * step - 1.0) * period, y + (step % 2 == 0 ? -0.22 : 0.22) * period);
     }
     draw_bar(canvas, zigzag, 0.3 * period);
-    for (double x = 0.0; x < canvas.width() + period; x += period) {
-      draw_stud(canvas, {x, y + 0.75 * period}, 0.24 * period);
+    for (int stud = 0; stud < studs; ++stud) {
+      draw_stud(canvas, {stud * period, y + 0.75 * period}, 0.24 * period);
     }
   }
 }

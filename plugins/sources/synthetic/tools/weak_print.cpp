@@ -10,7 +10,7 @@
 namespace weft::texture {
 namespace {
 
-constexpr double kPaper = 0.9, kInk = 0.35;
+constexpr double kSheetGrey = 0.9, kMarkGrey = 0.35;
 
 /// Hills of light and shade, far apart.
 void wash(Canvas& canvas, Rng& rng) {
@@ -19,7 +19,7 @@ void wash(Canvas& canvas, Rng& rng) {
   const sources::ValueNoise bands(canvas.width(), canvas.height(), 2.0 * cell, rng);
   for (int y = 0; y < canvas.height(); ++y) {
     for (int x = 0; x < canvas.width(); ++x) {
-      canvas.at(x, y) = kPaper + 0.07 * clouds(x, y) + 0.05 * bands(x, y) - 0.05;
+      canvas.at(x, y) = kSheetGrey + 0.07 * clouds(x, y) + 0.05 * bands(x, y) - 0.05;
     }
   }
 }
@@ -29,15 +29,15 @@ void draw_mark(Canvas& canvas, const Point& at, double size, Rng& rng) {
   const Point along(size * std::cos(turn), size * std::sin(turn)), across(-along.y(), along.x());
   switch (rng.below(4)) {
     case 0:
-      return canvas.disc(at, 0.6 * size, kInk);
+      return canvas.disc(at, 0.6 * size, kMarkGrey);
     case 1:
-      return canvas.ring(at, size, 0.35 * size, kInk);
+      return canvas.ring(at, size, 0.35 * size, kMarkGrey);
     case 2:
-      canvas.polyline({at - along, at + along}, 0.3 * size, kInk);
-      return canvas.polyline({at - across, at + across}, 0.3 * size, kInk);
+      canvas.polyline({at - along, at + along}, 0.3 * size, kMarkGrey);
+      return canvas.polyline({at - across, at + across}, 0.3 * size, kMarkGrey);
     default:
       return canvas.polygon({at + along, at - 0.6 * along + across, at - 0.6 * along - across},
-                            kInk);
+                            kMarkGrey);
   }
 }
 
@@ -45,7 +45,7 @@ void draw_mark(Canvas& canvas, const Point& at, double size, Rng& rng) {
 
 Canvas draw_weak_print(int width, int height, std::uint64_t seed) {
   Rng rng(seed);
-  Canvas canvas(width, height, kPaper);
+  Canvas canvas(width, height, kSheetGrey);
   wash(canvas, rng);
   const double unit = height / 595.0;
   constexpr int kColumns = 7, kRows = 5;
