@@ -154,8 +154,8 @@ Result<StoredCell> parse_cell_line(const std::string& line) {
   }
 }
 
-std::string manifest_text(const Grid& grid, const std::string& schema, bool accept_rebuilt) {
-  return dump({{"schema", schema},
+std::string manifest_text(const Grid& grid, bool accept_rebuilt) {
+  return dump({{"schema", kFolderSchema},
                {"weft", kVersion},
                {"plan", grid.plan().name},
                {"metrics", measurement_json(grid.plan().measurement)},

@@ -21,7 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr const char* kSchema = "weft.results/1";
 constexpr int kMostFiles = 1'000'000;
 
 Error io_error(const std::string& file, const std::string& message) {
@@ -58,9 +57,9 @@ Result<void> check_schema(const std::string& path) {
   const json manifest = json::parse(stream, nullptr, false);
   const std::string schema =
       manifest.is_object() ? manifest.value("schema", std::string()) : std::string();
-  if (schema == kSchema) return {};
+  if (schema == kFolderSchema) return {};
   return Error{Errc::invalid_value,
-               "has the schema '" + schema + "', this program writes '" + kSchema +
+               "has the schema '" + schema + "', this program writes '" + kFolderSchema +
                    "'; choose another folder with --out",
                file};
 }
@@ -161,8 +160,7 @@ Result<ResultsFolder> ResultsFolder::open(const std::string& path) {
 
 Result<void> ResultsFolder::describe(const Grid& grid, const std::string& command,
                                      bool accept_rebuilt) const {
-  auto manifest =
-      write_whole(manifest_text(grid, kSchema, accept_rebuilt), path_ + "/manifest.json");
+  auto manifest = write_whole(manifest_text(grid, accept_rebuilt), path_ + "/manifest.json");
   if (!manifest) return manifest;
   return write_whole(plan_text(grid, command), path_ + "/plan.json");
 }

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fstream>
 
+#include "cell_line.hpp"
 #include "results_json.hpp"
 
 namespace weft::evaluation {
 namespace {
 
 using nlohmann::json;
-
-constexpr const char* kFolderSchema = "weft.results/1";
 
 /// The name of an axis value, a sequence or the like: a text, a plain value, or an object's name.
 std::string name_of(const json& value) {
