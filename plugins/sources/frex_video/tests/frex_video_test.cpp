@@ -4,14 +4,12 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
-#include <iostream>
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
-#include <weft/core/statistics.hpp>
 #include <weft/data/camera.hpp>
 
-#include "filmed_sheet.hpp"
+#include "film_accuracy.hpp"
 
 namespace {
 
@@ -23,21 +21,12 @@ using weft::testing::FilmedSheet;
 using weft::testing::kCount;
 using weft::testing::kOpen;
 using weft::testing::kRead;
+using weft::testing::OpenedSource;
 using weft::testing::Outcome;
 using weft::testing::PluginUnderTest;
 using weft::testing::view;
 
-constexpr double kPosterPitch_mm = 0.25;
 constexpr int kFrames[] = {58, 170};
-
-struct OpenedSource : PluginUnderTest {
-  explicit OpenedSource(const std::string& params, const std::string& id = "sources/frex_video")
-      : PluginUnderTest(id, params) {
-    const Outcome opened = process(kOpen, {});
-    EXPECT_EQ(opened.status, WEFT_OK) << opened.message;
-  }
-  Outcome frame(int index) { return process(kRead, {}, static_cast<std::uint64_t>(index)); }
-};
 
 std::string refusal(const std::string& params) {
   PluginUnderTest source("sources/frex_video", params);
@@ -51,81 +40,16 @@ class FrexVideo : public ::testing::Test {
   static void SetUpTestSuite() { filmed_ = std::make_unique<FilmedSheet>(); }
   static void TearDownTestSuite() { filmed_.reset(); }
 
-  /// Distances in mm of the truth of some frames from the exact one.
-  static std::vector<double> truth_errors_mm(const std::string& truth) {
-    OpenedSource source(filmed_->scene(", truth: " + truth, ", noise_grey: 1.5"));
-    std::vector<double> errors_mm;
-    for (const int index : kFrames) {
-      const Outcome frame = source.frame(index);
-      EXPECT_EQ(frame.status, WEFT_OK) << index << frame.message;
-      const auto found = frame.get<GroundTruth>();
-      if (!found) continue;
-      EXPECT_EQ(found->kind, truth);
-      const weft::DevelopableSheet sheet = filmed_->true_sheet(index);
-      for (std::int64_t k = 0; k < found->count(); ++k) {
-        const Eigen::Vector2d xy_mm = 1000.0 * found->template_xy_m.matrix<2>().row(k).transpose();
-        const Eigen::Vector3d exact =
-            FilmedSheet::point_m(sheet, xy_mm.array() + 0.5 * kPosterPitch_mm);
-        errors_mm.push_back(1000.0 *
-                            (found->points_m.matrix<3>().row(k).transpose() - exact).norm());
-      }
-    }
-    return errors_mm;
-  }
-
   static std::unique_ptr<FilmedSheet> filmed_;
 };
 std::unique_ptr<FilmedSheet> FrexVideo::filmed_;
 
 TEST_F(FrexVideo, ShowsThePrintAsIfItHadBeenFilmed) {
-  OpenedSource made(filmed_->scene(", ambient: 1, noise_grey: 0, blur_px: 0", ", noise_grey: 0"));
-  OpenedSource filmed(filmed_->film("poster.png", ", noise_grey: 0"), "sources/synthetic");
-  cv::Mat white(84, 119, CV_8UC1, cv::Scalar(255));
-  filmed_->folder.write_image("white.png", white);
-  OpenedSource blank(filmed_->film("white.png", ", noise_grey: 0"), "sources/synthetic");
-  std::vector<double> differences_grey, flow_px;
-  for (const int index : kFrames) {
-    const Outcome frame = made.frame(index);
-    ASSERT_EQ(frame.status, WEFT_OK) << index << frame.message;
-    const cv::Mat3b picture = view(frame.get<Image>()->pixels);
-    const Outcome filmed_frame = filmed.frame(index), blank_frame = blank.frame(index);
-    const cv::Mat1b expected = view(filmed_frame.get<Image>()->pixels);
-    const cv::Mat1b brightness = view(blank_frame.get<Image>()->pixels);
-    const auto uv_m = frame.get<GroundTruth>()->uv_m;
-    const weft::DevelopableSheet sheet = filmed_->true_sheet(index);
-    for (int y = 0; y < picture.rows; ++y) {
-      for (int x = 0; x < picture.cols; ++x) {
-        const Eigen::Vector2d uv_mm = 1000.0 * Eigen::Vector2d(uv_m(y, 2 * x), uv_m(y, 2 * x + 1));
-        if (!uv_mm.allFinite()) continue;
-        differences_grey.push_back(
-            std::abs(picture(y, x)[1] * brightness(y, x) / 255.0 - expected(y, x)));
-        const Eigen::Vector3d seen =
-            FilmedSheet::point_m(sheet, uv_mm.array() + 0.5 * kPosterPitch_mm);
-        flow_px.push_back((project(filmed_->camera, seen) - Eigen::Vector2d(x, y)).norm());
-      }
-    }
-  }
-  std::cout << "grey levels: median " << weft::median(differences_grey) << ", 95 % "
-            << weft::percentile(differences_grey, 95.0) << "; flow: median "
-            << weft::median(flow_px) << " px, 95 % " << weft::percentile(flow_px, 95.0)
-            << " px over " << flow_px.size() << " pixels\n";
-  EXPECT_GT(flow_px.size(), 150'000U);
-  EXPECT_LE(weft::median(differences_grey), 1.5);
-  EXPECT_LE(weft::median(flow_px), 0.2);
-  EXPECT_LE(weft::percentile(flow_px, 99.0), 0.7);
+  weft::testing::expect_the_print_as_if_filmed(*filmed_, kFrames, 150'000U);
 }
 
 TEST_F(FrexVideo, KnowsTheSurfaceBetterThanEachMarkerByItself) {
-  const std::vector<double> surface_mm = truth_errors_mm("surface");
-  const std::vector<double> markers_mm = truth_errors_mm("markers");
-  std::cout << "surface: median " << weft::median(surface_mm) << " mm, 95 % "
-            << weft::percentile(surface_mm, 95.0) << " mm, worst "
-            << weft::percentile(surface_mm, 100.0) << " mm of " << surface_mm.size()
-            << "; markers: median " << weft::median(markers_mm) << " mm, 95 % "
-            << weft::percentile(markers_mm, 95.0) << " mm of " << markers_mm.size() << "\n";
-  EXPECT_LT(weft::median(surface_mm), 0.5);
-  EXPECT_LT(weft::percentile(surface_mm, 95.0), 1.5);
-  EXPECT_LT(3.0 * weft::median(surface_mm), weft::median(markers_mm));
+  weft::testing::expect_the_surface_to_be_known(*filmed_, kFrames);
 }
 
 TEST_F(FrexVideo, GivesATruthThatAgreesWithItself) {
@@ -170,14 +94,15 @@ TEST_F(FrexVideo, GivesATruthThatAgreesWithItself) {
 
 TEST_F(FrexVideo, GivesTheSameBytesInAnyOrder) {
   OpenedSource one(filmed_->scene()), other(filmed_->scene());
-  const Outcome first = one.frame(17);
-  EXPECT_EQ(other.frame(58).status, WEFT_OK);
-  const Outcome later = other.frame(17);
-  const Image image = *first.get<Image>(), same = *later.get<Image>();
-  EXPECT_TRUE(std::equal(image.pixels.data(), image.pixels.data() + image.pixels.size(),
-                         same.pixels.data()));
-  const GroundTruth truth = *first.get<GroundTruth>(), true_too = *later.get<GroundTruth>();
-  EXPECT_TRUE(truth.points_m.matrix<3>() == true_too.points_m.matrix<3>());
+  const Outcome first = one.frame(17), later = other.frame(58), second = one.frame(58);
+  const Outcome again = other.frame(17);
+  for (const auto& [a, b] : {std::pair{first, again}, std::pair{second, later}}) {
+    const Image image = *a.get<Image>(), same = *b.get<Image>();
+    EXPECT_TRUE(std::equal(image.pixels.data(), image.pixels.data() + image.pixels.size(),
+                           same.pixels.data()));
+    const GroundTruth truth = *a.get<GroundTruth>(), true_too = *b.get<GroundTruth>();
+    EXPECT_TRUE(truth.points_m.matrix<3>() == true_too.points_m.matrix<3>());
+  }
   EXPECT_EQ(first.get<Image>()->stem, "000017");
   EXPECT_NEAR(first.get<weft::Time>()->t_s, 17 / 30.0, 1e-12);
 }
