@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/QR>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -34,28 +34,28 @@ class MovingLeastSquares {
     if (count < kForAffine) return std::nullopt;
     const double h_m = near[near.size() / 2].distance_m;
     if (!(h_m > 0.0)) return std::nullopt;
-    const Eigen::Index terms = count >= kForQuadratic ? 6 : 3;
-    Eigen::MatrixXd basis(count, terms);
-    Eigen::MatrixX3d values(count, 3);
+    const int terms = count >= kForQuadratic ? 6 : 3;
+    Matrix6 normal = Matrix6::Identity();
+    normal.topLeftCorner(terms, terms).setZero();
+    Eigen::Matrix<double, 6, 3> moments = Eigen::Matrix<double, 6, 3>::Zero();
     std::vector<double> angles_rad;
-    for (Eigen::Index k = 0; k < count; ++k) {
-      const Neighbour& each = near[static_cast<std::size_t>(k)];
+    for (const Neighbour& each : near) {
       const Eigen::Vector2d d = (xy_m_.row(each.index).transpose() - xy_m) / h_m;
-      const double weight = std::exp(-0.5 * d.squaredNorm());  // its square is that of the fit
-      basis.row(k).head<3>() << weight, weight * d.x(), weight * d.y();
-      if (terms == 6) {
-        basis.row(k).tail<3>() << weight * d.x() * d.x(), weight * d.x() * d.y(),
-            weight * d.y() * d.y();
+      const double weight = std::exp(-d.squaredNorm());
+      const double basis[] = {1.0, d.x(), d.y(), d.x() * d.x(), d.x() * d.y(), d.y() * d.y()};
+      for (int i = 0; i < terms; ++i) {
+        for (int j = 0; j < terms; ++j) normal(i, j) += weight * basis[i] * basis[j];
+        moments.row(i) += weight * basis[i] * points_m_.row(each.index);
       }
-      values.row(k) = weight * points_m_.row(each.index);
       if (d.norm() > 1e-9) angles_rad.push_back(std::atan2(d.y(), d.x()));
     }
     // A place itself needs no others around it.
     const bool on_a_place = near.front().distance_m < 1e-6 * h_m;
     if (!on_a_place && !surround(std::move(angles_rad))) return std::nullopt;
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(basis);
-    if (solver.rank() < terms) return std::nullopt;
-    return solver.solve(values).row(0).transpose();
+    const Eigen::LDLT<Matrix6> solver(normal);
+    const auto pivots = solver.vectorD();
+    if (!(pivots.minCoeff() > kLeastPivot * pivots.maxCoeff())) return std::nullopt;
+    return solver.solve(moments).row(0).transpose();
   }
 
   const Points2& xy_m() const { return xy_m_; }
@@ -64,6 +64,9 @@ class MovingLeastSquares {
  private:
   static constexpr Eigen::Index kNearest = 16, kForQuadratic = 10, kForAffine = 4;
   static constexpr double kReachShare = 0.2;
+  static constexpr double kLeastPivot = 1e-12;  ///< of the largest; below, the fit is not unique
+
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
   struct Neighbour {
     Eigen::Index index;

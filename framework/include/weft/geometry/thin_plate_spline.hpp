@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/QR>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -16,8 +15,7 @@ namespace weft {
 ///   f(p) = a0 + A p + sum_k c_k phi(|p - o_k|),  phi(r) = r^2 log r^2,
 /// the minimum of sum_k |f(o_k) - y_k|^2 + lambda * (bending energy / 16 pi) over sites that were
 /// shifted to zero mean and scaled to unit RMS radius, so that lambda has no unit. With
-/// M = K + lambda I and Q an orthonormal basis of what is orthogonal to [1 p]:
-///   c = B y,  B = Q (Q^T M Q)^-1 Q^T,  [1 p] a = y - M c.
+/// M = K + lambda I: M c + [1 p] a = y, [1 p]^T c = 0.
 template <int Dimension>
 class ThinPlateSpline {
  public:
@@ -58,27 +56,36 @@ class ThinPlateSpline {
  private:
   static double kernel(double r2) { return r2 > 0.0 ? r2 * std::log(r2) : 0.0; }
 
+  /// With P = [1 p] and s of M's size, the inverse of [M sP; sP^T 0] is [B C; C^T D]: coefficients
+  /// and affine part are B and s C^T times the values, and what a value differs from the spline
+  /// through the others is its coefficient over its entry on B's diagonal.
   bool solve(const Values& values, double lambda) {
     const Eigen::Index n = sites_.rows();
-    Eigen::MatrixXd m(n, n);
+    const double border = std::max(1.0, lambda);
+    Eigen::MatrixXd bordered = Eigen::MatrixXd::Zero(n + 3, n + 3);
     for (Eigen::Index i = 0; i < n; ++i) {
       for (Eigen::Index k = 0; k < n; ++k) {
-        m(i, k) = kernel((sites_.row(i) - sites_.row(k)).squaredNorm());
+        bordered(i, k) = kernel((sites_.row(i) - sites_.row(k)).squaredNorm());
       }
-      m(i, i) += lambda;
+      bordered(i, i) += lambda;
+      for (Eigen::Index k = 0; k < 3; ++k) {
+        bordered(i, n + k) = bordered(n + k, i) = border * (k == 0 ? 1.0 : sites_(i, k - 1));
+      }
     }
-    Eigen::MatrixXd linear(n, 3);
-    linear << Eigen::VectorXd::Ones(n), sites_;
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(linear);
-    if (qr.rank() < 3) return false;
-    const Eigen::MatrixXd q = qr.householderQ();
-    const auto q2 = q.rightCols(n - 3);
-    const Eigen::LLT<Eigen::MatrixXd> llt(q2.transpose() * m * q2);
-    if (llt.info() != Eigen::Success || !(llt.rcond() > 1e-15)) return false;
-    const Eigen::MatrixXd b = q2 * llt.solve(q2.transpose());
-    coefficients_ = b * values;
-    affine_ = qr.solve(values - m * coefficients_);
-    leave_one_out_ = b.diagonal().cwiseInverse().asDiagonal() * coefficients_;
+    const Eigen::PartialPivLU<Eigen::MatrixXd> lu(bordered);
+    // rcond() takes exact singularity for the best of conditions.
+    const Eigen::VectorXd pivots = lu.matrixLU().diagonal().cwiseAbs();
+    if (!(pivots.minCoeff() > 1e-15 * pivots.maxCoeff() && lu.rcond() > 1e-15)) return false;
+    const Eigen::MatrixXd inverse = lu.inverse();
+    coefficients_.resize(n, Dimension);
+    leave_one_out_.resize(n, Dimension);
+    for (int d = 0; d < Dimension; ++d) {
+      coefficients_.col(d).noalias() = inverse.topLeftCorner(n, n) * values.col(d);
+      affine_.col(d).noalias() = border * (inverse.bottomLeftCorner(3, n) * values.col(d));
+    }
+    for (Eigen::Index i = 0; i < n; ++i) {
+      leave_one_out_.row(i) = coefficients_.row(i) / inverse(i, i);
+    }
     return true;
   }
 
