@@ -1,28 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/camera_file.hpp"
 
-#include <yaml-cpp/yaml.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <set>
-#include <stdexcept>
 #include <utility>
+
+#include "common/yaml_file.hpp"
 
 namespace weft::sources {
 namespace {
 
-constexpr std::uintmax_t kMostBytes = 1 << 20;
 constexpr double kLargestSize = 32767;  // the remapping of OpenCV counts pixels in 16 bits
-
-/// A mistake in the file; the text begins with its place. Caught in read_camera_file().
-struct Mistake : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 class Reader {
  public:
@@ -42,13 +32,7 @@ class Reader {
 
  private:
   [[noreturn]] void fail(const YAML::Node& node, const std::string& message) const {
-    const YAML::Mark mark = node.Mark();
-    std::string place = path_;
-    if (!mark.is_null()) {
-      place.append(":").append(std::to_string(mark.line + 1));
-      place.append(":").append(std::to_string(mark.column + 1));
-    }
-    throw Mistake(place + ": " + message);
+    fail_at(path_, node, message);
   }
 
   /// yaml-cpp keeps both values of a key that is given twice and answers with the first.
@@ -199,28 +183,11 @@ class Reader {
 }  // namespace
 
 Result<CameraFile> read_camera_file(const std::string& path) {
-  std::error_code status;
-  if (!std::filesystem::is_regular_file(path, status)) {
-    return Error{Errc::not_found, path + ": there is no such camera file: correct 'camera'", {}};
-  }
-  if (std::filesystem::file_size(path, status) > kMostBytes) {
-    return Error{Errc::invalid_data, path + ": is too large for a camera file", {}};
-  }
-  std::ifstream stream(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) return Error{Errc::io, path + ": cannot be read: check its permissions", {}};
+  auto text = read_text_file(path, "camera");
+  if (!text) return text.error();
   // OpenCV's first line is no directive of YAML; a comment in its place keeps the line numbers.
-  if (text.starts_with("%YAML:")) text[0] = '#';
-  try {
-    return Reader(path, YAML::Load(text)).read();
-  } catch (const Mistake& mistake) {
-    return Error{Errc::invalid_data, mistake.what(), {}};
-  } catch (const YAML::Exception& mistake) {
-    return Error{Errc::syntax,
-                 path + ":" + std::to_string(mistake.mark.line + 1) + ":" +
-                     std::to_string(mistake.mark.column + 1) + ": " + mistake.msg,
-                 {}};
-  }
+  if (text->starts_with("%YAML:")) text->front() = '#';
+  return read_yaml(path, *text, [&](const YAML::Node& root) { return Reader(path, root).read(); });
 }
 
 }  // namespace weft::sources

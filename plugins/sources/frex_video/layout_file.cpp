@@ -1,30 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "layout_file.hpp"
 
-#include <yaml-cpp/yaml.h>
-
 #include <charconv>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <initializer_list>
-#include <iterator>
 #include <set>
-#include <stdexcept>
 #include <string_view>
 #include <utility>
+
+#include "common/yaml_file.hpp"
 
 namespace weft::frex_video {
 namespace {
 
-constexpr std::uintmax_t kMostBytes = 1 << 22;
 constexpr double kLargest_mm = 1e5;
 constexpr double kSameCentre_mm = 0.01;
-
-/// A mistake in the file; the text begins with its place. Caught in read_layout_file().
-struct Mistake : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 class Reader {
  public:
@@ -59,12 +49,7 @@ class Reader {
 
  private:
   [[noreturn]] void fail(const YAML::Node& node, const std::string& message) const {
-    const YAML::Mark mark = node.Mark();
-    std::string place = path_;
-    if (!mark.is_null()) {
-      place += ":" + std::to_string(mark.line + 1) + ":" + std::to_string(mark.column + 1);
-    }
-    throw Mistake(place + ": " + message);
+    sources::fail_at(path_, node, message);
   }
 
   /// yaml-cpp keeps both values of a key that is given twice and answers with the first.
@@ -140,26 +125,10 @@ class Reader {
 }  // namespace
 
 Result<MarkerSheet> read_layout_file(const std::string& path) {
-  std::error_code status;
-  if (!std::filesystem::is_regular_file(path, status)) {
-    return Error{Errc::not_found, path + ": there is no such file: correct 'layout'", {}};
-  }
-  if (std::filesystem::file_size(path, status) > kMostBytes) {
-    return Error{Errc::invalid_data, path + ": is too large for the layout of a sheet", {}};
-  }
-  std::ifstream stream(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) return Error{Errc::io, path + ": cannot be read: check its permissions", {}};
-  try {
-    return Reader(path).read(YAML::Load(text));
-  } catch (const Mistake& mistake) {
-    return Error{Errc::invalid_data, mistake.what(), {}};
-  } catch (const YAML::Exception& mistake) {
-    return Error{Errc::syntax,
-                 path + ":" + std::to_string(mistake.mark.line + 1) + ":" +
-                     std::to_string(mistake.mark.column + 1) + ": " + mistake.msg,
-                 {}};
-  }
+  const auto text = sources::read_text_file(path, "layout");
+  if (!text) return text.error();
+  return sources::read_yaml(path, *text,
+                            [&](const YAML::Node& root) { return Reader(path).read(root); });
 }
 
 }  // namespace weft::frex_video
