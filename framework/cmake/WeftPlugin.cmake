@@ -77,6 +77,7 @@ function(weft_add_plugin_test name test label sources)
 endfunction()
 
 # weft_add_test(name quick|long SOURCES ... [LINK ...]): a GoogleTest program that finds the plugins.
+# Long ones are built when they are run: by the test build_long_tests, or the target weft_long_tests.
 function(weft_add_test name label)
   cmake_parse_arguments(PARSE_ARGV 2 arg "" "" "SOURCES;LINK")
   add_executable(${name} ${arg_SOURCES})
@@ -91,4 +92,20 @@ function(weft_add_test name label)
   add_test(NAME ${name} COMMAND ${name})
   set_tests_properties(${name} PROPERTIES LABELS ${label}
     ENVIRONMENT "WEFT_PLUGIN_PATH=${PROJECT_BINARY_DIR}/lib/weft/plugins")
+  if(label STREQUAL "long")
+    weft_build_with_long_tests(${name})
+    set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
+    set_tests_properties(${name} PROPERTIES FIXTURES_REQUIRED long_tests)
+  endif()
+endfunction()
+
+function(weft_build_with_long_tests target)
+  if(NOT TARGET weft_long_tests)
+    add_custom_target(weft_long_tests)
+    add_test(NAME build_long_tests
+      COMMAND ${CMAKE_COMMAND} --build ${PROJECT_BINARY_DIR} --target weft_long_tests)
+    set_tests_properties(build_long_tests PROPERTIES LABELS long FIXTURES_SETUP long_tests
+      TIMEOUT 3600)
+  endif()
+  add_dependencies(weft_long_tests ${target})
 endfunction()
