@@ -6,10 +6,9 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <string>
-#include <system_error>
 #include <utility>
+#include <weft/core/whole_file.hpp>
 #include <weft/data/template.hpp>
 #include <weft/geometry/marker_sheet.hpp>
 
@@ -112,19 +111,6 @@ std::string draw_picture(const Array<std::uint8_t>& texture) {
   return drawn ? png : std::string{};
 }
 
-Result<void> write_file(const std::filesystem::path& path, const std::string& content) {
-  const std::filesystem::path part = path.string() + ".part";
-  std::error_code failed;
-  std::ofstream(part, std::ios::binary) << content;
-  if (std::filesystem::file_size(part, failed) == content.size() && !failed) {
-    std::filesystem::rename(part, path, failed);
-    if (!failed) return {};
-  }
-  std::filesystem::remove(part, failed);
-  return Error{
-      Errc::io, path.string() + ": cannot be written: is its folder there and writable?", {}};
-}
-
 Result<void> make_files(const Context& context, const FrexSheetRequest& request) {
   if (!request.pdf_path.ends_with(".pdf")) {
     return Error{Errc::invalid_value, "--sheet writes a PDF: let its name end with .pdf", {}};
@@ -150,7 +136,7 @@ Result<void> make_files(const Context& context, const FrexSheetRequest& request)
     if (content.empty()) return Error{Errc::io, name + ": Cairo cannot draw it", {}};
   }
   for (const auto& [name, content] : files) {
-    if (auto written = write_file(name, content); !written) return written;
+    if (auto written = write_whole(content, name); !written) return written;
     fmt::print("{}\n", name);
   }
   return {};

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
+#include <weft/core/whole_file.hpp>
 #include <weft/host/build_id.hpp>
 #include <weft/host/describe.hpp>
 
@@ -178,10 +178,7 @@ Result<void> describe(const std::string& file, bool json) {
     return {};
   }
   const std::string manifest = file.substr(0, file.rfind(".so")) + ".plugin.yaml";
-  std::ofstream stream(manifest, std::ios::trunc);
-  stream << *description;
-  stream.close();
-  if (!stream) return Error{Errc::io, "cannot be written", manifest};
+  if (auto written = write_whole(*description, manifest); !written) return written;
   fmt::print("{}\n", manifest);
   return {};
 }

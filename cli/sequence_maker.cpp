@@ -6,7 +6,7 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
+#include <weft/core/whole_file.hpp>
 #include <weft/host/yaml.hpp>
 #include <weft/pipeline/run.hpp>
 
@@ -53,11 +53,7 @@ Result<void> write_pipeline(const std::string& text, const fs::path& folder) {
   }
   fs::create_directories(folder, code);
   if (code) return Error{Errc::io, "cannot be created: " + code.message(), folder.string()};
-  std::ofstream stream(folder / kPipelineName, std::ios::binary);
-  stream << text;
-  stream.close();
-  if (stream) return {};
-  return Error{Errc::io, "cannot be written; is the disk full?", (folder / kPipelineName).string()};
+  return write_whole(text, folder / kPipelineName);
 }
 
 std::int64_t frames_in(const fs::path& folder) {

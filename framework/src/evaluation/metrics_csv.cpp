@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <weft/core/whole_file.hpp>
 #include <weft/evaluation/metrics_report.hpp>
 
 #include "text_table.hpp"
-#include "write_whole.hpp"
 
 namespace weft::evaluation {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nlohmann/json.hpp>
 #include <weft/core/version.hpp>
+#include <weft/core/whole_file.hpp>
 #include <weft/evaluation/metrics_report.hpp>
 
 #include "units.hpp"
-#include "write_whole.hpp"
 
 namespace weft::evaluation {
 namespace {

@@ -3,12 +3,12 @@
 #include <fstream>
 #include <iterator>
 #include <optional>
+#include <weft/core/whole_file.hpp>
 #include <weft/evaluation/report.hpp>
 
 #include "report_notes.hpp"
 #include "report_page.hpp"
 #include "report_sheets.hpp"
-#include "write_whole.hpp"
 
 namespace weft::evaluation {
 namespace {

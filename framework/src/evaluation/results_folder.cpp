@@ -10,10 +10,10 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 #include <utility>
+#include <weft/core/whole_file.hpp>
 #include <weft/evaluation/results_folder.hpp>
 
 #include "cell_line.hpp"
-#include "write_whole.hpp"
 
 namespace weft::evaluation {
 namespace {

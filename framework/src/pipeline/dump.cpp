@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <set>
 #include <sstream>
 #include <weft/core/suggest.hpp>
+#include <weft/core/whole_file.hpp>
 #include <weft/pipeline/dump.hpp>
 
 namespace weft {
@@ -41,14 +41,6 @@ std::string stage_yaml(const PipelineConfig& config, const StageConfig& stage) {
   }
   root.entries.push_back({"producers", {}, std::move(producers)});
   return yaml::emit(root);
-}
-
-Result<void> write_yaml(const std::string& file, const std::string& text) {
-  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-  stream << text;
-  stream.close();
-  if (stream) return {};
-  return Error{Errc::io, "cannot be written; is the disk full?", file};
 }
 
 void put_text(Record& record, const char* array, const std::string& text) {
@@ -173,7 +165,7 @@ Result<Dump> Dump::create(const std::string& run_folder, const PipelineConfig& c
     std::error_code code;
     fs::create_directories(folder, code);
     if (code) return Error{Errc::io, "cannot be created: " + code.message(), folder};
-    auto written = write_yaml(folder + "/stage.yaml", stage_yaml(config, stage));
+    auto written = write_whole(stage_yaml(config, stage), folder + "/stage.yaml");
     if (!written) return written.error();
     written = host::write_npz(folder + "/template.npz", {{"template", templ}, {"camera", camera}});
     if (!written) return written.error();

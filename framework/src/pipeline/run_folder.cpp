@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <weft/core/version.hpp>
+#include <weft/core/whole_file.hpp>
 #include <weft/host/processor.hpp>
 #include <weft/pipeline/match_depths.hpp>
 #include <weft/pipeline/run_folder.hpp>
@@ -20,17 +21,6 @@ using nlohmann::ordered_json;
 
 Error io_error(const std::string& file, const std::string& message) {
   return {Errc::io, message, file};
-}
-
-Result<void> write_text(const std::string& file, const std::string& text) {
-  const std::string temporary = file + ".part";
-  std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
-  stream << text;
-  stream.close();
-  std::error_code code;
-  if (stream) fs::rename(temporary, file, code);
-  if (!stream || code) return io_error(file, "cannot be written; is the disk full?");
-  return {};
 }
 
 void add_components(const host::ComponentSpec& spec, const std::string& stage,
@@ -191,11 +181,11 @@ Result<RunFolder> RunFolder::create(const std::string& path) {
 
 Result<void> RunFolder::begin(const PipelineConfig& config, const host::Record& templ,
                               const host::Record& camera) {
-  if (auto written = write_text(path_ + "/pipeline.yaml", effective_yaml(config)); !written) {
+  if (auto written = write_whole(effective_yaml(config), path_ + "/pipeline.yaml"); !written) {
     return written;
   }
   const std::string manifest = dump(provenance(config), 2) + "\n";
-  if (auto written = write_text(path_ + "/manifest.json", manifest); !written) return written;
+  if (auto written = write_whole(manifest, path_ + "/manifest.json"); !written) return written;
   const auto borrow = [](const host::Record& record) {
     return host::RecordPtr(&record, [](const host::Record*) {});
   };

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <weft/core/whole_file.hpp>
 #include <weft/data/record_view.hpp>
 #include <weft/sdk/sink.hpp>
 
@@ -62,7 +63,7 @@ class Dataset final : public Sink {
                      {}};
       }
     }
-    if (auto done = write_file(folder / "camera.yaml", camera_text(camera_)); !done) return done;
+    if (auto done = write_whole(camera_text(camera_), folder / "camera.yaml"); !done) return done;
     if (auto done = write_png(folder / "template/texture.png", texture_); !done) return done;
     return write_npz(folder / "template/template.npz", template_members_);
   }
@@ -89,10 +90,11 @@ class Dataset final : public Sink {
   Result<void> finish(const Call&) override {
     const fs::path folder(path_);
     if (contents_.frames == 0) return {};
-    if (auto done = write_file(folder / "sequence.yaml", sequence_text(templ_, contents_)); !done) {
+    if (auto done = write_whole(sequence_text(templ_, contents_), folder / "sequence.yaml");
+        !done) {
       return done;
     }
-    return write_file(folder / "meta.yaml", meta_text(camera_, templ_, contents_));
+    return write_whole(meta_text(camera_, templ_, contents_), folder / "meta.yaml");
   }
 
  private:

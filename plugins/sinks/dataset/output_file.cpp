@@ -3,13 +3,11 @@
 
 #include <zip.h>
 
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <weft/core/whole_file.hpp>
 
 namespace weft::dataset {
 namespace {
@@ -52,15 +50,6 @@ Result<void> add(zip_t* archive, const NpzMember& member) {
 
 }  // namespace
 
-Result<void> write_file(const fs::path& path, std::string_view bytes) {
-  errno = 0;
-  std::ofstream stream(temporary_of(path), std::ios::binary);
-  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  stream.close();
-  if (stream) return put_in_place(path);
-  return cannot_write(path, errno != 0 ? std::strerror(errno) : "unknown reason");
-}
-
 Result<void> write_png(const fs::path& path, const Array<std::uint8_t>& pixels) {
   const cv::Mat image(static_cast<int>(pixels.dim(0)), static_cast<int>(pixels.dim(1)),
                       pixels.ndim() == 2 ? CV_8UC1 : CV_8UC3,
@@ -68,7 +57,7 @@ Result<void> write_png(const fs::path& path, const Array<std::uint8_t>& pixels) 
                       static_cast<std::size_t>(pixels.row_stride()));
   std::vector<std::uint8_t> png;
   if (!cv::imencode(".png", image, png)) return cannot_write(path, "the image is no PNG");
-  return write_file(path, {reinterpret_cast<const char*>(png.data()), png.size()});
+  return write_whole({reinterpret_cast<const char*>(png.data()), png.size()}, path);
 }
 
 Result<void> write_npz(const fs::path& path, const std::vector<NpzMember>& members) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <string_view>
 #include <vector>
 #include <weft/core/result.hpp>
 #include <weft/data/image.hpp>
@@ -12,8 +11,6 @@ namespace weft::dataset {
 
 // Each writes under a temporary name first, so that no half-written file bears the final one, and
 // fails with the path and the reason.
-
-Result<void> write_file(const std::filesystem::path& path, std::string_view bytes);
 
 /// [H,W] or [H,W,3] as PNG, without loss.
 Result<void> write_png(const std::filesystem::path& path, const Array<std::uint8_t>& pixels);

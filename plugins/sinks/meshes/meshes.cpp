@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
-#include <string_view>
+#include <weft/core/whole_file.hpp>
 #include <weft/sdk/sink.hpp>
 
 #include "mesh_text.hpp"
@@ -20,21 +17,6 @@ enum class Format { ply, obj, both };
 
 constexpr const char* kTextureName = "texture.png";
 constexpr const char* kMaterialName = "texture.mtl";
-
-/// Writes under a temporary name first, so that no half-written file bears the final one.
-Result<void> write_file(const fs::path& path, std::string_view bytes) {
-  const fs::path temporary = path.string() + ".part";
-  errno = 0;
-  std::ofstream stream(temporary, std::ios::binary);
-  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  stream.close();
-  if (stream && std::rename(temporary.c_str(), path.c_str()) == 0) return {};
-  const char* reason = errno != 0 ? std::strerror(errno) : "unknown reason";
-  return Error{Errc::io,
-               path.string() + " cannot be written (" + reason +
-                   "): choose another 'path', or make it writable and free space",
-               {}};
-}
 
 /// One mesh file for each frame with a shape, in metres in the camera frame.
 class Meshes final : public Sink {
@@ -83,8 +65,8 @@ class Meshes final : public Sink {
     }
     if (texture_uv_.rows() == 0) return {};
     const fs::path folder(path_);
-    if (auto done = write_file(folder / kTextureName, texture_png_); !done) return done;
-    return write_file(folder / kMaterialName, to_mtl(kTextureName));
+    if (auto done = write_whole(texture_png_, folder / kTextureName); !done) return done;
+    return write_whole(to_mtl(kTextureName), folder / kMaterialName);
   }
 
   Result<void> write(const SinkInput& in) override {
@@ -101,10 +83,11 @@ class Meshes final : public Sink {
     }
     const Mesh mesh{vertices, faces_, description(shape, in.call.frame())};
     if (format_ != Format::obj) {
-      if (auto done = write_file(file_of(in.call.frame(), "ply"), to_ply(mesh)); !done) return done;
+      if (auto done = write_whole(to_ply(mesh), file_of(in.call.frame(), "ply")); !done)
+        return done;
     }
     if (format_ == Format::ply) return {};
-    return write_file(file_of(in.call.frame(), "obj"), to_obj(mesh, texture_uv_, kMaterialName));
+    return write_whole(to_obj(mesh, texture_uv_, kMaterialName), file_of(in.call.frame(), "obj"));
   }
 
   Result<void> finish(const Call&) override { return {}; }

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <weft/core/whole_file.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/sdk/sink.hpp>
 
@@ -143,23 +143,15 @@ class Overlay final : public Sink {
     return still;
   }
 
-  /// Writes under a temporary name first, so that no half-written picture bears the final one.
   Result<void> write_still(const cv::Mat& canvas, std::uint64_t frame) const {
     char name[32];
     std::snprintf(name, sizeof name, "%06llu.png", static_cast<unsigned long long>(frame));
     const fs::path path = fs::path(path_).replace_extension() / name;
-    const fs::path temporary = path.string() + ".part";
     std::vector<std::uint8_t> bytes;
     cv::imencode(".png", still_of(canvas), bytes);
     std::error_code status;
     fs::create_directories(path.parent_path(), status);
-    std::ofstream stream(temporary, std::ios::binary);
-    stream.write(reinterpret_cast<const char*>(bytes.data()),
-                 static_cast<std::streamsize>(bytes.size()));
-    stream.close();
-    if (stream) fs::rename(temporary, path, status);
-    if (stream && !status) return {};
-    return Error{Errc::io, "the still " + path.string() + " cannot be written", {}};
+    return write_whole({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path);
   }
 
   std::string path_ = "overlay.avi";

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <iterator>
+#include <weft/core/whole_file.hpp>
+
+namespace weft {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class WholeFileTest : public testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(folder_); }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  static std::string content(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  std::ptrdiff_t entries() const {
+    return std::distance(fs::directory_iterator(folder_), fs::directory_iterator());
+  }
+
+  fs::path folder_ = fs::path(testing::TempDir()) / "whole_file_test";
+};
+
+TEST_F(WholeFileTest, TheBytesReplaceWhatStoodThereAndNothingElseIsLeft) {
+  const fs::path file = folder_ / "a.txt";
+  const std::string bytes("one\0two\r\n", 9);
+  ASSERT_TRUE(write_whole("a longer text that was there before", file));
+  ASSERT_TRUE(write_whole(bytes, file));
+  EXPECT_EQ(content(file), bytes);
+  EXPECT_EQ(entries(), 1);
+}
+
+TEST_F(WholeFileTest, AFolderThatIsAbsentIsNamedWithTheReason) {
+  const fs::path file = folder_ / "absent" / "a.txt";
+  const auto written = write_whole("text", file);
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().code, Errc::io);
+  EXPECT_EQ(written.error().where, file.string());
+  EXPECT_THAT(written.error().message, HasSubstr("No such file or directory"));
+}
+
+TEST_F(WholeFileTest, AFullDiskLeavesWhatWasThereBefore) {
+  const fs::path file = folder_ / "a.txt";
+  ASSERT_TRUE(write_whole("before", file));
+  fs::create_symlink("/dev/full", folder_ / "a.txt.part");
+  const auto written = write_whole("after", file);
+  ASSERT_FALSE(written);
+  EXPECT_THAT(written.error().message, HasSubstr("No space left on device"));
+  EXPECT_EQ(content(file), "before");
+  EXPECT_EQ(entries(), 1);
+}
+
+TEST_F(WholeFileTest, ADeviceIsWrittenAndStays) {
+  fs::create_symlink("/dev/null", folder_ / "null");
+  EXPECT_TRUE(write_whole("text", folder_ / "null"));
+  EXPECT_TRUE(fs::is_symlink(folder_ / "null"));
+  EXPECT_EQ(entries(), 1);
+}
+
+}  // namespace
+}  // namespace weft
