@@ -28,6 +28,8 @@ Input input(const char* slot, const Noun& noun) {
 struct Outcome {
   weft_status status = WEFT_OK;
   std::string message;
+  std::string
+      where;  ///< what an error is about, such as a file; the component where it says nothing
   std::vector<std::pair<std::string, host::RecordPtr>> outputs;
 
   /// The first output of this type, if there is one.

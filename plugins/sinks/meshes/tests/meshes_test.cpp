@@ -16,6 +16,7 @@
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using weft::Shape;
 using weft::Template;
@@ -228,7 +229,7 @@ TEST_F(MeshesSink, NamesTheFileThatCannotBeWritten) {
   fs::remove_all(meshes());
   const Outcome refused = plugin.process(kWrite, {input("shape", shape_)}, 5);
   EXPECT_EQ(refused.status, WEFT_ERROR);
-  EXPECT_THAT(refused.message, HasSubstr("000005.ply"));
+  EXPECT_THAT(refused.where, EndsWith("000005.ply"));
 }
 
 }  // namespace
