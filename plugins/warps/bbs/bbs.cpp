@@ -6,6 +6,7 @@
 #include <weft/core/statistics.hpp>
 #include <weft/sdk/warp_model.hpp>
 
+#include "common/fit_data.hpp"
 #include "spline_fit.hpp"
 #include "spline_model.hpp"
 
@@ -22,7 +23,6 @@ constexpr double kSingular = 1e-12;  // pivot ratio below which the data do not 
 constexpr double kTukey = 4.685;     // 95 % efficient for normal noise
 constexpr double kLeastSigmaPx = 0.3;
 constexpr int kFoldingSteps = 20;
-constexpr int kFewestMatches = 3;
 
 /// A uniform bicubic B-spline from the texture to the image, fitted by regularised least squares.
 class Bbs final : public weft::WarpModel {
@@ -62,7 +62,6 @@ class Bbs final : public weft::WarpModel {
   }
 
  private:
-  weft::Result<void> select(const weft::FitInput& in);
   SplinePenalty penalty() const;
   weft::bbs::SplineSystem refit(const SplinePenalty& penalty, weft::bbs::SplineSystem system);
   bool reweight(std::size_t refit);
@@ -82,25 +81,19 @@ class Bbs final : public weft::WarpModel {
   std::vector<double> scales_px_{20, 12, 8, 5, 4, 3, 3, 3};
 
   weft::bbs::SplineFit spline_;
-  std::vector<double> points_px_, values_px_;  // of the matches that take part, u v u v ...
-  std::vector<double> given_weights_, weights_, scratch_;
-  int dropped_ = 0;
+  weft::warps::FitData data_;
+  std::vector<double> weights_, scratch_;
 };
 
 weft::Result<weft::Warp> Bbs::fit(const weft::FitInput& in) {
-  const double height = static_cast<double>(in.templ.texture.dim(0));
-  const double width = static_cast<double>(in.templ.texture.dim(1));
-  const weft::SplineDomain domain{-0.5 - margin_px_,        width - 0.5 + margin_px_,
-                                  -0.5 - margin_px_,        height - 0.5 + margin_px_,
-                                  std::int32_t{control_u_}, std::int32_t{control_v_}};
+  const weft::warps::Box box = weft::warps::box_around(in.templ, margin_px_);
+  const weft::SplineDomain domain{box.u0, box.u1, box.v0, box.v1, control_u_, control_v_};
   if (auto checked = weft::check_domain(domain); !checked) return checked.error();
   spline_.set_domain(domain);
-  if (auto selected = select(in); !selected) return selected.error();
-  const auto count = static_cast<Eigen::Index>(given_weights_.size());
-  spline_.set_data(Eigen::Map<const weft::Points2>(points_px_.data(), count, 2),
-                   Eigen::Map<const weft::Points2>(values_px_.data(), count, 2));
+  if (auto taken = data_.take(in, box); !taken) return taken.error();
+  spline_.set_data(data_.points_px(), data_.values_px());
   const SplinePenalty penalty = this->penalty();
-  weights_ = given_weights_;
+  weights_ = data_.weights();
   weft::bbs::SplineSystem system = spline_.solve(weights_, penalty);
   if (system.pivot_ratio > 0.0) system = refit(penalty, system);
   if (!(system.pivot_ratio > 0.0)) {
@@ -118,47 +111,11 @@ weft::Result<weft::Warp> Bbs::fit(const weft::FitInput& in) {
   return warp;
 }
 
-weft::Result<void> Bbs::select(const weft::FitInput& in) {
-  const weft::Correspondences& matches = in.correspondences;
-  const weft::SplineDomain& domain = spline_.domain();
-  if (in.weights && in.weights->weight.rows() != matches.count()) {
-    return Error{Errc::invalid_data, "there must be one weight for each match", {}};
-  }
-  points_px_.clear();
-  values_px_.clear();
-  given_weights_.clear();
-  dropped_ = 0;
-  for (std::int64_t i = 0; i < matches.count(); ++i) {
-    const double weight = in.weights ? in.weights->weight(i) : 1.0;
-    if (!(weight >= 0.0) || std::isinf(weight)) {
-      return Error{
-          Errc::invalid_data, "weight " + std::to_string(i) + " is not a finite number >= 0", {}};
-    }
-    if (matches.kept(i) == 0) continue;
-    const double u = matches.template_px(i, 0), v = matches.template_px(i, 1);
-    const double x = matches.image_px(i, 0), y = matches.image_px(i, 1);
-    if (!std::isfinite(u) || !std::isfinite(v) || !std::isfinite(x) || !std::isfinite(y)) {
-      return Error{Errc::invalid_data,
-                   "match " + std::to_string(i) + " has a coordinate that is not finite",
-                   {}};
-    }
-    const bool inside = u >= domain.u0 && u <= domain.u1 && v >= domain.v0 && v <= domain.v1;
-    if (!inside) ++dropped_;
-    if (!inside || weight == 0.0) continue;
-    points_px_.insert(points_px_.end(), {u, v});
-    values_px_.insert(values_px_.end(), {x, y});
-    given_weights_.push_back(weight);
-  }
-  if (given_weights_.size() >= kFewestMatches) return {};
-  return weft::no_result("too few matches for a warp: " + std::to_string(given_weights_.size()) +
-                         " of 3 with a weight and inside the domain");
-}
-
 SplinePenalty Bbs::penalty() const {
   const weft::SplineDomain& domain = spline_.domain();
   double lambda_px2 =
       smoothing_ == Smoothing::paper_px2 ? lambda_px2_ : lambda_ * domain.su() * domain.sv();
-  if (scale_with_count_) lambda_px2 *= static_cast<double>(given_weights_.size()) / 200.0;
+  if (scale_with_count_) lambda_px2 *= static_cast<double>(data_.count()) / 200.0;
   return {lambda_px2, ridge_};
 }
 
@@ -178,15 +135,15 @@ bool Bbs::reweight(std::size_t refit) {
   const double limit = robust_ == Robust::tukey ? tukey_limit_px(residuals) : scales_px_[refit];
   const double limit2 = limit * limit;
   scratch_.resize(weights_.size());
-  std::ptrdiff_t left = 0;
+  std::size_t left = 0;
   for (std::size_t k = 0; k < scratch_.size(); ++k) {
     const double r2 = residuals.row(static_cast<Eigen::Index>(k)).squaredNorm();
     const double root =
         robust_ == Robust::tukey ? std::max(0.0, 1.0 - r2 / limit2) : limit2 / (limit2 + r2);
-    scratch_[k] = given_weights_[k] * root * root;
+    scratch_[k] = data_.weights()[k] * root * root;
     left += scratch_[k] > 0.0 ? 1 : 0;
   }
-  if (left < kFewestMatches) return false;
+  if (left < weft::warps::kFewestMatches) return false;
   weights_.swap(scratch_);
   return true;
 }
@@ -204,8 +161,8 @@ weft::Warp Bbs::make_warp(const SplinePenalty& penalty) {
   const weft::Points2& residuals = spline_.residuals();
   spline_.sample_determinants(kFoldingSteps, scratch_);
   const double smallest = *std::min_element(scratch_.begin(), scratch_.end());
-  warp.diag.set("matches", static_cast<double>(given_weights_.size()));
-  warp.diag.set("dropped_outside", dropped_);
+  warp.diag.set("matches", static_cast<double>(data_.count()));
+  warp.diag.set("dropped_outside", data_.dropped_outside());
   warp.diag.set("lambda_px2", penalty.lambda_px2);
   warp.diag.set("rms_residual_px",
                 std::sqrt(residuals.squaredNorm() / static_cast<double>(residuals.rows())));

@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "spline_fit.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <weft/geometry/bspline_bending.hpp>
 
 namespace weft::bbs {
 namespace {
-
-/// Points whose scatter across a line is below this part of that along it (variances) are
-/// collinear.
-constexpr double kCollinear = 1e-6;
 
 bool same(const SplineDomain& a, const SplineDomain& b) {
   return a.u0 == b.u0 && a.u1 == b.u1 && a.v0 == b.v0 && a.v1 == b.v1 && a.nu == b.nu &&
@@ -47,44 +42,22 @@ void SplineFit::set_data(const Points2View& points_px, const Points2View& values
 
 SplineSystem SplineFit::solve(std::span<const double> weights, const SplinePenalty& penalty) {
   SplineSystem system;
-  system.collinear = fit_affine(weights);
+  affine_ = warps::fit_affine(points_px_, values_px_, weights);
+  system.collinear = affine_.collinear;
   normal_ = penalty.lambda_px2 * bending_;
   control_.setZero(domain_.control_count(), 2);
   for (std::size_t k = 0; k < sites_.size(); ++k) {
     if (!(weights[k] > 0.0)) continue;
     const auto row = static_cast<Eigen::Index>(k);
-    const Eigen::RowVector2d arm = points_px_.row(row) - centre_px_.transpose();
-    add_match(sites_[k], weights[k], values_px_.row(row) - offset_px_ - arm * slope_);
+    add_match(sites_[k], weights[k], values_px_.row(row) - affine_(points_px_.row(row)));
   }
   normal_.row(0).array() += penalty.ridge * normal_.row(0).maxCoeff();
   system.pivot_ratio = factorise(normal_);
   if (!(system.pivot_ratio > 0.0)) return system;
   solve_factorised(normal_, control_);
-  control_.rowwise() += offset_px_;
-  control_.noalias() += (greville_px_.rowwise() - centre_px_.transpose()) * slope_;
+  control_.rowwise() += affine_.offset_px;
+  control_.noalias() += (greville_px_.rowwise() - affine_.centre_px.transpose()) * affine_.slope;
   return system;
-}
-
-bool SplineFit::fit_affine(std::span<const double> weights) {
-  const Eigen::Map<const Eigen::VectorXd> w(weights.data(), points_px_.rows());
-  const double sum = w.sum();
-  centre_px_ = (w.transpose() * points_px_).transpose() / sum;
-  offset_px_ = w.transpose() * values_px_ / sum;
-  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero(), cross = Eigen::Matrix2d::Zero();
-  for (Eigen::Index k = 0; k < points_px_.rows(); ++k) {
-    const Eigen::Vector2d arm = points_px_.row(k).transpose() - centre_px_;
-    scatter += w[k] * arm * arm.transpose();
-    cross += w[k] * arm * (values_px_.row(k) - offset_px_);
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(scatter / sum);
-  const Eigen::Vector2d& variance = axes.eigenvalues();
-  const bool collinear = !(variance[0] > kCollinear * variance[1]);
-  Eigen::Vector2d inverse = Eigen::Vector2d::Zero();
-  if (!collinear) inverse[0] = 1.0 / variance[0];
-  if (variance[1] > 0.0) inverse[1] = 1.0 / variance[1];
-  const Eigen::Matrix2d& turn = axes.eigenvectors();
-  slope_ = turn * inverse.asDiagonal() * turn.transpose() * cross / sum;
-  return collinear;
 }
 
 void SplineFit::add_match(const Site& site, double weight, const Eigen::RowVector2d& value) {

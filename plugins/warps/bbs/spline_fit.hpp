@@ -10,6 +10,7 @@
 #include <weft/geometry/types.hpp>
 
 #include "band_cholesky.hpp"
+#include "common/affine_fit.hpp"
 
 namespace weft::bbs {
 
@@ -55,7 +56,6 @@ class SplineFit {
     std::array<double, 4> u, v;
   };
 
-  bool fit_affine(std::span<const double> weights);
   void add_match(const Site& site, double weight, const Eigen::RowVector2d& value);
 
   SplineDomain domain_{0.0, 0.0, 0.0, 0.0, 0, 0};
@@ -65,9 +65,7 @@ class SplineFit {
   Points2 control_;  ///< first the right-hand side, then the solution
   Points2 points_px_, values_px_, residuals_px_;
   std::vector<Site> sites_;
-  Eigen::Vector2d centre_px_ = Eigen::Vector2d::Zero();
-  Eigen::RowVector2d offset_px_ = Eigen::RowVector2d::Zero();
-  Eigen::Matrix2d slope_ = Eigen::Matrix2d::Zero();  ///< value = offset + (p - centre) * slope
+  warps::AffineFit affine_;
 };
 
 }  // namespace weft::bbs

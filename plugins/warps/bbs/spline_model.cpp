@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "spline_model.hpp"
 
-#include <string>
 #include <weft/geometry/bspline_site.hpp>
+
+#include "common/warp_samples.hpp"
 
 namespace weft::bbs {
 
@@ -37,35 +38,21 @@ Result<SplineModel> read_model(const Warp& warp) {
 }
 
 Result<WarpSamples> evaluate_model(const SplineModel& model, const Points& points) {
-  if (points.order < 0 || points.order > 2) {
-    return Error{Errc::invalid_value,
-                 "order " + std::to_string(points.order) + " of derivatives: ask for 0, 1 or 2",
-                 {}};
-  }
-  const std::int64_t count = points.xy_px.rows();
-  WarpSamples samples;
-  samples.xy_px = Array<double>({count, 2});
-  samples.valid = Array<std::uint8_t>({count});
-  if (points.order >= 1) samples.jacobian = Array<double>({count, 2, 2});
-  if (points.order >= 2) samples.hessian = Array<double>({count, 2, 3});
-  for (std::int64_t i = 0; i < count; ++i) {
+  auto samples = warps::make_samples(points);
+  if (!samples) return samples.error();
+  for (std::int64_t i = 0; i < points.xy_px.rows(); ++i) {
     const double u = points.xy_px(i, 0), v = points.xy_px(i, 1);
     const auto at = [&](int du, int dv) {
       const SplineSite site = spline_site(model.domain, u, v, du, dv);
       return evaluate_site(model.domain, site, model.control_px);
     };
     const SplineSite site = spline_site(model.domain, u, v);
-    const Eigen::Vector2d value = evaluate_site(model.domain, site, model.control_px);
-    Eigen::Map<Eigen::Vector2d>(samples.xy_px.row(i)) = value;
-    samples.valid(i) = site.inside && value.allFinite() ? 1 : 0;
-    if (points.order >= 1) {
-      Eigen::Map<Eigen::Matrix<double, 2, 2, Eigen::RowMajor>>(samples.jacobian.row(i)) << at(1, 0),
-          at(0, 1);
-    }
-    if (points.order >= 2) {
-      Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>>(samples.hessian.row(i)) << at(2, 0),
-          at(1, 1), at(0, 2);
-    }
+    warps::WarpAt here;
+    here.value_px = evaluate_site(model.domain, site, model.control_px);
+    here.inside = site.inside;
+    if (points.order >= 1) here.jacobian << at(1, 0), at(0, 1);
+    if (points.order >= 2) here.hessian << at(2, 0), at(1, 1), at(0, 2);
+    warps::set_sample(*samples, i, here);
   }
   return samples;
 }

@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <weft/core/rng.hpp>
-#include <weft/core/statistics.hpp>
-#include <weft/sdk/warp_model.hpp>
-#include <weft/testing/plugin_under_test.hpp>
-#include <weft/testing/synthetic.hpp>
-
-#include "maps.hpp"
+#include "common/tests/warp_bench.hpp"
 
 namespace {
 
@@ -15,67 +9,18 @@ using weft::Array;
 using weft::Correspondences;
 using weft::Points2;
 using weft::Rng;
-using weft::testing::input;
+using weft::testing::affine;
+using weft::testing::diag;
+using weft::testing::matches_at;
 using weft::testing::Outcome;
 using weft::testing::PluginUnderTest;
+using weft::testing::uniform_points;
+using weft::testing::WarpBench;
+using weft::testing::wavy;
 
-Correspondences matches_at(const Points2& points, const Map& map) {
-  const Eigen::Index n = points.rows();
-  Correspondences matches;
-  matches.template_px = weft::make_array<double>(points);
-  matches.image_px = Array<double>({n, 2});
-  matches.face = Array<std::int32_t>({n});
-  matches.barycentrics = Array<double>({n, 3});
-  matches.kept = Array<std::uint8_t>({n});
-  matches.score = Array<double>({n});
-  for (Eigen::Index i = 0; i < n; ++i) {
-    matches.image_px.matrix<2>().row(i) = map(points(i, 0), points(i, 1));
-    matches.kept(i) = 1;
-    matches.score(i) = 1.0;
-  }
-  return matches;
-}
-
-Points2 uniform_points(int count, Rng& rng) {
-  Points2 points(count, 2);
-  for (int i = 0; i < count; ++i) {
-    points.row(i) << rng.uniform(-0.5, 959.5), rng.uniform(-0.5, 574.5);
-  }
-  return points;
-}
-
-/// The plugin with a template of 960 x 575 px.
-struct Bench {
-  explicit Bench(const std::string& params = "{}") : plugin("warps/bbs", params) {}
-
-  Outcome fit(const Correspondences& matches) {
-    return plugin.process(0, {input("correspondences", matches), input("template", templ)});
-  }
-  Outcome fit(const Correspondences& matches, const weft::Weights& weights) {
-    return plugin.process(0, {input("correspondences", matches), input("template", templ),
-                              input("weights", weights)});
-  }
-  weft::WarpSamples evaluate(const weft::Warp& warp, const Points2& points, int order = 0) {
-    return *plugin.evaluate(warp, {weft::make_array<double>(points), order})
-                .get<weft::WarpSamples>();
-  }
-  Points2 at(const weft::Warp& warp, const Points2& points) {
-    return evaluate(warp, points).xy_px.matrix<2>();
-  }
-  double worst_error(const weft::Warp& warp, const Points2& points, const Map& map) {
-    const Points2 values = at(warp, points);
-    double worst = 0.0;
-    for (Eigen::Index i = 0; i < points.rows(); ++i) {
-      worst = std::max(worst, (values.row(i) - map(points(i, 0), points(i, 1))).norm());
-    }
-    return worst;
-  }
-
-  PluginUnderTest plugin;
-  weft::Template templ = weft::testing::make_template();
+struct Bench : WarpBench {
+  explicit Bench(const std::string& params = "{}") : WarpBench("warps/bbs", params) {}
 };
-
-double diag(const weft::Warp& warp, const char* name) { return warp.diag.value(name, -1.0); }
 
 TEST(BbsWarp, ReproducesAffineMapsExactly) {
   Bench bench;

@@ -10,7 +10,7 @@
 #include <weft/geometry/bspline_bending.hpp>
 #include <weft/geometry/bspline_site.hpp>
 
-#include "maps.hpp"
+#include "common/tests/maps.hpp"
 
 namespace {
 
@@ -18,6 +18,9 @@ using weft::Points2;
 using weft::Rng;
 using weft::SplineDomain;
 using weft::bbs::SplineFit;
+using weft::testing::affine;
+using weft::testing::Map;
+using weft::testing::wavy;
 
 constexpr SplineDomain kDomain{-20.5, 979.5, -20.5, 594.5, 12, 9};
 

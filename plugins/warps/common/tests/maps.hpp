@@ -5,6 +5,8 @@
 #include <cmath>
 #include <functional>
 
+namespace weft::testing {
+
 /// Maps from template to image, px.
 using Map = std::function<Eigen::RowVector2d(double, double)>;
 
@@ -16,3 +18,5 @@ inline Eigen::RowVector2d wavy(double u, double v) {
   return affine(u, v) + Eigen::RowVector2d(12.0 * std::sin(0.006 * u + 0.002 * v),
                                            9.0 * std::cos(0.005 * u - 0.008 * v));
 }
+
+}  // namespace weft::testing

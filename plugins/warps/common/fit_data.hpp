@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+#include <weft/core/result.hpp>
+#include <weft/geometry/types.hpp>
+#include <weft/sdk/warp_model.hpp>
+
+namespace weft::warps {
+
+inline constexpr std::size_t kFewestMatches = 3;
+
+/// Where a warp is fitted, px of the texture.
+struct Box {
+  double u0, u1, v0, v1;
+
+  bool operator==(const Box&) const = default;
+  bool contains(double u, double v) const { return u >= u0 && u <= u1 && v >= v0 && v <= v1; }
+};
+
+/// The texture from edge to edge and `margin_px` around it.
+Box box_around(const Template& templ, double margin_px);
+
+/// The matches that take part in a fit: kept, in the box, with a weight above 0. Memory is kept.
+class FitData {
+ public:
+  /// Takes the matches of `in`. invalid_data names a number that is not finite or a negative
+  /// weight; no_result where fewer than kFewestMatches are left.
+  Result<void> take(const FitInput& in, const Box& box);
+
+  std::size_t count() const { return weights_.size(); }
+  int dropped_outside() const { return dropped_; }
+  Points2View points_px() const { return view(points_px_); }  ///< [n,2] px of the texture
+  Points2View values_px() const { return view(values_px_); }  ///< [n,2] px of the image
+  const std::vector<double>& weights() const { return weights_; }
+
+ private:
+  Points2View view(const std::vector<double>& pairs) const {
+    return Eigen::Map<const Points2>(pairs.data(), static_cast<Eigen::Index>(count()), 2);
+  }
+
+  std::vector<double> points_px_, values_px_;  // u v u v ...
+  std::vector<double> weights_;
+  int dropped_ = 0;
+};
+
+}  // namespace weft::warps

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <string>
+#include <weft/core/rng.hpp>
+#include <weft/sdk/warp_model.hpp>
+#include <weft/testing/plugin_under_test.hpp>
+#include <weft/testing/synthetic.hpp>
+
+#include "common/tests/maps.hpp"
+
+namespace weft::testing {
+
+inline Correspondences matches_at(const Points2& points, const Map& map) {
+  const Eigen::Index n = points.rows();
+  Correspondences matches;
+  matches.template_px = make_array<double>(points);
+  matches.image_px = Array<double>({n, 2});
+  matches.face = Array<std::int32_t>({n});
+  matches.barycentrics = Array<double>({n, 3});
+  matches.kept = Array<std::uint8_t>({n});
+  matches.score = Array<double>({n});
+  for (Eigen::Index i = 0; i < n; ++i) {
+    matches.image_px.matrix<2>().row(i) = map(points(i, 0), points(i, 1));
+    matches.kept(i) = 1;
+    matches.score(i) = 1.0;
+  }
+  return matches;
+}
+
+inline Points2 uniform_points(int count, Rng& rng) {
+  Points2 points(count, 2);
+  for (int i = 0; i < count; ++i) {
+    points.row(i) << rng.uniform(-0.5, 959.5), rng.uniform(-0.5, 574.5);
+  }
+  return points;
+}
+
+/// The plugin with a template of 960 x 575 px.
+struct WarpBench {
+  WarpBench(const std::string& id, const std::string& params) : plugin(id, params) {}
+
+  Outcome fit(const Correspondences& matches) {
+    return plugin.process(0, {input("correspondences", matches), input("template", templ)});
+  }
+  Outcome fit(const Correspondences& matches, const Weights& weights) {
+    return plugin.process(0, {input("correspondences", matches), input("template", templ),
+                              input("weights", weights)});
+  }
+  WarpSamples evaluate(const Warp& warp, const Points2& points, int order = 0) {
+    return *plugin.evaluate(warp, {make_array<double>(points), order}).get<WarpSamples>();
+  }
+  Points2 at(const Warp& warp, const Points2& points) {
+    return evaluate(warp, points).xy_px.matrix<2>();
+  }
+  double worst_error(const Warp& warp, const Points2& points, const Map& map) {
+    const Points2 values = at(warp, points);
+    double worst = 0.0;
+    for (Eigen::Index i = 0; i < points.rows(); ++i) {
+      worst = std::max(worst, (values.row(i) - map(points(i, 0), points(i, 1))).norm());
+    }
+    return worst;
+  }
+
+  PluginUnderTest plugin;
+  Template templ = testing::make_template();
+};
+
+inline double diag(const Warp& warp, const char* name) { return warp.diag.value(name, -1.0); }
+
+}  // namespace weft::testing

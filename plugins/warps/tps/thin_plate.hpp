@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+#include <weft/geometry/types.hpp>
+
+#include "common/affine_fit.hpp"
+#include "common/fit_data.hpp"
+#include "common/warp_samples.hpp"
+
+namespace weft::tps {
+
+/// A thin-plate spline (Duchon 1976; Bookstein 1989), in q = (p - centre) / scale:
+///   W(p) = [1 q] affine + sum_k phi(|q - o_k|) c_k,  phi(r) = r^2 log r^2.
+struct ThinPlate {
+  Eigen::RowVector2d centre_px = Eigen::RowVector2d::Zero();
+  double scale_px = 1.0;
+  Points2 centres;       ///< [l,2] o_k, normalised
+  Points2 coefficients;  ///< [l,2] c_k, px
+  Eigen::Matrix<double, 3, 2> affine = Eigen::Matrix<double, 3, 2>::Zero();
+
+  /// Value, and derivatives up to `order`. The second ones are infinite at a centre: they are those
+  /// at a distance of 1e-6 scales from it.
+  warps::WarpAt at(const Eigen::RowVector2d& point_px, std::int64_t order) const;
+};
+
+/// What is fitted: min sum_k w_k |W(p_k) - y_k|^2 + lambda n (bending energy / 16 pi), the energy
+/// in normalised coordinates. Lambda has no unit and means the same for any number n of matches.
+struct Samples {
+  Points2View points_px, values_px;  ///< [n,2]
+  std::span<const double> weights;   ///< [n] above 0
+};
+
+/// A fit and how well each value is foretold by the others.
+struct Fitted {
+  ThinPlate spline;
+  Points2 left_out_px;  ///< [n,2] value minus that of the spline through the others
+};
+
+/// A centre at each match: the best such map there is, in n^3 operations. Matches in one place
+/// (within 1e-6 px) are one with their mean value. Nothing where they do not determine it.
+std::optional<Fitted> fit_at_matches(const Samples& samples, double lambda);
+
+/// Centres on a grid, whatever the matches (Bartoli, Perriollat and Chambon 2010): the map is
+/// linear in its values at the centres, which are fitted. What depends on the grid alone is kept.
+class GridFit {
+ public:
+  /// Costs only when something differs from the time before. At least 2 x 2 centres.
+  void set_grid(const warps::Box& box, int columns, int rows);
+  std::optional<Fitted> fit(const Samples& samples, double lambda);
+
+ private:
+  warps::Box box_{0.0, 0.0, 0.0, 0.0};
+  int columns_ = 0, rows_ = 0;
+  ThinPlate plate_;           ///< centre, scale and centres
+  Eigen::MatrixXd cardinal_;  ///< [l+3,l] coefficients and affine part of the values at the centres
+  Eigen::MatrixXd design_, values_of_, normal_, whitened_;
+};
+
+}  // namespace weft::tps
