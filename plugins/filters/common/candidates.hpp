@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+#include <weft/geometry/types.hpp>
+#include <weft/sdk/filter.hpp>
+
+namespace weft::filters {
+
+/// The matches that a filter judges: those that no filter before it has rejected, in an order that
+/// their coordinates decide, so that neither sums nor random draws depend on that of the matches.
+struct Candidates {
+  std::vector<std::int64_t> matches;  ///< their indices
+  Points2 template_px, image_px;      ///< [n,2]
+
+  std::size_t count() const { return matches.size(); }
+};
+
+/// invalid_data names a candidate with a coordinate that is not finite.
+Result<Candidates> candidates_of(const Correspondences& correspondences);
+
+/// A mask over all matches: candidate k is kept where keep[k], with score[k] in [0,1]; the others
+/// are rejected with the score 0.
+InlierMask mask_of(const Correspondences& correspondences, const Candidates& candidates,
+                   std::span<const std::uint8_t> keep, std::span<const double> score);
+
+/// Translates to zero mean and scales to a mean norm of sqrt(2).
+struct Normaliser {
+  Eigen::RowVector2d mean_px = Eigen::RowVector2d::Zero();
+  double per_px = 1.0;  ///< 0 where all points coincide
+
+  explicit Normaliser(const Points2& points_px);
+  Points2 operator()(const Points2& points_px) const {
+    return per_px * (points_px.rowwise() - mean_px);
+  }
+};
+
+}  // namespace weft::filters

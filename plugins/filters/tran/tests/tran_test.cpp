@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <limits>
+
+#include "common/tests/filter_bench.hpp"
+
+namespace weft::testing {
+namespace {
+
+TEST(Tran, FindsAnAffineMapAmongSeventyPercentOfMismatches) {
+  for (const std::uint64_t seed : {11U, 12U, 13U}) {
+    Rng rng(seed);
+    LabelledMatches drawn = flat_matches({500, 0.3, 0.0, 2.0}, seed);
+    for (std::int64_t i = 0; i < 500; ++i) {  // an exactly affine map for those that are correct
+      if (drawn.correct[static_cast<std::size_t>(i)] == 0) continue;
+      const double u = drawn.matches.template_px(i, 0), v = drawn.matches.template_px(i, 1);
+      drawn.matches.image_px(i, 0) = 100.0 + 0.4 * u - 0.05 * v;
+      drawn.matches.image_px(i, 1) = 80.0 + 0.1 * u + 0.5 * v;
+    }
+    FilterBench bench("filters/tran", "{tau: 0.006}");  // about 3 px
+    const Rates rates = bench.rates(drawn);
+    EXPECT_EQ(rates.fpr_percent, 0.0) << "seed " << seed;
+    EXPECT_GT(rates.tpr_percent, 97.0) << "seed " << seed;
+  }
+}
+
+TEST(Tran, HoldsABentSheetOnlyWithinAWideBound) {
+  const LabelledMatches drawn = bent_matches({500, 0.6, 0.5, 2.0}, 0.12, 21);
+  FilterBench wide("filters/tran", "{tau: 0.1}"), narrow("filters/tran", "{tau: 0.01}");
+  EXPECT_LT(wide.rates(drawn).fpr_percent, 5.0);
+  EXPECT_GT(narrow.rates(drawn).fpr_percent, 20.0);
+  EXPECT_LT(wide.rates(drawn).tpr_percent, narrow.rates(drawn).tpr_percent);
+}
+
+TEST(Tran, DoesNotDependOnTheOrderOrTheScale) {
+  const LabelledMatches drawn = bent_matches({300, 0.5, 0.5, 2.0}, 0.2, 31);
+  FilterBench bench("filters/tran");
+  expect_no_order(bench, drawn.matches);
+  Correspondences larger = drawn.matches;
+  std::vector<std::int64_t> rows(300);
+  std::iota(rows.begin(), rows.end(), 0);
+  larger = reordered(larger, rows);
+  for (std::int64_t i = 0; i < 300; ++i) {
+    for (int x = 0; x < 2; ++x) larger.image_px(i, x) = 4.0 * larger.image_px(i, x) + 100.0;
+  }
+  const InlierMask first = bench.mask(drawn.matches), other = bench.mask(larger);
+  int different = 0;
+  for (std::int64_t i = 0; i < 300; ++i) different += first.kept(i) != other.kept(i);
+  EXPECT_LE(different, 1) << "but for rounding";
+}
+
+TEST(Tran, RejectsAMapThatMirrors) {
+  LabelledMatches drawn = flat_matches({100, 1.0, 0.0, 2.0}, 41);
+  for (std::int64_t i = 0; i < 100; ++i) {
+    drawn.matches.image_px(i, 0) = 640.0 - drawn.matches.image_px(i, 0);
+  }
+  FilterBench strict("filters/tran"), free("filters/tran", "{keep_orientation: false}");
+  EXPECT_EQ(strict.run(drawn.matches).status, WEFT_NO_RESULT);
+  EXPECT_EQ(free.rates(drawn).fpr_percent, 0.0);
+}
+
+TEST(Tran, HasNoResultWhereThereIsNoMap) {
+  FilterBench bench("filters/tran");
+  EXPECT_EQ(bench.run(flat_matches({2, 1.0, 0.0, 2.0}, 51).matches).status, WEFT_NO_RESULT);
+  LabelledMatches line = flat_matches({40, 1.0, 0.0, 2.0}, 52);
+  for (std::int64_t i = 0; i < 40; ++i) {
+    line.matches.template_px(i, 1) = 100.0;
+    line.matches.image_px(i, 1) = 100.0;
+  }
+  EXPECT_EQ(bench.run(line.matches).status, WEFT_NO_RESULT);
+  const Outcome few = bench.run(flat_matches({4, 1.0, 0.0, 2.0}, 53).matches);
+  EXPECT_EQ(few.status, WEFT_DEGENERATE) << few.message;
+}
+
+TEST(Tran, NamesAMatchThatIsNotFiniteUnlessItIsRejectedAlready) {
+  FilterBench bench("filters/tran");
+  LabelledMatches drawn = flat_matches({50, 1.0, 0.0, 2.0}, 61);
+  drawn.matches.image_px(7, 1) = std::numeric_limits<double>::quiet_NaN();
+  const Outcome outcome = bench.run(drawn.matches);
+  EXPECT_EQ(outcome.status, WEFT_ERROR);
+  EXPECT_NE(outcome.message.find("match 7"), std::string::npos) << outcome.message;
+  drawn.matches.kept(7) = 0;
+  EXPECT_EQ(bench.mask(drawn.matches).kept(7), 0);
+}
+
+}  // namespace
+}  // namespace weft::testing
