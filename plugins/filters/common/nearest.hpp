@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+#include <weft/geometry/types.hpp>
+
+namespace weft::filters {
+
+/// For each point the indices of the `count` others that are nearest, nearest first: [n,count].
+/// With fewer others than that, rows end with -1.
+using Nearest = Eigen::Matrix<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Of the points whose index is in `among` (ascending; points outside it ask, but are not found).
+Nearest nearest_of(const Points2& points, const std::vector<int>& among, int count);
+
+}  // namespace weft::filters

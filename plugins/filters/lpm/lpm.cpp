@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "common/candidates.hpp"
+#include "common/nearest.hpp"
+
+namespace {
+
+using weft::FilterInput;
+using weft::InlierMask;
+using weft::Points2;
+using weft::filters::Nearest;
+
+constexpr int kScaleStep = 2;  // between the three sizes of a neighbourhood
+
+/// Keeps the matches whose nearest neighbours are the same in both images and move alike.
+class Lpm final : public weft::Filter {
+ public:
+  static constexpr weft::About kAbout{
+      .reference = "Ma, Zhao, Jiang, Zhou and Guo 2019, IJCV 127 (Locality preserving matching)"};
+
+  explicit Lpm(weft::Params& p) {
+    p.read("neighbours", neighbours_, "", {3, 100},
+           "K: costs are means over the K - 2, K and K + 2 nearest");
+    p.read("first_lambda", first_lambda_, "", {0, 2},
+           "cost up to which the neighbourhoods of the second pass are made of matches");
+    p.read("lambda", lambda_, "", {0, 2}, "kept up to this cost");
+    p.read("tau", tau_, "", {-1, 1},
+           "motions agree from this on: the smaller length over the larger, times the cosine");
+  }
+
+  weft::Result<InlierMask> filter(const FilterInput& in) override {
+    const auto candidates = weft::filters::candidates_of(in.correspondences);
+    if (!candidates) return candidates.error();
+    const std::size_t n = candidates->count();
+    const auto least = static_cast<std::size_t>(neighbours_ + kScaleStep + 1);
+    if (n < least) {
+      return weft::no_result("too few matches for neighbourhoods: " + std::to_string(n) + " of " +
+                             std::to_string(least));
+    }
+    const Points2 p = weft::filters::Normaliser(candidates->template_px)(candidates->template_px);
+    const Points2 q = weft::filters::Normaliser(candidates->image_px)(candidates->image_px);
+    std::vector<int> among(n);
+    std::iota(among.begin(), among.end(), 0);
+    std::vector<double> cost = costs(p, q, among);
+    std::erase_if(among, [&](int i) { return cost[static_cast<std::size_t>(i)] > first_lambda_; });
+    const std::size_t first_kept = among.size();
+    const bool again = first_kept >= least;
+    if (again) cost = costs(p, q, among);
+    std::vector<std::uint8_t> keep;
+    std::vector<double> score;
+    for (const double each : cost) {
+      keep.push_back(each <= lambda_ ? 1 : 0);
+      score.push_back(1.0 - 0.5 * each);
+    }
+    InlierMask mask = weft::filters::mask_of(in.correspondences, *candidates, keep, score);
+    mask.diag.set("first_pass_matches", static_cast<double>(first_kept));
+    mask.diag.set("kept_matches",
+                  static_cast<double>(std::count(keep.begin(), keep.end(), std::uint8_t{1})));
+    if (!again) {
+      return weft::degenerate(std::move(mask),
+                              "only " + std::to_string(first_kept) + " matches have neighbours");
+    }
+    return mask;
+  }
+
+ private:
+  /// Of each match, 0 where neighbours and motions agree, 2 where neither does.
+  std::vector<double> costs(const Points2& p, const Points2& q,
+                            const std::vector<int>& among) const {
+    const int most = neighbours_ + kScaleStep;
+    const Nearest in_template = weft::filters::nearest_of(p, among, most);
+    const Nearest in_image = weft::filters::nearest_of(q, among, most);
+    const Points2 motion = q - p;
+    std::vector<double> cost(static_cast<std::size_t>(p.rows()));
+    for (Eigen::Index i = 0; i < p.rows(); ++i) {
+      double sum = 0.0;
+      for (int size = neighbours_ - kScaleStep; size <= most; size += kScaleStep) {
+        sum += cost_of(i, size, in_template, in_image, motion);
+      }
+      cost[static_cast<std::size_t>(i)] = sum / 3.0;
+    }
+    return cost;
+  }
+
+  double cost_of(Eigen::Index i, int size, const Nearest& in_template, const Nearest& in_image,
+                 const Points2& motion) const {
+    const int* image_end = in_image.row(i).data() + size;
+    int common = 0, disagreeing = 0;
+    for (int k = 0; k < size; ++k) {
+      const int j = in_template(i, k);
+      if (j < 0 || std::find(in_image.row(i).data(), image_end, j) == image_end) continue;
+      ++common;
+      disagreeing += alike(motion.row(i), motion.row(j)) < tau_ ? 1 : 0;
+    }
+    return static_cast<double>(size - common + disagreeing) / size;
+  }
+
+  /// The smaller length over the larger, times the cosine of the angle between.
+  static double alike(const Eigen::RowVector2d& a, const Eigen::RowVector2d& b) {
+    const double largest2 = std::max(a.squaredNorm(), b.squaredNorm());
+    return largest2 > 0.0 ? a.dot(b) / largest2 : 1.0;
+  }
+
+  int neighbours_ = 6;
+  double first_lambda_ = 0.8;
+  double lambda_ = 0.5;
+  double tau_ = 0.2;
+};
+
+}  // namespace
+
+WEFT_PLUGIN(Lpm, "filters/lpm", "1.0.0",
+            "Rejects matches whose nearest neighbours differ or move differently.")
