@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/nearest.hpp"
 
+#include <cstdint>
 #include <nanoflann.hpp>
 
 namespace weft::filters {
@@ -32,7 +33,7 @@ Nearest nearest_of(const Points2& points, const std::vector<int>& among, int cou
   const Cloud cloud{points, among};
   Tree tree(2, cloud);
   const auto wanted = static_cast<std::size_t>(count) + 1;  // the point itself may be among them
-  std::vector<std::size_t> found(wanted);
+  std::vector<std::uint32_t> found(wanted);
   std::vector<double> distances2(wanted);
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
     const double place[] = {points(i, 0), points(i, 1)};
