@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <vector>
+#include <weft/core/statistics.hpp>
+
+#include "common/candidates.hpp"
+#include "common/nearest.hpp"
+
+namespace {
+
+using weft::FilterInput;
+using weft::InlierMask;
+using weft::Points2;
+using weft::filters::Nearest;
+
+constexpr int kRounds = 3;      // of the first test
+constexpr double kFlat = 1e-9;  // pivot ratio below which neighbours are on a line
+constexpr int kFewestForAffine = 4;
+
+/// What the neighbours say of a match.
+struct Foretold {
+  double residual = std::numeric_limits<double>::infinity();  ///< [] in spacings of neighbours
+  double oriented = 0.0;  ///< [] share of triangles that keep their orientation
+};
+
+/// Keeps the matches that have the same neighbours in both images and that a local affine map of
+/// these foretells.
+class Famouri final : public weft::Filter {
+ public:
+  static constexpr weft::About kAbout{
+      .reference = "Famouri, Bartoli and Azimifar 2018, Machine Vision and Applications 29"};
+
+  explicit Famouri(weft::Params& p) {
+    p.read("neighbours", neighbours_, "", {4, 100}, "nearest neighbours of a match");
+    p.read("tau1", tau1_, "", {0, 1}, "share of neighbours that must be the same in both images");
+    p.read("tau2", tau2_, "", {0, 100},
+           "kept within this of what neighbours foretell, in spacings of these in the image");
+    p.read("least_oriented", least_oriented_, "", {0, 1},
+           "share of triangles with two neighbours that must keep their orientation");
+  }
+
+  weft::Result<InlierMask> filter(const FilterInput& in) override {
+    const auto candidates = weft::filters::candidates_of(in.correspondences);
+    if (!candidates) return candidates.error();
+    const std::size_t n = candidates->count();
+    if (n <= static_cast<std::size_t>(neighbours_)) {
+      return weft::no_result("too few matches for neighbourhoods: " + std::to_string(n) + " of " +
+                             std::to_string(neighbours_ + 1));
+    }
+    const std::vector<int> survivors = with_common_neighbours(*candidates);
+    const bool enough = survivors.size() > static_cast<std::size_t>(kFewestForAffine);
+    std::vector<std::uint8_t> keep(n, 0);
+    std::vector<double> score(n, 0.0);
+    if (enough) {
+      const Nearest near =
+          weft::filters::nearest_of(candidates->template_px, survivors, neighbours_);
+      for (const int i : survivors) {
+        const Foretold foretold = foretell(*candidates, near, i);
+        const auto k = static_cast<std::size_t>(i);
+        const bool oriented = foretold.oriented >= least_oriented_;
+        keep[k] = oriented && foretold.residual < tau2_ ? 1 : 0;
+        score[k] = oriented && tau2_ > 0.0 ? tau2_ / (tau2_ + foretold.residual) : 0.0;
+      }
+    }
+    InlierMask mask = weft::filters::mask_of(in.correspondences, *candidates, keep, score);
+    mask.diag.set("with_common_neighbours", static_cast<double>(survivors.size()));
+    mask.diag.set("kept_matches",
+                  static_cast<double>(std::count(keep.begin(), keep.end(), std::uint8_t{1})));
+    if (!enough) {
+      return weft::degenerate(std::move(mask), "only " + std::to_string(survivors.size()) +
+                                                   " matches have common neighbours");
+    }
+    return mask;
+  }
+
+ private:
+  /// Those that share neighbours in both images, of which those that do not are taken away.
+  std::vector<int> with_common_neighbours(const weft::filters::Candidates& candidates) const {
+    std::vector<int> among(candidates.count());
+    std::iota(among.begin(), among.end(), 0);
+    for (int round = 0; round < kRounds; ++round) {
+      const Nearest in_template =
+          weft::filters::nearest_of(candidates.template_px, among, neighbours_);
+      const Nearest in_image = weft::filters::nearest_of(candidates.image_px, among, neighbours_);
+      const std::size_t before = among.size();
+      std::erase_if(among, [&](int i) {
+        const int* end = in_image.row(i).data() + neighbours_;
+        int common = 0;
+        for (int k = 0; k < neighbours_; ++k) {
+          const int j = in_template(i, k);
+          common += j >= 0 && std::find(in_image.row(i).data(), end, j) != end ? 1 : 0;
+        }
+        return common < tau1_ * neighbours_;
+      });
+      if (among.size() == before) break;
+    }
+    return among;
+  }
+
+  /// The affine map of the neighbours, the nearer the weightier, at the match.
+  static Foretold foretell(const weft::filters::Candidates& candidates, const Nearest& near,
+                           int i) {
+    const Points2 &p = candidates.template_px, &q = candidates.image_px;
+    std::vector<int> others;
+    std::vector<double> distances_px, spacings_px;
+    for (Eigen::Index k = 0; k < near.cols() && near(i, k) >= 0; ++k) {
+      others.push_back(near(i, k));
+      distances_px.push_back((p.row(others.back()) - p.row(i)).norm());
+      spacings_px.push_back((q.row(others.back()) - q.row(i)).norm());
+    }
+    Foretold foretold;
+    if (others.size() < static_cast<std::size_t>(kFewestForAffine)) return foretold;
+    const double h_px = weft::median(distances_px), spacing_px = weft::median(spacings_px);
+    if (!(h_px > 0.0) || !(spacing_px > 0.0)) return foretold;
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Matrix<double, 3, 2> moments = Eigen::Matrix<double, 3, 2>::Zero();
+    for (std::size_t k = 0; k < others.size(); ++k) {
+      const Eigen::RowVector2d d = (p.row(others[k]) - p.row(i)) / h_px;
+      const Eigen::Vector3d basis(1.0, d.x(), d.y());
+      const double weight = std::exp(-0.5 * d.squaredNorm());
+      normal += weight * basis * basis.transpose();
+      moments += weight * basis * (q.row(others[k]) - q.row(i));
+    }
+    const Eigen::LDLT<Eigen::Matrix3d> solver(normal);
+    const auto pivots = solver.vectorD();
+    if (!(pivots.minCoeff() > kFlat * pivots.maxCoeff())) return foretold;
+    const Eigen::Matrix<double, 3, 2> map = solver.solve(moments);
+    foretold.residual = map.row(0).norm() / spacing_px;
+    foretold.oriented = oriented_share(p, q, i, others);
+    return foretold;
+  }
+
+  static double oriented_share(const Points2& p, const Points2& q, int i,
+                               const std::vector<int>& others) {
+    const auto side = [&](const Points2& points, int j, int l) {
+      const Eigen::RowVector2d a = points.row(j) - points.row(i), b = points.row(l) - points.row(i);
+      return a.x() * b.y() - a.y() * b.x();
+    };
+    int alike = 0, compared = 0;
+    for (std::size_t j = 0; j < others.size(); ++j) {
+      for (std::size_t l = j + 1; l < others.size(); ++l) {
+        ++compared;
+        alike += side(p, others[j], others[l]) * side(q, others[j], others[l]) > 0.0 ? 1 : 0;
+      }
+    }
+    return compared > 0 ? static_cast<double>(alike) / compared : 0.0;
+  }
+
+  int neighbours_ = 8;
+  double tau1_ = 0.25;
+  double tau2_ = 0.3;
+  double least_oriented_ = 0.6;
+};
+
+}  // namespace
+
+WEFT_PLUGIN(Famouri, "filters/famouri", "1.0.0",
+            "Rejects matches that their nearest neighbours do not foretell.")

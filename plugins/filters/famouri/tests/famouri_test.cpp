@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/tests/filter_bench.hpp"
+
+namespace weft::testing {
+namespace {
+
+TEST(Famouri, KeepsASmoothMotionAndRejectsRandomOnes) {
+  for (const std::uint64_t seed : {11U, 12U, 13U}) {
+    FilterBench bench("filters/famouri");
+    const Rates rates = bench.rates(bent_matches({1000, 0.7, 0.5, 2.0}, 0.2, seed));
+    EXPECT_GT(rates.tpr_percent, 90.0) << "seed " << seed;
+    EXPECT_LT(rates.fpr_percent, 10.0) << "seed " << seed;
+  }
+}
+
+TEST(Famouri, KeepsMoreTheFurtherOffAMatchMayBe) {
+  const LabelledMatches drawn = bent_matches({400, 0.6, 0.5, 2.0}, 0.2, 21);
+  FilterBench strict("filters/famouri", "{tau2: 0.1}"), lax("filters/famouri", "{tau2: 0.8}");
+  const InlierMask few = strict.mask(drawn.matches), many = lax.mask(drawn.matches);
+  for (std::int64_t i = 0; i < 400; ++i) EXPECT_LE(few.kept(i), many.kept(i)) << i;
+}
+
+TEST(Famouri, KeepsEveryMatchOfAnAffineMap) {
+  LabelledMatches drawn = flat_matches({120, 1.0, 0.0, 2.0}, 31);
+  for (std::int64_t i = 0; i < 120; ++i) {
+    const double u = drawn.matches.template_px(i, 0), v = drawn.matches.template_px(i, 1);
+    drawn.matches.image_px(i, 0) = 100.0 + 0.4 * u - 0.05 * v;
+    drawn.matches.image_px(i, 1) = 80.0 + 0.1 * u + 0.5 * v;
+  }
+  FilterBench bench("filters/famouri");
+  EXPECT_EQ(bench.rates(drawn).fpr_percent, 0.0);
+}
+
+TEST(Famouri, RejectsAMirrorImage) {
+  LabelledMatches drawn = flat_matches({120, 1.0, 0.0, 2.0}, 41);
+  for (std::int64_t i = 0; i < 120; ++i) {
+    drawn.matches.image_px(i, 0) = 640.0 - drawn.matches.image_px(i, 0);
+  }
+  FilterBench bench("filters/famouri");
+  EXPECT_EQ(bench.rates(drawn).fpr_percent, 100.0);
+}
+
+TEST(Famouri, DoesNotDependOnTheOrder) {
+  FilterBench bench("filters/famouri");
+  expect_no_order(bench, bent_matches({300, 0.6, 0.5, 2.0}, 0.2, 51).matches);
+}
+
+TEST(Famouri, NeedsNeighbourhoods) {
+  FilterBench bench("filters/famouri");
+  EXPECT_EQ(bench.run(flat_matches({8, 1.0, 0.0, 2.0}, 61).matches).status, WEFT_NO_RESULT);
+  const Outcome noise = bench.run(flat_matches({60, 0.0, 0.0, 2.0}, 62).matches);
+  EXPECT_TRUE(noise.status == WEFT_DEGENERATE || noise.status == WEFT_OK) << noise.message;
+}
+
+}  // namespace
+}  // namespace weft::testing
