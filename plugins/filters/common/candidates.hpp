@@ -11,8 +11,16 @@ namespace weft::filters {
 
 /// The matches that a filter judges: those that no filter before it has rejected, in an order that
 /// their coordinates decide, so that neither sums nor random draws depend on that of the matches.
+/// Matches from one place to one place are judged as one.
 struct Candidates {
-  std::vector<std::int64_t> matches;  ///< their indices
+  /// A match at both places of a candidate.
+  struct Copy {
+    std::int64_t match;
+    std::size_t candidate;
+  };
+
+  std::vector<std::int64_t> matches;  ///< [n] of copies the one with the least ratio
+  std::vector<Copy> copies;           ///< the others
   Points2 template_px, image_px;      ///< [n,2]
 
   std::size_t count() const { return matches.size(); }
@@ -22,9 +30,17 @@ struct Candidates {
 Result<Candidates> candidates_of(const Correspondences& correspondences);
 
 /// A mask over all matches: candidate k is kept where keep[k], with score[k] in [0,1]; the others
-/// are rejected with the score 0.
+/// are rejected with the score 0. Counts candidates and what is kept.
 InlierMask mask_of(const Correspondences& correspondences, const Candidates& candidates,
                    std::span<const std::uint8_t> keep, std::span<const double> score);
+
+/// Width and height of the texture and of the image.
+struct PictureSizes {
+  Eigen::RowVector2d template_px, image_px;
+};
+
+/// invalid_data where template or camera is absent.
+Result<PictureSizes> sizes_of(const FilterInput& in);
 
 /// Translates to zero mean and scales to a mean norm of sqrt(2).
 struct Normaliser {

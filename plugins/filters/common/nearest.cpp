@@ -1,47 +1,144 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/nearest.hpp"
 
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
 #include <cstdint>
-#include <nanoflann.hpp>
+#include <limits>
 
 namespace weft::filters {
 namespace {
 
-/// Points as nanoflann reads them.
-struct Cloud {
-  const Points2& points;
-  const std::vector<int>& among;
+constexpr double kInCell = 3.0;  // points on average: 9 cells mostly hold the 8 nearest
 
-  std::size_t kdtree_get_point_count() const { return among.size(); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const {
-    return points(among[i], static_cast<Eigen::Index>(axis));
+/// A squared distance and an index in one number: the nearer first, then the smaller index.
+using Key = std::uint64_t;
+constexpr Key kNobody = Key{0xffffffffU} << 32U | 0xffffffffU;
+
+Key key_of(double distance2, int index) {
+  const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(distance2));
+  return Key{bits} << 32U | static_cast<std::uint32_t>(index);
+}
+
+/// The nearest points found so far, nearest first, in memory that it does not own.
+struct Shortlist {
+  Key* keys;
+  int size;
+
+  void clear() { std::fill_n(keys, size, kNobody); }
+
+  /// The square of the largest distance; infinite until the list is full.
+  double worst2() const {
+    const Key last = keys[size - 1];
+    if (last == kNobody) return std::numeric_limits<double>::infinity();
+    return std::bit_cast<float>(static_cast<std::uint32_t>(last >> 32U));
   }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
+
+  void offer(Key key) {
+    if (key >= keys[size - 1]) return;
+    int at = size - 1;
+    for (; at > 0 && keys[at - 1] > key; --at) keys[at] = keys[at - 1];
+    keys[at] = key;
   }
 };
 
-using Tree =
-    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud, 2>;
+/// Points in the cells of a grid, those of a row of cells side by side in memory.
+class Buckets {
+ public:
+  Buckets(const Points2& points, const std::vector<int>& among) {
+    const auto n = static_cast<double>(among.size());
+    for (const int i : among) {
+      for (int x = 0; x < 2; ++x) {
+        low_[x] = std::min(low_[x], points(i, x));
+        high_[x] = std::max(high_[x], points(i, x));
+      }
+    }
+    const double width = high_[0] - low_[0], height = high_[1] - low_[1];
+    const double side =
+        std::max(std::sqrt(width * height * kInCell / n), std::max(width, height) * kInCell / n);
+    side_ = side > 0.0 ? side : 1.0;
+    columns_ = 1 + static_cast<int>(width / side_);
+    rows_ = 1 + static_cast<int>(height / side_);
+    fill(points, among);
+  }
+
+  /// The nearest but `self`, searching ever larger blocks of cells.
+  void search(const Eigen::RowVector2d& from, int self, Shortlist& nearest) const {
+    const int column = cell_along(from.x(), 0, columns_), row = cell_along(from.y(), 1, rows_);
+    for (int reach = 1;; ++reach) {
+      nearest.clear();
+      const int left = std::max(column - reach, 0), right = std::min(column + reach, columns_ - 1);
+      const int top = std::max(row - reach, 0), bottom = std::min(row + reach, rows_ - 1);
+      for (int y = top; y <= bottom; ++y) search_row(from, self, left, right, y, nearest);
+      const double outside = std::min({left > 0 ? from.x() - edge(left, 0) : kFar,
+                                       right < columns_ - 1 ? edge(right + 1, 0) - from.x() : kFar,
+                                       top > 0 ? from.y() - edge(top, 1) : kFar,
+                                       bottom < rows_ - 1 ? edge(bottom + 1, 1) - from.y() : kFar});
+      if (outside == kFar || nearest.worst2() < outside * outside) return;
+    }
+  }
+
+ private:
+  static constexpr double kFar = std::numeric_limits<double>::infinity();
+
+  struct Entry {
+    double x, y;
+    int index;
+  };
+
+  int cell_along(double coordinate, std::size_t axis, int cells) const {
+    return std::clamp(static_cast<int>((coordinate - low_[axis]) / side_), 0, cells - 1);
+  }
+  double edge(int cell, std::size_t axis) const { return low_[axis] + cell * side_; }
+
+  void fill(const Points2& points, const std::vector<int>& among) {
+    const auto cell_of = [&](int i) {
+      return static_cast<std::size_t>(cell_along(points(i, 1), 1, rows_)) *
+                 static_cast<std::size_t>(columns_) +
+             static_cast<std::size_t>(cell_along(points(i, 0), 0, columns_));
+    };
+    start_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) + 1, 0);
+    for (const int i : among) ++start_[cell_of(i) + 1];
+    for (std::size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];
+    std::vector<std::size_t> next(start_.begin(), start_.end() - 1);
+    entries_.resize(among.size());
+    for (const int i : among) entries_[next[cell_of(i)]++] = {points(i, 0), points(i, 1), i};
+  }
+
+  void search_row(const Eigen::RowVector2d& from, int self, int left, int right, int row,
+                  Shortlist& nearest) const {
+    const std::size_t first = static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_);
+    const std::size_t end = start_[first + static_cast<std::size_t>(right) + 1];
+    for (std::size_t e = start_[first + static_cast<std::size_t>(left)]; e < end; ++e) {
+      const Entry& entry = entries_[e];
+      if (entry.index == self) continue;
+      const double dx = entry.x - from.x(), dy = entry.y - from.y();
+      nearest.offer(key_of(dx * dx + dy * dy, entry.index));
+    }
+  }
+
+  std::array<double, 2> low_{kFar, kFar}, high_{-kFar, -kFar};
+  double side_ = 1.0;
+  int columns_ = 1, rows_ = 1;
+  std::vector<std::size_t> start_;
+  std::vector<Entry> entries_;
+};
 
 }  // namespace
 
 Nearest nearest_of(const Points2& points, const std::vector<int>& among, int count) {
   Nearest nearest = Nearest::Constant(points.rows(), count, -1);
   if (among.empty() || count == 0) return nearest;
-  const Cloud cloud{points, among};
-  Tree tree(2, cloud);
-  const auto wanted = static_cast<std::size_t>(count) + 1;  // the point itself may be among them
-  std::vector<std::uint32_t> found(wanted);
-  std::vector<double> distances2(wanted);
+  const Buckets buckets(points, among);
+  std::vector<Key> keys(static_cast<std::size_t>(count));
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    const double place[] = {points(i, 0), points(i, 1)};
-    const std::size_t number = tree.knnSearch(place, wanted, found.data(), distances2.data());
-    int next = 0;
-    for (std::size_t k = 0; k < number && next < count; ++k) {
-      const int other = among[found[k]];
-      if (other != i) nearest(i, next++) = other;
+    Shortlist shortlist{keys.data(), count};
+    buckets.search(points.row(i), static_cast<int>(i), shortlist);
+    for (int k = 0; k < count; ++k) {
+      nearest(i, k) =
+          static_cast<int>(static_cast<std::uint32_t>(keys[static_cast<std::size_t>(k)]));
     }
   }
   return nearest;

@@ -7,11 +7,12 @@
 
 namespace weft::filters {
 
-/// For each point the indices of the `count` others that are nearest, nearest first: [n,count].
-/// With fewer others than that, rows end with -1.
+/// For each point the indices of the `count` others that are nearest, nearest first, the smaller
+/// index first among equals: [n,count]. With fewer others than that, rows end with -1.
 using Nearest = Eigen::Matrix<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Of the points whose index is in `among` (ascending; points outside it ask, but are not found).
+/// For evenly spread points the time grows with their number alone.
 Nearest nearest_of(const Points2& points, const std::vector<int>& among, int count);
 
 }  // namespace weft::filters

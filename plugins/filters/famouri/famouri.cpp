@@ -69,8 +69,6 @@ class Famouri final : public weft::Filter {
     }
     InlierMask mask = weft::filters::mask_of(in.correspondences, *candidates, keep, score);
     mask.diag.set("with_common_neighbours", static_cast<double>(survivors.size()));
-    mask.diag.set("kept_matches",
-                  static_cast<double>(std::count(keep.begin(), keep.end(), std::uint8_t{1})));
     if (!enough) {
       return weft::degenerate(std::move(mask), "only " + std::to_string(survivors.size()) +
                                                    " matches have common neighbours");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <string>
@@ -15,13 +16,15 @@ using weft::InlierMask;
 using weft::Points2;
 using weft::filters::Nearest;
 
-constexpr int kScaleStep = 2;  // between the three sizes of a neighbourhood
+constexpr std::size_t kScales = 3;  // sizes of a neighbourhood
+constexpr int kScaleStep = 2;       // between them
 
 /// Keeps the matches whose nearest neighbours are the same in both images and move alike.
 class Lpm final : public weft::Filter {
  public:
   static constexpr weft::About kAbout{
-      .reference = "Ma, Zhao, Jiang, Zhou and Guo 2019, IJCV 127 (Locality preserving matching)"};
+      .reference = "Ma, Zhao, Jiang, Zhou and Guo 2019, IJCV 127 (Locality preserving matching)",
+      .needs = "template camera"};
 
   explicit Lpm(weft::Params& p) {
     p.read("neighbours", neighbours_, "", {3, 100},
@@ -42,8 +45,10 @@ class Lpm final : public weft::Filter {
       return weft::no_result("too few matches for neighbourhoods: " + std::to_string(n) + " of " +
                              std::to_string(least));
     }
-    const Points2 p = weft::filters::Normaliser(candidates->template_px)(candidates->template_px);
-    const Points2 q = weft::filters::Normaliser(candidates->image_px)(candidates->image_px);
+    const auto sizes = weft::filters::sizes_of(in);
+    if (!sizes) return sizes.error();
+    const Points2 p = candidates->template_px / sizes->template_px.norm();
+    const Points2 q = candidates->image_px / sizes->image_px.norm();
     std::vector<int> among(n);
     std::iota(among.begin(), among.end(), 0);
     std::vector<double> cost = costs(p, q, among);
@@ -59,8 +64,6 @@ class Lpm final : public weft::Filter {
     }
     InlierMask mask = weft::filters::mask_of(in.correspondences, *candidates, keep, score);
     mask.diag.set("first_pass_matches", static_cast<double>(first_kept));
-    mask.diag.set("kept_matches",
-                  static_cast<double>(std::count(keep.begin(), keep.end(), std::uint8_t{1})));
     if (!again) {
       return weft::degenerate(std::move(mask),
                               "only " + std::to_string(first_kept) + " matches have neighbours");
@@ -78,30 +81,42 @@ class Lpm final : public weft::Filter {
     const Points2 motion = q - p;
     std::vector<double> cost(static_cast<std::size_t>(p.rows()));
     for (Eigen::Index i = 0; i < p.rows(); ++i) {
-      double sum = 0.0;
-      for (int size = neighbours_ - kScaleStep; size <= most; size += kScaleStep) {
-        sum += cost_of(i, size, in_template, in_image, motion);
-      }
-      cost[static_cast<std::size_t>(i)] = sum / 3.0;
+      cost[static_cast<std::size_t>(i)] = cost_of(i, in_template, in_image, motion);
     }
     return cost;
   }
 
-  double cost_of(Eigen::Index i, int size, const Nearest& in_template, const Nearest& in_image,
+  double cost_of(Eigen::Index i, const Nearest& in_template, const Nearest& in_image,
                  const Points2& motion) const {
-    const int* image_end = in_image.row(i).data() + size;
-    int common = 0, disagreeing = 0;
-    for (int k = 0; k < size; ++k) {
+    const int most = neighbours_ + kScaleStep;
+    const int* image_row = in_image.row(i).data();
+    std::array<int, kScales> alike{}, common{};  // per size
+    for (int k = 0; k < most; ++k) {
       const int j = in_template(i, k);
-      if (j < 0 || std::find(in_image.row(i).data(), image_end, j) == image_end) continue;
-      ++common;
-      disagreeing += alike(motion.row(i), motion.row(j)) < tau_ ? 1 : 0;
+      const auto rank = static_cast<int>(std::find(image_row, image_row + most, j) - image_row);
+      if (j < 0 || rank == most) continue;
+      const bool agrees = likeness(motion.row(i), motion.row(j)) >= tau_;
+      for (std::size_t s = 0; s < kScales; ++s) {
+        if (std::max(k, rank) >= size_of(s)) continue;
+        ++common[s];
+        alike[s] += agrees ? 1 : 0;
+      }
     }
-    return static_cast<double>(size - common + disagreeing) / size;
+    double sum = 0.0;
+    for (std::size_t s = 0; s < kScales; ++s) {
+      // A neighbour that is not shared costs 1, and so does one that moves differently.
+      const int size = size_of(s), lost = size - common[s], apart = common[s] - alike[s];
+      sum += static_cast<double>(lost + apart) / size;
+    }
+    return sum / kScales;
+  }
+
+  int size_of(std::size_t scale) const {
+    return neighbours_ + kScaleStep * (static_cast<int>(scale) - 1);
   }
 
   /// The smaller length over the larger, times the cosine of the angle between.
-  static double alike(const Eigen::RowVector2d& a, const Eigen::RowVector2d& b) {
+  static double likeness(const Eigen::RowVector2d& a, const Eigen::RowVector2d& b) {
     const double largest2 = std::max(a.squaredNorm(), b.squaredNorm());
     return largest2 > 0.0 ? a.dot(b) / largest2 : 1.0;
   }

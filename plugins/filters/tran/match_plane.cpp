@@ -2,17 +2,25 @@
 #include "match_plane.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 namespace weft::tran {
 namespace {
 
-constexpr double kLeastArea = 1e-4;  // of a triangle in normalised coordinates
-constexpr double kMissed = 0.01;     // probability that a better plane is not drawn
+constexpr double kLeastArea = 1e-4;   // of a triangle, doubled, in normalised coordinates
+constexpr double kCollinear = 1e-12;  // of a scatter: determinant over squared trace
+constexpr double kMissed = 0.01;      // probability that a better plane is not drawn
 
-double doubled_area(const Eigen::RowVector2d& ab, const Eigen::RowVector2d& ac) {
-  return std::abs(ab.x() * ac.y() - ab.y() * ac.x());
+Eigen::Matrix<double, 4, 2> normals_of(const Eigen::Matrix2d& slope, Residual residual) {
+  Eigen::Matrix<double, 4, 2> normals;
+  normals << slope, -Eigen::Matrix2d::Identity();
+  if (residual == Residual::regression) return normals;
+  normals.col(0).normalize();
+  normals.col(1) -= normals.col(0) * normals.col(0).dot(normals.col(1));
+  normals.col(1).normalize();
+  return normals;
 }
 
 /// Draws after which a triple of agreeing matches was drawn, but for kMissed.
@@ -25,31 +33,30 @@ double draws_for(double agreeing_share) {
 }  // namespace
 
 void MatchPlane::distances2(const MatchPoints& matches, Eigen::ArrayXd& distances2) const {
-  distances2.resize(matches.rows());
-  for (Eigen::Index i = 0; i < matches.rows(); ++i) {
-    const Eigen::RowVector4d d = matches.row(i) - origin;
-    const Eigen::RowVector2d y = d * basis;
-    distances2[i] = std::max(0.0, d.squaredNorm() - y.squaredNorm());
-  }
+  const Eigen::RowVector2d offset = origin * normals;
+  const auto along = [&](Eigen::Index k) {
+    return (matches.col(0).array() * normals(0, k) + matches.col(1).array() * normals(1, k) +
+            matches.col(2).array() * normals(2, k) + matches.col(3).array() * normals(3, k) -
+            offset[k])
+        .square();
+  };
+  distances2 = along(0) + along(1);
 }
 
 std::optional<MatchPlane> plane_through(const MatchPoints& matches, Eigen::Index a, Eigen::Index b,
-                                        Eigen::Index c) {
-  const Eigen::RowVector4d ab = matches.row(b) - matches.row(a);
-  const Eigen::RowVector4d ac = matches.row(c) - matches.row(a);
-  if (doubled_area(ab.head<2>(), ac.head<2>()) < kLeastArea ||
-      doubled_area(ab.tail<2>(), ac.tail<2>()) < kLeastArea) {
-    return std::nullopt;
-  }
-  MatchPlane plane;
-  plane.origin = matches.row(a);
-  plane.basis.col(0) = ab.transpose().normalized();
-  plane.basis.col(1) =
-      (ac.transpose() - plane.basis.col(0) * ac.dot(plane.basis.col(0))).normalized();
-  return plane;
+                                        Eigen::Index c, const Search& search) {
+  Eigen::Matrix<double, 2, 4> arms;
+  arms << matches.row(b) - matches.row(a), matches.row(c) - matches.row(a);
+  const double in_template = arms.leftCols<2>().determinant();
+  const double in_image = arms.rightCols<2>().determinant();
+  if (std::abs(in_template) < kLeastArea || std::abs(in_image) < kLeastArea) return std::nullopt;
+  if (search.keep_orientation && in_template * in_image < 0.0) return std::nullopt;
+  const Eigen::Matrix2d slope = arms.leftCols<2>().inverse() * arms.rightCols<2>();
+  return MatchPlane{matches.row(a), normals_of(slope, search.residual)};
 }
 
-MatchPlane plane_of(const MatchPoints& matches, const std::vector<std::uint8_t>& chosen) {
+std::optional<MatchPlane> plane_of(const MatchPoints& matches,
+                                   const std::vector<std::uint8_t>& chosen, Residual residual) {
   MatchPlane plane;
   double count = 0.0;
   for (Eigen::Index i = 0; i < matches.rows(); ++i) {
@@ -64,8 +71,15 @@ MatchPlane plane_of(const MatchPoints& matches, const std::vector<std::uint8_t>&
     const Eigen::RowVector4d d = matches.row(i) - plane.origin;
     scatter += d.transpose() * d;
   }
-  plane.basis =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(scatter).eigenvectors().rightCols<2>();
+  const Eigen::Matrix2d in_template = scatter.topLeftCorner<2, 2>();
+  const double trace = in_template.trace();
+  if (!(in_template.determinant() > kCollinear * trace * trace)) return std::nullopt;
+  plane.normals =
+      residual == Residual::orthogonal
+          ? Eigen::Matrix<double, 4, 2>(Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(scatter)
+                                            .eigenvectors()
+                                            .leftCols<2>())
+          : normals_of(in_template.inverse() * scatter.topRightCorner<2, 2>(), residual);
   return plane;
 }
 
@@ -85,14 +99,13 @@ std::optional<Found> search(const MatchPoints& matches, const Search& search, Rn
     const auto b = static_cast<Eigen::Index>(rng.below(bound));
     const auto c = static_cast<Eigen::Index>(rng.below(bound));
     if (a == b || b == c || a == c) continue;
-    const auto plane = plane_through(matches, a, b, c);
-    if (!plane || (search.keep_orientation && !plane->keeps_orientation())) continue;
+    const auto plane = plane_through(matches, a, b, c, search);
+    if (!plane) continue;
     plane->distances2(matches, distances2);
     const Eigen::Index agreeing = (distances2 < limit2).count();
+    if (best && agreeing < best->agreeing) continue;
     const double cost = distances2.min(limit2).sum();
-    if (best && (agreeing < best->agreeing || (agreeing == best->agreeing && cost >= least_cost))) {
-      continue;
-    }
+    if (best && agreeing == best->agreeing && cost >= least_cost) continue;
     best = Found{*plane, agreeing, 0};
     least_cost = cost;
     const double share = static_cast<double>(agreeing) / static_cast<double>(n);

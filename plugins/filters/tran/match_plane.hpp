@@ -12,33 +12,37 @@ namespace weft::tran {
 /// Matches as points of R^4, template coordinates first, both normalised: [n,4].
 using MatchPoints = Eigen::Matrix<double, Eigen::Dynamic, 4>;
 
-/// A plane in the space of matches: x = origin + basis y. It is an affine map between the images
-/// (Tran et al. 2012, Section 3).
+/// How far a match is from an affine map: in the space of matches, or in the image.
+enum class Residual { orthogonal, regression };
+
+/// A plane in the space of matches, which is an affine map between the images (Tran et al. 2012,
+/// Section 3): (x - origin) normals = 0. The distance of x is |(x - origin) normals|, orthogonal
+/// to the plane where the normals are orthonormal, in the image where they are [M; -I], M the
+/// slope of the map.
 struct MatchPlane {
   Eigen::RowVector4d origin = Eigen::RowVector4d::Zero();
-  Eigen::Matrix<double, 4, 2> basis = Eigen::Matrix<double, 4, 2>::Zero();  ///< orthonormal
+  Eigen::Matrix<double, 4, 2> normals = Eigen::Matrix<double, 4, 2>::Zero();
 
-  /// Whether the map keeps the sheet's side towards the camera.
-  bool keeps_orientation() const {
-    return basis.topRows<2>().determinant() * basis.bottomRows<2>().determinant() > 0.0;
-  }
-
-  /// The squares of the distances of matches from the plane, [n].
+  /// The squares of the distances of matches, [n].
   void distances2(const MatchPoints& matches, Eigen::ArrayXd& distances2) const;
 };
 
-/// The plane through three matches, or nothing where they are on a line in either image.
-std::optional<MatchPlane> plane_through(const MatchPoints& matches, Eigen::Index a, Eigen::Index b,
-                                        Eigen::Index c);
-
-/// The plane of least squared distances to some of the matches, at least 3.
-MatchPlane plane_of(const MatchPoints& matches, const std::vector<std::uint8_t>& chosen);
-
 struct Search {
+  Residual residual = Residual::orthogonal;
   double limit = 0.1;  ///< distance up to which a match agrees
   int most_draws = 1000;
-  bool keep_orientation = true;
+  bool keep_orientation = true;  ///< the map must keep the sheet's side towards the camera
 };
+
+/// The plane through three matches, or nothing where they are on a line in either image or the map
+/// is not as wanted.
+std::optional<MatchPlane> plane_through(const MatchPoints& matches, Eigen::Index a, Eigen::Index b,
+                                        Eigen::Index c, const Search& search);
+
+/// The plane of least squared distances to some of the matches, at least 3; nothing where these
+/// are on a line.
+std::optional<MatchPlane> plane_of(const MatchPoints& matches,
+                                   const std::vector<std::uint8_t>& chosen, Residual residual);
 
 struct Found {
   MatchPlane plane;

@@ -17,6 +17,7 @@ using weft::InlierMask;
 using weft::filters::Candidates;
 using weft::tran::Found;
 using weft::tran::MatchPoints;
+using weft::tran::Residual;
 
 constexpr int kRefits = 3;
 constexpr Eigen::Index kFewAgreeing = 6;
@@ -31,8 +32,12 @@ class Tran final : public weft::Filter {
   explicit Tran(weft::Params& p) {
     p.read("tau", tau_, "", {1e-4, 10},
            "kept within this part of the diagonal that the agreeing matches span in the image");
-    p.read("most_draws", most_draws_, "", {1, 1'000'000}, "samples of three matches at most");
-    p.read("keep_orientation", keep_orientation_,
+    p.choice("residual", search_.residual,
+             {{"orthogonal", Residual::orthogonal}, {"regression", Residual::regression}},
+             "distance from the plane in the space of matches, or from the map in the image");
+    p.read("most_draws", search_.most_draws, "", {1, 1'000'000},
+           "samples of three matches at most");
+    p.read("keep_orientation", search_.keep_orientation,
            "the map must not turn the sheet's back to the camera");
   }
 
@@ -49,7 +54,9 @@ class Tran final : public weft::Filter {
     matches << of_template(candidates->template_px), of_image(candidates->image_px);
     weft::Rng rng = in.call.rng();
     double limit = tau_ * of_image.per_px * first_extent_px(*candidates);
-    auto found = weft::tran::search(matches, {limit, most_draws_, keep_orientation_}, rng);
+    weft::tran::Search search = search_;
+    search.limit = limit;
+    auto found = weft::tran::search(matches, search, rng);
     if (!found) {
       return weft::no_result("no three matches make an affine map: they lie on lines or mirror");
     }
@@ -57,7 +64,9 @@ class Tran final : public weft::Filter {
     found->plane.distances2(matches, distances2);
     std::vector<std::uint8_t> keep = within(distances2, limit);
     for (int i = 0; i < kRefits && count_of(keep) >= 3; ++i) {
-      found->plane = weft::tran::plane_of(matches, keep);
+      const auto refitted = weft::tran::plane_of(matches, keep, search_.residual);
+      if (!refitted) break;
+      found->plane = *refitted;
       limit = tau_ * of_image.per_px * extent_px(*candidates, keep);
       found->plane.distances2(matches, distances2);
       keep = within(distances2, limit);
@@ -108,7 +117,6 @@ class Tran final : public weft::Filter {
     }
     InlierMask mask = weft::filters::mask_of(in.correspondences, candidates, keep, score);
     const Eigen::Index kept = count_of(keep);
-    mask.diag.set("kept_matches", static_cast<double>(kept));
     mask.diag.set("threshold_px", per_px > 0.0 ? limit / per_px : 0.0);
     mask.diag.set("draws", found.draws);
     if (kept < kFewAgreeing) {
@@ -119,8 +127,7 @@ class Tran final : public weft::Filter {
   }
 
   double tau_ = 0.1;
-  int most_draws_ = 1000;
-  bool keep_orientation_ = true;
+  weft::tran::Search search_;
 };
 
 }  // namespace

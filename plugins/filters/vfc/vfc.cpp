@@ -65,7 +65,6 @@ class Vfc final : public weft::Filter {
     }
     InlierMask mask = weft::filters::mask_of(in.correspondences, *candidates, keep, score);
     const auto kept = std::count(keep.begin(), keep.end(), std::uint8_t{1});
-    mask.diag.set("kept_matches", static_cast<double>(kept));
     mask.diag.set("gamma", verdict.gamma);
     mask.diag.set("sigma", verdict.sigma);
     mask.diag.set("rounds", verdict.rounds);

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -97,6 +99,54 @@ inline void expect_no_order(FilterBench& bench, const Correspondences& matches) 
     ASSERT_EQ(other.kept(static_cast<std::int64_t>(i)), first.kept(rows[i])) << i;
     ASSERT_EQ(other.score(static_cast<std::int64_t>(i)), first.score(rows[i])) << i;
   }
+}
+
+/// What every filter owes whoever calls it, on matches that it can judge: answers that depend on
+/// nothing but the input, copies judged alike, nothing taken back, and an error or no result for
+/// what cannot be judged.
+inline void expect_filter_contract(const std::string& id, const Correspondences& matches) {
+  FilterBench bench(id), fresh(id);
+  expect_no_order(bench, matches);
+  const InlierMask warm = bench.mask(matches), first = fresh.mask(matches);
+  const std::int64_t count = matches.count();
+  for (std::int64_t i = 0; i < count; ++i) {
+    ASSERT_EQ(warm.kept(i), first.kept(i)) << i;
+    ASSERT_EQ(warm.score(i), first.score(i)) << i;
+    ASSERT_TRUE(first.score(i) >= 0.0 && first.score(i) <= 1.0) << first.score(i);
+  }
+  std::vector<std::int64_t> rows(static_cast<std::size_t>(count));
+  std::iota(rows.begin(), rows.end(), 0);
+  for (const std::int64_t copied : {3, 8, 21}) rows.push_back(copied);
+  const InlierMask with_copies = bench.mask(reordered(matches, rows));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    ASSERT_EQ(with_copies.kept(static_cast<std::int64_t>(i)), first.kept(rows[i])) << i;
+  }
+  Correspondences changed = reordered(matches, rows);
+  changed.image_px(7, 1) = std::numeric_limits<double>::quiet_NaN();
+  const Outcome refused = bench.run(changed);
+  EXPECT_EQ(refused.status, WEFT_ERROR);
+  EXPECT_NE(refused.message.find("match 7"), std::string::npos) << refused.message;
+  changed.kept(7) = 0;
+  EXPECT_EQ(bench.mask(changed).kept(7), 0);
+  EXPECT_EQ(bench.run(reordered(matches, {})).status, WEFT_NO_RESULT);
+  const std::vector<std::int64_t> one_place(rows.size(), 5);
+  EXPECT_EQ(bench.run(reordered(matches, one_place)).status, WEFT_NO_RESULT);
+}
+
+/// Matches with ratios, angles and scales as descriptors give them: those of mismatches are random.
+inline LabelledMatches with_descriptors(LabelledMatches drawn, std::uint64_t seed) {
+  Rng rng(seed);
+  const std::int64_t count = drawn.matches.count();
+  drawn.matches.ratio = Array<double>({count});
+  drawn.matches.angle_difference_rad = Array<double>({count});
+  drawn.matches.scale_ratio = Array<double>({count});
+  for (std::int64_t i = 0; i < count; ++i) {
+    const bool correct = drawn.correct[static_cast<std::size_t>(i)] != 0;
+    drawn.matches.ratio(i) = correct ? rng.uniform(0.3, 0.8) : rng.uniform(0.6, 0.8);
+    drawn.matches.angle_difference_rad(i) = correct ? 0.1 * rng.normal() : rng.uniform(-3.1, 3.1);
+    drawn.matches.scale_ratio(i) = std::exp(correct ? 0.1 * rng.normal() : rng.normal());
+  }
+  return drawn;
 }
 
 }  // namespace weft::testing

@@ -20,9 +20,8 @@ TEST(Vfc, ScoresAreProbabilitiesThatThetaCuts) {
   for (std::int64_t i = 0; i < 400; ++i) EXPECT_EQ(mask.kept(i) != 0, mask.score(i) > 0.9) << i;
 }
 
-TEST(Vfc, DoesNotDependOnTheOrder) {
-  FilterBench bench("filters/vfc");
-  expect_no_order(bench, bent_matches({300, 0.6, 0.5, 2.0}, 0.2, 31).matches);
+TEST(Vfc, KeepsTheContractOfFilters) {
+  expect_filter_contract("filters/vfc", bent_matches({300, 0.6, 0.5, 2.0}, 0.2, 31).matches);
 }
 
 TEST(Vfc, SaysWhereNothingFollowsAField) {

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "cell_support.hpp"
+#include "common/candidates.hpp"
+
+namespace {
+
+using weft::FilterInput;
+using weft::InlierMask;
+using weft::Points2;
+using weft::gms::Layout;
+
+constexpr std::array kScales{1.0, 0.5, 0.70710678118654752, 1.4142135623730951, 2.0};
+constexpr int kTurns = 8;
+
+/// What each match is supported by under the best of the turns and scales.
+struct Support {
+  std::vector<double> of_match;
+  std::int64_t kept = -1;
+  int turn = 0;
+  double scale = 1.0;
+};
+
+/// Keeps the matches that many others go along with, from neighbouring cells to neighbouring cells.
+class Gms final : public weft::Filter {
+ public:
+  static constexpr weft::About kAbout{
+      .reference = "Bian, Lin, Matsushita, Yeung, Nguyen and Cheng 2017, CVPR (GMS)",
+      .needs = "template camera"};
+
+  explicit Gms(weft::Params& p) {
+    p.read("alpha", alpha_, "", {0, 1000},
+           "kept from this support on: matches along with one, over the root of those expected");
+    p.read("cells", cells_, "", {3, 100}, "of the texture along each side");
+    p.read("rotations", rotations_, "try eight turns in the image plane");
+    p.read("scales", scales_, "try cells of the image of half to twice the size");
+    p.read("least_matches", least_matches_, "", {1, 1'000'000},
+           "with fewer there are no statistics: no result");
+  }
+
+  weft::Result<InlierMask> filter(const FilterInput& in) override {
+    const auto sizes = weft::filters::sizes_of(in);
+    if (!sizes) return sizes.error();
+    const auto candidates = weft::filters::candidates_of(in.correspondences);
+    if (!candidates) return candidates.error();
+    if (candidates->count() < static_cast<std::size_t>(least_matches_)) {
+      return weft::no_result(
+          "too few matches for statistics of cells: " + std::to_string(candidates->count()) +
+          " of " + std::to_string(least_matches_));
+    }
+    // Pixel centres are integers: the pictures begin at -0.5.
+    const Points2 p = (candidates->template_px.array() + 0.5).matrix() *
+                      sizes->template_px.cwiseInverse().asDiagonal();
+    const Points2 q =
+        (candidates->image_px.array() + 0.5).matrix() * sizes->image_px.cwiseInverse().asDiagonal();
+    const Support best = best_support(p, q);
+    std::vector<std::uint8_t> keep;
+    std::vector<double> score;
+    for (const double support : best.of_match) {
+      keep.push_back(support > alpha_ ? 1 : 0);
+      score.push_back(support > 0.0 ? support / (support + alpha_) : 0.0);
+    }
+    InlierMask mask = weft::filters::mask_of(in.correspondences, *candidates, keep, score);
+    mask.diag.set("turn_deg", 360.0 / kTurns * best.turn);
+    mask.diag.set("cell_scale", best.scale);
+    if (best.kept == 0) return weft::degenerate(std::move(mask), "no cell has enough support");
+    return mask;
+  }
+
+ private:
+  Support best_support(const Points2& p, const Points2& q) const {
+    Support best;
+    for (const double scale : kScales) {
+      for (int turn = 0; turn < kTurns; ++turn) {
+        if ((!scales_ && scale != 1.0) || (!rotations_ && turn != 0)) continue;
+        Support tried{shifted_support(p, q, scale, turn), 0, turn, scale};
+        tried.kept = std::count_if(tried.of_match.begin(), tried.of_match.end(),
+                                   [&](double support) { return support > alpha_; });
+        if (tried.kept > best.kept) best = std::move(tried);
+      }
+    }
+    return best;
+  }
+
+  /// The largest of four grids, so that no match is judged at the border of its cell alone.
+  std::vector<double> shifted_support(const Points2& p, const Points2& q, double scale,
+                                      int turn) const {
+    std::vector<double> largest(static_cast<std::size_t>(p.rows()), 0.0);
+    const int image_cells = std::max(3, static_cast<int>(std::lround(cells_ * scale)));
+    for (const bool shifted_u : {false, true}) {
+      for (const bool shifted_v : {false, true}) {
+        const std::vector<double> support =
+            weft::gms::support_of(p, q, Layout{cells_, image_cells, turn, shifted_u, shifted_v});
+        for (std::size_t i = 0; i < largest.size(); ++i) {
+          largest[i] = std::max(largest[i], support[i]);
+        }
+      }
+    }
+    return largest;
+  }
+
+  double alpha_ = 6.0;
+  int cells_ = 20;
+  bool rotations_ = true;
+  bool scales_ = true;
+  int least_matches_ = 300;
+};
+
+}  // namespace
+
+WEFT_PLUGIN(Gms, "filters/gms", "1.0.0",
+            "Rejects matches that few others go along with from cell to neighbouring cell.")

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+#include <weft/geometry/types.hpp>
+
+namespace weft::pizarro {
+
+inline constexpr int kFewestLocal = 12;  ///< matches below which one affine map judges them all
+
+struct Settings {
+  double theta = 0.3;   ///< largest residual of a match that agrees
+  int neighbours = 10;  ///< nearest matches in the template that foretell one
+  int triples = 12;     ///< maps tried for each match
+  int rounds = 10;      ///< of removal
+};
+
+/// Which matches their neighbours foretell.
+struct Verdict {
+  std::vector<std::uint8_t> keep;  ///< [n]
+  /// [n] Distance from where the neighbours foretell a match, in the spread of these in the image;
+  /// NaN where they foretell nothing.
+  std::vector<double> residual;
+  int rounds = 0;
+};
+
+/// Rejection by local smoothness (after Pizarro and Bartoli 2012, Section 3), places in px: rounds
+/// that remove the matches which most neighbourhoods, their own and those they are in, disagree
+/// with, a fifth at most each; then all matches are judged by the nearest of those that are left.
+/// Needs 4 matches.
+Verdict locally_smooth(const Points2& in_template, const Points2& in_image,
+                       const Settings& settings);
+
+}  // namespace weft::pizarro
