@@ -98,6 +98,7 @@ ordered_json axis_json(const Axis& axis) {
   if (const auto sweep = sweep_of(axis)) {
     object["swept"] = sweep->name;
     object["numbers"] = sweep->numbers;
+    if (!sweep->families.empty()) object["families"] = sweep->families;
   }
   return object;
 }

@@ -30,8 +30,8 @@ ScoreShares scores_of(const FilterRates& rates);
 
 /// Along the number that an axis sweeps, all other values fixed.
 struct SweepCurve {
-  std::vector<std::string> others;                                ///< values of the other axes
-  std::vector<float> values;                                      ///< of the number
+  std::vector<std::string> others;  ///< values of the other axes; of this one the family, if any
+  std::vector<float> values;        ///< of the number
   std::vector<std::vector<float>> figures;                        ///< for each measure one a value
   double auc_percent = kUnknown, partial_auc_percent = kUnknown;  ///< [] of a ROC curve
 };
@@ -44,6 +44,9 @@ struct Sweep {
   std::vector<std::string> measures;
   std::vector<SweepCurve> curves;
 };
+
+/// What tells the curves of a sweep apart, as axes: the other axes, and the families of this one.
+std::vector<PlanAxis> other_axes(const Results& results, const Sweep& sweep);
 
 /// A sweep of every axis that sweeps a number, and a ROC curve where it is the threshold of a
 /// filter: where it changes what a stage rejects, but not what the stage is given.

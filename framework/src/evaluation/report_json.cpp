@@ -50,9 +50,8 @@ ordered_json comparison_json(const ComparisonResult& comparison) {
 
 ordered_json sweep_json(const Results& results, const Sweep& sweep) {
   ordered_json others = ordered_json::array(), curves = ordered_json::array();
-  for (std::size_t axis = 0; axis < results.axes.size(); ++axis) {
-    if (axis == sweep.axis) continue;
-    others.push_back({{"name", results.axes[axis].name}, {"values", results.axes[axis].values}});
+  for (const PlanAxis& axis : other_axes(results, sweep)) {
+    others.push_back({{"name", axis.name}, {"values", axis.values}});
   }
   for (const SweepCurve& curve : sweep.curves) {
     ordered_json figures = ordered_json::array();

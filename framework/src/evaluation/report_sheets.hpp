@@ -16,6 +16,8 @@ TextTable comparison_sheet(const std::vector<ComparisonResult>& comparisons);
 TextTable expectations_sheet(const Results& results, const ReportTables& tables);
 /// One row a combination and filter stage.
 TextTable filters_sheet(const Results& results, const ReportTables& tables);
+/// One row a ROC curve.
+TextTable roc_sheet(const Results& results, const ReportTables& tables);
 /// One row a combination and stage.
 TextTable times_sheet(const Results& results, const ReportTables& tables);
 /// One row a cell, of those that `cells` names.

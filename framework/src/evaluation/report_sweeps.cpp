@@ -11,16 +11,9 @@ namespace {
 
 /// Combinations that differ only in the number that an axis sweeps, in its ascending order.
 struct Family {
-  std::vector<std::string> others;
+  std::vector<std::string> others;  ///< values of the other axes; of this one the family, if any
   std::vector<std::pair<double, std::size_t>> members;  ///< number, combination
 };
-
-double number_at(const PlanAxis& axis, const std::string& value) {
-  const auto place = std::find(axis.values.begin(), axis.values.end(), value);
-  return place == axis.values.end()
-             ? kUnknown
-             : axis.numbers[static_cast<std::size_t>(place - axis.values.begin())];
-}
 
 std::vector<Family> families_along(const Results& results, const ReportTables& tables,
                                    std::size_t axis) {
@@ -28,9 +21,17 @@ std::vector<Family> families_along(const Results& results, const ReportTables& t
   std::map<std::vector<std::string>, std::size_t> places;
   for (std::size_t i = 0; i < tables.combinations.size(); ++i) {
     std::vector<std::string> others = tables.combinations[i].values;
-    const double value = number_at(results.axes[axis], others[axis]);
+    const PlanAxis& swept = results.axes[axis];
+    const auto place_on_axis = static_cast<std::size_t>(
+        std::find(swept.values.begin(), swept.values.end(), others[axis]) - swept.values.begin());
+    const double value =
+        place_on_axis < swept.numbers.size() ? swept.numbers[place_on_axis] : kUnknown;
     if (std::isnan(value)) continue;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(axis));
+    if (swept.families.empty()) {
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(axis));
+    } else {
+      others[axis] = swept.families[place_on_axis];
+    }
     const auto [place, fresh] = places.try_emplace(others, families.size());
     if (fresh) families.push_back({others, {}});
     families[place->second].members.emplace_back(value, i);
@@ -119,6 +120,21 @@ Sweep response_along(const ReportTables& tables, std::size_t axis,
 }
 
 }  // namespace
+
+std::vector<PlanAxis> other_axes(const Results& results, const Sweep& sweep) {
+  std::vector<PlanAxis> others = results.axes;
+  PlanAxis& own = others[sweep.axis];
+  if (own.families.empty()) {
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(sweep.axis));
+    return others;
+  }
+  own.values.clear();
+  for (const std::string& family : own.families) {
+    const bool known = std::find(own.values.begin(), own.values.end(), family) != own.values.end();
+    if (!family.empty() && !known) own.values.push_back(family);
+  }
+  return others;
+}
 
 std::vector<Sweep> sweeps_of(const Results& results, const ReportTables& tables) {
   std::vector<Sweep> sweeps;

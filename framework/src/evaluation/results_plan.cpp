@@ -69,12 +69,16 @@ PlanCell plan_cell(const json& entry, const std::vector<PlanAxis>& axes) {
 }
 
 PlanAxis plan_axis(const json& entry) {
-  PlanAxis axis{entry.at("name"), names_of(entry.at("values")), entry.value("swept", ""), {}};
+  PlanAxis axis{entry.at("name"), names_of(entry.at("values")), entry.value("swept", ""), {}, {}};
   if (axis.swept.empty()) return axis;
   for (const json& number : entry.at("numbers")) {
     axis.numbers.push_back(number.is_null() ? kUnknown : number.get<double>());
   }
   axis.numbers.resize(axis.values.size(), kUnknown);
+  if (entry.contains("families")) {
+    axis.families = names_of(entry.at("families"));
+    axis.families.resize(axis.values.size());
+  }
   return axis;
 }
 

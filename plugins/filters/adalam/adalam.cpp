@@ -90,7 +90,7 @@ class AdaLam final : public weft::Filter {
     std::iota(order.begin(), order.end(), std::size_t{0});
     weft::Rng rng = in.call.rng();
     rng.shuffle(order);
-    if (matches.ratio.size() > 0) {
+    if (matches.ratio.present()) {
       std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
         return matches.ratio(candidates.matches[a]) < matches.ratio(candidates.matches[b]);
       });
@@ -99,10 +99,10 @@ class AdaLam final : public weft::Filter {
     evidence.rank.resize(n);
     for (std::size_t k = 0; k < n; ++k) evidence.rank[order[k]] = k;
     for (const std::int64_t match : candidates.matches) {
-      if (matches.angle_difference_rad.size() > 0) {
+      if (matches.angle_difference_rad.present()) {
         evidence.angle_rad.push_back(matches.angle_difference_rad(match));
       }
-      if (matches.scale_ratio.size() > 0) {
+      if (matches.scale_ratio.present()) {
         evidence.log_scale.push_back(std::log(matches.scale_ratio(match)));
       }
     }

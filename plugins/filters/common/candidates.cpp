@@ -21,7 +21,7 @@ Places places_of(const Correspondences& matches, std::int64_t i) {
 /// By place; of one place those with the least ratio first.
 void sort_by_place(const Correspondences& matches, std::vector<std::int64_t>& rows) {
   const auto or_zero = [](const Array<double>& values, std::int64_t i) {
-    return values.size() == 0 ? 0.0 : values(i);
+    return values.present() ? values(i) : 0.0;
   };
   const auto key = [&](std::int64_t i) {
     return std::tuple(places_of(matches, i), or_zero(matches.ratio, i),

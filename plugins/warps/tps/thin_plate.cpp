@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -12,40 +13,89 @@ namespace {
 
 constexpr double kNearestCentre = 1e-6;  // in scales: where second derivatives stop growing
 constexpr double kSamePlace_px = 1e-6;
-constexpr double kSingular = 1e-15;         // pivot ratio
+constexpr double kFlat = 1e-9;              // extent across a line over that along it
+constexpr double kTiny = 1e-300;            // keeps the logarithm of 0 finite
 constexpr double kGridConditioning = 1e-8;  // added to the kernel between centres
 constexpr double kRidge = 1e-10;            // of the mean diagonal element
 
-double kernel(double r2) { return r2 > 0.0 ? r2 * std::log(r2) : 0.0; }
+using Vector = Eigen::VectorXd;
 
-Eigen::MatrixXd kernels(const Points2& a, const Points2& b) {
+Eigen::MatrixXd kernels(const PointColumns& a, const PointColumns& b) {
   Eigen::MatrixXd values(a.rows(), b.rows());
   for (Eigen::Index k = 0; k < b.rows(); ++k) {
-    const Eigen::ArrayXd r2 = (a.rowwise() - b.row(k)).rowwise().squaredNorm().array();
-    values.col(k) = r2 * r2.max(1e-300).log();
+    auto r2 = values.col(k).array();
+    r2 = (a.col(0).array() - b(k, 0)).square() + (a.col(1).array() - b(k, 1)).square();
+    r2 *= r2.max(kTiny).log();
   }
   return values;
 }
 
-/// Inverse of [M P; P^T 0] with P = [1 p], or nothing where it has none.
-std::optional<Eigen::MatrixXd> bordered_inverse(Eigen::MatrixXd m, const Points2& points) {
-  const Eigen::Index n = points.rows();
-  const double border = std::max(1.0, m.diagonal().cwiseAbs().maxCoeff());
-  Eigen::MatrixXd bordered = Eigen::MatrixXd::Zero(n + 3, n + 3);
-  bordered.topLeftCorner(n, n) = m;
-  bordered.col(n).head(n).setConstant(border);
-  bordered.block(0, n + 1, n, 2) = border * points;
-  bordered.bottomLeftCorner(3, n) = bordered.topRightCorner(n, 3).transpose();
-  const Eigen::PartialPivLU<Eigen::MatrixXd> lu(bordered);
-  // rcond() takes exact singularity for the best of conditions.
-  const Eigen::VectorXd pivots = lu.matrixLU().diagonal().cwiseAbs();
-  if (!(pivots.minCoeff() > kSingular * pivots.maxCoeff() && lu.rcond() > kSingular)) {
-    return std::nullopt;
-  }
-  Eigen::MatrixXd inverse = lu.inverse();
-  inverse.bottomRows(3) *= border;
-  return inverse;
+/// Coefficients and affine part [l+3,l] of the splines that are 1 at one centre and 0 at the
+/// others: the inverse of [K P; P^T 0] with P = [1 o], but for its last columns.
+Eigen::MatrixXd cardinal_splines(const PointColumns& centres) {
+  const Eigen::Index l = centres.rows();
+  Eigen::MatrixXd bordered = Eigen::MatrixXd::Zero(l + 3, l + 3);
+  bordered.topLeftCorner(l, l) = kernels(centres, centres);
+  bordered.diagonal().head(l).array() += kGridConditioning;
+  bordered.col(l).head(l).setOnes();
+  bordered.block(0, l + 1, l, 2) = centres;
+  bordered.bottomLeftCorner(3, l) = bordered.topRightCorner(l, 3).transpose();
+  return Eigen::PartialPivLU<Eigen::MatrixXd>(bordered).inverse().leftCols(l);
 }
+
+/// Three reflections whose product Q^T turns [1 o] into three rows: the last columns of Q span what
+/// is orthogonal to affine maps.
+class AffineComplement {
+ public:
+  explicit AffineComplement(const PointColumns& points) : vectors_(points.rows(), 3) {
+    const Eigen::Index n = points.rows();
+    Eigen::MatrixXd rest(n, 3);
+    rest << Vector::Ones(n), points;
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      auto v = vectors_.col(k);
+      v.head(k).setZero();
+      v.tail(n - k) = rest.col(k).tail(n - k);
+      v[k] += std::copysign(v.norm(), v[k]);
+      v.normalize();
+      reflect(k, rest);
+    }
+    corner_ = rest.topRows<3>();
+  }
+
+  /// Whether the points are on a line.
+  bool flat() const {
+    const Eigen::Array3d sizes = corner_.diagonal().cwiseAbs();
+    return !(sizes.minCoeff() > kFlat * sizes.maxCoeff());
+  }
+  const Eigen::Matrix3d& corner() const { return corner_; }  ///< upper triangle: Q^T [1 o]
+
+  /// Q^T x and Q x, in place.
+  void forward(Eigen::Ref<Eigen::MatrixXd> x) const {
+    for (Eigen::Index k = 0; k < 3; ++k) reflect(k, x);
+  }
+  void backward(Eigen::Ref<Eigen::MatrixXd> x) const {
+    for (Eigen::Index k = 2; k >= 0; --k) reflect(k, x);
+  }
+  /// Q^T M Q of a symmetric matrix, in place.
+  void both_sides(Eigen::MatrixXd& m) const {
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      const auto v = vectors_.col(k);
+      const Vector u = m * v;
+      const Vector w = 2.0 * (u - v.dot(u) * v);
+      m.noalias() -= v * w.transpose();
+      m.noalias() -= w * v.transpose();
+    }
+  }
+
+ private:
+  void reflect(Eigen::Index k, Eigen::Ref<Eigen::MatrixXd> x) const {
+    const Eigen::RowVectorXd along = 2.0 * vectors_.col(k).transpose() * x;
+    x.noalias() -= vectors_.col(k) * along;
+  }
+
+  Eigen::MatrixXd vectors_;
+  Eigen::Matrix3d corner_;
+};
 
 /// Matches in one place made one.
 struct Places {
@@ -80,57 +130,77 @@ Places merged(const Samples& samples) {
   return places;
 }
 
+/// Of each match, what its value differs from a spline, given that of the mean in each place.
+PointColumns of_matches(const Samples& samples, const Places& places, const PointColumns& means) {
+  PointColumns each(samples.values_px.rows(), 2);
+  for (Eigen::Index k = 0; k < each.rows(); ++k) {
+    const Eigen::Index place = places.place_of[static_cast<std::size_t>(k)];
+    each.row(k) = samples.values_px.row(k) - places.values_px.row(place) + means.row(place);
+  }
+  return each;
+}
+
 }  // namespace
 
 warps::WarpAt ThinPlate::at(const Eigen::RowVector2d& point_px, std::int64_t order) const {
   const Eigen::RowVector2d q = (point_px - centre_px) / scale_px;
+  const Eigen::ArrayXd u = q.x() - centres.col(0).array(), v = q.y() - centres.col(1).array();
+  const Eigen::ArrayXd r2 = u.square() + v.square();
+  const Eigen::ArrayXd far2 = r2.max(kNearestCentre * kNearestCentre), log = far2.log();
+  const auto weigh = [&](const Eigen::ArrayXd& by) -> Eigen::Vector2d {
+    return coefficients.transpose() * by.matrix();
+  };
   warps::WarpAt here;
-  here.value_px = (affine.row(0) + q * affine.bottomRows<2>()).transpose();
-  if (order >= 1) here.jacobian = affine.bottomRows<2>().transpose();
-  for (Eigen::Index k = 0; k < centres.rows(); ++k) {
-    const Eigen::RowVector2d d = q - centres.row(k);
-    const double r2 = d.squaredNorm();
-    const Eigen::Vector2d c = coefficients.row(k).transpose();
-    here.value_px += kernel(r2) * c;
-    if (order < 1) continue;
-    const double far2 = std::max(r2, kNearestCentre * kNearestCentre);
-    const double slope = 2.0 * (std::log(far2) + 1.0);
-    here.jacobian += slope * c * d;
-    if (order < 2) continue;
-    here.hessian +=
-        c * Eigen::RowVector3d(slope + 4.0 * d.x() * d.x() / far2, 4.0 * d.x() * d.y() / far2,
-                               slope + 4.0 * d.y() * d.y() / far2);
-  }
-  here.jacobian /= scale_px;
+  here.value_px = (affine.row(0) + q * affine.bottomRows<2>()).transpose() + weigh(r2 * log);
+  if (order < 1) return here;
+  const Eigen::ArrayXd slope = 2.0 * (log + 1.0);
+  here.jacobian << weigh(slope * u), weigh(slope * v);
+  here.jacobian = (here.jacobian + affine.bottomRows<2>().transpose()) / scale_px;
+  if (order < 2) return here;
+  here.hessian << weigh(slope + 4.0 * u.square() / far2), weigh(4.0 * u * v / far2),
+      weigh(slope + 4.0 * v.square() / far2);
   here.hessian /= scale_px * scale_px;
   return here;
 }
 
-std::optional<Fitted> fit_at_matches(const Samples& samples, double lambda) {
+std::optional<Fitted> fit_at_matches(const Samples& samples, double lambda, bool leave_one_out) {
   const Places places = merged(samples);
-  const Eigen::Index n = places.points_px.rows();
+  const Eigen::Index n = places.points_px.rows(), inner = n - 3;
   Fitted fitted;
   ThinPlate& plate = fitted.spline;
   plate.centre_px = places.points_px.colwise().mean();
   plate.scale_px =
       std::sqrt((places.points_px.rowwise() - plate.centre_px).rowwise().squaredNorm().mean());
-  if (!(plate.scale_px > 0.0)) return std::nullopt;
+  if (inner < 0 || !(plate.scale_px > 0.0)) return std::nullopt;
   plate.centres = (places.points_px.rowwise() - plate.centre_px) / plate.scale_px;
+  const AffineComplement complement(plate.centres);
+  if (complement.flat()) return std::nullopt;
+  const Vector slack =
+      lambda * static_cast<double>(samples.points_px.rows()) * places.weights.cwiseInverse();
   Eigen::MatrixXd m = kernels(plate.centres, plate.centres);
-  const auto count = static_cast<double>(samples.points_px.rows());
-  m.diagonal() += (lambda * count) * places.weights.cwiseInverse();
-  const auto inverse = bordered_inverse(std::move(m), plate.centres);
-  if (!inverse) return std::nullopt;
-  plate.coefficients = inverse->topLeftCorner(n, n) * places.values_px;
-  plate.affine = inverse->bottomLeftCorner(3, n) * places.values_px;
-  Points2 left_out(n, 2);
-  for (Eigen::Index k = 0; k < n; ++k) {
-    left_out.row(k) = plate.coefficients.row(k) / (*inverse)(k, k);
-  }
-  fitted.left_out_px.resize(samples.points_px.rows(), 2);
-  for (std::size_t k = 0; k < places.place_of.size(); ++k) {
-    fitted.left_out_px.row(static_cast<Eigen::Index>(k)) = left_out.row(places.place_of[k]);
-  }
+  m.diagonal() += slack;
+  complement.both_sides(m);
+  const Eigen::LLT<Eigen::MatrixXd> solver(m.bottomRightCorner(inner, inner));
+  if (solver.info() != Eigen::Success) return std::nullopt;
+  Eigen::MatrixXd values = places.values_px;
+  complement.forward(values);
+  Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(n, 2);
+  coefficients.bottomRows(inner) = solver.solve(values.bottomRows(inner));
+  plate.affine = complement.corner().triangularView<Eigen::Upper>().solve(
+      values.topRows<3>() - m.topRightCorner(3, inner) * coefficients.bottomRows(inner));
+  complement.backward(coefficients);
+  plate.coefficients = coefficients;
+  const PointColumns inside = slack.asDiagonal() * coefficients;
+  fitted.residuals_px = of_matches(samples, places, inside);
+  if (!leave_one_out) return fitted;
+  // What a value differs from the others' spline is its coefficient over its entry on the diagonal
+  // of Q (Q^T M Q)^-1 Q^T, restricted to what is orthogonal to affine maps.
+  Eigen::MatrixXd turned = Eigen::MatrixXd::Identity(n, n);
+  complement.forward(turned);
+  const Eigen::MatrixXd half = solver.matrixL().solve(turned.bottomRows(inner));
+  const Vector diagonal = half.colwise().squaredNorm().transpose();
+  const PointColumns left_out = (coefficients.array().colwise() / diagonal.array()).matrix();
+  fitted.left_out_px = of_matches(samples, places, left_out);
   return fitted;
 }
 
@@ -150,48 +220,49 @@ void GridFit::set_grid(const warps::Box& box, int columns, int rows) {
           height * (j / (rows - 1.0) - 0.5) / plate_.scale_px;
     }
   }
-  Eigen::MatrixXd m = kernels(plate_.centres, plate_.centres);
-  m.diagonal().array() += kGridConditioning;
-  const Eigen::Index l = plate_.centres.rows();
-  cardinal_ = bordered_inverse(std::move(m), plate_.centres)->leftCols(l);
+  cardinal_ = cardinal_splines(plate_.centres);
 }
 
-std::optional<Fitted> GridFit::fit(const Samples& samples, double lambda) {
+std::optional<Fitted> GridFit::fit(const Samples& samples, double lambda, bool leave_one_out) {
   const Eigen::Index n = samples.points_px.rows(), l = plate_.centres.rows();
-  const Eigen::Map<const Eigen::VectorXd> weights(samples.weights.data(), n);
+  const Eigen::Map<const Vector> weights(samples.weights.data(), n);
   const warps::AffineFit affine =
       warps::fit_affine(samples.points_px, samples.values_px, samples.weights);
-  Points2 rest_px(n, 2);
+  PointColumns rest_px(n, 2);
   for (Eigen::Index k = 0; k < n; ++k) {
     rest_px.row(k) = samples.values_px.row(k) - affine(samples.points_px.row(k));
   }
-  const Points2 q = (samples.points_px.rowwise() - plate_.centre_px) / plate_.scale_px;
+  const PointColumns q = (samples.points_px.rowwise() - plate_.centre_px) / plate_.scale_px;
   design_.resize(n, l + 3);
   design_.leftCols(l) = kernels(q, plate_.centres);
   design_.col(l).setOnes();
   design_.rightCols<2>() = q;
-  values_of_.noalias() = design_ * cardinal_;
-  whitened_.noalias() = weights.cwiseSqrt().asDiagonal() * values_of_;
-  normal_.setZero(l, l);
-  normal_.selfadjointView<Eigen::Lower>().rankUpdate(whitened_.transpose());
-  normal_.triangularView<Eigen::Lower>() += lambda * static_cast<double>(n) * cardinal_.topRows(l);
+  // Sums over matches first, of coefficients; then in terms of the values at the centres.
+  weighted_.noalias() = weights.cwiseSqrt().asDiagonal() * design_;
+  moments_.setZero(l + 3, l + 3);
+  moments_.selfadjointView<Eigen::Lower>().rankUpdate(weighted_.transpose());
+  moments_.triangularView<Eigen::StrictlyUpper>() = moments_.transpose();
+  normal_.noalias() = cardinal_.transpose() * (moments_ * cardinal_);
+  normal_ += lambda * static_cast<double>(n) * cardinal_.topRows(l);
   normal_.diagonal().array() += kRidge * normal_.trace() / static_cast<double>(l);
   const Eigen::LLT<Eigen::MatrixXd> solver(normal_);
   if (solver.info() != Eigen::Success) return std::nullopt;
-  const Points2 at_centres =
-      solver.solve(values_of_.transpose() * (weights.asDiagonal() * rest_px));
+  const PointColumns sums = design_.transpose() * (weights.asDiagonal() * rest_px);
+  const PointColumns at_centres = solver.solve(cardinal_.transpose() * sums);
+  const PointColumns coefficients = cardinal_ * at_centres;
   Fitted fitted;
   fitted.spline = plate_;
-  fitted.spline.coefficients = cardinal_.topRows(l) * at_centres;
-  fitted.spline.affine = cardinal_.bottomRows<3>() * at_centres;
+  fitted.spline.coefficients = coefficients.topRows(l);
+  fitted.spline.affine = coefficients.bottomRows<3>();
   fitted.spline.affine.row(0) += affine(plate_.centre_px);
   fitted.spline.affine.bottomRows<2>() += plate_.scale_px * affine.slope;
+  fitted.residuals_px = rest_px - design_ * coefficients;
+  if (!leave_one_out) return fitted;
   // Each value's weight in its own place, the affine fit apart.
-  const Eigen::MatrixXd half = solver.matrixL().solve(whitened_.transpose());
-  fitted.left_out_px = rest_px - values_of_ * at_centres;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    fitted.left_out_px.row(k) /= std::max(1e-3, 1.0 - half.col(k).squaredNorm());
-  }
+  const Eigen::MatrixXd half =
+      solver.matrixL().solve(cardinal_.transpose() * weighted_.transpose());
+  const Vector own = half.colwise().squaredNorm().transpose();
+  fitted.left_out_px = fitted.residuals_px.array().colwise() / (1.0 - own.array()).max(1e-3);
   return fitted;
 }
 

@@ -13,13 +13,16 @@
 
 namespace weft::tps {
 
+/// Points side by side in memory, for arithmetic on many at once.
+using PointColumns = Eigen::Matrix<double, Eigen::Dynamic, 2>;
+
 /// A thin-plate spline (Duchon 1976; Bookstein 1989), in q = (p - centre) / scale:
 ///   W(p) = [1 q] affine + sum_k phi(|q - o_k|) c_k,  phi(r) = r^2 log r^2.
 struct ThinPlate {
   Eigen::RowVector2d centre_px = Eigen::RowVector2d::Zero();
   double scale_px = 1.0;
-  Points2 centres;       ///< [l,2] o_k, normalised
-  Points2 coefficients;  ///< [l,2] c_k, px
+  PointColumns centres;       ///< [l,2] o_k, normalised
+  PointColumns coefficients;  ///< [l,2] c_k, px
   Eigen::Matrix<double, 3, 2> affine = Eigen::Matrix<double, 3, 2>::Zero();
 
   /// Value, and derivatives up to `order`. The second ones are infinite at a centre: they are those
@@ -34,15 +37,17 @@ struct Samples {
   std::span<const double> weights;   ///< [n] above 0
 };
 
-/// A fit and how well each value is foretold by the others.
+/// A fit and how far it is from the values.
 struct Fitted {
   ThinPlate spline;
-  Points2 left_out_px;  ///< [n,2] value minus that of the spline through the others
+  PointColumns residuals_px;  ///< [n,2] value minus that of the spline
+  PointColumns left_out_px;   ///< [n,2] value minus that of the spline through the others, if asked
 };
 
 /// A centre at each match: the best such map there is, in n^3 operations. Matches in one place
 /// (within 1e-6 px) are one with their mean value. Nothing where they do not determine it.
-std::optional<Fitted> fit_at_matches(const Samples& samples, double lambda);
+std::optional<Fitted> fit_at_matches(const Samples& samples, double lambda,
+                                     bool leave_one_out = false);
 
 /// Centres on a grid, whatever the matches (Bartoli, Perriollat and Chambon 2010): the map is
 /// linear in its values at the centres, which are fitted. What depends on the grid alone is kept.
@@ -50,14 +55,14 @@ class GridFit {
  public:
   /// Costs only when something differs from the time before. At least 2 x 2 centres.
   void set_grid(const warps::Box& box, int columns, int rows);
-  std::optional<Fitted> fit(const Samples& samples, double lambda);
+  std::optional<Fitted> fit(const Samples& samples, double lambda, bool leave_one_out = false);
 
  private:
   warps::Box box_{0.0, 0.0, 0.0, 0.0};
   int columns_ = 0, rows_ = 0;
   ThinPlate plate_;           ///< centre, scale and centres
   Eigen::MatrixXd cardinal_;  ///< [l+3,l] coefficients and affine part of the values at the centres
-  Eigen::MatrixXd design_, values_of_, normal_, whitened_;
+  Eigen::MatrixXd design_, weighted_, moments_, normal_;
 };
 
 }  // namespace weft::tps

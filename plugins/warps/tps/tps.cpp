@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 #include <weft/core/statistics.hpp>
 #include <weft/sdk/warp_model.hpp>
@@ -48,9 +50,10 @@ class Tps final : public weft::WarpModel {
   weft::Result<weft::WarpSamples> evaluate(const weft::EvaluateInput& in) override;
 
  private:
-  std::optional<Fitted> fit_with(double lambda);
+  std::optional<Fitted> fit_with(double lambda, bool leave_one_out = false);
   std::optional<Fitted> search();
-  double foretold_px2(const std::optional<Fitted>& fitted) const;
+  double foretold_px2(double log_lambda);
+  Fitted affine_only(const weft::warps::AffineFit& affine) const;
   weft::Warp make_warp(const ThinPlate& spline, const weft::warps::Box& box, double rms_px) const;
 
   Centres centres_ = Centres::grid;
@@ -67,18 +70,19 @@ class Tps final : public weft::WarpModel {
   double used_lambda_ = 0.0;
 };
 
-std::optional<Fitted> Tps::fit_with(double lambda) {
+std::optional<Fitted> Tps::fit_with(double lambda, bool leave_one_out) {
   const weft::tps::Samples samples{data_.points_px(), data_.values_px(), data_.weights()};
-  return on_grid_ ? grid_.fit(samples, lambda) : weft::tps::fit_at_matches(samples, lambda);
+  return on_grid_ ? grid_.fit(samples, lambda, leave_one_out)
+                  : weft::tps::fit_at_matches(samples, lambda, leave_one_out);
 }
 
-double Tps::foretold_px2(const std::optional<Fitted>& fitted) const {
+/// How far the values are from what the others foretell, their squares summed.
+double Tps::foretold_px2(double log_lambda) {
+  const auto fitted = fit_with(std::pow(10.0, log_lambda), true);
   if (!fitted) return std::numeric_limits<double>::infinity();
-  double sum = 0.0;
-  for (std::size_t k = 0; k < data_.count(); ++k) {
-    sum += data_.weights()[k] * fitted->left_out_px.row(static_cast<Eigen::Index>(k)).squaredNorm();
-  }
-  return sum;
+  const Eigen::Map<const Eigen::VectorXd> weights(data_.weights().data(),
+                                                  static_cast<Eigen::Index>(data_.count()));
+  return weights.dot(fitted->left_out_px.rowwise().squaredNorm());
 }
 
 /// Golden section over log10 lambda.
@@ -86,21 +90,33 @@ std::optional<Fitted> Tps::search() {
   constexpr double kGolden = 0.6180339887498949;
   double low = kLeastLog, high = kLargestLog;
   double left = high - kGolden * (high - low), right = low + kGolden * (high - low);
-  double at_left = foretold_px2(fit_with(std::pow(10.0, left)));
-  double at_right = foretold_px2(fit_with(std::pow(10.0, right)));
+  double at_left = foretold_px2(left);
+  double at_right = foretold_px2(right);
   for (int i = 0; i < kSearchSteps; ++i) {
     if (at_left <= at_right) {
       high = std::exchange(right, left);
       left = high - kGolden * (high - low);
-      at_right = std::exchange(at_left, foretold_px2(fit_with(std::pow(10.0, left))));
+      at_right = std::exchange(at_left, foretold_px2(left));
     } else {
       low = std::exchange(left, right);
       right = low + kGolden * (high - low);
-      at_left = std::exchange(at_right, foretold_px2(fit_with(std::pow(10.0, right))));
+      at_left = std::exchange(at_right, foretold_px2(right));
     }
   }
   used_lambda_ = std::pow(10.0, 0.5 * (low + high));
   return fit_with(used_lambda_);
+}
+
+/// The affine map, where the matches determine no more.
+Fitted Tps::affine_only(const weft::warps::AffineFit& affine) const {
+  Fitted fitted;
+  fitted.spline.centre_px = affine.centre_px.transpose();
+  fitted.spline.affine << affine.offset_px, affine.slope;
+  fitted.residuals_px.resize(data_.points_px().rows(), 2);
+  for (Eigen::Index k = 0; k < fitted.residuals_px.rows(); ++k) {
+    fitted.residuals_px.row(k) = data_.values_px().row(k) - affine(data_.points_px().row(k));
+  }
+  return fitted;
 }
 
 weft::Result<weft::Warp> Tps::fit(const weft::FitInput& in) {
@@ -115,27 +131,16 @@ weft::Result<weft::Warp> Tps::fit(const weft::FitInput& in) {
   if (!affine.collinear) {
     fitted = smoothing_ == Smoothing::leave_one_out ? search() : fit_with(lambda_);
   }
-  ThinPlate spline;
-  if (fitted) {
-    spline = std::move(fitted->spline);
-  } else {
-    spline.centre_px = affine.centre_px.transpose();
-    spline.centres.resize(0, 2);
-    spline.coefficients.resize(0, 2);
-    spline.affine << affine.offset_px, affine.slope;
-  }
-  double sum_px2 = 0.0;
-  for (Eigen::Index k = 0; k < data_.points_px().rows(); ++k) {
-    sum_px2 +=
-        (spline.at(data_.points_px().row(k), 0).value_px - data_.values_px().row(k).transpose())
-            .squaredNorm();
-  }
-  weft::Warp warp = make_warp(spline, box, std::sqrt(sum_px2 / static_cast<double>(data_.count())));
+  const bool determined = fitted.has_value();
+  if (!determined) fitted = affine_only(affine);
+  const double rms_px =
+      std::sqrt(fitted->residuals_px.squaredNorm() / static_cast<double>(data_.count()));
+  weft::Warp warp = make_warp(fitted->spline, box, rms_px);
   if (affine.collinear) {
     return weft::degenerate(std::move(warp),
                             "the matches lie on a line: across it the warp is a guess");
   }
-  if (!fitted) {
+  if (!determined) {
     return weft::degenerate(std::move(warp),
                             "the matches do not determine a spline: the warp is affine");
   }

@@ -18,6 +18,8 @@ struct PlanAxis {
   std::vector<std::string> values;
   std::string swept;            ///< the number that it sweeps; empty: it sweeps none
   std::vector<double> numbers;  ///< with `swept`, one a value; NaN: the value sets no such number
+  std::vector<std::string>
+      families;  ///< one a value, where `swept` is several numbers; empty: none
 };
 
 /// `missing` is a cell of the plan that has not been run yet.

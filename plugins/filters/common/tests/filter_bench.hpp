@@ -67,23 +67,26 @@ inline LabelledMatches bent_matches(const MatchSpec& spec, double radius_m, std:
 /// The matches in the order of `rows`.
 inline Correspondences reordered(const Correspondences& matches,
                                  const std::vector<std::int64_t>& rows) {
-  const auto count = static_cast<std::int64_t>(rows.size());
+  const auto pick = [&](const auto& values, auto& picked) {
+    if (!values.present()) return;
+    const std::int64_t width = values.row_elements();
+    const auto count = static_cast<std::int64_t>(rows.size());
+    using Values = std::decay_t<decltype(values)>;
+    picked = values.ndim() == 2 ? Values({count, width}) : Values({count});
+    for (std::int64_t i = 0; i < count; ++i) {
+      std::copy_n(values.row(rows[static_cast<std::size_t>(i)]), width, picked.row(i));
+    }
+  };
   Correspondences result;
-  result.template_px = Array<double>({count, 2});
-  result.image_px = Array<double>({count, 2});
-  result.face = Array<std::int32_t>({count});
-  result.barycentrics = Array<double>({count, 3});
-  result.kept = Array<std::uint8_t>({count});
-  result.score = Array<double>({count});
-  for (std::int64_t i = 0; i < count; ++i) {
-    const std::int64_t from = rows[static_cast<std::size_t>(i)];
-    std::copy_n(matches.template_px.row(from), 2, result.template_px.row(i));
-    std::copy_n(matches.image_px.row(from), 2, result.image_px.row(i));
-    std::copy_n(matches.barycentrics.row(from), 3, result.barycentrics.row(i));
-    result.face(i) = matches.face(from);
-    result.kept(i) = matches.kept(from);
-    result.score(i) = matches.score(from);
-  }
+  pick(matches.template_px, result.template_px);
+  pick(matches.image_px, result.image_px);
+  pick(matches.face, result.face);
+  pick(matches.barycentrics, result.barycentrics);
+  pick(matches.ratio, result.ratio);
+  pick(matches.scale_ratio, result.scale_ratio);
+  pick(matches.angle_difference_rad, result.angle_difference_rad);
+  pick(matches.kept, result.kept);
+  pick(matches.score, result.score);
   return result;
 }
 

@@ -122,7 +122,7 @@ TEST(ThinPlate, HasTheBendingEnergyThatTheSmoothingWeighs) {
 TEST(ThinPlate, ForetellsEachValueAsAFitWithoutItWould) {
   const Given data = given(30, testing::wavy, 6, 2.0);
   constexpr double kLambda = 1e-3;
-  const auto fitted = fit_at_matches(data.samples(), kLambda);
+  const auto fitted = fit_at_matches(data.samples(), kLambda, true);
   for (const Eigen::Index out : {0, 7, 29}) {
     Given others = data;
     others.points_px.row(out) = data.points_px.row(out == 0 ? 29 : 0);
@@ -142,6 +142,10 @@ TEST(ThinPlate, ForetellsEachValueAsAFitWithoutItWould) {
         data.values_px.row(out) -
         without->spline.at(data.points_px.row(out), 0).value_px.transpose();
     EXPECT_LT((fitted->left_out_px.row(out) - expected).norm(), 1e-5) << out;
+    const Eigen::Vector2d value_px = fitted->spline.at(data.points_px.row(out), 0).value_px;
+    EXPECT_LT(
+        (fitted->residuals_px.row(out) - (data.values_px.row(out) - value_px.transpose())).norm(),
+        1e-6);
   }
 }
 
