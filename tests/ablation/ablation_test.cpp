@@ -239,6 +239,25 @@ TEST_F(Ablation, SaysWhichNumberAnAxisSweeps) {
   EXPECT_FALSE(axes[3].contains("swept")) << "two numbers are no curve";
 }
 
+TEST_F(Ablation, SaysWhichNumbersTheFamiliesOfAnAxisSweep) {
+  Grid grid = expand(
+      "axes:\n"
+      "  filter: {values: {none: {without: [filters]},\n"
+      "    near_2: {set: {filters.every: 2}}, near_3: {set: {filters.every: 3}},\n"
+      "    near_4: {set: {filters.every: 4}},\n"
+      "    2: {set: {filters.use: filters/test.scripted, filters.every: 2}},\n"
+      "    3: {set: {filters.use: filters/test.scripted, filters.every: 3}},\n"
+      "    4: {set: {filters.use: filters/test.scripted, filters.every: 4}},\n"
+      "    alone: {set: {filters.use: filters/test.scripted, seed: 4}}}}\n"
+      "data: {all: {}}\n");
+  run(grid, "out", 1, {}, 0.0);
+  const json axis = json::parse(weft::testing::read_text(path("out/plan.json")))["axes"][0];
+  EXPECT_EQ(axis["swept"], "filters.every");
+  EXPECT_EQ(axis["numbers"], json({nullptr, 2.0, 3.0, 4.0, 2.0, 3.0, 4.0, nullptr}));
+  EXPECT_EQ(axis["families"], json({"", "near", "near", "near", "filters.every", "filters.every",
+                                    "filters.every", ""}));
+}
+
 TEST_F(Ablation, KeepsTimesOfCellsThatRanAlone) {
   Grid grid = expand("axes: {every: {set: filters.every, values: [2, 3]}}\ndata: {all: {}}\n");
   run(grid, "out");

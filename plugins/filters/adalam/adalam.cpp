@@ -173,11 +173,11 @@ class AdaLam final : public weft::Filter {
     const auto at = static_cast<Eigen::Index>(seed);
     for (const std::size_t member : members) {
       const auto k = static_cast<Eigen::Index>(member);
-      around.in_template.emplace_back(
-          (candidates.template_px.row(k) - candidates.template_px.row(at)) /
-          (search_expansion_ * template_radius_px_));
-      around.in_image.emplace_back((candidates.image_px.row(k) - candidates.image_px.row(at)) /
-                                   (search_expansion_ * image_radius_px_));
+      const Eigen::RowVector2d from =
+          candidates.template_px.row(k) - candidates.template_px.row(at);
+      const Eigen::RowVector2d to = candidates.image_px.row(k) - candidates.image_px.row(at);
+      around.in_template.emplace_back(from.transpose() / (search_expansion_ * template_radius_px_));
+      around.in_image.emplace_back(to.transpose() / (search_expansion_ * image_radius_px_));
     }
     const Agreement agreement = weft::adalam::agreement_of(around, settings_);
     const auto agreeing = static_cast<double>(agreement.agreeing);

@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <weft/core/statistics.hpp>
 #include <weft/geometry/bspline_bending.hpp>
 #include <weft/geometry/bspline_site.hpp>
@@ -22,7 +23,7 @@ constexpr int kStages = 4, kSteps = 5, kHalvings = 6;
 constexpr double kFirstMu = 1e-2, kMuGrowth = 10.0;
 constexpr double kRidge = 1e-9;  // of the largest diagonal element
 
-using Control = Eigen::MatrixXd;  // [nu*nv,2] px
+using Control = Eigen::Matrix<double, Eigen::Dynamic, 2>;  // [nu*nv] px
 
 /// Where the determinant of the Jacobian is looked at.
 struct Place {
@@ -53,8 +54,9 @@ class ShrinkingWarp {
         }
       }
     }
-    normal_.diagonal().array() += kRidge * normal_.diagonal().maxCoeff();
-    moments_ += kRidge * normal_.diagonal().maxCoeff() * Control::Constant(n, 2, q.mean());
+    const double ridge = kRidge * normal_.diagonal().maxCoeff();
+    normal_.diagonal().array() += ridge;
+    moments_.rowwise() += ridge * q.colwise().mean();
     fold_weight_ = kFoldedPx * kFoldedPx * static_cast<double>(p.rows());
   }
 

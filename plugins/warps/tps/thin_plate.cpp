@@ -16,7 +16,7 @@ constexpr double kSamePlace_px = 1e-6;
 constexpr double kFlat = 1e-9;              // extent across a line over that along it
 constexpr double kTiny = 1e-300;            // keeps the logarithm of 0 finite
 constexpr double kGridConditioning = 1e-8;  // added to the kernel between centres
-constexpr double kRidge = 1e-10;            // of the mean diagonal element
+constexpr double kRidge = 1e-8;             // of the mean diagonal element
 
 using Vector = Eigen::VectorXd;
 

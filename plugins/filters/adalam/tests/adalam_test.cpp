@@ -62,8 +62,10 @@ TEST(LocalMap, CountsWhatIsCloserThanChance) {
     around.in_template.push_back(0.8 * from);
     around.in_image.emplace_back(-0.8 * from.y(), 0.8 * from.x());
   }
-  around.in_template.insert(around.in_template.end(), {{0.5, 0.0}, {0.0, 0.5}});
-  around.in_image.insert(around.in_image.end(), {{0.5, 0.5}, {0.9, 0.0}});
+  around.in_template.emplace_back(0.5, 0.0);
+  around.in_image.emplace_back(0.5, 0.5);
+  around.in_template.emplace_back(0.0, 0.5);
+  around.in_image.emplace_back(0.9, 0.0);
   const auto exact = adalam::agreement_of(around, {});
   EXPECT_EQ(exact.agreeing, 8U);
   EXPECT_LT(exact.confidence[8], 20.0);

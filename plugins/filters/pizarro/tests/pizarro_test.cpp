@@ -122,7 +122,7 @@ TEST(ShrinkingWarp, ContractsAFoldInsteadOfTurningItOver) {
     const double s = rng.uniform(0.0, 700.0), u = s < 400.0 ? s : s + 260.0;
     const double v = rng.uniform(0.0, 574.0);
     p.row(k) << u, v;
-    q.row(k) << 40.0 + 0.5 * (u < 500.0 ? u : u - 290.0), 60.0 + 0.5 * v;
+    q.row(k) << 40.0 + 0.5 * (u < 500.0 ? u : u - 260.0), 60.0 + 0.5 * v;
   }
   const auto map = pizarro::hidden_by_itself(p, q, {kWidthPx, kHeightPx});
   ASSERT_TRUE(map);
