@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kFewestMatches = 8;
 constexpr std::int64_t kAuthorsFewestSelected = 51;
 constexpr double kLeastWeight = -1e-9;  // barycentric, of a point inside its face
-constexpr double kSecondPassPart = 0.4;
+constexpr double kNextPassPart = 0.4;
 
 Error add_place(Error error, const char* place) {
   error.message = std::string(place) + ": " + error.message;
@@ -35,15 +35,23 @@ Result<void> Consensus::run(const FilterInput& in) {
   flag_.clear();
   if (auto collected = collect(in); !collected) return collected;
   if (auto done = run_steps(in, Marks(candidates_.size(), 1)); !done) return done;
+  for (int pass = 1; pass < options_.passes; ++pass) {
+    const Marks near = near_the_warp();
+    const auto count = std::count(near.begin(), near.end(), std::uint8_t{1});
+    if (count < static_cast<std::ptrdiff_t>(kFewestMatches)) break;
+    if (auto done = run_steps(in, near); !done) return done;
+  }
   if (options_.refinement == Refinement::irls) return refit_robustly(in);
-  if (options_.refinement != Refinement::second_pass) return {};
-  Marks active(candidates_.size());
-  const double limit_px = kSecondPassPart * object_size_px();
-  std::transform(distance_px_.begin(), distance_px_.end(), active.begin(),
-                 [=](double distance) { return distance < limit_px ? 1 : 0; });
-  const auto left = std::count(active.begin(), active.end(), 1);
-  if (left < static_cast<std::ptrdiff_t>(kFewestMatches)) return {};
-  return run_steps(in, active);
+  return {};
+}
+
+/// The matches that are no clear mismatches: the neighbourhoods of a further pass.
+Consensus::Marks Consensus::near_the_warp() const {
+  const double limit_px = kNextPassPart * object_size_px();
+  Marks near(candidates_.size());
+  std::transform(distance_px_.begin(), distance_px_.end(), near.begin(),
+                 [=](double distance_px) { return distance_px < limit_px ? 1 : 0; });
+  return near;
 }
 
 Stage Consensus::stage(std::size_t k) const {

@@ -13,7 +13,7 @@ namespace weft::myneighbor {
 
 enum class Mode { paper, authors_code };
 enum class Transfer { mesh, warp };
-enum class Refinement { off, second_pass, irls };
+enum class Refinement { off, irls };
 
 struct Options {
   Mode mode = Mode::paper;
@@ -21,7 +21,8 @@ struct Options {
   double authors_alpha_s = 0.07;  ///< [] of the mean distance of image points; authors_code
   double mf_threshold_scale = 1.0;
   int min_selected = 8;
-  int steps = 3;  ///< [] the last one judges
+  int steps = 3;   ///< [] the last one judges
+  int passes = 1;  ///< [] of steps I and II
   Transfer transfer = Transfer::mesh;
   bool weighted_fit = false;
   Refinement refinement = Refinement::off;
@@ -61,6 +62,7 @@ class Consensus {
 
   Result<void> collect(const FilterInput& in);
   Result<void> run_steps(const FilterInput& in, const Marks& active);
+  Marks near_the_warp() const;
   Result<void> select_by_neighbours(const Marks& active);
   Result<void> refit_robustly(const FilterInput& in);
   Result<void> fit(const FilterInput& in, const Marks& used, const std::vector<double>* weights);

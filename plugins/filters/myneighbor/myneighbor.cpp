@@ -31,6 +31,8 @@ class MyNeighbor final : public weft::Filter {
              "as published, or as in the authors' program");
     p.read("steps", o.steps, "", {1, 3},
            "1: kept is what step I selects, 2: what step II leaves, 3: what agrees with its warp");
+    p.read("passes", o.passes, "", {1, 10},
+           "of steps I and II; those after the first leave out clear mismatches");
     p.read("alpha_s", o.alpha_s, "", {0, 10},
            "for paper: kept within this part of the mean distance of the warped vertices");
     p.read("authors_alpha_s", o.authors_alpha_s, "", {0, 10},
@@ -42,11 +44,8 @@ class MyNeighbor final : public weft::Filter {
     p.choice("transfer", o.transfer, {{"mesh", Transfer::mesh}, {"warp", Transfer::warp}},
              "what carries template points to the image: the warped mesh, or the warp itself");
     p.read("weighted_fit", o.weighted_fit, "the smaller the factor, the larger the weight in fits");
-    p.choice("refinement", o.refinement,
-             {{"off", Refinement::off},
-              {"second_pass", Refinement::second_pass},
-              {"irls", Refinement::irls}},
-             "second_pass: steps I and II again without clear mismatches; irls: robust refits");
+    p.choice("refinement", o.refinement, {{"off", Refinement::off}, {"irls", Refinement::irls}},
+             "irls: robust refits of the warp to all matches");
     p.read("irls_scales_px", o.irls_scales_px, "px", {0.01, 1e4},
            "for irls: one refit of all for each s, with weights (s^2 / (s^2 + r^2))^2");
     p.read("irls_keep_px", o.irls_keep_px, "px", {0, 1e4},

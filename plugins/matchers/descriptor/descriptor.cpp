@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <weft/sdk/matcher.hpp>
 
 #include "checks.hpp"
@@ -19,7 +21,10 @@ double angle_between(double a, double b) {
   return difference <= -std::numbers::pi ? std::numbers::pi : difference;
 }
 
-/// Nearest descriptor with Lowe's ratio test, exact, from the template to the image.
+/// Which keypoints look for their nearest among the others.
+enum class Direction { template_to_image, image_to_template };
+
+/// Nearest descriptor with Lowe's ratio test, exact.
 class Descriptor final : public Matcher {
  public:
   static constexpr About kAbout{
@@ -30,11 +35,15 @@ class Descriptor final : public Matcher {
       .needs = "keypoints template_keypoints"};
 
   explicit Descriptor(Params& p) {
+    p.choice("direction", direction_,
+             {{"template_to_image", Direction::template_to_image},
+              {"image_to_template", Direction::image_to_template}},
+             "whose keypoints look for the nearest of the others; to image_to_template copies of "
+             "the object in the image do not compete");
     p.read("ratio", ratio_, "", {0.01, 1},
            "a match is kept if its distance is below this times the second nearest distance");
     p.read("mutual", mutual_,
-           "keep a match only if its template keypoint is also the nearest one of its image "
-           "keypoint");
+           "keep a match only if each of its keypoints is the nearest one of the other");
     p.read("one_to_one", one_to_one_,
            "keep only the match of smallest distance of each image point");
     p.read("root_sift", root_sift_,
@@ -55,15 +64,16 @@ class Descriptor final : public Matcher {
                    {}};
     }
     const Keypoints &image = *in.keypoints, &templ = *in.template_keypoints;
-    if (templ.count() == 0) return no_result("no keypoints on the template");
-    if (image.count() < 2) {
-      return no_result(std::to_string(image.count()) +
-                       " keypoints in the image: the ratio test needs at least 2");
+    const Keypoints &queries = forward() ? templ : image, &trains = forward() ? image : templ;
+    if (queries.count() == 0) return no_result("no keypoints " + place_of(forward()));
+    if (trains.count() < 2) {
+      return no_result(std::to_string(trains.count()) + " keypoints " + place_of(!forward()) +
+                       ": the ratio test needs at least 2");
     }
     if (auto usable = check(templ, image, root_sift_); !usable) return usable.error();
 
-    const DistanceRows& distances = load(templ, image);
-    if (!search_.run(distances, image.xy_px, {second_best_radius_px_, mutual_},
+    const DistanceRows& distances = load(queries, trains);
+    if (!search_.run(distances, trains.xy_px, {second_best_radius_px_, mutual_},
                      [&] { return in.call.cancelled(); })) {
       return Error{Errc::cancelled, "cancelled", {}};
     }
@@ -79,16 +89,22 @@ class Descriptor final : public Matcher {
   }
 
  private:
-  const DistanceRows& load(const Keypoints& templ, const Keypoints& image) {
-    if (templ.metric == "hamming") {
-      hamming_.load(templ.binary_descriptors, image.binary_descriptors);
+  bool forward() const { return direction_ == Direction::template_to_image; }
+
+  static std::string place_of(bool on_template) {
+    return on_template ? "on the template" : "in the image";
+  }
+
+  const DistanceRows& load(const Keypoints& queries, const Keypoints& trains) {
+    if (queries.metric == "hamming") {
+      hamming_.load(queries.binary_descriptors, trains.binary_descriptors);
       return hamming_;
     }
-    l2_.load(templ.descriptors, image.descriptors, root_sift_);
+    l2_.load(queries.descriptors, trains.descriptors, root_sift_);
     return l2_;
   }
 
-  /// The matches that pass the tests on distances, in the order of the template keypoints.
+  /// The matches that pass the tests on distances, by template keypoint, then by image keypoint.
   void collect(const DistanceRows& distances, const Keypoints& templ, const Keypoints& image) {
     matches_.clear();
     for (int i = 0; i < distances.queries(); ++i) {
@@ -99,13 +115,19 @@ class Descriptor final : public Matcher {
       const double second_distance = distances.distance(i, second);
       if (!(distance < ratio_ * second_distance)) continue;
       if (max_distance_ > 0.0 && distance > max_distance_) continue;
-      matches_.push_back({i,
-                          best,
-                          {templ.xy_px(i, 0), templ.xy_px(i, 1)},
-                          {image.xy_px(best, 0), image.xy_px(best, 1)},
+      const int t = forward() ? i : best, m = forward() ? best : i;
+      matches_.push_back({t,
+                          m,
+                          {templ.xy_px(t, 0), templ.xy_px(t, 1)},
+                          {image.xy_px(m, 0), image.xy_px(m, 1)},
                           distance,
                           distance / second_distance});
     }
+    if (forward()) return;
+    std::sort(matches_.begin(), matches_.end(), [](const Match& a, const Match& b) {
+      return std::pair(a.template_keypoint, a.image_keypoint) <
+             std::pair(b.template_keypoint, b.image_keypoint);
+    });
   }
 
   Correspondences answer(const Keypoints& templ, const Keypoints& image) const {
@@ -144,6 +166,7 @@ class Descriptor final : public Matcher {
     return out;
   }
 
+  Direction direction_ = Direction::template_to_image;
   double ratio_ = 0.8;
   bool mutual_ = false;
   bool one_to_one_ = true;

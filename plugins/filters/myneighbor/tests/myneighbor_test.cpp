@@ -108,10 +108,10 @@ TEST_F(MyNeighbor, KeepsWhatItsLastStepLeaves) {
 }
 
 TEST_F(MyNeighbor, GivesTheSameAnswerFreshAndWarm) {
-  PluginUnderTest warm("filters/myneighbor", "{refinement: second_pass, weighted_fit: true}");
+  PluginUnderTest warm("filters/myneighbor", "{passes: 2, weighted_fit: true}");
   ASSERT_EQ(run_on(warm, bent_matches(400, 0.8, 12).matches).status, WEFT_OK);
   ASSERT_EQ(run_on(warm, bent_matches(5, 1.0, 12).matches).status, WEFT_NO_RESULT);
-  PluginUnderTest fresh("filters/myneighbor", "{refinement: second_pass, weighted_fit: true}");
+  PluginUnderTest fresh("filters/myneighbor", "{passes: 2, weighted_fit: true}");
   const LabelledMatches drawn = bent_matches(150, 0.5, 13);
   const auto first = *run_on(warm, drawn.matches).get<InlierMask>();
   const auto second = *run_on(fresh, drawn.matches).get<InlierMask>();
@@ -136,7 +136,7 @@ TEST_F(MyNeighbor, FindsTheRatesOfThePublishedExperiment) {
 TEST_F(MyNeighbor, RejectsFewerCorrectMatchesInASecondPassWhereMostAreWrong) {
   constexpr std::uint64_t kSeed = 25;
   PluginUnderTest once("filters/myneighbor");
-  PluginUnderTest twice("filters/myneighbor", "{refinement: second_pass}");
+  PluginUnderTest twice("filters/myneighbor", "{passes: 2}");
   const auto shapes = draw_shapes(20, kSeed);
   const MeasuredRates first = measure_rates(once, shapes, 200, 0.3, kSeed);
   const MeasuredRates second = measure_rates(twice, shapes, 200, 0.3, kSeed);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <utility>
 #include <weft/data/correspondences.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 
@@ -162,6 +164,34 @@ TEST(DescriptorMatcher, MutualMatchesAreNearestBothWays) {
   const Correspondences mutual = matches_of(templ, image, plain + ", mutual: true}");
   ASSERT_EQ(mutual.count(), 1);
   EXPECT_EQ(mutual.template_keypoint(0), 0);
+}
+
+TEST(DescriptorMatcher, CopiesInTheImageDoNotCompeteWhereTheImageLooks) {
+  // The template's keypoint 0 is seen twice, keypoint 1 once; nothing of the template is in the
+  // last.
+  const Keypoints templ = l2_rows({{10, 0, 0}, {0, 10, 0}});
+  const Keypoints image = l2_rows({{10, 1, 0}, {1, 10, 0}, {10, 0, 1}, {10, 11, 10}});
+  const Correspondences forward = matches_of(templ, image, "{root_sift: false}");
+  ASSERT_EQ(forward.count(), 1);
+  EXPECT_EQ(forward.template_keypoint(0), 1);
+  const Correspondences back =
+      matches_of(templ, image, "{root_sift: false, direction: image_to_template}");
+  ASSERT_EQ(back.count(), 3);
+  const std::array pairs{std::pair(0, 0), std::pair(0, 2), std::pair(1, 1)};
+  for (std::int64_t n = 0; n < 3; ++n) {
+    const auto [templ_keypoint, image_keypoint] = pairs[static_cast<std::size_t>(n)];
+    EXPECT_EQ(back.template_keypoint(n), templ_keypoint) << n;
+    EXPECT_EQ(back.image_keypoint(n), image_keypoint) << n;
+    EXPECT_EQ(back.template_px(n, 0), templ.xy_px(templ_keypoint, 0)) << n;
+  }
+}
+
+TEST(DescriptorMatcher, TheRatioTestNeedsTwoKeypointsOnTheSideThatIsSearched) {
+  const Keypoints two = l2_rows({{1, 0}, {0, 1}}), one = l2_rows({{1, 0}});
+  const std::string back = "{direction: image_to_template}";
+  EXPECT_THAT(no_result_reason(one, two, back), HasSubstr("1 keypoints on the template"));
+  EXPECT_EQ(no_result_reason(two, l2_rows({}), back), "no keypoints in the image");
+  EXPECT_EQ(matches_of(two, one, back).count(), 1);
 }
 
 TEST(DescriptorMatcher, AnImagePointHasOneMatchUnlessToldOtherwise) {
