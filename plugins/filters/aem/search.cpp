@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "search.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace weft::aem {
+namespace {
+
+constexpr double kWeakSeed = 0.5;  // of the best score, below which a seed is not annealed
+constexpr double kApart = 0.1;     // mean gap between different warps, of the template's diagonal
+
+/// A solution and where it started.
+struct Candidate {
+  Start start;
+  Solution solution;
+};
+
+class ObjectSearch {
+ public:
+  ObjectSearch(const Matches& matches, const SearchOptions& options, Rng& rng)
+      : matches_(matches), options_(options), rng_(rng), annealing_(matches, options.annealing) {}
+
+  std::optional<Found> run(const std::optional<Track>& track) {
+    std::optional<Candidate> free = best_of(draw_seeds(matches_, all(), options_.most_draws, rng_));
+    std::optional<Candidate> tracked;
+    if (track) tracked = annealed(annealing_.start_along(track->flat_px, track->image_px));
+    if (!free && !tracked) return {};
+    for (std::optional<Candidate>* each : {&free, &tracked}) {
+      if (*each) annealing_.finish((*each)->start, (*each)->solution);
+    }
+    if (tracked && (!free || confidence_of(*tracked) >= options_.sure)) {
+      const double rival = free && apart(*tracked, *free) ? ratio(*free, *tracked) : 0.0;
+      return found(*tracked, true, rival, rival > 1.0 ? kAmbiguous : 1.0);
+    }
+    const double rival = rival_of(*free);
+    return found(*free, false, rival, trust_beside(rival));
+  }
+
+ private:
+  std::vector<Eigen::Index> all() const {
+    std::vector<Eigen::Index> rows(static_cast<std::size_t>(matches_.count()));
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<Eigen::Index>(i);
+    return rows;
+  }
+
+  Candidate annealed(Start start) {
+    Solution solution = annealing_.run(start);
+    return {std::move(start), std::move(solution)};
+  }
+
+  std::optional<Candidate> best_of(const Seeds& seeds) {
+    draws_ = std::max(draws_, seeds.draws);
+    std::optional<Candidate> best;
+    for (const Seed& seed : seeds.best) {
+      if (seed.score < kWeakSeed * seeds.best.front().score) break;
+      Candidate next = annealed(start_from(matches_, seed));
+      if (!best || next.solution.log_likelihood > best->solution.log_likelihood) {
+        best = std::move(next);
+      }
+    }
+    return best;
+  }
+
+  /// How likely the best set among the matches that `winner` leaves is, in parts of its likelihood.
+  double rival_of(const Candidate& winner) {
+    std::vector<Eigen::Index> left;
+    for (Eigen::Index i = 0; i < matches_.count(); ++i) {
+      if (winner.solution.logit[i] < 0.0) left.push_back(i);
+    }
+    if (left.size() < 3) return 0.0;
+    const Seeds seeds = draw_seeds(matches_, left, draws_, rng_);
+    if (seeds.best.empty()) return 0.0;
+    const Candidate rival = annealed(start_from(matches_, seeds.best.front()));
+    return apart(winner, rival) ? std::max(0.0, ratio(rival, winner)) : 0.0;
+  }
+
+  static double ratio(const Candidate& a, const Candidate& b) {
+    return a.solution.log_likelihood / std::max(b.solution.log_likelihood, 1e-9);
+  }
+
+  bool apart(const Candidate& a, const Candidate& b) const {
+    const double gap_px = (a.solution.residual_px - b.solution.residual_px).rowwise().norm().mean();
+    return gap_px > kApart * a.start.scale * matches_.diagonal_px();
+  }
+
+  double confidence_of(const Candidate& candidate) const {
+    const auto& logit = candidate.solution.logit;
+    return confidence({candidate.solution.log_likelihood, static_cast<double>(logit.size()),
+                       static_cast<double>((logit > 0.0).count())});
+  }
+
+  Found found(const Candidate& candidate, bool tracked, double rival, double trust) const {
+    return {candidate.solution,
+            candidate.start.scale,
+            trust * confidence_of(candidate),
+            rival,
+            tracked,
+            draws_};
+  }
+
+  const Matches& matches_;
+  const SearchOptions& options_;
+  Rng& rng_;
+  Annealing annealing_;
+  int draws_ = 0;
+};
+
+}  // namespace
+
+std::optional<Found> find_object(const Matches& matches, const std::optional<Track>& track,
+                                 const SearchOptions& options, Rng& rng) {
+  return ObjectSearch(matches, options, rng).run(track);
+}
+
+}  // namespace weft::aem

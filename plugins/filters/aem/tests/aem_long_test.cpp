@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+// The rates and the reliability that the README states, on the reporting seeds 101 to 120. Prints
+// the tables; to measure while tuning, set WEFT_AEM_FIRST_SEED=1 and the number of seeds.
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+
+#include "common/tests/filter_bench.hpp"
+#include "match_scenes.hpp"
+
+namespace weft::testing {
+namespace {
+
+struct Target {
+  SceneSpec spec;
+  const char* name;
+  double tpr_at_least, fpr_at_most;
+};
+
+const std::array kTargets{
+    Target{{Kind::paper, 1000, 0.9}, "1000, 90 %", 99.5, 0.5},
+    Target{{Kind::paper, 1000, 0.3}, "1000, 30 %", 99.9, 0.1},
+    Target{{Kind::paper, 1000, 0.2}, "1000, 20 %", 99.9, 0.1},
+    Target{{Kind::paper, 1000, 0.1}, "1000, 10 %", 99.8, 1.0},
+    Target{{Kind::paper, 1000, 0.05}, "1000, 5 %", 99.5, 15.0},
+    Target{{Kind::paper, 1000, 0.05, 0.0, true}, "1000, 5 %, oriented", 99.8, 3.0},
+    Target{{Kind::paper, 200, 0.9}, "200, 90 %", 99.5, 0.5},
+    Target{{Kind::paper, 200, 0.6}, "200, 60 %", 99.5, 0.5},
+    Target{{Kind::paper, 200, 0.3}, "200, 30 %", 99.7, 0.5},
+    Target{{Kind::paper, 200, 0.2}, "200, 20 %", 99.6, 0.5},
+    Target{{Kind::paper, 200, 0.1}, "200, 10 %", 99.2, 3.0},
+    Target{{Kind::paper, 50, 0.9}, "50, 90 %", 99.5, 0.5},
+    Target{{Kind::paper, 50, 0.6}, "50, 60 %", 99.5, 0.5},
+    Target{{Kind::paper, 50, 0.3}, "50, 30 %", 98.5, 1.5},
+    Target{{Kind::paper, 50, 0.2}, "50, 20 %", 98.0, 4.0},
+    Target{{Kind::turned, 200, 0.3}, "turned, 200, 30 %", 99.7, 0.5},
+    Target{{Kind::turned, 50, 0.3}, "turned, 50, 30 %", 98.5, 1.5},
+    Target{{Kind::strong, 200, 0.15}, "strong bend, any turn, 200, 15 %", 99.6, 0.5},
+    Target{{Kind::clusters, 200, 0.2}, "clusters, 200, 20 %", 99.6, 0.5},
+    Target{{Kind::copy, 200, 0.3}, "copy of 15 %, 200, 30 %", 99.6, 0.5}};
+
+constexpr int kSetsPerSeed = 5;
+
+std::uint64_t setting(const char* name, std::uint64_t usual) {
+  const char* text = std::getenv(name);
+  return text == nullptr ? usual : std::strtoull(text, nullptr, 10);
+}
+
+/// Calls `each` with every set of the seeds.
+template <class Each>
+void for_each_set(const SceneSpec& spec, const Each& each) {
+  const std::uint64_t first = setting("WEFT_AEM_FIRST_SEED", 101);
+  const std::uint64_t count = setting("WEFT_AEM_SEEDS", 20);
+  for (std::uint64_t seed = first; seed < first + count; ++seed) {
+    for (std::uint64_t set = 0; set < kSetsPerSeed; ++set)
+      each(draw_scene(spec, 1000 * seed + set));
+  }
+}
+
+/// A set without a result has all of its matches rejected.
+TEST(AemRates, ReachTheTargets) {
+  FilterBench bench("filters/aem");
+  std::printf("| matches, correct | TPR / FPR | target | sets that lost half | no result |\n");
+  for (const Target& target : kTargets) {
+    double tpr = 0.0, fpr = 0.0;
+    int sets = 0, lost = 0, without = 0;
+    for_each_set(target.spec, [&](const LabelledMatches& drawn) {
+      const auto mask = bench.run(drawn.matches).get<InlierMask>();
+      const Rates rates = mask ? rates_of(*mask, drawn.correct) : Rates{100.0, 100.0};
+      tpr += rates.tpr_percent;
+      fpr += rates.fpr_percent;
+      lost += rates.fpr_percent > 50.0 ? 1 : 0;
+      without += mask ? 0 : 1;
+      ++sets;
+    });
+    std::printf("| %s | %.2f / %.2f | %.1f / %.1f | %d | %d |\n", target.name, tpr / sets,
+                fpr / sets, target.tpr_at_least, target.fpr_at_most, lost, without);
+    EXPECT_GE(tpr / sets, target.tpr_at_least) << target.name;
+    EXPECT_LE(fpr / sets, target.fpr_at_most) << target.name;
+  }
+}
+
+/// Ten bins of what was predicted, with what came true.
+struct Reliability {
+  std::array<double, 10> predicted{}, came_true{}, count{};
+  double squares = 0.0, total = 0.0;
+
+  void add(double probability, bool truth) {
+    const auto bin = static_cast<std::size_t>(std::min(9.0, 10.0 * probability));
+    predicted[bin] += probability;
+    came_true[bin] += truth ? 1.0 : 0.0;
+    count[bin] += 1.0;
+    squares += (probability - (truth ? 1.0 : 0.0)) * (probability - (truth ? 1.0 : 0.0));
+    total += 1.0;
+  }
+  double brier() const { return squares / total; }
+  /// Mean gap between what was predicted and what came true.
+  double calibration_error() const {
+    double gap = 0.0;
+    for (std::size_t bin = 0; bin < 10; ++bin) gap += std::abs(predicted[bin] - came_true[bin]);
+    return gap / total;
+  }
+  void print(const char* what) const {
+    std::printf("\n| %s | predicted %% | true %% | number |\n", what);
+    for (std::size_t bin = 0; bin < 10; ++bin) {
+      if (count[bin] == 0.0) continue;
+      std::printf("| %d to %d %% | %.1f | %.1f | %.0f |\n", static_cast<int>(10 * bin),
+                  static_cast<int>(10 * bin + 10), 100.0 * predicted[bin] / count[bin],
+                  100.0 * came_true[bin] / count[bin], count[bin]);
+    }
+    std::printf("Brier score %.4f, calibration error %.4f\n", brier(), calibration_error());
+  }
+};
+
+/// Whether the kept matches are mostly correct and most of the correct ones.
+bool is_the_object(const InlierMask& mask, const std::vector<std::uint8_t>& correct) {
+  double kept = 0.0, good = 0.0, right = 0.0;
+  for (std::size_t i = 0; i < correct.size(); ++i) {
+    const bool keeps = mask.kept(static_cast<std::int64_t>(i)) != 0;
+    kept += keeps ? 1.0 : 0.0;
+    right += correct[i];
+    good += keeps ? correct[i] : 0.0;
+  }
+  return good > 0.0 && good >= 0.5 * kept && good >= 0.5 * right;
+}
+
+TEST(AemConfidence, IsAsOftenRightAsItSays) {
+  FilterBench bench("filters/aem", "{least_confidence: 0}");
+  Reliability frames, matches;
+  int sure_and_wrong = 0;
+  for (const Kind kind : {Kind::paper, Kind::turned, Kind::strong, Kind::clusters, Kind::copy}) {
+    for (const int count : {50, 200, 1000}) {
+      for (const double rate : {0.0, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.6}) {
+        for_each_set({kind, count, rate, 0.5}, [&](const LabelledMatches& drawn) {
+          const auto mask = bench.run(drawn.matches).get<InlierMask>();
+          if (!mask) return;
+          const double confidence = mask->diag.value("confidence", 0.0);
+          const bool right = is_the_object(*mask, drawn.correct);
+          frames.add(confidence, right);
+          sure_and_wrong += confidence >= 0.75 && !right ? 1 : 0;
+          if (confidence < 0.75) return;
+          for (std::size_t i = 0; i < drawn.correct.size(); ++i) {
+            matches.add(mask->score(static_cast<std::int64_t>(i)), drawn.correct[i] != 0);
+          }
+        });
+      }
+    }
+  }
+  frames.print("confidence of a set");
+  matches.print("probability of a match");
+  std::printf("%d of %.0f sets were wrong with a confidence of 75 %% or more\n", sure_and_wrong,
+              frames.total);
+  EXPECT_LT(frames.brier(), 0.03);
+  EXPECT_LT(frames.calibration_error(), 0.03);
+  EXPECT_LT(matches.calibration_error(), 0.02);
+}
+
+}  // namespace
+}  // namespace weft::testing
