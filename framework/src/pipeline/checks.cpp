@@ -54,7 +54,9 @@ class FitCheck {
     return check_indices(matches.face, -1, templ_.faces.rows(), "the face of match");
   }
   Result<void> operator()(const KnownPoints& points) const {
-    return check_indices(points.vertex, 0, templ_.vertices_m.rows(), "the vertex of known point");
+    const std::int64_t least = points.template_xy_m.present() ? -1 : 0;
+    return check_indices(points.vertex, least, templ_.vertices_m.rows(),
+                         "the vertex of known point");
   }
   Result<void> operator()(const Image& image) const {
     return check_size("the image", image.pixels, camera_);

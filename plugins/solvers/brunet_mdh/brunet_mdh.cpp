@@ -6,11 +6,12 @@
 #include <utility>
 #include <weft/core/statistics.hpp>
 #include <weft/geometry/check_sightlines.hpp>
+#include <weft/geometry/known_surface.hpp>
 #include <weft/sdk/solver.hpp>
 
 #include "bending_fill.hpp"
 #include "depth_admm.hpp"
-#include "distance_graph.hpp"
+#include "depth_problem.hpp"
 
 namespace weft::brunet_mdh {
 namespace {
@@ -20,15 +21,6 @@ constexpr double kGoodCoverage = 0.25;
 /// Depths beyond this multiple of the median guess mean that the distances gave way altogether.
 constexpr double kRunaway = 10.0;
 
-/// The points that get a depth, and what belongs to them alone.
-struct Problem {
-  std::uint64_t revision = 0;
-  std::vector<SurfacePoint> given;        ///< as chosen; the key of the cache
-  std::vector<SurfacePoint> points;       ///< those of the largest connected part
-  std::vector<std::size_t> chosen;        ///< [points] index in `given`
-  std::vector<DistanceConstraint> edges;  ///< between `points`
-};
-
 /// The convex maximum-depth heuristic: the points of the surface are as far from the camera as
 /// their rays and the distances at rest allow.
 class BrunetMdh final : public Solver {
@@ -37,7 +29,8 @@ class BrunetMdh final : public Solver {
       .reference =
           "Brunet, Bartoli, Hartley, Monocular template-based 3D surface reconstruction: "
           "convex inextensible and nonconvex isometric methods, CVIU 125 (2014)",
-      .needs = "sightlines"};
+      .needs = "sightlines",
+      .reads = "known_points"};
 
   explicit BrunetMdh(Params& p) {
     p.read("tolerance_m", options_.tolerance_m, "m", {1e-12, 1.0},
@@ -47,6 +40,8 @@ class BrunetMdh final : public Solver {
     p.read("yield_tension", yield_tension_, "", {0.0, 1e6},
            "a distance gives way where it pulls this many times harder than those of a flat sheet "
            "seen from the front; 0: never");
+    p.read("known_radius_m", known_radius_m_, "m", {0.0, 1.0},
+           "radius of known points whose own is negative");
   }
 
   Result<Shape> solve(const SolverInput& in) override {
@@ -55,6 +50,12 @@ class BrunetMdh final : public Solver {
     const Sightlines& lines = *in.sightlines;
     auto checked = check_sightlines(lines, surface_->vertices_m().rows(), surface_->faces().rows());
     if (!checked) return checked.error();
+    known_.clear();
+    if (in.known_points) {
+      auto known = known_surface_points(*in.known_points, in.templ, known_radius_m_);
+      if (!known) return known.error();
+      known_ = *std::move(known);
+    }
     const std::vector<std::int64_t> chosen = choose_points(lines);
     prepare_problem(in.templ, lines, chosen);
     const std::size_t count = problem_.points.size();
@@ -115,34 +116,19 @@ class BrunetMdh final : public Solver {
       const double* w = lines.barycentrics.row(i);
       given.push_back({lines.vertex(i), lines.face(i), {w[0], w[1], w[2]}});
     }
-    const bool known = templ.revision != 0 && problem_.revision == templ.revision;
-    if (known && problem_.given == given) return;
-    problem_ = {templ.revision, std::move(given), {}, {}, {}};
-    keep_largest_part();
+    const std::size_t seen = given.size();
+    for (const KnownSurfacePoint& point : known_) {
+      given.push_back({point.vertex, point.face, point.weights});
+    }
+    const bool cached = templ.revision != 0 && problem_revision_ == templ.revision;
+    if (cached && problem_.seen == seen && problem_.given == given) return;
+    problem_revision_ = templ.revision;
+    problem_ = make_problem(*surface_, std::move(given), seen, rings_);
     if (problem_.points.size() < 3) return;
     admm_.set_graph(problem_.edges, static_cast<int>(problem_.points.size()));
-    fill_.prepare(*surface_, problem_.points);
-  }
-
-  void keep_largest_part() {
-    const auto count = static_cast<std::int32_t>(problem_.given.size());
-    const auto edges = distance_graph(*surface_, problem_.given, rings_);
-    const auto parts = connected_parts(edges, count);
-    std::vector<int> sizes(problem_.given.size() + 1, 0);
-    for (const std::int32_t part : parts) ++sizes[static_cast<std::size_t>(part)];
-    const auto largest = std::max_element(sizes.begin(), sizes.end()) - sizes.begin();
-    std::vector<std::int32_t> number(parts.size(), -1);
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      if (parts[i] != largest) continue;
-      number[i] = static_cast<std::int32_t>(problem_.points.size());
-      problem_.points.push_back(problem_.given[i]);
-      problem_.chosen.push_back(i);
-    }
-    for (const DistanceConstraint& edge : edges) {
-      const std::int32_t i = number[static_cast<std::size_t>(edge.i)];
-      const std::int32_t j = number[static_cast<std::size_t>(edge.j)];
-      if (i >= 0) problem_.edges.push_back({i, j, edge.rest_length_m});
-    }
+    std::vector<SurfacePoint> placed = problem_.points;
+    for (const std::size_t known : problem_.unseen) placed.push_back(problem_.given[seen + known]);
+    fill_.prepare(*surface_, placed);
   }
 
   /// Depths with distances that may yield; with rigid ones where that has no bounded solution.
@@ -164,13 +150,14 @@ class BrunetMdh final : public Solver {
     const auto cancelled = [&] { return call.cancelled(); };
     DepthOptions options = options_;
     options.slack_penalty = yield_tension_ * usual_tension;
-    DepthResult result = admm_.solve(rays, options, cancelled);
+    const std::vector<DepthAnchor> anchors = anchors_of(problem_, known_, rays);
+    DepthResult result = admm_.solve(rays, options, cancelled, anchors);
     const auto ran_away = [&] {
       return *std::max_element(result.depths_m.begin(), result.depths_m.end()) > furthest_m;
     };
     if (options.slack_penalty > 0.0 && !result.cancelled && ran_away()) {
       options.slack_penalty = 0.0;
-      result = admm_.solve(rays, options, cancelled);
+      result = admm_.solve(rays, options, cancelled, anchors);
     }
     if (result.cancelled) return Error{Errc::cancelled, "cancelled", {}};
     for (double& tension : result.tensions) tension /= usual_tension;
@@ -179,12 +166,16 @@ class BrunetMdh final : public Solver {
 
   Result<Shape> build_shape(const Sightlines& lines, const Points3& rays,
                             const DepthResult& depths) const {
-    Points3 positions_m = rays;
+    Points3 positions_m(rays.rows() + static_cast<Eigen::Index>(problem_.unseen.size()), 3);
     int behind = 0;
     for (Eigen::Index p = 0; p < rays.rows(); ++p) {
       const double depth = depths.depths_m[static_cast<std::size_t>(p)];
       behind += depth < 0.0 ? 1 : 0;
-      positions_m.row(p) *= std::max(depth, 0.0);
+      positions_m.row(p) = std::max(depth, 0.0) * rays.row(p);
+    }
+    for (std::size_t k = 0; k < problem_.unseen.size(); ++k) {
+      positions_m.row(rays.rows() + static_cast<Eigen::Index>(k)) =
+          known_[problem_.unseen[k]].centre_m.transpose();
     }
     const auto placed = fill_.place(*surface_, positions_m);
     if (!placed) return placed.error();
@@ -194,6 +185,9 @@ class BrunetMdh final : public Solver {
     shape.source = Array<std::uint8_t>({placed->rows()});
     for (const SurfacePoint& point : problem_.points) {
       for (const std::int32_t v : surface_->support(point)) shape.source(v) = 1;
+    }
+    for (const KnownSurfacePoint& held : known_) {
+      for (const std::int32_t v : held.vertices) shape.source(v) = 1;
     }
     shape.confidence = std::clamp(lines.coverage, 0.0, 1.0);
     const bool sure = depths.converged && behind == 0 && rays.rows() >= Eigen::Index{kFewPoints} &&
@@ -216,7 +210,8 @@ class BrunetMdh final : public Solver {
       return yield_tension_ > 0.0 && tension > 0.999 * yield_tension_;
     };
     diag.set("points", static_cast<double>(problem_.points.size()));
-    diag.set("dropped_points", static_cast<double>(problem_.given.size() - problem_.points.size()));
+    diag.set("dropped_points", static_cast<double>(problem_.seen - problem_.points.size()));
+    diag.set("known_points", static_cast<double>(known_.size()));
     diag.set("points_behind", behind);
     diag.set("iterations", depths.iterations);
     diag.set("converged", depths.converged ? 1.0 : 0.0);
@@ -235,10 +230,13 @@ class BrunetMdh final : public Solver {
   DepthOptions options_{1e-5, 5000, 0.0};
   int rings_ = 2;
   double yield_tension_ = 8.0;
+  double known_radius_m_ = 0.005;
 
   std::optional<RestSurface> surface_;
   std::uint64_t surface_revision_ = 0;
-  Problem problem_;
+  std::vector<KnownSurfacePoint> known_;  ///< of this frame
+  std::uint64_t problem_revision_ = 0;
+  DepthProblem problem_;
   DepthAdmm admm_;
   BendingFill fill_;
 };
@@ -247,5 +245,5 @@ class BrunetMdh final : public Solver {
 }  // namespace weft::brunet_mdh
 
 using weft::brunet_mdh::BrunetMdh;
-WEFT_PLUGIN(BrunetMdh, "solvers/brunet_mdh", "1.0.0",
+WEFT_PLUGIN(BrunetMdh, "solvers/brunet_mdh", "1.1.0",
             "Convex maximum-depth reconstruction on sightlines, a start that needs no start.")

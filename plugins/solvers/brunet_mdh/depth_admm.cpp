@@ -35,47 +35,69 @@ void DepthAdmm::set_graph(std::span<const DistanceConstraint> edges, int count) 
   normal_.resize(count, count);
   normal_.setFromTriplets(entries.begin(), entries.end());
   factor_.analyzePattern(normal_);
-  z_.resize(3 * edges_.size());
-  y_.resize(3 * edges_.size());
-  rays_.resize(3 * at(count));
-  for (std::vector<double>* buffer : {&pull_, &depths_, &permuted_}) buffer->resize(at(count));
+  graph_edges_ = edges_.size();
+  permuted_.resize(at(count));
 }
 
-void DepthAdmm::factorise(const Points3View& rays) {
+Eigen::Map<const Eigen::Vector3d> DepthAdmm::ray(int i) const {
+  return Eigen::Map<const Eigen::Vector3d>(&rays_[3 * at(i)]);
+}
+
+/// An anchor becomes an edge to a point of depth 1 on the "ray" to its centre.
+void DepthAdmm::load(const Points3View& rays, std::span<const DepthAnchor> anchors) {
+  edges_.resize(graph_edges_);
+  const std::size_t points = at(count_) + anchors.size();
+  rays_.resize(3 * points);
+  pull_.resize(points);
+  depths_.assign(points, 1.0);
+  held_.assign(at(count_), 0.0);
   for (int i = 0; i < count_; ++i) {
     for (int k = 0; k < 3; ++k) rays_[at(3 * i + k)] = rays(i, k);
-    normal_.coeffRef(i, i) = kRegularisation;
   }
+  int point = count_;
+  for (const DepthAnchor& anchor : anchors) {
+    Eigen::Vector3d::Map(&rays_[3 * at(point)]) = anchor.centre_m / unit_m_;
+    held_[at(anchor.point)] += ray(anchor.point).dot(ray(point));
+    edges_.push_back({anchor.point, point++, anchor.reach_m / unit_m_});
+  }
+  z_.resize(3 * edges_.size());
+  y_.resize(3 * edges_.size());
+}
+
+void DepthAdmm::factorise() {
+  for (int i = 0; i < count_; ++i) normal_.coeffRef(i, i) = kRegularisation;
   for (const Edge& edge : edges_) {
-    normal_.coeffRef(edge.i, edge.i) += rays.row(edge.i).squaredNorm();
-    normal_.coeffRef(edge.j, edge.j) += rays.row(edge.j).squaredNorm();
+    normal_.coeffRef(edge.i, edge.i) += ray(edge.i).squaredNorm();
+    if (edge.j >= count_) continue;
+    normal_.coeffRef(edge.j, edge.j) += ray(edge.j).squaredNorm();
     normal_.coeffRef(std::max(edge.i, edge.j), std::min(edge.i, edge.j)) =
-        -rays.row(edge.i).dot(rays.row(edge.j));
+        -ray(edge.i).dot(ray(edge.j));
   }
   factor_.factorize(normal_);
 }
 
 /// All points at the depth at which the median edge has its length; no multipliers.
-void DepthAdmm::start(const Points3View& rays) {
+void DepthAdmm::start() {
   std::vector<double> guesses;
-  for (const Edge& edge : edges_) {
-    const double spread = (rays.row(edge.i) - rays.row(edge.j)).norm();
-    if (spread > 0.0) guesses.push_back(edge.length / spread);
+  for (std::size_t e = 0; e < graph_edges_; ++e) {
+    const double spread = (ray(edges_[e].i) - ray(edges_[e].j)).norm();
+    if (spread > 0.0) guesses.push_back(edges_[e].length / spread);
   }
-  const double depth = guesses.empty() ? 1.0 : median_in_place(guesses);
+  std::fill_n(depths_.begin(), count_, guesses.empty() ? 1.0 : median_in_place(guesses));
   std::fill(y_.begin(), y_.end(), 0.0);
   std::fill(pull_.begin(), pull_.end(), 0.0);
   for (std::size_t e = 0; e < edges_.size(); ++e) {
     const Edge& edge = edges_[e];
-    Eigen::RowVector3d z = depth * (rays.row(edge.i) - rays.row(edge.j));
+    Eigen::Vector3d z = depths_[at(edge.i)] * ray(edge.i) - depths_[at(edge.j)] * ray(edge.j);
     if (z.norm() > edge.length) z *= edge.length / z.norm();
-    Eigen::RowVector3d::Map(&z_[3 * e]) = z;
-    pull_[at(edge.i)] += rays.row(edge.i).dot(z);
-    pull_[at(edge.j)] -= rays.row(edge.j).dot(z);
+    Eigen::Vector3d::Map(&z_[3 * e]) = z;
+    pull_[at(edge.i)] += ray(edge.i).dot(z);
+    pull_[at(edge.j)] -= ray(edge.j).dot(z);
   }
 }
 
-/// depths = (A'A + 1e-9 I)^-1 (pull + 1/rho) by substitution in the factors, without allocation.
+/// depths = (A'A + 1e-9 I)^-1 (pull + held + 1/rho) by substitution in the factors, without
+/// allocation.
 void DepthAdmm::solve_depths(double rho) {
   const auto& order = factor_.permutationP().indices();
   const auto& lower = factor_.matrixL().nestedExpression();
@@ -84,7 +106,7 @@ void DepthAdmm::solve_depths(double rho) {
   const double* values = lower.valuePtr();
   const auto& diagonal = factor_.vectorD();
   double* x = permuted_.data();
-  for (int i = 0; i < count_; ++i) x[order[i]] = pull_[at(i)] + 1.0 / rho;
+  for (int i = 0; i < count_; ++i) x[order[i]] = pull_[at(i)] + held_[at(i)] + 1.0 / rho;
   for (int c = 0; c < count_; ++c) {
     const double pivot = x[c];
     for (int k = starts[c]; k < starts[c + 1]; ++k) {
@@ -156,9 +178,11 @@ void DepthAdmm::rescale_multipliers(double factor) {
 }
 
 DepthResult DepthAdmm::solve(const Points3View& rays, const DepthOptions& options,
-                             const std::function<bool()>& cancelled) {
-  factorise(rays);
-  start(rays);
+                             const std::function<bool()>& cancelled,
+                             std::span<const DepthAnchor> anchors) {
+  load(rays, anchors);
+  factorise();
+  start();
   double rho = kFirstRho;
   const double limit = options.tolerance_m / unit_m_;
   int iterations = 0;
@@ -186,12 +210,12 @@ DepthResult DepthAdmm::solve(const Points3View& rays, const DepthOptions& option
 
 DepthResult DepthAdmm::finish(double rho) const {
   DepthResult result;
-  for (const double depth : depths_) result.depths_m.push_back(unit_m_ * depth);
+  for (int i = 0; i < count_; ++i) result.depths_m.push_back(unit_m_ * depths_[at(i)]);
   for (std::size_t e = 0; e < edges_.size(); ++e) {
     const Edge& edge = edges_[e];
-    const Eigen::Map<const Eigen::Vector3d> a(&rays_[3 * at(edge.i)]), b(&rays_[3 * at(edge.j)]);
     const Eigen::Map<const Eigen::Vector3d> y(&y_[3 * e]);
-    const double length = (depths_[at(edge.i)] * a - depths_[at(edge.j)] * b).norm();
+    const double length =
+        (depths_[at(edge.i)] * ray(edge.i) - depths_[at(edge.j)] * ray(edge.j)).norm();
     result.max_violation_m = std::max(result.max_violation_m, unit_m_ * (length - edge.length));
     result.tensions.push_back(rho * y.norm());
   }

@@ -76,10 +76,21 @@ Points3 MeshModel::smoothed(const Points3& rough_m) const {
   return placed_m + smoother_.solve(offsets_m);
 }
 
-double MeshModel::surface_length_m(std::int32_t from, std::int32_t to) const {
-  if (flat_) return (rest_m_.row(from) - rest_m_.row(to)).norm();
-  const std::array<PathStart, 1> start{{{from, 0.0}}};
-  return path_lengths_m(rest_m_, neighbours_, start)[static_cast<std::size_t>(to)];
+double MeshModel::surface_length_m(const KnownSurfacePoint& from,
+                                   const KnownSurfacePoint& to) const {
+  const Eigen::Vector3d origin = from.on(rest_m_), target = to.on(rest_m_);
+  if (flat_ || (from.face >= 0 && from.face == to.face)) return (origin - target).norm();
+  std::array<PathStart, 3> starts;
+  for (std::size_t k = 0; k < 3; ++k) {
+    starts[k] = {from.vertices[k], (rest_m_.row(from.vertices[k]).transpose() - origin).norm()};
+  }
+  const std::vector<double> paths_m = path_lengths_m(rest_m_, neighbours_, starts);
+  double length_m = std::numeric_limits<double>::infinity();
+  for (const std::int32_t v : to.vertices) {
+    const double rest_of_way_m = (rest_m_.row(v).transpose() - target).norm();
+    length_m = std::min(length_m, paths_m[static_cast<std::size_t>(v)] + rest_of_way_m);
+  }
+  return length_m;
 }
 
 }  // namespace weft::particle_sft

@@ -7,6 +7,7 @@
 #include <weft/core/result.hpp>
 #include <weft/data/template.hpp>
 #include <weft/geometry/distance_constraints.hpp>
+#include <weft/geometry/known_surface.hpp>
 #include <weft/geometry/mesh_adjacency.hpp>
 #include <weft/geometry/types.hpp>
 
@@ -35,9 +36,9 @@ class MeshModel {
   /// rigidly to `rough`. Returns `rough_m` where smoothing is 0.
   Points3 smoothed(const Points3& rough_m) const;
 
-  /// Length along the surface between two vertices, in m: straight on a flat template, else on
-  /// edges; infinite where there is no path.
-  double surface_length_m(std::int32_t from, std::int32_t to) const;
+  /// Length along the surface between two of its points, in m: straight on a flat template and in
+  /// one face, else on edges; infinite where there is no path.
+  double surface_length_m(const KnownSurfacePoint& from, const KnownSurfacePoint& to) const;
 
  private:
   Points3 rest_m_;

@@ -133,7 +133,7 @@ class ParticleSft final : public Solver {
     system_.spheres.clear();
     inconsistent_pairs_ = 0;
     if (!in.known_points) return {};
-    auto spheres = spheres_of(*in.known_points, known_radius_m_, mesh_.vertex_count());
+    auto spheres = known_surface_points(*in.known_points, in.templ, known_radius_m_);
     if (!spheres) return spheres.error();
     system_.spheres = *std::move(spheres);
     inconsistent_pairs_ = make_consistent(mesh_, system_.spheres);
@@ -166,7 +166,7 @@ class ParticleSft final : public Solver {
       auto run = relax(in, StartKind::mirrored, depth_mirrored(*previous), candidates);
       if (!run) return run;
     }
-    const auto convex = start_.solve(in);
+    const auto convex = start_.solve(asked_of_start(in));
     if (!convex) {
       if (convex.error().code != Errc::no_result || candidates.empty()) return convex.error();
       return {};
@@ -175,6 +175,18 @@ class ParticleSft final : public Solver {
       return Error{Errc::plugin_failure, "the start has another number of vertices", {}};
     }
     return relax(in, StartKind::convex, mesh_.smoothed(convex->vertices_m.matrix<3>()), candidates);
+  }
+
+  /// The start is told the radii that this frame's known points have here.
+  SolverInput asked_of_start(const SolverInput& in) const {
+    SolverInput asked = in;
+    if (!asked.known_points) return asked;
+    Array<double> radius_m({asked.known_points->count()});
+    for (std::size_t p = 0; p < system_.spheres.size(); ++p) {
+      radius_m(static_cast<std::int64_t>(p)) = system_.spheres[p].radius_m;
+    }
+    asked.known_points->radius_m = std::move(radius_m);
+    return asked;
   }
 
   std::optional<Points3> previous_vertices(const SolverInput& in) const {
@@ -225,6 +237,9 @@ class ParticleSft final : public Solver {
     for (const RayConstraint& seen : system_.rays) {
       for (const std::int32_t v : seen.vertices) shape.source(v) = 1;
     }
+    for (const KnownSurfacePoint& held : system_.spheres) {
+      for (const std::int32_t v : held.vertices) shape.source(v) = 1;
+    }
     explain(best, tried, shape.diag);
     if (inconsistent_pairs_ == 0) return shape;
     return degenerate(std::move(shape),
@@ -266,5 +281,5 @@ class ParticleSft final : public Solver {
 }  // namespace weft::particle_sft
 
 using weft::particle_sft::ParticleSft;
-WEFT_PLUGIN(ParticleSft, "solvers/particle_sft", "1.0.0",
+WEFT_PLUGIN(ParticleSft, "solvers/particle_sft", "1.1.0",
             "Shape from sightlines by position based dynamics, tracked from frame to frame.")

@@ -43,16 +43,34 @@ void sweep(const Springs& springs, double stiffness, double* y) {
   }
 }
 
-void bring_into_sphere(const SphereConstraint& sphere, double* y) {
-  double* p = y + 3 * static_cast<std::ptrdiff_t>(sphere.vertex);
-  double offset[3], length2 = 0.0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    offset[k] = p[k] - sphere.centre_m[k];
-    length2 += offset[k] * offset[k];
+/// Moves a point of the surface to the border of its sphere if it is outside: a vertex itself, the
+/// corners of a face in proportion to their weights.
+void bring_into_sphere(const KnownSurfacePoint& sphere, double* y) {
+  using Place = Eigen::Map<Eigen::Vector3d>;
+  const auto corner = [&](std::size_t k) {
+    return Place(y + 3 * static_cast<std::ptrdiff_t>(sphere.vertices[k]));
+  };
+  const bool at_vertex = sphere.vertex >= 0;
+  Eigen::Vector3d offset = corner(0) - sphere.centre_m;
+  double squares = 1.0;
+  if (!at_vertex) {
+    offset = -sphere.centre_m;
+    squares = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      offset += sphere.weights[k] * corner(k);
+      squares += sphere.weights[k] * sphere.weights[k];
+    }
   }
+  const double length2 = offset.squaredNorm();
   if (!(length2 > sphere.radius_m * sphere.radius_m)) return;
   const double scale = sphere.radius_m / std::sqrt(length2);
-  for (std::size_t k = 0; k < 3; ++k) p[k] = sphere.centre_m[k] + scale * offset[k];
+  if (at_vertex) {
+    corner(0) = sphere.centre_m + scale * offset;
+    return;
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    corner(k) += sphere.weights[k] / squares * (scale - 1.0) * offset;
+  }
 }
 
 }  // namespace
@@ -114,7 +132,7 @@ double Relaxation::iterate(const ParticleSystem& system, const RelaxationOptions
   for (int inner = 0; inner < options.solver_iterations; ++inner) {
     sweep(stretch_, options.stretch_stiffness, y);
     sweep(bending_, options.bend_stiffness, y);
-    for (const SphereConstraint& sphere : system.spheres) bring_into_sphere(sphere, y);
+    for (const KnownSurfacePoint& sphere : system.spheres) bring_into_sphere(sphere, y);
   }
   double sum2 = 0.0;
   for (std::size_t k = 0; k < size; ++k) {

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 #include <weft/geometry/distance_constraints.hpp>
+#include <weft/geometry/known_surface.hpp>
 #include <weft/geometry/types.hpp>
 
 namespace weft::particle_sft {
@@ -21,19 +22,12 @@ struct RayConstraint {
   bool at_vertex() const { return weights[0] == 1.0 && weights[1] == 0.0 && weights[2] == 0.0; }
 };
 
-/// A vertex that lies within a radius of a known point; radius 0 holds it there.
-struct SphereConstraint {
-  std::int32_t vertex = 0;           ///< []
-  std::array<double, 3> centre_m{};  ///< [3] m, camera frame
-  double radius_m = 0.0;             ///< [] m
-};
-
 /// All that acts on the particles, which are the vertices of the mesh.
 struct ParticleSystem {
   std::vector<DistanceConstraint> stretch;  ///< edges of the mesh, in a fixed order
   std::vector<DistanceConstraint> bending;  ///< opposite vertices of adjacent faces
   std::vector<RayConstraint> rays;
-  std::vector<SphereConstraint> spheres;
+  std::vector<KnownSurfacePoint> spheres;
 };
 
 struct RelaxationOptions {
@@ -61,7 +55,7 @@ struct RelaxationResult {
 ///      follows the weighted mean,
 ///   3. solver_iterations times: moves the ends of every edge, then of every bending pair, along
 ///      their difference by half of stiffness (length - rest length) each (Gauss-Seidel, in order),
-///      then brings every known point back into its sphere,
+///      then brings every known point back into its sphere, by the least motion of its vertices,
 ///   4. v <- Y - X,  X <- Y.
 /// It ends when the rms step is below the tolerance, when the smallest step so far has not fallen
 /// by 1 % for 200 iterations, or after max_iterations. Pairs closer than 1e-9 m are left alone.

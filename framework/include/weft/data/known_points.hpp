@@ -5,20 +5,25 @@
 
 namespace weft {
 
-/// Vertices whose 3D position is known, for example held by a robot's gripper.
+/// Points of the surface whose 3D position is known, for example held by a robot's gripper.
 struct KnownPoints {
   static constexpr const char* kType = "known_points/1";
-  Array<std::int32_t> vertex;  ///< [P] index
+  Array<std::int32_t> vertex;  ///< [P] index, -1 for a point given by template_xy_m
   Array<double> points_m;      ///< [P,3] m, camera frame
-  Array<double> radius_m;      ///< [P] m, the vertex lies within; 0 holds it exactly
+  Array<double> radius_m;      ///< [P] m, the point lies within; 0 holds it exactly, a negative one
+                               ///< is the solver's own
+  Array<double> template_xy_m = {};  ///< [P,2] m, m_per_px * (u,v); read where the vertex is -1
 
   std::int64_t count() const { return vertex.rows(); }
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit(self.vertex, Field{"vertex", "P", "index", "vertex of the template"});
+    visit(self.vertex, Field{"vertex", "P", "index", "vertex, -1 for a point of the template"});
     visit(self.points_m, Field{"points_m", "P,3", "m, camera", "known position"});
-    visit(self.radius_m, Field{"radius_m", "P", "m", "the vertex lies within; 0 is exact"});
+    visit(self.radius_m, Field{"radius_m", "P", "m",
+                               "the point lies within; 0 is exact, below 0 the solver's own"});
+    visit(self.template_xy_m,
+          Field{"template_xy_m", "P,2", "m", "m_per_px * (u,v) where the vertex is -1", true});
   }
 };
 

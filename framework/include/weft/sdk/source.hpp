@@ -73,21 +73,29 @@ struct SourceComponent : ComponentHandle {
   }
   /// Number of frames, -1 when unknown.
   Result<Count> count(const Call& call) const { return detail::invoke<Count>(call, handle, 1, {}); }
-  /// Image and time of the frame that the call is about.
+  /// What it knows of the frame that the call is about.
   Result<SourceFrame> read(const Call& call) const {
     const auto answer = detail::ask(call, handle, 2, {});
     if (!answer) return answer.error();
     SourceFrame frame;
-    if (const auto image = answer->find<Image>()) {
-      if (!*image) return image->error();
-      frame.image = **image;
-    }
-    if (const auto time = answer->find<Time>()) {
-      if (!*time) return time->error();
-      frame.time = **time;
-    }
+    Result<void> status = take(*answer, frame.image);
+    if (status) status = take(*answer, frame.time);
+    if (status) status = take(*answer, frame.known_points);
+    if (status) status = take(*answer, frame.ground_truth);
+    if (status) status = take(*answer, frame.correspondences);
+    if (!status) return status.error();
     if (!answer->degenerate_reason.empty()) return degenerate(frame, answer->degenerate_reason);
     return frame;
+  }
+
+ private:
+  template <class Noun>
+  static Result<void> take(const detail::Answer& answer, std::optional<Noun>& noun) {
+    auto found = answer.find<Noun>();
+    if (!found) return {};
+    if (!*found) return found->error();
+    noun = **std::move(found);
+    return {};
   }
 };
 

@@ -72,8 +72,8 @@ TEST(Relaxation, HoldsHardPointsExactlyAndSoftOnesInTheirSpheres) {
   for (const double radius_m : {0.0, 0.005}) {
     ParticleSystem system = scene.system();
     for (const std::int32_t v : {0, 59}) {
-      const Eigen::RowVector3d centre = scene.truth_m.row(v) + off;
-      system.spheres.push_back({v, {centre.x(), centre.y(), centre.z()}, radius_m});
+      const Eigen::Vector3d centre = (scene.truth_m.row(v) + off).transpose();
+      system.spheres.push_back(KnownSurfacePoint::at_vertex(v, centre, radius_m));
     }
     Points3 vertices_m = flat_start(scene);
     Relaxation().run(system, {}, vertices_m, never);
@@ -87,8 +87,8 @@ TEST(Relaxation, HoldsHardPointsExactlyAndSoftOnesInTheirSpheres) {
 TEST(Relaxation, AVertexWithinItsSphereIsLeftAlone) {
   const Scene scene = Scene::flat();
   ParticleSystem system = scene.system();
-  const Eigen::RowVector3d centre = scene.truth_m.row(7);
-  system.spheres.push_back({7, {centre.x(), centre.y(), centre.z()}, 0.01});
+  const Eigen::Vector3d centre = scene.truth_m.row(7).transpose();
+  system.spheres.push_back(KnownSurfacePoint::at_vertex(7, centre, 0.01));
   Points3 vertices_m = scene.truth_m;
   EXPECT_LT(Relaxation().run(system, {}, vertices_m, never).last_step_m, 1e-12);
 }

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+#include <weft/core/result.hpp>
+#include <weft/data/known_points.hpp>
+#include <weft/data/template.hpp>
+#include <weft/geometry/barycentric.hpp>
+#include <weft/geometry/types.hpp>
+
+namespace weft {
+
+/// A point of the surface, sum_k weights[k] X[vertices[k]], that lies within a sphere.
+struct KnownSurfacePoint {
+  std::int32_t vertex = -1;                ///< [] -1 for a point inside a face
+  std::int32_t face = -1;                  ///< [] -1 for a vertex
+  std::array<std::int32_t, 3> vertices{};  ///< [3] of a vertex: itself, three times
+  std::array<double, 3> weights{};         ///< [3] sum 1; of a vertex: 1, 0, 0
+  Eigen::Vector3d centre_m;                ///< [3] m, camera frame
+  double radius_m = 0.0;                   ///< [] m, 0 holds the point at the centre
+
+  static KnownSurfacePoint at_vertex(std::int32_t vertex, const Eigen::Vector3d& centre_m,
+                                     double radius_m) {
+    return {vertex, -1, {vertex, vertex, vertex}, {1.0, 0.0, 0.0}, centre_m, radius_m};
+  }
+
+  /// Where it is on a shape [V,3].
+  Eigen::Vector3d on(const Points3View& vertices_m) const {
+    if (vertex >= 0) return vertices_m.row(vertex).transpose();
+    Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
+    for (std::size_t k = 0; k < 3; ++k) {
+      point_m += weights[k] * vertices_m.row(vertices[k]).transpose();
+    }
+    return point_m;
+  }
+};
+
+namespace detail {
+
+/// The face of a flat mesh in which the least weight of `point_px` is largest: the one that holds
+/// it, or the one that it is nearest to be held by. -1 where that would put a weight below -1/2.
+inline std::int32_t face_around(const Eigen::Vector2d& point_px, const Points2View& flat_px,
+                                const FacesView& faces, Eigen::Vector3d& weights) {
+  constexpr double kLeastWeight = -0.5;
+  std::int32_t found = -1;
+  double largest = kLeastWeight;
+  for (std::int32_t f = 0; f < faces.rows(); ++f) {
+    const Eigen::Vector3d in_face = barycentric_weights(
+        point_px, flat_px.row(faces(f, 0)), flat_px.row(faces(f, 1)), flat_px.row(faces(f, 2)));
+    if (!(in_face.minCoeff() > largest)) continue;
+    largest = in_face.minCoeff();
+    weights = in_face;
+    found = f;
+  }
+  return found;
+}
+
+/// Puts a point with template_xy_m on the mesh; one within 1e-6 of a vertex is that vertex.
+inline Result<void> place_on_mesh(const Eigen::Vector2d& xy_m, const std::string& name,
+                                  const Template& templ, KnownSurfacePoint& point) {
+  if (!templ.m_per_px.present()) {
+    return Error{Errc::invalid_data,
+                 name + " is a point of the template, which is not flat: name a vertex",
+                 {}};
+  }
+  const Eigen::Vector2d pitch(templ.m_per_px(0), templ.m_per_px(1));
+  const auto faces = templ.faces.matrix<3>();
+  Eigen::Vector3d weights;
+  point.face = face_around(xy_m.cwiseQuotient(pitch), templ.flat_px.matrix<2>(), faces, weights);
+  if (point.face < 0) {
+    return Error{Errc::invalid_data,
+                 name + " is at (" + std::to_string(1e3 * xy_m.x()) + ", " +
+                     std::to_string(1e3 * xy_m.y()) + ") mm, beside the template",
+                 {}};
+  }
+  for (int k = 0; k < 3; ++k) {
+    constexpr double kWhole = 1.0 - 1e-6;
+    if (weights[k] > kWhole) {
+      point = KnownSurfacePoint::at_vertex(faces(point.face, k), point.centre_m, point.radius_m);
+      return {};
+    }
+    point.vertices[static_cast<std::size_t>(k)] = faces(point.face, k);
+    point.weights[static_cast<std::size_t>(k)] = weights[k];
+  }
+  return {};
+}
+
+}  // namespace detail
+
+/// The known points on the mesh of a template. A negative radius becomes `own_radius_m`. Fails,
+/// with the point, on a vertex that the mesh lacks, a point beside a flat template or of one that
+/// is not flat, and numbers that are not finite.
+inline Result<std::vector<KnownSurfacePoint>> known_surface_points(const KnownPoints& known,
+                                                                   const Template& templ,
+                                                                   double own_radius_m) {
+  std::vector<KnownSurfacePoint> points;
+  const Eigen::Index vertex_count = templ.vertices_m.rows();
+  for (std::int64_t p = 0; p < known.count(); ++p) {
+    const std::string name = "known point " + std::to_string(p);
+    const Eigen::Vector3d centre_m = known.points_m.matrix<3>().row(p).transpose();
+    const std::int32_t vertex = known.vertex(p);
+    if (!centre_m.allFinite() || !std::isfinite(known.radius_m(p))) {
+      return Error{Errc::invalid_data, name + " is not finite: leave it out", {}};
+    }
+    if (vertex >= vertex_count || vertex < -1 || (vertex < 0 && !known.template_xy_m.present())) {
+      return Error{Errc::invalid_data,
+                   name + " names vertex " + std::to_string(vertex) + " of a template with " +
+                       std::to_string(vertex_count),
+                   {}};
+    }
+    const double radius_m = known.radius_m(p) < 0.0 ? own_radius_m : known.radius_m(p);
+    points.push_back(KnownSurfacePoint::at_vertex(vertex, centre_m, radius_m));
+    if (vertex >= 0) continue;
+    const Eigen::Vector2d xy_m = known.template_xy_m.matrix<2>().row(p).transpose();
+    auto placed = detail::place_on_mesh(xy_m, name, templ, points.back());
+    if (!placed) return placed.error();
+  }
+  return points;
+}
+
+}  // namespace weft
