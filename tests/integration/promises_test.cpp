@@ -3,10 +3,13 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <set>
+#include <string>
+#include <vector>
 #include <weft/evaluation/metrics.hpp>
 #include <weft/pipeline/run.hpp>
 
@@ -30,10 +33,11 @@ class Promises : public ::testing::Test {
   Promises() : folder_(fs::temp_directory_path() / ("weft_promises_" + std::to_string(getpid()))) {}
   ~Promises() override { fs::remove_all(folder_); }
 
-  evaluation::RunMetrics measure(const std::string& pipeline) {
+  evaluation::RunMetrics measure(const std::string& pipeline,
+                                 const std::vector<std::string>& settings = {}) {
     const auto registry = host::Registry::scan(host::search_path({}));
     const auto [checked, report] =
-        check_pipeline(WEFT_PIPELINES "/" + pipeline, registry, folder_.string());
+        check_pipeline(WEFT_PIPELINES "/" + pipeline, registry, folder_.string(), settings);
     EXPECT_TRUE(report.ok()) << report.text();
     const std::atomic<bool> cancel{false};
     const auto summary = run_pipeline(checked, folder_.string(), witness_, cancel);
@@ -70,6 +74,31 @@ TEST_F(Promises, SheetIsFoundAgainInTheFirstFrameAfterACutOrAGap) {
   }
   EXPECT_LT(metrics.all.solved_error.mean_mm, 0.7);
   EXPECT_LT(metrics.all.solved_error.worst_mm, 1.5);
+}
+
+TEST_F(Promises, EachOfSixtyCutsIsRecoveredInOneFrameAndNoneLosesTheSheetForGood) {
+  constexpr std::size_t kFrames = 600;
+  std::set<std::size_t> cuts;
+  std::string list;
+  for (std::size_t cut = 4; cuts.size() < 60; cut += 6 + cuts.size() % 8) {
+    cuts.insert(cut);
+    list += (list.empty() ? "" : ", ") + std::to_string(cut);
+  }
+  const auto metrics = measure("cuts.yaml", {"source.frames=600", "source.invisible_frames=[]",
+                                             "source.cut_frames=[" + list + "]"});
+  ASSERT_EQ(metrics.frames.size(), kFrames);
+  double worst_cut_mm = 0.0;
+  for (std::size_t i = 0; i < kFrames; ++i) {
+    EXPECT_EQ(witness_.states[i], std::pair(ShapeState::estimated, std::int64_t{0})) << i;
+    ASSERT_TRUE(metrics.frames[i].error) << i;
+    EXPECT_EQ(metrics.frames[i].motion.cut, cuts.count(i) > 0) << i;
+    EXPECT_LT(metrics.frames[i].error->mean_mm, 2.0) << i;
+    if (cuts.count(i) > 0) {
+      worst_cut_mm = std::max(worst_cut_mm, metrics.frames[i].error->mean_mm);
+    }
+  }
+  std::cout << "worst of the frames after a cut: " << worst_cut_mm << " mm\n";
+  EXPECT_LT(metrics.all.solved_error.mean_mm, 0.7);
 }
 
 TEST_F(Promises, RealPaperIsRecoveredInEveryFrame) {

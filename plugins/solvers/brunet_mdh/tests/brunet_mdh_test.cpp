@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 
 #include "scene.hpp"
@@ -84,6 +85,65 @@ TEST(BrunetMdh, AWrongRayDoesNotPullTheSheetToTheCamera) {
   ASSERT_NE(suspicion, nullptr);
   const double* first = suspicion->values.data();
   EXPECT_EQ(std::max_element(first, first + 60) - first, 33);
+}
+
+TEST(BrunetMdh, KnownPointsBoundTheDepthAroundThem) {
+  std::cout << "seed " << kSeed << "\n";
+  PluginUnderTest plugin(kId), firm(kId, "{yield_tension: 0}");
+  double with_m = 0.0, without_m = 0.0;
+  std::uint64_t seed = kSeed;
+  for (const double radius_m : {0.25, -0.25, 0.12, -0.12}) {
+    Scene scene = Scene::bent(radius_m, {0.6, 0.0, 0.0, 0.2, 0.3, 0.0});
+    const KnownPoints known = scene.known({20, 29, 34}, 0.001);
+    const Shape exact = solved(scene.run(firm, &known));
+    for (const std::int32_t v : {20, 29, 34}) {
+      EXPECT_LT((exact.vertices_m.matrix<3>().row(v) - scene.truth_m.row(v)).norm(), 0.0015) << v;
+    }
+    scene.look(0.5, seed++);
+    with_m += scene.mean_error_m(solved(scene.run(plugin, &known)));
+    without_m += scene.mean_error_m(solved(scene.run(plugin)));
+  }
+  std::cout << "with " << 250.0 * with_m << " mm, without " << 250.0 * without_m << " mm\n";
+  EXPECT_LT(with_m, 0.8 * without_m);
+}
+
+TEST(BrunetMdh, AKnownPointHoldsAVertexThatIsNotSeen) {
+  Scene scene = Scene::bent(0.25);
+  scene.seen.clear();
+  for (std::int32_t v = 0; v < 60; ++v) {
+    if (v % 10 < 6) scene.seen.push_back(v);
+  }
+  scene.look();
+  PluginUnderTest plugin(kId);
+  const KnownPoints known = scene.known({9, 59}, 0.0);
+  const Shape with = solved(scene.run(plugin, &known)), without = solved(scene.run(plugin));
+  EXPECT_LT((with.vertices_m.matrix<3>().row(59) - scene.truth_m.row(59)).norm(), 1e-12);
+  EXPECT_EQ(with.source(59), 1);
+  EXPECT_EQ(without.source(59), 0);
+  EXPECT_EQ(with.diag.value("known_points", 0.0), 2.0);
+  EXPECT_LT(scene.mean_error_m(with), 0.7 * scene.mean_error_m(without));
+}
+
+TEST(BrunetMdh, AKnownPointFarFromItsRayBoundsItsDepthAlone) {
+  const Scene scene = Scene::bent(0.25);
+  const KnownPoints known = scene.known({33}, 0.0, {0.03, 0.0, 0.0});
+  for (const char* params : {"{}", "{yield_tension: 0}"}) {
+    PluginUnderTest plugin(kId, params);
+    const Shape shape = solved(scene.run(plugin, &known));
+    EXPECT_LT(scene.mean_error_m(shape), 0.01) << params;
+  }
+}
+
+TEST(BrunetMdh, AKnownPointThatIsNoneIsAnError) {
+  const Scene scene = Scene::bent(0.25);
+  PluginUnderTest plugin(kId);
+  KnownPoints known = scene.known({3, 4}, 0.01);
+  known.vertex(1) = 60;
+  EXPECT_THAT(scene.run(plugin, &known).message,
+              ::testing::HasSubstr("known point 1 names vertex"));
+  known = scene.known({3, 4}, 0.01);
+  known.points_m(0, 0) = std::nan("");
+  EXPECT_EQ(scene.run(plugin, &known).status, WEFT_ERROR);
 }
 
 TEST(BrunetMdh, VerticesWithoutARayAreFilledIn) {

@@ -3,6 +3,7 @@
 
 #include <numeric>
 #include <vector>
+#include <weft/data/known_points.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/data/sightlines.hpp>
 #include <weft/testing/plugin_under_test.hpp>
@@ -81,9 +82,27 @@ struct Scene {
     lines.ray.matrix<3>().row(i) = unit_ray(testing::pinhole(camera), pixel).transpose();
   }
 
-  testing::Outcome run(testing::PluginUnderTest& plugin) const {
-    return plugin.process(0, {testing::input("template", templ), testing::input("camera", camera),
-                              testing::input("sightlines", lines)});
+  testing::Outcome run(testing::PluginUnderTest& plugin, const KnownPoints* known = nullptr) const {
+    std::vector<testing::Input> inputs{testing::input("template", templ),
+                                       testing::input("camera", camera),
+                                       testing::input("sightlines", lines)};
+    if (known != nullptr) inputs.push_back(testing::input("known_points", *known));
+    return plugin.process(0, inputs);
+  }
+
+  /// Vertices that are known to be within `radius_m` of where they truly are, or beside that.
+  KnownPoints known(const std::vector<std::int32_t>& vertices, double radius_m,
+                    const Eigen::RowVector3d& offset_m = {0.0, 0.0, 0.0}) const {
+    const auto count = static_cast<std::int64_t>(vertices.size());
+    KnownPoints known{Array<std::int32_t>({count}), Array<double>({count, 3}),
+                      Array<double>({count})};
+    for (std::int64_t p = 0; p < count; ++p) {
+      const std::int32_t v = vertices[static_cast<std::size_t>(p)];
+      known.vertex(p) = v;
+      known.points_m.matrix<3>().row(p) = truth_m.row(v) + offset_m;
+      known.radius_m(p) = radius_m;
+    }
+    return known;
   }
 
   double mean_error_m(const Shape& shape) const {

@@ -166,6 +166,50 @@ TEST(ParticleSft, ASphereForgivesABiasedGripperAndCostsLittleWithoutBias) {
   EXPECT_LE(error_m(exact_m, 0.0), error_m(exact_m, 0.008) + 0.001);
 }
 
+TEST(ParticleSft, AKnownPointInAFaceIsHeldThere) {
+  const Scene scene = Scene::bent(0.25);
+  const Faces faces = scene.templ.faces.matrix<3>();
+  const Eigen::RowVector3d flat_m = (scene.templ.vertices_m.matrix<3>().row(faces(40, 0)) * 0.2 +
+                                     scene.templ.vertices_m.matrix<3>().row(faces(40, 1)) * 0.5 +
+                                     scene.templ.vertices_m.matrix<3>().row(faces(40, 2)) * 0.3);
+  const auto on_shape = [&](const Points3& shape_m) {
+    return Eigen::RowVector3d(0.2 * shape_m.row(faces(40, 0)) + 0.5 * shape_m.row(faces(40, 1)) +
+                              0.3 * shape_m.row(faces(40, 2)));
+  };
+  Points3 centre_m = on_shape(scene.truth_m);
+  centre_m(0, 2) -= 0.006;
+  PluginUnderTest plugin(kId);
+  for (const double radius_m : {0.0, 0.002}) {
+    KnownPoints known = known_points({-1}, centre_m, radius_m);
+    known.template_xy_m = make_array<double>(flat_m.head<2>());
+    const Shape shape = solved(scene.run(plugin, nullptr, &known));
+    const double apart_m = (on_shape(vertices_of(shape)) - centre_m.row(0)).norm();
+    EXPECT_NEAR(apart_m, radius_m, 1e-12);
+    EXPECT_LT(scene.mean_error_m(shape), 0.003);
+  }
+}
+
+TEST(ParticleSft, KnownPointsAreMeasuredAlsoWhereNothingIsSeen) {
+  Scene scene = Scene::bent(0.25);
+  scene.seen.clear();
+  for (std::int32_t v = 0; v < 60; ++v) {
+    if (v % 10 < 6) scene.seen.push_back(v);
+  }
+  scene.look();
+  Points3 held_m(2, 3);
+  held_m << scene.truth_m.row(9), scene.truth_m.row(59);
+  const KnownPoints known = known_points({9, 59}, held_m, 0.001);
+  PluginUnderTest plugin(kId);
+  const Shape with = solved(scene.run(plugin, nullptr, &known));
+  const Shape without = solved(scene.run(plugin));
+  EXPECT_EQ(with.source(9), 1);
+  EXPECT_EQ(without.source(9), 0);
+  const double error_m = scene.mean_error_m(with), alone_m = scene.mean_error_m(without);
+  std::cout << "with " << 1e3 * error_m << " mm, without " << 1e3 * alone_m << " mm\n";
+  EXPECT_LT(error_m, 0.003);
+  EXPECT_LT(error_m, 0.7 * alone_m);
+}
+
 TEST(ParticleSft, KnownPointsTooFarApartAreReportedAndRelaxed) {
   const Scene scene = Scene::bent(0.25);
   Points3 centres_m(2, 3);

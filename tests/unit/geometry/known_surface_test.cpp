@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <weft/geometry/known_surface.hpp>
+#include <weft/testing/synthetic.hpp>
+
+namespace weft {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// One known point, at a place of the template if the vertex is -1.
+KnownPoints one_point(std::int32_t vertex, const Eigen::RowVector2d& xy_m = {0.0, 0.0}) {
+  KnownPoints known{Array<std::int32_t>({1}), Array<double>({1, 3}), Array<double>({1}),
+                    Array<double>({1, 2})};
+  known.vertex(0) = vertex;
+  known.points_m(0, 2) = 0.6;
+  known.radius_m(0) = 0.002;
+  known.template_xy_m.matrix<2>().row(0) = xy_m;
+  return known;
+}
+
+std::string refusal(const KnownPoints& known, const Template& templ) {
+  const auto points = known_surface_points(known, templ, 0.005);
+  return points ? "accepted" : points.error().message;
+}
+
+TEST(KnownSurface, APlaceOnTheTemplateIsThatPlaceOnAnyShape) {
+  const Template templ = testing::make_template();
+  const auto sheet = testing::make_cylinder({}, 0.25, 0.3);
+  const Points3 flat_m = templ.vertices_m.matrix<3>();
+  const Points3 bent_m = testing::bent_vertices(templ, sheet);
+  for (const double x_m : {0.0, 0.0414, 0.1, 0.29}) {
+    for (const double y_m : {0.0, 0.03, 0.17}) {
+      const auto points = known_surface_points(one_point(-1, {x_m, y_m}), templ, 0.005);
+      ASSERT_TRUE(points) << points.error().message;
+      const Eigen::Vector3d flat = points->front().on(flat_m);
+      EXPECT_NEAR(flat.x(), x_m, 1e-9);
+      EXPECT_NEAR(flat.y(), y_m, 1e-9);
+      // A face is a chord of the sheet: a cell of 33 mm is up to 0.6 mm from a radius of 250 mm.
+      EXPECT_LT((points->front().on(bent_m) - sheet.at(x_m, y_m)).norm(), 0.0012);
+    }
+  }
+}
+
+TEST(KnownSurface, APlaceAtAVertexIsTheVertex) {
+  const Template templ = testing::make_template();
+  for (const std::int32_t v : {0, 9, 27, 59}) {
+    const Eigen::RowVector2d xy_m = templ.vertices_m.matrix<3>().row(v).head<2>();
+    const auto points = known_surface_points(one_point(-1, xy_m), templ, 0.005);
+    ASSERT_TRUE(points) << points.error().message;
+    EXPECT_EQ(points->front().vertex, v);
+    EXPECT_EQ(points->front().weights[0], 1.0);
+  }
+}
+
+TEST(KnownSurface, ARadiusBelowZeroIsTheSolversOwn) {
+  const Template templ = testing::make_template();
+  KnownPoints known = one_point(3);
+  EXPECT_EQ(known_surface_points(known, templ, 0.005)->front().radius_m, 0.002);
+  known.radius_m(0) = -1.0;
+  EXPECT_EQ(known_surface_points(known, templ, 0.005)->front().radius_m, 0.005);
+}
+
+TEST(KnownSurface, WhatIsNoPointOfTheSurfaceIsNamed) {
+  Template templ = testing::make_template();
+  EXPECT_THAT(refusal(one_point(60), templ), HasSubstr("known point 0 names vertex 60"));
+  EXPECT_THAT(refusal(one_point(-2), templ), HasSubstr("names vertex -2"));
+  EXPECT_EQ(refusal(one_point(-1, {-0.002, 0.05}), templ), "accepted");
+  EXPECT_THAT(refusal(one_point(-1, {-0.05, 0.05}), templ),
+              HasSubstr("is at (-50.000000, 50.000000) mm, beside the template"));
+  KnownPoints nowhere = one_point(-1);
+  nowhere.template_xy_m = {};
+  EXPECT_THAT(refusal(nowhere, templ), HasSubstr("names vertex -1"));
+  KnownPoints open = one_point(3);
+  open.points_m(0, 1) = std::nan("");
+  EXPECT_THAT(refusal(open, templ), HasSubstr("not finite"));
+  templ.m_per_px = {};
+  EXPECT_THAT(refusal(one_point(-1), templ), HasSubstr("not flat: name a vertex"));
+}
+
+}  // namespace
+}  // namespace weft
