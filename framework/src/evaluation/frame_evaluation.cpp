@@ -119,6 +119,9 @@ Result<void> measure_error(const ShapeMeter& meter, const FrameRecords& records,
     frame.no_error_because = errors.error().message;
     return {};
   }
+  if (frame.visibility && frame.outcome == Outcome::solved) {
+    count_errors(*errors, records.ground_truth->visible, *frame.visibility);
+  }
   frame.extrapolated = errors->extrapolated;
   frame.unlocated = errors->unlocated;
   if (frame.points == 0) {
@@ -154,6 +157,10 @@ Result<void> measure_image(const RunReader& reader, const FrameRecords& records,
                  reader.folder()};
   }
   frame.image.truth_map_px = truth->leave_one_out_px(camera);
+  if (records.ground_truth->visible.present()) {
+    frame.visibility.emplace();
+    if (records.visibility) count_vertices(*records.visibility, sheet, *truth, *frame.visibility);
+  }
   std::vector<std::int8_t> labels;
   for (const MatchRecords& made : records.matches) {
     labels = label_matches(made.matches, *truth, sheet, camera, tolerance_px);

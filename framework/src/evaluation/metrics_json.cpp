@@ -128,6 +128,20 @@ ordered_json depth_json(const DepthSummary& depth) {
           {"matches_without_depth", depth.without_depth}};
 }
 
+ordered_json visibility_json(const VisibilityMetrics& visibility) {
+  return {{"frames", visibility.frames},
+          {"vertices", visibility.vertices},
+          {"hidden_vertices", visibility.hidden_vertices},
+          {"precision_percent", visibility.precision_percent},
+          {"recall_percent", visibility.recall_percent},
+          {"f1_percent", visibility.f1_percent},
+          {"hidden_f1_percent", visibility.hidden_f1_percent},
+          {"visible_points", visibility.visible_points},
+          {"hidden_points", visibility.hidden_points},
+          {"visible_mm", visibility.visible_mm},
+          {"hidden_mm", visibility.hidden_mm}};
+}
+
 ordered_json jitter_json(const Jitter& jitter) {
   return {{"mean_mm", jitter.mean_mm},
           {"median_mm", jitter.median_mm},
@@ -169,6 +183,9 @@ ordered_json frame_json(const FrameMetrics& frame) {
     object["depth_matches"] = frame.depth->matches;
     object["depth_matches_without"] = frame.depth->without_depth;
   }
+  if (frame.visibility) {
+    object["visibility"] = visibility_json(summarise_visibility({*frame.visibility}));
+  }
   for (const auto& [stage, counts] : frame.filters) object["filters"][stage] = counts_json(counts);
   return object;
 }
@@ -200,6 +217,7 @@ std::string to_json(const RunMetrics& metrics) {
                             {"all", std::move(all)},
                             {"image", image_json(metrics.image)},
                             {"depth", depth_json(metrics.depth)},
+                            {"visibility", visibility_json(metrics.visibility)},
                             {"filters", std::move(filters)},
                             {"warps", std::move(warps)},
                             {"jitter", jitter_json(metrics.jitter)},

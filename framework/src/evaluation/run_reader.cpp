@@ -280,6 +280,9 @@ Result<FrameRecords> RunReader::sort(host::NamedRecords records, const FrameLine
   if (!shape) return shape.error();
   auto truth = find_noun<GroundTruth>(frame.owners, "ground_truth", file);
   if (!truth) return truth.error();
+  auto visibility = find_noun<Visibility>(frame.owners, "visibility", file);
+  if (!visibility) return visibility.error();
+  frame.visibility = *std::move(visibility);
   frame.shape = *std::move(shape);
   frame.ground_truth = *std::move(truth);
   auto matches = MatchFinder(frame.owners, template_.faces.rows(), file).find();
@@ -297,6 +300,9 @@ Result<FrameRecords> RunReader::sort(host::NamedRecords records, const FrameLine
     return damaged(file, "has " + std::to_string(frame.shape->vertices_m.rows()) +
                              " vertices where the template has " +
                              std::to_string(template_.vertices_m.rows()));
+  }
+  if (frame.visibility && frame.visibility->visible.rows() != template_.vertices_m.rows()) {
+    return damaged(file, "has in visibility no entry for each vertex");
   }
   if (frame.ground_truth && !(frame.ground_truth->template_xy_m.matrix<2>().allFinite() &&
                               frame.ground_truth->points_m.matrix<3>().allFinite())) {

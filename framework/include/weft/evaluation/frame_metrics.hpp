@@ -9,6 +9,7 @@
 #include <weft/data/shape.hpp>
 #include <weft/evaluation/match_metrics.hpp>
 #include <weft/evaluation/unknown.hpp>
+#include <weft/evaluation/visibility_metrics.hpp>
 #include <weft/evaluation/warp_metrics.hpp>
 
 namespace weft::evaluation {
@@ -78,6 +79,7 @@ struct FrameMetrics {
   double strain_p95 = kUnknown;   ///< [] 95th percentile of it
   ImageMetrics image;
   std::optional<DepthMetrics> depth;  ///< where the truth has a depth image
+  std::optional<VisibilityCounts> visibility;  ///< where the truth says what is seen
   MotionMetrics motion;
   std::vector<std::pair<std::string, FilterCounts>> filters;  ///< by stage
   std::vector<std::pair<std::string, WarpErrors>> warps;      ///< by stage

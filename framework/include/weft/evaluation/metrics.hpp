@@ -104,6 +104,7 @@ struct RunMetrics {
   GroupMetrics all;                    ///< every frame with truth that is not apart
   ImageSummary image;                  ///< frames apart are left out
   DepthSummary depth;                  ///< frames apart are left out
+  VisibilityMetrics visibility;        ///< frames apart are left out
   std::vector<FilterMetrics> filters;  ///< by stage; frames apart are left out
   std::vector<WarpMetrics> warps;      ///< by stage; frames apart are left out
   Jitter jitter;

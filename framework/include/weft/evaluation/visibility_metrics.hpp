@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+#include <weft/data/template.hpp>
+#include <weft/data/visibility.hpp>
+#include <weft/evaluation/shape_meter.hpp>
+#include <weft/evaluation/unknown.hpp>
+#include <weft/geometry/truth_map.hpp>
+
+namespace weft::evaluation {
+
+/// One frame whose truth says what the camera sees. Positive is a vertex that is seen.
+struct VisibilityCounts {
+  std::int64_t seen_right = 0;    ///< [] vertices, true positives
+  std::int64_t seen_wrong = 0;    ///< [] vertices, false positives
+  std::int64_t hidden_right = 0;  ///< [] vertices, true negatives
+  std::int64_t hidden_wrong = 0;  ///< [] vertices, false negatives
+  std::int64_t visible_points = 0, hidden_points = 0;  ///< [] of the truth, with an error
+  double visible_sum_mm = 0.0, hidden_sum_mm = 0.0;    ///< [] mm, sums of their errors
+
+  std::int64_t vertices() const { return seen_right + seen_wrong + hidden_right + hidden_wrong; }
+};
+
+/// The same over a run. All vertices, and all points, count the same, whichever frame they are of.
+struct VisibilityMetrics {
+  std::int64_t frames = 0;                         ///< [] whose truth says what is seen
+  std::int64_t vertices = 0, hidden_vertices = 0;  ///< [] told by the run; hidden in truth
+  std::int64_t visible_points = 0, hidden_points = 0;
+  double precision_percent = kUnknown;  ///< [] of the vertices said to be seen, those that are
+  double recall_percent = kUnknown;     ///< [] of the vertices that are seen, those said to be
+  double f1_percent = kUnknown;         ///< [] of seen vertices
+  double hidden_f1_percent = kUnknown;  ///< [] of hidden vertices
+  double visible_mm = kUnknown;         ///< [] mm, mean 3D error of points that are seen
+  double hidden_mm = kUnknown;          ///< [] mm, and of those that are not
+};
+
+/// Compares what a run says of the template's vertices with the truth. A vertex is truly seen if
+/// the camera sees a corner of the true face that it lies in; vertices beside the true surface are
+/// left out, and all of them on a template without m_per_px.
+void count_vertices(const Visibility& said, const Template& sheet, const TruthMap& truth,
+                    VisibilityCounts& counts);
+
+/// Adds errors at points of the truth, of which `visible` [T] says which are seen.
+void count_errors(const PointErrors& errors, const Array<std::uint8_t>& visible,
+                  VisibilityCounts& counts);
+
+VisibilityMetrics summarise_visibility(const std::vector<VisibilityCounts>& frames);
+
+}  // namespace weft::evaluation

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+#include <weft/data/camera.hpp>
+#include <weft/data/correspondences.hpp>
+#include <weft/geometry/mesh_adjacency.hpp>
+#include <weft/geometry/types.hpp>
+
+#include "sight.hpp"
+
+namespace weft::self_occlusion {
+
+/// What the kept matches say of each vertex, whatever the geometry foretells.
+struct Evidence {
+  /// [V] 1 where two matches that are nearest to the vertex agree: what they lack to their places
+  /// on the shape differs by less than the tolerance
+  std::vector<std::uint8_t> confirmed;
+  std::vector<int> matches;      ///< [V] kept, in the faces around the vertex
+  std::vector<double> expected;  ///< [V] how many there should be if the vertex were seen
+};
+
+/// The mesh as it is believed to lie before the camera.
+struct Scene {
+  Points3View vertices_m;  ///< [V,3] m, camera frame
+  FacesView faces;         ///< [F,3]
+  const IndexLists& around;
+  const std::vector<Facing>& facing;  ///< [F]
+};
+
+/// Matches are expected in proportion to the image area of a face times the cosine between its
+/// normal and the line of sight, at the mean rate of the faces that hold some. Faces of matches
+/// must be in range.
+Evidence gather_evidence(const Scene& scene, const Camera& camera, const Correspondences& matches,
+                         double tolerance_px);
+
+}  // namespace weft::self_occlusion

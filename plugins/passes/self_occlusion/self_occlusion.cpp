@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <optional>
+#include <string>
+#include <utility>
+#include <weft/geometry/mesh_topology.hpp>
+#include <weft/sdk/pass.hpp>
+
+#include "evidence.hpp"
+#include "hysteresis.hpp"
+#include "ray_scene.hpp"
+#include "sight.hpp"
+#include "warp_folds.hpp"
+
+namespace weft::self_occlusion {
+namespace {
+
+/// Which vertices the camera sees: by rays on the shape of this frame or, before there is one, on
+/// the previous shape or by the folds of the warp.
+class SelfOcclusion final : public Pass {
+ public:
+  static constexpr About kAbout{
+      .reference = "Wald et al., Embree, ACM Transactions on Graphics 33 (2014); Pizarro, Bartoli, "
+                   "IJCV 97 (2012) for warps",
+      .reads = "shape previous.shape previous.visibility correspondences warp_samples",
+      .produces = "visibility"};
+
+  explicit SelfOcclusion(Params& p) {
+    p.read("memory", rules_.memory, "", {0.0, 0.99}, "weight of the previous score");
+    p.read("hide_below", rules_.hide_below, "", {0.0, 0.5},
+           "a vertex that was seen is hidden below this score");
+    p.read("show_above", rules_.show_above, "", {0.5, 1.0},
+           "a vertex that was hidden is seen above this score");
+    p.read("expected_matches", rules_.expected_matches, "", {0.0, 1e6},
+           "a vertex with so many kept matches expected around it and none found is unconfirmed");
+    p.read("match_tolerance_px", match_tolerance_px_, "px", {0.0, 1e6},
+           "two kept matches at a vertex that agree within this show it, whatever the shape says");
+    p.read("longest_age", longest_age_, "frames", {0, 1000000},
+           "a previous shape older than this is not looked at");
+  }
+
+  Result<PassOutput> run(const PassInput& in) override {
+    if (auto ready = prepare_mesh(in.templ); !ready) return ready.error();
+    if (auto checked = check(in); !checked) return checked.error();
+    const std::optional<Shape> shape = shape_to_look_at(in);
+    if (!shape && !in.warp_samples) {
+      return no_result("there is neither a shape nor a warp to look at");
+    }
+    Sight sight;
+    std::optional<Evidence> evidence;
+    if (shape) {
+      const Points3View vertices_m = shape->vertices_m.matrix<3>();
+      const FacesView faces = in.templ.faces.matrix<3>();
+      sight = look(vertices_m, faces, around_, in.camera, *scene_);
+      if (in.correspondences) {
+        evidence = gather_evidence({vertices_m, faces, around_, sight.facing}, in.camera,
+                                   *in.correspondences, match_tolerance_px_);
+      }
+    } else {
+      sight = look_at_warp(in.templ, *in.warp_samples, around_, in.camera);
+    }
+    PassOutput out;
+    out.visibility = settle(sight, evidence, in.previous_visibility, rules_);
+    out.visibility->diag.set("looked_at", in.shape ? 0.0 : shape ? 1.0 : 2.0);
+    return out;
+  }
+
+ private:
+  Result<void> prepare_mesh(const Template& templ) {
+    if (!scene_) {
+      auto scene = RayScene::create();
+      if (!scene) return scene.error();
+      scene_ = *std::move(scene);
+    }
+    if (mesh_revision_ != 0 && templ.revision == mesh_revision_) return {};
+    mesh_revision_ = 0;
+    const FacesView faces = templ.faces.matrix<3>();
+    if (auto checked = check_face_indices(faces, templ.vertices_m.rows()); !checked) return checked;
+    around_ = vertex_faces(faces, templ.vertices_m.rows());
+    mesh_revision_ = templ.revision;
+    return {};
+  }
+
+  static Result<void> check(const PassInput& in) {
+    const std::int64_t vertices = in.templ.vertices_m.rows();
+    const auto of_template = [&](std::int64_t count, const char* what) -> Result<void> {
+      if (count == vertices) return {};
+      return Error{Errc::invalid_data,
+                   std::string(what) + " has " + std::to_string(count) +
+                       " vertices, the template " + std::to_string(vertices) +
+                       ": use one template throughout",
+                   {}};
+    };
+    Result<void> status;
+    if (in.shape) status = of_template(in.shape->vertices_m.rows(), "the shape");
+    if (status && in.previous_shape) {
+      status = of_template(in.previous_shape->vertices_m.rows(), "the previous shape");
+    }
+    if (status && in.previous_visibility) {
+      status = of_template(in.previous_visibility->visible.rows(), "the previous visibility");
+    }
+    if (status && in.warp_samples) {
+      status = of_template(in.warp_samples->xy_px.rows(), "the warp");
+    }
+    if (!status || !in.correspondences) return status;
+    for (std::int64_t i = 0; i < in.correspondences->count(); ++i) {
+      if (in.correspondences->face(i) < in.templ.faces.rows()) continue;
+      return Error{Errc::invalid_data,
+                   "match " + std::to_string(i) + " lies in face " +
+                       std::to_string(in.correspondences->face(i)) + " of a template with " +
+                       std::to_string(in.templ.faces.rows()) + ": use one template throughout",
+                   {}};
+    }
+    return {};
+  }
+
+  /// The shape of this frame, else the previous one while it is fresh; only one that lies before
+  /// the camera.
+  std::optional<Shape> shape_to_look_at(const PassInput& in) const {
+    const auto usable = [](const Shape& shape) {
+      const auto vertices_m = shape.vertices_m.matrix<3>();
+      return vertices_m.allFinite() && vertices_m.col(2).minCoeff() > 0.0;
+    };
+    if (in.shape && usable(*in.shape)) return in.shape;
+    if (in.shape || !in.previous_shape) return {};
+    const bool fresh = in.previous_shape->shape_state() != ShapeState::lost &&
+                       in.previous_shape->age_frames < longest_age_;
+    if (!fresh || !usable(*in.previous_shape)) return {};
+    return in.previous_shape;
+  }
+
+  Rules rules_;
+  double match_tolerance_px_ = 3.0;
+  std::int64_t longest_age_ = 5;
+
+  std::optional<RayScene> scene_;
+  IndexLists around_;
+  std::uint64_t mesh_revision_ = 0;
+};
+
+}  // namespace
+}  // namespace weft::self_occlusion
+
+using weft::self_occlusion::SelfOcclusion;
+WEFT_PLUGIN(SelfOcclusion, "passes/self_occlusion", "1.0.0",
+            "Tells which vertices the camera sees, by rays on the shape and by the matches.")

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+#include <weft/data/camera.hpp>
+#include <weft/data/template.hpp>
+#include <weft/data/warp.hpp>
+#include <weft/geometry/mesh_adjacency.hpp>
+
+#include "sight.hpp"
+
+namespace weft::self_occlusion {
+
+/// What a warp tells without any shape (after Pizarro and Bartoli, Feature-based deformable surface
+/// detection with self-occlusion reasoning, IJCV 97, 2012): with J the affine map of a face from the
+/// texture to the image, the face is folded where det J has not the sign of most faces, and
+/// contracted where its smaller singular value is below 0.15 of the median. A vertex is hidden if
+/// all faces around it are, and outside if its place is not in the image. A face whose vertices are
+/// not evaluated says nothing.
+Sight look_at_warp(const Template& templ, const WarpSamples& warped, const IndexLists& around,
+                   const Camera& camera);
+
+}  // namespace weft::self_occlusion

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hidden_bend.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <map>
+#include <utility>
+#include <weft/geometry/mesh_bending.hpp>
+
+namespace weft::particle_sft {
+namespace {
+
+double kReachInEdges = 3.0;
+constexpr double kRidge = 1e-3;  // of the mean weight: keeps K finite where all edges are parallel
+
+/// The frame of an edge (a, b) and the face (a, b, c): along it, away from c in the plane of the
+/// face, and out of the front.
+struct EdgeFrame {
+  Eigen::Vector3d along, away, front;
+};
+
+EdgeFrame frame_of(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+  EdgeFrame frame;
+  frame.along = (b - a).normalized();
+  frame.front = (b - a).cross(c - a).normalized();
+  frame.away = frame.along.cross(frame.front);
+  return frame;
+}
+
+/// Whether c is left of the way from a to b, as the camera sees the front; v grows downwards.
+bool is_left(const Points2& flat_px, std::int32_t a, std::int32_t b, std::int32_t c) {
+  const Eigen::RowVector2d to_b = flat_px.row(b) - flat_px.row(a);
+  const Eigen::RowVector2d to_c = flat_px.row(c) - flat_px.row(a);
+  return to_b.x() * to_c.y() - to_b.y() * to_c.x() < 0.0;
+}
+
+bool has(const std::vector<std::uint8_t>& marked, std::int32_t vertex) {
+  return marked[static_cast<std::size_t>(vertex)] != 0;
+}
+
+}  // namespace
+
+Result<void> BendContinuation::build(const Template& templ) {
+  const Points3 rest_m = templ.vertices_m.matrix<3>();
+  const Points2 flat_px = templ.flat_px.matrix<2>();
+  const Faces faces = templ.faces.matrix<3>();
+  const auto topology = build_topology(faces, rest_m.rows());
+  if (!topology) return topology.error();
+  hinges_.clear();
+  double length_px = 0.0;
+  for (const BendingHinge& each : bending_hinges(rest_m, faces, *topology)) {
+    Hinge hinge;
+    hinge.vertex = each.vertex;
+    auto& [a, b, c, d] = hinge.vertex;
+    if (!is_left(flat_px, a, b, c)) std::swap(c, d);
+    const Eigen::Vector3d origin = rest_m.row(a), edge = rest_m.row(b).transpose() - origin;
+    for (std::size_t side = 0; side < 2; ++side) {
+      const Eigen::Vector3d to = rest_m.row(hinge.vertex[2 + side]).transpose() - origin;
+      hinge.along_m[side] = to.dot(edge.normalized());
+      hinge.height_m[side] = (to - hinge.along_m[side] * edge.normalized()).norm();
+    }
+    const Eigen::Vector2d flat_a = flat_px.row(a), flat_b = flat_px.row(b);
+    const Eigen::Vector2d flat_edge = flat_b - flat_a;
+    hinge.place_px = 0.5 * (flat_a + flat_b);
+    hinge.across = Eigen::Vector2d(flat_edge.y(), -flat_edge.x()).normalized();
+    length_px += flat_edge.norm();
+    hinge.rest_rad = angle_rad(hinge, rest_m);
+    hinges_.push_back(hinge);
+  }
+  reach_px_ = kReachInEdges * length_px / static_cast<double>(std::max<std::size_t>(1, hinges_.size()));
+  return {};
+}
+
+/// By how much the face of d is turned towards the front, out of the plane of the face of c.
+double BendContinuation::angle_rad(const Hinge& hinge, const Points3View& shape_m) {
+  const auto [a, b, c, d] = hinge.vertex;
+  const EdgeFrame frame = frame_of(shape_m.row(a), shape_m.row(b), shape_m.row(c));
+  const Eigen::Vector3d to_d = (shape_m.row(d) - shape_m.row(a)).transpose();
+  return std::atan2(to_d.dot(frame.front), to_d.dot(frame.away));
+}
+
+std::vector<double> BendContinuation::continued_angles(
+    const Points3View& shape_m, const std::vector<std::uint8_t>& hidden,
+    const std::vector<std::uint8_t>& unsure) const {
+  std::vector<const Hinge*> seen;
+  std::vector<double> bend_rad;  // of the seen hinges, against the rest shape
+  std::vector<double> angles_rad;
+  const auto touches = [](const Hinge& hinge, const std::vector<std::uint8_t>& marked) {
+    return std::any_of(hinge.vertex.begin(), hinge.vertex.end(),
+                       [&](std::int32_t v) { return has(marked, v); });
+  };
+  for (const Hinge& hinge : hinges_) {
+    angles_rad.push_back(angle_rad(hinge, shape_m));
+    if (touches(hinge, unsure) || !std::isfinite(angles_rad.back())) continue;
+    seen.push_back(&hinge);
+    bend_rad.push_back(angles_rad.back() - hinge.rest_rad);
+  }
+  if (seen.empty()) return angles_rad;
+  std::vector<double> distances_px(seen.size());
+  for (std::size_t h = 0; h < hinges_.size(); ++h) {
+    const Hinge& hinge = hinges_[h];
+    if (!touches(hinge, hidden)) continue;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      distances_px[i] = (seen[i]->place_px - hinge.place_px).norm();
+    }
+    const double nearest_px = *std::min_element(distances_px.begin(), distances_px.end());
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      const Eigen::Vector2d n = seen[i]->across;
+      const Eigen::Vector3d row =
+          seen[i]->width_m() * Eigen::Vector3d(n.x() * n.x(), 2.0 * n.x() * n.y(), n.y() * n.y());
+      const double weight = std::exp((nearest_px - distances_px[i]) / reach_px_);
+      normal += weight * row * row.transpose();
+      right += weight * bend_rad[i] * row;
+    }
+    normal.diagonal().array() += kRidge * normal.trace() / 3.0;
+    const Eigen::Vector3d k_per_m = normal.ldlt().solve(right);
+    const Eigen::Vector2d n = hinge.across;
+    const Eigen::Vector3d row(n.x() * n.x(), 2.0 * n.x() * n.y(), n.y() * n.y());
+    angles_rad[h] = hinge.rest_rad + hinge.width_m() * row.dot(k_per_m);
+  }
+  return angles_rad;
+}
+
+void BendContinuation::lay_out(const std::vector<double>& angles_rad,
+                               std::vector<std::uint8_t> placed, Points3& shape_m) const {
+  struct Sum {
+    Eigen::Vector3d place_m = Eigen::Vector3d::Zero();
+    int count = 0;
+  };
+  while (true) {
+    std::map<std::int32_t, Sum> next;
+    for (std::size_t h = 0; h < hinges_.size(); ++h) {
+      const Hinge& hinge = hinges_[h];
+      for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
+        const std::size_t other = 1 - side;
+        // Seen from d the edge runs the other way, so that both sides are the same case.
+        const std::int32_t a = hinge.vertex[side == 1 ? 0 : 1];
+        const std::int32_t b = hinge.vertex[side == 1 ? 1 : 0];
+        const std::int32_t c = hinge.vertex[2 + other], d = hinge.vertex[2 + side];
+        if (has(placed, d) || !has(placed, a) || !has(placed, b) || !has(placed, c)) continue;
+        const EdgeFrame frame = frame_of(shape_m.row(a), shape_m.row(b), shape_m.row(c));
+        const Eigen::Vector3d from_a = shape_m.row(hinge.vertex[0]);
+        const Eigen::Vector3d forward = side == 1 ? frame.along : -frame.along;
+        Sum& sum = next[d];
+        sum.place_m += from_a + hinge.along_m[side] * forward +
+                       hinge.height_m[side] * (std::cos(angles_rad[h]) * frame.away +
+                                               std::sin(angles_rad[h]) * frame.front);
+        ++sum.count;
+      }
+    }
+    if (next.empty()) return;
+    for (const auto& [vertex, sum] : next) {
+      shape_m.row(vertex) = (sum.place_m / sum.count).transpose();
+      placed[static_cast<std::size_t>(vertex)] = 1;
+    }
+  }
+}
+
+HiddenBend BendContinuation::continued(const Points3View& shape_m,
+                                       const std::vector<std::uint8_t>& hidden,
+                                       const std::vector<std::uint8_t>& unsure,
+                                       const std::vector<DistanceConstraint>& bending) const {
+  HiddenBend result{shape_m, bending};
+  const std::vector<double> angles_rad = continued_angles(shape_m, hidden, unsure);
+  std::vector<std::uint8_t> placed;
+  for (const std::uint8_t one : hidden) placed.push_back(one == 0 ? 1 : 0);
+  lay_out(angles_rad, std::move(placed), result.shape_m);
+  std::map<std::pair<std::int32_t, std::int32_t>, double> lengths_m;
+  for (std::size_t h = 0; h < hinges_.size(); ++h) {
+    const Hinge& hinge = hinges_[h];
+    const auto [a, b, c, d] = hinge.vertex;
+    if (!has(hidden, a) && !has(hidden, b) && !has(hidden, c) && !has(hidden, d)) continue;
+    const double along_m = hinge.along_m[1] - hinge.along_m[0];
+    const double flat_m = hinge.height_m[0] + hinge.height_m[1] * std::cos(angles_rad[h]);
+    const double up_m = hinge.height_m[1] * std::sin(angles_rad[h]);
+    lengths_m[std::minmax(c, d)] = std::sqrt(along_m * along_m + flat_m * flat_m + up_m * up_m);
+  }
+  for (DistanceConstraint& pair : result.bending) {
+    const auto found = lengths_m.find(std::minmax(pair.i, pair.j));
+    if (found != lengths_m.end() && found->second > 0.0) pair.rest_length_m = found->second;
+  }
+  return result;
+}
+
+}  // namespace weft::particle_sft

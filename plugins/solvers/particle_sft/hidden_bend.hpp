@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+#include <weft/core/result.hpp>
+#include <weft/data/template.hpp>
+#include <weft/geometry/distance_constraints.hpp>
+#include <weft/geometry/mesh_topology.hpp>
+#include <weft/geometry/types.hpp>
+
+namespace weft::particle_sft {
+
+/// What a hidden part is taken to look like.
+struct HiddenBend {
+  Points3 shape_m;  ///< [V,3] m, camera frame: the hidden part unrolled from the seen one
+  std::vector<DistanceConstraint> bending;  ///< those given, longer or shorter where hidden
+};
+
+/// Goes on with the bend of a surface where it is out of sight. A surface that has turned away has
+/// bent, and is likelier to go on than to become flat just where it can no longer be seen.
+///
+/// Across an edge of width w (a third of the two heights on it) and unit normal n in the texture,
+/// the bend against the rest shape is w n^T K n with a symmetric 2 x 2 matrix K. For a hidden edge K
+/// is fitted by least squares to the edges of the seen part, weighted by exp(-(d - d_min) / reach)
+/// with d the distance in the texture. The hidden vertices are then laid out ring by ring, each at
+/// the mean of the places that the edges next to it give.
+class BendContinuation {
+ public:
+  /// Fails on a mesh that cannot be used.
+  Result<void> build(const Template& templ);
+
+  /// `hidden` [V] is 1 for the vertices that are to be laid out from the others of the shape
+  /// [V,3] m. Without a seen edge, or where the hidden part does not touch it, the shape stays.
+  HiddenBend continued(const Points3View& shape_m, const std::vector<std::uint8_t>& hidden,
+                       const std::vector<std::uint8_t>& unsure,
+                       const std::vector<DistanceConstraint>& bending) const;
+
+ private:
+  /// The edge (a, b) between the faces (a, b, c) and (b, a, d), c left and d right of it as the
+  /// camera sees the front.
+  struct Hinge {
+    std::array<std::int32_t, 4> vertex{};   ///< [4] a, b, c, d
+    std::array<double, 2> along_m{};        ///< [2] m, of c and d from a along the edge, at rest
+    std::array<double, 2> height_m{};       ///< [2] m, of c and d over the edge, at rest
+    double rest_rad = 0.0;                  ///< [] rad, positive where the front is hollow
+    Eigen::Vector2d place_px, across;       ///< middle of the edge, unit normal to it, texture
+    double width_m() const { return (height_m[0] + height_m[1]) / 3.0; }
+  };
+
+  static double angle_rad(const Hinge& hinge, const Points3View& shape_m);
+  std::vector<double> continued_angles(const Points3View& shape_m,
+                                       const std::vector<std::uint8_t>& hidden,
+                                       const std::vector<std::uint8_t>& unsure) const;
+  void lay_out(const std::vector<double>& angles_rad, std::vector<std::uint8_t> placed,
+               Points3& shape_m) const;
+
+  std::vector<Hinge> hinges_;
+  double reach_px_ = 0.0;  ///< px, of the texture
+};
+
+}  // namespace weft::particle_sft
