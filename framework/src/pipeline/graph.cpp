@@ -30,6 +30,7 @@ using host::ComponentManifest;
 
 constexpr int kLongestLag = 1000;  // [frames]
 constexpr int kRefused = -2;       // instead of a value: a mistake has been reported
+constexpr std::string_view kPrevious = "previous.";
 
 /// Sources have a choice; they say what they produce.
 bool declares(const ComponentManifest& component, const std::string& slot) {
@@ -198,12 +199,14 @@ class Wiring {
     }
     std::vector<int> values;
     for (const std::string& name : rule->names) {
-      const int value = name.starts_with("previous.") ? earlier(*rule, name) : named(slot, name);
+      // In place of the previous value a stage may take one of this frame, to refine it.
+      const std::string made = slot.substr(slot.starts_with(kPrevious) ? kPrevious.size() : 0);
+      const int value = name.starts_with(kPrevious) ? earlier(*rule, name) : named(made, name);
       if (value == kRefused) continue;
       if (value >= 0) {
         values.push_back(value);
       } else if (slot == rule->slot) {
-        problems_.push_back({rule->at, wrong_name(config_, graph_, stage, slot, name)});
+        problems_.push_back({rule->at, wrong_name(config_, graph_, stage, made, name)});
       }
     }
     return values;
@@ -213,8 +216,8 @@ class Wiring {
   int earlier(const FromRule& rule, const std::string& name) {
     const std::size_t at = std::min(name.find('@'), name.size());
     const std::string slot = name.substr(0, at);
-    const std::string type = slot.substr(std::string("previous.").size());
-    const bool reads_previous = rule.slot.starts_with("previous.");
+    const std::string type = slot.substr(kPrevious.size());
+    const bool reads_previous = rule.slot.starts_with(kPrevious);
     if (type != (reads_previous ? rule.slot.substr(rule.slot.find('.') + 1) : rule.slot)) {
       problems_.push_back({rule.at, "'" + rule.slot + "' cannot be read from '" + name + "'"});
       return kRefused;

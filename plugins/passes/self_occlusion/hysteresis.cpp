@@ -40,6 +40,7 @@ Verdict judge(const Finding& found, const std::optional<Visibility>& previous, s
               const Rules& rules) {
   if (found.reason == SightReason::outside) return {false, 0.0};
   if (found.confirmed) return {true, 1.0};
+  if (found.reason == SightReason::unconfirmed) return {false, 0.0};
   if (!previous || previous->why(v) == SightReason::outside) {
     if (!found.known) return {true, kUndecided};
     return {found.reason == SightReason::seen, found.score};

@@ -60,12 +60,12 @@ Result<RayScene> RayScene::create() {
 
 void RayScene::set_mesh(const Points3View& vertices_m, const FacesView& faces) {
   RTCGeometry geometry = rtcNewGeometry(handles_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* xyz = static_cast<float*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
-      static_cast<std::size_t>(vertices_m.rows())));
-  auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned),
-      static_cast<std::size_t>(faces.rows())));
+  auto* xyz = static_cast<float*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                              3 * sizeof(float), static_cast<std::size_t>(vertices_m.rows())));
+  auto* indices = static_cast<unsigned*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                              3 * sizeof(unsigned), static_cast<std::size_t>(faces.rows())));
   for (Eigen::Index v = 0; v < vertices_m.rows(); ++v) {
     for (int k = 0; k < 3; ++k) *xyz++ = static_cast<float>(vertices_m(v, k));
   }

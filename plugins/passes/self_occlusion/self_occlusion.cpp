@@ -19,8 +19,9 @@ namespace {
 class SelfOcclusion final : public Pass {
  public:
   static constexpr About kAbout{
-      .reference = "Wald et al., Embree, ACM Transactions on Graphics 33 (2014); Pizarro, Bartoli, "
-                   "IJCV 97 (2012) for warps",
+      .reference =
+          "Wald et al., Embree, ACM Transactions on Graphics 33 (2014); Pizarro, Bartoli, "
+          "IJCV 97 (2012) for warps",
       .reads = "shape previous.shape previous.visibility correspondences warp_samples",
       .produces = "visibility"};
 

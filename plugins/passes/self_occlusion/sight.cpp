@@ -12,8 +12,7 @@ constexpr double kEdgeOnCosine = 0.02;
 constexpr double kSlackInEdges = 5e-3;  // what lies this near before a point is its own surface
 
 bool in_image(const Camera& camera, const Eigen::Vector3d& point_m) {
-  const Eigen::Vector2d pixel =
-      project({camera.fx, camera.fy, camera.cx, camera.cy}, point_m);
+  const Eigen::Vector2d pixel = project({camera.fx, camera.fy, camera.cx, camera.cy}, point_m);
   return pixel.x() >= -0.5 && pixel.y() >= -0.5 &&  // false for NaN
          pixel.x() <= static_cast<double>(camera.width_px) - 0.5 &&
          pixel.y() <= static_cast<double>(camera.height_px) - 0.5;
@@ -22,9 +21,9 @@ bool in_image(const Camera& camera, const Eigen::Vector3d& point_m) {
 Points3 centroids(const Points3View& vertices_m, const FacesView& faces) {
   Points3 points(faces.rows(), 3);
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    points.row(f) = (vertices_m.row(faces(f, 0)) + vertices_m.row(faces(f, 1)) +
-                     vertices_m.row(faces(f, 2))) /
-                    3.0;
+    points.row(f) =
+        (vertices_m.row(faces(f, 0)) + vertices_m.row(faces(f, 1)) + vertices_m.row(faces(f, 2))) /
+        3.0;
   }
   return points;
 }

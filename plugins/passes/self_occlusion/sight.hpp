@@ -19,8 +19,8 @@ enum class Facing : std::uint8_t { towards, away, edge_on };
 struct Sight {
   std::vector<SightReason> reason;  ///< [V]
   std::vector<std::uint8_t> known;  ///< [V] 0 where all faces around a vertex are edge-on or away
-  std::vector<double> score;  ///< [V] half for the vertex, half for the seen share of its faces
-  std::vector<Facing> facing;       ///< [F]
+  std::vector<double> score;   ///< [V] half for the vertex, half for the seen share of its faces
+  std::vector<Facing> facing;  ///< [F]
 };
 
 /// Facing of each face of vertices [V,3] m, camera frame. Faces are counter-clockwise as seen from

@@ -13,8 +13,8 @@
 namespace weft::self_occlusion {
 
 /// What a warp tells without any shape (after Pizarro and Bartoli, Feature-based deformable surface
-/// detection with self-occlusion reasoning, IJCV 97, 2012): with J the affine map of a face from the
-/// texture to the image, the face is folded where det J has not the sign of most faces, and
+/// detection with self-occlusion reasoning, IJCV 97, 2012): with J the affine map of a face from
+/// the texture to the image, the face is folded where det J has not the sign of most faces, and
 /// contracted where its smaller singular value is below 0.15 of the median. A vertex is hidden if
 /// all faces around it are, and outside if its place is not in the image. A face whose vertices are
 /// not evaluated says nothing.

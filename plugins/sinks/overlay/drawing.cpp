@@ -12,7 +12,8 @@ namespace {
 constexpr int kShift = 4;            // positions are given to OpenCV in 1/16 px
 constexpr double kFarAway_px = 1e6;  // beyond this the fixed-point numbers of OpenCV overflow
 constexpr double kHaloOpacity = 0.25;
-constexpr double kBackOpacity = 0.3;  // of edges that turn away, relative to the others
+constexpr double kUnseenOpacity = 0.5;  // relative to the others
+constexpr double kDash_px = 4.0;        // drawn, and as much left out
 
 bool drawable(const cv::Point2d& p) {
   return std::abs(p.x) < kFarAway_px && std::abs(p.y) < kFarAway_px;  // false for NaN
@@ -27,6 +28,19 @@ struct Segment {
   cv::Point2d from, to;
   bool border;
 };
+
+/// Appends the dashes of a segment: one at either end, and gaps as long as they are.
+void add_dashes(const Segment& segment, std::vector<Segment>& dashes) {
+  constexpr double kMost = 1000.0;  // of segments that leave the picture
+  const cv::Point2d way = segment.to - segment.from;
+  const double wanted = std::clamp(std::hypot(way.x, way.y) / kDash_px, 1.0, kMost);
+  const int pieces = 2 * static_cast<int>(0.5 * wanted) + 1;
+  for (int piece = 0; piece < pieces; piece += 2) {
+    dashes.push_back({segment.from + way * (static_cast<double>(piece) / pieces),
+                      segment.from + way * (static_cast<double>(piece + 1) / pieces),
+                      segment.border});
+  }
+}
 
 /// Lays `draw(layer)` over the canvas.
 template <class Draw>
@@ -73,23 +87,34 @@ MeshStyle style_of(ShapeState state, int line_width_px) {
 }
 
 void draw_mesh(cv::Mat& canvas, const Points2View& vertices_px, const FacesView& faces,
-               const MeshTopology& topology, const MeshStyle& style) {
-  std::vector<Segment> front, back;
+               const MeshTopology& topology, std::span<const std::uint8_t> visible,
+               const MeshStyle& style) {
+  std::vector<Segment> seen, unseen;
+  const auto is_unseen = [&](Eigen::Index e) {
+    if (!visible.empty()) {
+      return visible[static_cast<std::size_t>(topology.edges(e, 0))] == 0 &&
+             visible[static_cast<std::size_t>(topology.edges(e, 1))] == 0;
+    }
+    const std::int32_t one = topology.edge_faces(e, 0), other = topology.edge_faces(e, 1);
+    return turns_away(vertices_px, faces, one) &&
+           (other < 0 || turns_away(vertices_px, faces, other));
+  };
   for (Eigen::Index e = 0; e < topology.edges.rows(); ++e) {
     const auto point = [&](int end) {
       const auto row = vertices_px.row(topology.edges(e, end));
       return cv::Point2d(row.x(), row.y());
     };
-    const std::int32_t one = topology.edge_faces(e, 0), other = topology.edge_faces(e, 1);
-    const Segment segment{point(0), point(1), other < 0};
+    const Segment segment{point(0), point(1), topology.edge_faces(e, 1) < 0};
     if (!drawable(segment.from) || !drawable(segment.to)) continue;
-    const bool hidden =
-        turns_away(vertices_px, faces, one) && (other < 0 || turns_away(vertices_px, faces, other));
-    (hidden ? back : front).push_back(segment);
+    if (is_unseen(e)) {
+      add_dashes(segment, unseen);
+    } else {
+      seen.push_back(segment);
+    }
   }
-  draw_segments(canvas, back, style.colour, style.opacity * kBackOpacity, style.line_width_px);
-  draw_segments(canvas, front, {0, 0, 0}, style.opacity * kHaloOpacity, style.line_width_px + 2);
-  draw_segments(canvas, front, style.colour, style.opacity, style.line_width_px);
+  draw_segments(canvas, unseen, style.colour, style.opacity * kUnseenOpacity, style.line_width_px);
+  draw_segments(canvas, seen, {0, 0, 0}, style.opacity * kHaloOpacity, style.line_width_px + 2);
+  draw_segments(canvas, seen, style.colour, style.opacity, style.line_width_px);
 }
 
 void draw_points(cv::Mat& canvas, const std::vector<cv::Point2d>& points_px) {

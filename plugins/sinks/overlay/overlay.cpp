@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 class Overlay final : public Sink {
  public:
   static constexpr About kAbout{.needs = "image camera template",
-                                .reads = "shape correspondences time"};
+                                .reads = "shape visibility correspondences time"};
 
   explicit Overlay(Params& p) {
     p.output_path("path", path_, "video file, .avi or .mkv");
@@ -99,11 +99,17 @@ class Overlay final : public Sink {
       const Pinhole pinhole{in.camera->fx, in.camera->fy, in.camera->cx, in.camera->cy};
       const MeshStyle style = style_of(shape.shape_state(), line_width_px_);
       draw_mesh(canvas, project_points(pinhole, shape.vertices_m.matrix<3>()),
-                in.templ->faces.matrix<3>(), topology_, style);
+                in.templ->faces.matrix<3>(), topology_, visible_in(in), style);
       caption_colour = style.colour;
     }
     draw_caption(canvas, caption(in), caption_colour);
     return {};
+  }
+
+  /// [V] what is said of this very shape; empty where nothing is.
+  static std::span<const std::uint8_t> visible_in(const SinkInput& in) {
+    if (!in.visibility || in.visibility->visible.rows() != in.shape->vertices_m.rows()) return {};
+    return {in.visibility->visible.data(), static_cast<std::size_t>(in.visibility->visible.rows())};
   }
 
   static std::vector<cv::Point2d> kept_points(const Correspondences& matches) {

@@ -8,13 +8,14 @@
 #include <cstddef>
 #include <limits>
 #include <map>
+#include <string>
 #include <utility>
 #include <weft/geometry/mesh_bending.hpp>
 
 namespace weft::particle_sft {
 namespace {
 
-double kReachInEdges = 3.0;
+constexpr double kReachInEdges = 3.0;
 constexpr double kRidge = 1e-3;  // of the mean weight: keeps K finite where all edges are parallel
 
 /// The frame of an edge (a, b) and the face (a, b, c): along it, away from c in the plane of the
@@ -44,6 +45,39 @@ bool has(const std::vector<std::uint8_t>& marked, std::int32_t vertex) {
 
 }  // namespace
 
+Result<std::vector<std::uint8_t>> hidden_part(const Visibility& visibility,
+                                              const std::vector<RayConstraint>& rays,
+                                              const IndexLists& neighbours) {
+  const Eigen::Index count = neighbours.size();
+  if (visibility.visible.rows() != count) {
+    return Error{Errc::invalid_data,
+                 "the visibility has " + std::to_string(visibility.visible.rows()) +
+                     " vertices, the template " + std::to_string(count) +
+                     ": use one template throughout",
+                 {}};
+  }
+  std::vector<std::uint8_t> measured(static_cast<std::size_t>(count), 0), hidden = measured;
+  for (const RayConstraint& seen : rays) {
+    for (const std::int32_t v : seen.vertices) measured[static_cast<std::size_t>(v)] = 1;
+  }
+  std::vector<std::int32_t> front;
+  const auto hide = [&](std::int32_t v) {
+    if (has(measured, v) || has(hidden, v)) return;
+    hidden[static_cast<std::size_t>(v)] = 1;
+    front.push_back(v);
+  };
+  for (std::int32_t v = 0; v < count; ++v) {
+    if (visibility.visible(v) == 0 && visibility.why(v) != SightReason::outside) hide(v);
+  }
+  if (front.empty()) return std::vector<std::uint8_t>{};
+  while (!front.empty()) {
+    const std::int32_t v = front.back();
+    front.pop_back();
+    for (const std::int32_t next : neighbours[v]) hide(next);
+  }
+  return hidden;
+}
+
 Result<void> BendContinuation::build(const Template& templ) {
   const Points3 rest_m = templ.vertices_m.matrix<3>();
   const Points2 flat_px = templ.flat_px.matrix<2>();
@@ -71,8 +105,24 @@ Result<void> BendContinuation::build(const Template& templ) {
     hinge.rest_rad = angle_rad(hinge, rest_m);
     hinges_.push_back(hinge);
   }
-  reach_px_ = kReachInEdges * length_px / static_cast<double>(std::max<std::size_t>(1, hinges_.size()));
+  reach_px_ =
+      kReachInEdges * length_px / static_cast<double>(std::max<std::size_t>(1, hinges_.size()));
   return {};
+}
+
+std::vector<std::uint8_t> BendContinuation::with_rim(
+    const std::vector<std::uint8_t>& hidden) const {
+  std::vector<std::uint8_t> grown = hidden;
+  for (const Hinge& hinge : hinges_) {
+    if (!touches(hinge, hidden)) continue;
+    for (const std::int32_t v : hinge.vertex) grown[static_cast<std::size_t>(v)] = 1;
+  }
+  return grown;
+}
+
+bool BendContinuation::touches(const Hinge& hinge, const std::vector<std::uint8_t>& marked) {
+  return std::any_of(hinge.vertex.begin(), hinge.vertex.end(),
+                     [&](std::int32_t v) { return has(marked, v); });
 }
 
 /// By how much the face of d is turned towards the front, out of the plane of the face of c.
@@ -84,15 +134,12 @@ double BendContinuation::angle_rad(const Hinge& hinge, const Points3View& shape_
 }
 
 std::vector<double> BendContinuation::continued_angles(
-    const Points3View& shape_m, const std::vector<std::uint8_t>& hidden,
-    const std::vector<std::uint8_t>& unsure) const {
+    const Points3View& shape_m, const std::vector<std::uint8_t>& hidden) const {
+  // What is hidden pulls at the edges next to it.
+  const std::vector<std::uint8_t> unsure = with_rim(hidden);
   std::vector<const Hinge*> seen;
   std::vector<double> bend_rad;  // of the seen hinges, against the rest shape
   std::vector<double> angles_rad;
-  const auto touches = [](const Hinge& hinge, const std::vector<std::uint8_t>& marked) {
-    return std::any_of(hinge.vertex.begin(), hinge.vertex.end(),
-                       [&](std::int32_t v) { return has(marked, v); });
-  };
   for (const Hinge& hinge : hinges_) {
     angles_rad.push_back(angle_rad(hinge, shape_m));
     if (touches(hinge, unsure) || !std::isfinite(angles_rad.back())) continue;
@@ -164,22 +211,21 @@ void BendContinuation::lay_out(const std::vector<double>& angles_rad,
 
 HiddenBend BendContinuation::continued(const Points3View& shape_m,
                                        const std::vector<std::uint8_t>& hidden,
-                                       const std::vector<std::uint8_t>& unsure,
                                        const std::vector<DistanceConstraint>& bending) const {
   HiddenBend result{shape_m, bending};
-  const std::vector<double> angles_rad = continued_angles(shape_m, hidden, unsure);
+  const std::vector<double> angles_rad = continued_angles(shape_m, hidden);
   std::vector<std::uint8_t> placed;
   for (const std::uint8_t one : hidden) placed.push_back(one == 0 ? 1 : 0);
   lay_out(angles_rad, std::move(placed), result.shape_m);
   std::map<std::pair<std::int32_t, std::int32_t>, double> lengths_m;
   for (std::size_t h = 0; h < hinges_.size(); ++h) {
     const Hinge& hinge = hinges_[h];
-    const auto [a, b, c, d] = hinge.vertex;
-    if (!has(hidden, a) && !has(hidden, b) && !has(hidden, c) && !has(hidden, d)) continue;
+    if (!touches(hinge, hidden)) continue;
     const double along_m = hinge.along_m[1] - hinge.along_m[0];
     const double flat_m = hinge.height_m[0] + hinge.height_m[1] * std::cos(angles_rad[h]);
     const double up_m = hinge.height_m[1] * std::sin(angles_rad[h]);
-    lengths_m[std::minmax(c, d)] = std::sqrt(along_m * along_m + flat_m * flat_m + up_m * up_m);
+    lengths_m[std::minmax(hinge.vertex[2], hinge.vertex[3])] =
+        std::sqrt(along_m * along_m + flat_m * flat_m + up_m * up_m);
   }
   for (DistanceConstraint& pair : result.bending) {
     const auto found = lengths_m.find(std::minmax(pair.i, pair.j));

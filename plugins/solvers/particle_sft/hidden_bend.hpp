@@ -6,11 +6,21 @@
 #include <vector>
 #include <weft/core/result.hpp>
 #include <weft/data/template.hpp>
+#include <weft/data/visibility.hpp>
 #include <weft/geometry/distance_constraints.hpp>
-#include <weft/geometry/mesh_topology.hpp>
+#include <weft/geometry/mesh_adjacency.hpp>
 #include <weft/geometry/types.hpp>
 
+#include "relaxation.hpp"
+
 namespace weft::particle_sft {
+
+/// [V] 1 for vertices that cannot be seen, and for those without a ray that are joined to them by
+/// such vertices: next to a rim nothing is recognised either. Empty where nothing is hidden; what
+/// is outside the image is not. Fails on a visibility of another mesh.
+Result<std::vector<std::uint8_t>> hidden_part(const Visibility& visibility,
+                                              const std::vector<RayConstraint>& rays,
+                                              const IndexLists& neighbours);
 
 /// What a hidden part is taken to look like.
 struct HiddenBend {
@@ -22,10 +32,10 @@ struct HiddenBend {
 /// bent, and is likelier to go on than to become flat just where it can no longer be seen.
 ///
 /// Across an edge of width w (a third of the two heights on it) and unit normal n in the texture,
-/// the bend against the rest shape is w n^T K n with a symmetric 2 x 2 matrix K. For a hidden edge K
-/// is fitted by least squares to the edges of the seen part, weighted by exp(-(d - d_min) / reach)
-/// with d the distance in the texture. The hidden vertices are then laid out ring by ring, each at
-/// the mean of the places that the edges next to it give.
+/// the bend against the rest shape is w n^T K n with a symmetric 2 x 2 matrix K. For a hidden edge
+/// K is fitted by least squares to the edges of the seen part, weighted by exp(-(d - d_min) /
+/// reach) with d the distance in the texture. The hidden vertices are then laid out ring by ring,
+/// each at the mean of the places that the edges next to it give.
 class BendContinuation {
  public:
   /// Fails on a mesh that cannot be used.
@@ -34,25 +44,25 @@ class BendContinuation {
   /// `hidden` [V] is 1 for the vertices that are to be laid out from the others of the shape
   /// [V,3] m. Without a seen edge, or where the hidden part does not touch it, the shape stays.
   HiddenBend continued(const Points3View& shape_m, const std::vector<std::uint8_t>& hidden,
-                       const std::vector<std::uint8_t>& unsure,
                        const std::vector<DistanceConstraint>& bending) const;
 
  private:
   /// The edge (a, b) between the faces (a, b, c) and (b, a, d), c left and d right of it as the
   /// camera sees the front.
   struct Hinge {
-    std::array<std::int32_t, 4> vertex{};   ///< [4] a, b, c, d
-    std::array<double, 2> along_m{};        ///< [2] m, of c and d from a along the edge, at rest
-    std::array<double, 2> height_m{};       ///< [2] m, of c and d over the edge, at rest
-    double rest_rad = 0.0;                  ///< [] rad, positive where the front is hollow
-    Eigen::Vector2d place_px, across;       ///< middle of the edge, unit normal to it, texture
+    std::array<std::int32_t, 4> vertex{};  ///< [4] a, b, c, d
+    std::array<double, 2> along_m{};       ///< [2] m, of c and d from a along the edge, at rest
+    std::array<double, 2> height_m{};      ///< [2] m, of c and d over the edge, at rest
+    double rest_rad = 0.0;                 ///< [] rad, positive where the front is hollow
+    Eigen::Vector2d place_px, across;      ///< middle of the edge, unit normal to it, texture
     double width_m() const { return (height_m[0] + height_m[1]) / 3.0; }
   };
 
+  static bool touches(const Hinge& hinge, const std::vector<std::uint8_t>& marked);
+  std::vector<std::uint8_t> with_rim(const std::vector<std::uint8_t>& hidden) const;
   static double angle_rad(const Hinge& hinge, const Points3View& shape_m);
   std::vector<double> continued_angles(const Points3View& shape_m,
-                                       const std::vector<std::uint8_t>& hidden,
-                                       const std::vector<std::uint8_t>& unsure) const;
+                                       const std::vector<std::uint8_t>& hidden) const;
   void lay_out(const std::vector<double>& angles_rad, std::vector<std::uint8_t> placed,
                Points3& shape_m) const;
 

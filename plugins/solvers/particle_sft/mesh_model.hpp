@@ -30,6 +30,7 @@ class MeshModel {
   const Faces& faces() const { return faces_; }
   const std::vector<DistanceConstraint>& stretch() const { return stretch_; }  ///< edges
   const std::vector<DistanceConstraint>& bending() const { return bending_; }
+  const IndexLists& neighbours() const { return neighbours_; }  ///< of each vertex
 
   /// The shape [V,3] nearest to `rough_m` that bends less: the minimum of |X - rough|^2 + smoothing
   /// s^2 (bending energy of X - X_rest), s the mean edge length and X_rest the rest mesh brought

@@ -10,6 +10,7 @@
 #include <weft/sdk/solver.hpp>
 
 #include "fit.hpp"
+#include "hidden_bend.hpp"
 #include "known_spheres.hpp"
 #include "mesh_model.hpp"
 #include "relaxation.hpp"
@@ -56,7 +57,7 @@ class ParticleSft final : public Solver {
           "Ozgur, Bartoli, Particle-SfT, IJCV 123 (2017); Aranda et al., Monocular "
           "shape tracking, IROS 2020",
       .needs = "sightlines",
-      .reads = "previous.shape known_points correspondences"};
+      .reads = "previous.shape known_points correspondences visibility"};
 
   explicit ParticleSft(Params& p) {
     p.read("damping", options_.damping, "", {0.0, 1.0}, "velocity lost in an iteration");
@@ -75,6 +76,9 @@ class ParticleSft final : public Solver {
     p.component("start", start_, "shape from which an object is found without a previous shape");
     p.read("start_smoothing", start_smoothing_, "squared mean edge lengths", {0.0, 1e6},
            "how strongly the bends of that shape are smoothed; 0: not at all");
+    p.read(
+        "continue_hidden_bend", continue_hidden_bend_,
+        "go on with the bend of the seen part where a visibility says that the surface is hidden");
   }
 
   Result<Shape> solve(const SolverInput& in) override {
@@ -98,9 +102,9 @@ class ParticleSft final : public Solver {
     if (mesh_revision_ != 0 && templ.revision == mesh_revision_) return {};
     mesh_revision_ = 0;
     if (auto built = mesh_.build(templ, start_smoothing_); !built) return built;
+    if (auto built = continuation_.build(templ); !built) return built;
     mesh_revision_ = templ.revision;
     system_.stretch = mesh_.stretch();
-    system_.bending = mesh_.bending();
     return {};
   }
 
@@ -130,6 +134,12 @@ class ParticleSft final : public Solver {
                        " of at least " + std::to_string(min_sightlines_));
     }
     if (auto enough = count_matches(in); !enough) return enough;
+    hidden_.clear();
+    if (in.visibility && continue_hidden_bend_) {
+      auto hidden = hidden_part(*in.visibility, system_.rays, mesh_.neighbours());
+      if (!hidden) return hidden.error();
+      hidden_ = *std::move(hidden);
+    }
     system_.spheres.clear();
     inconsistent_pairs_ = 0;
     if (!in.known_points) return {};
@@ -206,6 +216,12 @@ class ParticleSft final : public Solver {
   Result<void> relax(const SolverInput& in, StartKind start, const Points3& from_m,
                      std::vector<Candidate>& candidates) {
     Candidate candidate{start, from_m, {}, {}};
+    system_.bending = mesh_.bending();
+    if (!hidden_.empty()) {
+      HiddenBend bend = continuation_.continued(from_m, hidden_, mesh_.bending());
+      candidate.vertices_m = std::move(bend.shape_m);
+      system_.bending = std::move(bend.bending);
+    }
     candidate.relaxation = relaxation_.run(system_, options_, candidate.vertices_m,
                                            [&] { return in.call.cancelled(); });
     if (candidate.relaxation.stop == Stop::cancelled) {
@@ -268,10 +284,13 @@ class ParticleSft final : public Solver {
   int min_sightlines_ = 3;
   SolverComponent start_{"solvers/brunet_mdh"};
   double start_smoothing_ = 1.5;
+  bool continue_hidden_bend_ = true;
 
   MeshModel mesh_;
   std::uint64_t mesh_revision_ = 0;
+  BendContinuation continuation_;
   ParticleSystem system_;
+  std::vector<std::uint8_t> hidden_;  ///< [V] 1 for the hidden part; empty without one
   int matches_ = 0;
   int inconsistent_pairs_ = 0;
   Relaxation relaxation_;

@@ -28,8 +28,8 @@ struct Visibility {
   static void fields(Self& self, Visit&& visit) {
     visit(self.visible, Field{"visible", "V", "0 or 1", "1 where the camera sees the vertex"});
     visit(self.score, Field{"score", "V", "0 to 1", "0 hidden, 1 seen"});
-    visit(self.reason,
-          Field{"reason", "V", "", "0 seen, 1 outside the image, 2 faces away, 3 hidden, 4 unconfirmed"});
+    visit(self.reason, Field{"reason", "V", "",
+                             "0 seen, 1 outside the image, 2 faces away, 3 hidden, 4 unconfirmed"});
     visit(self.diag, Field{"diag.*", "*", "", "evidence", true});
   }
 };

@@ -78,7 +78,7 @@ struct FrameMetrics {
   double strain_mean = kUnknown;  ///< [] mean |l / l0 - 1| over the edges
   double strain_p95 = kUnknown;   ///< [] 95th percentile of it
   ImageMetrics image;
-  std::optional<DepthMetrics> depth;  ///< where the truth has a depth image
+  std::optional<DepthMetrics> depth;           ///< where the truth has a depth image
   std::optional<VisibilityCounts> visibility;  ///< where the truth says what is seen
   MotionMetrics motion;
   std::vector<std::pair<std::string, FilterCounts>> filters;  ///< by stage

@@ -13,10 +13,10 @@ namespace weft::evaluation {
 
 /// One frame whose truth says what the camera sees. Positive is a vertex that is seen.
 struct VisibilityCounts {
-  std::int64_t seen_right = 0;    ///< [] vertices, true positives
-  std::int64_t seen_wrong = 0;    ///< [] vertices, false positives
-  std::int64_t hidden_right = 0;  ///< [] vertices, true negatives
-  std::int64_t hidden_wrong = 0;  ///< [] vertices, false negatives
+  std::int64_t seen_right = 0;                         ///< [] vertices, true positives
+  std::int64_t seen_wrong = 0;                         ///< [] vertices, false positives
+  std::int64_t hidden_right = 0;                       ///< [] vertices, true negatives
+  std::int64_t hidden_wrong = 0;                       ///< [] vertices, false negatives
   std::int64_t visible_points = 0, hidden_points = 0;  ///< [] of the truth, with an error
   double visible_sum_mm = 0.0, hidden_sum_mm = 0.0;    ///< [] mm, sums of their errors
 

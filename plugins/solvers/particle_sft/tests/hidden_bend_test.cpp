@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hidden_bend.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <weft/geometry/distance_constraints.hpp>
+#include <weft/geometry/mesh_topology.hpp>
+#include <weft/testing/synthetic.hpp>
+
+namespace weft::particle_sft {
+namespace {
+
+constexpr int kColumns = 13, kRows = 9;
+
+/// A fine sheet, flat and bent to a cylinder whose rulings are slanted; its last columns are
+/// hidden.
+struct Scene {
+  testing::SheetSpec sheet{kColumns, kRows, 0.24, 0.16, 600, 400};
+  Template templ = testing::make_template(sheet);
+  MeshTopology topology = *build_topology(templ.faces.matrix<3>(), kColumns* kRows);
+  std::vector<DistanceConstraint> bending =
+      *distance_constraints(topology.bending_pairs, templ.vertices_m.matrix<3>());
+  IndexLists neighbours = vertex_neighbours(topology.edges, kColumns* kRows);
+  std::vector<std::uint8_t> hidden = std::vector<std::uint8_t>(kColumns * kRows, 0);
+  BendContinuation continuation;
+
+  Scene() {
+    EXPECT_TRUE(continuation.build(templ));
+    for (int v = 0; v < kColumns * kRows; ++v) {
+      hidden[static_cast<std::size_t>(v)] = v % kColumns >= 9 ? 1 : 0;
+    }
+  }
+
+  Points3 cylinder(double radius_m) const {
+    return testing::bent_vertices(templ, testing::make_cylinder(sheet, radius_m, 0.3));
+  }
+
+  /// The same with the hidden part anywhere.
+  Points3 spoilt(Points3 shape_m) const {
+    for (Eigen::Index v = 0; v < shape_m.rows(); ++v) {
+      if (hidden[static_cast<std::size_t>(v)] != 0) shape_m.row(v) << 0.3, 0.2, 0.9;
+    }
+    return shape_m;
+  }
+
+  Visibility visibility() const {
+    Visibility seen;
+    seen.visible = seen.reason = Array<std::uint8_t>({kColumns * kRows});
+    std::fill_n(seen.visible.data(), kColumns * kRows, 1);
+    return seen;
+  }
+};
+
+double largest_error_m(const Points3& a, const Points3& b) {
+  return (a - b).rowwise().norm().maxCoeff();
+}
+
+TEST(HiddenBend, GoesOnWithACylinderBothWaysRound) {
+  const Scene scene;
+  for (const double radius_m : {0.1, -0.1}) {
+    const Points3 truth_m = scene.cylinder(radius_m);
+    const HiddenBend bend =
+        scene.continuation.continued(scene.spoilt(truth_m), scene.hidden, scene.bending);
+    EXPECT_LT(largest_error_m(bend.shape_m, truth_m), 1.5e-3) << radius_m;
+    EXPECT_LT(strain_statistics(
+                  *distance_constraints(scene.topology.edges, scene.templ.vertices_m.matrix<3>()),
+                  bend.shape_m)
+                  .max,
+              0.01)
+        << radius_m;
+  }
+}
+
+TEST(HiddenBend, LeavesAFlatSheetFlatAndItsRestLengthsAlone) {
+  const Scene scene;
+  const Points3 flat_m = scene.templ.vertices_m.matrix<3>();
+  const HiddenBend bend =
+      scene.continuation.continued(scene.spoilt(flat_m), scene.hidden, scene.bending);
+  EXPECT_LT(largest_error_m(bend.shape_m, flat_m), 1e-9);
+  for (std::size_t i = 0; i < scene.bending.size(); ++i) {
+    EXPECT_NEAR(bend.bending[i].rest_length_m, scene.bending[i].rest_length_m, 1e-9);
+  }
+}
+
+TEST(HiddenBend, ChangesRestLengthsInTheHiddenPartOnly) {
+  const Scene scene;
+  const Points3 truth_m = scene.cylinder(0.08);
+  const HiddenBend bend =
+      scene.continuation.continued(scene.spoilt(truth_m), scene.hidden, scene.bending);
+  const auto is_hidden = [&](std::int32_t v) { return scene.hidden[static_cast<std::size_t>(v)]; };
+  int changed = 0;
+  for (std::size_t i = 0; i < scene.bending.size(); ++i) {
+    const DistanceConstraint& pair = bend.bending[i];
+    if (pair.i % kColumns < 8 && pair.j % kColumns < 8) {
+      EXPECT_EQ(pair.rest_length_m, scene.bending[i].rest_length_m);
+    } else if (is_hidden(pair.i) && is_hidden(pair.j)) {
+      const double true_m = (truth_m.row(pair.i) - truth_m.row(pair.j)).norm();
+      EXPECT_NEAR(pair.rest_length_m, true_m, 2e-4);
+      ++changed;
+    }
+  }
+  EXPECT_GT(changed, 30);
+}
+
+TEST(HiddenBend, LeavesAShapeOfWhichNothingIsSeen) {
+  Scene scene;
+  const Points3 shape_m = scene.cylinder(0.1);
+  std::fill(scene.hidden.begin(), scene.hidden.end(), 1);
+  EXPECT_EQ(scene.continuation.continued(shape_m, scene.hidden, scene.bending).shape_m, shape_m);
+}
+
+TEST(HiddenBend, TakesTheUnmeasuredVerticesBesideAHiddenOneAsHidden) {
+  const Scene scene;
+  Visibility seen = scene.visibility();
+  std::vector<RayConstraint> rays;
+  for (std::int32_t v = 0; v < kColumns * kRows; ++v) {
+    if (v % kColumns < 6 && v != 0) rays.push_back({{v, v, v}, {1, 0, 0}, {0, 0, 1}, 1.0});
+  }
+  EXPECT_TRUE(hidden_part(seen, rays, scene.neighbours)->empty()) << "unmeasured is not hidden";
+  seen.visible(12) = 0;
+  seen.reason(12) = static_cast<std::uint8_t>(SightReason::outside);
+  EXPECT_TRUE(hidden_part(seen, rays, scene.neighbours)->empty()) << "nor is what is outside";
+  seen.reason(12) = static_cast<std::uint8_t>(SightReason::hidden);
+  const auto hidden = hidden_part(seen, rays, scene.neighbours);
+  ASSERT_TRUE(hidden);
+  for (std::int32_t v = 0; v < kColumns * kRows; ++v) {
+    EXPECT_EQ((*hidden)[static_cast<std::size_t>(v)], v % kColumns >= 6 ? 1 : 0) << v;
+  }
+  seen.visible = Array<std::uint8_t>({5});
+  EXPECT_FALSE(hidden_part(seen, rays, scene.neighbours));
+}
+
+}  // namespace
+}  // namespace weft::particle_sft
