@@ -13,6 +13,7 @@
 #include <weft/data/ground_truth.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/data/template.hpp>
+#include <weft/data/visibility.hpp>
 #include <weft/evaluation/metrics.hpp>
 #include <weft/host/npz.hpp>
 #include <weft/testing/synthetic.hpp>
@@ -84,7 +85,8 @@ class TestRun {
 
   /// Writes the next frame; its stem is "f" and its index. Without vertices the state is none.
   void add(ShapeState state, const std::optional<Points3>& vertices_m,
-           const std::optional<GroundTruth>& truth, bool failed = false) {
+           const std::optional<GroundTruth>& truth, bool failed = false,
+           const std::optional<Visibility>& visibility = std::nullopt) {
     host::NamedRecords records;
     if (vertices_m) {
       Shape shape;
@@ -94,6 +96,7 @@ class TestRun {
       records.emplace_back("shape", host::Record::copy_of(shape));
     }
     if (truth) records.emplace_back("ground_truth", host::Record::copy_of(*truth));
+    if (visibility) records.emplace_back("visibility", host::Record::copy_of(*visibility));
     if (!records.empty()) write_npz(frame_name(count_), records);
     const std::string index = std::to_string(count_++);
     append_line("{\"frame\": " + index + ", \"stem\": \"f" + index + "\", \"state\": \"" +

@@ -125,6 +125,25 @@ TEST_F(Wiring, LetsFromReadEarlierFrames) {
   EXPECT_EQ(lag(4, 3), 1);
 }
 
+TEST_F(Wiring, LetsAStageRefineWhatAnotherMadeInTheSameFrame) {
+  const auto refining = [](const std::string& made_by) {
+    std::string text = chain();
+    return text.insert(
+        text.find("sinks:"),
+        "  - {use: solvers/test.scripted, as: refined, from: {previous.shape: " + made_by + "}}\n");
+  };
+  const auto [pipeline, report] = check(refining("solvers"));
+  ASSERT_TRUE(report.ok()) << report.text();
+  const InputLink& start = pipeline.graph.stages.back().inputs.back();
+  EXPECT_EQ(start.slot, "previous.shape") << "as the component sees it";
+  EXPECT_FALSE(start.required);
+  const ValueInfo& value = pipeline.graph.values[static_cast<std::size_t>(start.value)];
+  EXPECT_EQ(value.slot, "shape");
+  EXPECT_EQ(value.name, "solvers");
+  EXPECT_THAT(check(refining("warps")).second.text(),
+              HasSubstr("'warps' makes warp, warp_samples, not 'shape'"));
+}
+
 TEST_F(Wiring, RefusesEarlierFramesThatCannotBe) {
   const auto refusal = [&](const std::string& from) {
     const auto found = lines(check(head() +
