@@ -83,6 +83,26 @@ void brunet_mdh(benchmark::State& state) {
        {"sightlines", record_of(scene.sightlines)}});
 }
 
+/// A rolled sheet whose ends are hidden, with its matches.
+void self_occlusion(benchmark::State& state) {
+  const testing::SheetSpec sheet{static_cast<int>(state.range(0)), static_cast<int>(state.range(1))};
+  const Template templ = testing::make_template(sheet);
+  const Camera camera = testing::make_camera();
+  const Points3 rolled_m = testing::bent_vertices(templ, testing::make_cylinder(sheet, 0.07, 0.0));
+  Rng rng(1);
+  const Correspondences matches =
+      testing::draw_matches(templ, camera, rolled_m, {300, 1.0, 0.5}, rng).matches;
+  Shape shape;
+  shape.vertices_m = make_array<double>(rolled_m);
+  shape.source = Array<std::uint8_t>({rolled_m.rows()});
+  Component pass("passes/self_occlusion", "{}", templ, camera);
+  run(state, pass,
+      {{"template", record_of(templ)},
+       {"camera", record_of(camera)},
+       {"shape", record_of(shape)},
+       {"correspondences", record_of(matches)}});
+}
+
 BENCHMARK(sift_640x480)->Unit(benchmark::kMillisecond);
 BENCHMARK(descriptor_1500x4000)->Unit(benchmark::kMillisecond);
 BENCHMARK(myneighbor)->Arg(200)->Arg(1000)->Unit(benchmark::kMillisecond);
@@ -90,6 +110,7 @@ BENCHMARK(bbs_fit_and_evaluate)->Arg(200)->Arg(1000)->Unit(benchmark::kMilliseco
 BENCHMARK_CAPTURE(particle_sft, 60_vertices_from_the_previous_frame, true)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(particle_sft, 60_vertices_from_nothing, false)->Unit(benchmark::kMillisecond);
+BENCHMARK(self_occlusion)->Args({10, 6})->Args({100, 50})->Unit(benchmark::kMicrosecond);
 BENCHMARK(brunet_mdh)->Unit(benchmark::kMillisecond);
 
 }  // namespace
