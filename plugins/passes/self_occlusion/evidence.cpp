@@ -1,28 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "evidence.hpp"
 
-#include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <weft/geometry/barycentric.hpp>
 #include <weft/geometry/camera_model.hpp>
+#include <weft/geometry/mesh_validation.hpp>
 
 namespace weft::self_occlusion {
 namespace {
 
-/// px^2 of a face in the image times the cosine of its slant; 0 unless it looks at the camera.
-double exposure_px2(const Scene& scene, const Pinhole& camera, Eigen::Index face) {
-  if (scene.facing[static_cast<std::size_t>(face)] != Facing::towards) return 0.0;
-  const Eigen::Vector3d a = scene.vertices_m.row(scene.faces(face, 0)),
-                        b = scene.vertices_m.row(scene.faces(face, 1)),
-                        c = scene.vertices_m.row(scene.faces(face, 2));
-  const Eigen::Vector2d p = project(camera, a), q = project(camera, b) - p,
-                        r = project(camera, c) - p;
-  const double area_px2 = 0.5 * std::abs(q.x() * r.y() - q.y() * r.x());
-  const Eigen::Vector3d normal = (b - a).cross(c - a), centre = a + b + c;
-  const double cosine = std::abs(normal.dot(centre)) / (normal.norm() * centre.norm());
-  return std::isfinite(area_px2) ? cosine * area_px2 : 0.0;
+/// px^2 of a face in the image times the squared cosine of its slant; 0 where it is not in view.
+double exposure_px2(const Scene& scene, const Points2& pixels, Eigen::Index face) {
+  const double cosine = scene.cosines[static_cast<std::size_t>(face)];
+  const double area_px2 = std::abs(signed_area_px2(pixels, scene.faces, face));
+  return cosine > 0.0 && std::isfinite(area_px2) ? cosine * cosine * area_px2 : 0.0;
 }
 
 bool two_agree(const std::vector<Eigen::Vector2d>& offsets_px, double tolerance_px) {
@@ -54,10 +46,11 @@ Evidence gather_evidence(const Scene& scene, const Camera& camera, const Corresp
     nearest[static_cast<std::size_t>(scene.faces(face, corner))].push_back(
         image_px - project(pinhole, point_m));
   }
+  const Points2 pixels = project_points(pinhole, scene.vertices_m);
   std::vector<double> exposure(in_face.size());
   double counted = 0.0, exposed_px2 = 0.0;
   for (std::size_t f = 0; f < in_face.size(); ++f) {
-    exposure[f] = exposure_px2(scene, pinhole, static_cast<Eigen::Index>(f));
+    exposure[f] = exposure_px2(scene, pixels, static_cast<Eigen::Index>(f));
     if (in_face[f] == 0 || exposure[f] == 0.0) continue;
     counted += in_face[f];
     exposed_px2 += exposure[f];

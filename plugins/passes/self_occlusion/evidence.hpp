@@ -26,12 +26,12 @@ struct Scene {
   Points3View vertices_m;  ///< [V,3] m, camera frame
   FacesView faces;         ///< [F,3]
   const IndexLists& around;
-  const std::vector<Facing>& facing;  ///< [F]
+  const std::vector<double>& cosines;  ///< [F] of their slant, positive towards the camera
 };
 
-/// Matches are expected in proportion to the image area of a face times the cosine between its
-/// normal and the line of sight, at the mean rate of the faces that hold some. Faces of matches
-/// must be in range.
+/// Matches are expected in proportion to the image area of a face times the squared cosine of its
+/// slant, because detectors fail on slanted print, at the mean rate of the faces that hold some.
+/// Faces of matches must be in range.
 Evidence gather_evidence(const Scene& scene, const Camera& camera, const Correspondences& matches,
                          double tolerance_px);
 

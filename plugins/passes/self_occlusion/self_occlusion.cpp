@@ -53,7 +53,7 @@ class SelfOcclusion final : public Pass {
       const FacesView faces = in.templ.faces.matrix<3>();
       sight = look(vertices_m, faces, around_, in.camera, *scene_);
       if (in.correspondences) {
-        evidence = gather_evidence({vertices_m, faces, around_, sight.facing}, in.camera,
+        evidence = gather_evidence({vertices_m, faces, around_, sight.cosines}, in.camera,
                                    *in.correspondences, match_tolerance_px_);
       }
     } else {

@@ -9,6 +9,7 @@ namespace weft::self_occlusion {
 namespace {
 
 constexpr double kEdgeOnCosine = 0.02;
+constexpr double kInFullView = 0.5;     // cosine of a face that nobody takes for a rim
 constexpr double kSlackInEdges = 5e-3;  // what lies this near before a point is its own surface
 
 bool in_image(const Camera& camera, const Eigen::Vector3d& point_m) {
@@ -40,63 +41,72 @@ double mean_side(const Points3View& vertices_m, const FacesView& faces) {
 
 /// What the faces around a vertex show.
 struct Ring {
-  bool towards = false, edge_on = false;
+  Facing facing = Facing::edge_on;
   double seen_share = 0.0;  ///< [] of the faces
 };
 
-Ring ring_of(std::span<const std::int32_t> around, const std::vector<Facing>& facing,
+/// The surface at a vertex looks where its faces do on the mean. Next to a rim that is nearer to
+/// the truth than any one face of a coarse mesh; at a crease it is not, and the face in view
+/// counts.
+Ring ring_of(std::span<const std::int32_t> around, const std::vector<double>& cosines,
              const std::vector<std::uint8_t>& face_hidden) {
   Ring ring;
+  if (around.empty()) return ring;
+  double sum = 0.0, largest = -1.0;
   for (const std::int32_t face : around) {
     const auto f = static_cast<std::size_t>(face);
-    ring.edge_on = ring.edge_on || facing[f] == Facing::edge_on;
-    if (facing[f] != Facing::towards) continue;
-    ring.towards = true;
-    ring.seen_share += face_hidden[f] == 0 ? 1.0 : 0.0;
+    sum += cosines[f];
+    largest = std::max(largest, cosines[f]);
+    const bool seen = facing_of(cosines[f]) == Facing::towards && face_hidden[f] == 0;
+    ring.seen_share += seen ? 1.0 : 0.0;
   }
-  if (!around.empty()) ring.seen_share /= static_cast<double>(around.size());
+  const auto count = static_cast<double>(around.size());
+  ring.facing = largest > kInFullView ? Facing::towards : facing_of(sum / count);
+  ring.seen_share /= count;
   return ring;
 }
 
 }  // namespace
 
-std::vector<Facing> face_directions(const Points3View& vertices_m, const FacesView& faces) {
-  std::vector<Facing> facing(static_cast<std::size_t>(faces.rows()), Facing::edge_on);
+Facing facing_of(double cosine) {
+  if (std::abs(cosine) < kEdgeOnCosine) return Facing::edge_on;
+  return cosine > 0.0 ? Facing::towards : Facing::away;
+}
+
+std::vector<double> facing_cosines(const Points3View& vertices_m, const FacesView& faces) {
+  std::vector<double> cosines;
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     const Eigen::Vector3d a = vertices_m.row(faces(f, 0)), b = vertices_m.row(faces(f, 1)),
                           c = vertices_m.row(faces(f, 2));
-    const Eigen::Vector3d normal = (b - a).cross(c - a), centre = (a + b + c) / 3.0;
-    const double along = normal.dot(centre);
-    if (!(std::abs(along) >= kEdgeOnCosine * normal.norm() * centre.norm()) || along == 0.0) {
-      continue;
-    }
-    facing[static_cast<std::size_t>(f)] = along < 0.0 ? Facing::towards : Facing::away;
+    const Eigen::Vector3d normal = (b - a).cross(c - a), centre = a + b + c;
+    const double size = normal.norm() * centre.norm();
+    cosines.push_back(size > 0.0 ? -normal.dot(centre) / size : 0.0);
   }
-  return facing;
+  return cosines;
 }
 
 Sight look(const Points3View& vertices_m, const FacesView& faces, const IndexLists& around,
            const Camera& camera, RayScene& scene) {
   Sight sight;
-  sight.facing = face_directions(vertices_m, faces);
+  sight.cosines = facing_cosines(vertices_m, faces);
   scene.set_mesh(vertices_m, faces);
   const double slack_m = kSlackInEdges * mean_side(vertices_m, faces);
   const auto hidden = scene.are_hidden(vertices_m, slack_m);
   const auto face_hidden = scene.are_hidden(centroids(vertices_m, faces), slack_m);
   for (Eigen::Index v = 0; v < vertices_m.rows(); ++v) {
     const bool covered = hidden[static_cast<std::size_t>(v)] != 0;
-    const Ring ring = ring_of(around[v], sight.facing, face_hidden);
+    const Ring ring = ring_of(around[v], sight.cosines, face_hidden);
     SightReason reason = SightReason::seen;
     if (!in_image(camera, vertices_m.row(v))) {
       reason = SightReason::outside;
     } else if (covered) {
       reason = SightReason::hidden;
-    } else if (!ring.towards) {
+    } else if (ring.facing != Facing::towards) {
       reason = SightReason::faces_away;
     }
     const bool seen = reason == SightReason::seen;
     sight.reason.push_back(reason);
-    sight.known.push_back(covered || ring.towards || !ring.edge_on ? 1 : 0);
+    sight.known.push_back(covered || ring.facing != Facing::edge_on ? 1 : 0);
     sight.score.push_back(0.5 * (seen ? 1.0 : 0.0) + 0.5 * ring.seen_share);
   }
   return sight;

@@ -12,25 +12,28 @@
 
 namespace weft::self_occlusion {
 
-/// Which way a face looks. Edge-on: |n . X| < 0.02 |X| at its centroid X, n its unit normal.
+/// Which way a surface looks, by the cosine between its normal and the way to the camera; edge-on
+/// below 0.02.
 enum class Facing : std::uint8_t { towards, away, edge_on };
+
+Facing facing_of(double cosine);
 
 /// What the geometry of one shape says.
 struct Sight {
   std::vector<SightReason> reason;  ///< [V]
-  std::vector<std::uint8_t> known;  ///< [V] 0 where all faces around a vertex are edge-on or away
-  std::vector<double> score;   ///< [V] half for the vertex, half for the seen share of its faces
-  std::vector<Facing> facing;  ///< [F]
+  std::vector<std::uint8_t> known;  ///< [V] 0 where the surface is edge-on, and nothing before it
+  std::vector<double> score;    ///< [V] half for the vertex, half for the seen share of its faces
+  std::vector<double> cosines;  ///< [F] between each face's normal and the way to the camera
 };
 
-/// Facing of each face of vertices [V,3] m, camera frame. Faces are counter-clockwise as seen from
-/// their front; a face without area is edge-on.
-std::vector<Facing> face_directions(const Points3View& vertices_m, const FacesView& faces);
+/// Cosines of the faces of vertices [V,3] m, camera frame: positive for those that show their
+/// front, on which they are counter-clockwise; 0 for a face without area.
+std::vector<double> facing_cosines(const Points3View& vertices_m, const FacesView& faces);
 
-/// A vertex is seen if it projects into the image, a face around it looks towards the camera, and
-/// no triangle stands before it; a face is seen if it looks towards the camera and nothing stands
-/// before its centroid. `scene` is given this mesh. `around` lists the faces around each vertex.
-/// Vertices must be finite.
+/// A vertex is seen if it projects into the image, no triangle stands before it, and the faces
+/// around it look towards the camera on the mean, or one of them by more than 30 degrees; a face is
+/// seen if it looks towards the camera and nothing stands before its centroid. `scene` is given
+/// this mesh. `around` lists the faces around each vertex. Vertices must be finite.
 Sight look(const Points3View& vertices_m, const FacesView& faces, const IndexLists& around,
            const Camera& camera, RayScene& scene);
 

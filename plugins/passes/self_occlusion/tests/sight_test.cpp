@@ -171,7 +171,7 @@ TEST(Sight, TellsTheBackFromTheFrontAndEdgeOnFromBoth) {
   for (int v = 0; v < 9; ++v)
     mesh.vertices_m.row(v) << 0.0, 0.05 * (v % 3 - 1), 0.5 + 0.05 * (v / 3);
   const Sight edge_on = sight_of(mesh);
-  EXPECT_EQ(std::count(edge_on.facing.begin(), edge_on.facing.end(), Facing::edge_on), 8);
+  EXPECT_EQ(std::count(edge_on.cosines.begin(), edge_on.cosines.end(), 0.0), 8);
   EXPECT_EQ(edge_on.known[0], 0);
 }
 
@@ -188,7 +188,7 @@ TEST(Sight, IgnoresFacesWithoutArea) {
   Mesh mesh = two_squares(0.12);
   mesh.faces.row(0) << 0, 0, 1;
   const Sight sight = sight_of(mesh);
-  EXPECT_EQ(sight.facing[0], Facing::edge_on);
+  EXPECT_EQ(sight.cosines[0], 0.0);
   EXPECT_EQ(sight.reason[4], SightReason::seen);
 }
 

@@ -12,6 +12,7 @@
 #include <weft/data/correspondences.hpp>
 #include <weft/data/image.hpp>
 #include <weft/data/shape.hpp>
+#include <weft/data/visibility.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 #include <weft/testing/synthetic.hpp>
 
@@ -176,6 +177,28 @@ TEST_F(OverlaySink, ShowsTheStateByColour) {
   EXPECT_TRUE(weak[2] > weak[1] && weak[1] > weak[0]) << "amber";
   EXPECT_TRUE(predicted[2] > predicted[1] + 50 && predicted[2] > predicted[0] + 50) << "red";
   EXPECT_TRUE(lost[2] > lost[1] && lost[2] < predicted[2]) << "fainter red";
+}
+
+TEST_F(OverlaySink, DashesEdgesThatTheCameraDoesNotSee) {
+  weft::Visibility sight;
+  sight.visible = sight.reason = weft::Array<std::uint8_t>({4});
+  sight.score = weft::Array<double>({4});
+  sight.visible(0) = sight.visible(1) = 1;  // the upper border, y = 40
+  auto list = inputs();
+  list.push_back(input("visibility", sight));
+  const cv::Mat picture = still(list), without = still(inputs());
+  // How much of a border from x = 62 to 98 is left as it was.
+  const auto untouched = [](const cv::Mat& canvas, int y) {
+    int count = 0;
+    for (int x = 62; x <= 98; ++x) {
+      count += canvas.at<cv::Vec3b>(y, x) == cv::Vec3b(kGrey, kGrey, kGrey) ? 1 : 0;
+    }
+    return count;
+  };
+  EXPECT_EQ(untouched(picture, 40), 0);
+  EXPECT_EQ(untouched(without, 80), 0);
+  EXPECT_GT(untouched(picture, 80), 8);
+  EXPECT_LT(untouched(picture, 80), 28);
 }
 
 TEST_F(OverlaySink, WithoutAShapeOnlyTheCaptionIsDrawn) {
