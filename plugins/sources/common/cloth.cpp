@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
 
@@ -18,6 +19,12 @@ void measure(const Points3View& surface_m, std::vector<DistanceConstraint>& cons
   for (DistanceConstraint& c : constraints) c.rest_length_m = length_of(surface_m, c.i, c.j);
 }
 
+std::vector<DistanceConstraint> bonds_between(const Edges& pairs) {
+  std::vector<DistanceConstraint> bonds;
+  for (Eigen::Index e = 0; e < pairs.rows(); ++e) bonds.push_back({pairs(e, 0), pairs(e, 1), 0});
+  return bonds;
+}
+
 }  // namespace
 
 Result<Cloth> Cloth::create(int columns, int rows, const Points3View& flat_m,
@@ -28,32 +35,47 @@ Result<Cloth> Cloth::create(int columns, int rows, const Points3View& flat_m,
                      " vertices is not possible: give at least 3 x 3, and a place for each",
                  {}};
   }
-  return Cloth(columns, rows, flat_m, settings);
+  return Cloth(flat_m, bonds_of_grid(columns, rows), settings);
 }
 
-Cloth::Cloth(int columns, int rows, const Points3View& flat_m, const ClothSettings& settings)
+Result<Cloth> Cloth::create(const Points3View& rest_m, const FacesView& faces,
+                            const ClothSettings& settings) {
+  const auto topology = build_topology(faces, rest_m.rows());
+  if (!topology) return topology.error();
+  return Cloth(rest_m, {bonds_between(topology->edges), {}, bonds_between(topology->bending_pairs)},
+               settings);
+}
+
+Cloth::Cloth(const Points3View& rest_m, Bonds bonds, const ClothSettings& settings)
     : settings_(settings),
-      position_m_(flat_m),
-      before_m_(flat_m),
-      velocity_m_per_s_(Points3::Zero(flat_m.rows(), 3)),
-      mobility_(static_cast<std::size_t>(flat_m.rows()), 1.0) {
+      position_m_(rest_m),
+      before_m_(rest_m),
+      velocity_m_per_s_(Points3::Zero(rest_m.rows(), 3)),
+      mobility_(static_cast<std::size_t>(rest_m.rows()), 1.0),
+      edges_(std::move(bonds.edges)),
+      shear_(std::move(bonds.shear)),
+      bending_(std::move(bonds.bending)) {
+  set_lengths_of(rest_m);
+}
+
+Cloth::Bonds Cloth::bonds_of_grid(int columns, int rows) {
   const Faces faces = *rectangular_grid_faces(columns, rows);
-  const Edges edges = build_topology(faces, flat_m.rows())->edges;
-  for (Eigen::Index e = 0; e < edges.rows(); ++e) edges_.push_back({edges(e, 0), edges(e, 1), 0});
+  Bonds bonds;
+  bonds.edges = bonds_between(build_topology(faces, Eigen::Index{columns} * rows)->edges);
   const auto vertex = [&](int i, int j) { return static_cast<std::int32_t>(j * columns + i); };
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i) {
       if (i + 1 < columns && j + 1 < rows) {
         // The mesh has one diagonal of the cell; this is the other one.
         const bool falling = (i + j) % 2 != 0;
-        shear_.push_back(
+        bonds.shear.push_back(
             {vertex(i, j + (falling ? 0 : 1)), vertex(i + 1, j + (falling ? 1 : 0)), 0});
       }
-      if (i + 2 < columns) bending_.push_back({vertex(i, j), vertex(i + 2, j), 0});
-      if (j + 2 < rows) bending_.push_back({vertex(i, j), vertex(i, j + 2), 0});
+      if (i + 2 < columns) bonds.bending.push_back({vertex(i, j), vertex(i + 2, j), 0});
+      if (j + 2 < rows) bonds.bending.push_back({vertex(i, j), vertex(i, j + 2), 0});
     }
   }
-  set_lengths_of(flat_m);
+  return bonds;
 }
 
 void Cloth::set_lengths_of(const Points3View& surface_m) {

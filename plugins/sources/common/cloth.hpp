@@ -27,18 +27,24 @@ struct ClothGuide {
   double compliance = 0.0;                             ///< [] m/N
 };
 
-/// A rectangular sheet of cloth or paper on a grid of vertices, simulated by extended
-/// position-based dynamics with small steps (Macklin, Mueller and Chentanez 2016; Macklin et al.
-/// 2019): for a constraint C with the compliance a and unit masses, in each substep of h seconds
+/// A sheet of cloth or paper on a mesh, simulated by extended position-based dynamics with small
+/// steps (Macklin, Mueller and Chentanez 2016; Macklin et al. 2019): for a constraint C with the
+/// compliance a and unit masses, in each substep of h seconds
 ///     d = -C / (sum |grad C|^2 + a / h^2),  x += d grad C.
-/// Stretch: the sides and both diagonals of all cells, compliance 0. Bending: distances of vertices
-/// two apart. Each step ends with sweeps over the edges of the mesh alone until none is strained by
-/// more than `largest_strain`. The same calls give the same bytes.
+/// On a grid of vertices: stretch, the sides and both diagonals of all cells, compliance 0;
+/// bending, distances of vertices two apart. On any other mesh: stretch, its edges; bending,
+/// distances of the vertices opposite each edge. Each step ends with sweeps over the edges of the
+/// mesh alone until none is strained by more than `largest_strain`. The same calls give the same
+/// bytes.
 class Cloth {
  public:
   /// `flat_m` [V,3] is the sheet at rest, vertex (column i, row j) = j * columns + i, all on the
   /// faces of rectangular_grid_faces(). Fails on a grid below 3 x 3 or of another size.
   static Result<Cloth> create(int columns, int rows, const Points3View& flat_m,
+                              const ClothSettings& settings = {});
+
+  /// Any mesh [V,3] m at rest, flat or not. Fails on one that is not manifold.
+  static Result<Cloth> create(const Points3View& rest_m, const FacesView& faces,
                               const ClothSettings& settings = {});
 
   /// From now on the lengths are those of this surface [V,3] m, as of a cloth that is stretched.
@@ -53,7 +59,12 @@ class Cloth {
   double worst_strain() const;
 
  private:
-  Cloth(int columns, int rows, const Points3View& flat_m, const ClothSettings& settings);
+  struct Bonds {
+    std::vector<DistanceConstraint> edges, shear, bending;
+  };
+
+  Cloth(const Points3View& rest_m, Bonds bonds, const ClothSettings& settings);
+  static Bonds bonds_of_grid(int columns, int rows);
   void substep(double h_s, std::span<const ClothGuide> guides);
   void pull_to_guides(double h_s, std::span<const ClothGuide> guides);
   void project(std::span<const DistanceConstraint> constraints, double softness);

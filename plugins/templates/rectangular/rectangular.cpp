@@ -2,7 +2,7 @@
 #include <weft/geometry/rectangular_grid.hpp>
 #include <weft/sdk/template_builder.hpp>
 
-#include "texture_file.hpp"
+#include "common/texture_file.hpp"
 
 namespace weft::rectangular {
 namespace {
@@ -36,7 +36,7 @@ class Rectangular final : public TemplateBuilder {
   Result<Template> build(const Call&) override {
     auto faces = rectangular_grid_faces(columns_, rows_);
     if (!faces) return faces.error();
-    auto texture = read_texture_file(texture_path_);
+    auto texture = templates::read_texture_file("texture", texture_path_);
     if (!texture) return texture.error();
 
     const cv::Size size = texture->pixels.size();
@@ -44,7 +44,7 @@ class Rectangular final : public TemplateBuilder {
     const double pitch_v_m = height_m_ > 0.0 ? height_m_ / size.height : pitch_u_m;
     Template templ = lay_out(size, pitch_u_m, pitch_v_m);
     templ.faces = make_array<std::int32_t>(*faces);
-    copy_images(*texture, templ);
+    templates::store(*texture, templ);
     return templ;
   }
 
@@ -71,16 +71,6 @@ class Rectangular final : public TemplateBuilder {
       }
     }
     return templ;
-  }
-
-  static void copy_images(const Texture& texture, Template& templ) {
-    const std::int64_t height = texture.pixels.rows, width = texture.pixels.cols;
-    templ.texture = texture.pixels.channels() == 1 ? Array<std::uint8_t>({height, width})
-                                                   : Array<std::uint8_t>({height, width, 3});
-    templ.mask = Array<std::uint8_t>({height, width});
-    texture.pixels.copyTo(
-        cv::Mat(texture.pixels.size(), texture.pixels.type(), templ.texture.data()));
-    texture.mask.copyTo(cv::Mat(texture.mask.size(), CV_8U, templ.mask.data()));
   }
 
   std::string texture_path_;

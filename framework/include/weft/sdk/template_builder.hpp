@@ -2,6 +2,7 @@
 #pragma once
 
 #include <weft/sdk/export.hpp>
+#include <weft/sdk/nested.hpp>
 #include <weft/sdk/role.hpp>
 
 namespace weft {
@@ -19,6 +20,16 @@ class TemplateBuilder {
 
   std::int32_t process(ProcessCall& call) {
     return call.run<EmptyInput>("template", [&](const auto& in) { return build(in.call); });
+  }
+};
+
+/// A template that a component holds, for example as the object that a source simulates.
+struct TemplateComponent : ComponentHandle {
+  explicit TemplateComponent(const char* default_component)
+      : ComponentHandle{"templates", default_component} {}
+
+  Result<Template> build(const Call& call) const {
+    return detail::invoke<Template>(call, handle, 0, {});
   }
 };
 

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <weft/geometry/texture_metric.hpp>
+#include <weft/sdk/template_builder.hpp>
+
+#include "common/texture_file.hpp"
+#include "flattening.hpp"
+#include "surface.hpp"
+
+namespace weft::mesh {
+namespace {
+
+/// Where texture coordinates come from.
+enum class Coordinates { file, flattened };
+/// Where coordinate 0 is: the outer edge or the centre of the picture's first texel.
+enum class TexelOrigin { edge, centre };
+
+/// A surface of any shape from a mesh file, with its texture: flat, curved or closed. It is cut
+/// where its texture is.
+class MeshTemplate final : public TemplateBuilder {
+ public:
+  static constexpr About kAbout{
+      .reference =
+          "Shetab-Bushehri et al., ROBUSfT, arXiv:2301.04037 (2023); Liu et al., A "
+          "local/global approach to mesh parameterization, SGP 2008",
+      .licence = "GPL-3.0-or-later"};  // CGAL's parameterization
+
+  explicit MeshTemplate(Params& p) {
+    p.input_path("mesh", mesh_path_, "the object at rest, OBJ or PLY", Need::required);
+    p.input_path("texture", texture_path_, "picture of its surface", Need::required);
+    p.read("unit_m", unit_m_, "m", {1e-9, 1e6}, "the file's unit of length; 0.001: millimetres");
+    p.choice("coordinates", coordinates_,
+             {{"file", Coordinates::file}, {"flattened", Coordinates::flattened}},
+             "texture coordinates: the file's, or those of the surface laid flat, over which the "
+             "picture reaches from edge to edge");
+    p.choice("texel_origin", texel_origin_,
+             {{"edge", TexelOrigin::edge}, {"centre", TexelOrigin::centre}},
+             "where texture coordinate 0 is: the outer edge or the centre of the first texel");
+  }
+
+  Result<Template> build(const Call&) override {
+    auto texture = templates::read_texture_file("texture", texture_path_);
+    if (!texture) return texture.error();
+    const auto file = read_mesh_file(mesh_path_);
+    if (!file) return file.error();
+    auto surface = weld(*file);
+    if (!surface) return surface.error();
+    const Points3 vertices_m = unit_m_ * surface->vertices;
+    if (auto legal = check_size(vertices_m); !legal) return legal.error();
+    if (auto found = find_coordinates(*file, *surface); !found) return found.error();
+    const Points2 flat_px = to_px(surface->texture, texture->pixels.size());
+    if (auto done = orient(*file, flat_px, surface->faces); !done) return done.error();
+    if (auto legal = check_overlap(*file, flat_px, surface->faces); !legal) return legal.error();
+    keep_covered(flat_px, surface->faces, texture->mask);
+    Template templ = assemble(vertices_m, flat_px, surface->faces);
+    templates::store(*texture, templ);
+    if (surface->parts == 1) return templ;
+    return degenerate(std::move(templ), mesh_path_ + ": the surface has " +
+                                            std::to_string(surface->parts) +
+                                            " parts that do not touch; solvers use the largest");
+  }
+
+ private:
+  Result<void> check_size(const Points3& vertices_m) const {
+    constexpr double kLeast_m = 0.001, kMost_m = 100.0;
+    const double size_m =
+        (vertices_m.colwise().maxCoeff() - vertices_m.colwise().minCoeff()).maxCoeff();
+    if (size_m >= kLeast_m && size_m <= kMost_m) return {};
+    return Error{Errc::invalid_value,
+                 mesh_path_ + ": the object would be " + std::to_string(size_m) +
+                     " m large, legal is 0.001 to 100: give the file's unit as 'unit_m', 0.001 for "
+                     "millimetres",
+                 {}};
+  }
+
+  Result<void> find_coordinates(const MeshFile& file, Surface& surface) const {
+    const bool has_own = file.faces.front().corners.front().texture >= 0;
+    if (coordinates_ == Coordinates::flattened) {
+      if (has_own) {
+        return Error{Errc::invalid_value,
+                     file.path +
+                         ": has texture coordinates: leave 'coordinates: flattened' out, or "
+                         "export the mesh without them",
+                     {}};
+      }
+      auto found = flattened(file, surface);
+      if (!found) return found.error();
+      surface.texture = *std::move(found);
+      return {};
+    }
+    if (!has_own) {
+      return Error{Errc::invalid_data,
+                   file.path +
+                       ": has no texture coordinates: export it with them, or give "
+                       "'coordinates: flattened' to spread the picture over the surface",
+                   {}};
+    }
+    return check_within(file);
+  }
+
+  /// Within the picture, by a thousandth.
+  static Result<void> check_within(const MeshFile& file) {
+    constexpr double kSlack = 1e-3;
+    for (const MeshFile::Face& face : file.faces) {
+      for (const MeshFile::Corner& corner : face.corners) {
+        const Eigen::Vector2d& uv = file.texture_uv[static_cast<std::size_t>(corner.texture)];
+        if (uv.minCoeff() >= -kSlack && uv.maxCoeff() <= 1.0 + kSlack) continue;
+        return file.mistake(face, "has the texture coordinates " + std::to_string(uv.x()) + " " +
+                                      std::to_string(uv.y()) +
+                                      ", outside the picture (0 to 1): a picture that repeats "
+                                      "cannot be tracked; unfold the mesh into one picture");
+      }
+    }
+    return {};
+  }
+
+  Points2 to_px(const Points2& texture, cv::Size size) const {
+    const double origin_px = texel_origin_ == TexelOrigin::edge ? -0.5 : 0.0;
+    Points2 flat_px(texture.rows(), 2);
+    flat_px.col(0) = texture.col(0).array() * size.width + origin_px;
+    flat_px.col(1) = (1.0 - texture.col(1).array()) * size.height + origin_px;
+    return flat_px;
+  }
+
+  /// Only the part of the picture that faces cover belongs to the object.
+  static void keep_covered(const Points2& flat_px, const Faces& faces, cv::Mat& mask) {
+    constexpr int kShift = 8;
+    cv::Mat covered = cv::Mat::zeros(mask.size(), CV_8U);
+    for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+      cv::Point corners[3];
+      for (int k = 0; k < 3; ++k) {
+        const Eigen::RowVector2d at = flat_px.row(faces(f, k)) * (1 << kShift);
+        corners[k] = {static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y()))};
+      }
+      cv::fillConvexPoly(covered, corners, 3, cv::Scalar(1), cv::LINE_8, kShift);
+    }
+    cv::bitwise_and(mask, covered, mask);
+  }
+
+  static Template assemble(const Points3& vertices_m, const Points2& flat_px, const Faces& faces) {
+    Template templ;
+    templ.vertices_m = make_array<double>(vertices_m);
+    templ.flat_px = make_array<double>(flat_px);
+    templ.faces = make_array<std::int32_t>(faces);
+    templ.m_per_px = make_array<double>(texel_pitch(vertices_m, flat_px, faces).m_per_px);
+    return templ;
+  }
+
+  std::string mesh_path_, texture_path_;
+  double unit_m_ = 1.0;
+  Coordinates coordinates_ = Coordinates::file;
+  TexelOrigin texel_origin_ = TexelOrigin::edge;
+};
+
+}  // namespace
+}  // namespace weft::mesh
+
+using weft::mesh::MeshTemplate;
+WEFT_PLUGIN(MeshTemplate, "templates/mesh", "1.0.0",
+            "A surface of any shape from an OBJ or PLY file and its texture picture.")

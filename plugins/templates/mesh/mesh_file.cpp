@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mesh_file.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+namespace weft::mesh {
+namespace {
+
+/// Whether texture coordinates are given to all corners or to none.
+Result<void> check_texture(const MeshFile& file) {
+  const auto has_texture = [](const MeshFile::Corner& corner) { return corner.texture >= 0; };
+  const bool first = has_texture(file.faces.front().corners.front());
+  for (const MeshFile::Face& face : file.faces) {
+    for (const MeshFile::Corner& corner : face.corners) {
+      if (has_texture(corner) == first) continue;
+      return file.mistake(face, std::string("has a corner ") + (first ? "without" : "with") +
+                                    " texture coordinates, unlike the first face: give them to all "
+                                    "corners or to none");
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Error MeshFile::mistake(const Face& face, const std::string& sentence) const {
+  const std::string where = face.line > 0 ? path + ":" + std::to_string(face.line)
+                                          : path + ": face " + std::to_string(face.count);
+  return {Errc::invalid_data, where + ": the face " + sentence, {}};
+}
+
+Result<MeshFile> read_mesh_file(const std::string& path) {
+  std::error_code status;
+  if (!std::filesystem::is_regular_file(path, status)) {
+    return Error{Errc::not_found, path + ": there is no such file: correct 'mesh'", {}};
+  }
+  std::ifstream stream(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream) {
+    return Error{Errc::not_found, path + ": cannot be read: correct 'mesh' or its file", {}};
+  }
+  const bool is_ply = text.starts_with("ply") && text.find_first_of("\r\n") == 3;
+  auto file = is_ply ? parse_ply(path, text) : parse_obj(path, text);
+  if (!file) return file.error();
+  if (file->faces.empty()) {
+    return Error{
+        Errc::invalid_data, path + ": the mesh has no faces: export it with its faces", {}};
+  }
+  if (auto checked = check_texture(*file); !checked) return checked.error();
+  return file;
+}
+
+}  // namespace weft::mesh

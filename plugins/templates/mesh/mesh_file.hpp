@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+#include <weft/core/result.hpp>
+
+namespace weft::mesh {
+
+/// Triangles as a file gives them; polygons are cut into fans.
+struct MeshFile {
+  struct Corner {
+    std::int32_t position = 0;
+    std::int32_t texture = -1;  ///< index in `texture_uv`, -1 for none
+  };
+  struct Face {
+    std::array<Corner, 3> corners;
+    std::int64_t line = 0;   ///< where it stands, from 1; 0 in a binary file
+    std::int64_t count = 0;  ///< which of the file's faces it is part of, from 1
+  };
+
+  std::string path;
+  std::vector<Eigen::Vector3d> positions;   ///< in the file's unit
+  std::vector<Eigen::Vector2d> texture_uv;  ///< 0 to 1 over the picture, v upwards
+  std::vector<Face> faces;
+
+  /// "path:line: " or, in a binary file, "path: face 12 " before the sentence.
+  Error mistake(const Face& face, const std::string& sentence) const;
+};
+
+/// Reads a Wavefront OBJ file (v, vt, f with v, v/vt, v/vt/vn and v//vn, negative indices) or a PLY
+/// file (ascii, binary of either byte order; x y z, texture coordinates s t, u v or texture_u
+/// texture_v of a vertex or the list texcoord of a face), told apart by their first word. All
+/// indices are in range and all numbers finite; either all corners have texture coordinates or
+/// none. A mistake is told as "path:line: what; fix".
+Result<MeshFile> read_mesh_file(const std::string& path);
+
+/// The same for a text that was read.
+Result<MeshFile> parse_obj(const std::string& path, const std::string& text);
+Result<MeshFile> parse_ply(const std::string& path, const std::string& text);
+
+}  // namespace weft::mesh

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "text_lines.hpp"
+
+namespace weft::mesh {
+
+enum class PlyFormat { ascii, little_endian, big_endian };
+enum class PlyType { i8, u8, i16, u16, i32, u32, f32, f64 };
+
+struct PlyProperty {
+  std::string name;
+  PlyType type = PlyType::f32;
+  std::optional<PlyType> length;  ///< of a list
+};
+
+struct PlyElement {
+  std::string name;
+  std::int64_t count = 0;
+  std::vector<PlyProperty> properties;
+
+  /// Place of the first property that has one of these names, or -1.
+  int find(std::initializer_list<std::string_view> names) const;
+};
+
+struct PlyHeader {
+  PlyFormat format = PlyFormat::ascii;
+  std::vector<PlyElement> elements;  ///< with vertex (x, y, z) and face (a list of indices)
+};
+
+/// Reads up to end_header; `lines` then stand behind it. A mistake is told with path and line.
+Result<PlyHeader> read_ply_header(const std::string& path, TextLines& lines);
+
+}  // namespace weft::mesh

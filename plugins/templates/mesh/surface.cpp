@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "surface.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <map>
+#include <set>
+#include <weft/geometry/mesh_validation.hpp>
+
+namespace weft::mesh {
+namespace {
+
+/// Gives numbers to keys in the order in which they come.
+template <class Key>
+class Numbers {
+ public:
+  std::int32_t of(const Key& key) {
+    return number_of_.try_emplace(key, static_cast<std::int32_t>(number_of_.size())).first->second;
+  }
+  std::size_t count() const { return number_of_.size(); }
+
+ private:
+  std::map<Key, std::int32_t> number_of_;
+};
+
+using Point = std::array<double, 3>;
+using Triple = std::array<std::int32_t, 3>;
+
+/// Numbers of the points of space that the corners of each face are at.
+std::vector<Triple> points_of(const MeshFile& file) {
+  Numbers<Point> points;
+  std::vector<Triple> corners;
+  for (const MeshFile::Face& face : file.faces) {
+    Triple& triple = corners.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto& at = file.positions[static_cast<std::size_t>(face.corners[k].position)];
+      triple[k] = points.of({at.x(), at.y(), at.z()});
+    }
+  }
+  return corners;
+}
+
+Result<void> check_manifold(const MeshFile& file, const std::vector<Triple>& points) {
+  std::map<std::pair<std::int32_t, std::int32_t>, int> faces_at;
+  std::set<Triple> seen;
+  for (std::size_t f = 0; f < points.size(); ++f) {
+    Triple sorted = points[f];
+    std::sort(sorted.begin(), sorted.end());
+    if (sorted[0] == sorted[1] || sorted[1] == sorted[2]) {
+      return file.mistake(file.faces[f], "has two corners at the same place: remove it");
+    }
+    if (!seen.insert(sorted).second) {
+      return file.mistake(file.faces[f], "has the corners of an earlier one: remove one of them");
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto ends = std::minmax(points[f][k], points[f][(k + 1) % 3]);
+      if (++faces_at[ends] < 3) continue;
+      return file.mistake(file.faces[f],
+                          "is the third at one edge: a surface has at most two there; remove what "
+                          "branches off");
+    }
+  }
+  return {};
+}
+
+int count_parts(const std::vector<Triple>& points) {
+  std::vector<std::int32_t> up;
+  const auto root = [&](std::int32_t i) {
+    while (up[static_cast<std::size_t>(i)] != i) i = up[static_cast<std::size_t>(i)];
+    return i;
+  };
+  int parts = 0;
+  for (const Triple& triple : points) {
+    while (up.size() <= static_cast<std::size_t>(*std::max_element(triple.begin(), triple.end()))) {
+      up.push_back(static_cast<std::int32_t>(up.size()));
+      ++parts;
+    }
+    for (std::size_t k = 1; k < 3; ++k) {
+      const auto [low, high] = std::minmax({root(triple[0]), root(triple[k])});
+      if (low == high) continue;
+      up[static_cast<std::size_t>(high)] = low;
+      --parts;
+    }
+  }
+  return parts;
+}
+
+/// Whether triangles overlap by more than `slack`, by separating axes: no side of either has the
+/// other one beyond it.
+bool overlap(const std::array<Eigen::Vector2d, 3>& a, const std::array<Eigen::Vector2d, 3>& b,
+             double slack) {
+  for (const auto* triangle : {&a, &b}) {
+    const auto& other = triangle == &a ? b : a;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Eigen::Vector2d side = (*triangle)[(k + 1) % 3] - (*triangle)[k];
+      // Away from the inside, where corners are clockwise in u and v.
+      const Eigen::Vector2d outwards = Eigen::Vector2d(-side.y(), side.x()).normalized();
+      double least = INFINITY;
+      for (const Eigen::Vector2d& corner : other) {
+        least = std::min(least, outwards.dot(corner - (*triangle)[k]));
+      }
+      if (least >= -slack) return false;
+    }
+  }
+  return true;
+}
+
+std::array<Eigen::Vector2d, 3> corners_of(const Points2& flat_px, const Faces& faces,
+                                          Eigen::Index f) {
+  return {flat_px.row(faces(f, 0)), flat_px.row(faces(f, 1)), flat_px.row(faces(f, 2))};
+}
+
+}  // namespace
+
+Result<Surface> weld(const MeshFile& file) {
+  const std::vector<Triple> points = points_of(file);
+  if (auto checked = check_manifold(file, points); !checked) return checked.error();
+  Surface surface;
+  surface.parts = count_parts(points);
+  surface.faces.resize(static_cast<Eigen::Index>(file.faces.size()), 3);
+  Numbers<std::tuple<std::int32_t, double, double>> numbers;
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<Eigen::Vector2d> texture;
+  for (std::size_t f = 0; f < file.faces.size(); ++f) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const MeshFile::Corner& corner = file.faces[f].corners[k];
+      Eigen::Vector2d uv = Eigen::Vector2d::Zero();
+      if (corner.texture >= 0) uv = file.texture_uv[static_cast<std::size_t>(corner.texture)];
+      const std::int32_t vertex = numbers.of({points[f][k], uv.x(), uv.y()});
+      surface.faces(static_cast<Eigen::Index>(f), static_cast<Eigen::Index>(k)) = vertex;
+      if (numbers.count() == vertices.size()) continue;
+      vertices.push_back(file.positions[static_cast<std::size_t>(corner.position)]);
+      texture.push_back(corner.texture < 0 ? Eigen::Vector2d::Constant(NAN) : uv);
+    }
+  }
+  surface.vertices.resize(static_cast<Eigen::Index>(vertices.size()), 3);
+  surface.texture.resize(surface.vertices.rows(), 2);
+  for (Eigen::Index v = 0; v < surface.vertices.rows(); ++v) {
+    surface.vertices.row(v) = vertices[static_cast<std::size_t>(v)];
+    surface.texture.row(v) = texture[static_cast<std::size_t>(v)];
+  }
+  const double least = smallest_area(surface.vertices);
+  for (Eigen::Index f = 0; f < surface.faces.rows(); ++f) {
+    if (face_area(surface.vertices, surface.faces, f) > least) continue;
+    return file.mistake(file.faces[static_cast<std::size_t>(f)],
+                        "has no area: remove it or move its corners apart");
+  }
+  return surface;
+}
+
+Result<void> orient(const MeshFile& file, const Points2& flat_px, Faces& faces) {
+  const double least = smallest_area(flat_px);
+  Eigen::Index clockwise = 0;
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    const double area = signed_area_px2(flat_px, faces, f);
+    clockwise += area > 0.0 ? 1 : 0;
+    if (std::abs(area) > least) continue;
+    return file.mistake(file.faces[static_cast<std::size_t>(f)],
+                        "has no area in the texture: unfold its texture coordinates");
+  }
+  const bool is_turned = 2 * clockwise > faces.rows();
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    if ((signed_area_px2(flat_px, faces, f) > 0.0) == is_turned) continue;
+    return file.mistake(file.faces[static_cast<std::size_t>(f)],
+                        "is flipped in the texture against most others: turn its texture "
+                        "coordinates, or swap two of its corners");
+  }
+  if (is_turned) faces.col(1).swap(faces.col(2));
+  return {};
+}
+
+Result<void> check_overlap(const MeshFile& file, const Points2& flat_px, const Faces& faces) {
+  constexpr double kSlack_px = 0.01;
+  const Eigen::RowVector2d low = flat_px.colwise().minCoeff();
+  const Eigen::RowVector2d extent = flat_px.colwise().maxCoeff() - low;
+  const double cell_px = std::max(std::sqrt(extent.prod() / static_cast<double>(faces.rows())),
+                                  extent.maxCoeff() / 2000.0);
+  std::map<std::pair<int, int>, std::vector<Eigen::Index>> faces_in;
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    const auto corners = corners_of(flat_px, faces, f);
+    const auto cell_of = [&](const Eigen::Vector2d& p) -> Eigen::Vector2i {
+      return ((p.transpose() - low) / cell_px).array().floor().cast<int>();
+    };
+    const Eigen::Vector2i first = cell_of(corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]));
+    const Eigen::Vector2i last = cell_of(corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]));
+    for (int j = first.y(); j <= last.y(); ++j) {
+      for (int i = first.x(); i <= last.x(); ++i) {
+        auto& here = faces_in[{j, i}];
+        for (const Eigen::Index other : here) {
+          if (!overlap(corners, corners_of(flat_px, faces, other), kSlack_px)) continue;
+          const auto& earlier = file.faces[static_cast<std::size_t>(other)];
+          return file.mistake(
+              file.faces[static_cast<std::size_t>(f)],
+              "overlaps that of " +
+                  (earlier.line > 0 ? "line " + std::to_string(earlier.line)
+                                    : "number " + std::to_string(earlier.count)) +
+                  " in the texture: give each part of the surface its own part of the picture");
+        }
+        here.push_back(f);
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace weft::mesh

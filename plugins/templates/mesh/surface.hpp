@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <weft/geometry/types.hpp>
+
+#include "mesh_file.hpp"
+
+namespace weft::mesh {
+
+/// A manifold surface, cut where its texture is: corners that share place and texture coordinates
+/// are one vertex. Face i is the file's face i.
+struct Surface {
+  Points3 vertices;  ///< [V,3] in the file's unit
+  Points2 texture;   ///< [V,2] 0 to 1, v upwards; NaN where the file has none
+  Faces faces;       ///< [F,3]
+  int parts = 0;     ///< [] that do not touch in space
+};
+
+/// Joins the corners. Refuses, with the place of the face: a face that uses a point twice or has no
+/// area, a third face at an edge, and the same face twice.
+Result<Surface> weld(const MeshFile& file);
+
+/// Makes all faces counter-clockwise as the camera sees them in the texture (`flat_px` [V,2], v
+/// downwards); the other way round are those of a mesh whose inside was exported. Refuses faces
+/// without area in the texture, and those that turn another way than the others.
+Result<void> orient(const MeshFile& file, const Points2& flat_px, Faces& faces);
+
+/// Refuses a face that covers a point of the texture that another one covers, by more than a
+/// hundredth of a pixel: each point of the texture may be one point of the object only.
+Result<void> check_overlap(const MeshFile& file, const Points2& flat_px, const Faces& faces);
+
+}  // namespace weft::mesh
