@@ -35,6 +35,7 @@ void add_doctor_command(CLI::App& app, Context& context);
 void add_ablate_command(CLI::App& app, Context& context);
 void add_records_command(CLI::App& app, Context& context);
 void add_report_command(CLI::App& app, Context& context);
+void add_template_command(CLI::App& app, Context& context);
 
 /// Prints "error: where: message" to stderr.
 void print_error(const Error& error);

@@ -56,6 +56,7 @@ int main(int argc, char** argv) {
   weft::cli::add_doctor_command(app, context);
   weft::cli::add_records_command(app, context);
   weft::cli::add_report_command(app, context);
+  weft::cli::add_template_command(app, context);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

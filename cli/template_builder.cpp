@@ -2,6 +2,7 @@
 #include "template_builder.hpp"
 
 #include <weft/host/component_spec.hpp>
+#include <weft/pipeline/checks.hpp>
 
 namespace weft::cli {
 
@@ -14,12 +15,20 @@ Result<host::RecordPtr> build_template(const host::Registry& registry,
       host::resolve_component(registry, *document->root.find("use"), document->root.find("params"),
                               host::PathRules::of_process({"."}, "."), problems);
   if (!spec) return Error{Errc::not_found, problems.front().message, {}};
+  const auto built = build_template(*spec);
+  if (!built) return built.error();
+  return built->record;
+}
+
+Result<BuiltTemplate> build_template(const host::ComponentSpec& component) {
   host::Lane lane(0, {});
-  const auto instance = lane.instantiate(*spec, "template");
+  const auto instance = lane.instantiate(component, "template");
   if (!instance) return instance.error();
   const host::Outcome outcome = lane.call(**instance, 0, {}, host::kOfflineFrame);
   if (!outcome.usable()) return outcome.error;
-  return outcome.find("template");
+  BuiltTemplate built{outcome.find("template"), outcome.error.message};
+  if (auto legal = check_template(*built.record); !legal) return legal.error();
+  return built;
 }
 
 }  // namespace weft::cli

@@ -13,4 +13,12 @@ namespace weft::cli {
 Result<host::RecordPtr> build_template(const host::Registry& registry,
                                        const std::string& component);
 
+/// A template, checked as before a run.
+struct BuiltTemplate {
+  host::RecordPtr record;
+  std::string note;  ///< what is doubtful about it; mostly empty
+};
+
+Result<BuiltTemplate> build_template(const host::ComponentSpec& component);
+
 }  // namespace weft::cli

@@ -35,12 +35,15 @@ class BentCurve {
     }
   }
 
-  /// Up to `reach_m` on either side.
-  Eigen::Vector2d operator()(double s_m) const {
+  /// The point at s, or as far beside it as `beside_m`; s up to `reach_m` on either side.
+  Eigen::Vector2d operator()(double s_m, double beside_m = 0.0) const {
     const double place = std::clamp(s_m / step_m_ + kHalf, 0.0, 2.0 * kHalf);
     const auto i = std::min(static_cast<std::size_t>(place), points_.size() - 2);
     const double share = place - static_cast<double>(i);
-    return (1.0 - share) * points_[i] + share * points_[i + 1];
+    const Eigen::Vector2d on_it = (1.0 - share) * points_[i] + share * points_[i + 1];
+    if (beside_m == 0.0) return on_it;
+    const Eigen::Vector2d along = (points_[i + 1] - points_[i]) / step_m_;
+    return on_it + beside_m * Eigen::Vector2d(-along.y(), along.x());
   }
 
  private:
@@ -55,10 +58,13 @@ class BentCurve {
 
 double Choreography::Sway::at(double phase) const { return amplitude * std::sin(speed * phase); }
 
-Choreography::Choreography(const MotionSettings& settings, int columns, int rows,
-                           const Points2& flat_m)
-    : settings_(settings), columns_(columns), rows_(rows), centred_m_(flat_m) {
-  const Eigen::RowVector2d low = flat_m.colwise().minCoeff(), high = flat_m.colwise().maxCoeff();
+Choreography::Choreography(const MotionSettings& settings, const RestSheet& sheet)
+    : settings_(settings),
+      in_hand_(sheet.in_hand),
+      centred_m_(sheet.rest_m.leftCols<2>()),
+      behind_m_(sheet.rest_m.col(2)) {
+  const Eigen::RowVector2d low = centred_m_.colwise().minCoeff();
+  const Eigen::RowVector2d high = centred_m_.colwise().maxCoeff();
   centred_m_.rowwise() -= 0.5 * (low + high);
   half_m_ = 0.5 * (high - low).transpose();
   if (settings_.pattern == Pattern::handles) {
@@ -149,7 +155,7 @@ Points3 Choreography::bent(const Points2& flat_m, double t_s) const {
   });
   Points3 surface(flat_m.rows(), 3);
   for (Eigen::Index v = 0; v < flat_m.rows(); ++v) {
-    const Eigen::Vector2d on_curve = curve(flat_m.row(v).dot(across));
+    const Eigen::Vector2d on_curve = curve(flat_m.row(v).dot(across), behind_m_[v]);
     const Eigen::RowVector2d plane = on_curve.x() * across + flat_m.row(v).dot(ruling) * ruling;
     surface.row(v) << plane, on_curve.y();
   }
@@ -162,7 +168,7 @@ Points3 Choreography::bulged(const Points2& flat_m, double t_s) const {
   for (Eigen::Index v = 0; v < flat_m.rows(); ++v) {
     const double xi = centred_m_(v, 0) / half_m_.x(), eta = centred_m_(v, 1) / half_m_.y();
     const double dome = std::pow((1.0 - xi * xi) * (1.0 - eta * eta), 2);
-    surface.row(v) << flat_m.row(v), -height_m * dome;
+    surface.row(v) << flat_m.row(v), behind_m_[v] - height_m * dome;
   }
   return surface;
 }
@@ -170,8 +176,8 @@ Points3 Choreography::bulged(const Points2& flat_m, double t_s) const {
 Points3 Choreography::lengths_at(double t_s) const {
   const Points2 plane = stretched(t_s);
   if (settings_.pattern == Pattern::bulge) return bulged(plane, t_s);
-  Points3 surface = Points3::Zero(plane.rows(), 3);
-  surface.leftCols<2>() = plane;
+  Points3 surface(plane.rows(), 3);
+  surface << plane, behind_m_;
   return surface;
 }
 
@@ -181,21 +187,13 @@ Points3 Choreography::surface_at(double t_s) const {
   return bent(plane, t_s);
 }
 
-/// Two patches in the middle row, at the left and the right border.
-bool Choreography::is_in_a_hand(Eigen::Index vertex) const {
-  const auto i = static_cast<int>(vertex % columns_), j = static_cast<int>(vertex / columns_);
-  const int deep = std::max(2, columns_ / 16), high = std::max(2, rows_ / 8);
-  const int first_row = (rows_ - high) / 2;
-  return std::min(i, columns_ - 1 - i) < deep && j >= first_row && j < first_row + high;
-}
-
 std::vector<sources::ClothGuide> Choreography::guides_at(double t_s) const {
   const Points3 surface = surface_at(t_s);
   const Eigen::Isometry3d pose = pose_at(t_s);
   std::vector<sources::ClothGuide> guides;
   guides.reserve(static_cast<std::size_t>(surface.rows()));
   for (Eigen::Index v = 0; v < surface.rows(); ++v) {
-    const bool in_hand = handles_ && is_in_a_hand(v);
+    const bool in_hand = handles_ && in_hand_[static_cast<std::size_t>(v)];
     guides.push_back({static_cast<std::int32_t>(v), pose * surface.row(v).transpose(),
                       in_hand ? kHandCompliance : kGuideCompliance});
   }
@@ -203,8 +201,8 @@ std::vector<sources::ClothGuide> Choreography::guides_at(double t_s) const {
 }
 
 Points3 Choreography::start() const {
-  Points3 sheet = Points3::Constant(centred_m_.rows(), 3, settings_.distance_m);
-  sheet.leftCols<2>() = centred_m_;
+  Points3 sheet(centred_m_.rows(), 3);
+  sheet << centred_m_, settings_.distance_m + behind_m_.array();
   return sheet;
 }
 

@@ -12,6 +12,7 @@
 
 #include "common/cloth.hpp"
 #include "handle_pair.hpp"
+#include "rest_sheet.hpp"
 
 namespace weft::frex {
 
@@ -29,20 +30,20 @@ struct MotionSettings {
   std::uint64_t seed = 1;   ///< chooses directions, signs and speeds
 };
 
-/// Where a sheet is led, and how long it is, at each time. At time 0 it is flat and faces the
-/// camera. Functions of time alone.
+/// Where a sheet is led, and how long it is, at each time. At time 0 it is at rest and faces the
+/// camera. What a pattern says of the plane carries a sheet that is curved at rest along, as a
+/// point above the plane. Functions of time alone.
 class Choreography {
  public:
-  /// `flat_m` [V,2] is the grid in the template's frame, vertex = row * columns + column.
-  Choreography(const MotionSettings& settings, int columns, int rows, const Points2& flat_m);
+  Choreography(const MotionSettings& settings, const RestSheet& sheet);
 
-  /// The surface [V,3] m whose edge lengths are those of the sheet at time t: the plane, stretched
-  /// or bulged.
+  /// The surface [V,3] m whose edge lengths are those of the sheet at time t: the sheet at rest,
+  /// stretched or bulged.
   Points3 lengths_at(double t_s) const;
   /// What leads the sheet, in the camera frame: each vertex is drawn softly to the surface that the
   /// pattern describes, and two patches of `handles` more firmly.
   std::vector<sources::ClothGuide> guides_at(double t_s) const;
-  /// The flat sheet at time 0 [V,3] m, camera frame.
+  /// The sheet at time 0 [V,3] m, camera frame.
   Points3 start() const;
 
  private:
@@ -61,11 +62,11 @@ class Choreography {
   Points3 bent(const Points2& flat_m, double t_s) const;
   Points3 bulged(const Points2& flat_m, double t_s) const;
   Points3 surface_at(double t_s) const;
-  bool is_in_a_hand(Eigen::Index vertex) const;
 
   MotionSettings settings_;
-  int columns_, rows_;
-  Points2 centred_m_;           ///< [V,2] flat sheet, measured from its middle
+  std::vector<bool> in_hand_;   ///< [V]
+  Points2 centred_m_;           ///< [V,2] sheet at rest, measured from its middle
+  Eigen::VectorXd behind_m_;    ///< [V] how far it is behind the plane; 0 for a flat sheet
   Eigen::Vector2d half_m_;      ///< half its width and height
   std::array<Sway, 6> sway_{};  ///< rotation about x, y, z and displacement along them
   double ruling_rad_ = 0.0;     ///< direction across which the sheet is curved

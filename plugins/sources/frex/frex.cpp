@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <optional>
 #include <utility>
-#include <weft/geometry/rectangular_grid.hpp>
 #include <weft/sdk/source.hpp>
+#include <weft/sdk/template_builder.hpp>
 
 #include "arm.hpp"
 #include "backdrop.hpp"
@@ -14,6 +14,7 @@
 #include "common/sensor.hpp"
 #include "common/sheet_renderer.hpp"
 #include "lamp.hpp"
+#include "rest_sheet.hpp"
 #include "settings.hpp"
 #include "sheet_film.hpp"
 
@@ -25,17 +26,6 @@ constexpr std::int64_t kCutAway = 25;  // frames of the film that a cut leaves o
 
 bool holds(const std::vector<double>& frames, std::int64_t index) {
   return std::find(frames.begin(), frames.end(), static_cast<double>(index)) != frames.end();
-}
-
-/// The texel of each vertex [V,2] px of a grid from edge to edge of the print.
-Points2 grid_px(int columns, int rows, const sources::MipTexture& print) {
-  Points2 uv_px(Eigen::Index{columns} * rows, 2);
-  for (Eigen::Index v = 0; v < uv_px.rows(); ++v) {
-    const Eigen::Index i = v % columns, j = v / columns;
-    uv_px.row(v) << static_cast<double>(i) * print.width() / (columns - 1) - 0.5,
-        static_cast<double>(j) * print.height() / (rows - 1) - 0.5;
-  }
-  return uv_px;
 }
 
 /// What is ready once the source is open.
@@ -51,24 +41,28 @@ struct Studio {
   Array<std::int32_t> faces;
 };
 
+/// What is filmed.
+struct PrintedSheet {
+  sources::MipTexture print;
+  RestSheet sheet;
+};
+
 /// A simulated printed sheet, ray-cast, with everything known about each pixel and vertex.
-class Frex final : public Source {
+class SheetSource : public Source {
  public:
   static constexpr About kAbout{
       .reference = "Shetab-Bushehri et al., ROBUSfT (2023), section IV; XPBD: Macklin et al. 2016",
       .produces = "image time ground_truth"};
 
-  explicit Frex(Params& p) { settings_.read(p); }
-
-  Result<Camera> open(const Call&) override {
+  Result<Camera> open(const Call& call) override {
     if (auto legal = settings_.check(); !legal) return legal.error();
     Camera camera = settings_.camera;
     camera.fy = camera.fx;
     camera.cx = 0.5 * static_cast<double>(camera.width_px - 1);
     camera.cy = 0.5 * static_cast<double>(camera.height_px - 1);
-    const auto print = sources::read_picture("texture", settings_.texture_path);
-    if (!print) return print.error();
-    auto studio = furnish(camera, sources::MipTexture(*print));
+    auto printed = make_sheet(call);
+    if (!printed) return printed.error();
+    auto studio = furnish(camera, *std::move(printed));
     if (!studio) return studio.error();
     studio_.emplace(*std::move(studio));
     return camera;
@@ -95,24 +89,24 @@ class Frex final : public Source {
     return frame;
   }
 
+ protected:
+  /// Reads the parameters that all sheets have.
+  void read_settings(Params& p) { settings_.read(p); }
+  virtual Result<PrintedSheet> make_sheet(const Call& call) const = 0;
+
  private:
-  Result<Studio> furnish(const Camera& camera, sources::MipTexture print) const {
+  Result<Studio> furnish(const Camera& camera, PrintedSheet printed) const {
     const Settings& s = settings_;
+    auto& [print, sheet] = printed;
     const bool is_grey = print.is_grey();
-    const double pitch_m = s.width_m / print.width();
-    const Eigen::RowVector2d pitch(pitch_m,
-                                   s.height_m > 0.0 ? s.height_m / print.height() : pitch_m);
-    const Points2 uv_px = grid_px(s.columns, s.rows, print);
-    const Points2 flat_m = uv_px.array().rowwise() * pitch.array();
-    const auto faces = rectangular_grid_faces(s.columns, s.rows);
-    if (!faces) return faces.error();
+    const double pitch_m = sheet.pitch_m.x();
     auto backdrop = make_backdrop(camera, print, pitch_m);
     if (!backdrop) return backdrop.error();
     Picture behind = is_grey ? sources::without_colour(*std::move(backdrop)) : *std::move(backdrop);
-    auto film = SheetFilm::create(s.motion, s.columns, s.rows, flat_m, s.fps);
+    auto film = SheetFilm::create(s.motion, sheet, s.fps);
     if (!film) return film.error();
-    auto renderer =
-        sources::SheetRenderer::create(camera, std::move(print), uv_px, *faces, std::move(behind));
+    auto renderer = sources::SheetRenderer::create(camera, std::move(print), sheet.uv_px,
+                                                   sheet.faces, std::move(behind));
     if (!renderer) return renderer.error();
     std::optional<Arm> arm;
     if (s.occluder) arm.emplace(camera, s.motion.distance_m, s.motion.period_s, s.motion.seed);
@@ -122,9 +116,9 @@ class Frex final : public Source {
                   arm,
                   sources::Sensor(s.blur_px, s.noise_grey),
                   is_grey,
-                  pitch,
-                  make_array<double>(flat_m),
-                  make_array<std::int32_t>(*faces)};
+                  sheet.pitch_m,
+                  make_array<double>(sheet.flat_m()),
+                  make_array<std::int32_t>(sheet.faces)};
   }
 
   Result<Picture> make_backdrop(const Camera& camera, const sources::MipTexture& print,
@@ -193,9 +187,63 @@ class Frex final : public Source {
   std::optional<Studio> studio_;
 };
 
+/// A rectangular sheet that its print fills.
+class Frex final : public SheetSource {
+ public:
+  explicit Frex(Params& p) {
+    rectangle_.read(p);
+    read_settings(p);
+  }
+
+ private:
+  Result<PrintedSheet> make_sheet(const Call&) const override {
+    const auto picture = sources::read_picture("texture", rectangle_.texture_path);
+    if (!picture) return picture.error();
+    sources::MipTexture print(*picture);
+    auto sheet = rectangle(print, rectangle_.width_m, rectangle_.height_m, rectangle_.columns,
+                           rectangle_.rows);
+    if (!sheet) return sheet.error();
+    return PrintedSheet{std::move(print), *std::move(sheet)};
+  }
+
+  RectangleSettings rectangle_;
+};
+
+/// What a template describes: of any outline, flat or curved at rest.
+class FrexObject final : public SheetSource {
+ public:
+  explicit FrexObject(Params& p) {
+    p.component("object", object_,
+                "template of what is filmed; a finer mesh than the one that is tracked makes the "
+                "truth finer");
+    read_settings(p);
+  }
+
+ private:
+  Result<PrintedSheet> make_sheet(const Call& call) const override {
+    const auto templ = object_.build(call);
+    if (!templ) return templ.error();
+    auto sheet = sheet_of(*templ);
+    if (!sheet) return sheet.error();
+    const auto& texture = templ->texture;
+    const cv::Mat picture(static_cast<int>(texture.dim(0)), static_cast<int>(texture.dim(1)),
+                          texture.ndim() == 3 ? CV_8UC3 : CV_8UC1,
+                          const_cast<std::uint8_t*>(texture.data()));
+    return PrintedSheet{sources::MipTexture(picture), *std::move(sheet)};
+  }
+
+  TemplateComponent object_{"templates/outline"};
+};
+
 }  // namespace
 }  // namespace weft::frex
 
 using weft::frex::Frex;
-WEFT_PLUGIN(Frex, "sources/frex", "1.0.0",
-            "Simulates a printed sheet of paper or cloth before a camera, with dense exact truth.")
+using weft::frex::FrexObject;
+WEFT_LIBRARY(
+    WEFT_COMPONENT(
+        Frex, "sources/frex", "1.0.0",
+        "Simulates a printed sheet of paper or cloth before a camera, with dense exact truth."),
+    WEFT_COMPONENT(
+        FrexObject, "sources/frex_object", "1.0.0",
+        "Simulates an object that a template describes, flat or curved, as sources/frex."))

@@ -5,13 +5,16 @@
 
 namespace weft::frex {
 
-void Settings::read(Params& p) {
+void RectangleSettings::read(Params& p) {
   p.input_path("texture", texture_path, "image printed on the sheet, from edge to edge",
                Need::required);
   p.read("width_m", width_m, "m", {0.001, 1000.0}, "width of the sheet");
   p.read("height_m", height_m, "m", {0.0, 1000.0}, "height of the sheet; 0: texels are square");
   p.read("columns", columns, "", {3, 400}, "vertices of the simulated mesh along the width");
   p.read("rows", rows, "", {3, 400}, "vertices of the simulated mesh along the height");
+}
+
+void Settings::read(Params& p) {
   p.read("frames", frames, "", {1, 10000}, "number of frames");
   p.read("fps", fps, "1/s", {1.0, 1000.0}, "frames a second");
   p.read("image_width_px", camera.width_px, "px", {16, 8192}, "width of the images");

@@ -12,13 +12,20 @@ namespace weft::frex {
 
 enum class Background { plain, clutter, look_alike, image };
 
-/// The parameters of sources/frex.
-struct Settings {
+/// The parameters of a rectangular sheet.
+struct RectangleSettings {
   std::string texture_path;
   double width_m = 0.297;
   double height_m = 0.0;
   int columns = 64;
   int rows = 41;
+
+  /// Declares or reads all of them.
+  void read(Params& p);
+};
+
+/// The parameters of a film, whatever the sheet.
+struct Settings {
   std::int64_t frames = 60;
   double fps = 30.0;
   Camera camera{820.0, 820.0, 0.0, 0.0, 640, 480};

@@ -3,30 +3,27 @@
 
 #include <utility>
 #include <weft/geometry/mesh_topology.hpp>
-#include <weft/geometry/rectangular_grid.hpp>
 
 namespace weft::frex {
 
-Result<SheetFilm> SheetFilm::create(const MotionSettings& settings, int columns, int rows,
-                                    const Points2& flat_m, double fps) {
-  const auto faces = rectangular_grid_faces(columns, rows);
-  if (!faces) return faces.error();
-  const auto topology = build_topology(*faces, flat_m.rows());
+Result<SheetFilm> SheetFilm::create(const MotionSettings& settings, const RestSheet& sheet,
+                                    double fps) {
+  const auto topology = build_topology(sheet.faces, sheet.rest_m.rows());
   if (!topology) return topology.error();
-  Choreography choreography(settings, columns, rows, flat_m);
+  Choreography choreography(settings, sheet);
   const Points3 start_m = choreography.start();
   auto edges = distance_constraints(topology->edges, start_m);
   if (!edges) return edges.error();
-  auto cloth = sources::Cloth::create(columns, rows, start_m);
+  auto cloth = sheet.cloth(start_m);
   if (!cloth) return cloth.error();
   return SheetFilm(std::move(choreography), *std::move(cloth), *std::move(edges), fps);
 }
 
 SheetFilm::SheetFilm(Choreography choreography, sources::Cloth cloth,
-                     std::vector<DistanceConstraint> flat_edges, double fps)
+                     std::vector<DistanceConstraint> rest_edges, double fps)
     : choreography_(std::move(choreography)),
       cloth_(std::move(cloth)),
-      flat_edges_(std::move(flat_edges)),
+      rest_edges_(std::move(rest_edges)),
       fps_(fps) {
   states_.push_back(state_now());
 }
@@ -48,7 +45,7 @@ Result<const SheetState*> SheetFilm::at(std::int64_t index, const Call& call) {
 
 SheetState SheetFilm::state_now() const {
   return {cloth_.vertices_m(), cloth_.worst_strain(),
-          strain_statistics(flat_edges_, cloth_.vertices_m())};
+          strain_statistics(rest_edges_, cloth_.vertices_m())};
 }
 
 }  // namespace weft::frex

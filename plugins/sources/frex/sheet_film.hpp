@@ -13,16 +13,15 @@ namespace weft::frex {
 struct SheetState {
   Points3 vertices_m;            ///< [V,3] m, camera frame
   double residual_strain = 0.0;  ///< [] largest of an edge against the length that it should have
-  StrainStatistics true_strain;  ///< of the edges against the flat sheet: elasticity and residue
+  StrainStatistics true_strain;  ///< of the edges against the sheet at rest: elasticity and residue
 };
 
 /// The simulated sheet, frame after frame. Whichever frame is asked for first, the frames before it
 /// are simulated and kept, so that each is the same in any order of asking.
 class SheetFilm {
  public:
-  /// `flat_m` [V,2] as in Choreography.
-  static Result<SheetFilm> create(const MotionSettings& settings, int columns, int rows,
-                                  const Points2& flat_m, double fps);
+  static Result<SheetFilm> create(const MotionSettings& settings, const RestSheet& sheet,
+                                  double fps);
 
   /// Frame `index` from 0, valid until the next call. Fails when the sheet cannot follow, or as
   /// soon as the call is cancelled.
@@ -30,12 +29,12 @@ class SheetFilm {
 
  private:
   SheetFilm(Choreography choreography, sources::Cloth cloth,
-            std::vector<DistanceConstraint> flat_edges, double fps);
+            std::vector<DistanceConstraint> rest_edges, double fps);
   SheetState state_now() const;
 
   Choreography choreography_;
   sources::Cloth cloth_;
-  std::vector<DistanceConstraint> flat_edges_;
+  std::vector<DistanceConstraint> rest_edges_;
   double fps_;
   std::vector<SheetState> states_;
 };

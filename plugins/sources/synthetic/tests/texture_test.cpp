@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 
+#include "tools/insole_photo.hpp"
 #include "tools/sheet_map.hpp"
 #include "tools/sole_print.hpp"
 #include "tools/weak_print.hpp"
@@ -29,6 +30,7 @@ TEST(Textures, AreWhatTheProgramDraws) {
   expect_drawn("sheet_texture.png", draw_map);
   expect_drawn("weak_texture.png", draw_weak_print);
   expect_drawn("sole_texture.png", draw_sole_print);
+  expect_drawn("insole.png", draw_insole_photo);
 }
 
 TEST(SheetMap, IsAnotherForAnotherSeed) {

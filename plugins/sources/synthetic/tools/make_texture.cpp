@@ -1,22 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws the prints of the repository: make_texture FILE.png [map|weak|sole [WIDTH HEIGHT SEED]]
+// Draws the prints of the repository: make_texture FILE.png [map|weak|sole|insole [WIDTH HEIGHT
+// SEED]]
 #include <cstdlib>
 #include <iostream>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
+#include "insole_photo.hpp"
 #include "sheet_map.hpp"
 #include "sole_print.hpp"
 #include "weak_print.hpp"
 
 int main(int argc, char** argv) {
   const std::string kind = argc > 2 ? argv[2] : "map";
-  const auto draw = kind == "weak"   ? weft::texture::draw_weak_print
-                    : kind == "sole" ? weft::texture::draw_sole_print
-                    : kind == "map"  ? weft::texture::draw_map
-                                     : nullptr;
+  const auto draw = kind == "weak"     ? weft::texture::draw_weak_print
+                    : kind == "insole" ? weft::texture::draw_insole_photo
+                    : kind == "sole"   ? weft::texture::draw_sole_print
+                    : kind == "map"    ? weft::texture::draw_map
+                                       : nullptr;
   if ((argc != 2 && argc != 3 && argc != 6) || draw == nullptr) {
-    std::cerr << "usage: make_texture FILE.png [map|weak|sole [WIDTH HEIGHT SEED]]\n";
+    std::cerr << "usage: make_texture FILE.png [map|weak|sole|insole [WIDTH HEIGHT SEED]]\n";
     return 2;
   }
   const int width = argc == 6 ? std::atoi(argv[3]) : 842;
