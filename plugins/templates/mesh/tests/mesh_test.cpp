@@ -191,7 +191,6 @@ TEST_F(MeshTemplate, NamesTheLineOfASurfaceThatCannotBeUsed) {
       {points + "f 1/1 2/5 3/3\n", "m.obj:11: the face has no area in the texture"},
       {one + "f 1/1 4/4 3/3\n", "m.obj:12: the face is flipped in the texture"},
       {one + "f 1/1 3/3 4/5\nf 4/2 5/3 1/1\n", "m.obj:12: the face has no area in the texture"},
-      {one + "f 3/2 5/3 4/1\n", "m.obj:12: the face is flipped"},
       {one + "f 3/1 5/2 4/3\n", "m.obj:12: the face overlaps that of line 11 in the texture"},
       {one + "f 1/1 3 4/4\n", "m.obj:12: the face has a corner without texture coordinates"},
       {points + "vt 1.5 0\nf 1/1 2/6 3/3\n", "m.obj:12: the face has the texture coordinates 1.5"}};
@@ -211,8 +210,9 @@ TEST_F(MeshTemplate, SaysWhatToChangeWhenTheWholeMeshCannotBeUsed) {
     bare.erase(at, std::min(bare.find_first_of(" \n", at), bare.size()) - at);
   }
   EXPECT_THAT(refusal(bare, ", coordinates: flattened"), HasSubstr("the surface is closed"));
-  const Outcome missing = build((folder_ / "none.obj").string().substr(0, 4));
+  const Outcome missing = build(folder_.string());
   EXPECT_EQ(missing.status, WEFT_ERROR);
+  EXPECT_THAT(missing.message, HasSubstr("there is no such file"));
 }
 
 TEST_F(MeshTemplate, SaysThatPartsDoNotTouch) {

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+// `weft template`, and films of what templates describe, with the repository's own objects.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <weft/data/ground_truth.hpp>
+#include <weft/geometry/camera_model.hpp>
+#include <weft/geometry/distance_constraints.hpp>
+#include <weft/geometry/mesh_topology.hpp>
+#include <weft/geometry/rigid_alignment.hpp>
+#include <weft/testing/plugin_under_test.hpp>
+
+#include "support/child.hpp"
+#include "support/pipeline_fixture.hpp"
+
+namespace weft::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+const std::string kData = WEFT_PIPELINES "/data/";
+const std::string kInsole = "photo: '" + kData + "insole.png', length_m: 0.26";
+const std::string kLabel =
+    "mesh: '" + kData + "label.obj', texture: '" + kData + "sheet_texture.png', unit_m: 0.001";
+
+class TemplateCommand : public PipelineTest {
+ protected:
+  Ended weft(std::vector<std::string> words) const {
+    words.insert(words.begin(), {WEFT_PROGRAM, "--plugin-path", WEFT_REAL_PLUGINS, "template"});
+    return Child(std::move(words), path("said")).wait();
+  }
+
+  nlohmann::json figures(std::vector<std::string> words) const {
+    words.insert(words.begin(), "show");
+    words.emplace_back("--json");
+    const Ended ended = weft(std::move(words));
+    EXPECT_EQ(ended.exit_code, 0) << ended.err;
+    return nlohmann::json::parse(ended.out, nullptr, false);
+  }
+};
+
+TEST_F(TemplateCommand, MeasuresTheTemplateOfAPipeline) {
+  const auto json = figures({WEFT_PIPELINES "/label.yaml"});
+  EXPECT_EQ(json.at("vertices"), 150);
+  EXPECT_EQ(json.at("faces"), 252);
+  EXPECT_EQ(json.at("flat"), false);
+  EXPECT_NEAR(json.at("area_cm2"), 15.0 * 10.6, 0.01);
+  EXPECT_NEAR(json.at("longest_edge_mm"), std::hypot(150.0 / 14.0, 106.0 / 9.0), 0.01);
+  EXPECT_NEAR(json.at("texel_mm").at(0), 150.0 / 842.0, 1e-4);
+  EXPECT_LT(json.at("distortion"), 1e-3);
+  const auto finer = figures({WEFT_PIPELINES "/outline.yaml", "--set", "template.spacing_mm=8"});
+  EXPECT_GT(finer.at("vertices"),
+            2 * figures({WEFT_PIPELINES "/outline.yaml"}).at("vertices").get<int>());
+}
+
+TEST_F(TemplateCommand, WritesAMeshThatIsReadBackAsTheSameTemplate) {
+  const Ended made = weft({"make", WEFT_PIPELINES "/outline.yaml", "--out", path("sole")});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_THAT(made.out, AllOf(HasSubstr("templates/outline: written to"), HasSubstr("flat")));
+  EXPECT_TRUE(read_text(path("sole/drawing.png")).starts_with("\x89PNG"));
+  auto written =
+      figures({"--use", "templates/mesh", "--set", "mesh=" + path("sole/template.obj"), "--set",
+               "texture=" + path("sole/texture.png"), "--png", path("again.png")});
+  auto first = figures({WEFT_PIPELINES "/outline.yaml"});
+  for (const char* key : {"vertices", "faces", "edges", "border_edges", "flat", "texture_px"}) {
+    EXPECT_EQ(written.at(key), first.at(key)) << key;
+  }
+  for (const char* key : {"mean_edge_mm", "area_cm2", "least_angle_deg"}) {
+    EXPECT_NEAR(written.at(key), first.at(key), 1e-9) << key;
+  }
+  EXPECT_TRUE(fs::exists(path("again.png")));
+  EXPECT_EQ(weft({"make", WEFT_PIPELINES "/outline.yaml", "--out", path("sole")}).exit_code, 3);
+}
+
+TEST_F(TemplateCommand, SaysWhereAMeshIsBroken) {
+  write("v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 4\n", "broken.obj");
+  const Ended broken =
+      weft({"show", "--use", "templates/mesh", "--set", "mesh=" + path("broken.obj"), "--set",
+            "texture=" + kData + "sheet_texture.png"});
+  EXPECT_EQ(broken.exit_code, 2);
+  EXPECT_THAT(broken.err, HasSubstr("broken.obj:4: the face uses a vertex that does not exist"));
+  const Ended wrong = weft({"show", "--use", "templates/mesh", "--set", "mehs=a.obj"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.err, AllOf(HasSubstr("did you mean 'mesh'"),
+                               HasSubstr("requires the parameter 'texture'")));
+  EXPECT_EQ(weft({"show"}).exit_code, 2);
+  EXPECT_EQ(weft({"show", path("none.yaml")}).exit_code, 2);
+}
+
+/// Frames of sources/frex_object, small.
+class ObjectFilm : public ::testing::Test {
+ protected:
+  void open(const std::string& object, const std::string& more) {
+    source_ = std::make_unique<PluginUnderTest>(
+        "sources/frex_object", "{object: " + object +
+                                   ", image_width_px: 320, image_height_px: 240, focal_px: 400, "
+                                   "noise_grey: 0, period_s: 1.6, " +
+                                   more + "}");
+    const Outcome opened = source_->process(0, {});
+    ASSERT_EQ(opened.status, WEFT_OK) << opened.message;
+    const Camera camera = *opened.get<Camera>();
+    pinhole_ = {camera.fx, camera.fy, camera.cx, camera.cy};
+  }
+
+  GroundTruth truth(std::uint64_t frame) {
+    const Outcome outcome = source_->process(2, {}, frame);
+    EXPECT_EQ(outcome.status, WEFT_OK) << outcome.message;
+    return *outcome.get<GroundTruth>();
+  }
+
+  /// Largest strain of an edge against the first frame, which shows the object at rest.
+  static double worst_strain(const GroundTruth& at_rest, const GroundTruth& now) {
+    const auto topology = build_topology(at_rest.faces.matrix<3>(), at_rest.count());
+    const auto edges = distance_constraints(topology->edges, at_rest.points_m.matrix<3>());
+    return strain_statistics(*edges, now.points_m.matrix<3>()).max;
+  }
+
+  /// Mean distance, m, of the template points that the map has at the pixels of visible vertices
+  /// from theirs.
+  double map_error_m(const GroundTruth& truth) const {
+    double sum = 0.0;
+    int count = 0;
+    for (std::int64_t v = 0; v < truth.count(); ++v) {
+      if (truth.visible(v) == 0) continue;
+      const Eigen::Vector3d point = truth.points_m.matrix<3>().row(v);
+      const Eigen::Vector2d pixel = project(pinhole_, point);
+      const std::int64_t x = std::lround(pixel.x()), y = std::lround(pixel.y());
+      const float* uv = truth.uv_m.row(y) + 2 * x;
+      if (!std::isfinite(uv[0])) continue;
+      sum += std::hypot(uv[0] - truth.template_xy_m(v, 0), uv[1] - truth.template_xy_m(v, 1));
+      ++count;
+    }
+    EXPECT_GT(count, truth.count() / 3);
+    return sum / count;
+  }
+
+  Pinhole pinhole_{};
+  std::unique_ptr<PluginUnderTest> source_;
+};
+
+TEST_F(ObjectFilm, ShowsAnInsoleThatBendsWithoutStretching) {
+  open("{use: templates/outline, params: {" + kInsole + ", spacing_mm: 8}}",
+       "pattern: wave, distance_m: 0.45");
+  const GroundTruth rest = truth(0), bent = truth(20);
+  EXPECT_NEAR(rest.points_m.matrix<3>().col(2).minCoeff(), 0.45, 1e-9);
+  EXPECT_EQ(rest.visible.matrix<1>().cast<int>().sum(), rest.count());
+  EXPECT_LT(worst_strain(rest, bent), 0.002);
+  EXPECT_NEAR(bent.diag.value("stretch_max", 1.0), worst_strain(rest, bent), 1e-9);
+  const auto depths = bent.points_m.matrix<3>().col(2);
+  EXPECT_GT(depths.maxCoeff() - depths.minCoeff(), 0.005);
+  for (const GroundTruth* frame : {&rest, &bent}) EXPECT_LT(map_error_m(*frame), 0.0006);
+}
+
+TEST_F(ObjectFilm, ShowsALabelThatIsCurvedAtRestAndOpens) {
+  open("{use: templates/mesh, params: {" + kLabel + "}}",
+       "pattern: roll, bend: 0.4, distance_m: 0.3");
+  const GroundTruth rest = truth(0), bent = truth(24);
+  PluginUnderTest builder("templates/mesh", "{" + kLabel + "}");
+  const Template label = *builder.process(0, {}).get<Template>();
+  const auto same = align_points(label.vertices_m.matrix<3>(), rest.points_m.matrix<3>());
+  ASSERT_TRUE(same);
+  EXPECT_LT(same->rms, 1e-9);
+  // The middle bulges towards the camera, and the print is upright.
+  const auto points = rest.points_m.matrix<3>();
+  EXPECT_LT(points(7, 2), points(0, 2) - 0.04);
+  EXPECT_LT(points(0, 0), points(14, 0));
+  EXPECT_LT(points(0, 1), points(135, 1));
+  EXPECT_LT(worst_strain(rest, bent), 0.002);
+  EXPECT_GT((bent.points_m.matrix<3>() - points).rowwise().norm().maxCoeff(), 0.005);
+  for (const GroundTruth* frame : {&rest, &bent}) EXPECT_LT(map_error_m(*frame), 0.0006);
+}
+
+}  // namespace
+}  // namespace weft::testing
