@@ -133,12 +133,12 @@ void summarise_depth(RunMetrics& metrics) {
   depth.worst_mm = largest(medians_mm);
 }
 
-void summarise_visibility(RunMetrics& metrics) {
+void add_visibility(RunMetrics& metrics) {
   std::vector<VisibilityCounts> counts;
   for (const FrameMetrics& frame : metrics.frames) {
     if (frame.visibility && frame.apart.empty()) counts.push_back(*frame.visibility);
   }
-  metrics.visibility = evaluation::summarise_visibility(counts);
+  metrics.visibility = summarise_visibility(counts);
 }
 
 void summarise_filters(RunMetrics& metrics) {
@@ -246,7 +246,7 @@ RunMetrics RunEvaluator::finish(bool has_solver) {
   metrics.jitter = summarise_jitter(metrics.frames);
   summarise_image(state_->options.match_tolerance_px, metrics);
   summarise_depth(metrics);
-  summarise_visibility(metrics);
+  add_visibility(metrics);
   summarise_filters(metrics);
   summarise_warps(metrics);
   count_frames(metrics);
