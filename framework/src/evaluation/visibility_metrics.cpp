@@ -10,7 +10,7 @@ double ratio(double part, std::int64_t whole) {
   return whole > 0 ? part / static_cast<double>(whole) : kUnknown;
 }
 
-double percent(std::int64_t part, std::int64_t whole) {
+double share_percent(std::int64_t part, std::int64_t whole) {
   return kPercent * ratio(static_cast<double>(part), whole);
 }
 
@@ -58,10 +58,10 @@ VisibilityMetrics summarise_visibility(const std::vector<VisibilityCounts>& fram
   metrics.hidden_vertices = sum.hidden_right + sum.seen_wrong;
   metrics.visible_points = sum.visible_points;
   metrics.hidden_points = sum.hidden_points;
-  metrics.precision_percent = percent(sum.seen_right, sum.seen_right + sum.seen_wrong);
-  metrics.recall_percent = percent(sum.seen_right, sum.seen_right + sum.hidden_wrong);
-  metrics.f1_percent = percent(2 * sum.seen_right, 2 * sum.seen_right + mistakes);
-  metrics.hidden_f1_percent = percent(2 * sum.hidden_right, 2 * sum.hidden_right + mistakes);
+  metrics.precision_percent = share_percent(sum.seen_right, sum.seen_right + sum.seen_wrong);
+  metrics.recall_percent = share_percent(sum.seen_right, sum.seen_right + sum.hidden_wrong);
+  metrics.f1_percent = share_percent(2 * sum.seen_right, 2 * sum.seen_right + mistakes);
+  metrics.hidden_f1_percent = share_percent(2 * sum.hidden_right, 2 * sum.hidden_right + mistakes);
   metrics.visible_mm = ratio(sum.visible_sum_mm, sum.visible_points);
   metrics.hidden_mm = ratio(sum.hidden_sum_mm, sum.hidden_points);
   return metrics;

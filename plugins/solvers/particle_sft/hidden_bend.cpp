@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hidden_bend.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -16,7 +15,8 @@ namespace weft::particle_sft {
 namespace {
 
 constexpr double kReachInEdges = 3.0;
-constexpr double kRidge = 1e-3;  // of the mean weight: keeps K finite where all edges are parallel
+constexpr double kSharpness = 16.0;  // 0.1 for edges that are 30 degrees apart
+constexpr double kLeastWeight = 1e-9;
 
 /// The frame of an edge (a, b) and the face (a, b, c): along it, away from c in the plane of the
 /// face, and out of the front.
@@ -41,6 +41,30 @@ bool is_left(const Points2& flat_px, std::int32_t a, std::int32_t b, std::int32_
 
 bool has(const std::vector<std::uint8_t>& marked, std::int32_t vertex) {
   return marked[static_cast<std::size_t>(vertex)] != 0;
+}
+
+/// How far the surface is bent across an edge that is seen.
+struct SeenBend {
+  Eigen::Vector2d place_px, across;  ///< texture
+  double per_m;                      ///< [] rad/m, against the rest shape
+};
+
+/// Of those near a place and across a similar direction.
+double mean_bend(const std::vector<SeenBend>& seen, const Eigen::Vector2d& place_px,
+                 const Eigen::Vector2d& across, double reach_px) {
+  double nearest_px = std::numeric_limits<double>::infinity();
+  for (const SeenBend& bend : seen) {
+    nearest_px = std::min(nearest_px, (bend.place_px - place_px).norm());
+  }
+  double sum_per_m = 0.0, weights = 0.0;
+  for (const SeenBend& bend : seen) {
+    const double excess_px = (bend.place_px - place_px).norm() - nearest_px;
+    const double weight =
+        std::pow(std::abs(bend.across.dot(across)), kSharpness) * std::exp(-excess_px / reach_px);
+    sum_per_m += weight * bend.per_m;
+    weights += weight;
+  }
+  return weights > kLeastWeight ? sum_per_m / weights : 0.0;
 }
 
 }  // namespace
@@ -137,39 +161,20 @@ std::vector<double> BendContinuation::continued_angles(
     const Points3View& shape_m, const std::vector<std::uint8_t>& hidden) const {
   // What is hidden pulls at the edges next to it.
   const std::vector<std::uint8_t> unsure = with_rim(hidden);
-  std::vector<const Hinge*> seen;
-  std::vector<double> bend_rad;  // of the seen hinges, against the rest shape
+  std::vector<SeenBend> seen;
   std::vector<double> angles_rad;
   for (const Hinge& hinge : hinges_) {
     angles_rad.push_back(angle_rad(hinge, shape_m));
     if (touches(hinge, unsure) || !std::isfinite(angles_rad.back())) continue;
-    seen.push_back(&hinge);
-    bend_rad.push_back(angles_rad.back() - hinge.rest_rad);
+    const double bend_rad = angles_rad.back() - hinge.rest_rad;
+    seen.push_back({hinge.place_px, hinge.across, bend_rad / hinge.width_m()});
   }
   if (seen.empty()) return angles_rad;
-  std::vector<double> distances_px(seen.size());
   for (std::size_t h = 0; h < hinges_.size(); ++h) {
     const Hinge& hinge = hinges_[h];
     if (!touches(hinge, hidden)) continue;
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-      distances_px[i] = (seen[i]->place_px - hinge.place_px).norm();
-    }
-    const double nearest_px = *std::min_element(distances_px.begin(), distances_px.end());
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-      const Eigen::Vector2d n = seen[i]->across;
-      const Eigen::Vector3d row =
-          seen[i]->width_m() * Eigen::Vector3d(n.x() * n.x(), 2.0 * n.x() * n.y(), n.y() * n.y());
-      const double weight = std::exp((nearest_px - distances_px[i]) / reach_px_);
-      normal += weight * row * row.transpose();
-      right += weight * bend_rad[i] * row;
-    }
-    normal.diagonal().array() += kRidge * normal.trace() / 3.0;
-    const Eigen::Vector3d k_per_m = normal.ldlt().solve(right);
-    const Eigen::Vector2d n = hinge.across;
-    const Eigen::Vector3d row(n.x() * n.x(), 2.0 * n.x() * n.y(), n.y() * n.y());
-    angles_rad[h] = hinge.rest_rad + hinge.width_m() * row.dot(k_per_m);
+    const double bend_per_m = mean_bend(seen, hinge.place_px, hinge.across, reach_px_);
+    angles_rad[h] = hinge.rest_rad + hinge.width_m() * bend_per_m;
   }
   return angles_rad;
 }

@@ -16,7 +16,7 @@ constexpr int kColumns = 13, kRows = 9;
 
 /// A fine sheet, flat and bent to a cylinder whose rulings are slanted; its last columns are
 /// hidden.
-struct Scene {
+struct RolledSheet {
   testing::SheetSpec sheet{kColumns, kRows, 0.24, 0.16, 600, 400};
   Template templ = testing::make_template(sheet);
   MeshTopology topology = *build_topology(templ.faces.matrix<3>(), kColumns* kRows);
@@ -26,7 +26,7 @@ struct Scene {
   std::vector<std::uint8_t> hidden = std::vector<std::uint8_t>(kColumns * kRows, 0);
   BendContinuation continuation;
 
-  Scene() {
+  RolledSheet() {
     EXPECT_TRUE(continuation.build(templ));
     for (int v = 0; v < kColumns * kRows; ++v) {
       hidden[static_cast<std::size_t>(v)] = v % kColumns >= 9 ? 1 : 0;
@@ -58,7 +58,7 @@ double largest_error_m(const Points3& a, const Points3& b) {
 }
 
 TEST(HiddenBend, GoesOnWithACylinderBothWaysRound) {
-  const Scene scene;
+  const RolledSheet scene;
   for (const double radius_m : {0.1, -0.1}) {
     const Points3 truth_m = scene.cylinder(radius_m);
     const HiddenBend bend =
@@ -74,7 +74,7 @@ TEST(HiddenBend, GoesOnWithACylinderBothWaysRound) {
 }
 
 TEST(HiddenBend, LeavesAFlatSheetFlatAndItsRestLengthsAlone) {
-  const Scene scene;
+  const RolledSheet scene;
   const Points3 flat_m = scene.templ.vertices_m.matrix<3>();
   const HiddenBend bend =
       scene.continuation.continued(scene.spoilt(flat_m), scene.hidden, scene.bending);
@@ -85,7 +85,7 @@ TEST(HiddenBend, LeavesAFlatSheetFlatAndItsRestLengthsAlone) {
 }
 
 TEST(HiddenBend, ChangesRestLengthsInTheHiddenPartOnly) {
-  const Scene scene;
+  const RolledSheet scene;
   const Points3 truth_m = scene.cylinder(0.08);
   const HiddenBend bend =
       scene.continuation.continued(scene.spoilt(truth_m), scene.hidden, scene.bending);
@@ -105,14 +105,14 @@ TEST(HiddenBend, ChangesRestLengthsInTheHiddenPartOnly) {
 }
 
 TEST(HiddenBend, LeavesAShapeOfWhichNothingIsSeen) {
-  Scene scene;
+  RolledSheet scene;
   const Points3 shape_m = scene.cylinder(0.1);
   std::fill(scene.hidden.begin(), scene.hidden.end(), 1);
   EXPECT_EQ(scene.continuation.continued(shape_m, scene.hidden, scene.bending).shape_m, shape_m);
 }
 
 TEST(HiddenBend, TakesTheUnmeasuredVerticesBesideAHiddenOneAsHidden) {
-  const Scene scene;
+  const RolledSheet scene;
   Visibility seen = scene.visibility();
   std::vector<RayConstraint> rays;
   for (std::int32_t v = 0; v < kColumns * kRows; ++v) {
