@@ -15,7 +15,7 @@ namespace weft::particle_sft {
 namespace {
 
 constexpr double kReachInEdges = 3.0;
-constexpr double kSharpness = 16.0;  // 0.1 for edges that are 30 degrees apart
+constexpr int kSharpness = 4;  // squarings: 0.1 for edges that are 30 degrees apart
 constexpr double kLeastWeight = 1e-9;
 
 /// The frame of an edge (a, b) and the face (a, b, c): along it, away from c in the plane of the
@@ -59,8 +59,10 @@ double mean_bend(const std::vector<SeenBend>& seen, const Eigen::Vector2d& place
   double sum_per_m = 0.0, weights = 0.0;
   for (const SeenBend& bend : seen) {
     const double excess_px = (bend.place_px - place_px).norm() - nearest_px;
-    const double weight =
-        std::pow(std::abs(bend.across.dot(across)), kSharpness) * std::exp(-excess_px / reach_px);
+    double weight = std::exp(-excess_px / reach_px);
+    double likeness = std::abs(bend.across.dot(across));
+    for (int k = 0; k < kSharpness; ++k) likeness *= likeness;
+    weight *= likeness;
     sum_per_m += weight * bend.per_m;
     weights += weight;
   }
@@ -169,7 +171,7 @@ std::vector<double> BendContinuation::continued_angles(
     const double bend_rad = angles_rad.back() - hinge.rest_rad;
     seen.push_back({hinge.place_px, hinge.across, bend_rad / hinge.width_m()});
   }
-  if (seen.empty()) return angles_rad;
+  if (seen.empty()) return {};
   for (std::size_t h = 0; h < hinges_.size(); ++h) {
     const Hinge& hinge = hinges_[h];
     if (!touches(hinge, hidden)) continue;
@@ -219,6 +221,7 @@ HiddenBend BendContinuation::continued(const Points3View& shape_m,
                                        const std::vector<DistanceConstraint>& bending) const {
   HiddenBend result{shape_m, bending};
   const std::vector<double> angles_rad = continued_angles(shape_m, hidden);
+  if (angles_rad.empty()) return result;
   std::vector<std::uint8_t> placed;
   for (const std::uint8_t one : hidden) placed.push_back(one == 0 ? 1 : 0);
   lay_out(angles_rad, std::move(placed), result.shape_m);

@@ -62,6 +62,7 @@ class BendContinuation {
   static bool touches(const Hinge& hinge, const std::vector<std::uint8_t>& marked);
   std::vector<std::uint8_t> with_rim(const std::vector<std::uint8_t>& hidden) const;
   static double angle_rad(const Hinge& hinge, const Points3View& shape_m);
+  /// For each edge, in rad; empty where no edge is seen.
   std::vector<double> continued_angles(const Points3View& shape_m,
                                        const std::vector<std::uint8_t>& hidden) const;
   void lay_out(const std::vector<double>& angles_rad, std::vector<std::uint8_t> placed,
