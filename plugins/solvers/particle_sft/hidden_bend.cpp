@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <weft/geometry/mesh_bending.hpp>
@@ -15,8 +16,8 @@ namespace weft::particle_sft {
 namespace {
 
 constexpr double kReachInEdges = 3.0;
-constexpr int kSharpness = 4;  // squarings: 0.1 for edges that are 30 degrees apart
-constexpr double kLeastWeight = 1e-9;
+constexpr int kSharpness = 4;         // squarings: 0.1 for edges that are 30 degrees apart
+constexpr double kLeastWeight = 1.0;  // as of one edge next to the rim
 
 /// The frame of an edge (a, b) and the face (a, b, c): along it, away from c in the plane of the
 /// face, and out of the front.
@@ -49,9 +50,9 @@ struct SeenBend {
   double per_m;                      ///< [] rad/m, against the rest shape
 };
 
-/// Of those near a place and across a similar direction.
-double mean_bend(const std::vector<SeenBend>& seen, const Eigen::Vector2d& place_px,
-                 const Eigen::Vector2d& across, double reach_px) {
+/// Of those near a place and across a similar direction; nothing where too few are.
+std::optional<double> mean_bend(const std::vector<SeenBend>& seen, const Eigen::Vector2d& place_px,
+                                const Eigen::Vector2d& across, double reach_px) {
   double nearest_px = std::numeric_limits<double>::infinity();
   for (const SeenBend& bend : seen) {
     nearest_px = std::min(nearest_px, (bend.place_px - place_px).norm());
@@ -59,14 +60,13 @@ double mean_bend(const std::vector<SeenBend>& seen, const Eigen::Vector2d& place
   double sum_per_m = 0.0, weights = 0.0;
   for (const SeenBend& bend : seen) {
     const double excess_px = (bend.place_px - place_px).norm() - nearest_px;
-    double weight = std::exp(-excess_px / reach_px);
     double likeness = std::abs(bend.across.dot(across));
     for (int k = 0; k < kSharpness; ++k) likeness *= likeness;
-    weight *= likeness;
+    const double weight = likeness * std::exp(-excess_px / reach_px);
     sum_per_m += weight * bend.per_m;
     weights += weight;
   }
-  return weights > kLeastWeight ? sum_per_m / weights : 0.0;
+  return weights > kLeastWeight ? std::optional(sum_per_m / weights) : std::nullopt;
 }
 
 }  // namespace
@@ -163,20 +163,22 @@ std::vector<double> BendContinuation::continued_angles(
     const Points3View& shape_m, const std::vector<std::uint8_t>& hidden) const {
   // What is hidden pulls at the edges next to it.
   const std::vector<std::uint8_t> unsure = with_rim(hidden);
-  std::vector<SeenBend> seen;
+  std::vector<SeenBend> seen, away_from_rim;
   std::vector<double> angles_rad;
   for (const Hinge& hinge : hinges_) {
     angles_rad.push_back(angle_rad(hinge, shape_m));
-    if (touches(hinge, unsure) || !std::isfinite(angles_rad.back())) continue;
+    if (touches(hinge, hidden) || !std::isfinite(angles_rad.back())) continue;
     const double bend_rad = angles_rad.back() - hinge.rest_rad;
     seen.push_back({hinge.place_px, hinge.across, bend_rad / hinge.width_m()});
+    if (!touches(hinge, unsure)) away_from_rim.push_back(seen.back());
   }
   if (seen.empty()) return {};
   for (std::size_t h = 0; h < hinges_.size(); ++h) {
     const Hinge& hinge = hinges_[h];
     if (!touches(hinge, hidden)) continue;
-    const double bend_per_m = mean_bend(seen, hinge.place_px, hinge.across, reach_px_);
-    angles_rad[h] = hinge.rest_rad + hinge.width_m() * bend_per_m;
+    auto bend_per_m = mean_bend(away_from_rim, hinge.place_px, hinge.across, reach_px_);
+    if (!bend_per_m) bend_per_m = mean_bend(seen, hinge.place_px, hinge.across, reach_px_);
+    angles_rad[h] = hinge.rest_rad + hinge.width_m() * bend_per_m.value_or(0.0);
   }
   return angles_rad;
 }

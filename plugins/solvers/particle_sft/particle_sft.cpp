@@ -227,6 +227,9 @@ class ParticleSft final : public Solver {
     if (candidate.relaxation.stop == Stop::cancelled) {
       return Error{Errc::cancelled, "cancelled", {}};
     }
+    if (!hidden_.empty()) {  // distances alone do not tell a bend from its opposite
+      candidate.vertices_m = continuation_.continued(candidate.vertices_m, hidden_, {}).shape_m;
+    }
     std::vector<double> depths_m;
     for (const RayConstraint& seen : system_.rays) {
       depths_m.push_back(seen_point_m(seen, candidate.vertices_m).z());
