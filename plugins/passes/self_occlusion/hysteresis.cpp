@@ -23,7 +23,7 @@ Finding finding_of(const Sight& sight, const std::optional<Evidence>& evidence, 
   found.lacks_matches = evidence->matches[v] == 0;
   if (found.confirmed) {
     found = {SightReason::seen, 1.0, true, true, false};
-  } else if (found.reason == SightReason::seen && found.lacks_matches &&
+  } else if (found.reason == SightReason::seen && found.lacks_matches && expected_matches > 0.0 &&
              evidence->expected[v] >= expected_matches) {
     found.reason = SightReason::unconfirmed;
     found.score = 0.0;

@@ -14,7 +14,7 @@ struct Rules {
   double memory = 0.4;            ///< [] weight of the previous score
   double hide_below = 0.3;        ///< [] a seen vertex is hidden below this score ...
   double show_above = 0.7;        ///< [] ... and a hidden one seen above this
-  double expected_matches = 4.0;  ///< [] this many expected and none found: unconfirmed
+  double expected_matches = 4.0;  ///< [] this many expected and none found: unconfirmed; 0: never
 };
 
 /// Joins what the geometry, the matches and the previous frame say. A vertex that matches confirm

@@ -32,7 +32,8 @@ class SelfOcclusion final : public Pass {
     p.read("show_above", rules_.show_above, "", {0.5, 1.0},
            "a vertex that was hidden is seen above this score");
     p.read("expected_matches", rules_.expected_matches, "", {0.0, 1e6},
-           "a vertex with so many kept matches expected around it and none found is unconfirmed");
+           "a vertex with so many kept matches expected around it and none found is unconfirmed; "
+           "0: never");
     p.read("match_tolerance_px", match_tolerance_px_, "px", {0.0, 1e6},
            "two kept matches at a vertex that agree within this show it, whatever the shape says");
     p.read("longest_age", longest_age_, "frames", {0, 1000000},
