@@ -47,7 +47,7 @@ class Aem final : public weft::Filter {
     p.read("min_probability", min_probability_, "", {0, 1},
            "a match is kept from this probability on that it is correct");
     p.read("most_draws", options_.most_draws, "", {1, 1'000'000},
-           "samples of three matches; 10000 where few of very many matches are correct");
+           "samples of three matches at most: as many where few matches are correct");
     p.read("use_orientation", use_orientation_,
            "scales and angles of the keypoints count, where the matches have them");
     p.read("track", track_, "look also near the previous shape");
@@ -55,6 +55,10 @@ class Aem final : public weft::Filter {
            "control points along the longer side of the template");
     p.read("control_short", annealing.control_short, "", {4, 30},
            "control points along the shorter side");
+    p.read("fine_control_long", annealing.fine_control_long, "", {4, 30},
+           "the same for the last look, which decides");
+    p.read("fine_control_short", annealing.fine_control_short, "", {4, 30},
+           "the same along the shorter side");
     p.read("margin_px", annealing.margin_px, "px", {0, 1e4},
            "the warp's domain is the texture and this around it");
     p.read("stiffness", annealing.stiffness, "", {1e-3, 1e6},

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "affine_seeds.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +11,9 @@ namespace weft::aem {
 namespace {
 
 constexpr std::size_t kSeeds = 3;
-constexpr int kScored = 256;          // matches on which maps are compared
+constexpr int kScored = 1024;               // matches on which maps are compared
+constexpr Eigen::Index kFirstScored = 256;  // those that are looked at first
+constexpr double kHopeless = 0.7;     // of a seed's score, below which the others are not looked at
 constexpr double kThreshold = 0.08;   // of the template's diagonal in the image
 constexpr double kWiderForOne = 1.5;  // a similarity through one match is less exact
 constexpr double kThinTriple = 0.02;  // of the template's area
@@ -104,20 +105,27 @@ class SeedSearch {
     if (!map || !plausible(*map)) return;
     Seed seed{*map, widen * kThreshold * map->scale() * matches_.diagonal_px(), 0.0, 0.0};
     const double area_px2 = std::numbers::pi * seed.threshold_px * seed.threshold_px;
-    const double fits = sum_of_fits(seed);
-    seed.share = fits / static_cast<double>(px_.size());
-    seed.score = fits * std::log(std::max(1.5, matches_.image_area_px2 / area_px2));
+    const double rare = std::log(std::max(1.5, matches_.image_area_px2 / area_px2));
+    const Eigen::Index n = px_.size(), first = std::min(n, kFirstScored);
+    double fits = sum_of_fits(seed, 0, first);
+    const double part = static_cast<double>(first) / static_cast<double>(n);
+    if (best_.size() == kSeeds && rare * fits < kHopeless * part * best_.back().score) return;
+    fits += sum_of_fits(seed, first, n - first);
+    seed.share = fits / static_cast<double>(n);
+    seed.score = rare * fits;
     keep(seed);
   }
 
-  /// sum max(0, 1 - r^2 / threshold^2) over the scored matches.
-  double sum_of_fits(const Seed& seed) const {
+  /// sum max(0, 1 - r^2 / threshold^2) over some of the scored matches.
+  double sum_of_fits(const Seed& seed, Eigen::Index first, Eigen::Index count) const {
     const Eigen::Matrix2f a = seed.map.slope.cast<float>();
     const Eigen::Vector2f t = seed.map.offset_px.cast<float>();
     const auto weight = static_cast<float>(1.0 / (seed.threshold_px * seed.threshold_px));
+    const auto px = px_.segment(first, count), py = py_.segment(first, count);
+    const auto qx = qx_.segment(first, count), qy = qy_.segment(first, count);
     return static_cast<double>(
-        (1.0F - weight * ((a(0, 0) * px_ + a(0, 1) * py_ + t.x() - qx_).square() +
-                          (a(1, 0) * px_ + a(1, 1) * py_ + t.y() - qy_).square()))
+        (1.0F - weight * ((a(0, 0) * px + a(0, 1) * py + t.x() - qx).square() +
+                          (a(1, 0) * px + a(1, 1) * py + t.y() - qy).square()))
             .max(0.0F)
             .sum());
   }

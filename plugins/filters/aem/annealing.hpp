@@ -24,22 +24,27 @@ struct Start {
 
 Start start_from(const Matches& matches, const Seed& seed);
 
-/// A coherent set of matches and the warp that it follows.
+/// A coherent set of matches: those that follow one warp.
 struct Solution {
-  Points2 control_px;           ///< of the displacement from the start
   Points2 residual_px;          ///< [n,2] warp less image point
+  Eigen::ArrayXd bias;          ///< [n] what scale and angle add to the log odds
   Eigen::ArrayXd logit;         ///< [n] log odds that a match is correct
   double sigma_px = 0.0;        ///< of the residuals of correct matches along each axis
   double share = 0.0;           ///< [] of correct matches
-  double log_likelihood = 0.0;  ///< less the warp's bending
+  double log_likelihood = 0.0;  ///< of the coarse warp, less its bending
   int rounds = 0;
+
+  Eigen::Index correct() const { return (logit > 0.0).count(); }
 };
 
 struct AnnealingOptions {
   int control_long = 8, control_short = 6;  ///< control points along the template's sides
-  double margin_px = 20.0;                  ///< of the spline's domain around the template
-  double stiffness = 8.0;                   ///< kappa, weight of the bending
+  int fine_control_long = 12, fine_control_short = 9;  ///< the same for the last look
+  double margin_px = 20.0;  ///< of the spline's domain around the template
+  double stiffness = 8.0;   ///< kappa, weight of the bending
   double least_sigma_px = 1.0;
+  Eigen::Index most_annealed = 128, most_finished = 512;  ///< matches that take part
+  int last_rounds = 2;
 };
 
 /// Expectation maximisation for the mixture of a warp with normal residuals and mismatches spread
@@ -52,25 +57,38 @@ class Annealing {
   /// From a warp of which some places [V,2] px in template and image are known.
   Start start_along(const Points2& flat_px, const Points2& image_px);
   Solution run(const Start& start);
-  /// Improves it with all matches near the warp; in its log odds the warp then counts as uncertain
-  /// where few matches determine it.
+  /// A last look at all matches near the warp, which may bend more; in the log odds it then counts
+  /// as uncertain where few matches determine it.
   void finish(const Start& start, Solution& solution);
 
  private:
+  /// A spline and the matches' places in it.
+  struct Grid {
+    DisplacementSpline spline;
+    std::vector<DisplacementSpline::Site> sites;
+
+    Grid(const Matches& matches, const SplineDomain& domain);
+    Eigen::Vector2d displacement_px(Eigen::Index i) const {
+      return spline(sites[static_cast<std::size_t>(i)]);
+    }
+    Eigen::Matrix2d slope(Eigen::Index i) const {
+      return spline.slope(sites[static_cast<std::size_t>(i)]);
+    }
+  };
   struct State;
-  State state_of(const Start& start) const;
-  void gather(const Start& start, State& state, Eigen::Index most);
-  void measure(State& state) const;
+
+  void gather(const Points2& residual_px, Eigen::Index most, State& state) const;
+  Points2 residuals_px(const State& state) const;
   void improve(const Start& start, State& state);
-  Solution conclude(const Start& start, const State& state) const;
-  Eigen::Vector2d residual_px(const State& state, Eigen::Index i) const;
-  double bias(const Start& start, Eigen::Index i) const;
+  void conclude(const State& state, Solution& solution) const;
+  Eigen::ArrayXd biases(const Start& start, const Grid& grid,
+                        const std::vector<Eigen::Index>& rows) const;
   double logit_constant(double sigma_px, double share) const;
 
   const Matches& matches_;
   AnnealingOptions options_;
-  DisplacementSpline spline_;
-  std::vector<DisplacementSpline::Site> sites_;
+  Grid coarse_, fine_;
+  std::vector<Eigen::Index> all_;  ///< 0 to n - 1
 };
 
 }  // namespace weft::aem

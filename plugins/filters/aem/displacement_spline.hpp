@@ -30,8 +30,6 @@ class DisplacementSpline {
   Site site(const Eigen::Vector2d& point_px) const;
 
   void clear() { control_px_.setZero(); }
-  const Points2& control_px() const { return control_px_; }
-  void set_control_px(const Points2& control_px) { control_px_ = control_px; }
 
   void start(double lambda_px2);
   void add(const Site& site, double weight, const Eigen::Vector2d& displacement_px);

@@ -8,8 +8,10 @@
 namespace weft::aem {
 namespace {
 
-constexpr double kWeakSeed = 0.5;  // of the best score, below which a seed is not annealed
-constexpr double kApart = 0.1;     // mean gap between different warps, of the template's diagonal
+constexpr double kWeakSeed = 0.5;   // of the best score, below which a seed is not annealed
+constexpr double kExplained = 0.8;  // of the matches that follow a seed
+constexpr double kFewFollow = 0.2;  // of the winner's matches, with which a seed is no rival
+constexpr double kApart = 0.1;      // mean gap between different warps, of the template's diagonal
 
 /// A solution and where it started.
 struct Candidate {
@@ -27,9 +29,6 @@ class ObjectSearch {
     std::optional<Candidate> tracked;
     if (track) tracked = annealed(annealing_.start_along(track->flat_px, track->image_px));
     if (!free && !tracked) return {};
-    for (std::optional<Candidate>* each : {&free, &tracked}) {
-      if (*each) annealing_.finish((*each)->start, (*each)->solution);
-    }
     if (tracked && (!free || confidence_of(*tracked) >= options_.sure)) {
       const double rival = free && apart(*tracked, *free) ? ratio(*free, *tracked) : 0.0;
       return found(*tracked, true, rival, rival > 1.0 ? kAmbiguous : 1.0);
@@ -55,12 +54,22 @@ class ObjectSearch {
     std::optional<Candidate> best;
     for (const Seed& seed : seeds.best) {
       if (seed.score < kWeakSeed * seeds.best.front().score) break;
-      Candidate next = annealed(start_from(matches_, seed));
+      Start start = start_from(matches_, seed);
+      if (best && explained(start, seed.threshold_px, best->solution)) continue;
+      Candidate next = annealed(std::move(start));
       if (!best || next.solution.log_likelihood > best->solution.log_likelihood) {
         best = std::move(next);
       }
     }
     return best;
+  }
+
+  /// Whether what follows a seed belongs to a solution already: then it would lead there again.
+  bool explained(const Start& start, double threshold_px, const Solution& solution) const {
+    const Eigen::Array<bool, Eigen::Dynamic, 1> follows =
+        (start.image_px - matches_.image_px).rowwise().norm().array() < threshold_px;
+    const auto both = static_cast<double>((follows && solution.logit > 0.0).count());
+    return both > kExplained * static_cast<double>(follows.count());
   }
 
   /// How likely the best set among the matches that `winner` leaves is, in parts of its likelihood.
@@ -71,7 +80,11 @@ class ObjectSearch {
     }
     if (left.size() < 3) return 0.0;
     const Seeds seeds = draw_seeds(matches_, left, draws_, rng_);
-    if (seeds.best.empty()) return 0.0;
+    const auto of_winner = static_cast<double>(winner.solution.correct());
+    if (seeds.best.empty() ||
+        seeds.best.front().share * static_cast<double>(left.size()) < kFewFollow * of_winner) {
+      return 0.0;
+    }
     const Candidate rival = annealed(start_from(matches_, seeds.best.front()));
     return apart(winner, rival) ? std::max(0.0, ratio(rival, winner)) : 0.0;
   }
@@ -86,18 +99,14 @@ class ObjectSearch {
   }
 
   double confidence_of(const Candidate& candidate) const {
-    const auto& logit = candidate.solution.logit;
-    return confidence({candidate.solution.log_likelihood, static_cast<double>(logit.size()),
-                       static_cast<double>((logit > 0.0).count())});
+    return confidence({candidate.solution.log_likelihood, static_cast<double>(matches_.count()),
+                       static_cast<double>(candidate.solution.correct())});
   }
 
-  Found found(const Candidate& candidate, bool tracked, double rival, double trust) const {
-    return {candidate.solution,
-            candidate.start.scale,
-            trust * confidence_of(candidate),
-            rival,
-            tracked,
-            draws_};
+  Found found(Candidate& candidate, bool tracked, double rival, double trust) {
+    const double confidence = trust * confidence_of(candidate);
+    annealing_.finish(candidate.start, candidate.solution);
+    return {candidate.solution, candidate.start.scale, confidence, rival, tracked, draws_};
   }
 
   const Matches& matches_;

@@ -17,7 +17,7 @@ struct Track {
 
 struct SearchOptions {
   AnnealingOptions annealing;
-  int most_draws = 4000;
+  int most_draws = 10000;
   double sure = 0.75;  ///< confidence from which the track is believed
 };
 
