@@ -7,6 +7,12 @@ import { draw, series_channels, width_of, write_legend } from "./chart.js";
 import { kColours, style_of } from "./selection.js";
 
 const kColour = "by colour";
+const kCurves = 12; // the filters of one plan
+
+/** Colour and dashes of a curve: behind the last colour they begin anew, dotted. */
+function style_of_curve(slot) {
+  return slot < kColours ? style_of(slot) : { ...style_of(slot - kColours), dash: [1, 3] };
+}
 
 /** The measure that a figure of responses shows. */
 function make_measure(sweep, again) {
@@ -16,12 +22,12 @@ function make_measure(sweep, again) {
   return select;
 }
 
-/** For each other axis a choice: one of its values, or the colours. A ROC curve begins amid the
+/** For each other axis a choice: one of its values, or the colours, which families have at first. A ROC curve begins amid the
     values: at the first, often the easiest or the hardest, it may have nothing to show. */
 function make_choices(sweep, again) {
-  const colours = sweep.others.findLastIndex(
-    ({ values }) => values.length > 1 && values.length <= kColours,
-  );
+  const family = sweep.others.findIndex(({ families }) => families);
+  const few = ({ values }) => values.length > 1 && values.length <= kColours;
+  const colours = family >= 0 ? family : sweep.others.findLastIndex(few);
   return sweep.others.map(({ name, values }, i) => {
     const select = element("select", { ariaLabel: name });
     for (const value of [...values, kColour])
@@ -33,19 +39,19 @@ function make_choices(sweep, again) {
   });
 }
 
-/** The curves that the choices leave, with names of what still differs; eight at most. */
+/** The curves that the choices leave, with names of what still differs; twelve at most. */
 function chosen_curves(sweep, choices) {
   const free = choices.map(({ value }) => value === kColour);
   const curves = sweep.curves.filter(({ others }) =>
     others.every((value, i) => free[i] || value === choices[i].value),
   );
-  const series = curves.slice(0, kColours).map((curve, slot) => ({
+  const series = curves.slice(0, kCurves).map((curve, slot) => ({
     name: curve.others.filter((_, i) => free[i]).join(" · ") || "all cells",
     note:
       curve.auc === null
         ? ""
         : `AUC ${shown(curve.auc, 4)}, to FPR 10 %: ${shown(curve.partial_auc, 4)}`,
-    ...style_of(slot),
+    ...style_of_curve(slot),
     curve,
   }));
   return { series, left_out: curves.length - series.length };

@@ -51,7 +51,8 @@ ordered_json comparison_json(const ComparisonResult& comparison) {
 ordered_json sweep_json(const Results& results, const Sweep& sweep) {
   ordered_json others = ordered_json::array(), curves = ordered_json::array();
   for (const PlanAxis& axis : other_axes(results, sweep)) {
-    others.push_back({{"name", axis.name}, {"values", axis.values}});
+    others.push_back(
+        {{"name", axis.name}, {"values", axis.values}, {"families", !axis.families.empty()}});
   }
   for (const SweepCurve& curve : sweep.curves) {
     ordered_json figures = ordered_json::array();
