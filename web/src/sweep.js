@@ -22,8 +22,9 @@ function make_measure(sweep, again) {
   return select;
 }
 
-/** For each other axis a choice: one of its values, or the colours, which families have at first. A ROC curve begins amid the
-    values: at the first, often the easiest or the hardest, it may have nothing to show. */
+/** For each other axis a choice: one of its values, or the colours, which families have at first. A
+    ROC curve begins amid the values: at the first, often the easiest or the hardest, it may have
+    nothing to show. */
 function make_choices(sweep, again) {
   const family = sweep.others.findIndex(({ families }) => families);
   const few = ({ values }) => values.length > 1 && values.length <= kColours;
