@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "row_feed.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <limits>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "row_text.hpp"

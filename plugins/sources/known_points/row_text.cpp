@@ -2,6 +2,7 @@
 #include "row_text.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -125,6 +126,8 @@ Result<PointRow> read_json_row(const std::string& path, std::string_view line, i
   } catch (const json::parse_error& error) {
     return mistake_at(path, line_number, column_of(line, std::max<std::size_t>(error.byte, 1) - 1),
                       "is not JSON: give one object in each line");
+  } catch (const json::exception&) {
+    return mistake("", "has a number that is too large");
   }
   if (!object.is_object()) return mistake("", "must be an object: {\"time_s\": 0.4, ...}");
   if (!repeated.empty()) return mistake(repeated, "'" + repeated + "' is given twice");

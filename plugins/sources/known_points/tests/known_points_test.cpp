@@ -152,6 +152,7 @@ TEST(KnownPointSource, MistakesInFilesAreNamedWithLineAndColumn) {
       {"{\"time_s\": 1, }\n", ":1:15: is not JSON"},
       {kByTime + "[1, 2]\n", ":3:1: must be an object"},
       {"{\"time_s\": 1, \"time_s\": 2}\n", ":1:2: 'time_s' is given twice"},
+      {"{\"time_s\": 1e999}\n", ":1:1: has a number that is too large"},
       {"{\"time_s\": 1, \"X\": 2}\n", ":1:15: 'X' is unknown"},
       {"{\"time_s\": \"1\"}\n", ":1:2: 'time_s' must be a finite number"},
       {"{\"time_s\": 1, \"vertex\": 2, \"X_mm\": 1, \"Y_mm\": 1}\n", ":1:1: needs 'Z_mm'"},
