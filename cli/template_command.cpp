@@ -109,8 +109,8 @@ std::optional<host::ComponentSpec> named_component(const TemplateOptions& option
 /// The component of a pipeline's section `template`; mistakes anywhere in the file are printed.
 std::optional<host::ComponentSpec> component_of_pipeline(const TemplateOptions& options,
                                                          const host::Registry& registry) {
-  const auto [config, report] = load_pipeline(options.pipeline, registry, ".", options.settings);
-  if (report.ok()) return config.templ->component;
+  auto [config, report] = load_pipeline(options.pipeline, registry, ".", options.settings);
+  if (report.ok()) return std::move(config.templ->component);
   fmt::print(stderr, "{}", report.text());
   return std::nullopt;
 }

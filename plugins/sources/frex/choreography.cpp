@@ -202,7 +202,7 @@ std::vector<sources::ClothGuide> Choreography::guides_at(double t_s) const {
 
 Points3 Choreography::start() const {
   Points3 sheet(centred_m_.rows(), 3);
-  sheet << centred_m_, settings_.distance_m + behind_m_.array();
+  sheet << centred_m_, (behind_m_.array() + settings_.distance_m).matrix();
   return sheet;
 }
 

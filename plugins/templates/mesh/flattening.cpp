@@ -6,6 +6,7 @@
 #include <CGAL/Surface_mesh_parameterization/ARAP_parameterizer_3.h>
 #include <CGAL/Surface_mesh_parameterization/parameterize.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 #include <weft/geometry/mesh_topology.hpp>
@@ -110,7 +111,9 @@ Result<Points2> flattened(const MeshFile& file, const Surface& surface) {
   const Eigen::Rotation2Dd turn(0.5 * M_PI * quarter);
   flat = (flat * turn.toRotationMatrix().transpose()).eval();
   flat.rowwise() -= flat.colwise().minCoeff().eval();
-  return flat.array().rowwise() / flat.colwise().maxCoeff().array();
+  const Eigen::RowVector2d extent = flat.colwise().maxCoeff();
+  flat.array().rowwise() /= extent.array();
+  return flat;
 }
 
 }  // namespace weft::mesh

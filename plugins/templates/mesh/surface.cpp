@@ -2,10 +2,10 @@
 #include "surface.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <map>
 #include <set>
+#include <tuple>
 #include <weft/geometry/mesh_validation.hpp>
 
 namespace weft::mesh {

@@ -38,7 +38,8 @@ void insert(const Polygon& polygon, Triangulation& triangulation) {
     corners.push_back(triangulation.insert(Kernel::Point_2(p.x(), p.y())));
   }
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    triangulation.insert_constraint(corners[i], corners[(i + 1) % corners.size()]);
+    const Vertex& next = corners[(i + 1) % corners.size()];
+    if (next != corners[i]) triangulation.insert_constraint(corners[i], next);
   }
 }
 
@@ -73,7 +74,7 @@ PlaneMesh exported(const Triangulation& triangulation) {
     return std::pair(vertex->point().y(), vertex->point().x());
   };
   std::vector<Face> inside;
-  for (const Face& face : triangulation.finite_face_handles()) {
+  for (const Face face : triangulation.finite_face_handles()) {
     if (!face->is_in_domain()) continue;
     inside.push_back(face);
     for (int k = 0; k < 3; ++k) number_of.emplace(place(face->vertex(k)), 0);
