@@ -31,6 +31,8 @@ inline Rates rates_of(const InlierMask& mask, const std::vector<std::uint8_t>& c
           100.0 * rejected_right / std::max(1.0, right)};
 }
 
+inline const SheetSpec kSheet{};
+
 /// Runs a filter on matches of a template of 960 x 575 px.
 struct FilterBench {
   FilterBench(const std::string& id, const std::string& params = "{}") : plugin(id, params) {}
@@ -47,7 +49,7 @@ struct FilterBench {
   Rates rates(const LabelledMatches& drawn) { return rates_of(mask(drawn.matches), drawn.correct); }
 
   PluginUnderTest plugin;
-  Template templ = make_template();
+  Template templ = make_template(kSheet);
 };
 
 /// Matches on the template's flat sheet.
