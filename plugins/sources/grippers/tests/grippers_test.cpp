@@ -42,7 +42,7 @@ Points3 errors_mm(const Outcome& frame) {
   const GroundTruth truth = frame.get<GroundTruth>().value();
   Points3 errors(known.count(), 3);
   for (std::int64_t p = 0; p < known.count(); ++p) {
-    const auto apart =
+    const Eigen::VectorXd apart =
         (truth.template_xy_m.matrix<2>().rowwise() - known.template_xy_m.matrix<2>().row(p))
             .rowwise()
             .norm();
