@@ -184,7 +184,7 @@ ordered_json frame_json(const FrameMetrics& frame) {
     object["depth_matches_without"] = frame.depth->without_depth;
   }
   if (frame.visibility) {
-    object["visibility"] = visibility_json(summarise_visibility({*frame.visibility}));
+    object["visibility"] = visibility_json(summarise_visibility(std::vector{*frame.visibility}));
   }
   for (const auto& [stage, counts] : frame.filters) object["filters"][stage] = counts_json(counts);
   return object;

@@ -171,7 +171,7 @@ TEST_F(SelfOcclusion, DoubtsAVertexWhereMatchesAreMissing) {
   const Visibility trusting = look({flat, input("correspondences", left)}, "{expected_matches: 0}");
   for (std::int64_t v = 0; v < 60; ++v) {
     EXPECT_EQ(doubted.visible(v), is_folded(v) ? 0 : 1) << v;
-    if (is_folded(v)) EXPECT_EQ(doubted.why(v), SightReason::unconfirmed) << v;
+    EXPECT_EQ(doubted.why(v) == SightReason::unconfirmed, is_folded(v)) << v;
     EXPECT_EQ(trusting.visible(v), 1) << v;
   }
   EXPECT_EQ(doubted.diag.value("unconfirmed", 0.0), 12.0);
