@@ -27,8 +27,10 @@ void sort_by_place(const Correspondences& matches, std::vector<std::int64_t>& ro
     return std::tuple(places_of(matches, i), or_zero(matches.ratio, i),
                       or_zero(matches.angle_difference_rad, i), or_zero(matches.scale_ratio, i), i);
   };
-  std::sort(rows.begin(), rows.end(),
-            [&](std::int64_t i, std::int64_t j) { return key(i) < key(j); });
+  std::sort(rows.begin(), rows.end(), [&](std::int64_t i, std::int64_t j) {
+    const double u = matches.template_px(i, 0), other_u = matches.template_px(j, 0);
+    return u != other_u ? u < other_u : key(i) < key(j);
+  });
 }
 
 }  // namespace

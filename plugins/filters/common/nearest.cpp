@@ -11,7 +11,8 @@
 namespace weft::filters {
 namespace {
 
-constexpr double kInCell = 3.0;  // points on average: 9 cells mostly hold the 8 nearest
+constexpr double kInCell = 3.0;   // points on average: 9 cells mostly hold the 8 nearest
+constexpr double kTooFull = 1.5;  // times as many
 
 /// A squared distance and an index in one number: the nearer first, then the smaller index.
 using Key = std::uint64_t;
@@ -50,33 +51,44 @@ class Buckets {
   Buckets(const Points2& points, const std::vector<int>& among) {
     const auto n = static_cast<double>(among.size());
     for (const int i : among) {
-      for (int x = 0; x < 2; ++x) {
-        low_[x] = std::min(low_[x], points(i, x));
-        high_[x] = std::max(high_[x], points(i, x));
+      for (std::size_t x = 0; x < 2; ++x) {
+        const double coordinate = points(i, static_cast<Eigen::Index>(x));
+        low_[x] = std::min(low_[x], coordinate);
+        high_[x] = std::max(high_[x], coordinate);
       }
     }
     const double width = high_[0] - low_[0], height = high_[1] - low_[1];
-    const double side =
-        std::max(std::sqrt(width * height * kInCell / n), std::max(width, height) * kInCell / n);
-    side_ = side > 0.0 ? side : 1.0;
-    columns_ = 1 + static_cast<int>(width / side_);
-    rows_ = 1 + static_cast<int>(height / side_);
-    fill(points, among);
+    const double least = std::max(width, height) * kInCell / n;
+    const double side = std::max(std::sqrt(width * height * kInCell / n), least);
+    fill(points, among, side > 0.0 ? side : 1.0);
+    // Where most points crowd into a part of the box, its cells are too full.
+    const double crowd = crowd_beside_each();
+    if (crowd > kTooFull * kInCell && least > 0.0) {
+      fill(points, among, std::max(side * std::sqrt(kInCell / crowd), least));
+    }
   }
 
   /// The nearest but `self`, searching ever larger blocks of cells.
   void search(const Eigen::RowVector2d& from, int self, Shortlist& nearest) const {
     const int column = cell_along(from.x(), 0, columns_), row = cell_along(from.y(), 1, rows_);
-    for (int reach = 1;; ++reach) {
+    for (int reach = 1;;) {
       nearest.clear();
       const int left = std::max(column - reach, 0), right = std::min(column + reach, columns_ - 1);
       const int top = std::max(row - reach, 0), bottom = std::min(row + reach, rows_ - 1);
-      for (int y = top; y <= bottom; ++y) search_row(from, self, left, right, y, nearest);
+      search_row(from, self, left, right, row, nearest);  // the likeliest first
+      for (int y = top; y <= bottom; ++y) {
+        if (y != row) search_row(from, self, left, right, y, nearest);
+      }
       const double outside = std::min({left > 0 ? from.x() - edge(left, 0) : kFar,
                                        right < columns_ - 1 ? edge(right + 1, 0) - from.x() : kFar,
                                        top > 0 ? from.y() - edge(top, 1) : kFar,
                                        bottom < rows_ - 1 ? edge(bottom + 1, 1) - from.y() : kFar});
-      if (outside == kFar || nearest.worst2() < outside * outside) return;
+      const double worst2 = nearest.worst2();
+      if (outside == kFar || worst2 < outside * outside) return;
+      // A full list says how far to look.
+      reach = worst2 == kFar
+                  ? 2 * reach
+                  : std::max(reach + 1, static_cast<int>(std::ceil(std::sqrt(worst2) / side_)));
     }
   }
 
@@ -93,7 +105,10 @@ class Buckets {
   }
   double edge(int cell, std::size_t axis) const { return low_[axis] + cell * side_; }
 
-  void fill(const Points2& points, const std::vector<int>& among) {
+  void fill(const Points2& points, const std::vector<int>& among, double side) {
+    side_ = side;
+    columns_ = 1 + static_cast<int>((high_[0] - low_[0]) / side_);
+    rows_ = 1 + static_cast<int>((high_[1] - low_[1]) / side_);
     const auto cell_of = [&](int i) {
       return static_cast<std::size_t>(cell_along(points(i, 1), 1, rows_)) *
                  static_cast<std::size_t>(columns_) +
@@ -105,6 +120,16 @@ class Buckets {
     std::vector<std::size_t> next(start_.begin(), start_.end() - 1);
     entries_.resize(among.size());
     for (const int i : among) entries_[next[cell_of(i)]++] = {points(i, 0), points(i, 1), i};
+  }
+
+  /// How many others are in the cell of a point, on average over the points.
+  double crowd_beside_each() const {
+    double pairs = 0.0;
+    for (std::size_t c = 1; c < start_.size(); ++c) {
+      const auto in_cell = static_cast<double>(start_[c] - start_[c - 1]);
+      pairs += in_cell * (in_cell - 1.0);
+    }
+    return pairs / static_cast<double>(entries_.size());
   }
 
   void search_row(const Eigen::RowVector2d& from, int self, int left, int right, int row,
