@@ -8,9 +8,8 @@ namespace weft::aem {
 
 double confidence(const Evidence& evidence) {
   if (!(evidence.correct > 0.0) || !(evidence.log_likelihood > 0.0)) return 0.0;
-  const double logit = -3.3 + 0.052 * std::min(evidence.log_likelihood, 150.0) +
-                       1.87 * std::log(evidence.correct) - 2.12 * std::log(evidence.matches) +
-                       0.84 * evidence.log_likelihood / evidence.correct;
+  const double logit = 1.51 + 0.0969 * std::min(evidence.log_likelihood, 150.0) +
+                       3.29 * std::log(evidence.correct) - 2.97 * std::log(evidence.matches);
   return 1.0 / (1.0 + std::exp(-logit));
 }
 

@@ -104,9 +104,13 @@ class ObjectSearch {
   }
 
   Found found(Candidate& candidate, bool tracked, double rival, double trust) {
-    const double confidence = trust * confidence_of(candidate);
     annealing_.finish(candidate.start, candidate.solution);
-    return {candidate.solution, candidate.start.scale, confidence, rival, tracked, draws_};
+    return {candidate.solution,
+            candidate.start.scale,
+            trust * confidence_of(candidate),
+            rival,
+            tracked,
+            draws_};
   }
 
   const Matches& matches_;
