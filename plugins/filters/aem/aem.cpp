@@ -51,13 +51,13 @@ class Aem final : public weft::Filter {
     p.read("use_orientation", use_orientation_,
            "scales and angles of the keypoints count, where the matches have them");
     p.read("track", track_, "look also near the previous shape");
-    p.read("control_long", annealing.control_long, "", {4, 30},
+    p.read("control_long", annealing.control_long, "", {4, 16},
            "control points along the longer side of the template");
-    p.read("control_short", annealing.control_short, "", {4, 30},
+    p.read("control_short", annealing.control_short, "", {4, 16},
            "control points along the shorter side");
-    p.read("fine_control_long", annealing.fine_control_long, "", {4, 30},
+    p.read("fine_control_long", annealing.fine_control_long, "", {4, 16},
            "the same for the last look, which decides");
-    p.read("fine_control_short", annealing.fine_control_short, "", {4, 30},
+    p.read("fine_control_short", annealing.fine_control_short, "", {4, 16},
            "the same along the shorter side");
     p.read("margin_px", annealing.margin_px, "px", {0, 1e4},
            "the warp's domain is the texture and this around it");

@@ -176,7 +176,7 @@ TEST(Aem, FollowsThePreviousShapeWithFewMatchesAndLeavesItAfterACut) {
     shape->source = Array<std::uint8_t>({shape->vertices_m.rows()});
   }
   FilterBench bench("filters/aem");
-  const auto few = draw_matches(templ, make_camera(), sheet, {150, 0.08, 0.5, 2.0}, rng);
+  const auto few = draw_matches(templ, make_camera(), sheet, {150, 0.1, 0.5, 2.0}, rng);
   const auto mask = run_after(bench, few.matches, near).get<InlierMask>();
   ASSERT_TRUE(mask);
   EXPECT_LT(rates_of(*mask, few.correct).fpr_percent, 20.0);
