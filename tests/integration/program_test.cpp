@@ -108,7 +108,7 @@ TEST_F(Program, SuggestsTheCommandThatIsMeant) {
   EXPECT_EQ(refusal({"plugins", "shwo"}), "error: no command 'shwo'; did you mean 'show'?\n");
   EXPECT_EQ(refusal({"frobnicate"}),
             "error: no command 'frobnicate'; there are: run, check, eval, ablate, data, plugins, "
-            "replay, doctor, records, report\n");
+            "replay, doctor, records, report, template\n");
   EXPECT_THAT(refusal({"check", "x.yaml", "y.yaml"}), HasSubstr("y.yaml"));
   EXPECT_THAT(refusal({"--frob", "check"}), HasSubstr("PIPELINE is required"));
 }
@@ -197,7 +197,7 @@ TEST_F(Program, LeavesFinishedFramesReadableWhenItIsKilled) {
     std::snprintf(name, sizeof name, "run/frames/%06zu.npz", i);
     const auto records = host::read_npz(path(name));
     ASSERT_TRUE(records) << name;
-    EXPECT_EQ(records->size(), 5U);  // shape, truth, matches, mask and warp samples
+    EXPECT_EQ(records->size(), 6U);  // shape, truth, visibility, matches, mask, warp samples
   }
   for (const auto& entry : fs::directory_iterator(path("run/frames"))) {
     if (entry.path().extension() != ".npz") continue;

@@ -85,12 +85,14 @@ TEST_F(Runs, KeepsShapeTruthAndFilteredMatchesOfEachFrame) {
     for (const auto& [slot, record] : *records) names.push_back(slot + " " + record->type());
     return names;
   };
+  const std::string visibility = "visibility visibility/1";
   const std::string matches = "matchers.correspondences correspondences/1";
   const std::string mask = "matchers.filters.inlier_mask inlier_mask/1";
   const std::string samples = "warps.warp_samples warp_samples/1";
-  EXPECT_THAT(slots("000000"), ElementsAre("ground_truth ground_truth/1", matches, mask, samples));
-  EXPECT_THAT(slots("000001"),
-              ElementsAre("shape shape/1", "ground_truth ground_truth/1", matches, mask, samples));
+  EXPECT_THAT(slots("000000"),
+              ElementsAre("ground_truth ground_truth/1", visibility, matches, mask, samples));
+  EXPECT_THAT(slots("000001"), ElementsAre("shape shape/1", "ground_truth ground_truth/1",
+                                           visibility, matches, mask, samples));
   EXPECT_THAT(slots("000002"), ElementsAre("shape shape/1"));
   const auto records = host::read_npz(ran.folder + "/frames/000002.npz");
   const auto shape = host::view_as<Shape>(*records->front().second);
