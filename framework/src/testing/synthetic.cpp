@@ -106,7 +106,8 @@ Points3 bent_vertices(const Template& templ, const DevelopableSheet& sheet) {
 
 bool all_in_image(const Camera& camera, const Points3View& points_m) {
   for (Eigen::Index i = 0; i < points_m.rows(); ++i) {
-    if (!in_image(camera, project(pinhole(camera), points_m.row(i)))) return false;
+    const Eigen::Vector2d pixel = project(pinhole(camera), points_m.row(i));
+    if (!camera.shows(pixel.x(), pixel.y())) return false;
   }
   return true;
 }
@@ -127,19 +128,6 @@ LabelledMatches draw_matches(const Template& templ, const Camera& camera,
     return sheet.at(pitch.x() * px.x(), pitch.y() * px.y());
   };
   return draw_with(templ, camera, on_sheet, spec, rng);
-}
-
-Result<DrawnDeformation> draw_deformation(const SheetSpec& sheet, const Camera& camera, Rng& rng,
-                                          const RandomDeformationSpec& spec) {
-  const auto deformer = value_or_throw(SheetDeformer::create(
-      sheet.columns, sheet.rows, make_template(sheet).vertices_m.matrix<3>(), spec));
-  for (int draw = 1; draw <= spec.max_draws; ++draw) {
-    RandomDeformation drawn = deformer.draw(camera, rng);
-    if (drawn.accepted)
-      return DrawnDeformation{std::move(drawn.vertices_m), drawn.max_strain, draw};
-  }
-  return no_result("no deformation within the limits in " + std::to_string(spec.max_draws) +
-                   " draws");
 }
 
 }  // namespace weft::testing

@@ -14,9 +14,7 @@ constexpr double kSlackInEdges = 5e-3;  // what lies this near before a point is
 
 bool in_image(const Camera& camera, const Eigen::Vector3d& point_m) {
   const Eigen::Vector2d pixel = project({camera.fx, camera.fy, camera.cx, camera.cy}, point_m);
-  return pixel.x() >= -0.5 && pixel.y() >= -0.5 &&  // false for NaN
-         pixel.x() <= static_cast<double>(camera.width_px) - 0.5 &&
-         pixel.y() <= static_cast<double>(camera.height_px) - 0.5;
+  return camera.shows(pixel.x(), pixel.y());  // false for NaN
 }
 
 Points3 centroids(const Points3View& vertices_m, const FacesView& faces) {

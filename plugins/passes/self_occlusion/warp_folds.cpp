@@ -60,11 +60,6 @@ std::vector<std::uint8_t> folded_faces(const std::vector<FaceMap>& maps) {
   return folded;
 }
 
-bool in_image(const Camera& camera, double x_px, double y_px) {
-  return x_px >= -0.5 && y_px >= -0.5 && x_px <= static_cast<double>(camera.width_px) - 0.5 &&
-         y_px <= static_cast<double>(camera.height_px) - 0.5;
-}
-
 }  // namespace
 
 Sight look_at_warp(const Template& templ, const WarpSamples& warped, const IndexLists& around,
@@ -82,7 +77,7 @@ Sight look_at_warp(const Template& templ, const WarpSamples& warped, const Index
       evaluated += std::isfinite(maps[f].determinant) ? 1 : 0;
     }
     SightReason reason = SightReason::seen;
-    if (!in_image(camera, warped.xy_px(v, 0), warped.xy_px(v, 1))) {
+    if (!camera.shows(warped.xy_px(v, 0), warped.xy_px(v, 1))) {
       reason = SightReason::outside;
     } else if (evaluated > 0 && hidden == evaluated) {
       reason = SightReason::hidden;

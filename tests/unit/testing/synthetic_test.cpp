@@ -6,7 +6,7 @@
 #include <weft/geometry/barycentric.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/mesh_validation.hpp>
-#include <weft/testing/synthetic.hpp>
+#include <weft/testing/random_sheet.hpp>
 
 namespace weft::testing {
 namespace {

@@ -16,6 +16,12 @@ struct Camera {
   std::int64_t width_px = 0;   ///< [] px
   std::int64_t height_px = 0;  ///< [] px
 
+  /// Whether a pixel lies in the image, whose border is half a pixel beyond the outer centres.
+  bool shows(double x_px, double y_px) const {
+    return x_px >= -0.5 && x_px <= static_cast<double>(width_px) - 0.5 && y_px >= -0.5 &&
+           y_px <= static_cast<double>(height_px) - 0.5;
+  }
+
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit(self.fx, Field{"fx", "", "px", "focal length along x"});

@@ -40,12 +40,6 @@ struct RandomDeformation {
   bool accepted = false;    ///< no edge is strained too much, and the sheet is in the image
 };
 
-/// Whether a pixel lies in the image, whose border is half a pixel beyond the outer centres.
-inline bool in_image(const Camera& camera, const Eigen::Vector2d& pixel) {
-  return pixel.x() >= -0.5 && pixel.x() <= static_cast<double>(camera.width_px) - 0.5 &&
-         pixel.y() >= -0.5 && pixel.y() <= static_cast<double>(camera.height_px) - 0.5;
-}
-
 /// Draws deformations of one sheet.
 class SheetDeformer {
  public:
@@ -87,7 +81,8 @@ class SheetDeformer {
     drawn.accepted = drawn.max_strain <= spec_.max_strain;
     const Pinhole pinhole{camera.fx, camera.fy, camera.cx, camera.cy};
     for (Eigen::Index v = 0; drawn.accepted && v < drawn.vertices_m.rows(); ++v) {
-      drawn.accepted = in_image(camera, project(pinhole, drawn.vertices_m.row(v)));
+      const Eigen::Vector2d pixel = project(pinhole, drawn.vertices_m.row(v));
+      drawn.accepted = camera.shows(pixel.x(), pixel.y());
     }
     return drawn;
   }

@@ -3,14 +3,12 @@
 
 #include <cstdint>
 #include <vector>
-#include <weft/core/result.hpp>
 #include <weft/core/rng.hpp>
 #include <weft/data/camera.hpp>
 #include <weft/data/correspondences.hpp>
 #include <weft/data/template.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/developable.hpp>
-#include <weft/geometry/random_deformation.hpp>
 #include <weft/geometry/types.hpp>
 
 /// Small scenes with exact truth for tests: everything follows from the arguments and the Rng.
@@ -88,16 +86,5 @@ LabelledMatches draw_matches(const Template& templ, const Camera& camera,
 /// The same with truth from the smooth sheet instead of from its mesh.
 LabelledMatches draw_matches(const Template& templ, const Camera& camera,
                              const DevelopableSheet& sheet, const MatchSpec& spec, Rng& rng);
-
-struct DrawnDeformation {
-  Points3 vertices_m;       ///< [V,3] m, camera frame
-  double max_strain = 0.0;  ///< [] of an edge
-  int draws = 0;            ///< [] this one included
-};
-
-/// The first accepted deformation of a template made by make_template(sheet). no_result when
-/// max_draws is used up.
-Result<DrawnDeformation> draw_deformation(const SheetSpec& sheet, const Camera& camera, Rng& rng,
-                                          const RandomDeformationSpec& spec = {});
 
 }  // namespace weft::testing

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 #include <weft/geometry/barycentric.hpp>
-#include <weft/testing/synthetic.hpp>
+#include <weft/testing/random_sheet.hpp>
 
 namespace weft::testing {
 

@@ -10,7 +10,7 @@
 #include <weft/geometry/face_locator.hpp>
 #include <weft/sdk/filter.hpp>
 #include <weft/testing/plugin_under_test.hpp>
-#include <weft/testing/synthetic.hpp>
+#include <weft/testing/random_sheet.hpp>
 
 namespace weft::testing {
 

@@ -83,7 +83,7 @@ TEST(MatchTrials, ReplaceTheGivenPartOfTheMatches) {
     for (std::int64_t n = 0; n < kMatches; ++n) {
       const Eigen::RowVector2d q = matches.image_px.matrix<2>().row(n);
       moved += q != truth.match_xy_px.matrix<2>().row(n);
-      EXPECT_TRUE(in_image(trials.camera, q.transpose()));
+      EXPECT_TRUE(trials.camera.shows(q.x(), q.y()));
     }
     EXPECT_EQ(moved, 280);
     const auto labels = label_matches(matches, *TruthMap::create(truth), make_template(),
