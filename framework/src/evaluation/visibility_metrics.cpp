@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <weft/evaluation/shape_meter.hpp>
 #include <weft/evaluation/visibility_metrics.hpp>
+#include <weft/geometry/truth_map.hpp>
 
 #include "units.hpp"
 

@@ -3,6 +3,7 @@
 #include <weft/core/statistics.hpp>
 #include <weft/evaluation/unknown.hpp>
 #include <weft/evaluation/warp_metrics.hpp>
+#include <weft/geometry/truth_map.hpp>
 
 namespace weft::evaluation {
 namespace {

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <weft/evaluation/metrics_report.hpp>
+#include <weft/evaluation/shape_meter.hpp>
 #include <weft/evaluation/visibility_metrics.hpp>
+#include <weft/geometry/truth_map.hpp>
 
 #include "test_run.hpp"
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <weft/evaluation/warp_metrics.hpp>
+#include <weft/geometry/truth_map.hpp>
 #include <weft/testing/synthetic.hpp>
 
 namespace weft::evaluation {

@@ -5,11 +5,15 @@
 #include <vector>
 #include <weft/data/template.hpp>
 #include <weft/data/visibility.hpp>
-#include <weft/evaluation/shape_meter.hpp>
 #include <weft/evaluation/unknown.hpp>
-#include <weft/geometry/truth_map.hpp>
+
+namespace weft {
+class TruthMap;
+}
 
 namespace weft::evaluation {
+
+struct PointErrors;
 
 /// One frame whose truth says what the camera sees. Positive is a vertex that is seen.
 struct VisibilityCounts {

@@ -9,7 +9,10 @@
 #include <weft/data/template.hpp>
 #include <weft/data/warp.hpp>
 #include <weft/geometry/camera_model.hpp>
-#include <weft/geometry/truth_map.hpp>
+
+namespace weft {
+class TruthMap;
+}
 
 namespace weft::evaluation {
 
