@@ -31,7 +31,7 @@ inline Rates rates_of(const InlierMask& mask, const std::vector<std::uint8_t>& c
           100.0 * rejected_right / std::max(1.0, right)};
 }
 
-inline const SheetSpec kSheet{};  // GCC 12 thinks that a default argument dangles
+inline const SheetSpec kSheet{};
 
 /// Runs a filter on matches of a template of 960 x 575 px.
 struct FilterBench {
