@@ -58,7 +58,7 @@ class Tps final : public weft::WarpModel {
 
   Centres centres_ = Centres::grid;
   int grid_u_ = 8;
-  int grid_v_ = 6;
+  int grid_v_ = 5;
   int most_matches_ = 1500;
   double margin_px_ = 20.0;
   Smoothing smoothing_ = Smoothing::fixed;
