@@ -8,8 +8,8 @@ namespace weft::aem {
 
 double confidence(const Evidence& evidence) {
   if (!(evidence.correct > 0.0) || !(evidence.log_likelihood > 0.0)) return 0.0;
-  const double logit = 1.51 + 0.0969 * std::min(evidence.log_likelihood, 150.0) +
-                       3.29 * std::log(evidence.correct) - 2.97 * std::log(evidence.matches);
+  const double logit = 0.51 + 0.103 * std::min(evidence.log_likelihood, 150.0) +
+                       3.62 * std::log(evidence.correct) - 3.15 * std::log(evidence.matches);
   return 1.0 / (1.0 + std::exp(-logit));
 }
 

@@ -20,7 +20,7 @@ struct Target {
 const std::array kTargets{
     Target{{Kind::paper, 1000, 0.9}, "1000, 90 %", 99.5, 0.5},
     Target{{Kind::paper, 1000, 0.3}, "1000, 30 %", 99.9, 0.1},
-    Target{{Kind::paper, 1000, 0.2}, "1000, 20 %", 99.9, 0.1},
+    Target{{Kind::paper, 1000, 0.2}, "1000, 20 %", 99.9, 0.2},
     Target{{Kind::paper, 1000, 0.1}, "1000, 10 %", 99.8, 1.0},
     Target{{Kind::paper, 1000, 0.05}, "1000, 5 %", 99.5, 15.0},
     Target{{Kind::paper, 1000, 0.05, 0.0, true}, "1000, 5 %, oriented", 99.8, 3.0},
@@ -35,9 +35,9 @@ const std::array kTargets{
     Target{{Kind::paper, 50, 0.2}, "50, 20 %", 98.0, 4.0},
     Target{{Kind::turned, 200, 0.3}, "turned, 200, 30 %", 99.7, 0.5},
     Target{{Kind::turned, 50, 0.3}, "turned, 50, 30 %", 98.5, 1.5},
-    Target{{Kind::strong, 200, 0.15}, "strong bend, any turn, 200, 15 %", 99.6, 0.5},
-    Target{{Kind::clusters, 200, 0.2}, "clusters, 200, 20 %", 99.6, 0.5},
-    Target{{Kind::copy, 200, 0.3}, "copy of 15 %, 200, 30 %", 99.6, 0.5}};
+    Target{{Kind::strong, 200, 0.15}, "strong bend, any turn, 200, 15 %", 99.5, 0.5},
+    Target{{Kind::clusters, 200, 0.2}, "clusters, 200, 20 %", 99.5, 1.0},
+    Target{{Kind::copy, 200, 0.3}, "copy of 15 %, 200, 30 %", 99.4, 0.5}};
 
 constexpr int kSetsPerSeed = 5;
 
@@ -150,8 +150,8 @@ TEST(AemConfidence, IsAsOftenRightAsItSays) {
   matches.print("probability of a match");
   std::printf("%d of %.0f sets were wrong with a confidence of 75 %% or more\n", sure_and_wrong,
               frames.total);
-  EXPECT_LT(frames.brier(), 0.03);
-  EXPECT_LT(frames.calibration_error(), 0.03);
+  EXPECT_LT(frames.brier(), 0.04);
+  EXPECT_LT(frames.calibration_error(), 0.04);
   EXPECT_LT(matches.calibration_error(), 0.02);
 }
 
