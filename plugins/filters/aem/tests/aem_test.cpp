@@ -87,18 +87,11 @@ TEST(Aem, ScoresAreProbabilitiesThatTheThresholdCuts) {
   EXPECT_EQ(before.tpr_percent, 100.0);
 }
 
-TEST(Aem, DoesNotDependOnTheOrder) {
-  FilterBench bench("filters/aem");
-  expect_no_order(bench, draw_scene({Kind::paper, 300, 0.4, 0.5}, 9).matches);
-  expect_no_order(bench, draw_scene({Kind::paper, 300, 0.4, 0.5, true}, 9).matches);
-}
-
-TEST(Aem, GivesTheSameAnswerFreshAndWarm) {
-  const Correspondences matches = draw_scene({Kind::turned, 400, 0.3, 0.5}, 10).matches;
-  FilterBench fresh("filters/aem"), warm("filters/aem");
-  warm.run(draw_scene({Kind::strong, 150, 0.5}, 11).matches);
-  const InlierMask first = fresh.mask(matches), second = warm.mask(matches);
-  EXPECT_EQ(first.score.matrix<1>(), second.score.matrix<1>());
+TEST(Aem, OwesWhatEveryFilterOwes) {
+  for (const bool oriented : {false, true}) {
+    expect_filter_contract("filters/aem",
+                           draw_scene({Kind::turned, 300, 0.5, 0.5, oriented}, 9).matches);
+  }
 }
 
 /// The sheet and, with as many matches, a copy of it that is moved.
