@@ -9,6 +9,8 @@
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/testing/synthetic.hpp>
 
+#include "scene.hpp"
+
 namespace weft::particle_sft {
 namespace {
 
@@ -130,6 +132,39 @@ TEST(HiddenBend, TakesTheUnmeasuredVerticesBesideAHiddenOneAsHidden) {
   }
   seen.visible = Array<std::uint8_t>({5});
   EXPECT_FALSE(hidden_part(seen, rays, scene.neighbours));
+}
+
+TEST(HiddenBend, BringsASolverNearerToWhatItCannotSee) {
+  Scene scene = Scene::bent(0.09);
+  scene.seen.clear();
+  Visibility sight;
+  sight.visible = sight.reason = Array<std::uint8_t>({60});
+  sight.score = Array<double>({60});
+  for (std::int32_t v = 0; v < 60; ++v) {
+    const bool seen = v % 10 >= 2 && v % 10 <= 7;
+    sight.visible(v) = seen ? 1 : 0;
+    sight.reason(v) = static_cast<std::uint8_t>(seen ? SightReason::seen : SightReason::hidden);
+    if (seen) scene.seen.push_back(v);
+  }
+  scene.look();
+  testing::PluginUnderTest plugin(kId);
+  const testing::Outcome without = scene.run(plugin);
+  ASSERT_EQ(without.status, WEFT_OK) << without.message;
+  const Shape first = without.get<Shape>().value();
+  const testing::Outcome with = plugin.process(
+      0, {testing::input("template", scene.templ), testing::input("camera", scene.camera),
+          testing::input("sightlines", scene.lines), testing::input("previous.shape", first),
+          testing::input("visibility", sight)});
+  ASSERT_EQ(with.status, WEFT_OK) << with.message;
+  const auto hidden_error_m = [&](const Shape& shape) {
+    double sum = 0.0;
+    for (std::int64_t v = 0; v < 60; ++v) {
+      const Eigen::RowVector3d offset = shape.vertices_m.matrix<3>().row(v) - scene.truth_m.row(v);
+      sum += sight.visible(v) == 0 ? offset.norm() / 24.0 : 0.0;
+    }
+    return sum;
+  };
+  EXPECT_LT(hidden_error_m(with.get<Shape>().value()), 0.5 * hidden_error_m(first));
 }
 
 }  // namespace
