@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "evidence.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <weft/geometry/barycentric.hpp>
@@ -9,6 +10,9 @@
 
 namespace weft::self_occlusion {
 namespace {
+
+/// Fewer than this may be missing by chance.
+constexpr double kFewestExpected = 4.0 / 3.0;
 
 /// px^2 of a face in the image times the squared cosine of its slant; 0 where it is not in view.
 double exposure_px2(const Scene& scene, const Points2& pixels, Eigen::Index face) {
@@ -24,6 +28,30 @@ bool two_agree(const std::vector<Eigen::Vector2d>& offsets_px, double tolerance_
     }
   }
   return false;
+}
+
+/// Calls `visit` for each vertex that shares a face with this one, itself included.
+template <class Visit>
+void for_neighbours(const Scene& scene, std::size_t vertex, const Visit& visit) {
+  for (const std::int32_t face : scene.around[static_cast<Eigen::Index>(vertex)]) {
+    for (int k = 0; k < 3; ++k) visit(static_cast<std::size_t>(scene.faces(face, k)));
+  }
+}
+
+/// The marked vertices that `start` is joined to by marked ones; they are unmarked.
+std::vector<std::size_t> take_part(const Scene& scene, std::size_t start,
+                                   std::vector<std::uint8_t>& marked) {
+  std::vector<std::size_t> part{start};
+  marked[start] = 0;
+  for (std::size_t next = 0; next < part.size(); ++next) {
+    const std::size_t vertex = part[next];
+    for_neighbours(scene, vertex, [&](std::size_t v) {
+      if (marked[v] == 0) return;
+      marked[v] = 0;
+      part.push_back(v);
+    });
+  }
+  return part;
 }
 
 }  // namespace
@@ -65,10 +93,41 @@ Evidence gather_evidence(const Scene& scene, const Camera& camera, const Corresp
       around_px2 += exposure[static_cast<std::size_t>(face)];
     }
     evidence.confirmed.push_back(two_agree(nearest[v], tolerance_px) ? 1 : 0);
-    evidence.matches.push_back(found);
-    evidence.expected.push_back(rate_per_px2 * around_px2);
+    evidence.around.push_back(found);
+    evidence.nearest.push_back(static_cast<int>(nearest[v].size()));
+    evidence.expected.push_back(rate_per_px2 * around_px2 / 3.0);
   }
   return evidence;
+}
+
+std::vector<std::uint8_t> unconfirmed_vertices(const Scene& scene, const Sight& sight,
+                                               const Evidence& evidence, double missing) {
+  const std::size_t count = sight.reason.size();
+  const auto is_unseen = [&](std::size_t v) {
+    return sight.reason[v] == SightReason::hidden || sight.reason[v] == SightReason::faces_away;
+  };
+  std::vector<std::uint8_t> doubtful(count, 0), unconfirmed(count, 0);
+  for (std::size_t v = 0; v < count; ++v) {
+    const bool lacks = evidence.around[v] == 0 && evidence.expected[v] >= kFewestExpected;
+    doubtful[v] = is_unseen(v) || (sight.reason[v] == SightReason::seen && lacks) ? 1 : 0;
+  }
+  std::vector<std::size_t> unseen;
+  for (std::size_t v = 0; v < count; ++v) {
+    if (doubtful[v] == 0) continue;
+    double expected = 0.0;
+    const std::vector<std::size_t> part = take_part(scene, v, doubtful);
+    for (const std::size_t member : part) expected += evidence.expected[member];
+    if (expected < missing && std::none_of(part.begin(), part.end(), is_unseen)) continue;
+    unseen.insert(unseen.end(), part.begin(), part.end());
+    for (const std::size_t member : part) unconfirmed[member] = is_unseen(member) ? 0 : 1;
+  }
+  for (const std::size_t v : unseen) {
+    for_neighbours(scene, v, [&](std::size_t next) {
+      const bool seen = sight.reason[next] == SightReason::seen;
+      if (seen && evidence.nearest[next] == 0) unconfirmed[next] = 1;
+    });
+  }
+  return unconfirmed;
 }
 
 }  // namespace weft::self_occlusion

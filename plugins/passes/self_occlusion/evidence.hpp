@@ -17,8 +17,10 @@ struct Evidence {
   /// [V] 1 where two matches that are nearest to the vertex agree: what they lack to their places
   /// on the shape differs by less than the tolerance
   std::vector<std::uint8_t> confirmed;
-  std::vector<int> matches;      ///< [V] kept, in the faces around the vertex
-  std::vector<double> expected;  ///< [V] how many there should be if the vertex were seen
+  std::vector<int> around;   ///< [V] kept matches in the faces around the vertex
+  std::vector<int> nearest;  ///< [V] kept matches that are nearer to it than to other vertices
+  std::vector<double>
+      expected;  ///< [V] how many there should be; all of a face at its three corners
 };
 
 /// The mesh as it is believed to lie before the camera.
@@ -34,5 +36,12 @@ struct Scene {
 /// Faces of matches must be in range.
 Evidence gather_evidence(const Scene& scene, const Camera& camera, const Correspondences& matches,
                          double tolerance_px);
+
+/// Marks vertices that geometry says are seen, but of which nothing is recognised. A part of the
+/// surface is doubted where no match is left around its vertices although at least `missing` are
+/// expected in it, or where it joins a part that geometry says is not seen. At the rim of such
+/// parts vertices without a nearest match are doubted too: their places in the image are a guess.
+std::vector<std::uint8_t> unconfirmed_vertices(const Scene& scene, const Sight& sight,
+                                               const Evidence& evidence, double missing);
 
 }  // namespace weft::self_occlusion

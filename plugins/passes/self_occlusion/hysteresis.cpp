@@ -15,19 +15,12 @@ struct Finding {
   bool known = true, confirmed = false, lacks_matches = false;
 };
 
-Finding finding_of(const Sight& sight, const std::optional<Evidence>& evidence, std::size_t v,
-                   double expected_matches) {
+Finding finding_of(const Sight& sight, const std::optional<Told>& told, std::size_t v) {
   Finding found{sight.reason[v], sight.score[v], sight.known[v] != 0, false, false};
-  if (!evidence || found.reason == SightReason::outside) return found;
-  found.confirmed = evidence->confirmed[v] != 0;
-  found.lacks_matches = evidence->matches[v] == 0;
-  if (found.confirmed) {
-    found = {SightReason::seen, 1.0, true, true, false};
-  } else if (found.reason == SightReason::seen && found.lacks_matches && expected_matches > 0.0 &&
-             evidence->expected[v] >= expected_matches) {
-    found.reason = SightReason::unconfirmed;
-    found.score = 0.0;
-  }
+  if (!told || found.reason == SightReason::outside) return found;
+  found.lacks_matches = told->evidence.around[v] == 0;
+  if (told->evidence.confirmed[v] != 0) return {SightReason::seen, 1.0, true, true, false};
+  if (told->unconfirmed[v] != 0) found.reason = SightReason::unconfirmed;
   return found;
 }
 
@@ -55,7 +48,7 @@ Verdict judge(const Finding& found, const std::optional<Visibility>& previous, s
 
 }  // namespace
 
-Visibility settle(const Sight& sight, const std::optional<Evidence>& evidence,
+Visibility settle(const Sight& sight, const std::optional<Told>& told,
                   const std::optional<Visibility>& previous, const Rules& rules) {
   const auto count = static_cast<std::int64_t>(sight.reason.size());
   Visibility result;
@@ -65,7 +58,7 @@ Visibility settle(const Sight& sight, const std::optional<Evidence>& evidence,
   int overruled = 0, unconfirmed = 0, visible = 0;
   for (std::int64_t v = 0; v < count; ++v) {
     const auto i = static_cast<std::size_t>(v);
-    const Finding found = finding_of(sight, evidence, i, rules.expected_matches);
+    const Finding found = finding_of(sight, told, i);
     const Verdict verdict = judge(found, previous, v, rules);
     SightReason reason = found.reason;
     if (verdict.visible) {

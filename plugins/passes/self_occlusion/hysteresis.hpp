@@ -11,20 +11,25 @@ namespace weft::self_occlusion {
 
 /// When a vertex changes sides.
 struct Rules {
-  double memory = 0.4;            ///< [] weight of the previous score
-  double hide_below = 0.3;        ///< [] a seen vertex is hidden below this score ...
-  double show_above = 0.7;        ///< [] ... and a hidden one seen above this
-  double expected_matches = 4.0;  ///< [] this many expected and none found: unconfirmed; 0: never
+  double memory = 0.4;      ///< [] weight of the previous score
+  double hide_below = 0.3;  ///< [] a seen vertex is hidden below this score ...
+  double show_above = 0.7;  ///< [] ... and a hidden one seen above this
+};
+
+/// What matches tell of a frame.
+struct Told {
+  Evidence evidence;
+  std::vector<std::uint8_t> unconfirmed;  ///< [V] 1 where nothing is recognised
 };
 
 /// Joins what the geometry, the matches and the previous frame say. A vertex that matches confirm
-/// is seen. One that should have matches and has none is unconfirmed, and not seen. Else, with s
+/// is seen, one that they do not where they should is unconfirmed and not seen. Else, with s
 /// the score of this frame and s' the previous one, s_t = (1 - memory) s + memory s'; a vertex that
 /// was seen stays so until s_t < hide_below in two frames in a row, or in one if no match lies
 /// around it; one that was not stays so until s_t > show_above. Without a previous frame the
 /// geometry decides. Whether a vertex is in the image needs no memory. A vertex that cannot be told
 /// keeps its side. `evidence` is absent without matches.
-Visibility settle(const Sight& sight, const std::optional<Evidence>& evidence,
+Visibility settle(const Sight& sight, const std::optional<Told>& told,
                   const std::optional<Visibility>& previous, const Rules& rules);
 
 }  // namespace weft::self_occlusion

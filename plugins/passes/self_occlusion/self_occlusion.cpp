@@ -31,9 +31,8 @@ class SelfOcclusion final : public Pass {
            "a vertex that was seen is hidden below this score");
     p.read("show_above", rules_.show_above, "", {0.5, 1.0},
            "a vertex that was hidden is seen above this score");
-    p.read("expected_matches", rules_.expected_matches, "", {0.0, 1e6},
-           "a vertex with so many kept matches expected around it and none found is unconfirmed; "
-           "0: never");
+    p.read("missing_matches", missing_matches_, "", {0.0, 1e6},
+           "a part with so many kept matches expected and none found is unconfirmed; 0: none is");
     p.read("match_tolerance_px", match_tolerance_px_, "px", {0.0, 1e6},
            "two kept matches at a vertex that agree within this show it, whatever the shape says");
     p.read("longest_age", longest_age_, "frames", {0, 1000000},
@@ -48,20 +47,18 @@ class SelfOcclusion final : public Pass {
       return no_result("there is neither a shape nor a warp to look at");
     }
     Sight sight;
-    std::optional<Evidence> evidence;
+    std::optional<Told> told;
     if (shape) {
       const Points3View vertices_m = shape->vertices_m.matrix<3>();
       const FacesView faces = in.templ.faces.matrix<3>();
       sight = look(vertices_m, faces, around_, in.camera, *scene_);
-      if (in.correspondences) {
-        evidence = gather_evidence({vertices_m, faces, around_, sight.cosines}, in.camera,
-                                   *in.correspondences, match_tolerance_px_);
-      }
+      const Scene scene{vertices_m, faces, around_, sight.cosines};
+      if (in.correspondences) told = what_matches_tell(in, scene, sight);
     } else {
       sight = look_at_warp(in.templ, *in.warp_samples, around_, in.camera);
     }
     PassOutput out;
-    out.visibility = settle(sight, evidence, in.previous_visibility, rules_);
+    out.visibility = settle(sight, told, in.previous_visibility, rules_);
     out.visibility->diag.set("looked_at", in.shape ? 0.0 : shape ? 1.0 : 2.0);
     return out;
   }
@@ -115,6 +112,15 @@ class SelfOcclusion final : public Pass {
     return {};
   }
 
+  Told what_matches_tell(const PassInput& in, const Scene& scene, const Sight& sight) const {
+    Told told{gather_evidence(scene, in.camera, *in.correspondences, match_tolerance_px_), {}};
+    told.unconfirmed.assign(sight.reason.size(), 0);
+    if (missing_matches_ > 0.0) {
+      told.unconfirmed = unconfirmed_vertices(scene, sight, told.evidence, missing_matches_);
+    }
+    return told;
+  }
+
   /// The shape of this frame, else the previous one while it is fresh; only one that lies before
   /// the camera.
   std::optional<Shape> shape_to_look_at(const PassInput& in) const {
@@ -131,6 +137,7 @@ class SelfOcclusion final : public Pass {
   }
 
   Rules rules_;
+  double missing_matches_ = 15.0;
   double match_tolerance_px_ = 3.0;
   std::int64_t longest_age_ = 5;
 

@@ -168,7 +168,7 @@ TEST_F(SelfOcclusion, DoubtsAVertexWhereMatchesAreMissing) {
   }
   const auto flat = input("shape", shape(flat_m_));
   const Visibility doubted = look({flat, input("correspondences", left)});
-  const Visibility trusting = look({flat, input("correspondences", left)}, "{expected_matches: 0}");
+  const Visibility trusting = look({flat, input("correspondences", left)}, "{missing_matches: 0}");
   for (std::int64_t v = 0; v < 60; ++v) {
     EXPECT_EQ(doubted.visible(v), is_folded(v) ? 0 : 1) << v;
     EXPECT_EQ(doubted.why(v) == SightReason::unconfirmed, is_folded(v)) << v;
