@@ -22,7 +22,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 const std::string kData = WEFT_PIPELINES "/data/";
-const std::string kInsole = "photo: '" + kData + "insole.png', length_m: 0.26";
+const std::string kInsole = "photo: '" + kData + "insole.png', smallest_hole: 1, length_m: 0.26";
 const std::string kLabel =
     "mesh: '" + kData + "label.obj', texture: '" + kData + "sheet_texture.png', unit_m: 0.001";
 
@@ -170,7 +170,7 @@ TEST_F(ObjectFilm, ShowsALabelThatIsCurvedAtRestAndOpens) {
   EXPECT_LT(points(0, 1), points(135, 1));
   EXPECT_LT(worst_strain(rest, bent), 0.002);
   EXPECT_GT((bent.points_m.matrix<3>() - points).rowwise().norm().maxCoeff(), 0.005);
-  for (const GroundTruth* frame : {&rest, &bent}) EXPECT_LT(map_error_m(*frame), 0.0006);
+  for (const GroundTruth* frame : {&rest, &bent}) EXPECT_LT(map_error_m(*frame), 0.0012);
 }
 
 }  // namespace

@@ -11,31 +11,23 @@
 namespace weft::mesh {
 namespace {
 
-/// Gives numbers to keys in the order in which they come.
-template <class Key>
-class Numbers {
- public:
-  std::int32_t of(const Key& key) {
-    return number_of_.try_emplace(key, static_cast<std::int32_t>(number_of_.size())).first->second;
-  }
-  std::size_t count() const { return number_of_.size(); }
-
- private:
-  std::map<Key, std::int32_t> number_of_;
-};
-
 using Point = std::array<double, 3>;
 using Triple = std::array<std::int32_t, 3>;
+using Key = std::tuple<std::int32_t, double, double>;  // place, texture coordinates
 
-/// Numbers of the points of space that the corners of each face are at.
+/// For the corners of each face, the first of the file's positions at the same place.
 std::vector<Triple> points_of(const MeshFile& file) {
-  Numbers<Point> points;
+  std::map<Point, std::int32_t> first_at;
+  std::vector<std::int32_t> first;
+  for (const Eigen::Vector3d& p : file.positions) {
+    const auto number = static_cast<std::int32_t>(first.size());
+    first.push_back(first_at.try_emplace({p.x(), p.y(), p.z()}, number).first->second);
+  }
   std::vector<Triple> corners;
   for (const MeshFile::Face& face : file.faces) {
     Triple& triple = corners.emplace_back();
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto& at = file.positions[static_cast<std::size_t>(face.corners[k].position)];
-      triple[k] = points.of({at.x(), at.y(), at.z()});
+      triple[k] = first[static_cast<std::size_t>(face.corners[k].position)];
     }
   }
   return corners;
@@ -65,21 +57,20 @@ Result<void> check_manifold(const MeshFile& file, const std::vector<Triple>& poi
 }
 
 int count_parts(const std::vector<Triple>& points) {
-  std::vector<std::int32_t> up;
+  std::map<std::int32_t, std::int32_t> up;
   const auto root = [&](std::int32_t i) {
-    while (up[static_cast<std::size_t>(i)] != i) i = up[static_cast<std::size_t>(i)];
+    while (up.at(i) != i) i = up.at(i);
     return i;
   };
-  int parts = 0;
   for (const Triple& triple : points) {
-    while (up.size() <= static_cast<std::size_t>(*std::max_element(triple.begin(), triple.end()))) {
-      up.push_back(static_cast<std::int32_t>(up.size()));
-      ++parts;
-    }
+    for (const std::int32_t point : triple) up.try_emplace(point, point);
+  }
+  auto parts = static_cast<int>(up.size());
+  for (const Triple& triple : points) {
     for (std::size_t k = 1; k < 3; ++k) {
       const auto [low, high] = std::minmax({root(triple[0]), root(triple[k])});
       if (low == high) continue;
-      up[static_cast<std::size_t>(high)] = low;
+      up[high] = low;
       --parts;
     }
   }
@@ -111,41 +102,48 @@ std::array<Eigen::Vector2d, 3> corners_of(const Points2& flat_px, const Faces& f
   return {flat_px.row(faces(f, 0)), flat_px.row(faces(f, 1)), flat_px.row(faces(f, 2))};
 }
 
-}  // namespace
-
-Result<Surface> weld(const MeshFile& file) {
-  const std::vector<Triple> points = points_of(file);
-  if (auto checked = check_manifold(file, points); !checked) return checked.error();
-  Surface surface;
-  surface.parts = count_parts(points);
-  surface.faces.resize(static_cast<Eigen::Index>(file.faces.size()), 3);
-  Numbers<std::tuple<std::int32_t, double, double>> numbers;
-  std::vector<Eigen::Vector3d> vertices;
-  std::vector<Eigen::Vector2d> texture;
-  for (std::size_t f = 0; f < file.faces.size(); ++f) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const MeshFile::Corner& corner = file.faces[f].corners[k];
-      Eigen::Vector2d uv = Eigen::Vector2d::Zero();
-      if (corner.texture >= 0) uv = file.texture_uv[static_cast<std::size_t>(corner.texture)];
-      const std::int32_t vertex = numbers.of({points[f][k], uv.x(), uv.y()});
-      surface.faces(static_cast<Eigen::Index>(f), static_cast<Eigen::Index>(k)) = vertex;
-      if (numbers.count() == vertices.size()) continue;
-      vertices.push_back(file.positions[static_cast<std::size_t>(corner.position)]);
-      texture.push_back(corner.texture < 0 ? Eigen::Vector2d::Constant(NAN) : uv);
-    }
-  }
-  surface.vertices.resize(static_cast<Eigen::Index>(vertices.size()), 3);
-  surface.texture.resize(surface.vertices.rows(), 2);
-  for (Eigen::Index v = 0; v < surface.vertices.rows(); ++v) {
-    surface.vertices.row(v) = vertices[static_cast<std::size_t>(v)];
-    surface.texture.row(v) = texture[static_cast<std::size_t>(v)];
-  }
+Result<void> check_areas(const MeshFile& file, const Surface& surface) {
   const double least = smallest_area(surface.vertices);
   for (Eigen::Index f = 0; f < surface.faces.rows(); ++f) {
     if (face_area(surface.vertices, surface.faces, f) > least) continue;
     return file.mistake(file.faces[static_cast<std::size_t>(f)],
                         "has no area: remove it or move its corners apart");
   }
+  return {};
+}
+
+}  // namespace
+
+Result<Surface> weld(const MeshFile& file) {
+  const std::vector<Triple> points = points_of(file);
+  if (auto checked = check_manifold(file, points); !checked) return checked.error();
+  const auto key_of = [&](std::size_t f, std::size_t k) {
+    const std::int32_t texture = file.faces[f].corners[k].texture;
+    Eigen::Vector2d uv = Eigen::Vector2d::Zero();
+    if (texture >= 0) uv = file.texture_uv[static_cast<std::size_t>(texture)];
+    return Key{points[f][k], uv.x(), uv.y()};
+  };
+  std::map<Key, std::int32_t> number_of;  // in the file's order of positions
+  for (std::size_t f = 0; f < points.size(); ++f) {
+    for (std::size_t k = 0; k < 3; ++k) number_of.emplace(key_of(f, k), 0);
+  }
+  const auto count = static_cast<Eigen::Index>(number_of.size());
+  Surface surface{Points3(count, 3), Points2(count, 2), {}, count_parts(points)};
+  std::int32_t next = 0;
+  for (auto& [key, number] : number_of) {
+    number = next++;
+    const auto& [point, u, v] = key;
+    surface.vertices.row(number) = file.positions[static_cast<std::size_t>(point)];
+    surface.texture.row(number) << u, v;
+  }
+  surface.faces.resize(static_cast<Eigen::Index>(points.size()), 3);
+  for (std::size_t f = 0; f < points.size(); ++f) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      surface.faces(static_cast<Eigen::Index>(f), static_cast<Eigen::Index>(k)) =
+          number_of.at(key_of(f, k));
+    }
+  }
+  if (auto checked = check_areas(file, surface); !checked) return checked.error();
   return surface;
 }
 

@@ -8,10 +8,10 @@
 namespace weft::mesh {
 
 /// A manifold surface, cut where its texture is: corners that share place and texture coordinates
-/// are one vertex. Face i is the file's face i.
+/// are one vertex. Vertices are in the file's order, face i is the file's face i.
 struct Surface {
   Points3 vertices;  ///< [V,3] in the file's unit
-  Points2 texture;   ///< [V,2] 0 to 1, v upwards; NaN where the file has none
+  Points2 texture;   ///< [V,2] 0 to 1, v upwards; 0 where the file has none
   Faces faces;       ///< [F,3]
   int parts = 0;     ///< [] that do not touch in space
 };

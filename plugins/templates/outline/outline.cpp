@@ -31,8 +31,8 @@ class OutlineTemplate final : public TemplateBuilder {
     p.input_path("mask", mask_path_, "picture that is light where the object is");
     p.read("threshold", threshold_, "L*a*b*", {0.0, 200.0},
            "colour distance from the background that makes the object; 0: found by Otsu's method");
-    p.read("smallest_hole", smallest_hole_, "share of the object's area", {0.0, 1.0},
-           "smaller holes are filled");
+    p.read("smallest_hole", smallest_hole_, "share of the area in the outline", {0.0, 1.0},
+           "smaller holes are filled; 1: all");
     p.read("length_m", length_m_, "m", {1e-6, 1000.0}, "a known length of the object",
            Need::required);
     p.choice("length_of", measured_,

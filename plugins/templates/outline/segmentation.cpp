@@ -58,13 +58,15 @@ Error nothing_found() {
           {}};
 }
 
-void fill_holes_below(double area_px2, cv::Mat& mask) {
+void fill_holes_below(double share, cv::Mat& mask) {
   std::vector<std::vector<cv::Point>> contours;
   std::vector<cv::Vec4i> hierarchy;
   cv::findContours(mask.clone(), contours, hierarchy, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
+  double outer_px2 = 0.0;
+  for (const auto& contour : contours) outer_px2 = std::max(outer_px2, cv::contourArea(contour));
   for (std::size_t i = 0; i < contours.size(); ++i) {
     const bool is_hole = hierarchy[i][3] >= 0;
-    if (is_hole && cv::contourArea(contours[i]) < area_px2) {
+    if (is_hole && cv::contourArea(contours[i]) < share * outer_px2) {
       cv::drawContours(mask, contours, static_cast<int>(i), cv::Scalar(1), cv::FILLED);
     }
   }
@@ -106,7 +108,7 @@ Result<cv::Mat> single_object(const cv::Mat& mask, double smallest_hole) {
                  {}};
   }
   cv::Mat object = (parts == largest) / 255;
-  fill_holes_below(smallest_hole * area, object);
+  fill_holes_below(smallest_hole, object);
   return object;
 }
 

@@ -13,7 +13,8 @@ namespace weft::outline {
 Result<cv::Mat> stands_out(const cv::Mat& photo, double threshold);
 
 /// The largest connected part of a mask [H,W] of 0 and 1, after an opening and a closing of 3 x 3,
-/// with holes below `smallest_hole`, a share of its area, filled. Fails where nothing is left.
+/// with holes below `smallest_hole`, a share of the area in its outline, filled. Fails where
+/// nothing is left.
 Result<cv::Mat> single_object(const cv::Mat& mask, double smallest_hole);
 
 /// Whether the object reaches the border of its picture, and may be cut off there.

@@ -133,6 +133,7 @@ TEST_F(MeshTemplate, KeepsPlacesAndTextureCoordinatesOfACurvedSheet) {
       templ.vertices_m.matrix<3>(), templ.flat_px.matrix<2>(), templ.faces.matrix<3>());
   EXPECT_LT(pitch.distortion, 1e-9);
   EXPECT_EQ(std::count(templ.mask.data(), templ.mask.data() + templ.mask.size(), 1), 300 * 120);
+  EXPECT_NEAR(templ.flat_px(kColumns, 1), 120.0 / (kRows - 1) - 0.5, 1e-9) << "the file's order";
   for (std::int64_t v = 0; v < templ.vertices_m.rows(); ++v) {
     const double turn = M_PI * ((templ.flat_px(v, 0) + 0.5) / 300.0 - 0.5);
     EXPECT_NEAR(std::atan2(templ.vertices_m(v, 0), templ.vertices_m(v, 2)), turn, 1e-9);
@@ -164,7 +165,6 @@ TEST_F(MeshTemplate, LaysAHalfCylinderFlatAsTheRectangleThatItIs) {
   EXPECT_NEAR(pitch.m_per_px.x(), 0.001, 1e-6);
   EXPECT_NEAR(pitch.m_per_px.y(), 0.001, 1e-6);
   EXPECT_LT(pitch.distortion, 1e-3);
-  // Vertices come in the order of the faces in both, so that each lies where it was drawn.
   const Points2 off = laid.flat_px.matrix<2>() - given.flat_px.matrix<2>();
   EXPECT_LT(off.rowwise().norm().maxCoeff(), 0.1);
 }
