@@ -45,7 +45,7 @@ class OutlineTemplate final : public TemplateBuilder {
     p.read("spacing_mm", spacing_mm_, "mm", {0.0, 1e6},
            "length of the mesh's edges; 0: as 'vertices' asks");
     p.read("vertices", vertices_, "", {3, 100000}, "of the mesh, about, where spacing_mm is 0");
-    p.read("lloyd_iterations", lloyd_iterations_, "", {0, 1000},
+    p.read("smoothing_rounds", smoothing_rounds_, "", {0, 1000},
            "that even out the mesh; 0: the refined mesh as it is");
   }
 
@@ -59,7 +59,7 @@ class OutlineTemplate final : public TemplateBuilder {
     const double m_per_px = length_m_ / length_px(outline.outer, texture->mask.cols);
     const double spacing_px = spacing(outline, m_per_px);
     if (auto legal = check_spacing(outline, spacing_px, m_per_px); !legal) return legal.error();
-    auto mesh = fill_outline(resampled(outline, spacing_px), spacing_px, lloyd_iterations_);
+    auto mesh = fill_outline(resampled(outline, spacing_px), spacing_px, smoothing_rounds_);
     if (!mesh) return in_photo(mesh.error());
     Template templ = assemble(*mesh, m_per_px);
     templates::store(*texture, templ);
@@ -149,7 +149,7 @@ class OutlineTemplate final : public TemplateBuilder {
   Measured measured_ = Measured::longest;
   double spacing_mm_ = 0.0;
   int vertices_ = 120;
-  int lloyd_iterations_ = 10;
+  int smoothing_rounds_ = 10;
 };
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace {
 using Contour = std::vector<cv::Point2f>;
 
 constexpr int kFiner = 4;  // pixels of the finer mask in one along each side
-constexpr double kTolerance_px = 0.5;
+constexpr double kTolerance_px = 0.2;
 // Half, less what a contour through the centres of the outermost fine pixels falls short of it.
 constexpr double kLevel = 115.0;
 constexpr int kMargin_px = 4;
