@@ -31,12 +31,14 @@ class SeedSearch {
         largest_stretch_(
             2.0 * std::sqrt(matches.image_area_px2 / (matches.width_px * matches.height_px))) {
     const int n = static_cast<int>(rows.size());
-    const std::vector<int> scored = rng.sample(n, std::min(n, kScored));
+    for (const int k : rng.sample(n, std::min(n, kScored))) {
+      scored_.push_back(rows[static_cast<std::size_t>(k)]);
+    }
     for (Eigen::ArrayXf* axis : {&px_, &py_, &qx_, &qy_}) {
-      axis->resize(static_cast<Eigen::Index>(scored.size()));
+      axis->resize(static_cast<Eigen::Index>(scored_.size()));
     }
     for (Eigen::Index k = 0; k < px_.size(); ++k) {
-      const Eigen::Index i = rows[static_cast<std::size_t>(scored[static_cast<std::size_t>(k)])];
+      const Eigen::Index i = scored_[static_cast<std::size_t>(k)];
       px_[k] = static_cast<float>(matches.template_px(i, 0));
       py_[k] = static_cast<float>(matches.template_px(i, 1));
       qx_[k] = static_cast<float>(matches.image_px(i, 0));
@@ -45,11 +47,12 @@ class SeedSearch {
   }
 
   Seeds run(int most_draws) {
-    if (matches_.oriented()) {
-      for (const Eigen::Index i : rows_) consider(similarity(i), kWiderForOne);
+    const int most_similarities = matches_.oriented() ? static_cast<int>(scored_.size()) : 0;
+    for (int k = 0; k < std::min(most_similarities, wanted_draws(1)); ++k) {
+      consider(similarity(scored_[static_cast<std::size_t>(k)]), kWiderForOne);
     }
     Seeds seeds;
-    while (seeds.draws < wanted_draws(most_draws)) {
+    while (seeds.draws < std::min(most_draws, wanted_draws(3))) {
       ++seeds.draws;
       const Eigen::Index i = draw(), j = draw(), k = draw();
       consider(triple(i, j, k), 1.0);
@@ -154,17 +157,18 @@ class SeedSearch {
     return gap_px <= std::max(a.threshold_px, b.threshold_px);
   }
 
-  /// Draws after which a better map is unlikely.
-  int wanted_draws(int most_draws) const {
+  /// Draws of so many matches each after which a better map is unlikely.
+  int wanted_draws(int matches) const {
     const double share = std::clamp(best_.empty() ? 0.0 : best_.front().share, 0.05, 0.95);
-    const double wanted = 3.0 * std::log(kMissed) / std::log1p(-0.5 * share * share * share);
-    return std::min(most_draws, std::max(kFewestDraws, static_cast<int>(std::ceil(wanted))));
+    const double wanted = 3.0 * std::log(kMissed) / std::log1p(-0.5 * std::pow(share, matches));
+    return std::max(kFewestDraws, static_cast<int>(std::ceil(wanted)));
   }
 
   const Matches& matches_;
   const std::vector<Eigen::Index>& rows_;
   Rng& rng_;
   double largest_stretch_;
+  std::vector<Eigen::Index> scored_;
   Eigen::ArrayXf px_, py_, qx_, qy_;
   std::vector<Seed> best_;
 };

@@ -149,8 +149,8 @@ void Annealing::finish(const Start& start, Solution& solution) {
     state.bias = solution.bias(state.rows);
     improve(start, state);
     solution.residual_px = residuals_px(state);
-    solution.bias = biases(start, fine_, all_);
   }
+  solution.bias = biases(start, fine_, all_);
   conclude(state, solution);
   for (Eigen::Index i = 0; i < matches_.count(); ++i) {
     const double residual2 = solution.residual_px.row(i).squaredNorm() / square(state.sigma_px);
