@@ -15,10 +15,10 @@ namespace {
 constexpr int kControlU = 16, kControlV = 12;
 constexpr double kMarginPx = 20.0;
 constexpr double kBendingPx2 = 500.0;
-constexpr int kColumns = 40;          // cells along the texture's width
-constexpr double kContracted = 0.15;  // of the median
-constexpr double kLeastDet = 0.05;    // of the median: m
-constexpr double kFoldedPx = 10.0;    // off all matches: what mu = 1 makes a fold cost
+constexpr int kColumns = 40;         // cells along the texture's width
+constexpr double kContracted = 0.2;  // of the median
+constexpr double kLeastDet = 0.05;   // of the median: m
+constexpr double kFoldedPx = 10.0;   // off all matches: what mu = 1 makes a fold cost
 constexpr int kStages = 4, kSteps = 5, kHalvings = 6;
 constexpr double kFirstMu = 1e-2, kMuGrowth = 10.0;
 constexpr double kRidge = 1e-9;  // of the largest diagonal element

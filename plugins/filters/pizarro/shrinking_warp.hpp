@@ -22,7 +22,7 @@ struct HiddenMap {
 };
 
 /// The cells that a warp fitted to matches [n,2] px hides, of a texture of this size: those where
-/// it turns the sheet over or contracts it to less than 0.15 of the median.
+/// it turns the sheet over or contracts it to less than 0.2 of the median.
 ///
 /// The warp is a bicubic B-spline (Rueckert 1999) that does not fold: where its Jacobian's
 /// determinant would change sign it is contracted instead (after Pizarro and Bartoli 2012, Section
