@@ -97,25 +97,8 @@ TEST(Pizarro, RejectsWhatLiesOnTheHiddenPart) {
   EXPECT_LT(kept_with, 3);
 }
 
-TEST(ShrinkingWarp, SeesWhichThirdOfARolledSheetIsHidden) {
-  const RolledSheet sheet;
-  const auto [p, q] = seen_of(sheet, 500, 61);
-  const auto map = pizarro::hidden_by_itself(p, q, {kWidthPx, kHeightPx});
-  ASSERT_TRUE(map);
-  int both = 0, either = 0;
-  for (int r = 0; r < map->rows; ++r) {
-    for (int c = 0; c < map->columns; ++c) {
-      const double u = (c + 0.5) * map->cell_px - 0.5, v = (r + 0.5) * map->cell_px - 0.5;
-      const bool truly = u > sheet.edge_px, found = map->at(u, v);
-      both += truly && found ? 1 : 0;
-      either += truly || found ? 1 : 0;
-    }
-  }
-  EXPECT_GT(static_cast<double>(both) / either, 0.7);
-}
-
 /// A strip in the middle is behind the left part: the right one comes next to it in the image.
-TEST(ShrinkingWarp, ContractsAFoldInsteadOfTurningItOver) {
+TEST(ShrinkingWarp, ContractsAFoldAndSaysWhereItIs) {
   Rng rng(71);
   Points2 p(600, 2), q(600, 2);
   for (int k = 0; k < 600; ++k) {
@@ -126,10 +109,17 @@ TEST(ShrinkingWarp, ContractsAFoldInsteadOfTurningItOver) {
   }
   const auto map = pizarro::hidden_by_itself(p, q, {kWidthPx, kHeightPx});
   ASSERT_TRUE(map);
-  EXPECT_GT(map->least_det, -0.02);
-  EXPECT_TRUE(map->at(530.0, 287.0));
-  EXPECT_FALSE(map->at(200.0, 287.0));
-  EXPECT_FALSE(map->at(850.0, 287.0));
+  EXPECT_GT(map->least_det, -0.02) << "turned over";
+  int both = 0, either = 0;
+  for (int r = 0; r < map->rows; ++r) {
+    for (int c = 0; c < map->columns; ++c) {
+      const double u = (c + 0.5) * map->cell_px - 0.5, v = (r + 0.5) * map->cell_px - 0.5;
+      const bool truly = u > 400.0 && u < 660.0, found = map->at(u, v);
+      both += truly && found ? 1 : 0;
+      either += truly || found ? 1 : 0;
+    }
+  }
+  EXPECT_GT(static_cast<double>(both) / either, 0.7);
 }
 
 TEST(ShrinkingWarp, HidesNothingOfAFlatSheet) {
