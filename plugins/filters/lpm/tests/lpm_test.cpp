@@ -28,8 +28,9 @@ TEST(Lpm, KeepsTheContractOfFilters) {
 TEST(Lpm, NeedsNeighbourhoods) {
   FilterBench bench("filters/lpm");
   EXPECT_EQ(bench.run(flat_matches({8, 1.0, 0.0, 2.0}, 41).matches).status, WEFT_NO_RESULT);
-  EXPECT_EQ(bench.run(flat_matches({9, 1.0, 0.0, 2.0}, 42).matches).status, WEFT_OK);
-  const Outcome noise = bench.run(flat_matches({40, 0.0, 0.0, 2.0}, 43).matches);
+  EXPECT_EQ(bench.run(flat_matches({60, 1.0, 0.0, 2.0}, 42).matches).status, WEFT_OK);
+  FilterBench strict("filters/lpm", "{first_lambda: 0}");
+  const Outcome noise = strict.run(flat_matches({40, 0.0, 0.0, 2.0}, 43).matches);
   EXPECT_EQ(noise.status, WEFT_DEGENERATE) << noise.message;
 }
 
