@@ -37,7 +37,7 @@ inline Points2 uniform_points(int count, Rng& rng) {
   return points;
 }
 
-inline const SheetSpec kSheet{};  // GCC 12 thinks that a default argument dangles
+inline const testing::SheetSpec kSheet{};
 
 /// The plugin with a template of 960 x 575 px.
 struct WarpBench {
@@ -66,7 +66,7 @@ struct WarpBench {
   }
 
   PluginUnderTest plugin;
-  Template templ = make_template(kSheet);
+  Template templ = testing::make_template(kSheet);
 };
 
 inline double diag(const Warp& warp, const char* name) { return warp.diag.value(name, -1.0); }
