@@ -80,28 +80,15 @@ inline Correspondences reordered(const Correspondences& matches,
     }
   };
   Correspondences result;
-  result.template_px = Array<double>({count, 2});
-  result.image_px = Array<double>({count, 2});
-  result.face = Array<std::int32_t>({count});
-  result.barycentrics = Array<double>({count, 3});
-  result.kept = Array<std::uint8_t>({count});
-  result.score = Array<double>({count});
-  for (std::int64_t i = 0; i < count; ++i) {
-    const std::int64_t from = rows[static_cast<std::size_t>(i)];
-    std::copy_n(matches.template_px.row(from), 2, result.template_px.row(i));
-    std::copy_n(matches.image_px.row(from), 2, result.image_px.row(i));
-    std::copy_n(matches.barycentrics.row(from), 3, result.barycentrics.row(i));
-    result.face(i) = matches.face(from);
-    result.kept(i) = matches.kept(from);
-    result.score(i) = matches.score(from);
-  }
-  for (auto field : {&Correspondences::scale_ratio, &Correspondences::angle_difference_rad}) {
-    if (!(matches.*field).present()) continue;
-    result.*field = Array<double>({count});
-    for (std::int64_t i = 0; i < count; ++i) {
-      (result.*field)(i) = (matches.*field)(rows[static_cast<std::size_t>(i)]);
-    }
-  }
+  pick(matches.template_px, result.template_px);
+  pick(matches.image_px, result.image_px);
+  pick(matches.face, result.face);
+  pick(matches.barycentrics, result.barycentrics);
+  pick(matches.ratio, result.ratio);
+  pick(matches.scale_ratio, result.scale_ratio);
+  pick(matches.angle_difference_rad, result.angle_difference_rad);
+  pick(matches.kept, result.kept);
+  pick(matches.score, result.score);
   return result;
 }
 
