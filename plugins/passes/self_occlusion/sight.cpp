@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sight.hpp"
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <weft/geometry/camera_model.hpp>
