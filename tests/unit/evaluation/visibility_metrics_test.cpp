@@ -28,7 +28,8 @@ GroundTruth truth_that_hides(const TestRun& run, int first_seen) {
 /// What a run says: it sees the columns from `first_seen` on.
 Visibility said(int first_seen) {
   Visibility visibility;
-  visibility.visible = visibility.reason = Array<std::uint8_t>({kVertices});
+  visibility.visible = Array<std::uint8_t>({kVertices});
+  visibility.reason = Array<std::uint8_t>({kVertices});
   visibility.score = Array<double>({kVertices});
   for (int v = 0; v < kVertices; ++v) visibility.visible(v) = v % kColumns >= first_seen ? 1 : 0;
   return visibility;
@@ -110,7 +111,8 @@ TEST(VisibilityMetrics, CountAllPointsTheSameWhicheverFrameTheyAreOf) {
 TEST(VisibilityMetrics, NeedAnEntryForEachVertex) {
   TestRun run;
   Visibility wrong = said(0);
-  wrong.visible = wrong.reason = Array<std::uint8_t>({3});
+  wrong.visible = Array<std::uint8_t>({3});
+  wrong.reason = Array<std::uint8_t>({3});
   wrong.score = Array<double>({3});
   add_frame(run, truth_that_hides(run, 2), wrong);
   const auto refused = evaluate_run(run.folder());

@@ -181,7 +181,8 @@ TEST_F(OverlaySink, ShowsTheStateByColour) {
 
 TEST_F(OverlaySink, DashesEdgesThatTheCameraDoesNotSee) {
   weft::Visibility sight;
-  sight.visible = sight.reason = weft::Array<std::uint8_t>({4});
+  sight.visible = weft::Array<std::uint8_t>({4});
+  sight.reason = weft::Array<std::uint8_t>({4});
   sight.score = weft::Array<double>({4});
   sight.visible(0) = sight.visible(1) = 1;  // the upper border, y = 40
   auto list = inputs();

@@ -49,7 +49,8 @@ struct RolledSheet {
 
   Visibility visibility() const {
     Visibility seen;
-    seen.visible = seen.reason = Array<std::uint8_t>({kColumns * kRows});
+    seen.visible = Array<std::uint8_t>({kColumns * kRows});
+    seen.reason = Array<std::uint8_t>({kColumns * kRows});
     std::fill_n(seen.visible.data(), kColumns * kRows, 1);
     return seen;
   }
@@ -138,7 +139,8 @@ TEST(HiddenBend, BringsASolverNearerToWhatItCannotSee) {
   Scene scene = Scene::bent(0.09);
   scene.seen.clear();
   Visibility sight;
-  sight.visible = sight.reason = Array<std::uint8_t>({60});
+  sight.visible = Array<std::uint8_t>({60});
+  sight.reason = Array<std::uint8_t>({60});
   sight.score = Array<double>({60});
   for (std::int32_t v = 0; v < 60; ++v) {
     const bool seen = v % 10 >= 2 && v % 10 <= 7;
