@@ -13,7 +13,7 @@ constexpr int kShift = 4;            // positions are given to OpenCV in 1/16 px
 constexpr double kFarAway_px = 1e6;  // beyond this the fixed-point numbers of OpenCV overflow
 constexpr double kHaloOpacity = 0.25;
 constexpr double kUnseenOpacity = 0.5;  // relative to the others
-constexpr double kDash_px = 4.0;        // drawn, and as much left out
+constexpr double kDash_px = 6.0;        // drawn, and as much left out
 
 bool drawable(const cv::Point2d& p) {
   return std::abs(p.x) < kFarAway_px && std::abs(p.y) < kFarAway_px;  // false for NaN
