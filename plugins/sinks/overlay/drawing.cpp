@@ -29,7 +29,8 @@ struct Segment {
   bool border;
 };
 
-/// Appends the dashes of a segment: one at either end, and gaps as long as they are.
+/// Appends the dashes of a segment: one at either end, and gaps as long as they are. They are thin,
+/// as their round ends eat into the gaps.
 void add_dashes(const Segment& segment, std::vector<Segment>& dashes) {
   constexpr double kMost = 1000.0;  // of segments that leave the picture
   const cv::Point2d way = segment.to - segment.from;
@@ -37,8 +38,7 @@ void add_dashes(const Segment& segment, std::vector<Segment>& dashes) {
   const int pieces = 2 * static_cast<int>(0.5 * wanted) + 1;
   for (int piece = 0; piece < pieces; piece += 2) {
     dashes.push_back({segment.from + way * (static_cast<double>(piece) / pieces),
-                      segment.from + way * (static_cast<double>(piece + 1) / pieces),
-                      segment.border});
+                      segment.from + way * (static_cast<double>(piece + 1) / pieces), false});
   }
 }
 
