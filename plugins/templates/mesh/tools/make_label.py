@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes the label of a bottle as a mesh: make_label.py FILE.obj|FILE.ply COLUMNS ROWS [DEGREES]
 
-A rectangle of 150 x 106 mm bent around a cylinder about the y axis by DEGREES (180: half a
+A rectangle of 150 x 106 mm bent around a cylinder about the y axis by DEGREES (120; 180 is half a
 cylinder), printed on its outside, in millimetres, y up, seen from +z. The chords of a column are as
 long as its arcs, so that meshes of any number of columns unroll to the same rectangle and have the
 same texture coordinates.
@@ -58,7 +58,7 @@ def main(arguments):
         print(__doc__, file=sys.stderr)
         return 2
     columns, rows = int(arguments[1]), int(arguments[2])
-    angle = math.radians(float(arguments[3]) if len(arguments) == 4 else 180.0)
+    angle = math.radians(float(arguments[3]) if len(arguments) == 4 else 120.0)
     points = list(vertices(columns, rows, angle))
     triangles = list(faces(columns, rows))
     lines = as_obj if arguments[0].endswith(".obj") else as_ply
