@@ -76,6 +76,13 @@ TEST_F(Promises, SheetIsFoundAgainInTheFirstFrameAfterACutOrAGap) {
   EXPECT_LT(metrics.all.solved_error.worst_mm, 1.5);
 }
 
+TEST_F(Promises, InsoleIsTrackedWithTheTemplateOfItsPhotograph) {
+  const auto metrics = measure("outline.yaml");
+  EXPECT_EQ(metrics.counts.solved(), 60);
+  EXPECT_LT(metrics.all.solved_error.mean_mm, 2.0);
+  EXPECT_LT(metrics.all.solved_error.worst_mm, 5.0);
+}
+
 TEST_F(Promises, CurvedLabelIsTrackedWithItsSidesOutOfSight) {
   const auto metrics = measure("label.yaml");
   EXPECT_EQ(metrics.counts.solved(), 60);
