@@ -156,7 +156,7 @@ TEST_F(ObjectFilm, ShowsAnInsoleThatBendsWithoutStretching) {
 
 TEST_F(ObjectFilm, ShowsALabelThatIsCurvedAtRestAndOpens) {
   open("{use: templates/mesh, params: {" + kLabel + "}}",
-       "pattern: roll, bend: 0.4, distance_m: 0.3");
+       "pattern: roll, bend: 0.25, distance_m: 0.3");
   const GroundTruth rest = truth(0), bent = truth(24);
   PluginUnderTest builder("templates/mesh", "{" + kLabel + "}");
   const Template label = *builder.process(0, {}).get<Template>();
