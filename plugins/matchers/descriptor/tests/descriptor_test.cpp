@@ -37,6 +37,7 @@ Correspondences matches_of(const Keypoints& templ, const Keypoints& image,
   for (std::int64_t n = 0; n < found.count(); ++n) {
     copy.template_keypoint(n) = found.template_keypoint(n);
     copy.image_keypoint(n) = found.image_keypoint(n);
+    for (int x = 0; x < 2; ++x) copy.template_px(n, x) = found.template_px(n, x);
   }
   return copy;
 }
