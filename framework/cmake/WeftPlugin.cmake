@@ -86,7 +86,11 @@ function(weft_add_test name label)
     target_link_libraries(${name} PRIVATE weft_options weft_test_options)
   endif()
   target_include_directories(${name} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
-  # Tests spend their compile time in headers, which the files of a batch share.
+  # Tests spend their compile time in headers: the files of a batch share them, and all tests of this
+  # tree share the common ones, read once.
+  if(TARGET weft_test_headers)
+    target_precompile_headers(${name} REUSE_FROM weft_test_headers)
+  endif()
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests
     UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
   add_test(NAME ${name} COMMAND ${name})

@@ -9,9 +9,9 @@ namespace weft {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
-class WholeFileTest : public testing::Test {
+class WholeFileTest : public ::testing::Test {
  protected:
   void SetUp() override { fs::create_directories(folder_); }
   void TearDown() override { fs::remove_all(folder_); }
@@ -24,7 +24,7 @@ class WholeFileTest : public testing::Test {
     return std::distance(fs::directory_iterator(folder_), fs::directory_iterator());
   }
 
-  fs::path folder_ = fs::path(testing::TempDir()) / "whole_file_test";
+  fs::path folder_ = fs::path(::testing::TempDir()) / "whole_file_test";
 };
 
 TEST_F(WholeFileTest, TheBytesReplaceWhatStoodThereAndNothingElseIsLeft) {

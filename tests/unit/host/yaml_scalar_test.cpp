@@ -289,7 +289,7 @@ TEST(YamlEmit, RoundTripsRandomTrees) {
   const std::uint64_t seed = 20240607;
   SCOPED_TRACE("seed " + std::to_string(seed));
   Rng rng(seed);
-  for (int i = 0; i < 2000 && !testing::Test::HasFailure(); ++i) {
+  for (int i = 0; i < 2000 && !::testing::Test::HasFailure(); ++i) {
     expect_round_trip(random_node(rng, 5));
   }
 }
