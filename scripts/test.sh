@@ -122,7 +122,7 @@ check_format() {
 check_tidy() {
   run-clang-tidy -quiet -p build/release -j "$jobs" -checks=-bugprone-suspicious-include \
     -extra-arg=-Wno-unknown-warning-option -extra-arg=-Wno-unused-lambda-capture \
-    "^(?!.*_test\\.dir/)$PWD/build/release/(cli|framework|plugins)/" 2>/dev/null
+    "^(?!.*_test(_headers)?\\.dir/)$PWD/build/release/(cli|framework|plugins)/" 2>/dev/null
 }
 
 # Line coverage of what is installed, tests not counted. A plugin built elsewhere, as one test does,
