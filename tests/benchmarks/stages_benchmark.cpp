@@ -85,7 +85,8 @@ void brunet_mdh(benchmark::State& state) {
 
 /// A rolled sheet whose ends are hidden, with its matches.
 void self_occlusion(benchmark::State& state) {
-  const testing::SheetSpec sheet{static_cast<int>(state.range(0)), static_cast<int>(state.range(1))};
+  const testing::SheetSpec sheet{static_cast<int>(state.range(0)),
+                                 static_cast<int>(state.range(1))};
   Template templ = testing::make_template(sheet);
   templ.revision = 1;  // as in a run, where what follows from the mesh is kept
   const Camera camera = testing::make_camera();
