@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <weft/geometry/rigid_alignment.hpp>
 
 #include "common/random_stream.hpp"
 
@@ -63,10 +64,18 @@ Choreography::Choreography(const MotionSettings& settings, const RestSheet& shee
       in_hand_(sheet.in_hand),
       centred_m_(sheet.rest_m.leftCols<2>()),
       behind_m_(sheet.rest_m.col(2)) {
+  // Swollen, no sheet keeps its lengths.
+  if (settings_.pattern != Pattern::bulge) section_ = CrossSection::of(sheet);
+  if (section_) centred_m_ = sheet.flat_m();
   const Eigen::RowVector2d low = centred_m_.colwise().minCoeff();
   const Eigen::RowVector2d high = centred_m_.colwise().maxCoeff();
   centred_m_.rowwise() -= 0.5 * (low + high);
   half_m_ = 0.5 * (high - low).transpose();
+  if (section_) {
+    // The rest shape itself: its lengths are those of the template to the last digit.
+    const Points3 unbent_m = section_->rolled(centred_m_, [](double) { return 0.0; });
+    rest_m_ = transform_points(*align_points(sheet.rest_m, unbent_m), sheet.rest_m);
+  }
   if (settings_.pattern == Pattern::handles) {
     handles_.emplace(settings_.bend, settings_.seed);
   }
@@ -85,6 +94,7 @@ Choreography::Choreography(const MotionSettings& settings, const RestSheet& shee
     ruling_rad_ = std::array{corner, M_PI - corner, corner - M_PI, -corner}[rng.below(4)];
     sign_ = -1.0;
   }
+  if (section_) ruling_rad_ = section_->ruling_rad();
 }
 
 double Choreography::phase_at(double t_s) const { return 2.0 * M_PI * t_s / settings_.period_s; }
@@ -124,8 +134,12 @@ double Choreography::extent_m(double ruling_rad) const {
                 half_m_.y() * std::abs(std::sin(ruling_rad)));
 }
 
-double Choreography::curvature_per_m(double s_m, double t_s) const {
-  const double share = sign_ * share_at(t_s), extent_m = this->extent_m(ruling_rad_);
+double Choreography::curvature_per_m(double s_m, double t_s, const HandlePair::Pose& hands) const {
+  const double share = sign_ * share_at(t_s), extent_m = this->extent_m(hands.ruling_rad);
+  if (handles_) {  // from that which turns the left border to that which turns the right one
+    const double right = eased(std::clamp(s_m / extent_m + 0.5, 0.0, 1.0));
+    return 2.0 / extent_m * ((1.0 - right) * hands.turn_rad[0] + right * hands.turn_rad[1]);
+  }
   if (settings_.pattern == Pattern::roll) return share * kRollTurn_rad / extent_m;
   if (settings_.pattern == Pattern::s_bend) {
     return share * kBendTurn_rad * M_PI / extent_m * std::sin(2.0 * M_PI * s_m / extent_m);
@@ -143,16 +157,13 @@ double Choreography::curvature_per_m(double s_m, double t_s) const {
 }
 
 Points3 Choreography::bent(const Points2& flat_m, double t_s) const {
-  const auto hands = handles_ ? handles_->at(t_s) : HandlePair::Pose{{}, ruling_rad_};
+  auto hands = handles_ ? handles_->at(t_s) : HandlePair::Pose{{}, ruling_rad_};
+  if (section_) hands.ruling_rad = section_->ruling_rad();
+  const auto curvature = [&](double s_m) { return curvature_per_m(s_m, t_s, hands); };
+  if (section_) return section_->rolled(flat_m, curvature);
   const Eigen::RowVector2d across(std::cos(hands.ruling_rad), std::sin(hands.ruling_rad));
   const Eigen::RowVector2d ruling(-across.y(), across.x());
-  const double extent_m = this->extent_m(hands.ruling_rad);
-  const BentCurve curve(1.3 * half_m_.norm(), [&](double s_m) {
-    if (!handles_) return curvature_per_m(s_m, t_s);
-    // From that which turns the left border to that which turns the right one.
-    const double right = eased(std::clamp(s_m / extent_m + 0.5, 0.0, 1.0));
-    return 2.0 / extent_m * ((1.0 - right) * hands.turn_rad[0] + right * hands.turn_rad[1]);
-  });
+  const BentCurve curve(1.3 * half_m_.norm(), curvature);
   Points3 surface(flat_m.rows(), 3);
   for (Eigen::Index v = 0; v < flat_m.rows(); ++v) {
     const Eigen::Vector2d on_curve = curve(flat_m.row(v).dot(across), behind_m_[v]);
@@ -176,6 +187,10 @@ Points3 Choreography::bulged(const Points2& flat_m, double t_s) const {
 Points3 Choreography::lengths_at(double t_s) const {
   const Points2 plane = stretched(t_s);
   if (settings_.pattern == Pattern::bulge) return bulged(plane, t_s);
+  if (section_) {
+    const auto at_rest = [](double) { return 0.0; };
+    return settings_.stretch > 0.0 ? section_->rolled(plane, at_rest) : rest_m_;
+  }
   Points3 surface(plane.rows(), 3);
   surface << plane, behind_m_;
   return surface;
@@ -201,8 +216,8 @@ std::vector<sources::ClothGuide> Choreography::guides_at(double t_s) const {
 }
 
 Points3 Choreography::start() const {
-  Points3 sheet(centred_m_.rows(), 3);
-  sheet << centred_m_, (behind_m_.array() + settings_.distance_m).matrix();
+  Points3 sheet = lengths_at(0.0);
+  sheet.col(2).array() += settings_.distance_m;
   return sheet;
 }
 

@@ -11,6 +11,7 @@
 #include <weft/geometry/types.hpp>
 
 #include "common/cloth.hpp"
+#include "cross_section.hpp"
 #include "handle_pair.hpp"
 #include "rest_sheet.hpp"
 
@@ -31,8 +32,9 @@ struct MotionSettings {
 };
 
 /// Where a sheet is led, and how long it is, at each time. At time 0 it is at rest and faces the
-/// camera. What a pattern says of the plane carries a sheet that is curved at rest along, as a
-/// point above the plane. Functions of time alone.
+/// camera. A sheet that is curved about one direction at rest is bent about that one; any other
+/// that is not flat is carried along by what a pattern says of the plane, as a point beside it.
+/// Functions of time alone.
 class Choreography {
  public:
   Choreography(const MotionSettings& settings, const RestSheet& sheet);
@@ -58,16 +60,19 @@ class Choreography {
   Eigen::Isometry3d pose_at(double t_s) const;
   Points2 stretched(double t_s) const;
   double extent_m(double ruling_rad) const;
-  double curvature_per_m(double s_m, double t_s) const;
+  double curvature_per_m(double s_m, double t_s, const HandlePair::Pose& hands) const;
   Points3 bent(const Points2& flat_m, double t_s) const;
   Points3 bulged(const Points2& flat_m, double t_s) const;
   Points3 surface_at(double t_s) const;
 
   MotionSettings settings_;
-  std::vector<bool> in_hand_;   ///< [V]
-  Points2 centred_m_;           ///< [V,2] sheet at rest, measured from its middle
-  Eigen::VectorXd behind_m_;    ///< [V] how far it is behind the plane; 0 for a flat sheet
-  Eigen::Vector2d half_m_;      ///< half its width and height
+  std::vector<bool> in_hand_;  ///< [V]
+  std::optional<CrossSection> section_;
+  Points2 centred_m_;         ///< [V,2] sheet at rest, unrolled if it has a cross-section, measured
+                              ///< from its middle
+  Points3 rest_m_;            ///< [V,3] sheet at rest if it has a cross-section, else empty
+  Eigen::VectorXd behind_m_;  ///< [V] how far it is behind the plane; 0 for a flat sheet
+  Eigen::Vector2d half_m_;    ///< half its width and height
   std::array<Sway, 6> sway_{};  ///< rotation about x, y, z and displacement along them
   double ruling_rad_ = 0.0;     ///< direction across which the sheet is curved
   double sign_ = 1.0;           ///< which way it is curved
