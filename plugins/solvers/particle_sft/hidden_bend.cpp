@@ -16,8 +16,9 @@ namespace weft::particle_sft {
 namespace {
 
 constexpr double kReachInEdges = 3.0;
-constexpr int kSharpness = 4;         // squarings: 0.1 for edges that are 30 degrees apart
-constexpr double kLeastWeight = 1.0;  // as of one edge next to the rim
+constexpr int kSharpness = 4;          // squarings: 0.1 for edges that are 30 degrees apart
+constexpr double kLeastWeight = 1.0;   // as of one edge next to the rim
+constexpr double kLeastSpread = 1e-3;  // squared reaches; a line needs edges that are apart
 
 /// The frame of an edge (a, b) and the face (a, b, c): along it, away from c in the plane of the
 /// face, and out of the front.
@@ -50,23 +51,35 @@ struct SeenBend {
   double per_m;                      ///< [] rad/m, against the rest shape
 };
 
-/// Of those near a place and across a similar direction; nothing where too few are.
-std::optional<double> mean_bend(const std::vector<SeenBend>& seen, const Eigen::Vector2d& place_px,
-                                const Eigen::Vector2d& across, double reach_px) {
+/// What those near a place and across a similar direction let expect there; nothing where too few
+/// are. Their mean as far as the line through them, by distance, has not brought it to 0: a bend
+/// that fades towards the rim is not taken to go on, one that grows not to grow further.
+std::optional<double> expected_bend(const std::vector<SeenBend>& seen,
+                                    const Eigen::Vector2d& place_px, const Eigen::Vector2d& across,
+                                    double reach_px) {
   double nearest_px = std::numeric_limits<double>::infinity();
   for (const SeenBend& bend : seen) {
     nearest_px = std::min(nearest_px, (bend.place_px - place_px).norm());
   }
-  double sum_per_m = 0.0, weights = 0.0;
+  // Sums of the weighted least squares of per_m ~ level + slope distance, in units of the reach.
+  double weights = 0.0, far = 0.0, far_squared = 0.0, bends = 0.0, far_bends = 0.0;
   for (const SeenBend& bend : seen) {
-    const double excess_px = (bend.place_px - place_px).norm() - nearest_px;
+    const double distance = (bend.place_px - place_px).norm() / reach_px;
     double likeness = std::abs(bend.across.dot(across));
     for (int k = 0; k < kSharpness; ++k) likeness *= likeness;
-    const double weight = likeness * std::exp(-excess_px / reach_px);
-    sum_per_m += weight * bend.per_m;
+    const double weight = likeness * std::exp(nearest_px / reach_px - distance);
     weights += weight;
+    far += weight * distance;
+    far_squared += weight * distance * distance;
+    bends += weight * bend.per_m;
+    far_bends += weight * distance * bend.per_m;
   }
-  return weights > kLeastWeight ? std::optional(sum_per_m / weights) : std::nullopt;
+  if (!(weights > kLeastWeight)) return std::nullopt;
+  const double mean_per_m = bends / weights;
+  const double spread = weights * far_squared - far * far;
+  if (!(spread > kLeastSpread * weights * weights)) return mean_per_m;
+  const double level_per_m = (far_squared * bends - far * far_bends) / spread;
+  return std::clamp(level_per_m, std::min(mean_per_m, 0.0), std::max(mean_per_m, 0.0));
 }
 
 }  // namespace
@@ -176,8 +189,8 @@ std::vector<double> BendContinuation::continued_angles(
   for (std::size_t h = 0; h < hinges_.size(); ++h) {
     const Hinge& hinge = hinges_[h];
     if (!touches(hinge, hidden)) continue;
-    auto bend_per_m = mean_bend(away_from_rim, hinge.place_px, hinge.across, reach_px_);
-    if (!bend_per_m) bend_per_m = mean_bend(seen, hinge.place_px, hinge.across, reach_px_);
+    auto bend_per_m = expected_bend(away_from_rim, hinge.place_px, hinge.across, reach_px_);
+    if (!bend_per_m) bend_per_m = expected_bend(seen, hinge.place_px, hinge.across, reach_px_);
     angles_rad[h] = hinge.rest_rad + hinge.width_m() * bend_per_m.value_or(0.0);
   }
   return angles_rad;

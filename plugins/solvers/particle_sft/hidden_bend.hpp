@@ -29,14 +29,16 @@ struct HiddenBend {
 };
 
 /// Goes on with the bend of a surface where it is out of sight. A surface that has turned away has
-/// bent, and is likelier to go on than to become flat just where it can no longer be seen.
+/// bent, and is likelier to go on than to become flat just where it can no longer be seen, unless
+/// its bend fades already.
 ///
 /// Across an edge of width w (a third of the two heights on it) the bend against the rest shape is
-/// w times a curvature. For a hidden edge this is the mean over the edges of the seen part, at
-/// least a ring away from the rim, weighted by |n . n'|^16 exp(-(d - d_min) / reach): n and n' are
-/// the unit normals of both edges and d their distance, in the texture; so edges of one direction
-/// follow edges of that direction, and a cylinder goes on exactly. The hidden vertices are then
-/// laid out ring by ring, each at the mean of the places that the edges next to it give.
+/// w times a curvature. For a hidden edge this is the value at d = 0 of the line in d through those
+/// of the edges of the seen part, at least a ring away from the rim, weighted by
+/// |n . n'|^16 exp(-(d - d_min) / reach): n and n' are the unit normals of both edges and d their
+/// distance, in the texture; but no more than their mean, and of its sign or 0. So edges of one
+/// direction follow edges of that direction, and a cylinder goes on exactly. The hidden vertices
+/// are then laid out ring by ring, each at the mean of the places that the edges next to it give.
 class BendContinuation {
  public:
   /// Fails on a mesh that cannot be used.

@@ -76,6 +76,27 @@ TEST(HiddenBend, GoesOnWithACylinderBothWaysRound) {
   }
 }
 
+TEST(HiddenBend, EndsWhereTheBendOfTheSeenPartFades) {
+  const RolledSheet scene;
+  // Bent by less and less up to the hidden columns, and straight there.
+  constexpr double kStraightFrom_m = 0.17, kMost_per_m = 14.0, kStep_m = 1e-4;
+  std::vector<Eigen::Vector2d> curve_m{Eigen::Vector2d::Zero()};
+  for (double s_m = 0.0, turn_rad = 0.0; s_m < 0.25; s_m += kStep_m) {
+    turn_rad += kStep_m * kMost_per_m * std::max(0.0, 1.0 - s_m / kStraightFrom_m);
+    curve_m.emplace_back(curve_m.back() +
+                         kStep_m * Eigen::Vector2d(std::cos(turn_rad), std::sin(turn_rad)));
+  }
+  Points3 truth_m = scene.templ.vertices_m.matrix<3>();
+  const double left_m = truth_m.col(0).minCoeff();
+  for (Eigen::Index v = 0; v < truth_m.rows(); ++v) {
+    const auto place = static_cast<std::size_t>((truth_m(v, 0) - left_m) / kStep_m + 0.5);
+    truth_m.row(v) << curve_m[place].x(), truth_m(v, 1), curve_m[place].y();
+  }
+  const HiddenBend bend =
+      scene.continuation.continued(scene.spoilt(truth_m), scene.hidden, scene.bending);
+  EXPECT_LT(largest_error_m(bend.shape_m, truth_m), 5e-3);
+}
+
 TEST(HiddenBend, LeavesAFlatSheetFlatAndItsRestLengthsAlone) {
   const RolledSheet scene;
   const Points3 flat_m = scene.templ.vertices_m.matrix<3>();
