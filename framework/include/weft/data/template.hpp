@@ -11,7 +11,7 @@ struct Template {
   Array<double> vertices_m;     ///< [V,3] m, template frame
   Array<double> flat_px;        ///< [V,2] px of the texture, pixel centres at integers
   Array<std::int32_t> faces;    ///< [F,3] vertex indices
-  Array<double> m_per_px;       ///< [2] m per px along u and v; flat templates only
+  Array<double> m_per_px;       ///< [2] m per px along u and v; the mean of a curved template
   Array<std::uint8_t> texture;  ///< [H,W] or [H,W,3] grey levels or BGR
   Array<std::uint8_t> mask;     ///< [H,W] 1 where the texture belongs to the object
   std::uint64_t revision = 0;   ///< [] equal only for equal content; filled in by the host
@@ -21,8 +21,8 @@ struct Template {
     visit(self.vertices_m, Field{"vertices_m", "V,3", "m, template", "vertices at rest"});
     visit(self.flat_px, Field{"flat_px", "V,2", "px of the texture", "vertices in the texture"});
     visit(self.faces, Field{"faces", "F,3", "index", "triangles"});
-    visit(self.m_per_px,
-          Field{"m_per_px", "2", "m/px", "texel pitch along u and v (flat templates)", true});
+    visit(self.m_per_px, Field{"m_per_px", "2", "m/px",
+                               "texel pitch along u and v, of a curved template the mean", true});
     visit(self.texture, Field{"texture", "H,W,?", "grey level or BGR", "appearance of the object"});
     visit(self.mask, Field{"mask", "H,W", "0 or 1", "1 where the texture belongs to the object"});
   }
