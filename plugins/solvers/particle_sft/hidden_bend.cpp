@@ -117,6 +117,16 @@ Result<std::vector<std::uint8_t>> hidden_part(const Visibility& visibility,
   return hidden;
 }
 
+void add_unmeasured(const std::vector<RayConstraint>& rays, Eigen::Index vertex_count,
+                    std::vector<std::uint8_t>& hidden) {
+  hidden.resize(static_cast<std::size_t>(vertex_count), 0);
+  std::vector<std::uint8_t> unmeasured(hidden.size(), 1);
+  for (const RayConstraint& seen : rays) {
+    for (const std::int32_t v : seen.vertices) unmeasured[static_cast<std::size_t>(v)] = 0;
+  }
+  for (std::size_t v = 0; v < hidden.size(); ++v) hidden[v] |= unmeasured[v];
+}
+
 Result<void> BendContinuation::build(const Template& templ) {
   const Points3 rest_m = templ.vertices_m.matrix<3>();
   const Points2 flat_px = templ.flat_px.matrix<2>();

@@ -22,6 +22,11 @@ Result<std::vector<std::uint8_t>> hidden_part(const Visibility& visibility,
                                               const std::vector<RayConstraint>& rays,
                                               const IndexLists& neighbours);
 
+/// Adds all vertices without a ray: on a template that is curved at rest the distances alone do not
+/// tell its bend from the opposite one, so they are laid out as well.
+void add_unmeasured(const std::vector<RayConstraint>& rays, Eigen::Index vertex_count,
+                    std::vector<std::uint8_t>& hidden);
+
 /// What a hidden part is taken to look like.
 struct HiddenBend {
   Points3 shape_m;  ///< [V,3] m, camera frame: the hidden part unrolled from the seen one

@@ -27,6 +27,7 @@ class MeshModel {
   Result<void> build(const Template& templ, double smoothing);
 
   Eigen::Index vertex_count() const { return rest_m_.rows(); }
+  bool is_flat() const { return flat_; }
   const Faces& faces() const { return faces_; }
   const std::vector<DistanceConstraint>& stretch() const { return stretch_; }  ///< edges
   const std::vector<DistanceConstraint>& bending() const { return bending_; }

@@ -139,6 +139,7 @@ class ParticleSft final : public Solver {
       auto hidden = hidden_part(*in.visibility, system_.rays, mesh_.neighbours());
       if (!hidden) return hidden.error();
       hidden_ = *std::move(hidden);
+      if (!mesh_.is_flat()) add_unmeasured(system_.rays, mesh_.vertex_count(), hidden_);
     }
     system_.spheres.clear();
     inconsistent_pairs_ = 0;
