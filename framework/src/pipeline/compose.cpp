@@ -45,6 +45,13 @@ Result<RecordPtr> with_mask(const Record& correspondences, const Record& mask) {
     kept[i] = matches->kept(i) != 0 && verdict->kept(i) != 0 ? 1 : 0;
     score[i] = verdict->score(i);
   }
+  if (verdict->confidence.present()) {
+    auto* confidence = static_cast<double*>(composed->allocate("confidence", WEFT_F64, 0, nullptr));
+    *confidence = *verdict->confidence.data();
+    if (matches->confidence.present()) {
+      *confidence = std::min(*confidence, *matches->confidence.data());
+    }
+  }
   return RecordPtr(std::move(composed));
 }
 
@@ -69,11 +76,12 @@ Result<RecordPtr> locate_on_template(const Record& keypoints, const Record& temp
 }
 
 RecordPtr aged_shape(const Record& shape, std::int64_t age, int lost_after) {
-  auto aged = share_except(shape, {"state", "age"});
+  auto aged = share_except(shape, {"state", "age", "confidence", "covariance_m2"});
   auto* state = static_cast<std::int32_t*>(aged->allocate("state", WEFT_I32, 0, nullptr));
   auto* frames = static_cast<std::int64_t*>(aged->allocate("age", WEFT_I64, 0, nullptr));
   *state = static_cast<std::int32_t>(age > lost_after ? ShapeState::lost : ShapeState::predicted);
   *frames = age;
+  *static_cast<double*>(aged->allocate("confidence", WEFT_F64, 0, nullptr)) = 0.0;
   return aged;
 }
 

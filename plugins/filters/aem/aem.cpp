@@ -109,6 +109,7 @@ class Aem final : public weft::Filter {
       kept += keep.back();
     }
     InlierMask mask = weft::filters::mask_of(in.correspondences, candidates, keep, score);
+    mask.confidence = weft::make_scalar(found.confidence);
     mask.diag.set("kept_matches", kept);
     mask.diag.set("confidence", found.confidence);
     mask.diag.set("log_likelihood", found.solution.log_likelihood);
@@ -137,5 +138,5 @@ class Aem final : public weft::Filter {
 
 }  // namespace
 
-WEFT_PLUGIN(Aem, "filters/aem", "1.0.0",
+WEFT_PLUGIN(Aem, "filters/aem", "1.1.0",
             "Keeps the most likely coherent set of matches, with its confidence.")

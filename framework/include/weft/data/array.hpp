@@ -123,6 +123,13 @@ class Array {
   std::int64_t row_stride_ = 0;
 };
 
+/// An owned array without axes: a scalar that may be absent.
+inline Array<double> make_scalar(double value) {
+  Array<double> scalar(std::initializer_list<std::int64_t>{});
+  *scalar.data() = value;
+  return scalar;
+}
+
 /// An owned array with the contents of a row-major expression: [rows, columns], or [rows] for one
 /// column.
 template <class T, class Derived>

@@ -21,6 +21,7 @@ struct Correspondences {
   Array<double> angle_difference_rad;     ///< [N] rad, image minus template, in (-pi, pi]
   Array<std::uint8_t> kept;               ///< [N] 1 unless a filter rejected it
   Array<double> score;                    ///< [N] larger is more trusted; 1 before any filter
+  Array<double> confidence;               ///< [] that what is kept is the object, by the filters
 
   std::int64_t count() const { return template_px.rows(); }
 
@@ -41,6 +42,8 @@ struct Correspondences {
           Field{"angle_difference_rad", "N", "rad", "image minus template", true});
     visit(self.kept, Field{"kept", "N", "0 or 1", "1 unless a filter rejected it"});
     visit(self.score, Field{"score", "N", "", "larger is more trusted"});
+    visit(self.confidence,
+          Field{"confidence", "", "0 to 1", "least that a filter said of what it kept", true});
   }
 };
 
@@ -50,11 +53,14 @@ struct InlierMask {
   Array<std::uint8_t> kept;  ///< [N] 1 for a match that is kept
   Array<double> score;       ///< [N] larger is more trusted
   Diagnostics diag;
+  Array<double> confidence = {};  ///< [] probability that what is kept is the object
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit(self.kept, Field{"kept", "N", "0 or 1", "1 for a match that is kept"});
     visit(self.score, Field{"score", "N", "", "larger is more trusted"});
+    visit(self.confidence,
+          Field{"confidence", "", "0 to 1", "probability that what is kept is the object", true});
     visit(self.diag, Field{"diag.*", "*", "", "evidence", true});
   }
 };

@@ -31,11 +31,7 @@ struct NamedArray {
 /// Evidence that a component gives with its result: scalars go to frames.jsonl, arrays to dumps.
 class Diagnostics {
  public:
-  void set(std::string name, double value) {
-    Array<double> scalar(std::initializer_list<std::int64_t>{});
-    *scalar.data() = value;
-    set(std::move(name), std::move(scalar));
-  }
+  void set(std::string name, double value) { set(std::move(name), make_scalar(value)); }
   void set(std::string name, Array<double> values) {
     entries_.push_back({"diag." + std::move(name), std::move(values)});
   }

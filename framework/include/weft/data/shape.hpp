@@ -20,7 +20,7 @@ struct Shape {
   Array<double> vertices_m;     ///< [V,3] m, camera frame
   std::int32_t state = 1;       ///< [] ShapeState
   std::int64_t age_frames = 0;  ///< [] frames since it was measured
-  double confidence = 1.0;      ///< [] 0 to 1
+  double confidence = 1.0;      ///< [] 0 to 1, see the catalogue
   Array<std::uint8_t> source;   ///< [V] 1 measured, 0 filled in by the prior
   Array<double> covariance_m2;  ///< [V,3,3] m^2, camera frame
   Diagnostics diag;
@@ -32,7 +32,9 @@ struct Shape {
     visit(self.vertices_m, Field{"vertices_m", "V,3", "m, camera", "vertices"});
     visit(self.state, Field{"state", "", "", "1 estimated, 2 weak, 3 predicted, 4 lost"});
     visit(self.age_frames, Field{"age", "", "frames", "since it was measured"});
-    visit(self.confidence, Field{"confidence", "", "0 to 1", "trust in the whole shape"});
+    visit(self.confidence, Field{"confidence", "", "0 to 1",
+                                 "probability that the mean error of what is seen is below 2 % of "
+                                 "the template's diagonal; 0 where not measured in this frame"});
     visit(self.source, Field{"source", "V", "0 or 1", "1 measured, 0 filled in by the prior"});
     visit(self.covariance_m2,
           Field{"covariance_m2", "V,3,3", "m^2, camera", "of each vertex", true});

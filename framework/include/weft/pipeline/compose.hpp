@@ -5,8 +5,9 @@
 
 namespace weft {
 
-/// Matches with a filter's verdict: kept only if kept before too, the filter's scores; all other
-/// arrays are shared. Fails when the mask is of another length.
+/// Matches with a filter's verdict: kept only if kept before too, the filter's scores, the least
+/// confidence that a filter said; all other arrays are shared. Fails when the mask is of another
+/// length.
 Result<host::RecordPtr> with_mask(const host::Record& correspondences, const host::Record& mask);
 
 /// Keypoints of the texture with the face that holds each and the weights in it.
@@ -14,7 +15,7 @@ Result<host::RecordPtr> locate_on_template(const host::Record& keypoints,
                                            const host::Record& templ);
 
 /// The last shape again, `age` frames after it was measured: predicted, or lost from
-/// `lost_after` + 1 on.
+/// `lost_after` + 1 on; with a confidence of 0 and no covariance, for nothing was measured.
 host::RecordPtr aged_shape(const host::Record& shape, std::int64_t age, int lost_after);
 
 /// The texture as an image and its mask as a region, for detectors.
