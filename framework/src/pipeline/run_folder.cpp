@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <sys/utsname.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <weft/core/statistics.hpp>
 #include <weft/core/version.hpp>
 #include <weft/core/whole_file.hpp>
+#include <weft/geometry/vertex_spread.hpp>
 #include <weft/host/processor.hpp>
 #include <weft/pipeline/match_depths.hpp>
 #include <weft/pipeline/run_folder.hpp>
@@ -91,6 +94,22 @@ ordered_json stage_json(const StageReport& report) {
   return object;
 }
 
+double rounded(double value, double parts) { return std::round(value * parts) / parts; }
+
+/// How sure the shape is of itself, as a whole and at each vertex.
+void add_certainty(const host::RecordPtr& record, ordered_json& line) {
+  constexpr double kMmPerM = 1000.0;
+  const auto shape =
+      record == nullptr ? Result<Shape>(no_result("none")) : host::view_as<Shape>(*record);
+  line["confidence"] = shape ? ordered_json(rounded(shape->confidence, 1e4)) : ordered_json();
+  std::vector<double> stds_mm = shape ? vertex_stds_m(*shape) : std::vector<double>();
+  if (stds_mm.empty()) return;
+  for (double& each : stds_mm) each = rounded(kMmPerM * each, 100.0);
+  line["std_median_mm"] = median(stds_mm);
+  line["std_worst_mm"] = *std::max_element(stds_mm.begin(), stds_mm.end());
+  line["std_mm"] = stds_mm;
+}
+
 /// Text of any bytes as JSON: what is no UTF-8 is replaced.
 std::string dump(const ordered_json& object, int indent = -1) {
   return object.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
@@ -99,7 +118,7 @@ std::string dump(const ordered_json& object, int indent = -1) {
 /// What a filter has left of its matches, without the matches themselves.
 host::RecordPtr mask_of(const host::Record& matches) {
   auto mask = std::make_shared<host::Record>(InlierMask::kType);
-  for (const char* array : {"kept", "score"}) mask->share(matches, array);
+  for (const char* array : {"kept", "score", "confidence"}) mask->share(matches, array);
   return mask;
 }
 
@@ -217,10 +236,14 @@ Result<void> RunFolder::add(const Graph& graph, const FrameResult& frame,
   std::map<std::string, double> sums;
   for (const host::Timing& timing : frame.timings) sums[timing.component] += timing.ms;
   for (const auto& [component, ms] : sums) times[component] = std::round(ms * 1000.0) / 1000.0;
-  const ordered_json line{
-      {"frame", frame.index},    {"stem", frame.stem},       {"state", to_string(frame.state)},
-      {"age", frame.age_frames}, {"failed", frame.failed()}, {"stages", std::move(stages)},
-      {"ms", std::move(times)}};
+  ordered_json line{{"frame", frame.index},
+                    {"stem", frame.stem},
+                    {"state", to_string(frame.state)},
+                    {"age", frame.age_frames}};
+  add_certainty(frame.shape, line);
+  line["failed"] = frame.failed();
+  line["stages"] = std::move(stages);
+  line["ms"] = std::move(times);
   frames_ << dump(line) << std::endl;
   if (!frames_) return io_error(path_ + "/frames.jsonl", "cannot be written; is the disk full?");
   return {};

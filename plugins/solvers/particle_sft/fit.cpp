@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fit.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -35,6 +36,24 @@ bool turns_the_other_way(const MeshModel& mesh, const Sightlines& sightlines, co
 }
 
 }  // namespace
+
+std::vector<RayConstraint> ray_constraints(const Sightlines& lines, const Faces& faces) {
+  std::vector<RayConstraint> rays;
+  for (std::int64_t i = 0; i < lines.count(); ++i) {
+    if (lines.weight(i) == 0.0) continue;
+    const bool at_vertex = lines.vertex(i) >= 0;
+    RayConstraint seen;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto column = static_cast<std::int64_t>(k);
+      seen.vertices[k] = at_vertex ? lines.vertex(i) : faces(lines.face(i), column);
+      seen.weights[k] = at_vertex ? (k == 0 ? 1.0 : 0.0) : lines.barycentrics(i, column);
+      seen.ray[k] = lines.ray(i, column);
+    }
+    seen.trust = std::min(lines.weight(i), 1.0);
+    rays.push_back(seen);
+  }
+  return rays;
+}
 
 Eigen::Vector3d seen_point_m(const RayConstraint& seen, const Points3& vertices_m) {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
 #include <weft/data/sightlines.hpp>
 #include <weft/geometry/camera_model.hpp>
 
@@ -20,6 +21,9 @@ struct Fit {
 /// Residuals are infinite for points that are not in front of the camera.
 Fit assess(const MeshModel& mesh, const ParticleSystem& system, const Sightlines& sightlines,
            const Pinhole& camera, const Points3& vertices_m);
+
+/// The sightlines that count, of a mesh that they fit.
+std::vector<RayConstraint> ray_constraints(const Sightlines& lines, const Faces& faces);
 
 /// The point that a ray constraint holds.
 Eigen::Vector3d seen_point_m(const RayConstraint& seen, const Points3& vertices_m);

@@ -5,7 +5,6 @@
 #include <array>
 #include <cstddef>
 #include <limits>
-#include <weft/geometry/mesh_bending.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/rigid_alignment.hpp>
 #include <weft/geometry/surface_distance.hpp>
@@ -46,13 +45,14 @@ Result<void> MeshModel::build(const Template& templ, double smoothing) {
   bending_ = by_colour(*bending, rest_m_.rows());
   neighbours_ = vertex_neighbours(topology->edges, rest_m_.rows());
   flat_ = coplanar(rest_m_);
+  hinges_ = bending_hinges(rest_m_, faces_, *topology);
   smooths_ = smoothing > 0.0;
   if (!smooths_) return {};
 
   const double edge_m = mean_edge_length(rest_m_, topology->edges);
   std::vector<Eigen::Triplet<double>> entries;
   for (Eigen::Index v = 0; v < rest_m_.rows(); ++v) entries.emplace_back(v, v, 1.0);
-  for (const BendingHinge& hinge : bending_hinges(rest_m_, faces_, *topology)) {
+  for (const BendingHinge& hinge : hinges_) {
     const double weight = smoothing * edge_m * edge_m * hinge.weight;
     for (std::size_t r = 0; r < 4; ++r) {
       for (std::size_t c = 0; c < 4; ++c) {

@@ -9,6 +9,7 @@
 #include <weft/geometry/distance_constraints.hpp>
 #include <weft/geometry/known_surface.hpp>
 #include <weft/geometry/mesh_adjacency.hpp>
+#include <weft/geometry/mesh_bending.hpp>
 #include <weft/geometry/types.hpp>
 
 namespace weft::particle_sft {
@@ -32,6 +33,8 @@ class MeshModel {
   const std::vector<DistanceConstraint>& stretch() const { return stretch_; }  ///< edges
   const std::vector<DistanceConstraint>& bending() const { return bending_; }
   const IndexLists& neighbours() const { return neighbours_; }  ///< of each vertex
+  const Points3& rest_m() const { return rest_m_; }             ///< [V,3] m
+  const std::vector<BendingHinge>& hinges() const { return hinges_; }
 
   /// The shape [V,3] nearest to `rough_m` that bends less: the minimum of |X - rough|^2 + smoothing
   /// s^2 (bending energy of X - X_rest), s the mean edge length and X_rest the rest mesh brought
@@ -48,6 +51,7 @@ class MeshModel {
   IndexLists neighbours_;
   bool flat_ = true;
   std::vector<DistanceConstraint> stretch_, bending_;
+  std::vector<BendingHinge> hinges_;
   bool smooths_ = false;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> smoother_;
 };

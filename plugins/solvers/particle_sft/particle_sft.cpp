@@ -9,6 +9,9 @@
 #include <weft/geometry/check_sightlines.hpp>
 #include <weft/sdk/solver.hpp>
 
+#include "candidate.hpp"
+#include "confidence.hpp"
+#include "covariance.hpp"
 #include "fit.hpp"
 #include "hidden_bend.hpp"
 #include "known_spheres.hpp"
@@ -18,11 +21,6 @@
 namespace weft::particle_sft {
 namespace {
 
-// With more than this a shape is weak, and another start is tried ...
-constexpr double kHighResidualPx = 3.0;
-constexpr double kHighStrain = 0.02;
-// ... as it is with more than three times the usual noise; a shape in place has 1 to 2.
-constexpr double kHighEnergy = 9.0;
 // With less than this a shape is weak ...
 constexpr int kManyMatches = 30;
 constexpr int kManySightlines = 8;
@@ -32,22 +30,6 @@ constexpr int kFewMatches = 10;
 constexpr double kLostResidualPx = 6.0;
 // An object that jumped by this share of its size is found anew.
 constexpr double kJump = 0.25;
-
-/// Where an iteration began; the numbers are those of diag.start.
-enum class StartKind { previous = 0, convex = 1, mirrored = 2 };
-
-struct Candidate {
-  StartKind start;
-  Points3 vertices_m;
-  RelaxationResult relaxation;
-  Fit fit;
-
-  bool usable() const {
-    return relaxation.stop != Stop::not_finite && !fit.mirrored && std::isfinite(fit.energy);
-  }
-  bool good() const { return fit.residual_px < kHighResidualPx && fit.strain < kHighStrain; }
-  bool doubtful() const { return !usable() || !good() || fit.energy > kHighEnergy; }
-};
 
 /// Particle-SfT: the vertices as particles between their sightlines and the distances at rest.
 class ParticleSft final : public Solver {
@@ -79,6 +61,7 @@ class ParticleSft final : public Solver {
     p.read(
         "continue_hidden_bend", continue_hidden_bend_,
         "go on with the bend of the seen part where a visibility says that the surface is hidden");
+    p.read("covariance", wants_covariance_, "say how uncertain each vertex is");
   }
 
   Result<Shape> solve(const SolverInput& in) override {
@@ -103,6 +86,7 @@ class ParticleSft final : public Solver {
     mesh_revision_ = 0;
     if (auto built = mesh_.build(templ, start_smoothing_); !built) return built;
     if (auto built = continuation_.build(templ); !built) return built;
+    if (wants_covariance_) covariance_.build(mesh_);
     mesh_revision_ = templ.revision;
     system_.stretch = mesh_.stretch();
     return {};
@@ -114,21 +98,7 @@ class ParticleSft final : public Solver {
     const Sightlines& lines = *in.sightlines;
     auto checked = check_sightlines(lines, mesh_.vertex_count(), mesh_.faces().rows());
     if (!checked) return checked;
-    system_.rays.clear();
-    for (std::int64_t i = 0; i < lines.count(); ++i) {
-      if (lines.weight(i) == 0.0) continue;
-      RayConstraint seen;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto column = static_cast<std::int64_t>(k);
-        seen.vertices[k] =
-            lines.vertex(i) >= 0 ? lines.vertex(i) : mesh_.faces()(lines.face(i), column);
-        seen.weights[k] =
-            lines.vertex(i) >= 0 ? (k == 0 ? 1.0 : 0.0) : lines.barycentrics(i, column);
-        seen.ray[k] = lines.ray(i, column);
-      }
-      seen.trust = std::min(lines.weight(i), 1.0);
-      system_.rays.push_back(seen);
-    }
+    system_.rays = ray_constraints(lines, mesh_.faces());
     if (system_.rays.size() < static_cast<std::size_t>(min_sightlines_)) {
       return no_result("too few sightlines: " + std::to_string(system_.rays.size()) +
                        " of at least " + std::to_string(min_sightlines_));
@@ -241,18 +211,18 @@ class ParticleSft final : public Solver {
     return {};
   }
 
-  Result<Shape> build_shape(const SolverInput& in, const Candidate& best, std::size_t tried) const {
+  Result<Shape> build_shape(const SolverInput& in, const Candidate& best, std::size_t tried) {
     if (best.fit.residual_px >= kLostResidualPx) {
       return no_result("lost: the median point is " + std::to_string(best.fit.residual_px) +
                        " px from its ray");
     }
-    const double coverage = std::clamp(in.sightlines->coverage, 0.0, 1.0);
-    const bool sure = matches_ >= kManyMatches && coverage > kGoodCoverage && best.good() &&
-                      system_.rays.size() >= std::size_t{kManySightlines};
+    const bool sure = matches_ >= kManyMatches && in.sightlines->coverage > kGoodCoverage &&
+                      best.good() && system_.rays.size() >= std::size_t{kManySightlines};
+    const Agreement agreement = agreement_with(in, best.vertices_m);
     Shape shape;
     shape.vertices_m = make_array<double>(best.vertices_m);
     shape.state = static_cast<std::int32_t>(sure ? ShapeState::estimated : ShapeState::weak);
-    shape.confidence = coverage;
+    shape.confidence = confidence(best.fit, agreement) * confidence_of_filters(in);
     shape.source = Array<std::uint8_t>({mesh_.vertex_count()});
     for (const RayConstraint& seen : system_.rays) {
       for (const std::int32_t v : seen.vertices) shape.source(v) = 1;
@@ -260,11 +230,31 @@ class ParticleSft final : public Solver {
     for (const KnownSurfacePoint& held : system_.spheres) {
       for (const std::int32_t v : held.vertices) shape.source(v) = 1;
     }
+    if (wants_covariance_) {
+      const HoldingNoise noise =
+          holding_noise(best.fit.residual_px, system_.rays.size(), agreement.agreeing);
+      shape.covariance_m2 = Array<double>({mesh_.vertex_count(), 3, 3});
+      const bool known = covariance_.compute(system_, pinhole(in), best.vertices_m, noise,
+                                             shape.covariance_m2.data());
+      if (!known) shape.covariance_m2 = {};
+    }
     explain(best, tried, shape.diag);
+    shape.diag.set("agreeing_matches", agreement.agreeing);
     if (inconsistent_pairs_ == 0) return shape;
     return degenerate(std::move(shape),
                       std::to_string(inconsistent_pairs_) +
                           " pairs of known points are further apart than the surface allows");
+  }
+
+  Agreement agreement_with(const SolverInput& in, const Points3& vertices_m) const {
+    return in.correspondences ? agreement(*in.correspondences, mesh_, pinhole(in), vertices_m)
+                              : agreement(system_, pinhole(in), vertices_m);
+  }
+
+  /// A filter may know of a likelier place for the object, such as a copy of it.
+  static double confidence_of_filters(const SolverInput& in) {
+    if (!in.correspondences || !in.correspondences->confidence.present()) return 1.0;
+    return std::clamp(*in.correspondences->confidence.data(), 0.0, 1.0);
   }
 
   void explain(const Candidate& best, std::size_t tried, Diagnostics& diag) const {
@@ -289,6 +279,7 @@ class ParticleSft final : public Solver {
   SolverComponent start_{"solvers/brunet_mdh"};
   double start_smoothing_ = 1.5;
   bool continue_hidden_bend_ = true;
+  bool wants_covariance_ = true;
 
   MeshModel mesh_;
   std::uint64_t mesh_revision_ = 0;
@@ -298,11 +289,12 @@ class ParticleSft final : public Solver {
   int matches_ = 0;
   int inconsistent_pairs_ = 0;
   Relaxation relaxation_;
+  ShapeCovariance covariance_;
 };
 
 }  // namespace
 }  // namespace weft::particle_sft
 
 using weft::particle_sft::ParticleSft;
-WEFT_PLUGIN(ParticleSft, "solvers/particle_sft", "1.1.0",
+WEFT_PLUGIN(ParticleSft, "solvers/particle_sft", "1.2.0",
             "Shape from sightlines by position based dynamics, tracked from frame to frame.")

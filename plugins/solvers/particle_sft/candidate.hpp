@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+
+#include "fit.hpp"
+#include "relaxation.hpp"
+
+namespace weft::particle_sft {
+
+// With more than this a shape is weak, and another start is tried ...
+inline constexpr double kHighResidualPx = 3.0;
+inline constexpr double kHighStrain = 0.02;
+// ... as it is with more than three times the usual noise; a shape in place has 1 to 2.
+inline constexpr double kHighEnergy = 9.0;
+
+/// Where an iteration began; the numbers are those of diag.start.
+enum class StartKind { previous = 0, convex = 1, mirrored = 2 };
+
+struct Candidate {
+  StartKind start;
+  Points3 vertices_m;
+  RelaxationResult relaxation;
+  Fit fit;
+
+  bool usable() const {
+    return relaxation.stop != Stop::not_finite && !fit.mirrored && std::isfinite(fit.energy);
+  }
+  bool good() const { return fit.residual_px < kHighResidualPx && fit.strain < kHighStrain; }
+  bool doubtful() const { return !usable() || !good() || fit.energy > kHighEnergy; }
+};
+
+}  // namespace weft::particle_sft
