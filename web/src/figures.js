@@ -89,6 +89,55 @@ async function draw_by_frame(figure, data, series) {
   });
 }
 
+/** What confidences promise, and what came true. */
+async function draw_reliability(figure, data, series) {
+  const values = series.flatMap(({ name, treatment }) => {
+    const { x, y, frames } = treatment.reliability;
+    const counts = floats(frames),
+      shares = floats(y);
+    return Array.from(floats(x), (said, i) => ({
+      series: name,
+      x: said,
+      y: shares[i],
+      frames: counts[i],
+    }));
+  });
+  const unit = { domain: [0, 1], nice: false };
+  const x = { field: "x", type: "quantitative", title: "Mean confidence", scale: unit };
+  const y = { field: "y", type: "quantitative", title: "Share that is right", scale: unit };
+  const ends = [
+    { x: 0, y: 0 },
+    { x: 1, y: 1 },
+  ];
+  write_legend(figure, series);
+  await draw(figure, {
+    width: Math.min(width_of(figure), kHeight + 120),
+    height: kHeight,
+    layer: [
+      {
+        data: { values: ends },
+        mark: { type: "line", strokeDash: [3, 3], strokeWidth: 1, color: "var(--muted)" },
+        encoding: { x, y },
+      },
+      {
+        data: { values },
+        mark: { type: "line", strokeWidth: 1.75 },
+        encoding: { x, y, ...series_channels(series) },
+      },
+      {
+        data: { values },
+        mark: { type: "point", filled: true, opacity: 1 },
+        encoding: {
+          x,
+          y,
+          size: { field: "frames", type: "quantitative", legend: null, scale: { range: [20, 160] } },
+          color: series_channels(series).color,
+        },
+      },
+    ],
+  });
+}
+
 /** Differences with their intervals, where they have one: what lies across zero is not decided. */
 async function draw_differences(figure, { pairs, unit }) {
   const title = `Difference${unit && `, ${unit}`}`;
@@ -190,6 +239,9 @@ export async function draw_figures(data, selection) {
   );
   await keep_drawn("figure-by-frame", selection, (figure, series) =>
     draw_by_frame(figure, data, series),
+  );
+  await keep_drawn("figure-reliability", selection, (figure, series) =>
+    draw_reliability(figure, data, series),
   );
   await keep_drawn("figure-times", selection, (figure) => draw_stage_times(figure, data));
   for (const figure of document.querySelectorAll("figure.differences")) {

@@ -99,6 +99,32 @@ PointSummary summarise(const PointErrors& errors) {
           mean(of_depth), point};
 }
 
+/// What the shape says of its own error. The error is the one in the camera's frame, whatever is
+/// aligned elsewhere.
+Result<void> measure_certainty(const RunReader& reader, const ShapeMeter& meter,
+                               const FrameRecords& records, FrameMetrics& frame) {
+  const Shape& shape = *records.shape;
+  const GroundTruth& truth = *records.ground_truth;
+  const auto errors = meter.errors(shape.vertices_m.matrix<3>(), truth, Alignment::none);
+  if (!errors || errors->distances_m.empty()) return {};
+  std::vector<double> seen_mm, all_mm;
+  for (std::size_t i = 0; i < errors->points.size(); ++i) {
+    all_mm.push_back(kMmPerM * errors->distances_m[i]);
+    const bool seen = !truth.visible.present() || truth.visible(errors->points[i]) != 0;
+    if (seen) seen_mm.push_back(all_mm.back());
+  }
+  FrameCertainty& certainty = frame.certainty.emplace();
+  certainty.confidence = shape.confidence;
+  certainty.seen_mm = mean(seen_mm.empty() ? all_mm : seen_mm);
+  certainty.right = certainty.seen_mm < kRightShare * kMmPerM * meter.diagonal_m();
+  certainty.silently_wrong = mean(all_mm) > kWrongMm && frame.state == ShapeState::estimated &&
+                             shape.confidence >= kSureConfidence;
+  const auto places = TruthMap::create(truth);
+  if (!places) return places.error();
+  count_deviations(shape, reader.sheet(), *places, certainty);
+  return {};
+}
+
 Outcome outcome_of(const FrameRecords& records) {
   if (!records.shape) return Outcome::missing;
   if (!std::isfinite(records.shape->vertices_m.matrix<3>().squaredNorm())) return Outcome::invalid;
@@ -210,7 +236,10 @@ Result<FrameMetrics> evaluate_frame(const RunReader& reader, const ShapeMeter& m
   frame.strain_mean = strain.mean;
   frame.strain_p95 = strain.p95;
   if (frame.has_truth) {
-    const auto done = measure_error(meter, records, options.alignment, frame);
+    auto done = measure_error(meter, records, options.alignment, frame);
+    if (done && frame.outcome == Outcome::solved) {
+      done = measure_certainty(reader, meter, records, frame);
+    }
     if (!done) return done.error();
   }
   return frame;

@@ -141,6 +141,14 @@ void add_visibility(RunMetrics& metrics) {
   metrics.visibility = summarise_visibility(counts);
 }
 
+void add_certainty(RunMetrics& metrics) {
+  std::vector<FrameCertainty> frames;
+  for (const FrameMetrics& frame : metrics.frames) {
+    if (frame.certainty && frame.apart.empty()) frames.push_back(*frame.certainty);
+  }
+  metrics.certainty = summarise_certainty(frames);
+}
+
 void summarise_filters(RunMetrics& metrics) {
   std::vector<std::string> stages;
   std::map<std::string, std::vector<FilterCounts>> counts;
@@ -247,6 +255,7 @@ RunMetrics RunEvaluator::finish(bool has_solver) {
   summarise_image(state_->options.match_tolerance_px, metrics);
   summarise_depth(metrics);
   add_visibility(metrics);
+  add_certainty(metrics);
   summarise_filters(metrics);
   summarise_warps(metrics);
   count_frames(metrics);

@@ -142,6 +142,22 @@ ordered_json visibility_json(const VisibilityMetrics& visibility) {
           {"hidden_mm", visibility.hidden_mm}};
 }
 
+ordered_json certainty_json(const CertaintyMetrics& certainty) {
+  ordered_json bins = ordered_json::array();
+  for (const ConfidenceBin& bin : certainty.bins) {
+    bins.push_back({{"frames", bin.frames}, {"said", bin.said}, {"came_true", bin.came_true}});
+  }
+  return {{"frames", certainty.frames},
+          {"right", certainty.right},
+          {"silently_wrong", certainty.silently_wrong},
+          {"brier", certainty.brier},
+          {"bins", std::move(bins)},
+          {"vertices", certainty.vertices},
+          {"within_1_std_percent", certainty.within_percent[0]},
+          {"within_2_std_percent", certainty.within_percent[1]},
+          {"within_3_std_percent", certainty.within_percent[2]}};
+}
+
 ordered_json jitter_json(const Jitter& jitter) {
   return {{"mean_mm", jitter.mean_mm},
           {"median_mm", jitter.median_mm},
@@ -186,6 +202,10 @@ ordered_json frame_json(const FrameMetrics& frame) {
   if (frame.visibility) {
     object["visibility"] = visibility_json(summarise_visibility(std::vector{*frame.visibility}));
   }
+  if (frame.certainty) {
+    object["confidence"] = frame.certainty->confidence;
+    object["seen_mm"] = frame.certainty->seen_mm;
+  }
   for (const auto& [stage, counts] : frame.filters) object["filters"][stage] = counts_json(counts);
   return object;
 }
@@ -218,6 +238,7 @@ std::string to_json(const RunMetrics& metrics) {
                             {"image", image_json(metrics.image)},
                             {"depth", depth_json(metrics.depth)},
                             {"visibility", visibility_json(metrics.visibility)},
+                            {"certainty", certainty_json(metrics.certainty)},
                             {"filters", std::move(filters)},
                             {"warps", std::move(warps)},
                             {"jitter", jitter_json(metrics.jitter)},

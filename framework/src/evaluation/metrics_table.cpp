@@ -6,6 +6,7 @@
 #include <vector>
 #include <weft/evaluation/metrics_report.hpp>
 
+#include "metrics_table_parts.hpp"
 #include "units.hpp"
 
 namespace weft::evaluation {
@@ -230,17 +231,6 @@ std::string depth_text(const DepthSummary& depth) {
       depth.matches, depth.without_depth, depth.frames_without_median);
 }
 
-std::string visibility_text(const VisibilityMetrics& visibility) {
-  if (visibility.hidden_points + visibility.vertices == 0) return "";
-  return fmt::format(
-      "what the camera sees, {} frames\n"
-      "  3D error: {} mm at visible points, {} mm at the {} hidden ones\n"
-      "  vertices: F1 {} % of those seen, {} % of those hidden, {} told, {} hidden in truth\n",
-      visibility.frames, number(visibility.visible_mm, 2), number(visibility.hidden_mm, 2),
-      visibility.hidden_points, number(visibility.f1_percent, 1),
-      number(visibility.hidden_f1_percent, 1), visibility.vertices, visibility.hidden_vertices);
-}
-
 }  // namespace
 
 std::string to_table(const RunMetrics& metrics) {
@@ -253,7 +243,8 @@ std::string to_table(const RunMetrics& metrics) {
     return text + "no ground truth in this run: give the source `truth` to measure errors\n";
   }
   return text + to_error_table(metrics) + image_text(metrics.image) + depth_text(metrics.depth) +
-         visibility_text(metrics.visibility) + warps_text(metrics) + filters_text(metrics);
+         visibility_text(metrics.visibility) + certainty_text(metrics.certainty) +
+         warps_text(metrics) + filters_text(metrics);
 }
 
 std::string to_error_table(const RunMetrics& metrics) {

@@ -69,6 +69,18 @@ std::string curves_part(const ReportTables& tables) {
                 "Frames that were not solved are left out: see the table for how many they are.");
 }
 
+std::string certainty_part(const Results& results, const ReportTables& tables, bool scripted) {
+  const TextTable sheet = certainty_sheet(results, tables);
+  if (sheet.rows.empty()) return "";
+  if (!scripted) return to_html(sheet);
+  return to_html(sheet) + "<h3>Reliability</h3>\n" +
+         figure(
+             "figure-reliability",
+             "Of the frames whose confidence is in a tenth of [0, 1], the share that is right, at "
+             "their mean confidence; larger where there are more of them. On the diagonal a "
+             "confidence is what it says; above it, it is too low.");
+}
+
 std::string sweeps_part(const Results& results, const Figures& figures) {
   std::string text;
   for (std::size_t i = 0; i < figures.sweeps.size(); ++i) {

@@ -27,12 +27,21 @@ ordered_json treatment_json(const Results& results, const ReportTables& tables,
   for (const StageTime& time : combination.times) {
     stages.push_back({{"stage", time.stage}, {"ms", time.mean_ms}});
   }
-  return {{"id", index},
-          {"name", combination.name},
-          {"drawn", std::count(figures.drawn.begin(), figures.drawn.end(), index) > 0},
-          {"distribution", curve_json(distribution_of(results, combination))},
-          {"by_frame", curve_json(error_over_frames(results, combination))},
-          {"stages", std::move(stages)}};
+  std::vector<float> said, came_true, frames;
+  for (const ConfidenceBin& bin : combination.certainty.bins) {
+    if (bin.frames == 0) continue;
+    said.push_back(static_cast<float>(bin.said));
+    came_true.push_back(static_cast<float>(bin.came_true));
+    frames.push_back(static_cast<float>(bin.frames));
+  }
+  return {
+      {"id", index},
+      {"name", combination.name},
+      {"reliability", {{"x", packed(said)}, {"y", packed(came_true)}, {"frames", packed(frames)}}},
+      {"drawn", std::count(figures.drawn.begin(), figures.drawn.end(), index) > 0},
+      {"distribution", curve_json(distribution_of(results, combination))},
+      {"by_frame", curve_json(error_over_frames(results, combination))},
+      {"stages", std::move(stages)}};
 }
 
 ordered_json comparison_json(const ComparisonResult& comparison) {

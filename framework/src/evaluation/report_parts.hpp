@@ -14,6 +14,7 @@ std::string results_part(const Results& results, const ReportTables& tables);
 std::string comparisons_part(const ReportTables& tables, bool scripted);
 std::string expectations_part(const Results& results, const ReportTables& tables);
 std::string filters_part(const Results& results, const ReportTables& tables);
+std::string certainty_part(const Results& results, const ReportTables& tables, bool scripted);
 std::string times_part(const Results& results, const ReportTables& tables, bool scripted);
 std::string reproduce_part(const Results& results, const ReportTables& tables);
 

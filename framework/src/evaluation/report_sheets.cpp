@@ -259,10 +259,11 @@ std::vector<TextTable> all_sheets(const Results& results, const ReportTables& ta
   std::vector<std::size_t> every(results.cells.size());
   std::iota(every.begin(), every.end(), 0);
   std::vector<TextTable> sheets;
-  for (TextTable& table : std::vector{
-           combinations_sheet(results, tables), comparison_sheet(tables.comparisons),
-           expectations_sheet(results, tables), filters_sheet(results, tables),
-           roc_sheet(results, tables), times_sheet(results, tables), cells_sheet(results, every)}) {
+  for (TextTable& table :
+       std::vector{combinations_sheet(results, tables), comparison_sheet(tables.comparisons),
+                   expectations_sheet(results, tables), filters_sheet(results, tables),
+                   roc_sheet(results, tables), certainty_sheet(results, tables),
+                   times_sheet(results, tables), cells_sheet(results, every)}) {
     if (!table.rows.empty()) sheets.push_back(std::move(table));
   }
   return sheets;

@@ -18,6 +18,8 @@ TextTable expectations_sheet(const Results& results, const ReportTables& tables)
 TextTable filters_sheet(const Results& results, const ReportTables& tables);
 /// One row a ROC curve.
 TextTable roc_sheet(const Results& results, const ReportTables& tables);
+/// One row a combination whose frames say how sure they are.
+TextTable certainty_sheet(const Results& results, const ReportTables& tables);
 /// One row a combination and stage.
 TextTable times_sheet(const Results& results, const ReportTables& tables);
 /// One row a cell, of those that `cells` names.

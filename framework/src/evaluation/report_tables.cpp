@@ -121,6 +121,7 @@ void fill_stages(const Results& results, Combination& row) {
   for (const std::size_t index : row.cells) {
     const PlanCell& cell = results.cells[index];
     const CellRecord& record = results.record(cell);
+    row.certainty.add(record.certainty);
     for (const FilterRates& rates : record.filters) {
       of_stage(filters, rates.stage).add(cell.sequence, rates);
     }

@@ -46,6 +46,25 @@ FilterRates filter_rates(const json& filter) {
   return rates;
 }
 
+/// Results of older programs say nothing of it.
+CertaintyCounts certainty_counts(const json& metrics) {
+  CertaintyCounts sum;
+  const json said = metrics.value("certainty", json());
+  if (!said.is_object() || said.at("frames") == 0) return sum;
+  sum.frames = said.at("frames");
+  sum.right = said.at("right");
+  sum.silently_wrong = said.at("silently_wrong");
+  sum.squares = number_of(said, "brier") * static_cast<double>(sum.frames);
+  for (const json& bin : said.at("bins")) {
+    sum.bins.push_back({bin.at("frames"), number_of(bin, "said"), number_of(bin, "came_true")});
+  }
+  sum.vertices = said.at("vertices");
+  sum.within_percent = {number_of(said, "within_1_std_percent"),
+                        number_of(said, "within_2_std_percent"),
+                        number_of(said, "within_3_std_percent")};
+  return sum;
+}
+
 void read_metrics(const json& metrics, const std::set<std::string>& wanted, CellRecord& record) {
   for (const std::string& metric : wanted) {
     const auto figure = metric_at(metrics, metric);
@@ -64,6 +83,7 @@ void read_metrics(const json& metrics, const std::set<std::string>& wanted, Cell
   for (const json& frame : metrics.at("frames")) {
     if (counts(frame)) record.errors.push_back(frame_error(frame));
   }
+  record.certainty = certainty_counts(metrics);
   for (const json& filter : metrics.at("filters")) {
     record.filters.push_back(filter_rates(filter));
   }

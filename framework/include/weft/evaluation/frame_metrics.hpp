@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 #include <weft/data/shape.hpp>
+#include <weft/evaluation/certainty_metrics.hpp>
 #include <weft/evaluation/match_metrics.hpp>
 #include <weft/evaluation/unknown.hpp>
 #include <weft/evaluation/visibility_metrics.hpp>
@@ -80,6 +81,7 @@ struct FrameMetrics {
   ImageMetrics image;
   std::optional<DepthMetrics> depth;           ///< where the truth has a depth image
   std::optional<VisibilityCounts> visibility;  ///< where the truth says what is seen
+  std::optional<FrameCertainty> certainty;     ///< of a solved frame with an error
   MotionMetrics motion;
   std::vector<std::pair<std::string, FilterCounts>> filters;  ///< by stage
   std::vector<std::pair<std::string, WarpErrors>> warps;      ///< by stage

@@ -105,6 +105,7 @@ struct RunMetrics {
   ImageSummary image;                  ///< frames apart are left out
   DepthSummary depth;                  ///< frames apart are left out
   VisibilityMetrics visibility;        ///< frames apart are left out
+  CertaintyMetrics certainty;          ///< frames apart are left out
   std::vector<FilterMetrics> filters;  ///< by stage; frames apart are left out
   std::vector<WarpMetrics> warps;      ///< by stage; frames apart are left out
   Jitter jitter;

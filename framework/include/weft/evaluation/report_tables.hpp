@@ -32,6 +32,7 @@ struct Combination {
   std::int64_t done = 0, failed = 0, missing = 0;  ///< [] cells
   bool uses_truth = false;                  ///< a component may have read the truth: no measurement
   std::vector<FilterSummary> filters = {};  ///< in the order of the stages
+  CertaintyCounts certainty = {};           ///< over its cells, all frames alike
   std::vector<StageTime> times = {};        ///< empty without a pass with --timing
   std::vector<double> shown = {};  ///< one for each metric of Results::show, over sequences
 

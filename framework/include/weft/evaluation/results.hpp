@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <set>
@@ -52,6 +53,19 @@ struct StageTime {
   double median_ms = kUnknown;  ///< [] ms
 };
 
+/// What solved frames said of their own error, and what came true; see CertaintyMetrics.
+struct CertaintyCounts {
+  std::int64_t frames = 0, right = 0, silently_wrong = 0;
+  double squares = 0.0;                    ///< [] sum of (confidence - right)^2
+  std::vector<ConfidenceBin> bins = {};    ///< equal parts of [0, 1]; empty without frames
+  std::int64_t vertices = 0;               ///< [] with a standard deviation
+  std::array<double, 3> within_percent{};  ///< [] of them within 1, 2, 3 standard deviations
+
+  /// Adds up what two runs counted.
+  void add(const CertaintyCounts& other);
+  double brier() const { return frames > 0 ? squares / static_cast<double>(frames) : kUnknown; }
+};
+
 /// What the results say of one key: the cells that have it share it.
 struct CellRecord {
   CellOutcome outcome = CellOutcome::missing;
@@ -64,6 +78,7 @@ struct CellRecord {
   std::vector<std::string> truth_users;   ///< components that may have read the truth
   std::vector<FrameError> errors;         ///< in the order of the frames
   std::vector<FilterRates> filters;       ///< in the order of the stages
+  CertaintyCounts certainty;              ///< empty where the run says nothing of it
   std::vector<StageTime> times;           ///< empty where no uncached time was taken
   std::map<std::string, double> figures;  ///< by metric: those that the plan names
 

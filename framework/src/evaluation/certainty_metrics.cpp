@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <weft/evaluation/certainty_metrics.hpp>
+#include <weft/geometry/truth_map.hpp>
+#include <weft/geometry/vertex_spread.hpp>
+
+#include "units.hpp"
+
+namespace weft::evaluation {
+
+void count_deviations(const Shape& shape, const Template& sheet, const TruthMap& truth,
+                      FrameCertainty& certainty) {
+  if (!shape.covariance_m2.present() || !sheet.m_per_px.present()) return;
+  const Eigen::Vector2d m_per_px = sheet.m_per_px.matrix<1>();
+  for (std::int64_t v = 0; v < shape.covariance_m2.rows(); ++v) {
+    const Eigen::Vector2d flat_px = sheet.flat_px.matrix<2>().row(v);
+    const auto place = truth.at(flat_px.cwiseProduct(m_per_px));
+    if (!place) continue;
+    const MajorAxis axis = major_axis(shape, v);
+    const Eigen::Vector3d vertex_m = shape.vertices_m.matrix<3>().row(v);
+    const double along_m = std::abs(axis.direction.dot(vertex_m - place->point_m));
+    ++certainty.vertices;
+    for (std::size_t k = 0; k < certainty.within.size(); ++k) {
+      certainty.within[k] += along_m <= static_cast<double>(k + 1) * axis.std_m ? 1 : 0;
+    }
+  }
+}
+
+CertaintyMetrics summarise_certainty(const std::vector<FrameCertainty>& frames) {
+  CertaintyMetrics metrics;
+  std::array<std::int64_t, 3> within{};
+  std::array<double, 10> said{}, came_true{};
+  double squares = 0.0;
+  for (const FrameCertainty& frame : frames) {
+    const double right = frame.right ? 1.0 : 0.0;
+    const auto bin = static_cast<std::size_t>(std::clamp(10.0 * frame.confidence, 0.0, 9.0));
+    ++metrics.frames;
+    metrics.right += frame.right;
+    metrics.silently_wrong += frame.silently_wrong;
+    squares += (frame.confidence - right) * (frame.confidence - right);
+    ++metrics.bins[bin].frames;
+    said[bin] += frame.confidence;
+    came_true[bin] += right;
+    metrics.vertices += frame.vertices;
+    for (std::size_t k = 0; k < within.size(); ++k) within[k] += frame.within[k];
+  }
+  if (metrics.frames > 0) metrics.brier = squares / static_cast<double>(metrics.frames);
+  for (std::size_t b = 0; b < metrics.bins.size(); ++b) {
+    ConfidenceBin& bin = metrics.bins[b];
+    if (bin.frames == 0) continue;
+    bin.said = said[b] / static_cast<double>(bin.frames);
+    bin.came_true = came_true[b] / static_cast<double>(bin.frames);
+  }
+  for (std::size_t k = 0; k < within.size() && metrics.vertices > 0; ++k) {
+    metrics.within_percent[k] =
+        kPercent * static_cast<double>(within[k]) / static_cast<double>(metrics.vertices);
+  }
+  return metrics;
+}
+
+}  // namespace weft::evaluation
