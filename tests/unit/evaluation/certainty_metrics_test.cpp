@@ -74,7 +74,7 @@ FrameCertainty sheet_with_errors(double factor) {
         (place_m + factor * std_m * rng.normal() * axis).transpose();
   }
   FrameCertainty certainty;
-  count_deviations(shape, sheet, TruthMap::create(truth).value(), certainty);
+  count_deviations(shape, sheet, *TruthMap::create(truth), certainty);
   return certainty;
 }
 

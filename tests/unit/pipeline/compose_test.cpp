@@ -23,7 +23,7 @@ host::RecordPtr two_matches() {
 host::RecordPtr filtered(const host::RecordPtr& matches, std::optional<double> confidence) {
   InlierMask mask{Array<std::uint8_t>({2}), Array<double>({2}), {}};
   if (confidence) mask.confidence = make_scalar(*confidence);
-  return with_mask(*matches, *host::Record::copy_of(mask)).value();
+  return *with_mask(*matches, *host::Record::copy_of(mask));
 }
 
 std::optional<double> confidence_of(const host::RecordPtr& matches) {
@@ -52,7 +52,7 @@ TEST(Compose, AShapeThatIsHeldClaimsNothing) {
   shape.covariance_m2 = Array<double>({2, 3, 3});
   shape.confidence = 0.9;
   const host::RecordPtr aged = aged_shape(*host::Record::copy_of(shape), 1, 5);
-  const Shape held = host::view_as<Shape>(*aged).value();
+  const Shape held = *host::view_as<Shape>(*aged);
   EXPECT_EQ(held.shape_state(), ShapeState::predicted);
   EXPECT_EQ(held.confidence, 0.0);
   EXPECT_FALSE(held.covariance_m2.present());
