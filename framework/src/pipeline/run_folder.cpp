@@ -122,6 +122,14 @@ host::RecordPtr mask_of(const host::Record& matches) {
   return mask;
 }
 
+/// The mask of a filter that gave no result for these matches: nothing is left of them.
+host::RecordPtr mask_of_none(const host::Record& matches) {
+  const weft_array* kept = find_array(matches.view(""), "kept");
+  const std::int64_t count = kept->shape[0];
+  return host::Record::copy_of(
+      InlierMask{Array<std::uint8_t>({count}), Array<double>({count}), {}});
+}
+
 /// The truth without its images, of which one is larger than all that a frame leaves otherwise.
 host::RecordPtr without_images(const host::Record& truth) {
   auto kept = std::make_shared<host::Record>(truth.type());
@@ -165,21 +173,29 @@ void add_visibility(const Graph& graph, const FrameResult& frame, host::NamedRec
   if (last != nullptr) records.emplace_back("visibility", last);
 }
 
-/// All matches of a frame, each array once.
+/// All matches of a frame, each array once, and a mask of each filter that they were given to.
 void add_matches(const Graph& graph, const FrameResult& frame, const host::RecordPtr& truth,
                  host::NamedRecords& records) {
-  std::map<int, std::string> paths;  // by index of the value
+  struct Made {
+    std::string path;
+    host::RecordPtr matches;  // before any filter
+  };
+  std::map<int, Made> made;  // by index of the value
   for (std::size_t i = 0; i < frame.values.size(); ++i) {
     const ValueInfo& value = graph.values[i];
     const host::RecordPtr& record = frame.values[i];
-    if (value.slot != "correspondences" || record == nullptr) continue;
-    const auto before = paths.find(value.filtered);
-    const bool marked = before != paths.end();
-    const std::string path = marked ? before->second + "." + value.name : value.name;
-    paths.emplace(static_cast<int>(i), path);
-    records.emplace_back(path + (marked ? ".inlier_mask" : ".correspondences"),
-                         marked ? mask_of(*record) : record);
-    if (!marked) add_depths(path, *record, truth, records);
+    if (value.slot != "correspondences") continue;
+    const auto before = made.find(value.filtered);
+    if (before != made.end()) {
+      const Made from{before->second.path + "." + value.name, before->second.matches};
+      records.emplace_back(from.path + ".inlier_mask",
+                           record != nullptr ? mask_of(*record) : mask_of_none(*from.matches));
+      made.emplace(static_cast<int>(i), from);
+    } else if (record != nullptr) {
+      made.emplace(static_cast<int>(i), Made{value.name, record});
+      records.emplace_back(value.name + ".correspondences", record);
+      add_depths(value.name, *record, truth, records);
+    }
   }
 }
 

@@ -105,6 +105,25 @@ TEST_F(Runs, KeepsShapeTruthAndFilteredMatchesOfEachFrame) {
   EXPECT_EQ(host::view_as<Camera>(*(*given)[1].second)->width_px, 160);
 }
 
+TEST_F(Runs, KeepsOfAFilterWithoutAResultThatNoMatchIsLeft) {
+  const Ran ran = run(chain({{"sources", "{truth: true}"}, {"filters", "{no_result_at: [1]}"}}));
+  const auto left_in = [&](const std::string& frame) -> std::int64_t {
+    const auto records = host::read_npz(ran.folder + "/frames/" + frame + ".npz");
+    EXPECT_TRUE(records) << frame;
+    for (const auto& [slot, record] : *records) {
+      if (slot != "matchers.filters.inlier_mask") continue;
+      const auto mask = host::view_as<InlierMask>(*record);
+      EXPECT_EQ(mask->kept.rows(), 24);
+      EXPECT_EQ(mask->score.rows(), 24);
+      return mask->kept.matrix<1>().cast<std::int64_t>().sum();
+    }
+    ADD_FAILURE() << "no mask in " << frame;
+    return -1;
+  };
+  EXPECT_GT(left_in("000000"), 0);
+  EXPECT_EQ(left_in("000001"), 0);
+}
+
 TEST_F(Runs, WritesNoFileForAFrameWithNothingToKeep) {
   const Ran ran = run(chain({{"matchers", "{no_result_at: [0]}"}}));
   EXPECT_THAT(files_in(ran.folder + "/frames"), ElementsAre("000001.npz", "000002.npz"));

@@ -10,10 +10,11 @@ namespace weft {
 /// What a run keeps of a frame, by slot:
 /// `shape`, `ground_truth`; `STAGE.correspondences`, whole, of each stage (or `sources`) that made
 /// matches; `STAGE.FILTER.inlier_mask` of each filter that they went through
-/// (`STAGE.FILTER.NEXT.inlier_mask` of the next): what it and those before it kept, and its scores.
-/// Of the truth what is as large as the image is left out; `STAGE.match_depths` has the true depth
-/// at the matches of a stage. `STAGE.warp_samples` is where a warp takes the template's vertices.
-/// What is absent in a frame has no slot.
+/// (`STAGE.FILTER.NEXT.inlier_mask` of the next): what it and those before it kept, and its scores;
+/// nothing kept and scores of 0 where it gave no result. Of the truth what is as large as the image
+/// is left out; `STAGE.match_depths` has the true depth at the matches of a stage.
+/// `STAGE.warp_samples` is where a warp takes the template's vertices. What is absent in a frame
+/// has no slot.
 host::NamedRecords frame_records(const Graph& graph, const FrameResult& frame,
                                  const host::RecordPtr& ground_truth);
 
