@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 namespace weft::aem {
 namespace {
@@ -16,7 +17,8 @@ constexpr double kFirstShare = 0.3, kLeastShare = 0.02, kLargestShare = 0.98;
 constexpr double kCooling = 0.7;  // sigma falls to this in a round at most
 constexpr double kStill = 0.02;   // relative change of sigma that ends
 constexpr int kFewestRounds = 6, kMostRounds = 20;
-constexpr int kGatherEvery = 3;              // rounds
+constexpr double kBroadSigmas = 4.0;  // least sigmas, above which a sharper optimum is looked for
+constexpr int kGatherEvery = 3;       // rounds
 constexpr Eigen::Index kMostVertices = 256;  // of a shape that has more, some
 constexpr double kLeastLogit = -9.0;         // below it a match does not take part
 constexpr double kLeastProbability = 1e-4;   // below it a match does not count in a fit
@@ -122,14 +124,36 @@ Solution Annealing::run(const Start& start) {
   coarse_.spline.clear();
   double change = 1.0;
   while (state.rounds < kMostRounds && (state.rounds <= kFewestRounds || change >= kStill)) {
-    if (state.rounds % kGatherEvery == 0) {
-      gather(residuals_px(state), options_.most_annealed, state);
-      state.bias = biases(start, state.grid, state.rows);
-    }
+    if (state.rounds % kGatherEvery == 0) gather_again(start, state);
     const double before_px = state.sigma_px;
     improve(start, state);
     change = 1.0 - state.sigma_px / before_px;
   }
+  Solution best = solution_of(start, state);
+  if (best.sigma_px > kBroadSigmas * options_.least_sigma_px) sharpen(start, state, best);
+  return best;
+}
+
+/// Cools whatever the residuals say, and keeps the likeliest of what comes by. Where a print
+/// repeats, matches to the next period surround the correct ones and keep sigma at the size of the
+/// period.
+void Annealing::sharpen(const Start& start, State& state, Solution& best) {
+  while (state.sigma_px > options_.least_sigma_px) {
+    const double cooler_px = std::max(options_.least_sigma_px, kCooling * state.sigma_px);
+    gather_again(start, state);
+    improve(start, state);
+    state.sigma_px = cooler_px;
+    Solution next = solution_of(start, state);
+    if (next.log_likelihood > best.log_likelihood) best = std::move(next);
+  }
+}
+
+void Annealing::gather_again(const Start& start, State& state) const {
+  gather(residuals_px(state), options_.most_annealed, state);
+  state.bias = biases(start, state.grid, state.rows);
+}
+
+Solution Annealing::solution_of(const Start& start, const State& state) const {
   Solution solution;
   solution.residual_px = residuals_px(state);
   solution.bias = biases(start, coarse_, all_);

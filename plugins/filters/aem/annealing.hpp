@@ -79,7 +79,10 @@ class Annealing {
 
   void gather(const Points2& residual_px, Eigen::Index most, State& state) const;
   Points2 residuals_px(const State& state) const;
+  void gather_again(const Start& start, State& state) const;
   void improve(const Start& start, State& state);
+  void sharpen(const Start& start, State& state, Solution& best);
+  Solution solution_of(const Start& start, const State& state) const;
   void conclude(const State& state, Solution& solution) const;
   Eigen::ArrayXd biases(const Start& start, const Grid& grid,
                         const std::vector<Eigen::Index>& rows) const;

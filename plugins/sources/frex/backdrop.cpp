@@ -202,13 +202,12 @@ Picture look_alike_backdrop(const Camera& camera, const sources::MipTexture& pri
                   static_cast<std::size_t>(x)] = light * Colour(168.0F, 172.0F, 176.0F, 0.0F);
     }
   }
-  const double pitch = 0.55 * pitch_px;
-  const double step_x = 1.12 * pitch * print.width(), step_y = 1.16 * pitch * print.height();
+  const double step_x = 1.12 * pitch_px * print.width(), step_y = 1.16 * pitch_px * print.height();
   const int most_x = static_cast<int>(0.5 * wall.width / step_x) + 1;
   const int most_y = static_cast<int>(0.5 * wall.height / step_y) + 1;
   for (int j = -most_y; j <= most_y; ++j) {
     for (int i = -most_x; i <= most_x; ++i) {
-      const double turn = rng.uniform(-0.06, 0.06), size = pitch * rng.uniform(0.92, 1.04);
+      const double turn = rng.uniform(-0.06, 0.06), size = pitch_px * rng.uniform(0.92, 1.04);
       const double x = 0.5 * wall.width + (i + 0.5 * (j % 2 == 0 ? 0 : 1)) * step_x;
       const double y = 0.5 * wall.height + j * step_y;
       const Poster poster{x + rng.uniform(-4.0, 4.0), y + rng.uniform(-4.0, 4.0), size,

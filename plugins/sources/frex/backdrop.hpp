@@ -16,8 +16,8 @@ Picture plain_backdrop(const Camera& camera, std::uint64_t seed);
 /// A table full of sharp things: sheets, books, pens and coins that overlap.
 Picture cluttered_backdrop(const Camera& camera, std::uint64_t seed);
 
-/// A wall hung with copies of the print, smaller than the sheet and askew, which look like the
-/// sheet to every detector. `pitch_px` is the size of a texel of the sheet in the image.
+/// A wall hung with copies of the print, askew, which look like the sheet to every detector.
+/// `pitch_px` is the size of a texel of the copies in the image.
 Picture look_alike_backdrop(const Camera& camera, const sources::MipTexture& print, double pitch_px,
                             std::uint64_t seed);
 

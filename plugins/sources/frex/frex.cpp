@@ -127,7 +127,8 @@ class SheetSource : public Source {
     if (settings_.background == Background::plain) return plain_backdrop(camera, seed);
     if (settings_.background == Background::clutter) return cluttered_backdrop(camera, seed);
     if (settings_.background == Background::look_alike) {
-      const double pitch_px = pitch_m * camera.fx / settings_.motion.distance_m;
+      const double pitch_px =
+          settings_.copy_size * pitch_m * camera.fx / settings_.motion.distance_m;
       return look_alike_backdrop(camera, print, pitch_px, seed);
     }
     const auto wall = sources::read_picture("background_image", settings_.background_path);

@@ -43,6 +43,8 @@ void Settings::read(Params& p) {
             {"image", Background::image}},
            "what lies behind: a bare table, a full one, copies of the print, background_image");
   p.input_path("background_image", background_path, "picture of background: image");
+  p.read("copy_size", copy_size, "", {0.2, 2.0},
+         "size of the copies of background: look_alike over that of the flat sheet");
   p.read("occluder", occluder, "an arm that hides parts of the sheet");
   p.read("invisible_frames", invisible_frames, "", {0.0, 1e6},
          "frames that show the background only; the truth is where the sheet would be");

@@ -32,6 +32,7 @@ struct Settings {
   MotionSettings motion;
   Background background = Background::plain;
   std::string background_path;
+  double copy_size = 0.55;
   bool occluder = false;
   std::vector<double> invisible_frames;
   std::vector<double> cut_frames;

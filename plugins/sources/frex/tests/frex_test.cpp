@@ -92,6 +92,17 @@ TEST(Frex, HidesVerticesBehindTheOccluder) {
   EXPECT_LT(fewest, 0.95 * 40 * 28);
 }
 
+TEST(Frex, HangsCopiesAsLargeAsIsAskedBesideTheSheet) {
+  const auto wall = [](const std::string& size) {
+    return SmallFilm("background: look_alike, invisible_frames: [0], noise_grey: 0, " + size)
+        .pixels(0);
+  };
+  // A sheet at half the distance is twice as large, a copy of half its size the same.
+  const auto copies = wall("distance_m: 1, copy_size: 1");
+  EXPECT_EQ(wall("distance_m: 0.5, copy_size: 0.5"), copies);
+  EXPECT_NE(wall("distance_m: 1, copy_size: 0.5"), copies);
+}
+
 TEST(Frex, HasTheNoiseThatIsAsked) {
   SmallFilm clean("noise_grey: 0"), noisy("noise_grey: 3");
   const auto a = clean.pixels(1), b = noisy.pixels(1);
