@@ -18,7 +18,8 @@ constexpr double kCooling = 0.7;  // sigma falls to this in a round at most
 constexpr double kStill = 0.02;   // relative change of sigma that ends
 constexpr int kFewestRounds = 6, kMostRounds = 20;
 constexpr double kBroadSigmas = 4.0;  // least sigmas, above which a sharper optimum is looked for
-constexpr int kGatherEvery = 3;       // rounds
+constexpr double kSureLikelihood = 150.0;  // log; a set that chance made would be sharpened to more
+constexpr int kGatherEvery = 3;            // rounds
 constexpr Eigen::Index kMostVertices = 256;  // of a shape that has more, some
 constexpr double kLeastLogit = -9.0;         // below it a match does not take part
 constexpr double kLeastProbability = 1e-4;   // below it a match does not count in a fit
@@ -30,6 +31,8 @@ constexpr double kTurnRad = 20.0 * std::numbers::pi / 180.0;  // sigma for a cor
 constexpr double kLogScale = 0.3;                             // the same
 constexpr double kLogScaleRange = 2.77;  // of mismatches, evenly: a factor of 4 up and down
 constexpr double kLeastBias = -3.0;      // a bad keypoint does not make a match wrong
+
+constexpr double kNoSay = -1e3;  // logit of a match that is not to bend the warp
 
 double square(double x) { return x * x; }
 
@@ -130,7 +133,8 @@ Solution Annealing::run(const Start& start) {
     change = 1.0 - state.sigma_px / before_px;
   }
   Solution best = solution_of(start, state);
-  if (best.sigma_px > kBroadSigmas * options_.least_sigma_px) sharpen(start, state, best);
+  const bool broad = best.sigma_px > kBroadSigmas * options_.least_sigma_px;
+  if (broad && best.log_likelihood > kSureLikelihood) sharpen(start, state, best);
   return best;
 }
 
@@ -168,20 +172,34 @@ Solution Annealing::solution_of(const Start& start, const State& state) const {
 void Annealing::finish(const Start& start, Solution& solution) {
   State state{fine_, matches_.image_px - start.image_px, solution.sigma_px, solution.share,
               solution.rounds};
+  Lonely lonely{matches_.count()};
   for (int round = 0; round < options_.last_rounds; ++round) {
-    gather(solution.residual_px, options_.most_finished, state);
-    state.bias = solution.bias(state.rows);
-    improve(start, state);
-    solution.residual_px = residuals_px(state);
+    look_again(start, lonely, state, solution);
   }
   solution.bias = biases(start, fine_, all_);
   conclude(state, solution);
+  lonely = find_lonely(matches_, solution.logit, solution.share);
+  if (lonely.is.any()) {
+    look_again(start, lonely, state, solution);
+    conclude(state, solution);
+    solution.logit += lonely.shift;
+  }
   for (Eigen::Index i = 0; i < matches_.count(); ++i) {
     const double residual2 = solution.residual_px.row(i).squaredNorm() / square(state.sigma_px);
-    if (solution.logit[i] > kSure || residual2 > square(kFarSigmas)) continue;
+    if (!lonely.is[i] && solution.logit[i] > kSure) continue;
+    if (residual2 > square(kFarSigmas)) continue;
     const double inflation = 1.0 + fine_.spline.leverage(fine_.sites[static_cast<std::size_t>(i)]);
     solution.logit[i] += 0.5 * residual2 * (1.0 - 1.0 / inflation) - std::log(inflation);
   }
+}
+
+/// A round on all matches near the warp, of which lonely ones have no say.
+void Annealing::look_again(const Start& start, const Lonely& lonely, State& state,
+                           Solution& solution) const {
+  gather(solution.residual_px, options_.most_finished, state);
+  state.bias = lonely.is(state.rows).select(kNoSay, solution.bias(state.rows));
+  improve(start, state);
+  solution.residual_px = residuals_px(state);
 }
 
 /// Takes at most `most` of the matches that may be correct, evenly over the template.
@@ -214,7 +232,7 @@ Points2 Annealing::residuals_px(const State& state) const {
 }
 
 /// One round: probabilities, the warp for them, then sigma and share.
-void Annealing::improve(const Start& start, State& state) {
+void Annealing::improve(const Start& start, State& state) const {
   state.probability = logit_constant(state.sigma_px, state.share) + state.bias -
                       state.residual2_px2 / (2.0 * square(state.sigma_px));
   state.probability = 1.0 / (1.0 + (-state.probability).exp());

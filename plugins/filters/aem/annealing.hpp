@@ -6,6 +6,7 @@
 
 #include "affine_seeds.hpp"
 #include "displacement_spline.hpp"
+#include "lonely.hpp"
 #include "matches.hpp"
 
 namespace weft::aem {
@@ -80,7 +81,8 @@ class Annealing {
   void gather(const Points2& residual_px, Eigen::Index most, State& state) const;
   Points2 residuals_px(const State& state) const;
   void gather_again(const Start& start, State& state) const;
-  void improve(const Start& start, State& state);
+  void improve(const Start& start, State& state) const;
+  void look_again(const Start& start, const Lonely& lonely, State& state, Solution& solution) const;
   void sharpen(const Start& start, State& state, Solution& best);
   Solution solution_of(const Start& start, const State& state) const;
   void conclude(const State& state, Solution& solution) const;
