@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 
 namespace weft::filters {
 namespace {
@@ -14,41 +15,48 @@ namespace {
 constexpr double kInCell = 3.0;   // points on average: 9 cells mostly hold the 8 nearest
 constexpr double kTooFull = 1.5;  // times as many
 
-/// A squared distance and an index in one number: the nearer first, then the smaller index.
-using Key = std::uint64_t;
-constexpr Key kNobody = Key{0xffffffffU} << 32U | 0xffffffffU;
+/// A squared distance and an index in one positive number: the nearer first, then the smaller
+/// index. The bits of positive numbers have their order.
+using Key = double;
+constexpr Key kNobody = std::numeric_limits<Key>::infinity();
 
-Key key_of(double distance2, int index) {
-  const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(distance2));
-  return Key{bits} << 32U | static_cast<std::uint32_t>(index);
+Key key_of(float distance2, int index) {
+  return std::bit_cast<Key>(std::uint64_t{std::bit_cast<std::uint32_t>(distance2)} << 32U |
+                            static_cast<std::uint32_t>(index));
 }
 
-/// The nearest points found so far, nearest first, in memory that it does not own.
-struct Shortlist {
-  Key* keys;
-  int size;
+int index_of(Key key) {
+  return key == kNobody
+             ? -1
+             : static_cast<int>(static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(key)));
+}
 
-  void clear() { std::fill_n(keys, size, kNobody); }
-
-  /// The square of the largest distance; infinite until the list is full.
-  double worst2() const {
-    const Key last = keys[size - 1];
-    if (last == kNobody) return std::numeric_limits<double>::infinity();
-    return std::bit_cast<float>(static_cast<std::uint32_t>(last >> 32U));
+/// The least of some keys, which it spends, ascending; kNobody where there are too few. Each pass
+/// keeps four and hands the others on. No step is a branch, which no processor could foretell.
+void keep_least(std::span<Key> keys, std::span<Key> least) {
+  for (std::size_t done = 0; done < least.size(); done += 4) {
+    Key a = kNobody, b = kNobody, c = kNobody, d = kNobody;
+    for (Key& key : keys) {
+      const Key past_a = std::max(a, key);
+      a = std::min(a, key);
+      const Key past_b = std::max(b, past_a);
+      b = std::min(b, past_a);
+      const Key past_c = std::max(c, past_b);
+      c = std::min(c, past_b);
+      key = std::max(d, past_c);
+      d = std::min(d, past_c);
+    }
+    const std::array four{a, b, c, d};
+    std::copy_n(four.begin(), std::min(four.size(), least.size() - done),
+                least.begin() + static_cast<std::ptrdiff_t>(done));
   }
-
-  void offer(Key key) {
-    if (key >= keys[size - 1]) return;
-    int at = size - 1;
-    for (; at > 0 && keys[at - 1] > key; --at) keys[at] = keys[at - 1];
-    keys[at] = key;
-  }
-};
+}
 
 /// Points in the cells of a grid, those of a row of cells side by side in memory.
 class Buckets {
  public:
-  Buckets(const Points2& points, const std::vector<int>& among) {
+  Buckets(const Points2& points, const std::vector<int>& among)
+      : entries_(among.size()), found_(among.size() + 1) {
     const auto n = static_cast<double>(among.size());
     for (const int i : among) {
       for (std::size_t x = 0; x < 2; ++x) {
@@ -68,36 +76,32 @@ class Buckets {
     }
   }
 
-  /// The nearest but `self`, searching ever larger blocks of cells.
-  void search(const Eigen::RowVector2d& from, int self, Shortlist& nearest) const {
+  /// The keys of the nearest but `self`, from ever larger blocks of cells.
+  void search(const Eigen::RowVector2d& from, int self, std::span<Key> nearest) {
     const int column = cell_along(from.x(), 0, columns_), row = cell_along(from.y(), 1, rows_);
-    for (int reach = 1;;) {
-      nearest.clear();
-      const int left = std::max(column - reach, 0), right = std::min(column + reach, columns_ - 1);
-      const int top = std::max(row - reach, 0), bottom = std::min(row + reach, rows_ - 1);
-      search_row(from, self, left, right, row, nearest);  // the likeliest first
-      for (int y = top; y <= bottom; ++y) {
-        if (y != row) search_row(from, self, left, right, y, nearest);
-      }
-      const double outside = std::min({left > 0 ? from.x() - edge(left, 0) : kFar,
-                                       right < columns_ - 1 ? edge(right + 1, 0) - from.x() : kFar,
-                                       top > 0 ? from.y() - edge(top, 1) : kFar,
-                                       bottom < rows_ - 1 ? edge(bottom + 1, 1) - from.y() : kFar});
-      const double worst2 = nearest.worst2();
-      if (outside == kFar || worst2 < outside * outside) return;
-      // A full list says how far to look.
-      reach = worst2 == kFar
-                  ? 2 * reach
-                  : std::max(reach + 1, static_cast<int>(std::ceil(std::sqrt(worst2) / side_)));
+    for (int reach = 1;; reach *= 2) {
+      const Block block{std::max(column - reach, 0), std::min(column + reach, columns_ - 1),
+                        std::max(row - reach, 0), std::min(row + reach, rows_ - 1)};
+      const double outside = distance_outside(from, block);
+      const std::size_t count = gather(from, self, block, static_cast<float>(outside * outside));
+      if (count < nearest.size() && outside != kFar) continue;
+      keep_least({found_.data(), count}, nearest);
+      return;
     }
   }
 
  private:
   static constexpr double kFar = std::numeric_limits<double>::infinity();
+  static constexpr double kFarthest = std::numeric_limits<float>::max();
 
   struct Entry {
     double x, y;
     int index;
+  };
+
+  /// Cells, the last ones included.
+  struct Block {
+    int left, right, top, bottom;
   };
 
   int cell_along(double coordinate, std::size_t axis, int cells) const {
@@ -118,7 +122,6 @@ class Buckets {
     for (const int i : among) ++start_[cell_of(i) + 1];
     for (std::size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];
     std::vector<std::size_t> next(start_.begin(), start_.end() - 1);
-    entries_.resize(among.size());
     for (const int i : among) entries_[next[cell_of(i)]++] = {points(i, 0), points(i, 1), i};
   }
 
@@ -132,16 +135,30 @@ class Buckets {
     return pairs / static_cast<double>(entries_.size());
   }
 
-  void search_row(const Eigen::RowVector2d& from, int self, int left, int right, int row,
-                  Shortlist& nearest) const {
-    const std::size_t first = static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_);
-    const std::size_t end = start_[first + static_cast<std::size_t>(right) + 1];
-    for (std::size_t e = start_[first + static_cast<std::size_t>(left)]; e < end; ++e) {
-      const Entry& entry = entries_[e];
-      if (entry.index == self) continue;
-      const double dx = entry.x - from.x(), dy = entry.y - from.y();
-      nearest.offer(key_of(dx * dx + dy * dy, entry.index));
+  /// How far all points outside a block are at least.
+  double distance_outside(const Eigen::RowVector2d& from, const Block& block) const {
+    return std::min({block.left > 0 ? from.x() - edge(block.left, 0) : kFar,
+                     block.right < columns_ - 1 ? edge(block.right + 1, 0) - from.x() : kFar,
+                     block.top > 0 ? from.y() - edge(block.top, 1) : kFar,
+                     block.bottom < rows_ - 1 ? edge(block.bottom + 1, 1) - from.y() : kFar});
+  }
+
+  /// Writes the keys of those in a block that are nearer than `bound2`, and counts them.
+  std::size_t gather(const Eigen::RowVector2d& from, int self, const Block& block, float bound2) {
+    std::size_t count = 0;
+    for (int y = block.top; y <= block.bottom; ++y) {
+      const std::size_t first = static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_);
+      const std::size_t end = start_[first + static_cast<std::size_t>(block.right) + 1];
+      for (std::size_t e = start_[first + static_cast<std::size_t>(block.left)]; e < end; ++e) {
+        const Entry& entry = entries_[e];
+        const double dx = entry.x - from.x(), dy = entry.y - from.y();
+        const auto distance2 = static_cast<float>(std::min(kFarthest, dx * dx + dy * dy));
+        found_[count] = key_of(distance2, entry.index);  // written over by the next if too far
+        count += static_cast<std::size_t>(distance2 < bound2) &
+                 static_cast<std::size_t>(entry.index != self);
+      }
     }
+    return count;
   }
 
   std::array<double, 2> low_{kFar, kFar}, high_{-kFar, -kFar};
@@ -149,6 +166,7 @@ class Buckets {
   int columns_ = 1, rows_ = 1;
   std::vector<std::size_t> start_;
   std::vector<Entry> entries_;
+  std::vector<Key> found_;  // one longer than the entries
 };
 
 }  // namespace
@@ -156,15 +174,11 @@ class Buckets {
 Nearest nearest_of(const Points2& points, const std::vector<int>& among, int count) {
   Nearest nearest = Nearest::Constant(points.rows(), count, -1);
   if (among.empty() || count == 0) return nearest;
-  const Buckets buckets(points, among);
+  Buckets buckets(points, among);
   std::vector<Key> keys(static_cast<std::size_t>(count));
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    Shortlist shortlist{keys.data(), count};
-    buckets.search(points.row(i), static_cast<int>(i), shortlist);
-    for (int k = 0; k < count; ++k) {
-      nearest(i, k) =
-          static_cast<int>(static_cast<std::uint32_t>(keys[static_cast<std::size_t>(k)]));
-    }
+    buckets.search(points.row(i), static_cast<int>(i), keys);
+    std::transform(keys.begin(), keys.end(), nearest.row(i).begin(), index_of);
   }
   return nearest;
 }

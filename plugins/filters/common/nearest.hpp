@@ -8,7 +8,8 @@
 namespace weft::filters {
 
 /// For each point the indices of the `count` others that are nearest, nearest first, the smaller
-/// index first among equals: [n,count]. With fewer others than that, rows end with -1.
+/// index first among squares that are equal in single precision: [n,count]. With fewer others than
+/// that, rows end with -1.
 using Nearest = Eigen::Matrix<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Of the points whose index is in `among` (ascending; points outside it ask, but are not found).

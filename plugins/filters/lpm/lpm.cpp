@@ -79,27 +79,36 @@ class Lpm final : public weft::Filter {
     const Nearest in_template = weft::filters::nearest_of(p, among, most);
     const Nearest in_image = weft::filters::nearest_of(q, among, most);
     const Points2 motion = q - p;
-    std::vector<double> cost(static_cast<std::size_t>(p.rows()));
+    std::vector<double> cost;
+    std::vector<Rank> rank_in_image(static_cast<std::size_t>(p.rows()));
     for (Eigen::Index i = 0; i < p.rows(); ++i) {
-      cost[static_cast<std::size_t>(i)] = cost_of(i, in_template, in_image, motion);
+      for (int k = 0; k < most; ++k) {
+        const int j = in_image(i, k);
+        if (j >= 0) rank_in_image[static_cast<std::size_t>(j)] = {i, k};
+      }
+      cost.push_back(cost_of(i, in_template, rank_in_image, motion));
     }
     return cost;
   }
 
-  double cost_of(Eigen::Index i, const Nearest& in_template, const Nearest& in_image,
+  /// Where a match stands among the neighbours of another; out of date for any but that.
+  struct Rank {
+    Eigen::Index of = -1;
+    int rank = 0;
+  };
+
+  double cost_of(Eigen::Index i, const Nearest& in_template, const std::vector<Rank>& rank_in_image,
                  const Points2& motion) const {
-    const int most = neighbours_ + kScaleStep;
-    const int* image_row = in_image.row(i).data();
     std::array<int, kScales> alike{}, common{};  // per size
-    for (int k = 0; k < most; ++k) {
+    for (int k = 0; k < in_template.cols(); ++k) {
       const int j = in_template(i, k);
-      const auto rank = static_cast<int>(std::find(image_row, image_row + most, j) - image_row);
-      if (j < 0 || rank == most) continue;
+      if (j < 0 || rank_in_image[static_cast<std::size_t>(j)].of != i) continue;
+      const int farther = std::max(k, rank_in_image[static_cast<std::size_t>(j)].rank);
       const bool agrees = likeness(motion.row(i), motion.row(j)) >= tau_;
       for (std::size_t s = 0; s < kScales; ++s) {
-        if (std::max(k, rank) >= size_of(s)) continue;
-        ++common[s];
-        alike[s] += agrees ? 1 : 0;
+        const int shared = farther < size_of(s) ? 1 : 0;
+        common[s] += shared;
+        alike[s] += agrees ? shared : 0;
       }
     }
     double sum = 0.0;
