@@ -16,8 +16,8 @@ constexpr int kControlU = 16, kControlV = 12;
 constexpr double kMarginPx = 20.0;
 constexpr double kBendingPx2 = 500.0;
 constexpr int kColumns = 40;         // cells along the texture's width
-constexpr double kContracted = 0.2;  // of the median
-constexpr double kLeastDet = 0.05;   // of the median: m
+constexpr double kContracted = 0.2;  // of the median at the matches
+constexpr double kLeastDet = 0.05;   // of that median: m
 constexpr double kFoldedPx = 10.0;   // off all matches: what mu = 1 makes a fold cost
 constexpr int kStages = 4, kSteps = 5, kHalvings = 6;
 constexpr double kFirstMu = 1e-2, kMuGrowth = 10.0;
@@ -29,6 +29,10 @@ using Control = Eigen::Matrix<double, Eigen::Dynamic, 2>;  // [nu*nv] px
 struct Place {
   SplineSite along_u, along_v;
 };
+
+Place place_at(const SplineDomain& domain, double u, double v) {
+  return {spline_site(domain, u, v, 1, 0), spline_site(domain, u, v, 0, 1)};
+}
 
 /// Determinant of the Jacobian, and its derivatives by the 16 control points' x and y.
 struct Determinant {
@@ -209,19 +213,25 @@ std::optional<HiddenMap> hidden_by_itself(const Points2& in_template, const Poin
   map.cell_px = texture_px.x() / kColumns;
   map.rows = std::max(1, static_cast<int>(std::lround(texture_px.y() / map.cell_px)));
   std::vector<Place> places;
-  std::vector<double> determinants, stretches;
   for (int r = 0; r < map.rows; ++r) {
     for (int c = 0; c < map.columns; ++c) {
-      const double u = (c + 0.5) * map.cell_px - 0.5, v = (r + 0.5) * map.cell_px - 0.5;
-      places.push_back({spline_site(domain, u, v, 1, 0), spline_site(domain, u, v, 0, 1)});
-      determinants.push_back(warp.determinant(places.back()).value);
-      stretches.push_back(warp.determinant(places.back()).least_stretch);
+      places.push_back(
+          place_at(domain, (c + 0.5) * map.cell_px - 0.5, (r + 0.5) * map.cell_px - 0.5));
     }
+  }
+  // What is usual is so where the sheet is seen: the hidden part may be large.
+  std::vector<double> determinants, stretches;
+  for (Eigen::Index k = 0; k < in_template.rows(); ++k) {
+    const Determinant det =
+        warp.determinant(place_at(domain, in_template(k, 0), in_template(k, 1)));
+    determinants.push_back(det.value);
+    stretches.push_back(det.least_stretch);
   }
   const double median_det = median(determinants), median_stretch = median(stretches);
   if (median_det == 0.0) return std::nullopt;
-  const bool folds = std::any_of(determinants.begin(), determinants.end(),
-                                 [&](double value) { return value / median_det < kLeastDet; });
+  const bool folds = std::any_of(places.begin(), places.end(), [&](const Place& place) {
+    return warp.determinant(place).value / median_det < kLeastDet;
+  });
   if (folds) warp.shrink(places, median_det);
   map.least_det = std::numeric_limits<double>::infinity();
   for (const Place& place : places) {

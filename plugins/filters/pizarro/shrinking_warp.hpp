@@ -15,14 +15,15 @@ struct HiddenMap {
   int columns = 0, rows = 0;
   double cell_px = 1.0;
   std::vector<std::uint8_t> hidden;  ///< [rows * columns] 1 where hidden
-  double least_det = 0.0;  ///< smallest determinant of the warp's Jacobian, over their median
+  double least_det =
+      0.0;  ///< smallest determinant of the warp's Jacobian, over the median at matches
 
   bool at(double u_px, double v_px) const;
   double share() const;
 };
 
 /// The cells that a warp fitted to matches [n,2] px hides, of a texture of this size: those where
-/// it turns the sheet over or contracts it to less than 0.2 of the median.
+/// it turns the sheet over or contracts it to less than 0.2 of the median at the matches.
 ///
 /// The warp is a bicubic B-spline (Rueckert 1999) that does not fold: where its Jacobian's
 /// determinant would change sign it is contracted instead (after Pizarro and Bartoli 2012, Section
