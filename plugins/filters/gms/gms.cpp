@@ -17,6 +17,8 @@ using weft::gms::Layout;
 
 constexpr std::array kScales{1.0, 0.5, 0.70710678118654752, 1.4142135623730951, 2.0};
 constexpr int kTurns = 8;
+constexpr int kFewestCells = 3;
+constexpr int kFewestChosen = 8;  // in half as many, mismatches alone find support
 
 /// What each match is supported by under the best of the turns and scales.
 struct Support {
@@ -36,7 +38,10 @@ class Gms final : public weft::Filter {
   explicit Gms(weft::Params& p) {
     p.read("alpha", alpha_, "", {0, 1000},
            "kept from this support on: matches along with one, over the root of those expected");
-    p.read("cells", cells_, "", {3, 100}, "of the texture along each side");
+    p.read("cells", most_cells_, "", {kFewestCells, 100},
+           "of the texture along each side, at most");
+    p.read("matches_per_cell", matches_per_cell_, "", {0, 1000},
+           "cells are fewer where they would hold less on average; 0: never");
     p.read("rotations", rotations_, "try eight turns in the image plane");
     p.read("scales", scales_, "try cells of the image of half to twice the size");
     p.read("least_matches", least_matches_, "", {1, 1'000'000},
@@ -58,7 +63,8 @@ class Gms final : public weft::Filter {
                       sizes->template_px.cwiseInverse().asDiagonal();
     const Points2 q =
         (candidates->image_px.array() + 0.5).matrix() * sizes->image_px.cwiseInverse().asDiagonal();
-    const Support best = best_support(p, q);
+    const int cells = cells_for(candidates->count());
+    const Support best = best_support(p, q, cells);
     std::vector<std::uint8_t> keep;
     std::vector<double> score;
     for (const double support : best.of_match) {
@@ -66,6 +72,7 @@ class Gms final : public weft::Filter {
       score.push_back(support > 0.0 ? support / (support + alpha_) : 0.0);
     }
     InlierMask mask = weft::filters::mask_of(in.correspondences, *candidates, keep, score);
+    mask.diag.set("cells", cells);
     mask.diag.set("turn_deg", 360.0 / kTurns * best.turn);
     mask.diag.set("cell_scale", best.scale);
     if (best.kept == 0) return weft::degenerate(std::move(mask), "no cell has enough support");
@@ -73,12 +80,19 @@ class Gms final : public weft::Filter {
   }
 
  private:
-  Support best_support(const Points2& p, const Points2& q) const {
+  /// The statistic is of the matches in a cell: a grid for many is too fine for few.
+  int cells_for(std::size_t matches) const {
+    if (matches_per_cell_ == 0.0) return most_cells_;
+    const double side = std::sqrt(static_cast<double>(matches) / matches_per_cell_);
+    return std::min(std::max(static_cast<int>(side), kFewestChosen), most_cells_);
+  }
+
+  Support best_support(const Points2& p, const Points2& q, int cells) const {
     Support best;
     for (const double scale : kScales) {
       for (int turn = 0; turn < kTurns; ++turn) {
         if ((!scales_ && scale != 1.0) || (!rotations_ && turn != 0)) continue;
-        Support tried{shifted_support(p, q, scale, turn), 0, turn, scale};
+        Support tried{shifted_support(p, q, cells, scale, turn), 0, turn, scale};
         tried.kept = std::count_if(tried.of_match.begin(), tried.of_match.end(),
                                    [&](double support) { return support > alpha_; });
         if (tried.kept > best.kept) best = std::move(tried);
@@ -88,14 +102,14 @@ class Gms final : public weft::Filter {
   }
 
   /// The largest of four grids, so that no match is judged at the border of its cell alone.
-  std::vector<double> shifted_support(const Points2& p, const Points2& q, double scale,
-                                      int turn) const {
+  static std::vector<double> shifted_support(const Points2& p, const Points2& q, int cells,
+                                             double scale, int turn) {
     std::vector<double> largest(static_cast<std::size_t>(p.rows()), 0.0);
-    const int image_cells = std::max(3, static_cast<int>(std::lround(cells_ * scale)));
+    const int image_cells = std::max(kFewestCells, static_cast<int>(std::lround(cells * scale)));
     for (const bool shifted_u : {false, true}) {
       for (const bool shifted_v : {false, true}) {
         const std::vector<double> support =
-            weft::gms::support_of(p, q, Layout{cells_, image_cells, turn, shifted_u, shifted_v});
+            weft::gms::support_of(p, q, Layout{cells, image_cells, turn, shifted_u, shifted_v});
         for (std::size_t i = 0; i < largest.size(); ++i) {
           largest[i] = std::max(largest[i], support[i]);
         }
@@ -105,7 +119,8 @@ class Gms final : public weft::Filter {
   }
 
   double alpha_ = 6.0;
-  int cells_ = 20;
+  int most_cells_ = 20;
+  double matches_per_cell_ = 12.0;
   bool rotations_ = true;
   bool scales_ = true;
   int least_matches_ = 300;
@@ -113,5 +128,5 @@ class Gms final : public weft::Filter {
 
 }  // namespace
 
-WEFT_PLUGIN(Gms, "filters/gms", "1.0.0",
+WEFT_PLUGIN(Gms, "filters/gms", "1.1.0",
             "Rejects matches that few others go along with from cell to neighbouring cell.")

@@ -14,6 +14,19 @@ TEST(Gms, SeparatesManyMatches) {
   }
 }
 
+TEST(Gms, TakesLargerCellsForFewerMatches) {
+  for (const std::uint64_t seed : {14U, 15U, 16U}) {
+    const LabelledMatches drawn = bent_matches({1000, 0.7, 0.5, 2.0}, 0.2, seed);
+    FilterBench bench("filters/gms"), fine("filters/gms", "{matches_per_cell: 0}");
+    const InlierMask mask = bench.mask(drawn.matches);
+    EXPECT_EQ(mask.diag.value("cells", -1.0), 9.0);
+    const Rates rates = rates_of(mask, drawn.correct);
+    EXPECT_GT(rates.tpr_percent, 95.0) << "seed " << seed;
+    EXPECT_LT(rates.fpr_percent, 15.0) << "seed " << seed;
+    EXPECT_GT(fine.rates(drawn).fpr_percent, 2.0 * rates.fpr_percent) << "seed " << seed;
+  }
+}
+
 TEST(Gms, KeepsFewerTheMoreSupportIsAsked) {
   const LabelledMatches drawn = bent_matches({2000, 0.6, 0.5, 2.0}, 0.2, 21);
   FilterBench lax("filters/gms", "{alpha: 3}"), strict("filters/gms", "{alpha: 9}");
