@@ -67,6 +67,15 @@ TEST(Pizarro, JudgesFewMatchesByOneAffineMap) {
   EXPECT_EQ(bench.run(flat_matches({3, 1.0, 0.0, 2.0}, 42).matches).status, WEFT_NO_RESULT);
 }
 
+TEST(Pizarro, HasNoResultWhereNeighboursForetellNothing) {
+  LabelledMatches drawn = flat_matches({30, 1.0, 0.0, 2.0}, 45);
+  for (std::int64_t i = 0; i < 30; ++i) drawn.matches.template_px(i, 1) = 100.0;  // on a line
+  FilterBench bench("filters/pizarro");
+  const Outcome outcome = bench.run(drawn.matches);
+  EXPECT_EQ(outcome.status, WEFT_NO_RESULT);
+  EXPECT_NE(outcome.message.find("agrees"), std::string::npos) << outcome.message;
+}
+
 TEST(Pizarro, RejectsWhatLiesOnTheHiddenPart) {
   const RolledSheet sheet;
   const auto [p, q] = seen_of(sheet, 400, 51);
