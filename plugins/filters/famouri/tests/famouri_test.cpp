@@ -49,6 +49,10 @@ TEST(Famouri, NeedsNeighbourhoods) {
   EXPECT_EQ(bench.run(flat_matches({8, 1.0, 0.0, 2.0}, 61).matches).status, WEFT_NO_RESULT);
   const Outcome noise = bench.run(flat_matches({60, 0.0, 0.0, 2.0}, 62).matches);
   EXPECT_TRUE(noise.status == WEFT_DEGENERATE || noise.status == WEFT_OK) << noise.message;
+  FilterBench strict("filters/famouri", "{tau1: 1}");
+  const Outcome alone = strict.run(flat_matches({60, 0.0, 0.0, 2.0}, 44).matches);
+  EXPECT_EQ(alone.status, WEFT_DEGENERATE) << alone.message;
+  EXPECT_EQ(alone.get<InlierMask>()->kept(0), 0);
 }
 
 }  // namespace
