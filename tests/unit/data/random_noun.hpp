@@ -54,7 +54,8 @@ class Filler {
   }
   template <class T>
   Array<T> array(const std::vector<std::int64_t>& shape) {
-    Array<T> result = shape.size() == 1   ? Array<T>({shape[0]})
+    Array<T> result = shape.empty()       ? Array<T>(std::initializer_list<std::int64_t>{})
+                      : shape.size() == 1 ? Array<T>({shape[0]})
                       : shape.size() == 2 ? Array<T>({shape[0], shape[1]})
                                           : Array<T>({shape[0], shape[1], shape[2]});
     for (std::int64_t i = 0; i < result.size(); ++i) result.data()[i] = value<T>();
