@@ -22,6 +22,7 @@ enum class Robust { off, tukey, geman_mcclure };
 constexpr double kSingular = 1e-12;  // pivot ratio below which the data do not determine the warp
 constexpr double kTukey = 4.685;     // 95 % efficient for normal noise
 constexpr double kLeastSigmaPx = 0.3;
+constexpr std::size_t kFewestLeft = 3;  // matches with a weight after reweighting
 constexpr int kFoldingSteps = 20;
 
 /// A uniform bicubic B-spline from the texture to the image, fitted by regularised least squares.
@@ -102,8 +103,7 @@ weft::Result<weft::Warp> Bbs::fit(const weft::FitInput& in) {
   }
   weft::Warp warp = make_warp(penalty);
   if (system.collinear) {
-    return weft::degenerate(std::move(warp),
-                            "the matches lie on a line: across it the warp is a guess");
+    return weft::degenerate(std::move(warp), weft::warps::kCollinearMatches);
   }
   if (system.pivot_ratio < kSingular) {
     return weft::degenerate(std::move(warp), "the matches hardly determine the warp");
@@ -143,7 +143,7 @@ bool Bbs::reweight(std::size_t refit) {
     scratch_[k] = data_.weights()[k] * root * root;
     left += scratch_[k] > 0.0 ? 1 : 0;
   }
-  if (left < weft::warps::kFewestMatches) return false;
+  if (left < kFewestLeft) return false;
   weights_.swap(scratch_);
   return true;
 }
@@ -174,5 +174,5 @@ weft::Warp Bbs::make_warp(const SplinePenalty& penalty) {
 
 }  // namespace
 
-WEFT_PLUGIN(Bbs, "warps/bbs", "1.0.0",
+WEFT_PLUGIN(Bbs, "warps/bbs", "1.1.0",
             "Bicubic B-spline warp, fitted by least squares with a bending penalty.")

@@ -7,6 +7,7 @@ namespace weft::warps {
 namespace {
 
 constexpr double kCollinear = 1e-6;
+constexpr double kOnePlacePx2 = 1e-12;
 
 }  // namespace
 
@@ -26,11 +27,17 @@ AffineFit fit_affine(const Points2View& points_px, const Points2View& values_px,
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(scatter / sum);
   const Eigen::Vector2d& variance = axes.eigenvalues();
   fit.collinear = !(variance[0] > kCollinear * variance[1]);
-  Eigen::Vector2d inverse = Eigen::Vector2d::Zero();
-  if (!fit.collinear) inverse[0] = 1.0 / variance[0];
-  if (variance[1] > 0.0) inverse[1] = 1.0 / variance[1];
-  const Eigen::Matrix2d& turn = axes.eigenvectors();
-  fit.slope = turn * inverse.asDiagonal() * turn.transpose() * cross / sum;
+  if (!fit.collinear) {
+    const Eigen::Matrix2d& turn = axes.eigenvectors();
+    const Eigen::Vector2d inverse = variance.cwiseInverse();
+    fit.slope = turn * inverse.asDiagonal() * turn.transpose() * cross / sum;
+  } else if (scatter.trace() > kOnePlacePx2 * sum) {
+    const double along = cross(0, 0) + cross(1, 1), across = cross(0, 1) - cross(1, 0);
+    fit.slope << along, across, -across, along;
+    fit.slope /= scatter.trace();
+  } else {
+    fit.slope.setIdentity();
+  }
   return fit;
 }
 

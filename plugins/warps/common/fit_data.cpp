@@ -42,9 +42,8 @@ Result<void> FitData::take(const FitInput& in, const Box& box) {
     values_px_.insert(values_px_.end(), {x, y});
     weights_.push_back(weight);
   }
-  if (weights_.size() >= kFewestMatches) return {};
-  return no_result("too few matches for a warp: " + std::to_string(weights_.size()) +
-                   " of 3 with a weight and inside the domain");
+  if (!weights_.empty()) return {};
+  return no_result("no match has a weight and is inside the domain of the warp");
 }
 
 }  // namespace weft::warps

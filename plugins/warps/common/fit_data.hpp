@@ -9,8 +9,6 @@
 
 namespace weft::warps {
 
-inline constexpr std::size_t kFewestMatches = 3;
-
 /// Where a warp is fitted, px of the texture.
 struct Box {
   double u0, u1, v0, v1;
@@ -26,7 +24,7 @@ Box box_around(const Template& templ, double margin_px);
 class FitData {
  public:
   /// Takes the matches of `in`. invalid_data names a number that is not finite or a negative
-  /// weight; no_result where fewer than kFewestMatches are left.
+  /// weight; no_result where none is left.
   Result<void> take(const FitInput& in, const Box& box);
 
   std::size_t count() const { return weights_.size(); }

@@ -107,7 +107,7 @@ std::optional<Fitted> Tps::search() {
   return fit_with(used_lambda_);
 }
 
-/// The affine map, where the matches determine no more.
+/// The affine map or what fewer matches determine of it, where they determine no more.
 Fitted Tps::affine_only(const weft::warps::AffineFit& affine) const {
   Fitted fitted;
   fitted.spline.centre_px = affine.centre_px.transpose();
@@ -137,8 +137,7 @@ weft::Result<weft::Warp> Tps::fit(const weft::FitInput& in) {
       std::sqrt(fitted->residuals_px.squaredNorm() / static_cast<double>(data_.count()));
   weft::Warp warp = make_warp(fitted->spline, box, rms_px);
   if (affine.collinear) {
-    return weft::degenerate(std::move(warp),
-                            "the matches lie on a line: across it the warp is a guess");
+    return weft::degenerate(std::move(warp), weft::warps::kCollinearMatches);
   }
   if (!determined) {
     return weft::degenerate(std::move(warp),
@@ -217,4 +216,4 @@ weft::Result<weft::WarpSamples> Tps::evaluate(const weft::EvaluateInput& in) {
 
 }  // namespace
 
-WEFT_PLUGIN(Tps, "warps/tps", "1.0.0", "Thin-plate spline warp, exact or with centres on a grid.")
+WEFT_PLUGIN(Tps, "warps/tps", "1.1.0", "Thin-plate spline warp, exact or with centres on a grid.")

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <string>
 #include <weft/core/rng.hpp>
@@ -68,6 +70,26 @@ struct WarpBench {
   PluginUnderTest plugin;
   Template templ = testing::make_template(kSheet);
 };
+
+/// That a warp to matches which determine no affine map is what they do determine, and flagged.
+inline void expect_guesses(WarpBench& bench) {
+  const Map similarity = [](double u, double v) {
+    return Eigen::RowVector2d(200.0 + 0.4 * u - 0.3 * v, 20.0 + 0.3 * u + 0.4 * v);
+  };
+  const Map translation = [](double u, double v) { return Eigen::RowVector2d(u + 7.0, v - 12.0); };
+  Points2 two(2, 2), elsewhere(3, 2);
+  two << 100.0, 50.0, 700.0, 400.0;
+  elsewhere << 0.0, 0.0, 900.0, 20.0, 300.0, 500.0;
+  const auto expect = [&](const Points2& points, const Map& map) {
+    const Outcome outcome = bench.fit(matches_at(points, map));
+    ASSERT_EQ(outcome.status, WEFT_DEGENERATE) << outcome.message;
+    EXPECT_NE(outcome.message.find("guess"), std::string::npos) << outcome.message;
+    EXPECT_LT(bench.worst_error(*outcome.get<Warp>(), elsewhere, map), 1e-6) << points.rows();
+  };
+  expect(two, similarity);
+  expect(two.topRows(1), translation);
+  expect(Points2::Constant(10, 2, 50.0), translation);
+}
 
 inline double diag(const Warp& warp, const char* name) { return warp.diag.value(name, -1.0); }
 
