@@ -71,6 +71,11 @@ class Tran final : public weft::Filter {
       found->plane.distances2(matches, distances2);
       keep = within(distances2, limit);
     }
+    const Eigen::Index kept = count_of(keep);
+    if (kept < kFewAgreeing) {
+      return weft::no_result("low consensus: only " + std::to_string(kept) +
+                             " matches agree on an affine map");
+    }
     return answer(in, *candidates, keep, distances2, limit, *found, of_image.per_px);
   }
 
@@ -107,22 +112,16 @@ class Tran final : public weft::Filter {
     return box.diagonal().norm();
   }
 
-  weft::Result<InlierMask> answer(const FilterInput& in, const Candidates& candidates,
-                                  const std::vector<std::uint8_t>& keep,
-                                  const Eigen::ArrayXd& distances2, double limit,
-                                  const Found& found, double per_px) const {
+  static InlierMask answer(const FilterInput& in, const Candidates& candidates,
+                           const std::vector<std::uint8_t>& keep, const Eigen::ArrayXd& distances2,
+                           double limit, const Found& found, double per_px) {
     std::vector<double> score;
     for (const double distance2 : distances2) {
       score.push_back(limit > 0.0 ? limit / (limit + std::sqrt(distance2)) : 0.0);
     }
     InlierMask mask = weft::filters::mask_of(in.correspondences, candidates, keep, score);
-    const Eigen::Index kept = count_of(keep);
     mask.diag.set("threshold_px", per_px > 0.0 ? limit / per_px : 0.0);
     mask.diag.set("draws", found.draws);
-    if (kept < kFewAgreeing) {
-      return weft::degenerate(std::move(mask),
-                              "only " + std::to_string(kept) + " matches agree on an affine map");
-    }
     return mask;
   }
 
@@ -132,5 +131,5 @@ class Tran final : public weft::Filter {
 
 }  // namespace
 
-WEFT_PLUGIN(Tran, "filters/tran", "1.0.0",
+WEFT_PLUGIN(Tran, "filters/tran", "1.1.0",
             "Rejects matches far from the plane that RANSAC finds in the space of matches.")
