@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 #include <weft/core/statistics.hpp>
 #include <weft/geometry/thin_plate_spline.hpp>
 
@@ -22,6 +23,7 @@ constexpr double kSmoothing = 0.1;       // of the local splines
 constexpr double kLargestRemoval = 0.2;  // share of the matches that a round may remove
 constexpr double kLeastAgreement = 0.5;  // share of the neighbourhoods
 constexpr int kFewestForSpline = 5;
+constexpr int kWider = 3;  // as many neighbours where the nearest foretell nothing
 
 /// What a neighbourhood says.
 struct Opinion {
@@ -104,17 +106,24 @@ class Assembly {
   Assembly(const Points2& p, const Points2& q, const Settings& settings)
       : p_(p), settings_(settings), neighbourhoods_(p, q, settings, true) {
     opinions_.resize(static_cast<std::size_t>(p.rows()));
+    silent_.resize(opinions_.size());
     nearest_ = Nearest::Constant(p.rows(), settings.neighbours, -2);
   }
 
   /// Among those that are left.
   void gather(const std::vector<int>& among, const std::vector<int>& asked) {
     const Nearest nearest = filters::nearest_of(p_, among, settings_.neighbours);
+    std::vector<int> silent;
     for (const int i : asked) {
-      if (nearest.row(i) == nearest_.row(i)) continue;
-      opinions_[static_cast<std::size_t>(i)] = neighbourhoods_.opinion(i, nearest.row(i));
-      nearest_.row(i) = nearest.row(i);
+      const auto k = static_cast<std::size_t>(i);
+      if (nearest.row(i) != nearest_.row(i)) {
+        opinions_[k] = neighbourhoods_.opinion(i, nearest.row(i));
+        nearest_.row(i) = nearest.row(i);
+        silent_[k] = std::isnan(opinions_[k].residual) ? 1 : 0;
+      }
+      if (silent_[k] != 0) silent.push_back(i);
     }
+    if (!silent.empty()) ask_further(among, silent);
   }
 
   const Opinion& opinion(int i) const { return opinions_[static_cast<std::size_t>(i)]; }
@@ -139,10 +148,22 @@ class Assembly {
   }
 
  private:
+  /// More neighbours where the nearest lie on a line; the nearest are asked whether they agree.
+  void ask_further(const std::vector<int>& among, const std::vector<int>& silent) {
+    const Nearest wide = filters::nearest_of(p_, among, kWider * settings_.neighbours);
+    for (const int i : silent) {
+      Opinion opinion = neighbourhoods_.opinion(i, wide.row(i));
+      const auto nearest = static_cast<std::size_t>(settings_.neighbours);
+      opinion.agrees.resize(std::min(opinion.agrees.size(), nearest));
+      opinions_[static_cast<std::size_t>(i)] = std::move(opinion);
+    }
+  }
+
   const Points2& p_;
   const Settings& settings_;
   Neighbourhoods neighbourhoods_;
   std::vector<Opinion> opinions_;
+  std::vector<std::uint8_t> silent_;  ///< [n] whether the nearest neighbours foretell nothing
   Nearest nearest_;
 };
 

@@ -104,5 +104,5 @@ class Pizarro final : public weft::Filter {
 
 }  // namespace
 
-WEFT_PLUGIN(Pizarro, "filters/pizarro", "1.0.0",
+WEFT_PLUGIN(Pizarro, "filters/pizarro", "1.1.0",
             "Rejects matches that local smoothness does not foretell or the sheet hides.")

@@ -67,6 +67,22 @@ TEST(Pizarro, JudgesFewMatchesByOneAffineMap) {
   EXPECT_EQ(bench.run(flat_matches({3, 1.0, 0.0, 2.0}, 42).matches).status, WEFT_NO_RESULT);
 }
 
+/// Four rows far apart: the nearest ten of most matches lie in the row.
+TEST(Pizarro, TakesMoreNeighboursWhereTheNearestLieOnALine) {
+  LabelledMatches drawn = flat_matches({160, 1.0, 0.0, 2.0}, 46);
+  for (std::int64_t i = 0; i < 160; ++i) {
+    const double u = 20.0 * static_cast<double>(i % 40), v = 130.0 * static_cast<double>(i / 40);
+    drawn.matches.template_px(i, 0) = u;
+    drawn.matches.template_px(i, 1) = v;
+    drawn.matches.image_px(i, 0) = 60.0 + 0.5 * u - 0.1 * v;
+    drawn.matches.image_px(i, 1) = 40.0 + 0.1 * u + 0.6 * v;
+  }
+  drawn.matches.image_px(60, 1) += 80.0;
+  FilterBench bench("filters/pizarro");
+  const InlierMask mask = bench.mask(drawn.matches);
+  for (std::int64_t i = 0; i < 160; ++i) EXPECT_EQ(mask.kept(i), i == 60 ? 0 : 1) << i;
+}
+
 TEST(Pizarro, HasNoResultWhereNeighboursForetellNothing) {
   LabelledMatches drawn = flat_matches({30, 1.0, 0.0, 2.0}, 45);
   for (std::int64_t i = 0; i < 30; ++i) drawn.matches.template_px(i, 1) = 100.0;  // on a line
