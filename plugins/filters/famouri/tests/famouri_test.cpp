@@ -47,12 +47,27 @@ TEST(Famouri, KeepsTheContractOfFilters) {
 TEST(Famouri, NeedsNeighbourhoods) {
   FilterBench bench("filters/famouri");
   EXPECT_EQ(bench.run(flat_matches({8, 1.0, 0.0, 2.0}, 61).matches).status, WEFT_NO_RESULT);
-  const Outcome noise = bench.run(flat_matches({60, 0.0, 0.0, 2.0}, 62).matches);
-  EXPECT_TRUE(noise.status == WEFT_DEGENERATE || noise.status == WEFT_OK) << noise.message;
+  EXPECT_EQ(bench.run(flat_matches({9, 1.0, 0.0, 2.0}, 61).matches).status, WEFT_OK);
   FilterBench strict("filters/famouri", "{tau1: 1}");
   const Outcome alone = strict.run(flat_matches({60, 0.0, 0.0, 2.0}, 44).matches);
   EXPECT_EQ(alone.status, WEFT_DEGENERATE) << alone.message;
-  EXPECT_EQ(alone.get<InlierMask>()->kept(0), 0);
+  const InlierMask mask = *alone.get<InlierMask>();
+  for (std::int64_t i = 0; i < 60; ++i) EXPECT_EQ(mask.kept(i), 0) << i;
+}
+
+TEST(Famouri, RejectsMatchesWhoseNeighboursLieOnALine) {
+  LabelledMatches drawn = flat_matches({40, 1.0, 0.0, 2.0}, 63);
+  for (std::int64_t i = 0; i < 40; ++i) {
+    drawn.matches.template_px(i, 1) = 0.5 * drawn.matches.template_px(i, 0);
+    for (int x = 0; x < 2; ++x) {
+      drawn.matches.image_px(i, x) = 50.0 + 0.5 * drawn.matches.template_px(i, x);
+    }
+  }
+  FilterBench bench("filters/famouri");
+  const Outcome outcome = bench.run(drawn.matches);
+  EXPECT_EQ(outcome.status, WEFT_OK) << outcome.message;
+  EXPECT_EQ(outcome.get<InlierMask>()->diag.value("with_common_neighbours", 0.0), 40.0);
+  EXPECT_EQ(outcome.get<InlierMask>()->diag.value("kept_matches", -1.0), 0.0);
 }
 
 }  // namespace

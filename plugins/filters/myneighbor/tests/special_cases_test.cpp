@@ -212,4 +212,13 @@ TEST_F(MyNeighborSpecialCases, HasNoResultWhereTheWarpHasNone) {
   EXPECT_EQ(outcome.message.find("step I: "), 0U) << outcome.message;
 }
 
+TEST_F(MyNeighborSpecialCases, HandsOnThatItsWarpIsDegenerate) {
+  Rng rng(29);
+  const Points2 points = uniform_points(20, rng);
+  const Outcome outcome = run(make_matches(points, similar(points)),
+                              "{warp: {use: warps/bbs, params: {lambda_px2: 1e-11, ridge: 0}}}");
+  EXPECT_EQ(outcome.status, WEFT_DEGENERATE);
+  EXPECT_EQ(outcome.message, "the matches hardly determine the warp");
+}
+
 }  // namespace

@@ -215,6 +215,20 @@ TEST_F(MeshTemplate, SaysWhatToChangeWhenTheWholeMeshCannotBeUsed) {
   EXPECT_THAT(missing.message, HasSubstr("there is no such file"));
 }
 
+TEST_F(MeshTemplate, FlattensNothingButADisc) {
+  const std::string flattened = ", coordinates: flattened";
+  const std::string ring =
+      "v 0 0 0\nv 3 0 0\nv 3 3 0\nv 0 3 0\nv 1 1 0\nv 2 1 0\nv 2 2 0\nv 1 2 0\n"
+      "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+  EXPECT_THAT(refusal(ring, flattened), HasSubstr("the surface has holes or handles"));
+  const std::string pair =
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf 1 2 3\nf 4 5 6\n";
+  EXPECT_THAT(refusal(pair, flattened), HasSubstr("the surface has several parts"));
+  const std::string moebius =
+      "v 0 0 0\nv 1 0 0\nv 2 1 1\nv 1 2 0\nv 0 1 2\nf 1 2 3\nf 2 3 4\nf 3 4 5\nf 4 5 1\nf 5 1 2\n";
+  EXPECT_THAT(refusal(moebius, flattened), HasSubstr("one orientation"));
+}
+
 TEST_F(MeshTemplate, SaysThatPartsDoNotTouch) {
   const Outcome outcome = build(
       write("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 0\nvt 0 0\nvt .4 0\nvt 0 .4\nvt .6 "

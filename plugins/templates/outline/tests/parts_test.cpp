@@ -87,6 +87,12 @@ TEST(Resampled, KeepsSharpCornersAndSpacesTheRestEqually) {
   }
 }
 
+TEST(Resampled, HasThreeCornersHoweverFarApartTheyShouldBe) {
+  const Outline outline = resampled(trace_outline(disc(200.0, 200.0, 20.0)), 1000.0);
+  EXPECT_EQ(outline.outer.size(), 3U);
+  EXPECT_GT(outline.area_px2(), 0.0);
+}
+
 TEST(FillOutline, OfADiscHasItsAreaGoodAnglesAndTheSpacingAskedFor) {
   for (const double spacing_px : {15.0, 30.0}) {
     const PlaneMesh mesh = filled(disc(200.0, 200.0, 150.0), spacing_px);
