@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 #include <weft/geometry/distance_constraints.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/testing/synthetic.hpp>
@@ -188,6 +190,96 @@ TEST(HiddenBend, BringsASolverNearerToWhatItCannotSee) {
     return sum;
   };
   EXPECT_LT(hidden_error_m(with.get<Shape>().value()), 0.5 * hidden_error_m(first));
+}
+
+/// Marks every vertex as seen.
+Visibility all_in_sight(std::int64_t count) {
+  Visibility sight;
+  sight.visible = Array<std::uint8_t>({count});
+  sight.reason = Array<std::uint8_t>({count});
+  sight.score = Array<double>({count});
+  std::fill_n(sight.visible.data(), count, std::uint8_t{1});
+  std::fill_n(sight.score.data(), count, 1.0);
+  return sight;
+}
+
+TEST(HiddenBend, AddsEveryVertexWithoutARayToTheHiddenOnes) {
+  const std::vector<RayConstraint> rays{{{0, 1, 2}, {0.5, 0.3, 0.2}, {0, 0, 1}, 1.0}};
+  std::vector<std::uint8_t> hidden{0, 1, 0, 0, 1};
+  add_unmeasured(rays, 5, hidden);
+  EXPECT_EQ(hidden, (std::vector<std::uint8_t>{0, 1, 0, 1, 1}));
+  std::vector<std::uint8_t> nothing_hidden;
+  add_unmeasured(rays, 5, nothing_hidden);
+  EXPECT_EQ(nothing_hidden, (std::vector<std::uint8_t>{0, 0, 0, 1, 1}));
+}
+
+/// Half a cylinder at rest that has opened. Its middle six of ten columns have sightlines, its
+/// sides are in sight but nothing is recognised there.
+struct OpenedHalfCylinder {
+  static constexpr double kRest_m = 0.297 / 3.14159265358979;
+  Scene scene;
+
+  OpenedHalfCylinder() {
+    const Template flat = scene.templ;
+    const testing::PoseSpec ahead{0.6, 0, 0, 0, 0, 0};
+    const auto bent_m = [&](double radius_m) {
+      return testing::bent_vertices(
+          flat, testing::make_cylinder(reference_sheet(), radius_m, 0.0, ahead));
+    };
+    scene.templ.vertices_m = make_array<double>(bent_m(kRest_m));
+    scene.truth_m = bent_m(1.25 * kRest_m);
+    scene.seen.clear();
+    for (std::int32_t v = 0; v < 60; ++v) {
+      if (!is_side(v)) scene.seen.push_back(v);
+    }
+    scene.look();
+  }
+
+  static bool is_side(std::int64_t v) { return v % 10 < 2 || v % 10 > 7; }
+
+  /// The truth with its sides mirrored at the planes of the outermost strips that are measured.
+  Points3 sides_bent_back() const {
+    Points3 shape_m = scene.truth_m;
+    for (const auto& [rim, next] : {std::pair(2, 3), std::pair(7, 6)}) {
+      const Eigen::Vector3d place_m = scene.truth_m.row(rim);
+      const Eigen::Vector3d along_m = scene.truth_m.row(rim + 10).transpose() - place_m;
+      const Eigen::Vector3d inwards_m = scene.truth_m.row(next).transpose() - place_m;
+      const Eigen::Vector3d normal = along_m.cross(inwards_m).normalized();
+      for (Eigen::Index v = 0; v < 60; ++v) {
+        if (!is_side(v) || (v % 10 < 5) != (rim < 5)) continue;
+        const Eigen::Vector3d offset_m = shape_m.row(v).transpose() - place_m;
+        shape_m.row(v) -= 2.0 * normal.dot(offset_m) * normal.transpose();
+      }
+    }
+    return shape_m;
+  }
+
+  double side_error_m(const Points3& shape_m) const {
+    double sum_m = 0.0;
+    for (Eigen::Index v = 0; v < 60; ++v) {
+      if (is_side(v)) sum_m += (shape_m.row(v) - scene.truth_m.row(v)).norm() / 24.0;
+    }
+    return sum_m;
+  }
+
+  double side_error_m(testing::PluginUnderTest& plugin) const {
+    const testing::Outcome outcome = plugin.process(
+        0, {testing::input("template", scene.templ), testing::input("camera", scene.camera),
+            testing::input("sightlines", scene.lines),
+            testing::input("previous.shape", shape_of(sides_bent_back())),
+            testing::input("visibility", all_in_sight(60))});
+    EXPECT_EQ(outcome.status, WEFT_OK) << outcome.message;
+    return side_error_m(Points3(outcome.get<Shape>().value().vertices_m.matrix<3>()));
+  }
+};
+
+TEST(HiddenBend, LaysOutTheSidesOfACurvedTemplateOnWhichNothingIsRecognised) {
+  const OpenedHalfCylinder object;
+  EXPECT_GT(object.side_error_m(object.sides_bent_back()), 0.02);
+  testing::PluginUnderTest without(kId, "{continue_hidden_bend: false}");
+  EXPECT_GT(object.side_error_m(without), 0.01) << "distances alone keep the opposite bend";
+  testing::PluginUnderTest with(kId);
+  EXPECT_LT(object.side_error_m(with), 2e-3);
 }
 
 }  // namespace
