@@ -6,6 +6,9 @@
 #include <numbers>
 #include <numeric>
 #include <utility>
+#include <weft/core/statistics.hpp>
+
+#include "orientation.hpp"
 
 namespace weft::aem {
 namespace {
@@ -19,18 +22,13 @@ constexpr double kStill = 0.02;   // relative change of sigma that ends
 constexpr int kFewestRounds = 6, kMostRounds = 20;
 constexpr double kBroadSigmas = 4.0;  // least sigmas, above which a sharper optimum is looked for
 constexpr double kSureLikelihood = 150.0;  // log; a set that chance made would be sharpened to more
-constexpr int kGatherEvery = 3;            // rounds
+constexpr double kCollapsed = 0.3;  // of the start's scale, below which a warp shows no sheet
+constexpr int kGatherEvery = 3;     // rounds
 constexpr Eigen::Index kMostVertices = 256;  // of a shape that has more, some
 constexpr double kLeastLogit = -9.0;         // below it a match does not take part
 constexpr double kLeastProbability = 1e-4;   // below it a match does not count in a fit
 constexpr double kSure = 3.0;        // logit from which the warp's own variance is no matter
 constexpr double kFarSigmas = 30.0;  // from which it does not help
-
-// What scale and angle of keypoints say.
-constexpr double kTurnRad = 20.0 * std::numbers::pi / 180.0;  // sigma for a correct match
-constexpr double kLogScale = 0.3;                             // the same
-constexpr double kLogScaleRange = 2.77;  // of mismatches, evenly: a factor of 4 up and down
-constexpr double kLeastBias = -3.0;      // a bad keypoint does not make a match wrong
 
 constexpr double kNoSay = -1e3;  // logit of a match that is not to bend the warp
 
@@ -46,18 +44,6 @@ SplineDomain domain_for(const Matches& matches, double margin_px, int control_lo
           matches.height_px - 1.0 + margin,
           wide ? control_long : control_short,
           wide ? control_short : control_long};
-}
-
-/// Log of the odds that a keypoint turned and scaled like this is of a correct match where the warp
-/// has this slope.
-double orientation_log_odds(double log_scale, double turn_rad, const Eigen::Matrix2d& slope) {
-  const double area_ratio = slope.determinant();
-  if (!(area_ratio > 0.0)) return kLeastBias;
-  const double turn = std::atan2(slope(1, 0) - slope(0, 1), slope(0, 0) + slope(1, 1));
-  const double of_turn = std::remainder(turn_rad - turn, 2.0 * std::numbers::pi) / kTurnRad;
-  const double of_scale = (log_scale - 0.5 * std::log(area_ratio)) / kLogScale;
-  static const double at_best = std::log(kLogScaleRange / (kTurnRad * kLogScale));
-  return std::max(kLeastBias, at_best - 0.5 * (square(of_turn) + square(of_scale)));
 }
 
 }  // namespace
@@ -166,7 +152,21 @@ Solution Annealing::solution_of(const Start& start, const State& state) const {
       static_cast<double>(matches_.count()) * std::log1p(-state.share) +
       (1.0 + solution.logit.exp()).log().sum() -
       0.5 * options_.stiffness * coarse_.spline.bending() / square(start.scale);
+  if (typical_scale(start, state) < kCollapsed * start.scale) solution.log_likelihood = 0.0;
   return solution;
+}
+
+/// The median scale of the warp at correct matches. To shrink to clusters of mismatches costs it
+/// little bending.
+double Annealing::typical_scale(const Start& start, const State& state) const {
+  std::vector<double> area_ratio;
+  for (Eigen::Index k = 0; k < state.probability.size(); ++k) {
+    if (state.probability[k] < 0.5) continue;
+    const Eigen::Index i = state.rows[static_cast<std::size_t>(k)];
+    area_ratio.push_back((start.slope(i) + state.grid.slope(i)).determinant());
+  }
+  if (area_ratio.empty()) return 0.0;
+  return std::sqrt(std::max(0.0, median_in_place(area_ratio)));
 }
 
 void Annealing::finish(const Start& start, Solution& solution) {
@@ -236,7 +236,9 @@ void Annealing::improve(const Start& start, State& state) const {
   state.probability = logit_constant(state.sigma_px, state.share) + state.bias -
                       state.residual2_px2 / (2.0 * square(state.sigma_px));
   state.probability = 1.0 / (1.0 + (-state.probability).exp());
-  state.grid.spline.start(options_.stiffness * square(state.sigma_px / start.scale));
+  const bool last = &state.grid == &fine_;
+  state.grid.spline.start((last ? options_.fine_stiffness : options_.stiffness) *
+                          square(state.sigma_px / start.scale));
   for (Eigen::Index k = 0; k < state.probability.size(); ++k) {
     if (state.probability[k] < kLeastProbability) continue;
     const Eigen::Index i = state.rows[static_cast<std::size_t>(k)];

@@ -41,11 +41,12 @@ struct Solution {
 struct AnnealingOptions {
   int control_long = 8, control_short = 6;  ///< control points along the template's sides
   int fine_control_long = 12, fine_control_short = 9;  ///< the same for the last look
-  double margin_px = 20.0;  ///< of the spline's domain around the template
-  double stiffness = 8.0;   ///< kappa, weight of the bending
+  double margin_px = 20.0;      ///< of the spline's domain around the template
+  double stiffness = 8.0;       ///< kappa, weight of the bending
+  double fine_stiffness = 3.0;  ///< the same for the last look: what bends little is found already
   double least_sigma_px = 1.0;
   Eigen::Index most_annealed = 128, most_finished = 512;  ///< matches that take part
-  int last_rounds = 2;
+  int last_rounds = 3;
 };
 
 /// Expectation maximisation for the mixture of a warp with normal residuals and mismatches spread
@@ -85,6 +86,7 @@ class Annealing {
   void look_again(const Start& start, const Lonely& lonely, State& state, Solution& solution) const;
   void sharpen(const Start& start, State& state, Solution& best);
   Solution solution_of(const Start& start, const State& state) const;
+  double typical_scale(const Start& start, const State& state) const;
   void conclude(const State& state, Solution& solution) const;
   Eigen::ArrayXd biases(const Start& start, const Grid& grid,
                         const std::vector<Eigen::Index>& rows) const;

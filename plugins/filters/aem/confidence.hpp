@@ -8,6 +8,7 @@ struct Evidence {
   double log_likelihood = 0.0;
   double matches = 0.0;  ///< all
   double correct = 0.0;  ///< those of the set
+  double sigmas = 1.0;   ///< of its residuals, in parts of the least sigma
 };
 
 /// Probability that the set is the object: that at least half of it is correct and it holds at

@@ -78,7 +78,7 @@ class ObjectSearch {
     for (Eigen::Index i = 0; i < matches_.count(); ++i) {
       if (winner.solution.logit[i] < 0.0) left.push_back(i);
     }
-    if (left.size() < 3) return 0.0;
+    if (left.size() < 3 || !(winner.solution.log_likelihood > 0.0)) return 0.0;
     const Seeds seeds = draw_seeds(matches_, left, draws_, rng_);
     const auto of_winner = static_cast<double>(winner.solution.correct());
     if (seeds.best.empty() ||
@@ -100,7 +100,8 @@ class ObjectSearch {
 
   double confidence_of(const Candidate& candidate) const {
     return confidence({candidate.solution.log_likelihood, static_cast<double>(matches_.count()),
-                       static_cast<double>(candidate.solution.correct())});
+                       static_cast<double>(candidate.solution.correct()),
+                       candidate.solution.sigma_px / options_.annealing.least_sigma_px});
   }
 
   Found found(Candidate& candidate, bool tracked, double rival, double trust) {

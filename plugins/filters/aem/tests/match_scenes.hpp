@@ -20,6 +20,8 @@ enum class Kind {
   copy       ///< 15 % of the matches, all wrong, lie on a smaller copy of the sheet
 };
 
+inline constexpr double kCopyShare = 0.15;
+
 struct SceneSpec {
   Kind kind = Kind::paper;
   int count = 200;
@@ -134,9 +136,21 @@ inline LabelledMatches draw_scene(const SceneSpec& spec, std::uint64_t seed) {
     }
   }
   if (spec.kind == Kind::clusters) detail::cluster(drawn, rng);
-  if (spec.kind == Kind::copy) detail::add_copy(drawn, 0.15, rng);
+  if (spec.kind == Kind::copy) detail::add_copy(drawn, kCopyShare, rng);
   if (spec.oriented) detail::orient(drawn, templ, vertices_m, rng);
   return drawn;
+}
+
+/// Which matches Kind::copy puts on the copy: the first mismatches.
+inline std::vector<std::uint8_t> on_copy(const LabelledMatches& drawn) {
+  std::vector<std::uint8_t> is(drawn.correct.size(), 0);
+  auto left = static_cast<std::size_t>(kCopyShare * static_cast<double>(is.size()));
+  for (std::size_t i = 0; i < is.size() && left > 0; ++i) {
+    if (drawn.correct[i] != 0) continue;
+    is[i] = 1;
+    --left;
+  }
+  return is;
 }
 
 }  // namespace weft::testing

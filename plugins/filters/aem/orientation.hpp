@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+namespace weft::aem {
+
+/// Log of the odds that a keypoint turned and scaled like this is of a correct match where the warp
+/// has this slope.
+double orientation_log_odds(double log_scale, double turn_rad, const Eigen::Matrix2d& slope);
+
+}  // namespace weft::aem
