@@ -6,11 +6,20 @@
 
 namespace weft::aem {
 
+namespace {
+
+constexpr double kFewMatches = 50.0;
+
+}  // namespace
+
 double confidence(const Evidence& evidence) {
   if (!(evidence.correct > 0.0) || !(evidence.log_likelihood > 0.0)) return 0.0;
-  const double logit = 0.116 + 0.0616 * std::min(evidence.log_likelihood, 150.0) +
-                       3.105 * std::log(evidence.correct) - 2.223 * std::log(evidence.matches) -
-                       3.601 * std::log(std::max(evidence.sigmas, 1.0));
+  // Of many matches, some mismatches agree within a broad sigma: clusters of them do.
+  const double broad = std::log(std::max(evidence.sigmas, 1.0)) *
+                       std::log(std::max(evidence.matches / kFewMatches, 1.0));
+  const double logit = -0.670 + 0.0892 * std::min(evidence.log_likelihood, 150.0) +
+                       2.299 * std::log(evidence.correct) - 1.995 * std::log(evidence.matches) -
+                       1.771 * broad;
   return 1.0 / (1.0 + std::exp(-logit));
 }
 
