@@ -138,5 +138,5 @@ class Aem final : public weft::Filter {
 
 }  // namespace
 
-WEFT_PLUGIN(Aem, "filters/aem", "1.1.0",
+WEFT_PLUGIN(Aem, "filters/aem", "1.2.0",
             "Keeps the most likely coherent set of matches, with its confidence.")
