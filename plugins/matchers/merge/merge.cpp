@@ -117,12 +117,23 @@ class Merge final : public Matcher {
     out.barycentrics = gather(matches, &C::barycentrics);
     out.kept = gather(matches, &C::kept);
     out.score = gather(matches, &C::score);
+    out.confidence = least_confidence(inputs);
     for (const auto member : {&C::ratio, &C::scale_ratio, &C::angle_difference_rad}) {
       const bool everywhere = std::all_of(
           inputs.begin(), inputs.end(), [&](const C& input) { return (input.*member).present(); });
       if (everywhere) out.*member = gather(matches, member);
     }
     return out;
+  }
+
+  /// The least that a filter said of what it kept; none where none said any.
+  static Array<double> least_confidence(const std::vector<Correspondences>& inputs) {
+    const Array<double>* least = nullptr;
+    for (const Correspondences& input : inputs) {
+      if (input.count() == 0 || !input.confidence.present()) continue;
+      if (least == nullptr || *input.confidence.data() < *least->data()) least = &input.confidence;
+    }
+    return least == nullptr ? Array<double>() : make_scalar(*least->data());
   }
 
   double template_radius_px_ = 1.0;
@@ -132,5 +143,5 @@ class Merge final : public Matcher {
 }  // namespace
 }  // namespace weft::merge
 
-WEFT_PLUGIN(weft::merge::Merge, "matchers/merge", "1.0.0",
+WEFT_PLUGIN(weft::merge::Merge, "matchers/merge", "1.0.1",
             "Unites the matches of several stages and merges duplicates.")

@@ -111,6 +111,22 @@ TEST(Merge, LeavesOutWhatRefersToDifferentKeypointsAndDescriptors) {
   EXPECT_TRUE(record.scale_ratio.present());
 }
 
+TEST(Merge, HasTheLeastConfidenceOfTheInputsThatHaveMatches) {
+  PluginUnderTest plugin("matchers/merge");
+  auto a = matches_of({{10, 100, 1}}), b = matches_of({{30, 300, 3}}), none = matches_of({});
+  const auto c = matches_of({{50, 500, 2}});
+  const auto said = [&](const std::vector<Correspondences>& inputs) {
+    const Outcome outcome = merge(plugin, inputs);
+    const auto record = outcome.get<Correspondences>().value();
+    return record.confidence.present() ? *record.confidence.data() : -1.0;
+  };
+  EXPECT_EQ(said({a, b}), -1.0) << "no filter said any";
+  a.confidence = make_scalar(0.7);
+  b.confidence = make_scalar(0.4);
+  none.confidence = make_scalar(0.1);
+  EXPECT_EQ(said({a, b, c, none}), 0.4);
+}
+
 TEST(Merge, OfDuplicatesTheKeptThenTheBetterScoredThenTheSmallerRatioStays) {
   const auto first = matches_of({{10, 100, 1, 0.5, 1.0, 1}});
   EXPECT_THAT(merged({first, matches_of({{10.5, 100.5, 2, 0.1, 9.0, 0}})}), ElementsAre(1));
