@@ -10,6 +10,8 @@
 #include <weft/sdk/solver.hpp>
 
 #include "bending_fill.hpp"
+#include "common/agreement.hpp"
+#include "confidence.hpp"
 #include "depth_admm.hpp"
 #include "depth_problem.hpp"
 
@@ -30,7 +32,7 @@ class BrunetMdh final : public Solver {
           "Brunet, Bartoli, Hartley, Monocular template-based 3D surface reconstruction: "
           "convex inextensible and nonconvex isometric methods, CVIU 125 (2014)",
       .needs = "sightlines",
-      .reads = "known_points"};
+      .reads = "known_points correspondences"};
 
   explicit BrunetMdh(Params& p) {
     p.read("tolerance_m", options_.tolerance_m, "m", {1e-12, 1.0},
@@ -69,7 +71,7 @@ class BrunetMdh final : public Solver {
     }
     const auto depths = find_depths(in.call, rays);
     if (!depths) return depths.error();
-    return build_shape(lines, rays, *depths);
+    return build_shape(in, rays, *depths);
   }
 
  private:
@@ -164,7 +166,7 @@ class BrunetMdh final : public Solver {
     return result;
   }
 
-  Result<Shape> build_shape(const Sightlines& lines, const Points3& rays,
+  Result<Shape> build_shape(const SolverInput& in, const Points3& rays,
                             const DepthResult& depths) const {
     Points3 positions_m(rays.rows() + static_cast<Eigen::Index>(problem_.unseen.size()), 3);
     int behind = 0;
@@ -180,6 +182,7 @@ class BrunetMdh final : public Solver {
     const auto placed = fill_.place(*surface_, positions_m);
     if (!placed) return placed.error();
     if (!placed->allFinite()) return no_result("the depths are not finite");
+    const double coverage = in.sightlines->coverage;
     Shape shape;
     shape.vertices_m = make_array<double>(*placed);
     shape.source = Array<std::uint8_t>({placed->rows()});
@@ -189,11 +192,17 @@ class BrunetMdh final : public Solver {
     for (const KnownSurfacePoint& held : known_) {
       for (const std::int32_t v : held.vertices) shape.source(v) = 1;
     }
-    shape.confidence = std::clamp(lines.coverage, 0.0, 1.0);
+    const double strain = mean(strains(problem_.edges, positions_m.topRows(rays.rows())));
+    const solvers::Agreement agreement = agreement_with(in, *placed);
+    shape.confidence =
+        confidence(strain, agreement.agreeing) * solvers::confidence_of_filters(in.correspondences);
     const bool sure = depths.converged && behind == 0 && rays.rows() >= Eigen::Index{kFewPoints} &&
-                      lines.coverage > kGoodCoverage;
+                      coverage > kGoodCoverage;
     shape.state = static_cast<std::int32_t>(sure ? ShapeState::estimated : ShapeState::weak);
     explain(depths, behind, shape.diag);
+    shape.diag.set("strain", strain);
+    shape.diag.set("agreeing_matches", agreement.agreeing);
+    shape.diag.set("kept_matches", agreement.kept);
     if (!depths.converged) {
       return degenerate(std::move(shape), "not converged in " + std::to_string(depths.iterations) +
                                               " iterations: raise max_iterations");
@@ -203,6 +212,13 @@ class BrunetMdh final : public Solver {
                         std::to_string(behind) + " points came to lie behind the camera");
     }
     return shape;
+  }
+
+  solvers::Agreement agreement_with(const SolverInput& in, const Points3& vertices_m) const {
+    const Pinhole camera{in.camera.fx, in.camera.fy, in.camera.cx, in.camera.cy};
+    return in.correspondences
+               ? solvers::agreement(*in.correspondences, surface_->faces(), camera, vertices_m)
+               : solvers::agreement(*in.sightlines, surface_->faces(), camera, vertices_m);
   }
 
   void explain(const DepthResult& depths, int behind, Diagnostics& diag) const {
@@ -245,5 +261,5 @@ class BrunetMdh final : public Solver {
 }  // namespace weft::brunet_mdh
 
 using weft::brunet_mdh::BrunetMdh;
-WEFT_PLUGIN(BrunetMdh, "solvers/brunet_mdh", "1.1.0",
+WEFT_PLUGIN(BrunetMdh, "solvers/brunet_mdh", "1.2.0",
             "Convex maximum-depth reconstruction on sightlines, a start that needs no start.")

@@ -1,20 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 #include <weft/core/statistics.hpp>
-#include <weft/geometry/check_sightlines.hpp>
 #include <weft/sdk/solver.hpp>
 
 #include "candidate.hpp"
 #include "confidence.hpp"
 #include "covariance.hpp"
 #include "fit.hpp"
+#include "frame_constraints.hpp"
 #include "hidden_bend.hpp"
-#include "known_spheres.hpp"
 #include "mesh_model.hpp"
 #include "relaxation.hpp"
 
@@ -22,11 +21,9 @@ namespace weft::particle_sft {
 namespace {
 
 // With less than this a shape is weak ...
-constexpr int kManyMatches = 30;
 constexpr int kManySightlines = 8;
 constexpr double kGoodCoverage = 0.25;
-// ... and with less than this it is lost.
-constexpr int kFewMatches = 10;
+// ... and with more than this it is lost.
 constexpr double kLostResidualPx = 6.0;
 // An object that jumped by this share of its size is found anew.
 constexpr double kJump = 0.25;
@@ -51,22 +48,22 @@ class ParticleSft final : public Solver {
            "sweeps over the distances in an iteration");
     p.read("max_iterations", options_.max_iterations, "", {1, 10000000}, "of one start");
     p.read("tolerance_m", options_.tolerance_m, "m", {0.0, 1.0}, "rms step at which to stop");
-    p.read("known_radius_m", known_radius_m_, "m", {0.0, 1.0},
+    p.read("known_radius_m", frame_options_.known_radius_m, "m", {0.0, 1.0},
            "radius of known points whose own is negative; 0 holds them exactly");
-    p.read("min_sightlines", min_sightlines_, "", {3, 1000000},
+    p.read("min_sightlines", frame_options_.min_sightlines, "", {3, 1000000},
            "with fewer there is no result for the frame");
     p.component("start", start_, "shape from which an object is found without a previous shape");
     p.read("start_smoothing", start_smoothing_, "squared mean edge lengths", {0.0, 1e6},
            "how strongly the bends of that shape are smoothed; 0: not at all");
     p.read(
-        "continue_hidden_bend", continue_hidden_bend_,
+        "continue_hidden_bend", frame_options_.continue_hidden_bend,
         "go on with the bend of the seen part where a visibility says that the surface is hidden");
     p.read("covariance", wants_covariance_, "say how uncertain each vertex is");
   }
 
   Result<Shape> solve(const SolverInput& in) override {
     if (auto ready = prepare_mesh(in.templ); !ready) return ready.error();
-    if (auto read = read_system(in); !read) return read.error();
+    if (auto read = frame_.read(in, mesh_, frame_options_); !read) return read.error();
     std::vector<Candidate> candidates;
     if (auto run = run_starts(in, candidates); !run) return run.error();
     const Candidate* best = nullptr;
@@ -88,50 +85,8 @@ class ParticleSft final : public Solver {
     if (auto built = continuation_.build(templ); !built) return built;
     if (wants_covariance_) covariance_.build(mesh_);
     mesh_revision_ = templ.revision;
-    system_.stretch = mesh_.stretch();
+    frame_.system.stretch = mesh_.stretch();
     return {};
-  }
-
-  /// Fills the rays and spheres of the frame.
-  Result<void> read_system(const SolverInput& in) {
-    if (!in.sightlines) return Error{Errc::invalid_data, "needs 'sightlines'", {}};
-    const Sightlines& lines = *in.sightlines;
-    auto checked = check_sightlines(lines, mesh_.vertex_count(), mesh_.faces().rows());
-    if (!checked) return checked;
-    system_.rays = ray_constraints(lines, mesh_.faces());
-    if (system_.rays.size() < static_cast<std::size_t>(min_sightlines_)) {
-      return no_result("too few sightlines: " + std::to_string(system_.rays.size()) +
-                       " of at least " + std::to_string(min_sightlines_));
-    }
-    if (auto enough = count_matches(in); !enough) return enough;
-    hidden_.clear();
-    if (in.visibility && continue_hidden_bend_) {
-      auto hidden = hidden_part(*in.visibility, system_.rays, mesh_.neighbours());
-      if (!hidden) return hidden.error();
-      hidden_ = *std::move(hidden);
-      if (!mesh_.is_flat()) add_unmeasured(system_.rays, mesh_.vertex_count(), hidden_);
-    }
-    system_.spheres.clear();
-    inconsistent_pairs_ = 0;
-    if (!in.known_points) return {};
-    auto spheres = known_surface_points(*in.known_points, in.templ, known_radius_m_);
-    if (!spheres) return spheres.error();
-    system_.spheres = *std::move(spheres);
-    inconsistent_pairs_ = make_consistent(mesh_, system_.spheres);
-    return {};
-  }
-
-  /// Where the matches are wired, too few of them mean that the object is lost.
-  Result<void> count_matches(const SolverInput& in) {
-    matches_ = kManyMatches;
-    if (!in.correspondences) return {};
-    matches_ = 0;
-    for (std::int64_t i = 0; i < in.correspondences->count(); ++i) {
-      matches_ += in.correspondences->kept(i) != 0 ? 1 : 0;
-    }
-    if (matches_ >= kFewMatches) return {};
-    return no_result("lost: " + std::to_string(matches_) + " matches of at least " +
-                     std::to_string(kFewMatches));
   }
 
   /// A tracked object continues from the previous shape. Without one, after a loss or a jump, and
@@ -163,8 +118,8 @@ class ParticleSft final : public Solver {
     SolverInput asked = in;
     if (!asked.known_points) return asked;
     Array<double> radius_m({asked.known_points->count()});
-    for (std::size_t p = 0; p < system_.spheres.size(); ++p) {
-      radius_m(static_cast<std::int64_t>(p)) = system_.spheres[p].radius_m;
+    for (std::size_t p = 0; p < frame_.system.spheres.size(); ++p) {
+      radius_m(static_cast<std::int64_t>(p)) = frame_.system.spheres[p].radius_m;
     }
     asked.known_points->radius_m = std::move(radius_m);
     return asked;
@@ -180,33 +135,34 @@ class ParticleSft final : public Solver {
   bool is_tracked(const SolverInput& in, const Points3& previous_m) const {
     const ShapeState state = in.previous_shape->shape_state();
     if (state != ShapeState::estimated && state != ShapeState::weak) return false;
-    const ImageMotion motion = image_motion(system_, pinhole(in), previous_m);
+    const ImageMotion motion = image_motion(frame_.system, pinhole(in), previous_m);
     return motion.moved_px <= kJump * motion.diagonal_px;
   }
 
   Result<void> relax(const SolverInput& in, StartKind start, const Points3& from_m,
                      std::vector<Candidate>& candidates) {
     Candidate candidate{start, from_m, {}, {}};
-    system_.bending = mesh_.bending();
-    if (!hidden_.empty()) {
-      HiddenBend bend = continuation_.continued(from_m, hidden_, mesh_.bending());
+    frame_.system.bending = mesh_.bending();
+    if (!frame_.hidden.empty()) {
+      HiddenBend bend = continuation_.continued(from_m, frame_.hidden, mesh_.bending());
       candidate.vertices_m = std::move(bend.shape_m);
-      system_.bending = std::move(bend.bending);
+      frame_.system.bending = std::move(bend.bending);
     }
-    candidate.relaxation = relaxation_.run(system_, options_, candidate.vertices_m,
+    candidate.relaxation = relaxation_.run(frame_.system, options_, candidate.vertices_m,
                                            [&] { return in.call.cancelled(); });
     if (candidate.relaxation.stop == Stop::cancelled) {
       return Error{Errc::cancelled, "cancelled", {}};
     }
-    if (!hidden_.empty()) {  // distances alone do not tell a bend from its opposite
-      candidate.vertices_m = continuation_.continued(candidate.vertices_m, hidden_, {}).shape_m;
+    if (!frame_.hidden.empty()) {  // distances alone do not tell a bend from its opposite
+      candidate.vertices_m =
+          continuation_.continued(candidate.vertices_m, frame_.hidden, {}).shape_m;
     }
     std::vector<double> depths_m;
-    for (const RayConstraint& seen : system_.rays) {
+    for (const RayConstraint& seen : frame_.system.rays) {
       depths_m.push_back(seen_point_m(seen, candidate.vertices_m).z());
     }
     if (median_in_place(depths_m) < 0.0) candidate.vertices_m *= -1.0;
-    candidate.fit = assess(mesh_, system_, *in.sightlines, pinhole(in), candidate.vertices_m);
+    candidate.fit = assess(mesh_, frame_.system, *in.sightlines, pinhole(in), candidate.vertices_m);
     candidates.push_back(std::move(candidate));
     return {};
   }
@@ -216,45 +172,42 @@ class ParticleSft final : public Solver {
       return no_result("lost: the median point is " + std::to_string(best.fit.residual_px) +
                        " px from its ray");
     }
-    const bool sure = matches_ >= kManyMatches && in.sightlines->coverage > kGoodCoverage &&
-                      best.good() && system_.rays.size() >= std::size_t{kManySightlines};
-    const Agreement agreement = agreement_with(in, best.vertices_m);
+    const bool sure = frame_.matches >= kManyMatches && in.sightlines->coverage > kGoodCoverage &&
+                      best.good() && frame_.system.rays.size() >= std::size_t{kManySightlines};
+    const solvers::Agreement agreement = agreement_with(in, best.vertices_m);
     Shape shape;
     shape.vertices_m = make_array<double>(best.vertices_m);
     shape.state = static_cast<std::int32_t>(sure ? ShapeState::estimated : ShapeState::weak);
-    shape.confidence = confidence(best.fit, agreement) * confidence_of_filters(in);
+    shape.confidence =
+        confidence(best.fit, agreement) * solvers::confidence_of_filters(in.correspondences);
     shape.source = Array<std::uint8_t>({mesh_.vertex_count()});
-    for (const RayConstraint& seen : system_.rays) {
+    for (const RayConstraint& seen : frame_.system.rays) {
       for (const std::int32_t v : seen.vertices) shape.source(v) = 1;
     }
-    for (const KnownSurfacePoint& held : system_.spheres) {
+    for (const KnownSurfacePoint& held : frame_.system.spheres) {
       for (const std::int32_t v : held.vertices) shape.source(v) = 1;
     }
     if (wants_covariance_) {
       const HoldingNoise noise =
-          holding_noise(best.fit.residual_px, system_.rays.size(), agreement.agreeing);
+          holding_noise(best.fit.residual_px, frame_.system.rays.size(), agreement.agreeing);
       shape.covariance_m2 = Array<double>({mesh_.vertex_count(), 3, 3});
-      const bool known = covariance_.compute(system_, pinhole(in), best.vertices_m, noise,
+      const bool known = covariance_.compute(frame_.system, pinhole(in), best.vertices_m, noise,
                                              shape.covariance_m2.data());
       if (!known) shape.covariance_m2 = {};
     }
     explain(best, tried, shape.diag);
     shape.diag.set("agreeing_matches", agreement.agreeing);
-    if (inconsistent_pairs_ == 0) return shape;
+    shape.diag.set("kept_matches", agreement.kept);
+    if (frame_.inconsistent_pairs == 0) return shape;
     return degenerate(std::move(shape),
-                      std::to_string(inconsistent_pairs_) +
+                      std::to_string(frame_.inconsistent_pairs) +
                           " pairs of known points are further apart than the surface allows");
   }
 
-  Agreement agreement_with(const SolverInput& in, const Points3& vertices_m) const {
-    return in.correspondences ? agreement(*in.correspondences, mesh_, pinhole(in), vertices_m)
-                              : agreement(system_, pinhole(in), vertices_m);
-  }
-
-  /// A filter may know of a likelier place for the object, such as a copy of it.
-  static double confidence_of_filters(const SolverInput& in) {
-    if (!in.correspondences || !in.correspondences->confidence.present()) return 1.0;
-    return std::clamp(*in.correspondences->confidence.data(), 0.0, 1.0);
+  solvers::Agreement agreement_with(const SolverInput& in, const Points3& vertices_m) const {
+    return in.correspondences
+               ? solvers::agreement(*in.correspondences, mesh_.faces(), pinhole(in), vertices_m)
+               : solvers::agreement(*in.sightlines, mesh_.faces(), pinhole(in), vertices_m);
   }
 
   void explain(const Candidate& best, std::size_t tried, Diagnostics& diag) const {
@@ -266,7 +219,7 @@ class ParticleSft final : public Solver {
     diag.set("energy", best.fit.energy);
     diag.set("start", static_cast<double>(best.start));
     diag.set("starts_tried", static_cast<double>(tried));
-    diag.set("inconsistent_known_points", inconsistent_pairs_);
+    diag.set("inconsistent_known_points", frame_.inconsistent_pairs);
   }
 
   static Pinhole pinhole(const SolverInput& in) {
@@ -274,20 +227,15 @@ class ParticleSft final : public Solver {
   }
 
   RelaxationOptions options_;
-  double known_radius_m_ = 0.005;
-  int min_sightlines_ = 3;
+  FrameOptions frame_options_;
   SolverComponent start_{"solvers/brunet_mdh"};
   double start_smoothing_ = 1.5;
-  bool continue_hidden_bend_ = true;
   bool wants_covariance_ = true;
 
   MeshModel mesh_;
   std::uint64_t mesh_revision_ = 0;
   BendContinuation continuation_;
-  ParticleSystem system_;
-  std::vector<std::uint8_t> hidden_;  ///< [V] 1 for the hidden part; empty without one
-  int matches_ = 0;
-  int inconsistent_pairs_ = 0;
+  FrameConstraints frame_;
   Relaxation relaxation_;
   ShapeCovariance covariance_;
 };
@@ -296,5 +244,5 @@ class ParticleSft final : public Solver {
 }  // namespace weft::particle_sft
 
 using weft::particle_sft::ParticleSft;
-WEFT_PLUGIN(ParticleSft, "solvers/particle_sft", "1.2.0",
+WEFT_PLUGIN(ParticleSft, "solvers/particle_sft", "1.2.1",
             "Shape from sightlines by position based dynamics, tracked from frame to frame.")

@@ -83,7 +83,7 @@ TEST(Confidence, IsOfTheSightlinesWhereNoMatchesAreWired) {
 
 TEST(Confidence, FallsWithEachSignOfTrouble) {
   const Fit good{0.1, 0.001, 1.0, false};
-  const Agreement many{300, 290};
+  const solvers::Agreement many{300, 290};
   const double best = confidence(good, many);
   EXPECT_GT(best, confidence({1.0, 0.001, 1.0, false}, many));
   EXPECT_GT(best, confidence({0.1, 0.01, 1.0, false}, many));

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "frame_constraints.hpp"
+
+#include <string>
+#include <utility>
+#include <weft/geometry/check_sightlines.hpp>
+
+#include "fit.hpp"
+#include "hidden_bend.hpp"
+#include "known_spheres.hpp"
+
+namespace weft::particle_sft {
+
+Result<void> FrameConstraints::read(const SolverInput& in, const MeshModel& mesh,
+                                    const FrameOptions& options) {
+  if (!in.sightlines) return Error{Errc::invalid_data, "needs 'sightlines'", {}};
+  const Sightlines& lines = *in.sightlines;
+  auto checked = check_sightlines(lines, mesh.vertex_count(), mesh.faces().rows());
+  if (!checked) return checked;
+  system.rays = ray_constraints(lines, mesh.faces());
+  if (system.rays.size() < static_cast<std::size_t>(options.min_sightlines)) {
+    return no_result("too few sightlines: " + std::to_string(system.rays.size()) + " of at least " +
+                     std::to_string(options.min_sightlines));
+  }
+  if (auto enough = count_matches(in); !enough) return enough;
+  hidden.clear();
+  if (in.visibility && options.continue_hidden_bend) {
+    auto part = hidden_part(*in.visibility, system.rays, mesh.neighbours());
+    if (!part) return part.error();
+    hidden = *std::move(part);
+    if (!mesh.is_flat()) add_unmeasured(system.rays, mesh.vertex_count(), hidden);
+  }
+  system.spheres.clear();
+  inconsistent_pairs = 0;
+  if (!in.known_points) return {};
+  auto spheres = known_surface_points(*in.known_points, in.templ, options.known_radius_m);
+  if (!spheres) return spheres.error();
+  system.spheres = *std::move(spheres);
+  inconsistent_pairs = make_consistent(mesh, system.spheres);
+  return {};
+}
+
+/// Where the matches are wired, too few of them mean that the object is lost.
+Result<void> FrameConstraints::count_matches(const SolverInput& in) {
+  matches = kManyMatches;
+  if (!in.correspondences) return {};
+  matches = 0;
+  for (std::int64_t i = 0; i < in.correspondences->count(); ++i) {
+    matches += in.correspondences->kept(i) != 0 ? 1 : 0;
+  }
+  if (matches >= kFewMatches) return {};
+  return no_result("lost: " + std::to_string(matches) + " matches of at least " +
+                   std::to_string(kFewMatches));
+}
+
+}  // namespace weft::particle_sft
