@@ -10,12 +10,12 @@
 namespace weft::brunet_mdh {
 namespace {
 
-constexpr std::uint64_t kSeed = 20261121;
+constexpr std::uint64_t kMatchSeed = 20261121;
 
 /// Correct matches with noise of half a pixel, moved aside.
 Correspondences matches_of(const Scene& scene, int count, double off_px) {
-  std::cout << "seed " << kSeed << "\n";
-  Rng rng(kSeed);
+  std::cout << "seed " << kMatchSeed << "\n";
+  Rng rng(kMatchSeed);
   Correspondences matches =
       testing::draw_matches(scene.templ, scene.camera, scene.truth_m, {count, 1.0, 0.5}, rng)
           .matches;
