@@ -26,6 +26,10 @@ namespace weft::evaluation {
 /// `broken` fails in every cell. A threshold alpha of four values that changes what is rejected. On
 /// top of these each sequence k (from 0) adds k/10 mm and each frame t t/100 mm. The last frame of
 /// `shaky` is missing in the first sequence.
+///
+/// `steady` is right in all frames and says 0.95, in the second half 0.85; `shaky` says 0.65 and
+/// 0.55 and is wrong in the second half of every other sequence, silently in the last frame. Of 63
+/// vertices 42, 60 and 63 are within 1, 2 and 3 standard deviations.
 class FakeResults {
  public:
   static constexpr int kFrames = 10;
@@ -143,6 +147,7 @@ class FakeResults {
     RunMetrics metrics;
     metrics.run = "cell";
     FilterCounts counts{100, 60, 40, 60, 0, 0};
+    std::vector<FrameCertainty> certainties;
     double sum = 0.0;
     for (int t = 0; t < kFrames; ++t) {
       FrameMetrics frame;
@@ -158,10 +163,13 @@ class FakeResults {
         metrics.all.solved_error.worst_mm = frame.error->mean_mm;
         metrics.all.solved_error.worst_frame = std::to_string(t);
         ++metrics.all.solved;
+        frame.certainty = certainty_of(shaky, s, t);
+        certainties.push_back(*frame.certainty);
       }
       frame.filters.emplace_back("filters", counts);
       metrics.frames.push_back(frame);
     }
+    metrics.certainty = summarise_certainty(certainties);
     metrics.counts.frames = metrics.all.frames = kFrames;
     metrics.counts.estimated = metrics.all.solved;
     metrics.all.missing = kFrames - metrics.all.solved;
@@ -182,6 +190,17 @@ class FakeResults {
     filter.right_scores[36] = 60 * kFrames;
     metrics.filters.push_back(filter);
     return metrics;
+  }
+
+  static FrameCertainty certainty_of(bool shaky, int sequence, int frame) {
+    const bool late = frame >= kFrames / 2;
+    FrameCertainty certainty;
+    certainty.confidence = (shaky ? 0.65 : 0.95) - (late ? 0.1 : 0.0);
+    certainty.right = !(shaky && late && sequence % 2 == 1);
+    certainty.silently_wrong = !certainty.right && frame == kFrames - 1;
+    certainty.vertices = 63;
+    certainty.within = {42, 60, 63};
+    return certainty;
   }
 
   /// A sheet that waves in time; the estimate stands off the truth by a multiple of the error.

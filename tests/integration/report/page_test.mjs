@@ -58,6 +58,9 @@ try {
   assert.equal(await marks(page, "figure-distribution", "line"), 8);
   assert.equal(await marks(page, "figure-by-frame", "line"), 8);
   assert.equal(await marks(page, "figure-times", "rect"), 2 * 8);
+  // What is promised and what came true: the diagonal, and of each combination two tenths.
+  assert.equal(await marks(page, "figure-reliability", "line"), 1 + 8);
+  assert.equal(await marks(page, "figure-reliability", "symbol"), 2 * 8);
   const sweeps = await page.$$eval("figure.sweep h3", (all) => all.map((one) => one.textContent));
   assert.deepEqual(sweeps, ["ROC of filters over alpha", "Along alpha"]);
   // The diagonal, and of two curves the measured part and the whole.
@@ -122,6 +125,9 @@ try {
   );
 
   await shot(page, "light.png", true);
+  await (await page.$("#figure-reliability")).screenshot({
+    path: path.join(screenshots, "reliability.png"),
+  });
   await page.$eval("#viewer", (viewer) => viewer.scrollIntoView());
   await shot(page, "viewer.png");
 

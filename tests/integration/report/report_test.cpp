@@ -216,6 +216,25 @@ TEST(Report, WritesTablesAsCsvAndMarkdown) {
   EXPECT_THAT(fake.read("report/tables.md"), HasSubstr("| steady | 0.1 | 2."));
 }
 
+TEST(Report, SaysOfEachCombinationHowSureItWasAndWhetherItWasRight) {
+  FakeResults fake({});
+  EXPECT_THAT(written(fake), HasSubstr("Silently wrong"));
+  const std::string csv = fake.read("report/confidence.csv");
+  EXPECT_THAT(csv, HasSubstr("filter,alpha,frames,brier,right,silently_wrong,within_1_std_percent,"
+                             "within_2_std_percent,within_3_std_percent\n"));
+  EXPECT_THAT(csv, HasSubstr("\nsteady,0.1,160,0.0125,160,0,66.6666667,95.2380952,100\n"));
+  // Two seeds of eight sequences, 40 frames of them wrong, two missing.
+  EXPECT_THAT(csv, HasSubstr("\nshaky,0.1,158,0."));
+  EXPECT_THAT(csv, HasSubstr(",118,8,66.6666667,95.2380952,100\n"));
+  EXPECT_THAT(csv, Not(HasSubstr("broken"))) << "it says nothing";
+  const CertaintyCounts counts = named(tables_of(read(fake)), "shaky · 0.1").certainty;
+  EXPECT_EQ(counts.bins[6].frames, 80);
+  EXPECT_NEAR(counts.bins[6].came_true, 1.0, 1e-12);
+  EXPECT_EQ(counts.bins[5].frames, 78);
+  EXPECT_NEAR(counts.bins[5].said, 0.55, 1e-12);
+  EXPECT_NEAR(counts.bins[5].came_true, 38.0 / 78.0, 1e-12);
+}
+
 TEST(Report, SaysWhereItHasTablesOnlyAndShowsTextAsText) {
   FakeResults fake({});
   const std::string page = written(fake);
