@@ -12,8 +12,9 @@ namespace {
 constexpr std::uint64_t kSeed = 7;
 constexpr double kRadiusM = 0.25, kRulingRad = 0.3;
 
-Points3 bent(const Template& templ, double radius_m, const testing::PoseSpec& pose) {
-  return testing::bent_vertices(templ, testing::make_cylinder({}, radius_m, kRulingRad, pose));
+Points3 bent(const Template& templ, const testing::SheetSpec& sheet, double radius_m,
+             const testing::PoseSpec& pose) {
+  return testing::bent_vertices(templ, testing::make_cylinder(sheet, radius_m, kRulingRad, pose));
 }
 
 Sightlines sightlines_of(const Points3& points_m, const Camera& camera) {
@@ -50,13 +51,13 @@ Shape shape_of(const Points3& vertices_m) {
 
 }  // namespace
 
-SheetScene::SheetScene() : templ(testing::make_template()) {
+SheetScene::SheetScene(const testing::SheetSpec& sheet) : templ(testing::make_template(sheet)) {
   templ.revision = 1;
-  truth_m = bent(templ, kRadiusM, {});
+  truth_m = bent(templ, sheet, kRadiusM, {});
   testing::PoseSpec before;
   before.x_m = 0.004;
   before.tilt_x_rad = 0.03;
-  previous = shape_of(bent(templ, 1.1 * kRadiusM, before));
+  previous = shape_of(bent(templ, sheet, 1.1 * kRadiusM, before));
   sightlines = sightlines_of(truth_m, camera);
 }
 

@@ -10,7 +10,8 @@
 
 namespace weft::bench {
 
-/// A bent sheet of 10 x 6 vertices in a 640x480 image, and what stages are given of it.
+/// A bent sheet, of 10 x 6 vertices unless said, in a 640x480 image, and what stages are given of
+/// it.
 struct SheetScene {
   Camera camera = testing::make_camera();
   Template templ;
@@ -18,7 +19,7 @@ struct SheetScene {
   Shape previous;   ///< of a pose a little apart
   Sightlines sightlines;
 
-  SheetScene();
+  explicit SheetScene(const testing::SheetSpec& sheet = {});
 
   /// Matches of which `correct_rate` are correct, with noise of half a pixel.
   Correspondences matches(int count, double correct_rate) const;

@@ -74,6 +74,19 @@ void particle_sft(benchmark::State& state, bool tracked) {
   run(state, solver, inputs);
 }
 
+/// One iteration from the true shape: with and without are the covariances apart.
+void covariance(benchmark::State& state, const char* params) {
+  const SheetScene scene({static_cast<int>(state.range(0)), static_cast<int>(state.range(1))});
+  Component solver("solvers/particle_sft", params, scene.templ, scene.camera);
+  Shape truth = scene.previous;
+  truth.vertices_m = make_array<double>(scene.truth_m);
+  run(state, solver,
+      {{"template", record_of(scene.templ)},
+       {"camera", record_of(scene.camera)},
+       {"sightlines", record_of(scene.sightlines)},
+       {"previous.shape", record_of(truth)}});
+}
+
 void brunet_mdh(benchmark::State& state) {
   const SheetScene scene;
   Component solver("solvers/brunet_mdh", "{}", scene.templ, scene.camera);
@@ -112,6 +125,16 @@ BENCHMARK(bbs_fit_and_evaluate)->Arg(200)->Arg(1000)->Unit(benchmark::kMilliseco
 BENCHMARK_CAPTURE(particle_sft, 60_vertices_from_the_previous_frame, true)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(particle_sft, 60_vertices_from_nothing, false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(covariance, with, "{max_iterations: 1}")
+    ->Args({10, 6})
+    ->Args({13, 9})
+    ->Args({15, 11})
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(covariance, without, "{max_iterations: 1, covariance: false}")
+    ->Args({10, 6})
+    ->Args({13, 9})
+    ->Args({15, 11})
+    ->Unit(benchmark::kMicrosecond);
 BENCHMARK(self_occlusion)->Args({10, 6})->Args({100, 50})->Unit(benchmark::kMicrosecond);
 BENCHMARK(brunet_mdh)->Unit(benchmark::kMillisecond);
 
