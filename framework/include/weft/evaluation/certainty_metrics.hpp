@@ -27,10 +27,10 @@ inline constexpr double kSureConfidence = 0.75;
 struct FrameCertainty {
   double confidence = kUnknown;  ///< []
   double seen_mm = kUnknown;     ///< [] mm, mean error of the points that the camera sees, of all
-                              ///< where the truth does not tell or it sees none
-  bool right = false;                    ///< seen_mm is below kRightShare of the diagonal
-  bool silently_wrong = false;           ///< see kWrongMm
-  std::int64_t vertices = 0;             ///< [] with a covariance and a known place
+                                 ///< where the truth does not tell or it sees none
+  bool right = false;            ///< seen_mm is below kRightShare of the diagonal
+  bool silently_wrong = false;   ///< see kWrongMm
+  std::int64_t vertices = 0;     ///< [] with a covariance and a known place
   std::array<std::int64_t, 3> within{};  ///< [] of them within 1, 2 and 3 standard deviations
 };
 
