@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "confidence.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/agreement.hpp"
 
 namespace weft::brunet_mdh {
+namespace {
+
+constexpr double kFewestMatches = 10.0;  // the logistic was fitted to frames with more
+
+}  // namespace
 
 double confidence(double strain, int agreeing_matches) {
-  return solvers::logistic(-17.02 - 2.711 * std::log(strain + 1e-3) +
-                           1.524 * std::log(1.0 + agreeing_matches));
+  const double logit =
+      -17.02 - 2.711 * std::log(strain + 1e-3) + 1.524 * std::log(1.0 + agreeing_matches);
+  return std::min(1.0, agreeing_matches / kFewestMatches) * solvers::logistic(logit);
 }
 
 }  // namespace weft::brunet_mdh
