@@ -33,6 +33,9 @@ CertaintyMetrics summarise_certainty(const std::vector<FrameCertainty>& frames) 
   std::array<double, 10> said{}, came_true{};
   double squares = 0.0;
   for (const FrameCertainty& frame : frames) {
+    metrics.vertices += frame.vertices;
+    for (std::size_t k = 0; k < within.size(); ++k) within[k] += frame.within[k];
+    if (!std::isfinite(frame.confidence)) continue;
     const double right = frame.right ? 1.0 : 0.0;
     const auto bin = static_cast<std::size_t>(std::clamp(10.0 * frame.confidence, 0.0, 9.0));
     ++metrics.frames;
@@ -42,8 +45,6 @@ CertaintyMetrics summarise_certainty(const std::vector<FrameCertainty>& frames) 
     ++metrics.bins[bin].frames;
     said[bin] += frame.confidence;
     came_true[bin] += right;
-    metrics.vertices += frame.vertices;
-    for (std::size_t k = 0; k < within.size(); ++k) within[k] += frame.within[k];
   }
   if (metrics.frames > 0) metrics.brier = squares / static_cast<double>(metrics.frames);
   for (std::size_t b = 0; b < metrics.bins.size(); ++b) {

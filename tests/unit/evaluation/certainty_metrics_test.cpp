@@ -35,6 +35,16 @@ TEST(CertaintyMetrics, AreThoseOfAHandMadeExample) {
   EXPECT_TRUE(std::isnan(metrics.bins[0].came_true));
 }
 
+TEST(CertaintyMetrics, LeaveFramesWithoutAConfidenceOut) {
+  FrameCertainty silent;
+  silent.vertices = 4;
+  silent.within = {1, 2, 3};
+  const CertaintyMetrics metrics = summarise_certainty({silent, said(0.5, true)});
+  EXPECT_EQ(metrics.frames, 1);
+  EXPECT_NEAR(metrics.brier, 0.25, 1e-12);
+  EXPECT_NEAR(metrics.within_percent[2], 75.0, 1e-12);
+}
+
 TEST(CertaintyMetrics, AreUnknownWithoutFrames) {
   const CertaintyMetrics metrics = summarise_certainty({});
   EXPECT_TRUE(std::isnan(metrics.brier));

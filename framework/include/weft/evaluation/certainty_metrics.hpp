@@ -25,7 +25,7 @@ inline constexpr double kSureConfidence = 0.75;
 
 /// What a solved frame said of its own error, beside the truth.
 struct FrameCertainty {
-  double confidence = kUnknown;  ///< []
+  double confidence = kUnknown;  ///< [] a frame without one is judged by its vertices alone
   double seen_mm = kUnknown;     ///< [] mm, mean error of the points that the camera sees, of all
                                  ///< where the truth does not tell or it sees none
   bool right = false;            ///< seen_mm is below kRightShare of the diagonal
