@@ -9,7 +9,7 @@
 namespace weft::brunet_mdh {
 namespace {
 
-constexpr double kFewestMatches = 10.0;  // the logistic was fitted to frames with more
+constexpr double kFewestMatches = 4.0;  // three agree with some affine map whatever they are
 
 }  // namespace
 
