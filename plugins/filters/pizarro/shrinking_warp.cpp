@@ -76,11 +76,12 @@ class ShrinkingWarp {
   /// Contracts what is folded, `median_det` being that of the plain fit, with the sheet's side.
   void shrink(const std::vector<Place>& places, double median_det) {
     double mu = kFirstMu;
-    for (int stage = 0; stage < kStages; ++stage, mu *= kMuGrowth) {
+    for (int stage = 0; stage < kStages; ++stage) {
       const double weight = mu * fold_weight_ / static_cast<double>(places.size());
       for (int step = 0; step < kSteps; ++step) {
         if (!improve(places, median_det, weight)) break;
       }
+      mu *= kMuGrowth;
     }
   }
 
@@ -137,11 +138,13 @@ class ShrinkingWarp {
     direction << step.head(n), step.tail(n);
     const double before = energy(places, median_det, weight, control_);
     double length = 1.0;
-    for (int k = 0; k < kHalvings; ++k, length *= 0.5) {
+    for (int k = 0; k < kHalvings; ++k) {
       const Control tried = control_ + length * direction;
-      if (!(energy(places, median_det, weight, tried) < before)) continue;
-      control_ = tried;
-      return true;
+      if (energy(places, median_det, weight, tried) < before) {
+        control_ = tried;
+        return true;
+      }
+      length *= 0.5;
     }
     return false;
   }

@@ -41,7 +41,7 @@ class BentCurve {
     const double place = std::clamp(s_m / step_m_ + kHalf, 0.0, 2.0 * kHalf);
     const auto i = std::min(static_cast<std::size_t>(place), points_.size() - 2);
     const double share = place - static_cast<double>(i);
-    const Eigen::Vector2d on_it = (1.0 - share) * points_[i] + share * points_[i + 1];
+    Eigen::Vector2d on_it = (1.0 - share) * points_[i] + share * points_[i + 1];
     if (beside_m == 0.0) return on_it;
     const Eigen::Vector2d along = (points_[i + 1] - points_[i]) / step_m_;
     return on_it + beside_m * Eigen::Vector2d(-along.y(), along.x());

@@ -36,7 +36,7 @@ std::optional<Eigen::Vector3d> straight_direction(const RestSheet& sheet) {
     weight += normal.norm();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> parts(normals / weight);
-  const Eigen::Vector3d spread = parts.eigenvalues();  // ascending
+  const Eigen::Vector3d& spread = parts.eigenvalues();  // ascending
   if (!(spread[0] < kStraight) || !(spread[1] > kStraight)) return std::nullopt;
   return parts.eigenvectors().col(0);
 }

@@ -88,7 +88,7 @@ class PlyParser {
 
   Result<void> read_element(const PlyElement& element, std::int64_t i) {
     Row row;
-    const auto read =
+    auto read =
         format_ == PlyFormat::ascii ? ascii_row(element, i, row) : binary_row(element, i, row);
     if (!read) return read;
     if (element.name == "vertex") return take_vertex(element, i, row);

@@ -86,10 +86,10 @@ class AffineComplement {
   const Eigen::Matrix3d& corner() const { return corner_; }  ///< upper triangle: Q^T [1 o]
 
   /// Q^T x and Q x, in place.
-  void forward(Eigen::Ref<Eigen::MatrixXd> x) const {
+  void forward(Eigen::MatrixXd& x) const {
     for (Eigen::Index k = 0; k < 3; ++k) reflect(k, x);
   }
-  void backward(Eigen::Ref<Eigen::MatrixXd> x) const {
+  void backward(Eigen::MatrixXd& x) const {
     for (Eigen::Index k = 2; k >= 0; --k) reflect(k, x);
   }
   /// Q^T M Q of a symmetric matrix, in place.
@@ -104,7 +104,7 @@ class AffineComplement {
   }
 
  private:
-  void reflect(Eigen::Index k, Eigen::Ref<Eigen::MatrixXd> x) const {
+  void reflect(Eigen::Index k, Eigen::MatrixXd& x) const {
     const Eigen::RowVectorXd along = 2.0 * vectors_.col(k).transpose() * x;
     x.noalias() -= vectors_.col(k) * along;
   }
