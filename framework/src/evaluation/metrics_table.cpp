@@ -12,13 +12,7 @@
 namespace weft::evaluation {
 namespace {
 
-constexpr const char* kNoValue = "-";
 constexpr std::ptrdiff_t kWorstFrames = 5;
-
-/// A number with `decimals`, or "-".
-std::string number(double value, int decimals) {
-  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : kNoValue;
-}
 
 /// Text from a file on one line: control characters could move a terminal's cursor.
 std::string printable(std::string text) {
@@ -67,14 +61,14 @@ Row frame_row(const FrameMetrics& frame) {
           std::to_string(frame.frame),
           frame.outcome == Outcome::invalid ? to_string(frame.outcome) : to_string(frame.state),
           frame.has_truth ? printable(truth) : kNoValue,
-          number(error.mean_mm, 2),
-          number(error.median_mm, 2),
-          number(error.p95_mm, 2),
-          number(error.worst_mm, 2),
-          number(kPercent * frame.strain_mean, 2),
-          number(frame.motion.jitter_mm, 2),
-          number(frame.image.reprojection_px, 2),
-          number(frame.image.overlay_px, 2)};
+          decimal(error.mean_mm, 2),
+          decimal(error.median_mm, 2),
+          decimal(error.p95_mm, 2),
+          decimal(error.worst_mm, 2),
+          decimal(kPercent * frame.strain_mean, 2),
+          decimal(frame.motion.jitter_mm, 2),
+          decimal(frame.image.reprojection_px, 2),
+          decimal(frame.image.overlay_px, 2)};
 }
 
 Row row_of(const std::string& name, const GroupMetrics& group) {
@@ -84,15 +78,15 @@ Row row_of(const std::string& name, const GroupMetrics& group) {
           std::to_string(group.solved),
           std::to_string(group.held),
           std::to_string(group.failures()),
-          number(error.mean_mm, 2),
-          number(error.standard_error_mm, 2),
-          number(error.median_mm, 2),
-          number(error.p95_mm, 2),
-          number(error.worst_mm, 2),
+          decimal(error.mean_mm, 2),
+          decimal(error.standard_error_mm, 2),
+          decimal(error.median_mm, 2),
+          decimal(error.p95_mm, 2),
+          decimal(error.worst_mm, 2),
           error.frames > 0 ? printable(error.worst_frame) : kNoValue,
-          number(error.worst_point_mm, 2),
-          number(error.of_depth_percent, 2),
-          number(kPercent * group.strain_mean, 2)};
+          decimal(error.worst_point_mm, 2),
+          decimal(error.of_depth_percent, 2),
+          decimal(kPercent * group.strain_mean, 2)};
 }
 
 std::vector<Row> header() {
@@ -105,24 +99,24 @@ std::string counts_text(const RunMetrics& metrics) {
   const double percent =
       kPercent * static_cast<double>(counts.solved()) / static_cast<double>(counts.frames);
   std::string text = fmt::format("{}: {} frames, {} solved ({} %)\n", printable(metrics.run),
-                                 counts.frames, counts.solved(), number(percent, 1));
+                                 counts.frames, counts.solved(), decimal(percent, 1));
   const auto share = [&](std::int64_t part) {
     const double whole = static_cast<double>(counts.frames);
-    return fmt::format("{} ({} %)", part, number(kPercent * static_cast<double>(part) / whole, 1));
+    return fmt::format("{} ({} %)", part, decimal(kPercent * static_cast<double>(part) / whole, 1));
   };
   text += fmt::format("  estimated {}, weak {}, predicted {}, lost {}, none {}, not finite {}; ",
                       share(counts.estimated), share(counts.weak), share(counts.predicted),
                       share(counts.lost), share(counts.none), share(counts.invalid));
   text += fmt::format("with an error {}\n", counts.failed);
   text += fmt::format("  isometry error of solved frames, |l/l0 - 1|: mean {} %, P95 {} %\n",
-                      number(kPercent * metrics.strain_mean, 2),
-                      number(kPercent * metrics.strain_p95, 2));
+                      decimal(kPercent * metrics.strain_mean, 2),
+                      decimal(kPercent * metrics.strain_p95, 2));
   if (const Jitter& jitter = metrics.jitter; jitter.triples > 0) {
     text += fmt::format("  jitter |X[t] - 2 X[t-1] + X[t-2]|: mean {} mm, median {} mm, {} triples",
-                        number(jitter.mean_mm, 2), number(jitter.median_mm, 2), jitter.triples);
+                        decimal(jitter.mean_mm, 2), decimal(jitter.median_mm, 2), jitter.triples);
     if (jitter.truth_triples > 0) {
       text += fmt::format("; the truth's own mean {} mm, {} triples",
-                          number(jitter.truth_mean_mm, 2), jitter.truth_triples);
+                          decimal(jitter.truth_mean_mm, 2), jitter.truth_triples);
     }
     if (jitter.cuts > 0) text += fmt::format("; cuts left out: {}", jitter.cuts);
     text += '\n';
@@ -148,8 +142,8 @@ std::string rest_text(const RunMetrics& metrics) {
     const ErrorSummary& held = group.held_error;
     if (held.frames > 0) {
       note(held.frames,
-           fmt::format("held (predicted or lost): mean {}, worst {} ({})", number(held.mean_mm, 2),
-                       number(held.worst_mm, 2), printable(held.worst_frame)));
+           fmt::format("held (predicted or lost): mean {}, worst {} ({})", decimal(held.mean_mm, 2),
+                       decimal(held.worst_mm, 2), printable(held.worst_frame)));
     }
     note(group.missing, "with truth but without a shape: failures, not in the means");
     note(group.invalid, "with NaN or infinity in the shape: failures, not in the means");
@@ -173,19 +167,19 @@ std::string filters_text(const RunMetrics& metrics) {
     if (filter.labelled == 0) continue;
     rows.push_back({printable(filter.stage), std::to_string(filter.frames),
                     std::to_string(filter.entered), std::to_string(filter.labelled),
-                    number(filter.tpr_percent, 1), number(filter.fpr_percent, 1),
-                    number(filter.kept_percent, 1), number(filter.precision_percent, 1),
-                    number(filter.recall_percent, 1), number(filter.f1_percent, 1),
+                    decimal(filter.tpr_percent, 1), decimal(filter.fpr_percent, 1),
+                    decimal(filter.kept_percent, 1), decimal(filter.precision_percent, 1),
+                    decimal(filter.recall_percent, 1), decimal(filter.f1_percent, 1),
                     std::to_string(filter.frames_without_mismatch),
                     std::to_string(filter.frames_without_correct),
                     std::to_string(filter.frames_without_kept)});
   }
   if (rows.size() == 1) return "";
   std::string title = fmt::format("filters: positive is a mismatch, correct within {} px",
-                                  number(metrics.image.match_tolerance_px, 1));
+                                  decimal(metrics.image.match_tolerance_px, 1));
   if (std::isfinite(metrics.image.truth_map_px)) {
-    title +=
-        fmt::format("; the truth foretells itself to {} px", number(metrics.image.truth_map_px, 2));
+    title += fmt::format("; the truth foretells itself to {} px",
+                         decimal(metrics.image.truth_map_px, 2));
   }
   return title + "\n" + align(rows);
 }
@@ -194,12 +188,12 @@ std::string image_text(const ImageSummary& image) {
   std::string text;
   if (image.reprojection_frames > 0) {
     text += fmt::format("  reprojection of correct matches: {} px, {} matches in {} frames\n",
-                        number(image.reprojection_px, 2), image.reprojection_matches,
+                        decimal(image.reprojection_px, 2), image.reprojection_matches,
                         image.reprojection_frames);
   }
   if (image.overlay_frames > 0) {
     text += fmt::format("  vertices beside their true image: {} px, {} vertices in {} frames\n",
-                        number(image.overlay_px, 2), image.overlay_vertices, image.overlay_frames);
+                        decimal(image.overlay_px, 2), image.overlay_vertices, image.overlay_frames);
   }
   if (image.behind_camera_frames > 0) {
     text += fmt::format("  {} frames with a point behind the camera have no such figure\n",
@@ -212,8 +206,8 @@ std::string warps_text(const RunMetrics& metrics) {
   std::vector<Row> rows{{"warp", "frames", "salient px", "vertices", "other px", "vertices"}};
   for (const WarpMetrics& warp : metrics.warps) {
     if (warp.salient + warp.other == 0) continue;
-    rows.push_back({printable(warp.stage), std::to_string(warp.frames), number(warp.salient_px, 2),
-                    std::to_string(warp.salient), number(warp.other_px, 2),
+    rows.push_back({printable(warp.stage), std::to_string(warp.frames), decimal(warp.salient_px, 2),
+                    std::to_string(warp.salient), decimal(warp.other_px, 2),
                     std::to_string(warp.other)});
   }
   if (rows.size() == 1) return "";
@@ -227,8 +221,8 @@ std::string depth_text(const DepthSummary& depth) {
       "against depth images, not aligned\n"
       "  median distance at kept matches: {} mm mean, {} mm median, {} mm worst of {} frames\n"
       "  {} matches; {} more have no depth; {} frames without a figure\n",
-      number(depth.mean_mm, 2), number(depth.median_mm, 2), number(depth.worst_mm, 2), depth.frames,
-      depth.matches, depth.without_depth, depth.frames_without_median);
+      decimal(depth.mean_mm, 2), decimal(depth.median_mm, 2), decimal(depth.worst_mm, 2),
+      depth.frames, depth.matches, depth.without_depth, depth.frames_without_median);
 }
 
 }  // namespace
@@ -283,7 +277,7 @@ std::string to_frames_table(const RunMetrics& metrics) {
       align(rows);
   for (auto each = worst.begin(); each != last; ++each) {
     text += each == worst.begin() ? "worst frames: " : ", ";
-    text += printable((*each)->label()) + " " + number((*each)->error->mean_mm, 2);
+    text += printable((*each)->label()) + " " + decimal((*each)->error->mean_mm, 2);
   }
   return worst.empty() ? text : text + "\n";
 }

@@ -6,13 +6,10 @@
 #include <cmath>
 
 namespace weft::evaluation {
-namespace {
 
-std::string number_or_dash(double value, int decimals) {
-  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
+std::string decimal(double value, int decimals) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : kNoValue;
 }
-
-}  // namespace
 
 std::string visibility_text(const VisibilityMetrics& visibility) {
   if (visibility.hidden_points + visibility.vertices == 0) return "";
@@ -20,10 +17,9 @@ std::string visibility_text(const VisibilityMetrics& visibility) {
       "what the camera sees, {} frames\n"
       "  3D error: {} mm at visible points, {} mm at the {} hidden ones\n"
       "  vertices: F1 {} % of those seen, {} % of those hidden, {} told, {} hidden in truth\n",
-      visibility.frames, number_or_dash(visibility.visible_mm, 2),
-      number_or_dash(visibility.hidden_mm, 2), visibility.hidden_points,
-      number_or_dash(visibility.f1_percent, 1), number_or_dash(visibility.hidden_f1_percent, 1),
-      visibility.vertices, visibility.hidden_vertices);
+      visibility.frames, decimal(visibility.visible_mm, 2), decimal(visibility.hidden_mm, 2),
+      visibility.hidden_points, decimal(visibility.f1_percent, 1),
+      decimal(visibility.hidden_f1_percent, 1), visibility.vertices, visibility.hidden_vertices);
 }
 
 std::string certainty_text(const CertaintyMetrics& certainty) {
@@ -31,13 +27,12 @@ std::string certainty_text(const CertaintyMetrics& certainty) {
   std::string text = fmt::format(
       "confidence, {} solved frames\n"
       "  Brier score {}; {} frames within 2 % of the diagonal; {} silently wrong\n",
-      certainty.frames, number_or_dash(certainty.brier, 3), certainty.right,
-      certainty.silently_wrong);
+      certainty.frames, decimal(certainty.brier, 3), certainty.right, certainty.silently_wrong);
   if (certainty.vertices == 0) return text;
   const auto& within = certainty.within_percent;
   return text + fmt::format("  within 1, 2, 3 standard deviations: {}, {}, {} % of {} vertices\n",
-                            number_or_dash(within[0], 1), number_or_dash(within[1], 1),
-                            number_or_dash(within[2], 1), certainty.vertices);
+                            decimal(within[0], 1), decimal(within[1], 1), decimal(within[2], 1),
+                            certainty.vertices);
 }
 
 }  // namespace weft::evaluation

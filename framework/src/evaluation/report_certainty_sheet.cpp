@@ -6,14 +6,10 @@ namespace {
 
 constexpr const char* kCertaintyNote =
     "Of all solved frames with an error. Brier score: mean of (confidence - right)^2, 0 is "
-    "perfect. "
-    "Right: the mean error of what the camera sees is below 2 % of the template's diagonal. "
-    "Silently "
-    "wrong: estimated, a confidence of at least 0.75, and a mean error above 20 mm. Within: "
-    "vertices "
-    "whose error along the major axis of their covariance is at most so many standard deviations; "
-    "of "
-    "normal errors 68.3, 95.4 and 99.7 %.";
+    "perfect. Right: the mean error of what the camera sees is below 2 % of the template's "
+    "diagonal. Silently wrong: estimated, a confidence of at least 0.75, and a mean error above "
+    "20 mm. Within: vertices whose error along the major axis of their covariance is at most so "
+    "many standard deviations; of normal errors 68.3, 95.4 and 99.7 %.";
 
 }  // namespace
 

@@ -12,33 +12,15 @@ namespace {
 
 using testing::PluginUnderTest;
 
-/// Five matches in each face of the sheet, all kept, all off by the same in the image.
+/// Correct matches without noise, five for each face of the sheet, moved aside in the image.
 Correspondences matches_of(const Scene& scene, double off_px) {
-  const Faces faces = scene.templ.faces.matrix<3>();
-  const std::int64_t count = 5 * faces.rows();
+  const int count = 5 * static_cast<int>(scene.templ.faces.rows());
   std::cout << "seed " << kSeed << "\n";
   Rng rng(kSeed);
-  Correspondences matches;
-  matches.template_px = Array<double>({count, 2});
-  matches.image_px = Array<double>({count, 2});
-  matches.face = Array<std::int32_t>({count});
-  matches.barycentrics = Array<double>({count, 3});
-  matches.kept = Array<std::uint8_t>({count});
-  matches.score = Array<double>({count});
-  for (std::int64_t i = 0; i < count; ++i) {
-    const double a = rng.uniform(0.0, 0.5), b = rng.uniform(0.0, 0.5);
-    const Eigen::Vector3d weights(a, b, 1.0 - a - b);
-    matches.face(i) = static_cast<std::int32_t>(i % faces.rows());
-    matches.barycentrics.matrix<3>().row(i) = weights.transpose();
-    Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
-    for (int k = 0; k < 3; ++k) {
-      point_m += weights[k] * scene.truth_m.row(faces(matches.face(i), k)).transpose();
-    }
-    matches.image_px.matrix<2>().row(i) =
-        project(testing::pinhole(scene.camera), point_m).transpose();
-    matches.image_px(i, 0) += off_px;
-    matches.kept(i) = 1;
-  }
+  Correspondences matches =
+      testing::draw_matches(scene.templ, scene.camera, scene.truth_m, {count, 1.0, 0.0}, rng)
+          .matches;
+  for (std::int64_t i = 0; i < matches.count(); ++i) matches.image_px(i, 0) += off_px;
   return matches;
 }
 
