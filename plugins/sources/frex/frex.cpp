@@ -95,7 +95,7 @@ class SheetSource : public Source {
   virtual Result<PrintedSheet> make_sheet(const Call& call) const = 0;
 
  private:
-  Result<Studio> furnish(const Camera& camera, PrintedSheet printed) const {
+  Result<Studio> furnish(const Camera& camera, PrintedSheet&& printed) const {
     const Settings& s = settings_;
     auto& [print, sheet] = printed;
     const bool is_grey = print.is_grey();
