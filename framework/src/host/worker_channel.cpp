@@ -18,7 +18,7 @@ struct Header {
 };
 
 constexpr std::uint32_t kMark = 0x54464557;  // "WEFT"
-constexpr std::uint64_t kLongest = 64U << 20U;
+constexpr std::uint64_t kLongestMessage_bytes = 64U << 20U;
 constexpr int kSlice_ms = 10;
 
 }  // namespace
@@ -45,7 +45,7 @@ Channel::Received Channel::receive(Message& message, const std::function<bool()>
   Header header{};
   Received got = read(reinterpret_cast<char*>(&header), sizeof(header), keep_waiting);
   if (got != Received::message) return got;
-  if (header.mark != kMark || header.length > kLongest) return Received::unreadable;
+  if (header.mark != kMark || header.length > kLongestMessage_bytes) return Received::unreadable;
   message.kind = static_cast<MessageKind>(header.kind);
   message.content.resize(header.length);
   return read(message.content.data(), header.length, keep_waiting);

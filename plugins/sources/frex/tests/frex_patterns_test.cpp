@@ -149,7 +149,7 @@ class FrexPatterns : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(FrexPatterns, HaveMapsThatAgreeWithTheirVertices) {
   SmallFilm source("period_s: 1.6, seed: 3, pattern: " + std::string(GetParam()));
-  for (const std::uint64_t frame : {0, 12, 24}) {
+  for (const std::uint64_t frame : {12, 24}) {
     SCOPED_TRACE("frame " + std::to_string(frame));
     const GroundTruth truth = source.truth(frame);
     const MapErrors maps = compare_pixels(truth, source.pinhole());

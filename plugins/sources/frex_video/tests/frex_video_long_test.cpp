@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The accuracy over a whole film; the quick tests look at two of these frames.
+// The accuracy over a whole film; the quick tests look at one of these frames.
 #include "film_accuracy.hpp"
 
 namespace weft::testing {

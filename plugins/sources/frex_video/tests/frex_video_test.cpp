@@ -26,7 +26,7 @@ using weft::testing::Outcome;
 using weft::testing::PluginUnderTest;
 using weft::testing::view;
 
-constexpr int kFrames[] = {58, 170};
+constexpr int kFrames[] = {170};
 
 std::string refusal(const std::string& params) {
   PluginUnderTest source("sources/frex_video", params);
@@ -45,7 +45,7 @@ class FrexVideo : public ::testing::Test {
 std::unique_ptr<FilmedSheet> FrexVideo::filmed_;
 
 TEST_F(FrexVideo, ShowsThePrintAsIfItHadBeenFilmed) {
-  weft::testing::expect_the_print_as_if_filmed(*filmed_, kFrames, 150'000U);
+  weft::testing::expect_the_print_as_if_filmed(*filmed_, kFrames, 60'000U);
 }
 
 TEST_F(FrexVideo, KnowsTheSurfaceBetterThanEachMarkerByItself) {
