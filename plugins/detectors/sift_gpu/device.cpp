@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "program.hpp"
+
+namespace weft::sift_gpu {
+namespace {
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+bool is_gpu(const cl::Device& device) {
+  return (device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_GPU) != 0;
+}
+
+std::string list(const std::vector<cl::Device>& devices) {
+  std::string text;
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    text += (i > 0 ? "; " : "") + std::to_string(i) + ": " + description(devices[i]);
+  }
+  return text;
+}
+
+const char* name_of(cl_int code) {
+  switch (code) {
+    case CL_DEVICE_NOT_AVAILABLE:
+      return "device not available";
+    case CL_MEM_OBJECT_ALLOCATION_FAILURE:
+      return "no memory left on the device";
+    case CL_OUT_OF_RESOURCES:
+      return "out of resources; the kernel failed or the device is lost";
+    case CL_OUT_OF_HOST_MEMORY:
+      return "no memory left in the driver";
+    case CL_BUILD_PROGRAM_FAILURE:
+      return "the kernels do not compile";
+    case CL_INVALID_BUFFER_SIZE:
+      return "a buffer is larger than the device allows";
+    case CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST:
+      return "an earlier step failed";
+    default:
+      return "see CL/cl.h";
+  }
+}
+
+}  // namespace
+
+std::vector<cl::Device> all_devices() {
+  std::vector<cl::Device> devices;
+  std::vector<cl::Platform> platforms;
+  try {
+    cl::Platform::get(&platforms);
+  } catch (const cl::Error&) {
+    return devices;  // the loader reports "no platform" as a failure
+  }
+  for (const cl::Platform& platform : platforms) {
+    try {
+      std::vector<cl::Device> of_platform;
+      platform.getDevices(CL_DEVICE_TYPE_ALL, &of_platform);
+      devices.insert(devices.end(), of_platform.begin(), of_platform.end());
+    } catch (const cl::Error&) {
+      continue;  // a driver without a device
+    }
+  }
+  std::stable_partition(devices.begin(), devices.end(), is_gpu);
+  return devices;
+}
+
+std::string description(const cl::Device& device) {
+  return device.getInfo<CL_DEVICE_NAME>() + " (" + device.getInfo<CL_DEVICE_VENDOR>() +
+         ", driver " + device.getInfo<CL_DRIVER_VERSION>() + ")";
+}
+
+Result<cl::Device> choose(const std::string& wanted) {
+  const std::vector<cl::Device> devices = all_devices();
+  if (devices.empty()) {
+    return Error{Errc::not_found,
+                 "there is no OpenCL device; install the driver of the GPU (its package has "
+                 "'opencl-icd' in its name), or pocl-opencl-icd to compute on the processor",
+                 {}};
+  }
+  if (wanted.empty()) return devices.front();
+  const bool is_index = std::all_of(wanted.begin(), wanted.end(),
+                                    [](unsigned char c) { return std::isdigit(c) != 0; });
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    const std::string names =
+        lower(devices[i].getInfo<CL_DEVICE_NAME>() + "\n" + devices[i].getInfo<CL_DEVICE_VENDOR>());
+    if (is_index ? std::to_string(i) == wanted : names.find(lower(wanted)) != std::string::npos) {
+      return devices[i];
+    }
+  }
+  return Error{
+      Errc::not_found, "no OpenCL device is '" + wanted + "'; there are: " + list(devices), {}};
+}
+
+Error error_of(const cl::Error& failure, const std::string& doing) {
+  return {Errc::plugin_failure,
+          std::string(failure.what()) + " failed with " + std::to_string(failure.err()) + " (" +
+              name_of(failure.err()) + ") while " + doing,
+          {}};
+}
+
+Device::Device(const cl::Device& device)
+    : device_(device),
+      context_(device),
+      program_(compiled(context_, device_)),
+      name_(description(device)),
+      largest_buffer_bytes_(device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>()),
+      memory_bytes_(device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>()) {}
+
+Result<std::shared_ptr<Device>> Device::open(const std::string& wanted) {
+  auto device = choose(wanted);
+  if (!device) return device.error();
+  static std::mutex mutex;
+  static std::map<cl_device_id, std::weak_ptr<Device>> open_devices;
+  const std::lock_guard lock(mutex);
+  std::weak_ptr<Device>& place = open_devices[(*device)()];
+  if (auto shared = place.lock()) return shared;
+  try {
+    auto opened = std::make_shared<Device>(*device);
+    place = opened;
+    return opened;
+  } catch (const cl::BuildError& failure) {
+    std::string log;
+    for (const auto& entry : failure.getBuildLog()) log += entry.second;
+    return Error{Errc::unsupported,
+                 "the kernels do not compile on " + description(*device) + ": " + log,
+                 {}};
+  } catch (const cl::Error& failure) {
+    return error_of(failure, "opening " + description(*device));
+  }
+}
+
+bool wait_for(const cl::Event& event, const std::function<bool()>& cancelled) {
+  using Clock = std::chrono::steady_clock;
+  constexpr auto kBusy = std::chrono::milliseconds(1);
+  constexpr auto kPause = std::chrono::microseconds(200);
+  const auto start = Clock::now();
+  for (;;) {
+    const auto status = event.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>();
+    if (status == CL_COMPLETE) return true;
+    if (status < 0) throw cl::Error(status, "a command on the device");
+    if (Clock::now() - start < kBusy) {
+      std::this_thread::yield();
+    } else {
+      if (cancelled()) return false;
+      std::this_thread::sleep_for(kPause);
+    }
+  }
+}
+
+}  // namespace weft::sift_gpu

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "program.hpp"
+
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+namespace weft::sift_gpu {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr const char* kOptions = "-cl-std=CL1.2";
+
+/// Where the program of this device stands; empty where there is no folder for caches.
+fs::path cache_file(const cl::Device& device) {
+  fs::path folder;
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache == '/') {
+    folder = cache;
+  } else if (const char* home = std::getenv("HOME"); home != nullptr && *home == '/') {
+    folder = fs::path(home) / ".cache";
+  } else {
+    return {};
+  }
+  const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>());
+  const std::string identity = std::string(kKernels) + kOptions + description(device) +
+                               device.getInfo<CL_DEVICE_VERSION>() +
+                               platform.getInfo<CL_PLATFORM_VERSION>();
+  const XXH64_hash_t hash = XXH3_64bits(identity.data(), identity.size());
+  return folder / "weft" / "opencl" / (std::to_string(hash) + ".bin");
+}
+
+/// Written beside its place and renamed, so that nobody reads half of it. A cache that cannot be
+/// written costs the next start its time and nothing else.
+void store(const fs::path& file, const std::vector<unsigned char>& binary) {
+  std::error_code code;
+  fs::create_directories(file.parent_path(), code);
+  const fs::path partial = file.string() + "." + std::to_string(getpid());
+  std::ofstream out(partial, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(binary.data()),
+            static_cast<std::streamsize>(binary.size()));
+  out.close();
+  if (out) fs::rename(partial, file, code);
+  fs::remove(partial, code);
+}
+
+cl::Program from_cache(const cl::Context& context, const cl::Device& device, const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return {};
+  std::vector<unsigned char> binary{std::istreambuf_iterator<char>(in), {}};
+  try {
+    cl::Program program(context, {device}, {std::move(binary)});
+    program.build({device});
+    return program;
+  } catch (const cl::Error&) {
+    return {};  // of another driver, or cut short: it is compiled and stored again
+  }
+}
+
+}  // namespace
+
+cl::Program compiled(const cl::Context& context, const cl::Device& device) {
+  const fs::path file = cache_file(device);
+  if (!file.empty()) {
+    if (cl::Program cached = from_cache(context, device, file); cached() != nullptr) return cached;
+  }
+  cl::Program program(context, kKernels);
+  program.build({device}, kOptions);
+  const auto binaries = program.getInfo<CL_PROGRAM_BINARIES>();
+  if (!file.empty() && binaries.size() == 1 && !binaries.front().empty()) {
+    store(file, binaries.front());
+  }
+  return program;
+}
+
+}  // namespace weft::sift_gpu

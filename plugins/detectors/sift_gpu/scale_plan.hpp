@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace weft::sift_gpu {
+
+/// What SIFT is asked for.
+struct Settings {
+  int octave_layers = 3;             ///< scales per octave
+  double contrast_threshold = 0.04;  ///< of grey levels 0 to 1, divided by octave_layers
+  double edge_threshold = 10.0;      ///< largest ratio of principal curvatures
+  double sigma_px = 1.6;             ///< blur of the first layer, px of the first octave
+  bool upsample = true;              ///< the first octave has twice the image's size
+
+  bool operator==(const Settings&) const = default;
+};
+
+/// One octave of the pyramid, as the kernels read it: layers [octave_layers + 3,height,width] f32.
+struct Octave {
+  std::uint64_t offset;  ///< elements from the pyramid's begin
+  std::int32_t width, height;
+};
+
+/// One Gaussian: its taps from the middle outwards stand in ScalePlan::taps.
+struct Blur {
+  int offset;
+  int radius;
+};
+
+/// Sizes and Gaussians of the scale space of images of one size (Lowe 2004, section 3). Octaves and
+/// blurs are those of OpenCV 4.6, whose answers are the reference.
+struct ScalePlan {
+  ScalePlan(int image_width, int image_height, const Settings& settings);
+
+  /// Layers of an octave.
+  int layers() const { return static_cast<int>(blurs.size()); }
+
+  int image_width, image_height;
+  int width, height;  ///< of the first octave, even where there is none
+  std::vector<Octave> octaves;
+  std::vector<Blur> blurs;  ///< [octave_layers + 3] before the first layer, then between layers
+  std::vector<float> taps;
+  std::uint64_t pyramid_size = 0;  ///< elements
+};
+
+}  // namespace weft::sift_gpu

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <weft/data/array.hpp>
+
+#include "device.hpp"
+#include "scale_plan.hpp"
+
+namespace weft::sift_gpu {
+
+/// An extremum of the scale space, or a keypoint, as the kernels write it.
+struct Spot {
+  float x, y;           ///< px of its octave
+  float scale;          ///< sigma, px of its octave
+  float angle;          ///< rad, clockwise from +x
+  float response;       ///< |D|, grey levels 0 to 1
+  std::int32_t octave;  ///< 0 for the first of the pyramid
+  std::int32_t layer;
+  std::int32_t reserved;
+
+  bool operator==(const Spot&) const = default;
+};
+
+inline constexpr int kDescriptorLength = 128;
+
+/// What interrupted a session; its commands may still be running.
+struct Cancelled {};
+
+/// SIFT for images of one size on one device: the buffers are made once. All methods throw
+/// cl::Error when the device fails and Cancelled when the call's host asked to stop; after either
+/// the session must not be used again.
+class Session {
+ public:
+  using CancelledCheck = std::function<bool()>;
+
+  /// `channels` is 1 or 3 (blue, green, red).
+  Session(std::shared_ptr<Device> device, int width, int height, int channels,
+          const Settings& settings);
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// Bytes on the device that a session would hold before it knows how many keypoints there are.
+  static std::uint64_t bytes_needed(const ScalePlan& plan, int channels);
+  /// The largest of its buffers.
+  static std::uint64_t largest_buffer_bytes(const ScalePlan& plan);
+
+  bool fits(int width, int height, int channels) const;
+
+  /// Keypoints of the image [H,W] or [H,W,3], without duplicates, in no particular order; the
+  /// pyramid stays for describe().
+  std::vector<Spot> find(const Array<std::uint8_t>& pixels, const CancelledCheck& cancelled);
+
+  /// SIFT descriptors [K,128] u8 of keypoints of the last image.
+  cl::Buffer describe(const std::vector<Spot>& keypoints);
+
+  /// Copies descriptors [count,128] to the host.
+  std::vector<std::uint8_t> download(const cl::Buffer& descriptors, std::size_t count,
+                                     const CancelledCheck& cancelled);
+
+  /// Whether all that was asked of the device has come to an end.
+  bool idle() const;
+
+  /// Layers [octave_layers + 3,height,width] of an octave of the last image, for tests.
+  std::vector<float> octave(std::size_t index);
+
+ private:
+  void upload(const Array<std::uint8_t>& pixels);
+  void build_pyramid();
+  void blur(std::uint64_t from_offset, const Octave& octave, const Blur& gaussian,
+            std::uint64_t to_offset);
+  void launch_extrema();
+  void launch_orientations(int extrema);
+  int read_count(const CancelledCheck& cancelled);
+  void read(const cl::Buffer& from, std::size_t bytes, void* to, const CancelledCheck& cancelled);
+  template <class... Args>
+  void launch(cl::Kernel& kernel, const cl::NDRange& global, const cl::NDRange& group,
+              const Args&... args);
+  cl::Buffer buffer(std::uint64_t bytes) const;
+
+  std::shared_ptr<Device> device_;
+  Settings settings_;
+  ScalePlan plan_;
+  int channels_;
+  cl::CommandQueue queue_;
+  cl::Kernel grey_levels_, blur_rows_, blur_columns_, halve_, extrema_, orientations_,
+      descriptions_;
+  cl::Buffer image_, scratch_, pyramid_, octaves_, taps_, count_, extrema_found_, keypoints_found_,
+      selected_;
+  int extrema_capacity_, keypoints_capacity_;
+  int selected_capacity_ = 0;
+  cl::Event last_;
+  std::vector<std::uint8_t> packed_;
+  std::vector<std::byte> landing_;
+};
+
+}  // namespace weft::sift_gpu
