@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace weft::descriptor {
+namespace weft::matchers {
 
 struct Match {
   int template_keypoint = -1;
@@ -25,4 +25,4 @@ void keep_one_per_image_point(std::vector<Match>& matches);
 /// nothing.
 void merge_duplicates(double radius_px, std::vector<Match>& matches);
 
-}  // namespace weft::descriptor
+}  // namespace weft::matchers

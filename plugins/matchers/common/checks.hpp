@@ -4,10 +4,10 @@
 #include <weft/core/result.hpp>
 #include <weft/data/keypoints.hpp>
 
-namespace weft::descriptor {
+namespace weft::matchers {
 
 /// Whether two sets of keypoints, neither of them empty, can be matched: same known metric,
 /// descriptors of the same length, finite numbers, positive scales. The Error says what to change.
 Result<void> check(const Keypoints& templ, const Keypoints& image, bool root_sift);
 
-}  // namespace weft::descriptor
+}  // namespace weft::matchers

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "pruning.hpp"
+#include "common/pruning.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -7,7 +7,7 @@
 
 #include "common/duplicates.hpp"
 
-namespace weft::descriptor {
+namespace weft::matchers {
 namespace {
 
 auto quality(const Match& match) {
@@ -52,9 +52,9 @@ void merge_duplicates(double radius_px, std::vector<Match>& matches) {
     return quality(matches[static_cast<std::size_t>(i)]) <
            quality(matches[static_cast<std::size_t>(j)]);
   });
-  std::vector<matchers::PointPair> pairs;
+  std::vector<PointPair> pairs;
   for (const Match& match : matches) pairs.push_back({match.template_px, match.image_px});
-  keep_flagged(matchers::distinct(pairs, order, radius_px, radius_px), matches);
+  keep_flagged(distinct(pairs, order, radius_px, radius_px), matches);
 }
 
-}  // namespace weft::descriptor
+}  // namespace weft::matchers

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "checks.hpp"
+#include "common/checks.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 
-namespace weft::descriptor {
+namespace weft::matchers {
 namespace {
 
 Error invalid(std::string message) { return {Errc::invalid_data, std::move(message), {}}; }
@@ -80,4 +80,4 @@ Result<void> check(const Keypoints& templ, const Keypoints& image, bool root_sif
   return check_floats(image, "image", root_sift);
 }
 
-}  // namespace weft::descriptor
+}  // namespace weft::matchers

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "pruning.hpp"
+#include "common/pruning.hpp"
 
 #include <gmock/gmock.h>
 
-namespace weft::descriptor {
+namespace weft::matchers {
 namespace {
 
 using ::testing::ElementsAre;
@@ -69,4 +69,4 @@ TEST(Pruning, TakesNoMatches) {
 }
 
 }  // namespace
-}  // namespace weft::descriptor
+}  // namespace weft::matchers
