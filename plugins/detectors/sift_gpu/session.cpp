@@ -8,7 +8,6 @@
 namespace weft::sift_gpu {
 namespace {
 
-constexpr int kGroup = 32;  // items that share a spot, as in the kernels
 constexpr int kTileWidth = 32, kTileHeight = 8;
 constexpr int kPixelsPerSpot = 200;  // at first; buffers grow where there are more
 constexpr int kFewestSpots = 1024;
@@ -21,8 +20,6 @@ cl::NDRange pixels_of(int width, int height) {
   };
   return {whole(width, kTileWidth), whole(height, kTileHeight)};
 }
-
-cl::NDRange groups(int count) { return cl::NDRange(static_cast<cl::size_type>(count) * kGroup); }
 
 std::uint64_t layer_size(const Octave& octave) {
   return static_cast<std::uint64_t>(octave.width) * static_cast<std::uint64_t>(octave.height);
@@ -54,50 +51,33 @@ std::uint64_t Session::largest_buffer_bytes(const ScalePlan& plan) {
 
 Session::Session(std::shared_ptr<Device> device, int width, int height, int channels,
                  const Settings& settings)
-    : device_(std::move(device)),
-      settings_(settings),
+    : settings_(settings),
       plan_(width, height, settings),
       channels_(channels),
-      queue_(device_->context(), device_->handle()),
-      grey_levels_(device_->program(), "grey_levels"),
-      blur_rows_(device_->program(), "blur_rows"),
-      blur_columns_(device_->program(), "blur_columns"),
-      halve_(device_->program(), "halve"),
-      extrema_(device_->program(), "extrema"),
-      orientations_(device_->program(), "orientations"),
-      descriptions_(device_->program(), "descriptions"),
-      image_(buffer(image_bytes(plan_, channels))),
-      scratch_(buffer(sizeof(float) * scratch_size(plan_))),
-      pyramid_(buffer(sizeof(float) * plan_.pyramid_size)),
-      octaves_(buffer(sizeof(Octave) * plan_.octaves.size())),
-      taps_(buffer(sizeof(float) * plan_.taps.size())),
-      count_(buffer(sizeof(cl_int))),
+      queue_(std::move(device)),
+      grey_levels_(queue_.kernel("grey_levels")),
+      blur_rows_(queue_.kernel("blur_rows")),
+      blur_columns_(queue_.kernel("blur_columns")),
+      halve_(queue_.kernel("halve")),
+      extrema_(queue_.kernel("extrema")),
+      orientations_(queue_.kernel("orientations")),
+      descriptions_(queue_.kernel("descriptions")),
+      image_(queue_.buffer(image_bytes(plan_, channels))),
+      scratch_(queue_.buffer(sizeof(float) * scratch_size(plan_))),
+      pyramid_(queue_.buffer(sizeof(float) * plan_.pyramid_size)),
+      octaves_(queue_.buffer(sizeof(Octave) * plan_.octaves.size())),
+      taps_(queue_.buffer(sizeof(float) * plan_.taps.size())),
+      count_(queue_.buffer(sizeof(cl_int))),
       extrema_capacity_(first_capacity(plan_)),
       keypoints_capacity_(first_capacity(plan_)) {
-  extrema_found_ = buffer(sizeof(Spot) * static_cast<std::uint64_t>(extrema_capacity_));
-  keypoints_found_ = buffer(sizeof(Spot) * static_cast<std::uint64_t>(keypoints_capacity_));
-  queue_.enqueueWriteBuffer(taps_, CL_TRUE, 0, sizeof(float) * plan_.taps.size(),
-                            plan_.taps.data());
-  if (!plan_.octaves.empty()) {
-    queue_.enqueueWriteBuffer(octaves_, CL_TRUE, 0, sizeof(Octave) * plan_.octaves.size(),
-                              plan_.octaves.data());
-  }
-}
-
-cl::Buffer Session::buffer(std::uint64_t bytes) const {
-  return {device_->context(), CL_MEM_READ_WRITE, std::max<std::uint64_t>(bytes, 1)};
+  extrema_found_ = queue_.buffer(sizeof(Spot) * static_cast<std::uint64_t>(extrema_capacity_));
+  keypoints_found_ = queue_.buffer(sizeof(Spot) * static_cast<std::uint64_t>(keypoints_capacity_));
+  queue_.write(taps_, plan_.taps.data(), sizeof(float) * plan_.taps.size());
+  queue_.write(octaves_, plan_.octaves.data(), sizeof(Octave) * plan_.octaves.size());
 }
 
 bool Session::fits(int width, int height, int channels) const {
   return plan_.image_width == width && plan_.image_height == height && channels_ == channels;
-}
-
-template <class... Args>
-void Session::launch(cl::Kernel& kernel, const cl::NDRange& global, const cl::NDRange& group,
-                     const Args&... args) {
-  cl_uint index = 0;
-  (kernel.setArg(index++, args), ...);
-  queue_.enqueueNDRangeKernel(kernel, cl::NullRange, global, group);
 }
 
 void Session::upload(const Array<std::uint8_t>& pixels) {
@@ -112,17 +92,16 @@ void Session::upload(const Array<std::uint8_t>& pixels) {
     }
     data = packed_.data();
   }
-  // Blocking: an input may not be read after its call has returned, not even a cancelled one.
-  queue_.enqueueWriteBuffer(image_, CL_TRUE, 0, rows * row_bytes, data);
+  queue_.write(image_, data, rows * row_bytes);
 }
 
 void Session::blur(std::uint64_t from_offset, const Octave& octave, const Blur& gaussian,
                    std::uint64_t to_offset) {
   const cl::NDRange pixels = pixels_of(octave.width, octave.height);
-  launch(blur_rows_, pixels, kTile, pyramid_, static_cast<cl_ulong>(from_offset), octave.width,
-         octave.height, taps_, gaussian.offset, gaussian.radius, scratch_);
-  launch(blur_columns_, pixels, kTile, scratch_, octave.width, octave.height, taps_,
-         gaussian.offset, gaussian.radius, pyramid_, static_cast<cl_ulong>(to_offset));
+  queue_.launch(blur_rows_, pixels, kTile, pyramid_, static_cast<cl_ulong>(from_offset),
+                octave.width, octave.height, taps_, gaussian.offset, gaussian.radius, scratch_);
+  queue_.launch(blur_columns_, pixels, kTile, scratch_, octave.width, octave.height, taps_,
+                gaussian.offset, gaussian.radius, pyramid_, static_cast<cl_ulong>(to_offset));
 }
 
 void Session::build_pyramid() {
@@ -132,17 +111,17 @@ void Session::build_pyramid() {
     if (before == nullptr) {
       // The second layer's place is free until it is made.
       const std::uint64_t place = octave.offset + size;
-      launch(grey_levels_, pixels_of(plan_.width, plan_.height), kTile, image_, plan_.image_width,
-             plan_.image_height, channels_, settings_.upsample ? 1 : 0, pyramid_,
-             static_cast<cl_ulong>(place));
+      queue_.launch(grey_levels_, pixels_of(plan_.width, plan_.height), kTile, image_,
+                    plan_.image_width, plan_.image_height, channels_, settings_.upsample ? 1 : 0,
+                    pyramid_, static_cast<cl_ulong>(place));
       blur(place, octave, plan_.blurs.front(), octave.offset);
     } else {
       const std::uint64_t from =
           before->offset +
           static_cast<std::uint64_t>(settings_.octave_layers) * layer_size(*before);
-      launch(halve_, pixels_of(octave.width, octave.height), kTile, pyramid_,
-             static_cast<cl_ulong>(from), before->width, static_cast<cl_ulong>(octave.offset),
-             octave.width, octave.height);
+      queue_.launch(halve_, pixels_of(octave.width, octave.height), kTile, pyramid_,
+                    static_cast<cl_ulong>(from), before->width,
+                    static_cast<cl_ulong>(octave.offset), octave.width, octave.height);
     }
     for (int layer = 1; layer < plan_.layers(); ++layer) {
       const std::uint64_t to = octave.offset + static_cast<std::uint64_t>(layer) * size;
@@ -153,36 +132,27 @@ void Session::build_pyramid() {
 }
 
 void Session::launch_extrema() {
-  queue_.enqueueFillBuffer(count_, cl_int{0}, 0, sizeof(cl_int));
+  queue_.fill(count_, 0);
   for (std::size_t i = 0; i < plan_.octaves.size(); ++i) {
     const Octave& octave = plan_.octaves[i];
-    launch(extrema_, pixels_of(octave.width, octave.height), kTile, pyramid_,
-           static_cast<cl_ulong>(octave.offset), octave.width, octave.height,
-           static_cast<cl_int>(i), settings_.octave_layers, static_cast<float>(settings_.sigma_px),
-           static_cast<float>(settings_.contrast_threshold),
-           static_cast<float>(settings_.edge_threshold), extrema_found_, count_, extrema_capacity_);
+    queue_.launch(
+        extrema_, pixels_of(octave.width, octave.height), kTile, pyramid_,
+        static_cast<cl_ulong>(octave.offset), octave.width, octave.height, static_cast<cl_int>(i),
+        settings_.octave_layers, static_cast<float>(settings_.sigma_px),
+        static_cast<float>(settings_.contrast_threshold),
+        static_cast<float>(settings_.edge_threshold), extrema_found_, count_, extrema_capacity_);
   }
 }
 
 void Session::launch_orientations(int extrema) {
-  queue_.enqueueFillBuffer(count_, cl_int{0}, 0, sizeof(cl_int));
-  launch(orientations_, groups(extrema), cl::NDRange(kGroup), pyramid_, octaves_, extrema_found_,
-         keypoints_found_, count_, keypoints_capacity_);
-}
-
-void Session::read(const cl::Buffer& from, std::size_t bytes, void* to,
-                   const CancelledCheck& cancelled) {
-  // A cancelled read may still arrive: it goes into memory that lives as long as the session.
-  landing_.resize(std::max(landing_.size(), bytes));
-  queue_.enqueueReadBuffer(from, CL_FALSE, 0, bytes, landing_.data(), nullptr, &last_);
-  queue_.flush();
-  if (!wait_for(last_, cancelled)) throw Cancelled{};
-  std::memcpy(to, landing_.data(), bytes);
+  queue_.fill(count_, 0);
+  queue_.launch(orientations_, groups_for(extrema), one_group(), pyramid_, octaves_, extrema_found_,
+                keypoints_found_, count_, keypoints_capacity_);
 }
 
 int Session::read_count(const CancelledCheck& cancelled) {
   cl_int count = 0;
-  read(count_, sizeof(count), &count, cancelled);
+  queue_.read(count_, sizeof(count), &count, cancelled);
   return count;
 }
 
@@ -195,7 +165,7 @@ std::vector<Spot> Session::find(const Array<std::uint8_t>& pixels,
   int extrema = read_count(cancelled);
   if (extrema > extrema_capacity_) {
     extrema_capacity_ = extrema + extrema / 4;
-    extrema_found_ = buffer(sizeof(Spot) * static_cast<std::uint64_t>(extrema_capacity_));
+    extrema_found_ = queue_.buffer(sizeof(Spot) * static_cast<std::uint64_t>(extrema_capacity_));
     launch_extrema();
     extrema = read_count(cancelled);
   }
@@ -205,12 +175,14 @@ std::vector<Spot> Session::find(const Array<std::uint8_t>& pixels,
   int count = read_count(cancelled);
   if (count > keypoints_capacity_) {
     keypoints_capacity_ = count + count / 4;
-    keypoints_found_ = buffer(sizeof(Spot) * static_cast<std::uint64_t>(keypoints_capacity_));
+    keypoints_found_ =
+        queue_.buffer(sizeof(Spot) * static_cast<std::uint64_t>(keypoints_capacity_));
     launch_orientations(extrema);
     count = read_count(cancelled);
   }
   std::vector<Spot> spots(static_cast<std::size_t>(count));
-  if (count > 0) read(keypoints_found_, sizeof(Spot) * spots.size(), spots.data(), cancelled);
+  if (count > 0)
+    queue_.read(keypoints_found_, sizeof(Spot) * spots.size(), spots.data(), cancelled);
   // Neighbours can be refined to the same extremum.
   const auto key = [](const Spot& s) {
     return std::tuple(s.octave, s.layer, s.y, s.x, s.scale, s.angle);
@@ -225,34 +197,28 @@ cl::Buffer Session::describe(const std::vector<Spot>& keypoints) {
   const auto count = static_cast<int>(keypoints.size());
   if (count > selected_capacity_) {
     selected_capacity_ = count + count / 4;
-    selected_ = buffer(sizeof(Spot) * static_cast<std::uint64_t>(selected_capacity_));
+    selected_ = queue_.buffer(sizeof(Spot) * static_cast<std::uint64_t>(selected_capacity_));
   }
-  queue_.enqueueWriteBuffer(selected_, CL_TRUE, 0, sizeof(Spot) * keypoints.size(),
-                            keypoints.data());
-  cl::Buffer descriptors = buffer(keypoints.size() * kDescriptorLength);
-  launch(descriptions_, groups(count), cl::NDRange(kGroup), pyramid_, octaves_, selected_,
-         descriptors);
+  queue_.write(selected_, keypoints.data(), sizeof(Spot) * keypoints.size());
+  cl::Buffer descriptors = queue_.buffer(keypoints.size() * kDescriptorLength);
+  queue_.launch(descriptions_, groups_for(count), one_group(), pyramid_, octaves_, selected_,
+                descriptors);
   return descriptors;
 }
 
 std::vector<std::uint8_t> Session::download(const cl::Buffer& descriptors, std::size_t count,
                                             const CancelledCheck& cancelled) {
   std::vector<std::uint8_t> rows(count * kDescriptorLength);
-  read(descriptors, rows.size(), rows.data(), cancelled);
+  queue_.read(descriptors, rows.size(), rows.data(), cancelled);
   return rows;
-}
-
-bool Session::idle() const {
-  if (last_() == nullptr) return true;
-  const auto status = last_.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>();
-  return status == CL_COMPLETE || status < 0;
 }
 
 std::vector<float> Session::octave(std::size_t index) {
   const Octave& octave = plan_.octaves.at(index);
   std::vector<float> values(static_cast<std::size_t>(plan_.layers()) * layer_size(octave));
-  queue_.enqueueReadBuffer(pyramid_, CL_TRUE, sizeof(float) * octave.offset,
-                           sizeof(float) * values.size(), values.data());
+  queue_.read(
+      pyramid_, sizeof(float) * values.size(), values.data(), [] { return false; },
+      sizeof(float) * octave.offset);
   return values;
 }
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
 #include <weft/data/array.hpp>
 
-#include "device.hpp"
+#include "queue.hpp"
 #include "scale_plan.hpp"
 
 namespace weft::sift_gpu {
@@ -24,16 +23,11 @@ struct Spot {
 
 inline constexpr int kDescriptorLength = 128;
 
-/// What interrupted a session; its commands may still be running.
-struct Cancelled {};
-
 /// SIFT for images of one size on one device: the buffers are made once. All methods throw
 /// cl::Error when the device fails and Cancelled when the call's host asked to stop; after either
 /// the session must not be used again.
 class Session {
  public:
-  using CancelledCheck = std::function<bool()>;
-
   /// `channels` is 1 or 3 (blue, green, red).
   Session(std::shared_ptr<Device> device, int width, int height, int channels,
           const Settings& settings);
@@ -58,8 +52,8 @@ class Session {
   std::vector<std::uint8_t> download(const cl::Buffer& descriptors, std::size_t count,
                                      const CancelledCheck& cancelled);
 
-  /// Whether all that was asked of the device has come to an end.
-  bool idle() const;
+  /// Whether all that was asked of the device has come to an end; before, it must not be destroyed.
+  bool idle() const { return queue_.idle(); }
 
   /// Layers [octave_layers + 3,height,width] of an octave of the last image, for tests.
   std::vector<float> octave(std::size_t index);
@@ -72,26 +66,17 @@ class Session {
   void launch_extrema();
   void launch_orientations(int extrema);
   int read_count(const CancelledCheck& cancelled);
-  void read(const cl::Buffer& from, std::size_t bytes, void* to, const CancelledCheck& cancelled);
-  template <class... Args>
-  void launch(cl::Kernel& kernel, const cl::NDRange& global, const cl::NDRange& group,
-              const Args&... args);
-  cl::Buffer buffer(std::uint64_t bytes) const;
-
-  std::shared_ptr<Device> device_;
   Settings settings_;
   ScalePlan plan_;
   int channels_;
-  cl::CommandQueue queue_;
+  Queue queue_;
   cl::Kernel grey_levels_, blur_rows_, blur_columns_, halve_, extrema_, orientations_,
       descriptions_;
   cl::Buffer image_, scratch_, pyramid_, octaves_, taps_, count_, extrema_found_, keypoints_found_,
       selected_;
   int extrema_capacity_, keypoints_capacity_;
   int selected_capacity_ = 0;
-  cl::Event last_;
   std::vector<std::uint8_t> packed_;
-  std::vector<std::byte> landing_;
 };
 
 }  // namespace weft::sift_gpu

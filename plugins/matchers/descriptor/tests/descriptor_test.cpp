@@ -10,11 +10,16 @@
 #include <weft/data/correspondences.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 
-#include "tests/keypoints_of.hpp"
+#include "common/tests/keypoints_of.hpp"
 
 namespace weft::descriptor {
 namespace {
 
+using matchers::hamming_keypoints;
+using matchers::l2_keypoints;
+using matchers::l2_rows;
+using matchers::random_bytes;
+using matchers::random_descriptors;
 using ::testing::HasSubstr;
 using testing::input;
 using testing::Outcome;

@@ -4,13 +4,16 @@
 #include <bit>
 #include <cmath>
 
+#include "common/tests/keypoints_of.hpp"
 #include "hamming_distances.hpp"
 #include "l2_distances.hpp"
 #include "nearest_search.hpp"
-#include "tests/keypoints_of.hpp"
 
 namespace weft::descriptor {
 namespace {
+
+using matchers::random_bytes;
+using matchers::random_descriptors;
 
 double squared_distance(const float* a, const float* b, std::int64_t length) {
   double sum = 0.0;

@@ -6,7 +6,7 @@
 #include <weft/core/rng.hpp>
 #include <weft/data/keypoints.hpp>
 
-namespace weft::descriptor {
+namespace weft::matchers {
 
 /// Random numbers as SIFT gives them: 0 to 255, most of them small.
 inline Array<float> random_descriptors(std::int64_t count, std::int64_t length, Rng& rng) {
@@ -66,4 +66,4 @@ inline Keypoints hamming_keypoints(Array<std::uint8_t> descriptors) {
   return keypoints;
 }
 
-}  // namespace weft::descriptor
+}  // namespace weft::matchers

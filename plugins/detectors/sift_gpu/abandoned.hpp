@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <list>
+#include <memory>
+
+namespace weft::sift_gpu {
+
+/// Work that was interrupted: it is kept until the device has done with it, for the device may
+/// still write to its memory.
+template <class Work>
+class Abandoned {
+ public:
+  Abandoned() = default;
+  Abandoned(const Abandoned&) = delete;
+  Abandoned& operator=(const Abandoned&) = delete;
+  ~Abandoned() {
+    bury();
+    // What a device never finishes stays.
+    for (std::unique_ptr<Work>& one : works_) static_cast<void>(one.release());
+  }
+
+  void keep(std::unique_ptr<Work> work) { works_.push_back(std::move(work)); }
+
+  /// Lets go of what has come to an end.
+  void bury() {
+    works_.remove_if([](const std::unique_ptr<Work>& one) { return one->idle(); });
+  }
+
+ private:
+  std::list<std::unique_ptr<Work>> works_;
+};
+
+}  // namespace weft::sift_gpu

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "detector.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "common/answer.hpp"
+#include "common/grey_image.hpp"
+#include "common/selection.hpp"
+
+namespace weft::sift_gpu {
+namespace {
+
+constexpr double kMiB = 1024.0 * 1024.0;
+
+std::string mebibytes(std::uint64_t bytes) {
+  return std::to_string(std::lrint(std::ceil(static_cast<double>(bytes) / kMiB))) + " MiB";
+}
+
+}  // namespace
+
+SiftGpu::SiftGpu(Params& p) {
+  read_device(p, device_name_);
+  p.read("max_keypoints", max_keypoints_, "", {0, 1000000},
+         "strongest keypoints kept, spread over the image; 0 keeps all");
+  p.read("buckets", buckets_, "", {1, 256},
+         "cells per side over which the cap spreads the keypoints; 1 does not spread them");
+  p.read("octave_layers", settings_.octave_layers, "", {1, 10}, "scales per octave");
+  p.read("contrast_threshold", settings_.contrast_threshold, "", {0, 1},
+         "weakest blob, as a part of the range of grey levels; divided by octave_layers");
+  p.read("edge_threshold", settings_.edge_threshold, "", {1, 1000},
+         "largest ratio of principal curvatures; larger lets more edges pass");
+  p.read("sigma_px", settings_.sigma_px, "px", {1, 10},
+         "blur of the first scale, in px of the first octave");
+  p.read("upsample", settings_.upsample,
+         "begin with the image enlarged twice: finds smaller blobs for four times the work");
+}
+
+Result<void> SiftGpu::prepare(const PrepareInput& /*in*/) { return open(); }
+
+Result<void> SiftGpu::open() {
+  if (device_ != nullptr) return {};
+  auto device = Device::open(device_name_);
+  if (!device) return device.error();
+  device_ = *std::move(device);
+  return {};
+}
+
+Result<void> SiftGpu::make_session(const Array<std::uint8_t>& pixels) {
+  const auto width = static_cast<int>(pixels.dim(1)), height = static_cast<int>(pixels.dim(0));
+  const int channels = pixels.ndim() == 3 ? 3 : 1;
+  if (session_ != nullptr && session_->fits(width, height, channels)) return {};
+  session_.reset();
+  const ScalePlan plan(width, height, settings_);
+  const std::uint64_t needed = Session::bytes_needed(plan, channels);
+  const std::uint64_t largest = Session::largest_buffer_bytes(plan);
+  if (needed > device_->memory_bytes() || largest > device_->largest_buffer_bytes()) {
+    return Error{Errc::unsupported,
+                 "an image of " + std::to_string(width) + " x " + std::to_string(height) +
+                     " needs " + mebibytes(needed) + ", " + mebibytes(largest) +
+                     " of it in one piece; " + device_->name() + " has " +
+                     mebibytes(device_->memory_bytes()) + ", at most " +
+                     mebibytes(device_->largest_buffer_bytes()) +
+                     " in one piece; set upsample: false, give smaller images or choose another "
+                     "device",
+                 {}};
+  }
+  session_ = std::make_unique<Session>(device_, width, height, channels, settings_);
+  return {};
+}
+
+/// A spot with its place and scale in px of the image. The enlarged image has its pixel edges on
+/// those of the image.
+cv::KeyPoint SiftGpu::in_image(const Spot& spot) const {
+  const int octave = spot.octave - (settings_.upsample ? 1 : 0);
+  const double pitch_px = std::exp2(octave);
+  const double edge_px = settings_.upsample ? 0.25 : 0.0;
+  return {static_cast<float>(spot.x * pitch_px - edge_px),
+          static_cast<float>(spot.y * pitch_px - edge_px),
+          static_cast<float>(spot.scale * pitch_px),
+          static_cast<float>(spot.angle * 180.0 / std::numbers::pi),
+          spot.response,
+          octave};
+}
+
+Result<Keypoints> SiftGpu::answer(const DetectorInput& in, const CancelledCheck& cancelled) {
+  const std::vector<Spot> spots = session_->find(in.image.pixels, cancelled);
+  std::vector<cv::KeyPoint> keypoints;
+  keypoints.reserve(spots.size());
+  for (const Spot& spot : spots) keypoints.push_back(in_image(spot));
+  const cv::Size size(static_cast<int>(in.image.pixels.dim(1)),
+                      static_cast<int>(in.image.pixels.dim(0)));
+  const std::vector<int> order = detectors::selection(
+      keypoints, size, in.region ? &in.region->mask : nullptr, max_keypoints_, buckets_);
+
+  std::vector<Spot> selected;
+  std::vector<cv::KeyPoint> selected_keypoints;
+  for (const int i : order) {
+    selected.push_back(spots[static_cast<std::size_t>(i)]);
+    selected_keypoints.push_back(keypoints[static_cast<std::size_t>(i)]);
+  }
+  cv::Mat descriptors(static_cast<int>(order.size()), kDescriptorLength, CV_32F);
+  if (!order.empty()) {
+    std::vector<std::uint8_t> rows =
+        session_->download(session_->describe(selected), selected.size(), cancelled);
+    cv::Mat(descriptors.rows, kDescriptorLength, CV_8U, rows.data()).convertTo(descriptors, CV_32F);
+  }
+  // A blob of Gaussian profile answers strongest between the two blurs whose difference was
+  // taken.
+  return detectors::answer(selected_keypoints, descriptors,
+                           std::exp2(0.5 / settings_.octave_layers));
+}
+
+Result<Keypoints> SiftGpu::detect(const DetectorInput& in) {
+  if (auto valid = detectors::check(in); !valid) return valid.error();
+  if (auto opened = open(); !opened) return opened.error();
+  abandoned_.bury();
+  const Array<std::uint8_t>& pixels = in.image.pixels;
+  const std::string doing = "finding keypoints in an image of " + std::to_string(pixels.dim(1)) +
+                            " x " + std::to_string(pixels.dim(0)) + " on " + device_->name();
+  try {
+    if (auto fits = make_session(pixels); !fits) return fits.error();
+    return answer(in, [&] { return in.call.cancelled(); });
+  } catch (const cl::Error& failure) {
+    // A device that was lost comes back with a new context, if at all.
+    session_.reset();
+    device_.reset();
+    return error_of(failure, doing);
+  } catch (const Cancelled&) {
+    abandoned_.keep(std::move(session_));
+    return Error{Errc::cancelled, "cancelled while " + doing, {}};
+  }
+}
+
+}  // namespace weft::sift_gpu

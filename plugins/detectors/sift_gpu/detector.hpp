@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+#include <weft/sdk/detector.hpp>
+
+#include "abandoned.hpp"
+#include "session.hpp"
+
+namespace weft::sift_gpu {
+
+/// SIFT as OpenCV computes it, on a device that speaks OpenCL.
+class SiftGpu final : public Detector {
+ public:
+  static constexpr About kAbout{
+      .reference = "Lowe, Distinctive image features from scale-invariant keypoints, IJCV 2004",
+      .determinism = "tolerance",
+      .reads = "region"};
+
+  explicit SiftGpu(Params& p);
+  Result<void> prepare(const PrepareInput& in) override;
+  Result<Keypoints> detect(const DetectorInput& in) override;
+
+ private:
+  Result<void> open();
+  Result<void> make_session(const Array<std::uint8_t>& pixels);
+  Result<Keypoints> answer(const DetectorInput& in, const CancelledCheck& cancelled);
+  cv::KeyPoint in_image(const Spot& spot) const;
+
+  std::string device_name_;
+  int max_keypoints_ = 4000;
+  int buckets_ = 16;
+  Settings settings_;
+  std::shared_ptr<Device> device_;
+  std::unique_ptr<Session> session_;
+  Abandoned<Session> abandoned_;
+};
+
+}  // namespace weft::sift_gpu

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "matcher.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace weft::sift_gpu {
+
+GpuMatcher::GpuMatcher(Params& p) : matching_(p) { read_device(p, device_name_); }
+
+Result<void> GpuMatcher::prepare(const PrepareInput& /*in*/) { return open(); }
+
+Result<void> GpuMatcher::open() {
+  if (device_ == nullptr) {
+    auto device = Device::open(device_name_);
+    if (!device) return device.error();
+    device_ = *std::move(device);
+  }
+  return {};
+}
+
+DeviceDescriptors GpuMatcher::load(const Keypoints& keypoints) {
+  const Array<float>& rows = keypoints.descriptors;
+  const auto count = static_cast<int>(rows.dim(0)), length = static_cast<int>(rows.dim(1));
+  std::span<const float> values(rows.data(), static_cast<std::size_t>(rows.size()));
+  if (!rows.contiguous()) {
+    packed_.resize(values.size());
+    for (int i = 0; i < count; ++i) {
+      std::copy_n(rows.row(i), length, packed_.data() + static_cast<std::ptrdiff_t>(i) * length);
+    }
+    values = packed_;
+  }
+  return search_->load(values, count, length, matching_.root_sift());
+}
+
+std::vector<matchers::Neighbours> GpuMatcher::search(const matchers::Sides& sides,
+                                                     const CancelledCheck& cancelled) {
+  if (search_ == nullptr) search_ = std::make_unique<Search>(device_);
+  places_.clear();
+  for (std::int64_t i = 0; i < sides.trains.count(); ++i) {
+    places_.push_back(static_cast<float>(sides.trains.xy_px(i, 0)));
+    places_.push_back(static_cast<float>(sides.trains.xy_px(i, 1)));
+  }
+  const DeviceDescriptors queries = load(sides.queries), trains = load(sides.trains);
+  const std::vector<Pair> pairs =
+      search_->run(queries, trains, places_,
+                   {static_cast<float>(matching_.elsewhere_px()), matching_.mutual()}, cancelled);
+  std::vector<matchers::Neighbours> found;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const Pair& pair = pairs[i];
+    const auto query = static_cast<int>(i);
+    if (pair.best < 0 || pair.second < 0) continue;
+    if (matching_.mutual() &&
+        search_->best_queries()[static_cast<std::size_t>(pair.best)] != query) {
+      continue;
+    }
+    found.push_back({query, pair.best, std::sqrt(static_cast<double>(pair.best_square)),
+                     std::sqrt(static_cast<double>(pair.second_square))});
+  }
+  return found;
+}
+
+Result<Correspondences> GpuMatcher::match(const MatcherInput& in) {
+  auto sides = matching_.sides(in);
+  if (!sides) return sides.error();
+  if (sides->templ.metric != "l2") {
+    return Error{Errc::unsupported,
+                 "matchers/gpu compares descriptors of metric l2, not " + sides->templ.metric +
+                     "; use matchers/descriptor",
+                 {}};
+  }
+  if (auto opened = open(); !opened) return opened.error();
+  abandoned_.bury();
+  const std::string doing = "matching " + std::to_string(sides->queries.count()) + " x " +
+                            std::to_string(sides->trains.count()) + " descriptors on " +
+                            device_->name();
+  try {
+    return matching_.answer(*sides, search(*sides, [&] { return in.call.cancelled(); }));
+  } catch (const cl::Error& failure) {
+    search_.reset();
+    device_.reset();
+    return error_of(failure, doing);
+  } catch (const Cancelled&) {
+    abandoned_.keep(std::move(search_));
+    return Error{Errc::cancelled, "cancelled while " + doing, {}};
+  }
+}
+
+}  // namespace weft::sift_gpu

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "search.hpp"
+
+#include <algorithm>
+
+namespace weft::sift_gpu {
+namespace {
+
+constexpr int kTileSide = 32;  // rows and columns of distances of one group, as in the kernels
+constexpr int kTileItems = 64;
+constexpr std::uint64_t kBlockBytes = 64U << 20U;  // distances that are held at a time
+
+int tiles(int count) { return (count + kTileSide - 1) / kTileSide; }
+
+cl::NDRange one_item_each(int count) {
+  return cl::NDRange(static_cast<cl::size_type>((count + kGroup - 1) / kGroup * kGroup));
+}
+
+std::uint64_t bytes_of(int count, int length) {
+  return sizeof(float) * static_cast<std::uint64_t>(count) * static_cast<std::uint64_t>(length);
+}
+
+}  // namespace
+
+Search::Search(std::shared_ptr<Device> device)
+    : queue_(std::move(device)),
+      load_bytes_(queue_.kernel("load_bytes")),
+      load_floats_(queue_.kernel("load_floats")),
+      distances_(queue_.kernel("distances")),
+      nearest_(queue_.kernel("nearest")),
+      nearest_queries_(queue_.kernel("nearest_queries")) {}
+
+const cl::Buffer& Search::reserve(Kept& kept, std::uint64_t bytes) {
+  if (kept.bytes < bytes) {
+    kept.buffer = queue_.buffer(bytes + bytes / 4);
+    kept.bytes = bytes + bytes / 4;
+  }
+  return kept.buffer;
+}
+
+DeviceDescriptors Search::load(const cl::Buffer& bytes, int count, int length, bool root) {
+  DeviceDescriptors loaded{queue_.buffer(bytes_of(count, length)),
+                           queue_.buffer(bytes_of(count, 1)), count, length};
+  queue_.launch(load_bytes_, one_item_each(count), one_group(), bytes, count, length, root ? 1 : 0,
+                loaded.rows, loaded.norms);
+  return loaded;
+}
+
+DeviceDescriptors Search::load(std::span<const float> rows, int count, int length, bool root) {
+  DeviceDescriptors loaded{queue_.buffer(bytes_of(count, length)),
+                           queue_.buffer(bytes_of(count, 1)), count, length};
+  queue_.write(loaded.rows, rows.data(), rows.size_bytes());
+  queue_.launch(load_floats_, one_item_each(count), one_group(), loaded.rows, count, length,
+                root ? 1 : 0, loaded.norms);
+  return loaded;
+}
+
+std::vector<Pair> Search::run(const DeviceDescriptors& queries, const DeviceDescriptors& trains,
+                              std::span<const float> places, const Options& options,
+                              const CancelledCheck& cancelled) {
+  const std::uint64_t row_bytes = bytes_of(trains.count, 1);
+  const auto rows_held = static_cast<int>(std::clamp<std::uint64_t>(
+      kBlockBytes / row_bytes / kTileSide * kTileSide, kTileSide, 1U << 20U));
+  const int block = std::min(rows_held, tiles(queries.count) * kTileSide);
+  const cl::Buffer& squares = reserve(squares_, static_cast<std::uint64_t>(block) * row_bytes);
+  const cl::Buffer& train_places = reserve(places_, places.size_bytes());
+  const cl::Buffer& found =
+      reserve(pairs_, sizeof(Pair) * static_cast<std::uint64_t>(queries.count));
+  const cl::Buffer& least = reserve(least_, row_bytes);
+  const cl::Buffer& best = reserve(best_, row_bytes);
+  queue_.write(train_places, places.data(), places.size_bytes());
+
+  for (int first = 0; first < queries.count; first += block) {
+    const int rows = std::min(block, queries.count - first);
+    queue_.launch(distances_,
+                  cl::NDRange(static_cast<cl::size_type>(tiles(rows)) *
+                              static_cast<cl::size_type>(tiles(trains.count)) * kTileItems),
+                  cl::NDRange(kTileItems), queries.rows, queries.norms, first, rows, trains.rows,
+                  trains.norms, trains.count, trains.length, squares);
+    queue_.launch(nearest_, groups_for(rows), one_group(), squares, trains.count, train_places,
+                  options.elsewhere_px, queries.rows, trains.rows, first, trains.length, found);
+    if (options.mutual) {
+      queue_.launch(nearest_queries_, one_item_each(trains.count), one_group(), squares, first,
+                    rows, trains.count, least, best);
+    }
+  }
+  std::vector<Pair> pairs(static_cast<std::size_t>(queries.count));
+  queue_.read(found, sizeof(Pair) * pairs.size(), pairs.data(), cancelled);
+  if (options.mutual) {
+    best_queries_.resize(static_cast<std::size_t>(trains.count));
+    queue_.read(best, row_bytes, best_queries_.data(), cancelled);
+  }
+  return pairs;
+}
+
+}  // namespace weft::sift_gpu
