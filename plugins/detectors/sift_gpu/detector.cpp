@@ -21,7 +21,8 @@ std::string mebibytes(std::uint64_t bytes) {
 }  // namespace
 
 SiftGpu::SiftGpu(Params& p) {
-  read_device(p, device_name_);
+  device_.read(p);
+  p.component("fallback", fallback_, "the detector in place of this one, see without_device");
   p.read("max_keypoints", max_keypoints_, "", {0, 1000000},
          "strongest keypoints kept, spread over the image; 0 keeps all");
   p.read("buckets", buckets_, "", {1, 256},
@@ -37,17 +38,16 @@ SiftGpu::SiftGpu(Params& p) {
          "begin with the image enlarged twice: finds smaller blobs for four times the work");
 }
 
-Result<void> SiftGpu::prepare(const PrepareInput& /*in*/) { return open(); }
-
-Result<void> SiftGpu::open() {
-  if (device_ != nullptr) return {};
-  auto device = Device::open(device_name_);
-  if (!device) return device.error();
-  device_ = *std::move(device);
-  return {};
+Result<Keypoints> SiftGpu::stand_back(const DetectorInput& in) const {
+  auto keypoints = fallback_.detect(in);
+  if (!keypoints) return keypoints.error();
+  const std::string its_reason = keypoints.degenerate_reason();
+  return degenerate(*std::move(keypoints), (its_reason.empty() ? "" : its_reason + "; ") +
+                                               "found by the fallback: " + device_.reason());
 }
 
-Result<void> SiftGpu::make_session(const Array<std::uint8_t>& pixels) {
+Result<void> SiftGpu::make_session(const std::shared_ptr<Device>& device,
+                                   const Array<std::uint8_t>& pixels) {
   const auto width = static_cast<int>(pixels.dim(1)), height = static_cast<int>(pixels.dim(0));
   const int channels = pixels.ndim() == 3 ? 3 : 1;
   if (session_ != nullptr && session_->fits(width, height, channels)) return {};
@@ -55,18 +55,18 @@ Result<void> SiftGpu::make_session(const Array<std::uint8_t>& pixels) {
   const ScalePlan plan(width, height, settings_);
   const std::uint64_t needed = Session::bytes_needed(plan, channels);
   const std::uint64_t largest = Session::largest_buffer_bytes(plan);
-  if (needed > device_->memory_bytes() || largest > device_->largest_buffer_bytes()) {
+  if (needed > device->memory_bytes() || largest > device->largest_buffer_bytes()) {
     return Error{Errc::unsupported,
                  "an image of " + std::to_string(width) + " x " + std::to_string(height) +
                      " needs " + mebibytes(needed) + ", " + mebibytes(largest) +
-                     " of it in one piece; " + device_->name() + " has " +
-                     mebibytes(device_->memory_bytes()) + ", at most " +
-                     mebibytes(device_->largest_buffer_bytes()) +
+                     " of it in one piece; " + device->name() + " has " +
+                     mebibytes(device->memory_bytes()) + ", at most " +
+                     mebibytes(device->largest_buffer_bytes()) +
                      " in one piece; set upsample: false, give smaller images or choose another "
                      "device",
                  {}};
   }
-  session_ = std::make_unique<Session>(device_, width, height, channels, settings_);
+  session_ = std::make_unique<Session>(device, width, height, channels, settings_);
   return {};
 }
 
@@ -114,18 +114,19 @@ Result<Keypoints> SiftGpu::answer(const DetectorInput& in, const CancelledCheck&
 
 Result<Keypoints> SiftGpu::detect(const DetectorInput& in) {
   if (auto valid = detectors::check(in); !valid) return valid.error();
-  if (auto opened = open(); !opened) return opened.error();
+  const auto device = device_.open();
+  if (!device) return device.error();
+  if (*device == nullptr) return stand_back(in);
   abandoned_.bury();
   const Array<std::uint8_t>& pixels = in.image.pixels;
   const std::string doing = "finding keypoints in an image of " + std::to_string(pixels.dim(1)) +
-                            " x " + std::to_string(pixels.dim(0)) + " on " + device_->name();
+                            " x " + std::to_string(pixels.dim(0)) + " on " + (*device)->name();
   try {
-    if (auto fits = make_session(pixels); !fits) return fits.error();
+    if (auto fits = make_session(*device, pixels); !fits) return fits.error();
     return answer(in, [&] { return in.call.cancelled(); });
   } catch (const cl::Error& failure) {
-    // A device that was lost comes back with a new context, if at all.
     session_.reset();
-    device_.reset();
+    device_.forget();
     return error_of(failure, doing);
   } catch (const Cancelled&) {
     abandoned_.keep(std::move(session_));

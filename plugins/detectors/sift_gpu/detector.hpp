@@ -7,6 +7,7 @@
 #include <weft/sdk/detector.hpp>
 
 #include "abandoned.hpp"
+#include "device_choice.hpp"
 #include "session.hpp"
 
 namespace weft::sift_gpu {
@@ -20,20 +21,21 @@ class SiftGpu final : public Detector {
       .reads = "region"};
 
   explicit SiftGpu(Params& p);
-  Result<void> prepare(const PrepareInput& in) override;
+  Result<void> prepare(const PrepareInput& /*in*/) override { return device_.prepare(); }
   Result<Keypoints> detect(const DetectorInput& in) override;
 
  private:
-  Result<void> open();
-  Result<void> make_session(const Array<std::uint8_t>& pixels);
+  Result<Keypoints> stand_back(const DetectorInput& in) const;
+  Result<void> make_session(const std::shared_ptr<Device>& device,
+                            const Array<std::uint8_t>& pixels);
   Result<Keypoints> answer(const DetectorInput& in, const CancelledCheck& cancelled);
   cv::KeyPoint in_image(const Spot& spot) const;
 
-  std::string device_name_;
+  DeviceChoice device_;
+  DetectorComponent fallback_{"detectors/sift"};
   int max_keypoints_ = 4000;
   int buckets_ = 16;
   Settings settings_;
-  std::shared_ptr<Device> device_;
   std::unique_ptr<Session> session_;
   Abandoned<Session> abandoned_;
 };

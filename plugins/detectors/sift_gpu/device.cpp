@@ -102,12 +102,6 @@ Result<cl::Device> choose(const std::string& wanted) {
       Errc::not_found, "no OpenCL device is '" + wanted + "'; there are: " + list(devices), {}};
 }
 
-void read_device(Params& p, std::string& wanted) {
-  p.text("device", wanted,
-         "index, or part of the name or of the vendor, of an OpenCL device of `weft doctor`; empty "
-         "takes the first GPU, else the first device");
-}
-
 Error error_of(const cl::Error& failure, const std::string& doing) {
   return {Errc::plugin_failure,
           std::string(failure.what()) + " failed with " + std::to_string(failure.err()) + " (" +

@@ -9,7 +9,6 @@
 #include <memory>
 #include <string>
 #include <vector>
-#include <weft/core/params.hpp>
 #include <weft/core/result.hpp>
 
 namespace weft::sift_gpu {
@@ -23,9 +22,6 @@ std::string description(const cl::Device& device);
 /// The device with this index among all_devices(), or the first whose name or vendor contains the
 /// text, whatever the case; empty text: the first. The Error lists what there is.
 Result<cl::Device> choose(const std::string& wanted);
-
-/// Declares the parameter `device`, what choose() is given.
-void read_device(Params& p, std::string& wanted);
 
 /// A failed call of OpenCL as an Error that says what can be done; `doing` completes "while ...".
 Error error_of(const cl::Error& failure, const std::string& doing);

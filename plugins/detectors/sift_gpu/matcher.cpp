@@ -6,17 +6,16 @@
 
 namespace weft::sift_gpu {
 
-GpuMatcher::GpuMatcher(Params& p) : matching_(p) { read_device(p, device_name_); }
+GpuMatcher::GpuMatcher(Params& p) : matching_(p) {
+  device_.read(p);
+  p.component("fallback", fallback_, "the matcher in place of this one, see without_device");
+}
 
-Result<void> GpuMatcher::prepare(const PrepareInput& /*in*/) { return open(); }
-
-Result<void> GpuMatcher::open() {
-  if (device_ == nullptr) {
-    auto device = Device::open(device_name_);
-    if (!device) return device.error();
-    device_ = *std::move(device);
-  }
-  return {};
+Result<Correspondences> GpuMatcher::stand_back(const Call& call,
+                                               const matchers::Sides& sides) const {
+  auto matches = fallback_.match(call, sides.image, sides.templ);
+  if (!matches) return matches.error();
+  return degenerate(*std::move(matches), "found by the fallback: " + device_.reason());
 }
 
 DeviceDescriptors GpuMatcher::load(const Keypoints& keypoints) {
@@ -35,7 +34,6 @@ DeviceDescriptors GpuMatcher::load(const Keypoints& keypoints) {
 
 std::vector<matchers::Neighbours> GpuMatcher::search(const matchers::Sides& sides,
                                                      const CancelledCheck& cancelled) {
-  if (search_ == nullptr) search_ = std::make_unique<Search>(device_);
   places_.clear();
   for (std::int64_t i = 0; i < sides.trains.count(); ++i) {
     places_.push_back(static_cast<float>(sides.trains.xy_px(i, 0)));
@@ -69,16 +67,19 @@ Result<Correspondences> GpuMatcher::match(const MatcherInput& in) {
                      "; use matchers/descriptor",
                  {}};
   }
-  if (auto opened = open(); !opened) return opened.error();
+  const auto device = device_.open();
+  if (!device) return device.error();
+  if (*device == nullptr) return stand_back(in.call, *sides);
   abandoned_.bury();
   const std::string doing = "matching " + std::to_string(sides->queries.count()) + " x " +
                             std::to_string(sides->trains.count()) + " descriptors on " +
-                            device_->name();
+                            (*device)->name();
   try {
+    if (search_ == nullptr) search_ = std::make_unique<Search>(*device);
     return matching_.answer(*sides, search(*sides, [&] { return in.call.cancelled(); }));
   } catch (const cl::Error& failure) {
     search_.reset();
-    device_.reset();
+    device_.forget();
     return error_of(failure, doing);
   } catch (const Cancelled&) {
     abandoned_.keep(std::move(search_));

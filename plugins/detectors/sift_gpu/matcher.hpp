@@ -8,6 +8,7 @@
 
 #include "abandoned.hpp"
 #include "common/ratio_matching.hpp"
+#include "device_choice.hpp"
 #include "search.hpp"
 
 namespace weft::sift_gpu {
@@ -24,18 +25,18 @@ class GpuMatcher final : public Matcher {
       .needs = "keypoints template_keypoints"};
 
   explicit GpuMatcher(Params& p);
-  Result<void> prepare(const PrepareInput& in) override;
+  Result<void> prepare(const PrepareInput& /*in*/) override { return device_.prepare(); }
   Result<Correspondences> match(const MatcherInput& in) override;
 
  private:
-  Result<void> open();
+  Result<Correspondences> stand_back(const Call& call, const matchers::Sides& sides) const;
   std::vector<matchers::Neighbours> search(const matchers::Sides& sides,
                                            const CancelledCheck& cancelled);
   DeviceDescriptors load(const Keypoints& keypoints);
 
-  std::string device_name_;
+  DeviceChoice device_;
+  MatcherComponent fallback_{"matchers/descriptor"};
   matchers::RatioMatching matching_;
-  std::shared_ptr<Device> device_;
   std::unique_ptr<Search> search_;
   Abandoned<Search> abandoned_;
   std::vector<float> packed_, places_;

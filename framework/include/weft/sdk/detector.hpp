@@ -2,6 +2,7 @@
 #pragma once
 
 #include <weft/sdk/export.hpp>
+#include <weft/sdk/nested.hpp>
 #include <weft/sdk/role.hpp>
 
 namespace weft {
@@ -31,6 +32,20 @@ class Detector : public Prepared {
 
   std::int32_t process(ProcessCall& call) {
     return call.run<DetectorInput>("keypoints", [&](const auto& in) { return detect(in); });
+  }
+};
+
+/// A detector that a component holds, for example to stand in for it.
+struct DetectorComponent : ComponentHandle {
+  explicit DetectorComponent(const char* default_component)
+      : ComponentHandle{"detectors", default_component} {}
+
+  Result<Keypoints> detect(const DetectorInput& in) const {
+    const RecordView<Image> image("image", in.image);
+    std::vector<weft_record> inputs{image.raw()};
+    std::optional<RecordView<Region>> region;
+    if (in.region) inputs.push_back(region.emplace("region", *in.region).raw());
+    return detail::invoke<Keypoints>(in.call, handle, 0, inputs);
   }
 };
 

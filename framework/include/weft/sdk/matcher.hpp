@@ -2,6 +2,7 @@
 #pragma once
 
 #include <weft/sdk/export.hpp>
+#include <weft/sdk/nested.hpp>
 #include <weft/sdk/role.hpp>
 
 namespace weft {
@@ -33,6 +34,19 @@ class Matcher : public Prepared {
 
   std::int32_t process(ProcessCall& call) {
     return call.run<MatcherInput>("correspondences", [&](const auto& in) { return match(in); });
+  }
+};
+
+/// A matcher of keypoints that a component holds, for example to stand in for it.
+struct MatcherComponent : ComponentHandle {
+  explicit MatcherComponent(const char* default_component)
+      : ComponentHandle{"matchers", default_component} {}
+
+  Result<Correspondences> match(const Call& call, const Keypoints& keypoints,
+                                const Keypoints& template_keypoints) const {
+    const RecordView<Keypoints> image("keypoints", keypoints);
+    const RecordView<Keypoints> templ("template_keypoints", template_keypoints);
+    return detail::invoke<Correspondences>(call, handle, 0, {image.raw(), templ.raw()});
   }
 };
 

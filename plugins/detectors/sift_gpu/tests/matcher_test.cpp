@@ -16,6 +16,7 @@ using matchers::l2_keypoints;
 using matchers::l2_rows;
 using matchers::random_bytes;
 using matchers::random_descriptors;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::input;
 using testing::Outcome;
@@ -136,7 +137,26 @@ TEST(GpuMatcher, NamesTheDevicesThereAreWhenNoneFits) {
   const Keypoints keypoints = l2_keypoints(random_descriptors(5, 8, rng));
   const Outcome out = match(plugin, keypoints, keypoints);
   EXPECT_EQ(out.status, WEFT_ERROR);
-  EXPECT_THAT(out.message, HasSubstr("no OpenCL device is 'no such thing'; there are: 0: "));
+  EXPECT_THAT(out.message, AllOf(HasSubstr("no OpenCL device is 'no such thing'; there are: 0: "),
+                                 HasSubstr("or set without_device: fallback")));
+}
+
+TEST(WithoutADevice, TheFallbackAnswersAndEveryFrameSaysSo) {
+  const std::string params = "{device: no such thing, without_device: fallback}";
+  PluginUnderTest detector("detectors/sift_gpu", params), sift("detectors/sift");
+  const Image image = texture(160, 120, 38);
+  const Outcome found = detector.process(0, {input("image", image)});
+  EXPECT_EQ(found.status, WEFT_DEGENERATE);
+  EXPECT_THAT(found.message,
+              HasSubstr("found by the fallback: no OpenCL device is 'no such thing'"));
+  const Keypoints keypoints = found.get<Keypoints>().value();
+  EXPECT_EQ(keypoints.count(), detect(sift, image).count());
+
+  PluginUnderTest matcher("matchers/gpu", params);
+  const Outcome matched = match(matcher, keypoints, keypoints);
+  EXPECT_EQ(matched.status, WEFT_DEGENERATE);
+  EXPECT_THAT(matched.message, HasSubstr("found by the fallback: "));
+  EXPECT_GT(matched.get<Correspondences>()->count(), 50);
 }
 
 }  // namespace

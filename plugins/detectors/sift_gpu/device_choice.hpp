@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <weft/core/params.hpp>
+
+#include "device.hpp"
+
+namespace weft::sift_gpu {
+
+/// Which device a component computes on, and what it does without one.
+class DeviceChoice {
+ public:
+  /// Declares `device` and `without_device`.
+  void read(Params& p);
+
+  /// What must hold before the first frame: there is a device, or the pipeline said that it can do
+  /// without.
+  Result<void> prepare();
+
+  /// The device, opened where it is not open. Null where there is none and the component should
+  /// stand back for its `fallback`; reason() then says why.
+  Result<std::shared_ptr<Device>> open();
+
+  const std::string& reason() const { return reason_; }
+
+  /// After a failure: a device that was lost comes back with a new context, if at all.
+  void forget() { device_.reset(); }
+
+ private:
+  enum class WithoutDevice { error, fallback };
+
+  std::string wanted_;
+  WithoutDevice without_device_ = WithoutDevice::error;
+  std::shared_ptr<Device> device_;
+  std::string reason_;
+};
+
+}  // namespace weft::sift_gpu
