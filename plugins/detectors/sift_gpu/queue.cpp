@@ -6,8 +6,21 @@
 
 namespace weft::sift_gpu {
 
-Queue::Queue(std::shared_ptr<Device> device)
-    : device_(std::move(device)), queue_(device_->context(), device_->handle()) {}
+Queue::Queue(std::shared_ptr<Device> device, bool timed)
+    : device_(std::move(device)),
+      timed_(timed),
+      queue_(device_->context(), device_->handle(), timed ? CL_QUEUE_PROFILING_ENABLE : 0) {}
+
+double Queue::kernel_ms() {
+  constexpr double kNanosecondsPerMs = 1e6;
+  cl_ulong busy_ns = 0;
+  for (const cl::Event& event : launched_) {
+    busy_ns += event.getProfilingInfo<CL_PROFILING_COMMAND_END>() -
+               event.getProfilingInfo<CL_PROFILING_COMMAND_START>();
+  }
+  launched_.clear();
+  return static_cast<double>(busy_ns) / kNanosecondsPerMs;
+}
 
 cl::Kernel Queue::kernel(const char* name) const { return {device_->program(), name}; }
 

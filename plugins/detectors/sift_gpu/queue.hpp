@@ -17,7 +17,8 @@ struct Cancelled {};
 /// device fails; after that, or after Cancelled, what was asked of the queue is worth nothing.
 class Queue {
  public:
-  explicit Queue(std::shared_ptr<Device> device);
+  /// `timed`: the device keeps the time of each kernel, for kernel_ms().
+  explicit Queue(std::shared_ptr<Device> device, bool timed = false);
 
   const Device& device() const { return *device_; }
   cl::Kernel kernel(const char* name) const;
@@ -31,7 +32,8 @@ class Queue {
               const Args&... args) {
     cl_uint index = 0;
     (kernel.setArg(index++, args), ...);
-    queue_.enqueueNDRangeKernel(kernel, cl::NullRange, items, group);
+    cl::Event* event = timed_ ? &launched_.emplace_back() : nullptr;
+    queue_.enqueueNDRangeKernel(kernel, cl::NullRange, items, group, nullptr, event);
   }
 
   void fill(const cl::Buffer& buffer, cl_int value);
@@ -40,13 +42,19 @@ class Queue {
   void read(const cl::Buffer& from, std::size_t bytes, void* to, const CancelledCheck& cancelled,
             std::size_t offset_bytes = 0);
 
+  /// How long the kernels took that were launched since the last call; all must have come to an
+  /// end.
+  double kernel_ms();
+
   /// Whether all commands have come to an end. Before that it must not be destroyed: a read that
   /// was interrupted may still arrive.
   bool idle() const;
 
  private:
   std::shared_ptr<Device> device_;
+  bool timed_;
   cl::CommandQueue queue_;
+  std::vector<cl::Event> launched_;
   cl::Event last_;
   std::vector<std::byte> landing_;
 };

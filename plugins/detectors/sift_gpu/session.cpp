@@ -50,11 +50,11 @@ std::uint64_t Session::largest_buffer_bytes(const ScalePlan& plan) {
 }
 
 Session::Session(std::shared_ptr<Device> device, int width, int height, int channels,
-                 const Settings& settings)
+                 const Settings& settings, bool timed)
     : settings_(settings),
       plan_(width, height, settings),
       channels_(channels),
-      queue_(std::move(device)),
+      queue_(std::move(device), timed),
       grey_levels_(queue_.kernel("grey_levels")),
       blur_rows_(queue_.kernel("blur_rows")),
       blur_columns_(queue_.kernel("blur_columns")),

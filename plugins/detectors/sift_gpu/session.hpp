@@ -28,9 +28,9 @@ inline constexpr int kDescriptorLength = 128;
 /// the session must not be used again.
 class Session {
  public:
-  /// `channels` is 1 or 3 (blue, green, red).
+  /// `channels` is 1 or 3 (blue, green, red); for `timed` see Queue.
   Session(std::shared_ptr<Device> device, int width, int height, int channels,
-          const Settings& settings);
+          const Settings& settings, bool timed = false);
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
@@ -51,6 +51,9 @@ class Session {
   /// Copies descriptors [count,128] to the host.
   std::vector<std::uint8_t> download(const cl::Buffer& descriptors, std::size_t count,
                                      const CancelledCheck& cancelled);
+
+  /// See Queue.
+  double kernel_ms() { return queue_.kernel_ms(); }
 
   /// Whether all that was asked of the device has come to an end; before, it must not be destroyed.
   bool idle() const { return queue_.idle(); }
