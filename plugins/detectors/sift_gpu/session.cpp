@@ -26,7 +26,8 @@ std::uint64_t layer_size(const Octave& octave) {
 }
 
 int first_capacity(const ScalePlan& plan) {
-  return std::max(kFewestSpots, plan.width * plan.height / kPixelsPerSpot);
+  const std::int64_t pixels = std::int64_t{plan.width} * plan.height;
+  return static_cast<int>(std::max<std::int64_t>(kFewestSpots, pixels / kPixelsPerSpot));
 }
 
 std::uint64_t image_bytes(const ScalePlan& plan, int channels) {
