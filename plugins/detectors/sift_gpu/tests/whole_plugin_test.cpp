@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <fstream>
+#include <thread>
+#include <weft/host/lane.hpp>
+
+#include "common/tests/scenes.hpp"
+#include "session.hpp"
+
+namespace weft::sift_gpu {
+namespace {
+
+using detectors::texture;
+using ::testing::HasSubstr;
+
+/// The plugin in a lane of its own, so that its calls can be cancelled and its answers forgotten.
+class PluginInALane {
+ public:
+  explicit PluginInALane(const std::string& params = "{}")
+      : registry_(host::Registry::scan(host::search_path({}))) {
+    const auto document =
+        yaml::parse("use: detectors/sift_gpu\nparams: " + params + "\n", "params");
+    std::vector<yaml::Problem> problems;
+    spec_ = host::resolve_component(registry_, *document->root.find("use"),
+                                    document->root.find("params"),
+                                    host::PathRules::of_process({"/"}, "/tmp"), problems);
+    if (!spec_) throw std::runtime_error(problems.front().message);
+    const auto made = lane_.instantiate(*spec_, "test");
+    if (!made) throw std::runtime_error(made.error().message);
+    instance_ = *made;
+  }
+
+  host::Outcome detect(const Image& image) {
+    const RecordView<Image> view("image", image);
+    lane_.take_timings();
+    return lane_.call(*instance_, 0, {&view.raw(), 1}, 0);
+  }
+
+  std::atomic<bool>& cancel() { return lane_.cancel(); }
+
+ private:
+  host::Registry registry_;
+  host::Lane lane_{1, {}};
+  std::optional<host::ComponentSpec> spec_;
+  host::Instance* instance_ = nullptr;
+};
+
+/// Whether two answers are equal to the bit; false if either has no keypoints.
+bool same_keypoints(const host::Outcome& a, const host::Outcome& b) {
+  if (a.status != WEFT_OK || b.status != WEFT_OK) return false;
+  const auto first = host::view_as<Keypoints>(*a.find("keypoints"));
+  const auto second = host::view_as<Keypoints>(*b.find("keypoints"));
+  const auto equal = [](const auto& one, const auto& other) {
+    return one.size() == other.size() &&
+           std::memcmp(one.data(), other.data(),
+                       static_cast<std::size_t>(one.size()) * sizeof(*one.data())) == 0;
+  };
+  return first->count() > 0 && equal(first->xy_px, second->xy_px) &&
+         equal(first->scale_px, second->scale_px) && equal(first->angle_rad, second->angle_rad) &&
+         equal(first->response, second->response) && equal(first->octave, second->octave) &&
+         equal(first->descriptors, second->descriptors);
+}
+
+TEST(SiftGpuPlugin, TakesItsDeviceByIndexOrName) {
+  const Image image = texture(64, 48, 81);
+  PluginInALane usual;
+  const host::Outcome expected = usual.detect(image);
+  const std::string name = all_devices().front().getInfo<CL_DEVICE_NAME>();
+  for (const std::string& device : {std::string("0"), std::string("'0'"), "'" + name + "'"}) {
+    PluginInALane plugin("{device: " + device + "}");
+    EXPECT_TRUE(same_keypoints(plugin.detect(image), expected)) << device;
+  }
+}
+
+TEST(SiftGpuPlugin, AnswersAnUnknownDeviceWithWhatThereIs) {
+  PluginInALane plugin("{device: no such device}");
+  const host::Outcome outcome = plugin.detect(texture(64, 48, 81));
+  EXPECT_EQ(outcome.status, WEFT_ERROR);
+  EXPECT_EQ(outcome.error.code, Errc::not_found);
+  EXPECT_THAT(outcome.error.message, HasSubstr("'no such device'"));
+  EXPECT_THAT(outcome.error.message, HasSubstr("0: " + description(all_devices().front())));
+}
+
+TEST(SiftGpuPlugin, CountsTheBytesOfImagesOfAnySize) {
+  for (const auto& [width, height, upsample] :
+       {std::tuple{640, 480, true}, std::tuple{3840, 2160, true}, std::tuple{7, 5, false},
+        std::tuple{60000, 60000, false}, std::tuple{100000, 100000, true}}) {
+    const ScalePlan plan(width, height, Settings{.upsample = upsample});
+    const auto pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+    const std::uint64_t first = upsample ? 4 * pixels : pixels;
+    const std::uint64_t spots = std::max<std::uint64_t>(1024, first / 200);
+    EXPECT_EQ(Session::bytes_needed(plan, 3),
+              3 * pixels + 4 * (plan.pyramid_size + first) + 2 * sizeof(Spot) * spots)
+        << width << " x " << height;
+    EXPECT_EQ(Session::largest_buffer_bytes(plan), 4 * plan.pyramid_size);
+    // Each octave has a quarter of the pixels of the one before.
+    EXPECT_LE(plan.pyramid_size, 6 * first * 4 / 3);
+    EXPECT_GE(plan.pyramid_size, 6 * first);
+  }
+}
+
+TEST(SiftGpuPlugin, RefusesAnImageForWhichTheDeviceIsTooSmallAndTakesTheNext) {
+  const auto device = Device::open("");
+  ASSERT_TRUE(device);
+  const auto too_large = [&](int side) {
+    const ScalePlan plan(side, side, Settings{});
+    return Session::largest_buffer_bytes(plan) > (*device)->largest_buffer_bytes() ||
+           Session::bytes_needed(plan, 1) > (*device)->memory_bytes();
+  };
+  int side = 64;
+  while (!too_large(side)) side *= 2;
+  // Every row is the same memory: nobody needs the whole image.
+  const std::vector<std::uint8_t> row(static_cast<std::size_t>(side), 128);
+  Image huge;
+  huge.pixels = Array<std::uint8_t>::borrow(row.data(), 2, {side, side}, 0);
+
+  PluginInALane plugin, other;
+  const Image image = texture(64, 48, 82);
+  const host::Outcome expected = other.detect(image);
+  const host::Outcome outcome = plugin.detect(huge);
+  EXPECT_EQ(outcome.status, WEFT_ERROR);
+  EXPECT_EQ(outcome.error.code, Errc::unsupported);
+  const std::string size = std::to_string(side) + " x " + std::to_string(side);
+  EXPECT_THAT(outcome.error.message, HasSubstr("an image of " + size + " needs "));
+  EXPECT_THAT(outcome.error.message, HasSubstr((*device)->name()));
+  EXPECT_THAT(outcome.error.message, HasSubstr("upsample: false"));
+  EXPECT_TRUE(same_keypoints(plugin.detect(image), expected));
+}
+
+/// A GPU has answered before it is first asked whether to go on.
+bool may_be_too_fast() {
+  return (all_devices().front().getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_GPU) != 0;
+}
+
+TEST(SiftGpuPlugin, StopsWhenItsCallIsCancelledAndAnswersTheNext) {
+  const Image image = texture(160, 120, 83);
+  PluginInALane plugin, other;
+  const host::Outcome expected = other.detect(image);
+  plugin.detect(image);  // opened, so that what is cancelled is the work
+  for (int i = 0; i < 3; ++i) {
+    plugin.cancel() = true;
+    const host::Outcome outcome = plugin.detect(image);
+    plugin.cancel() = false;
+    if (outcome.status == WEFT_OK && may_be_too_fast()) {
+      EXPECT_TRUE(same_keypoints(outcome, expected));
+      continue;
+    }
+    EXPECT_EQ(outcome.status, WEFT_CANCELLED);
+    EXPECT_EQ(outcome.error.code, Errc::cancelled);
+    EXPECT_TRUE(same_keypoints(plugin.detect(image), expected));
+  }
+}
+
+TEST(SiftGpuPlugin, MayBeEndedRightAfterACancelledCall) {
+  const Image image = texture(160, 120, 84);
+  PluginInALane survivor;
+  const host::Outcome expected = survivor.detect(image);
+  {
+    PluginInALane plugin;
+    plugin.detect(image);
+    plugin.cancel() = true;
+    EXPECT_TRUE(plugin.detect(image).status == WEFT_CANCELLED || may_be_too_fast());
+  }
+  EXPECT_TRUE(same_keypoints(survivor.detect(image), expected));
+}
+
+TEST(SiftGpuPlugin, TwoInTwoThreadsAnswerAsEachAlone) {
+  constexpr int kRounds = 5;
+  const std::vector<Image> images{texture(120, 90, 85), texture(100, 110, 86)};
+  std::vector<host::Outcome> alone;
+  for (const Image& image : images) {
+    PluginInALane plugin;
+    alone.push_back(plugin.detect(image));
+  }
+  std::vector<std::vector<host::Outcome>> together(images.size());
+  std::vector<std::thread> threads;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    threads.emplace_back([&, i] {
+      PluginInALane plugin;
+      for (int round = 0; round < kRounds; ++round) {
+        together[i].push_back(plugin.detect(images[i]));
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    ASSERT_EQ(together[i].size(), static_cast<std::size_t>(kRounds));
+    for (const host::Outcome& outcome : together[i]) {
+      EXPECT_TRUE(same_keypoints(outcome, alone[i]));
+    }
+  }
+}
+
+constexpr double kMib = 1024.0 * 1024.0;
+
+double resident_mib() {
+  std::ifstream statm("/proc/self/statm");
+  double size = 0.0, resident = 0.0;
+  statm >> size >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / kMib;
+}
+
+TEST(SiftGpuPlugin, AThousandFramesDoNotMakeItGrow) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers keep what was freed";
+#endif
+  PluginInALane plugin;
+  const Image image = texture(64, 48, 87);
+  const host::Outcome first = plugin.detect(image);
+  double warm_mib = 0.0;
+  for (int frame = 1; frame < 1000; ++frame) {
+    const host::Outcome outcome = plugin.detect(image);
+    if (frame % 100 == 0) {
+      EXPECT_TRUE(same_keypoints(outcome, first)) << frame;
+    }
+    if (frame == 200) warm_mib = resident_mib();
+  }
+  const auto keypoints = host::view_as<Keypoints>(*first.find("keypoints"));
+  const double kept_mib = 800.0 * 128.0 * static_cast<double>(keypoints->count()) / kMib;
+  const double grown_mib = resident_mib() - warm_mib;
+  std::printf(
+      "after 200 frames %.2f MiB are resident, 800 more added %.2f MiB; their descriptors "
+      "have %.2f MiB\n",
+      warm_mib, grown_mib, kept_mib);
+  EXPECT_LT(grown_mib, 0.5 * kept_mib);
+}
+
+}  // namespace
+}  // namespace weft::sift_gpu
