@@ -11,15 +11,6 @@ namespace weft::sift_gpu {
 template <class Work>
 class Abandoned {
  public:
-  Abandoned() = default;
-  Abandoned(const Abandoned&) = delete;
-  Abandoned& operator=(const Abandoned&) = delete;
-  ~Abandoned() {
-    bury();
-    // What a device never finishes stays.
-    for (std::unique_ptr<Work>& one : works_) static_cast<void>(one.release());
-  }
-
   void keep(std::unique_ptr<Work> work) { works_.push_back(std::move(work)); }
 
   /// Lets go of what has come to an end.

@@ -89,14 +89,13 @@ Result<cl::Device> choose(const std::string& wanted) {
                  {}};
   }
   if (wanted.empty()) return devices.front();
-  const bool is_index = std::all_of(wanted.begin(), wanted.end(),
-                                    [](unsigned char c) { return std::isdigit(c) != 0; });
   for (std::size_t i = 0; i < devices.size(); ++i) {
+    if (std::to_string(i) == wanted) return devices[i];
+  }
+  for (const cl::Device& device : devices) {
     const std::string names =
-        lower(devices[i].getInfo<CL_DEVICE_NAME>() + "\n" + devices[i].getInfo<CL_DEVICE_VENDOR>());
-    if (is_index ? std::to_string(i) == wanted : names.find(lower(wanted)) != std::string::npos) {
-      return devices[i];
-    }
+        device.getInfo<CL_DEVICE_NAME>() + "\n" + device.getInfo<CL_DEVICE_VENDOR>();
+    if (lower(names).find(lower(wanted)) != std::string::npos) return device;
   }
   return Error{
       Errc::not_found, "no OpenCL device is '" + wanted + "'; there are: " + list(devices), {}};

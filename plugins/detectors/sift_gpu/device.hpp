@@ -19,7 +19,7 @@ std::vector<cl::Device> all_devices();
 /// Name, vendor and driver of a device, in one line.
 std::string description(const cl::Device& device);
 
-/// The device with this index among all_devices(), or the first whose name or vendor contains the
+/// The device with this index among all_devices(), else the first whose name or vendor contains the
 /// text, whatever the case; empty text: the first. The Error lists what there is.
 Result<cl::Device> choose(const std::string& wanted);
 

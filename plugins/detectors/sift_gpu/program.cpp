@@ -33,13 +33,20 @@ fs::path cache_file(const cl::Device& device) {
   return folder / "weft" / "opencl" / (std::to_string(hash) + ".bin");
 }
 
-/// Written beside its place and renamed, so that nobody reads half of it. A cache that cannot be
-/// written costs the next start its time and nothing else.
+XXH64_hash_t hash_of(const std::vector<unsigned char>& binary) {
+  return XXH3_64bits(binary.data(), binary.size());
+}
+
+/// Written beside its place and renamed, so that nobody reads half of it, and behind its hash:
+/// there are drivers that end the process over a binary which is damaged after all. A cache that
+/// cannot be written costs the next start its time and nothing else.
 void store(const fs::path& file, const std::vector<unsigned char>& binary) {
   std::error_code code;
   fs::create_directories(file.parent_path(), code);
   const fs::path partial = file.string() + "." + std::to_string(getpid());
   std::ofstream out(partial, std::ios::binary);
+  const XXH64_hash_t hash = hash_of(binary);
+  out.write(reinterpret_cast<const char*>(&hash), sizeof(hash));
   out.write(reinterpret_cast<const char*>(binary.data()),
             static_cast<std::streamsize>(binary.size()));
   out.close();
@@ -49,14 +56,17 @@ void store(const fs::path& file, const std::vector<unsigned char>& binary) {
 
 cl::Program from_cache(const cl::Context& context, const cl::Device& device, const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
-  if (!in) return {};
+  XXH64_hash_t hash = 0;
+  if (!in.read(reinterpret_cast<char*>(&hash), sizeof(hash))) return {};
   std::vector<unsigned char> binary{std::istreambuf_iterator<char>(in), {}};
+  if (hash != hash_of(binary))
+    return {};  // cut short, or not ours: it is compiled and stored again
   try {
     cl::Program program(context, {device}, {std::move(binary)});
     program.build({device});
     return program;
   } catch (const cl::Error&) {
-    return {};  // of another driver, or cut short: it is compiled and stored again
+    return {};  // of another driver: likewise
   }
 }
 

@@ -28,8 +28,24 @@ cl::Buffer Queue::buffer(std::uint64_t bytes) const {
   return {device_->context(), CL_MEM_READ_WRITE, std::max<std::uint64_t>(bytes, 1)};
 }
 
-void Queue::write(const cl::Buffer& to, const void* from, std::size_t bytes) {
-  if (bytes > 0) queue_.enqueueWriteBuffer(to, CL_TRUE, 0, bytes, from);
+Queue::~Queue() {
+  if (!idle()) static_cast<void>(std::make_unique<Transfers>(std::move(transfers_)).release());
+}
+
+std::byte* Queue::staged(std::size_t bytes) {
+  std::vector<std::vector<std::byte>>& leaving = transfers_.leaving;
+  if (writes_ == leaving.size()) leaving.emplace_back();
+  leaving[writes_].resize(bytes);
+  return leaving[writes_].data();
+}
+
+void Queue::send(const cl::Buffer& to, std::size_t bytes) {
+  queue_.enqueueWriteBuffer(to, CL_FALSE, 0, bytes, transfers_.leaving[writes_++].data(), nullptr,
+                            &last_);
+}
+
+void Queue::write(const cl::Buffer& to, std::size_t bytes, const void* from) {
+  write(to, bytes, [&](std::byte* target) { std::memcpy(target, from, bytes); });
 }
 
 void Queue::fill(const cl::Buffer& buffer, cl_int value) {
@@ -39,12 +55,13 @@ void Queue::fill(const cl::Buffer& buffer, cl_int value) {
 void Queue::read(const cl::Buffer& from, std::size_t bytes, void* to,
                  const CancelledCheck& cancelled, std::size_t offset_bytes) {
   if (bytes == 0) return;
-  // An interrupted read may still arrive: it goes into memory that lives as long as this queue.
-  landing_.resize(std::max(landing_.size(), bytes));
-  queue_.enqueueReadBuffer(from, CL_FALSE, offset_bytes, bytes, landing_.data(), nullptr, &last_);
+  std::vector<std::byte>& landing = transfers_.landing;
+  landing.resize(std::max(landing.size(), bytes));
+  queue_.enqueueReadBuffer(from, CL_FALSE, offset_bytes, bytes, landing.data(), nullptr, &last_);
   queue_.flush();
   if (!wait_for(last_, cancelled)) throw Cancelled{};
-  std::memcpy(to, landing_.data(), bytes);
+  writes_ = 0;
+  std::memcpy(to, landing.data(), bytes);
 }
 
 bool Queue::idle() const {

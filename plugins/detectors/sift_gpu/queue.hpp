@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <vector>
 
@@ -19,13 +20,24 @@ class Queue {
  public:
   /// `timed`: the device keeps the time of each kernel, for kernel_ms().
   explicit Queue(std::shared_ptr<Device> device, bool timed = false);
+  ~Queue();
+  Queue(const Queue&) = delete;
+  Queue& operator=(const Queue&) = delete;
 
   const Device& device() const { return *device_; }
   cl::Kernel kernel(const char* name) const;
   cl::Buffer buffer(std::uint64_t bytes) const;
 
-  /// Returns when `from` may be changed again.
-  void write(const cl::Buffer& to, const void* from, std::size_t bytes);
+  /// Sends `bytes` that `fill(std::byte*)` writes.
+  template <class Fill>
+  requires std::invocable<Fill, std::byte*>
+  void write(const cl::Buffer& to, std::size_t bytes, Fill&& fill) {
+    if (bytes == 0) return;
+    fill(staged(bytes));
+    send(to, bytes);
+  }
+  /// Copies first: `from` may be changed at once.
+  void write(const cl::Buffer& to, std::size_t bytes, const void* from);
 
   template <class... Args>
   void launch(cl::Kernel& kernel, const cl::NDRange& items, const cl::NDRange& group,
@@ -46,17 +58,26 @@ class Queue {
   /// end.
   double kernel_ms();
 
-  /// Whether all commands have come to an end. Before that it must not be destroyed: a read that
-  /// was interrupted may still arrive.
+  /// Whether all commands have come to an end. Destroyed before that, it leaves the memory that
+  /// transfers may still use to the process.
   bool idle() const;
 
  private:
+  std::byte* staged(std::size_t bytes);
+  void send(const cl::Buffer& to, std::size_t bytes);
+
   std::shared_ptr<Device> device_;
   bool timed_;
   cl::CommandQueue queue_;
   std::vector<cl::Event> launched_;
   cl::Event last_;
-  std::vector<std::byte> landing_;
+  // The device copies from and to this, whatever becomes of a call.
+  struct Transfers {
+    std::vector<std::vector<std::byte>> leaving;  ///< one for each write since the last read
+    std::vector<std::byte> landing;
+  };
+  Transfers transfers_;
+  std::size_t writes_ = 0;
 };
 
 /// The items of a launch with one group of kGroup for each of `count` things.

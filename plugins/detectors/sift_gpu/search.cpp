@@ -49,7 +49,7 @@ DeviceDescriptors Search::load(const cl::Buffer& bytes, int count, int length, b
 DeviceDescriptors Search::load(std::span<const float> rows, int count, int length, bool root) {
   DeviceDescriptors loaded{queue_.buffer(bytes_of(count, length)),
                            queue_.buffer(bytes_of(count, 1)), count, length};
-  queue_.write(loaded.rows, rows.data(), rows.size_bytes());
+  queue_.write(loaded.rows, rows.size_bytes(), rows.data());
   queue_.launch(load_floats_, one_item_each(count), one_group(), loaded.rows, count, length,
                 root ? 1 : 0, loaded.norms);
   return loaded;
@@ -68,7 +68,7 @@ std::vector<Pair> Search::run(const DeviceDescriptors& queries, const DeviceDesc
       reserve(pairs_, sizeof(Pair) * static_cast<std::uint64_t>(queries.count));
   const cl::Buffer& least = reserve(least_, row_bytes);
   const cl::Buffer& best = reserve(best_, row_bytes);
-  queue_.write(train_places, places.data(), places.size_bytes());
+  queue_.write(train_places, places.size_bytes(), places.data());
 
   for (int first = 0; first < queries.count; first += block) {
     const int rows = std::min(block, queries.count - first);

@@ -73,8 +73,8 @@ Session::Session(std::shared_ptr<Device> device, int width, int height, int chan
       keypoints_capacity_(first_capacity(plan_)) {
   extrema_found_ = queue_.buffer(sizeof(Spot) * static_cast<std::uint64_t>(extrema_capacity_));
   keypoints_found_ = queue_.buffer(sizeof(Spot) * static_cast<std::uint64_t>(keypoints_capacity_));
-  queue_.write(taps_, plan_.taps.data(), sizeof(float) * plan_.taps.size());
-  queue_.write(octaves_, plan_.octaves.data(), sizeof(Octave) * plan_.octaves.size());
+  queue_.write(taps_, sizeof(float) * plan_.taps.size(), plan_.taps.data());
+  queue_.write(octaves_, sizeof(Octave) * plan_.octaves.size(), plan_.octaves.data());
 }
 
 bool Session::fits(int width, int height, int channels) const {
@@ -83,17 +83,12 @@ bool Session::fits(int width, int height, int channels) const {
 
 void Session::upload(const Array<std::uint8_t>& pixels) {
   const auto row_bytes = static_cast<std::size_t>(plan_.image_width * channels_);
-  const auto rows = static_cast<std::size_t>(plan_.image_height);
-  const std::uint8_t* data = pixels.data();
-  if (!pixels.contiguous()) {
-    packed_.resize(rows * row_bytes);
-    for (std::size_t y = 0; y < rows; ++y) {
-      std::memcpy(packed_.data() + y * row_bytes, pixels.row(static_cast<std::int64_t>(y)),
-                  row_bytes);
-    }
-    data = packed_.data();
-  }
-  queue_.write(image_, data, rows * row_bytes);
+  queue_.write(image_, static_cast<std::size_t>(plan_.image_height) * row_bytes,
+               [&](std::byte* to) {
+                 for (std::int64_t y = 0; y < pixels.rows(); ++y, to += row_bytes) {
+                   std::memcpy(to, pixels.row(y), row_bytes);
+                 }
+               });
 }
 
 void Session::blur(std::uint64_t from_offset, const Octave& octave, const Blur& gaussian,
@@ -200,7 +195,7 @@ cl::Buffer Session::describe(const std::vector<Spot>& keypoints) {
     selected_capacity_ = count + count / 4;
     selected_ = queue_.buffer(sizeof(Spot) * static_cast<std::uint64_t>(selected_capacity_));
   }
-  queue_.write(selected_, keypoints.data(), sizeof(Spot) * keypoints.size());
+  queue_.write(selected_, sizeof(Spot) * keypoints.size(), keypoints.data());
   cl::Buffer descriptors = queue_.buffer(keypoints.size() * kDescriptorLength);
   queue_.launch(descriptions_, groups_for(count), one_group(), pyramid_, octaves_, selected_,
                 descriptors);

@@ -79,7 +79,6 @@ class Session {
       selected_;
   int extrema_capacity_, keypoints_capacity_;
   int selected_capacity_ = 0;
-  std::vector<std::uint8_t> packed_;
 };
 
 }  // namespace weft::sift_gpu
