@@ -231,7 +231,7 @@ class Tree:
     def _rule_for_plugin(self, path: str, name: str, target: str) -> str:
         if target in PLUGIN_LAYERS or (target == "testing" and is_test(path)):
             return ""
-        if target == scope_of(path).split("/")[0] + "/common":
+        if target in {f"plugin:{role}/common" for role in self._roles_of(path)}:
             return ""
         if target.startswith("plugin:"):
             return f"a plugin must not include another plugin: {name} ({target[7:]})"
@@ -239,6 +239,16 @@ class Tree:
             return f"only the tests of a plugin may include {name} (testing)"
         allowed = ", ".join(PLUGIN_LAYERS)
         return f"a plugin must not include {name} ({target}); it may include {allowed}"
+
+    def _roles_of(self, path: str) -> set[str]:
+        """Roles of the plugin's folder and of the other components that its library holds."""
+        role, name = PurePosixPath(path).parts[1:3]
+        roles = {role}
+        for file in self.ours:
+            if file.startswith(f"plugins/{role}/{name}/") and not is_test(file):
+                text = (self.root / file).read_text(encoding="utf-8", errors="replace")
+                roles |= set(re.findall(r'WEFT_COMPONENT\([^,]*,\s*"([a-z]+)/', text))
+        return roles
 
     def _rule_for_library(self, path: str, name: str) -> str:
         for library, pattern, allowed in LIBRARIES:

@@ -45,6 +45,10 @@ CLEAN = {
     "plugins/sources/images/camera.cpp": SPDX
     + '#include "common/lens.hpp"\n#include <yaml-cpp/yaml.h>\n',
     "plugins/sources/images/camera.hpp": HPP,
+    "plugins/detectors/pair/pair.cpp": SPDX
+    + '#include "common/lens.hpp"\n#include <weft/sdk/source.hpp>\n'
+    + 'WEFT_LIBRARY(WEFT_COMPONENT(Pair, "detectors/pair", "1", ""),\n'
+    + '             WEFT_COMPONENT(Other,\n "sources/pair", "1", ""))\n',
     "tests/unit/host/registry_test.cpp": SPDX + "#include <weft/host/registry.hpp>\n",
 }
 

@@ -1,68 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gmock/gmock.h>
-#include <unistd.h>
-
-#include <cstring>
-#include <fstream>
 #include <thread>
-#include <weft/host/lane.hpp>
 
-#include "common/tests/scenes.hpp"
 #include "session.hpp"
+#include "sift_gpu_alone.hpp"
 
 namespace weft::sift_gpu {
 namespace {
 
-using detectors::texture;
 using ::testing::HasSubstr;
-
-/// The plugin in a lane of its own, so that its calls can be cancelled and its answers forgotten.
-class PluginInALane {
- public:
-  explicit PluginInALane(const std::string& params = "{}")
-      : registry_(host::Registry::scan(host::search_path({}))) {
-    const auto document =
-        yaml::parse("use: detectors/sift_gpu\nparams: " + params + "\n", "params");
-    std::vector<yaml::Problem> problems;
-    spec_ = host::resolve_component(registry_, *document->root.find("use"),
-                                    document->root.find("params"),
-                                    host::PathRules::of_process({"/"}, "/tmp"), problems);
-    if (!spec_) throw std::runtime_error(problems.front().message);
-    const auto made = lane_.instantiate(*spec_, "test");
-    if (!made) throw std::runtime_error(made.error().message);
-    instance_ = *made;
-  }
-
-  host::Outcome detect(const Image& image) {
-    const RecordView<Image> view("image", image);
-    lane_.take_timings();
-    return lane_.call(*instance_, 0, {&view.raw(), 1}, 0);
-  }
-
-  std::atomic<bool>& cancel() { return lane_.cancel(); }
-
- private:
-  host::Registry registry_;
-  host::Lane lane_{1, {}};
-  std::optional<host::ComponentSpec> spec_;
-  host::Instance* instance_ = nullptr;
-};
-
-/// Whether two answers are equal to the bit; false if either has no keypoints.
-bool same_keypoints(const host::Outcome& a, const host::Outcome& b) {
-  if (a.status != WEFT_OK || b.status != WEFT_OK) return false;
-  const auto first = host::view_as<Keypoints>(*a.find("keypoints"));
-  const auto second = host::view_as<Keypoints>(*b.find("keypoints"));
-  const auto equal = [](const auto& one, const auto& other) {
-    return one.size() == other.size() &&
-           std::memcmp(one.data(), other.data(),
-                       static_cast<std::size_t>(one.size()) * sizeof(*one.data())) == 0;
-  };
-  return first->count() > 0 && equal(first->xy_px, second->xy_px) &&
-         equal(first->scale_px, second->scale_px) && equal(first->angle_rad, second->angle_rad) &&
-         equal(first->response, second->response) && equal(first->octave, second->octave) &&
-         equal(first->descriptors, second->descriptors);
-}
 
 TEST(SiftGpuPlugin, TakesItsDeviceByIndexOrName) {
   const Image image = texture(64, 48, 81);
@@ -192,40 +137,6 @@ TEST(SiftGpuPlugin, TwoInTwoThreadsAnswerAsEachAlone) {
       EXPECT_TRUE(same_keypoints(outcome, alone[i]));
     }
   }
-}
-
-constexpr double kMib = 1024.0 * 1024.0;
-
-double resident_mib() {
-  std::ifstream statm("/proc/self/statm");
-  double size = 0.0, resident = 0.0;
-  statm >> size >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / kMib;
-}
-
-TEST(SiftGpuPlugin, AThousandFramesDoNotMakeItGrow) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers keep what was freed";
-#endif
-  PluginInALane plugin;
-  const Image image = texture(64, 48, 87);
-  const host::Outcome first = plugin.detect(image);
-  double warm_mib = 0.0;
-  for (int frame = 1; frame < 1000; ++frame) {
-    const host::Outcome outcome = plugin.detect(image);
-    if (frame % 100 == 0) {
-      EXPECT_TRUE(same_keypoints(outcome, first)) << frame;
-    }
-    if (frame == 200) warm_mib = resident_mib();
-  }
-  const auto keypoints = host::view_as<Keypoints>(*first.find("keypoints"));
-  const double kept_mib = 800.0 * 128.0 * static_cast<double>(keypoints->count()) / kMib;
-  const double grown_mib = resident_mib() - warm_mib;
-  std::printf(
-      "after 200 frames %.2f MiB are resident, 800 more added %.2f MiB; their descriptors "
-      "have %.2f MiB\n",
-      warm_mib, grown_mib, kept_mib);
-  EXPECT_LT(grown_mib, 0.5 * kept_mib);
 }
 
 }  // namespace

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
+#include <cstdio>
+#include <fstream>
+
+#include "sift_gpu_alone.hpp"
+
+namespace weft::sift_gpu {
+namespace {
+
+constexpr double kMib = 1024.0 * 1024.0;
+// Sanitizers keep what was freed, and see leaks themselves.
+constexpr int kFrames = WEFT_SANITIZED ? 300 : 10000;
+constexpr int kWarm = kFrames / 5;
+
+double resident_mib() {
+  std::ifstream statm("/proc/self/statm");
+  double size = 0.0, resident = 0.0;
+  statm >> size >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / kMib;
+}
+
+TEST(SiftGpuPlugin, TenThousandFramesDoNotMakeItGrow) {
+  PluginInALane plugin;
+  const Image image = texture(64, 48, 87);
+  const host::Outcome first = plugin.detect(image);
+  double warm_mib = 0.0;
+  for (int frame = 1; frame < kFrames; ++frame) {
+    const host::Outcome outcome = plugin.detect(image);
+    if (frame % 1000 == 0) {
+      EXPECT_TRUE(same_keypoints(outcome, first)) << frame;
+    }
+    if (frame == kWarm) warm_mib = resident_mib();
+  }
+  const auto keypoints = host::view_as<Keypoints>(*first.find("keypoints"));
+  const double kept_mib =
+      (kFrames - kWarm) * 128.0 * static_cast<double>(keypoints->count()) / kMib;
+  const double grown_mib = resident_mib() - warm_mib;
+  std::printf(
+      "after %d frames %.2f MiB are resident, %d more added %.2f MiB; their descriptors have "
+      "%.2f MiB\n",
+      kWarm, warm_mib, kFrames - kWarm, grown_mib, kept_mib);
+  if (!WEFT_SANITIZED) {
+    EXPECT_LT(grown_mib, 0.05 * kept_mib);
+  }
+}
+
+}  // namespace
+}  // namespace weft::sift_gpu
