@@ -2,6 +2,7 @@
 #include "queue.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 
 namespace weft::sift_gpu {
@@ -29,7 +30,16 @@ cl::Buffer Queue::buffer(std::uint64_t bytes) const {
 }
 
 Queue::~Queue() {
-  if (!idle()) static_cast<void>(std::make_unique<Transfers>(std::move(transfers_)).release());
+  constexpr auto kPatience = std::chrono::seconds(2);
+  const auto start = std::chrono::steady_clock::now();
+  const auto enough = [&] { return std::chrono::steady_clock::now() - start > kPatience; };
+  try {
+    if (last_() != nullptr && !wait_for(last_, enough)) {
+      static_cast<void>(std::make_unique<Transfers>(std::move(transfers_)).release());
+    }
+  } catch (const cl::Error&) {
+    return;  // what failed has come to an end too
+  }
 }
 
 std::byte* Queue::staged(std::size_t bytes) {
