@@ -83,12 +83,8 @@ void matching(benchmark::State& state) {
   const Keypoints templ = descriptors(count, 1), image = descriptors_seen(templ, count, 2);
   const std::vector<float> places(2 * static_cast<std::size_t>(count), 0.0F);
   sift_gpu::Search search(device());
-  const auto span = [](const Array<float>& rows) {
-    return std::span<const float>(rows.data(), static_cast<std::size_t>(rows.size()));
-  };
-  const auto length = static_cast<int>(templ.descriptors.dim(1));
-  const auto queries = search.load(span(templ.descriptors), count, length, true);
-  const auto trains = search.load(span(image.descriptors), count, length, true);
+  const auto queries = search.load(templ.descriptors, true);
+  const auto trains = search.load(image.descriptors, true);
   for (auto each : state) {
     benchmark::DoNotOptimize(search.run(queries, trains, places, {0.0F, true}, never));
   }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "matcher.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace weft::sift_gpu {
@@ -18,20 +17,6 @@ Result<Correspondences> GpuMatcher::stand_back(const Call& call,
   return degenerate(*std::move(matches), "found by the fallback: " + device_.reason());
 }
 
-DeviceDescriptors GpuMatcher::load(const Keypoints& keypoints) {
-  const Array<float>& rows = keypoints.descriptors;
-  const auto count = static_cast<int>(rows.dim(0)), length = static_cast<int>(rows.dim(1));
-  std::span<const float> values(rows.data(), static_cast<std::size_t>(rows.size()));
-  if (!rows.contiguous()) {
-    packed_.resize(values.size());
-    for (int i = 0; i < count; ++i) {
-      std::copy_n(rows.row(i), length, packed_.data() + static_cast<std::ptrdiff_t>(i) * length);
-    }
-    values = packed_;
-  }
-  return search_->load(values, count, length, matching_.root_sift());
-}
-
 std::vector<matchers::Neighbours> GpuMatcher::search(const matchers::Sides& sides,
                                                      const CancelledCheck& cancelled) {
   places_.clear();
@@ -39,7 +24,9 @@ std::vector<matchers::Neighbours> GpuMatcher::search(const matchers::Sides& side
     places_.push_back(static_cast<float>(sides.trains.xy_px(i, 0)));
     places_.push_back(static_cast<float>(sides.trains.xy_px(i, 1)));
   }
-  const DeviceDescriptors queries = load(sides.queries), trains = load(sides.trains);
+  const bool root = matching_.root_sift();
+  const DeviceDescriptors queries = search_->load(sides.queries.descriptors, root);
+  const DeviceDescriptors trains = search_->load(sides.trains.descriptors, root);
   const std::vector<Pair> pairs =
       search_->run(queries, trains, places_,
                    {static_cast<float>(matching_.elsewhere_px()), matching_.mutual()}, cancelled);

@@ -32,14 +32,13 @@ class GpuMatcher final : public Matcher {
   Result<Correspondences> stand_back(const Call& call, const matchers::Sides& sides) const;
   std::vector<matchers::Neighbours> search(const matchers::Sides& sides,
                                            const CancelledCheck& cancelled);
-  DeviceDescriptors load(const Keypoints& keypoints);
 
   DeviceChoice device_;
   MatcherComponent fallback_{"matchers/descriptor"};
   matchers::RatioMatching matching_;
   std::unique_ptr<Search> search_;
   Abandoned<Search> abandoned_;
-  std::vector<float> packed_, places_;
+  std::vector<float> places_;
 };
 
 }  // namespace weft::sift_gpu

@@ -24,7 +24,6 @@ class Queue {
   Queue(const Queue&) = delete;
   Queue& operator=(const Queue&) = delete;
 
-  const Device& device() const { return *device_; }
   cl::Kernel kernel(const char* name) const;
   cl::Buffer buffer(std::uint64_t bytes) const;
 

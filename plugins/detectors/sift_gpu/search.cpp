@@ -2,6 +2,7 @@
 #include "search.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 namespace weft::sift_gpu {
 namespace {
@@ -24,8 +25,7 @@ std::uint64_t bytes_of(int count, int length) {
 
 Search::Search(std::shared_ptr<Device> device)
     : queue_(std::move(device)),
-      load_bytes_(queue_.kernel("load_bytes")),
-      load_floats_(queue_.kernel("load_floats")),
+      load_(queue_.kernel("load")),
       distances_(queue_.kernel("distances")),
       nearest_(queue_.kernel("nearest")),
       nearest_queries_(queue_.kernel("nearest_queries")) {}
@@ -38,20 +38,19 @@ const cl::Buffer& Search::reserve(Kept& kept, std::uint64_t bytes) {
   return kept.buffer;
 }
 
-DeviceDescriptors Search::load(const cl::Buffer& bytes, int count, int length, bool root) {
+DeviceDescriptors Search::load(const Array<float>& descriptors, bool root) {
+  const auto count = static_cast<int>(descriptors.dim(0));
+  const auto length = static_cast<int>(descriptors.dim(1));
   DeviceDescriptors loaded{queue_.buffer(bytes_of(count, length)),
                            queue_.buffer(bytes_of(count, 1)), count, length};
-  queue_.launch(load_bytes_, one_item_each(count), one_group(), bytes, count, length, root ? 1 : 0,
-                loaded.rows, loaded.norms);
-  return loaded;
-}
-
-DeviceDescriptors Search::load(std::span<const float> rows, int count, int length, bool root) {
-  DeviceDescriptors loaded{queue_.buffer(bytes_of(count, length)),
-                           queue_.buffer(bytes_of(count, 1)), count, length};
-  queue_.write(loaded.rows, rows.size_bytes(), rows.data());
-  queue_.launch(load_floats_, one_item_each(count), one_group(), loaded.rows, count, length,
-                root ? 1 : 0, loaded.norms);
+  const std::size_t row_bytes = bytes_of(1, length);
+  queue_.write(loaded.rows, bytes_of(count, length), [&](std::byte* to) {
+    for (int i = 0; i < count; ++i, to += row_bytes) {
+      std::memcpy(to, descriptors.row(i), row_bytes);
+    }
+  });
+  queue_.launch(load_, one_item_each(count), one_group(), loaded.rows, count, length, root ? 1 : 0,
+                loaded.norms);
   return loaded;
 }
 

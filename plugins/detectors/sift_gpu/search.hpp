@@ -3,6 +3,7 @@
 
 #include <span>
 #include <vector>
+#include <weft/data/array.hpp>
 
 #include "queue.hpp"
 
@@ -25,10 +26,8 @@ class Search {
  public:
   explicit Search(std::shared_ptr<Device> device);
 
-  /// Bytes that are on the device already. With `root` each descriptor d becomes sqrt(d / |d|_1).
-  DeviceDescriptors load(const cl::Buffer& bytes, int count, int length, bool root);
-  /// Floats of the host [count,length]; not negative if `root`.
-  DeviceDescriptors load(std::span<const float> rows, int count, int length, bool root);
+  /// Descriptors [count,length]; with `root` each, which is not negative, becomes sqrt(d / |d|_1).
+  DeviceDescriptors load(const Array<float>& descriptors, bool root);
 
   struct Options {
     float elsewhere_px = 0.0F;  ///< the second is farther than this from the best; 0: any other
@@ -54,7 +53,7 @@ class Search {
   const cl::Buffer& reserve(Kept& kept, std::uint64_t bytes);
 
   Queue queue_;
-  cl::Kernel load_bytes_, load_floats_, distances_, nearest_, nearest_queries_;
+  cl::Kernel load_, distances_, nearest_, nearest_queries_;
   Kept squares_, places_, pairs_, least_, best_;
   std::vector<std::int32_t> best_queries_;
 };

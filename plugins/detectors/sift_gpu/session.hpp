@@ -41,7 +41,7 @@ class Session {
 
   bool fits(int width, int height, int channels) const;
 
-  /// Keypoints of the image [H,W] or [H,W,3], without duplicates, in no particular order; the
+  /// Keypoints of the image [H,W] or [H,W,3], without duplicates, in the same order each time; the
   /// pyramid stays for describe().
   std::vector<Spot> find(const Array<std::uint8_t>& pixels, const CancelledCheck& cancelled);
 
@@ -55,7 +55,7 @@ class Session {
   /// See Queue.
   double kernel_ms() { return queue_.kernel_ms(); }
 
-  /// Whether all that was asked of the device has come to an end; before, it must not be destroyed.
+  /// See Queue.
   bool idle() const { return queue_.idle(); }
 
   /// Layers [octave_layers + 3,height,width] of an octave of the last image, for tests.
@@ -69,6 +69,7 @@ class Session {
   void launch_extrema();
   void launch_orientations(int extrema);
   int read_count(const CancelledCheck& cancelled);
+
   Settings settings_;
   ScalePlan plan_;
   int channels_;

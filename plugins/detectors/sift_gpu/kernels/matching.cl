@@ -5,26 +5,9 @@
 #define TILE_ITEMS 64    /* (TILE / BLOCK)^2 */
 #define DEPTH 16         /* elements of descriptors loaded at a time */
 
-/* One item for each descriptor [count,length]: bytes as floats, with `root` replaced by
- * sqrt(d / |d|_1) (Arandjelovic and Zisserman 2012), and its squared norm. */
-KERNEL void load_bytes(GLOBAL const uchar* from, int count, int length, int root, GLOBAL float* to,
-                       GLOBAL float* norms) {
-  int row = GLOBAL_ID(0);
-  if (row >= count) return;
-  wide begin = (wide)row * length;
-  float sum = 0.0f, norm = 0.0f;
-  for (int i = 0; i < length; ++i) sum += from[begin + i];
-  for (int i = 0; i < length; ++i) {
-    float value = from[begin + i];
-    if (root) value = sum > 0.0f ? sqrt(value / sum) : 0.0f;
-    to[begin + i] = value;
-    norm += value * value;
-  }
-  norms[row] = norm;
-}
-
-/* The same in place for floats, which are not negative if `root`. */
-KERNEL void load_floats(GLOBAL float* descriptors, int count, int length, int root,
+/* One item for each descriptor [count,length], which is not negative if `root`: with `root` it becomes
+ * sqrt(d / |d|_1) (Arandjelovic and Zisserman 2012); and its squared norm. */
+KERNEL void load(GLOBAL float* descriptors, int count, int length, int root,
                         GLOBAL float* norms) {
   int row = GLOBAL_ID(0);
   if (row >= count) return;
