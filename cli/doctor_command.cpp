@@ -12,6 +12,7 @@
 #include "commands.hpp"
 #include "json_text.hpp"
 #include "machine.hpp"
+#include "plugin_devices.hpp"
 
 namespace weft::cli {
 namespace {
@@ -86,13 +87,16 @@ ordered_json isolation_json() {
   return {{"usable", reason.empty()}, {"reason", reason}};
 }
 
-ordered_json devices_json() {
+ordered_json devices_json(const host::Registry& registry) {
   ordered_json found = ordered_json::array();
   for (const Camera& camera : cameras()) {
     found.push_back(
         {{"device", camera.device}, {"name", camera.name}, {"accessible", camera.accessible}});
   }
-  return {{"cameras", found}, {"opencl_drivers", opencl_drivers()}, {"nvidia", nvidia_devices()}};
+  return {{"cameras", found},
+          {"opencl_drivers", opencl_drivers()},
+          {"nvidia", nvidia_devices()},
+          {"of_plugins", plugin_devices(registry)}};
 }
 
 ordered_json examine(const host::Registry& registry) {
@@ -115,7 +119,7 @@ ordered_json examine(const host::Registry& registry) {
         {"writable", temporary.writable},
         {"free_bytes", temporary.free_bytes}}},
       {"isolation", isolation_json()},
-      {"devices", devices_json()},
+      {"devices", devices_json(registry)},
       {"folders", folders_json(registry)},
       {"plugins", {{"usable", usable}, {"refused", refused_json(registry)}}},
       {"demo", demo_json(registry)}};
@@ -138,6 +142,29 @@ std::string gibibytes(const ordered_json& bytes) {
   return fmt::format("{:.1f} GiB", bytes.get<double>() / (1024.0 * 1024.0 * 1024.0));
 }
 
+void print_devices(const ordered_json& devices) {
+  if (devices["cameras"].empty()) line("cameras", "none");
+  for (const ordered_json& camera : devices["cameras"]) {
+    line("camera", fmt::format("{} {}{}", text(camera["device"]), text(camera["name"]),
+                               camera["accessible"].get<bool>()
+                                   ? ""
+                                   : "; not accessible: add yourself to the group video"));
+  }
+  line("OpenCL", joined(devices["opencl_drivers"]));
+  line("NVIDIA", joined(devices["nvidia"]));
+  for (const ordered_json& entry : devices["of_plugins"]) {
+    const auto names = entry["devices"].get<std::vector<std::string>>();
+    const std::string plugins = "for " + joined(entry["plugins"]);
+    if (names.empty()) {
+      const std::string reason = text(entry["reason"]);
+      line("device", "none " + plugins + (reason.empty() ? "" : ": " + reason));
+    }
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      line("device", fmt::format("{}: {} {}", i, names[i], plugins));
+    }
+  }
+}
+
 void print_machine(const ordered_json& report) {
   line("weft", fmt::format("{}, plugin ABI {}", text(report["weft"]), text(report["abi"])));
   std::vector<std::string> names;
@@ -156,16 +183,7 @@ void print_machine(const ordered_json& report) {
                                     : "not writable; set TMPDIR to a folder that is"));
   const ordered_json& isolation = report["isolation"];
   line("isolation", isolation["usable"].get<bool>() ? "works" : text(isolation["reason"]));
-  const ordered_json& devices = report["devices"];
-  if (devices["cameras"].empty()) line("cameras", "none");
-  for (const ordered_json& camera : devices["cameras"]) {
-    line("camera", fmt::format("{} {}{}", text(camera["device"]), text(camera["name"]),
-                               camera["accessible"].get<bool>()
-                                   ? ""
-                                   : "; not accessible: add yourself to the group video"));
-  }
-  line("OpenCL", joined(devices["opencl_drivers"]));
-  line("NVIDIA", joined(devices["nvidia"]));
+  print_devices(report["devices"]);
 }
 
 void print_plugins(const ordered_json& report) {
@@ -199,7 +217,8 @@ void add_doctor_command(CLI::App& app, Context& context) {
                     "Print JSON: {usable, weft, abi, system, libraries, processor: {name, "
                     "features}, memory_available_bytes, temporary: {path, writable, free_bytes}, "
                     "isolation: {usable, reason}, devices: {cameras: [{device, name, "
-                    "accessible}], opencl_drivers, nvidia}, folders: [{path, origin, usable, "
+                    "accessible}], opencl_drivers, nvidia, of_plugins: [{plugins, devices, "
+                    "reason}]}, folders: [{path, origin, usable, "
                     "refused}], plugins: {usable, refused: [{file, cause, fix}]}, demo: [{id, "
                     "usable, reason}]}");
   command->callback([&context, json] {

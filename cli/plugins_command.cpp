@@ -114,6 +114,7 @@ ordered_json json_of(const host::Installed& entry) {
           {"determinism", component.determinism},
           {"random", component.random},
           {"uses_truth", component.uses_truth},
+          {"extensions", component.extensions},
           {"library", entry.library->library},
           {"origin", entry.origin},
           {"parameters", std::move(parameters)}};
@@ -138,6 +139,7 @@ void print_component(const host::Installed& entry) {
   line("produces", words(component.produces));
   line("determinism", component.determinism + (component.random ? ", draws from the seed" : ""));
   line("truth", component.uses_truth ? "reads the ground truth" : "");
+  line("extensions", words(component.extensions));
   line("library", entry.library->library);
   if (!component.parameters.empty()) fmt::print("\nparameters\n");
   for (const host::ParameterSpec& parameter : component.parameters) print_parameter(parameter);
@@ -204,7 +206,7 @@ void add_show(CLI::App& plugins, const std::shared_ptr<bool>& json, Context& con
       "--json", *json,
       "Print JSON: {id, version, summary, reference, licence, methods: [{name, takes: "
       "[{slot, always}], makes: [{slot, always}]}], needs, reads, produces, "
-      "determinism, random, uses_truth, library, origin, parameters: [{name, type, "
+      "determinism, random, uses_truth, extensions, library, origin, parameters: [{name, type, "
       "list, required, default, unit, range, choices, role, help}]}; "
       "default to role only where there is one");
   command->callback([&context, id, json] { show(*id, *json, context); });

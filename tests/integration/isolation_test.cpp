@@ -121,6 +121,27 @@ TEST_F(IsolationTest, AWorkerThatHangsCostsOneFrame) {
   EXPECT_THAT(lines[3], HasSubstr("\"failed\":false"));
 }
 
+TEST_F(IsolationTest, WhatLiesOnADeviceCrossesAsACopy) {
+  // The matcher refuses descriptors that are not those of the detector.
+  for (const std::string isolated : {"detectors", "matchers"}) {
+    const auto keys = [&](const std::string& role) {
+      return role + "/test.device" + (role == isolated ? ", isolate: process}\n" : "}\n");
+    };
+    const std::string text = testing::head("{frames: 2}") +
+                             "stages:\n  - {use: " + keys("detectors") +
+                             "  - {use: " + keys("matchers") +
+                             "  - {use: warps/test.scripted}\n  - {use: passes/test.scripted}\n"
+                             "  - {use: solvers/test.scripted}\n";
+    EXPECT_EQ(run(write(text), path(isolated), {"--quiet"}).exit_code, 0);
+    const std::vector<std::string> lines = read_lines(path(isolated + "/frames.jsonl"));
+    ASSERT_EQ(lines.size(), 2U) << isolated;
+    const bool by_host = isolated == "matchers";
+    for (const std::string& line : lines) {
+      EXPECT_EQ(line.find("downloaded_bytes") != std::string::npos, by_host) << line;
+    }
+  }
+}
+
 TEST_F(IsolationTest, ADeathBeforeTheFirstFrameStopsTheRun) {
   for (const std::string where : {"create", "prepare"}) {
     const Ended ended = run(write(deadly("{deed: abort, where: " + where + "}")), path("run"));

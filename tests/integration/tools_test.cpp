@@ -176,7 +176,7 @@ TEST_F(Tools, ShowsAPluginAsJson) {
   EXPECT_EQ(keys,
             (std::set<std::string>{"id", "version", "summary", "reference", "licence", "methods",
                                    "needs", "reads", "produces", "determinism", "random",
-                                   "uses_truth", "library", "origin", "parameters"}));
+                                   "uses_truth", "extensions", "library", "origin", "parameters"}));
   EXPECT_EQ(shown["methods"], json::parse(R"([{"name": "build", "takes": [],
       "makes": [{"slot": "template", "always": true}]}])"));
   EXPECT_EQ(shown["parameters"][0], json::parse(R"({"name": "columns", "type": "i64", "list": false,
@@ -363,6 +363,20 @@ TEST_F(Tools, DoctorTellsTheMachineAndThePlugins) {
   EXPECT_EQ(text.exit_code, all ? 0 : 1);
   EXPECT_THAT(text.out, StartsWith("weft        "));
   EXPECT_THAT(text.out, HasSubstr(all ? "the demo pipeline can run" : "cannot run"));
+}
+
+TEST_F(Tools, DoctorListsTheDevicesOfPlugins) {
+  const json report = parsed(weft({"doctor", "--json"}));
+  bool scripted = false;
+  for (const json& library : report["devices"]["of_plugins"]) {
+    EXPECT_EQ(library["reason"], "") << library;
+    if (library["plugins"] != json::array({"detectors/test.device"})) continue;
+    scripted = true;
+    EXPECT_EQ(library["devices"], json::array({"scripted device", "another one"}));
+  }
+  EXPECT_TRUE(scripted);
+  EXPECT_THAT(weft({"doctor"}).out,
+              HasSubstr("\ndevice      1: another one for detectors/test.device\n"));
 }
 
 TEST_F(Tools, DoctorLooksAtThePluginsOfTheDemo) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "device.hpp"
 #include "filters.hpp"
 #include "inputs.hpp"
 #include "matches.hpp"
@@ -12,6 +13,10 @@ WEFT_LIBRARY(
     WEFT_COMPONENT(MatchSource, "sources/test.matches", "1.0.0", "Matches without an image."),
     WEFT_COMPONENT(Sheet, "templates/test.scripted", "1.0.0", "A flat sheet, or a broken one."),
     WEFT_COMPONENT(GridDetector, "detectors/test.scripted", "1.0.0", "Keypoints on a grid."),
+    WEFT_COMPONENT(DeviceDetector, "detectors/test.device", "1.0.0", "Descriptors on a device."),
+    WEFT_COMPONENT(DescriptorReader<true>, "matchers/test.device", "1.0.0", "Reads them there."),
+    WEFT_COMPONENT(DescriptorReader<false>, "matchers/test.reading", "1.0.0", "Reads them here."),
+    WEFT_COMPONENT(HandingMatcher, "matchers/test.handing", "1.0.0", "Has another one read them."),
     WEFT_COMPONENT(IndexMatcher, "matchers/test.scripted", "1.0.0", "Pairs by index."),
     WEFT_COMPONENT(PatternMatcher, "matchers/test.pattern", "1.0.0", "Matches without keypoints."),
     WEFT_COMPONENT(Merger, "matchers/test.merge", "1.0.0", "All matches of several matchers."),

@@ -21,7 +21,7 @@ extern "C" {
 
 #define WEFT_ABI_MAGIC 0x54464557u /* "WEFT" */
 #define WEFT_ABI_MAJOR 0
-#define WEFT_ABI_MINOR 1
+#define WEFT_ABI_MINOR 2
 #define WEFT_MAX_DIMENSIONS 4
 
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
@@ -55,10 +55,10 @@ typedef struct weft_array {
   int32_t ndim;  /* 0 for a scalar */
   int64_t shape[WEFT_MAX_DIMENSIONS];
   int64_t stride[WEFT_MAX_DIMENSIONS]; /* bytes, signed; only axis 0 of an input may be padded */
-  void* data;
-  int32_t memory; /* weft_memory */
+  void* data;     /* in device memory: the host's own, to be passed on as it is */
+  int32_t memory; /* weft_memory; an array in device memory reaches only the library that made it */
   int32_t reserved;
-  uint64_t handle; /* device memory only */
+  uint64_t handle; /* device memory only: by which its library knows it; not 0 */
 } weft_array;
 
 typedef struct weft_record {
@@ -145,7 +145,37 @@ typedef struct weft_host {
   int32_t (*invoke)(const weft_call* call, uint64_t component, int32_t method,
                     const weft_record* inputs, uint64_t input_count, const weft_record** outputs,
                     uint64_t* output_count, weft_error* error);
+  /* As alloc, for an array whose contents the library keeps in device memory: the host retains the
+   * handle. Zero when refused, also to a component without WEFT_DEVICE_MEMORY. */
+  int32_t (*adopt)(const weft_call* call, const char* slot, const char* type, const char* array,
+                   int32_t dtype, int32_t ndim, const int64_t* shape, uint64_t handle);
 } weft_host;
+
+/* Extension of components that keep arrays in device memory. Components that return the same table
+ * read each other's arrays where they lie; everyone else is given a copy. From any thread, and as
+ * long as the process lives. */
+#define WEFT_DEVICE_MEMORY "weft.draft.device_memory/1"
+typedef struct weft_device_memory {
+  uint32_t struct_size;
+  uint32_t reserved;
+  /* References to what a handle stands for; it is free with the last one. */
+  void (*retain)(uint64_t handle);
+  void (*release)(uint64_t handle);
+  /* Writes the contents, contiguous in C order, of the array's own dtype. Waits until they are
+   * there, or the call for which they are fetched is cancelled; it is null where there is none. */
+  int32_t (*download)(const weft_call* call, uint64_t handle, void* to, uint64_t bytes,
+                      weft_error* error);
+} weft_device_memory;
+
+/* Extension of components that compute on devices: one line of text for each that they could use,
+ * in the order of their indices. */
+#define WEFT_DEVICES "weft.draft.devices/1"
+typedef struct weft_devices {
+  uint32_t struct_size;
+  uint32_t reserved;
+  int32_t (*list)(void* context, void (*device)(void* context, const char* text),
+                  weft_error* error);
+} weft_devices;
 
 typedef struct weft_component {
   uint32_t struct_size;

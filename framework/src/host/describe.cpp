@@ -134,6 +134,16 @@ std::string words(std::string_view text) {
   return list + "]";
 }
 
+/// Those abilities beyond its role that this version of Weft knows of.
+std::string extensions(const weft_component& component) {
+  std::string list;
+  for (const char* name : {WEFT_DEVICE_MEMORY, WEFT_DEVICES}) {
+    const bool has = component.get_extension != nullptr && component.get_extension(name) != nullptr;
+    if (has) list += (list.empty() ? "" : " ") + std::string(name);
+  }
+  return words(list);
+}
+
 /// Returns what is wrong with the declarations, or an empty text.
 std::string write_component(std::ostream& out, const weft_component& component) {
   out << "  - id: " << double_quoted(component.id)
@@ -146,7 +156,7 @@ std::string write_component(std::ostream& out, const weft_component& component) 
       << "\n    produces: " << words(component.produces)
       << "\n    random: " << ((component.flags & WEFT_FLAG_RANDOM) != 0 ? "true" : "false")
       << "\n    uses_truth: " << ((component.flags & WEFT_FLAG_USES_TRUTH) != 0 ? "true" : "false")
-      << "\n    parameters:";
+      << "\n    extensions: " << extensions(component) << "\n    parameters:";
   Declarations declarations;
   const weft_describe sink{&declarations, [](void* context, const weft_parameter* parameter) {
                              static_cast<Declarations*>(context)->add(*parameter);

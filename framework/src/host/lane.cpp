@@ -43,20 +43,39 @@ bool Lane::Scope::may_produce(std::string_view slot, std::string_view type) cons
 
 /// The functions behind weft_host; none throws.
 struct Callbacks {
-  static void* alloc(const weft_call* call, const char* slot, const char* type, const char* array,
-                     std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape) try {
+  /// The output record of a call that an array belongs to; null when there is no such output.
+  static Record* output(const weft_call* call, const char* slot, const char* type,
+                        const char* array) {
     auto& scope = *static_cast<Lane::Scope*>(call->context);
     if (slot == nullptr || type == nullptr || array == nullptr) return nullptr;
     for (auto& [name, record] : scope.outputs) {
-      if (name == slot && record->type() == type) {
-        return record->allocate(array, dtype, ndim, shape);
-      }
+      if (name == slot && record->type() == type) return record.get();
     }
     if (!scope.may_produce(slot, type)) return nullptr;
     scope.outputs.emplace_back(slot, std::make_shared<Record>(type, scope.lane.arena_));
-    return scope.outputs.back().second->allocate(array, dtype, ndim, shape);
+    return scope.outputs.back().second.get();
+  }
+
+  static void* alloc(const weft_call* call, const char* slot, const char* type, const char* array,
+                     std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape) try {
+    Record* record = output(call, slot, type, array);
+    return record != nullptr ? record->allocate(array, dtype, ndim, shape) : nullptr;
   } catch (...) {
     return nullptr;
+  }
+
+  static std::int32_t adopt(const weft_call* call, const char* slot, const char* type,
+                            const char* array, std::int32_t dtype, std::int32_t ndim,
+                            const std::int64_t* shape, std::uint64_t handle) try {
+    const auto& scope = *static_cast<Lane::Scope*>(call->context);
+    const weft_device_memory* library = scope.instance.device_memory;
+    Record* record = library != nullptr ? output(call, slot, type, array) : nullptr;
+    return record != nullptr &&
+                   record->adopt(array, dtype, ndim, shape, *library, handle, scope.instance.id)
+               ? 1
+               : 0;
+  } catch (...) {
+    return 0;
   }
 
   static std::int32_t cancelled(const weft_call* call) {
@@ -101,7 +120,8 @@ namespace {
 
 constexpr weft_host kHost{sizeof(weft_host), 0,
                           &Callbacks::alloc, &Callbacks::cancelled,
-                          &Callbacks::log,   &Callbacks::invoke};
+                          &Callbacks::log,   &Callbacks::invoke,
+                          &Callbacks::adopt};
 
 /// A pass always fills what it says it produces; a source may lack truth or time in some frames.
 bool must_produce(const Instance& instance, const RoleSlot& output) {
@@ -136,6 +156,7 @@ Result<Instance*> Lane::instantiate(const ComponentSpec& spec, const std::string
   if (!table) return table.error();
   auto made = std::make_unique<Instance>(spec, stage, path);
   made->table = *table;
+  made->device_memory = device_memory_of(**table);
   Arguments handles;
   for (const auto& [parameter, child] : spec.nested) {
     const auto nested =
@@ -233,17 +254,31 @@ Outcome Lane::enter(Instance& instance, int method, std::span<const weft_record>
   const weft_call call = make_call(instance, scope, method, frame);
   weft_error error{};
   const auto start = std::chrono::steady_clock::now();
-  instance.running = true;
-  const std::int32_t status =
-      instance.worker != nullptr
-          ? call_worker(instance, scope, method, inputs, &error)
-          : instance.table->process(instance.self, &call, inputs.data(), inputs.size(), &error);
-  instance.running = false;
+  ReachableInputs reachable;
+  const auto readable = reachable.reach(inputs, instance.device_memory, call);
+  std::int32_t status = WEFT_OK;
+  if (readable) {
+    instance.running = true;
+    status = instance.worker != nullptr
+                 ? call_worker(instance, scope, method, *readable, &error)
+                 : instance.table->process(instance.self, &call, readable->data(), readable->size(),
+                                           &error);
+    instance.running = false;
+  } else {
+    status = report(readable.error(), &error);
+  }
   const std::chrono::duration<double, std::milli> elapsed =
       std::chrono::steady_clock::now() - start;
   Outcome outcome = finish(instance, scope, inputs, status, error);
-  timings_.push_back(
-      {instance.name(), elapsed.count(), start, scope.method->name, frame, outcome.status, {}});
+  outcome.downloaded_bytes = reachable.downloaded_bytes();
+  timings_.push_back({instance.name(),
+                      elapsed.count(),
+                      start,
+                      scope.method->name,
+                      frame,
+                      outcome.status,
+                      {},
+                      outcome.downloaded_bytes});
   return outcome;
 }
 

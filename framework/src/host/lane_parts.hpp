@@ -37,6 +37,8 @@ class Instance {
   std::uint64_t handle = 0;
   std::uint64_t run_seed = 0;
   const weft_component* table = nullptr;  ///< null where the component lives in a worker
+  const weft_device_memory* device_memory =
+      nullptr;  ///< where its library keeps arrays, if it does
   void* self = nullptr;
   std::vector<Instance*> nested;
   std::unique_ptr<Worker> worker;         ///< null where it lives here

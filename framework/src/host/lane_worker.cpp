@@ -49,7 +49,8 @@ std::int32_t Lane::call_worker(Instance& instance, Scope& scope, int method,
   for (const PlacedTiming& timing : answer->timings) {
     timings_.push_back({timing.component, timing.ms,
                         SteadyTime(std::chrono::nanoseconds(timing.start_ns)), timing.method,
-                        scope.frame, status_of(timing.status), instance.stage});
+                        scope.frame, status_of(timing.status), instance.stage,
+                        timing.downloaded_bytes});
   }
   for (auto& [slot, record] : answer->outputs) {
     if (!scope.may_produce(slot, record->type())) {

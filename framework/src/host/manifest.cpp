@@ -98,6 +98,7 @@ ComponentManifest read_component(const yaml::Node& node) {
   component.produces = texts(node, "produces");
   component.random = flag(node, "random");
   component.uses_truth = flag(node, "uses_truth");
+  if (node.find("extensions") != nullptr) component.extensions = texts(node, "extensions");
   for (const yaml::Node& parameter : items(node, "parameters")) {
     component.parameters.push_back(read_parameter(parameter));
   }

@@ -10,15 +10,6 @@ namespace {
 
 constexpr std::int64_t kLargestArray = std::int64_t{1} << 40;  // bytes
 
-/// Zero-filled, 64-byte aligned; null when memory is short.
-std::shared_ptr<void> own_memory(std::size_t bytes) {
-  constexpr std::align_val_t kAlignment{64};
-  void* memory = ::operator new(bytes, kAlignment, std::nothrow);
-  if (memory == nullptr) return nullptr;
-  std::memset(memory, 0, bytes);
-  return {memory, [](void* p) { ::operator delete (p, std::align_val_t{64}); }};
-}
-
 /// Whether a name can stand in files and reports.
 bool is_legal_name(std::string_view name) {
   constexpr std::size_t kLongestName = 100;
@@ -52,6 +43,7 @@ class FiniteCheck {
   void operator()(const Member&, const Field& field) {
     const weft_array* array = find_array(record_, field.name);
     if (array == nullptr || field.may_be_nan || !problem_.empty()) return;
+    if (array->memory == WEFT_DEVICE) return;  // looked at when it is fetched
     const bool finite = array->dtype == WEFT_F64   ? all_finite<double>(*array)
                         : array->dtype == WEFT_F32 ? all_finite<float>(*array)
                                                    : true;
@@ -67,6 +59,31 @@ class FiniteCheck {
 };
 
 }  // namespace
+
+std::shared_ptr<void> own_memory(std::size_t bytes) {
+  constexpr std::align_val_t kAlignment{64};
+  void* memory = ::operator new(bytes, kAlignment, std::nothrow);
+  if (memory == nullptr) return nullptr;
+  std::memset(memory, 0, bytes);
+  return {memory, [](void* p) { ::operator delete (p, std::align_val_t{64}); }};
+}
+
+weft_array array_at(const char* name, std::int32_t dtype, std::int32_t ndim,
+                    const std::int64_t* shape, void* data, weft_memory kind) {
+  weft_array array{};
+  array.name = name;
+  array.dtype = dtype;
+  array.ndim = ndim;
+  array.data = data;
+  array.memory = kind;
+  std::int64_t stride = dtype_size(dtype);
+  for (int axis = ndim - 1; axis >= 0; --axis) {
+    array.shape[axis] = shape[axis];
+    array.stride[axis] = stride;
+    stride *= shape[axis];
+  }
+  return array;
+}
 
 std::int64_t array_bytes(std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape) {
   std::int64_t bytes = dtype_size(dtype);
@@ -111,23 +128,24 @@ bool Record::adopt(std::string_view name, std::int32_t dtype, std::int32_t ndim,
   return true;
 }
 
-void Record::place(std::string_view name, std::int32_t dtype, std::int32_t ndim,
-                   const std::int64_t* shape, std::shared_ptr<void> contents, weft_memory kind) {
+bool Record::adopt(std::string_view name, std::int32_t dtype, std::int32_t ndim,
+                   const std::int64_t* shape, const weft_device_memory& library,
+                   std::uint64_t handle, const std::string& maker) {
+  const std::int64_t bytes = array_bytes(dtype, ndim, shape);
+  if (bytes < 0 || !is_legal_name(name) || handle == 0) return false;
+  auto array = std::make_shared<DeviceArray>(maker, std::string(name), library, handle,
+                                             static_cast<std::uint64_t>(bytes), arena_);
+  place(name, dtype, ndim, shape, std::move(array), WEFT_DEVICE).handle = handle;
+  return true;
+}
+
+weft_array& Record::place(std::string_view name, std::int32_t dtype, std::int32_t ndim,
+                          const std::int64_t* shape, std::shared_ptr<void> contents,
+                          weft_memory kind) {
   const std::size_t index = slot_of(name);
-  weft_array array{};
-  array.name = entries_[index].name.c_str();
-  array.dtype = dtype;
-  array.ndim = ndim;
-  array.data = contents.get();
-  array.memory = kind;
-  std::int64_t stride = dtype_size(dtype);
-  for (int axis = ndim - 1; axis >= 0; --axis) {
-    array.shape[axis] = shape[axis];
-    array.stride[axis] = stride;
-    stride *= shape[axis];
-  }
-  arrays_[index] = array;
+  arrays_[index] = array_at(entries_[index].name.c_str(), dtype, ndim, shape, contents.get(), kind);
   entries_[index].memory = std::move(contents);
+  return arrays_[index];
 }
 
 weft_record Record::view(const char* slot) const {
@@ -150,6 +168,23 @@ std::shared_ptr<const Record> Record::alias() const {
   same->revision_ = revision_;
   same->producer_ = producer_;
   return same;
+}
+
+Result<RecordPtr> Record::in_host_memory() const {
+  auto here = std::make_shared<Record>(type_);
+  for (std::size_t i = 0; i < arrays_.size(); ++i) {
+    here->share(*this, entries_[i].name);
+    const weft_array& array = arrays_[i];
+    if (array.memory != WEFT_DEVICE) continue;
+    auto copy = DeviceArray::of(array)->copy();
+    if (!copy) return copy.error();
+    here->place(array.name, array.dtype, array.ndim, array.shape, std::move(copy->memory),
+                copy->kind);
+  }
+  here->revision_ = revision_;
+  here->producer_ = producer_;
+  if (auto valid = validate(here->view("")); !valid) return valid.error();
+  return RecordPtr(std::move(here));
 }
 
 Result<void> validate(const weft_record& record) {

@@ -98,13 +98,17 @@ class Server {
     const Outcome outcome = lane_.call(*instances_.at(call.handle), call.method,
                                        views(call.inputs, arrays), call.frame);
     ReplyMessage reply = reply_of(outcome.error, outcome.status);
-    for (const auto& [slot, record] : outcome.outputs) reply.outputs.push_back(lend(slot, record));
+    for (const auto& [slot, record] : outcome.outputs) {
+      const auto here = record->in_host_memory();  // the device is this process's
+      if (!here) return reply_of(here.error());
+      reply.outputs.push_back(lend(slot, *here));
+    }
     std::vector<Timing> timings = lane_.take_timings();
     if (!timings.empty()) timings.pop_back();  // the call itself, which the host measures
     for (const Timing& timing : timings) {
       const std::chrono::nanoseconds start = timing.start.time_since_epoch();
-      reply.timings.push_back(
-          {timing.component, timing.method, start.count(), timing.ms, timing.status});
+      reply.timings.push_back({timing.component, timing.method, start.count(), timing.ms,
+                               timing.status, timing.downloaded_bytes});
     }
     return reply;
   }

@@ -46,7 +46,8 @@ std::string catalogue_page() {
     Noun::fields(noun, [&](const auto& member, const Field& field) {
       page << "| " << field.name << (field.optional ? " (optional)" : "") << " | "
            << element_name(member) << " | " << shape_of(field) << " | " << field.unit << " | "
-           << field.meaning << (field.may_be_nan ? "; NaN where missing" : "") << " |\n";
+           << field.meaning << (field.may_be_nan ? "; NaN where missing" : "")
+           << (field.may_be_on_device ? "; may lie on a device" : "") << " |\n";
     });
   });
   page << "\n## Roles\n\nAn asterisk marks what is required in, or produced by, every use.\n\n"

@@ -188,11 +188,17 @@ Result<void> write_call(const std::string& file, const StageCall& call) {
   for (const GivenRecord& input : call.inputs) {
     const bool constant = is_constant(input.slot);
     const std::string name = constant ? input.slot : record_name(input.slot, seen);
-    if (!constant) records.emplace_back(name, input.record);
+    if (!constant) {
+      auto here = input.record->in_host_memory();
+      if (!here) return here.error();
+      records.emplace_back(name, *std::move(here));
+    }
     lines += input.slot + " " + name + " " + input.producer + "\n";
   }
   for (const auto& [slot, record] : call.outcome.outputs) {
-    records.emplace_back("out." + slot, record);
+    auto here = record->in_host_memory();
+    if (!here) return here.error();
+    records.emplace_back("out." + slot, *std::move(here));
   }
   auto facts = std::make_shared<Record>(kCall);
   put_number(*facts, "frame", static_cast<std::int64_t>(call.frame));

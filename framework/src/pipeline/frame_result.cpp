@@ -60,6 +60,9 @@ void add_numbers(const Record& record, StageReport& report) {
 
 StageReport report_of(const std::string& stage, const Outcome& outcome, double ms) {
   StageReport report{stage, StageStatus::ok, {}, ms, {}, false};
+  if (outcome.downloaded_bytes > 0) {
+    report.numbers.emplace_back("downloaded_bytes", static_cast<double>(outcome.downloaded_bytes));
+  }
   if (outcome.status == WEFT_OK) return report;
   report.status = outcome.status == WEFT_DEGENERATE  ? StageStatus::degenerate
                   : outcome.status == WEFT_NO_RESULT ? StageStatus::no_result

@@ -45,6 +45,16 @@ bool has_dump(const fs::path& folder) {
   return fs::exists(folder / "stage.yaml", code);
 }
 
+/// What a call came to, with all outputs where they can be compared.
+host::Outcome in_host_memory(host::Outcome outcome) {
+  for (auto& [slot, record] : outcome.outputs) {
+    auto here = record->in_host_memory();
+    if (!here) return {WEFT_ERROR, here.error(), {}};
+    record = *std::move(here);
+  }
+  return outcome;
+}
+
 }  // namespace
 
 Result<host::Instance*> Replay::make(const DumpedStage& stage, const std::string& name,
@@ -94,7 +104,7 @@ Replayed Replay::run(const StageCall& call, int repeat) {
   }
   Replayed replayed;
   for (int i = 0; i < repeat; ++i) {
-    replayed.outcome = lane_.call(*instance_, 0, inputs, call.frame);
+    replayed.outcome = in_host_memory(lane_.call(*instance_, 0, inputs, call.frame));
     replayed.ms.push_back(lane_.take_timings().back().ms);
     if (replayed.differences.empty()) {
       replayed.differences = differences(call.outcome, replayed.outcome);

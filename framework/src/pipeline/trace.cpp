@@ -107,6 +107,7 @@ void Trace::add_calls(std::vector<Timing> calls) {
     if (call.frame != host::kOfflineFrame) event["args"]["frame"] = call.frame;
     event["args"]["status"] = name_of(call.status);
     event["args"]["method"] = call.method;
+    if (call.downloaded_bytes > 0) event["args"]["downloaded_bytes"] = call.downloaded_bytes;
     put(text_of(event));
   }
 }

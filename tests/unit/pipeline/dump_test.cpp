@@ -125,6 +125,18 @@ TEST_F(DumpTest, ReplaysADetectorAndAStageThatFails) {
   }
 }
 
+TEST_F(DumpTest, HoldsCopiesOfWhatLayOnADevice) {
+  run_and_dump(testing::head() +
+                   "stages:\n  - use: detectors/test.device\n  - use: matchers/test.device\n"
+                   "  - use: warps/test.scripted\n  - use: passes/test.scripted\n"
+                   "  - use: solvers/test.scripted\n",
+               {"detectors", "matchers"});
+  EXPECT_THAT(replay("detectors", 1), IsEmpty());
+  EXPECT_THAT(replay("matchers", 1),
+              ElementsAre("out.correspondences/score: 24 of 24 values differ, by at most 1"))
+      << "the same matches, from arrays that are here now";
+}
+
 TEST_F(DumpTest, TellsWhatOtherParametersChange) {
   run_and_dump(pipeline(), {"plane", "filters"});
   EXPECT_THAT(replay("plane", 0, "{distance_m: 0.25}"),

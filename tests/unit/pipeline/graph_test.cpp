@@ -212,7 +212,9 @@ TEST_F(Wiring, NamesWhatCouldProduceAMissingInput) {
                             "sinks:\n"
                             "  - {use: sinks/test.visibility}\n")
                           .second;
-  const std::string detector = ";\n    add one that produces it: detectors/test.scripted";
+  const std::string detector =
+      ";\n    add one that produces it: detectors/test.scripted, "
+      "detectors/test.device";
   EXPECT_THAT(
       lines(report),
       ElementsAre(

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <vector>
+#include <weft/sdk/device.hpp>
 #include <weft/sdk/filter.hpp>
 #include <weft/sdk/matcher.hpp>
 
@@ -17,7 +18,7 @@ using ::testing::HasSubstr;
 /// A host that keeps what it was asked for and may refuse.
 struct FakeHost {
   FakeHost() {
-    table = {sizeof(table), 0, &alloc, &is_cancelled, &keep_log, nullptr};
+    table = {sizeof(table), 0, &alloc, &is_cancelled, &keep_log, nullptr, &adopt};
     call = {sizeof(call), 0, &table, this, 42, 9, 3, 0};
   }
   FakeHost(const FakeHost&) = delete;
@@ -33,6 +34,14 @@ struct FakeHost {
     const auto words = static_cast<std::size_t>(bytes) / 8 + 1;
     return self.memory.emplace_back(std::make_unique<std::vector<double>>(words))->data();
   }
+  static std::int32_t adopt(const weft_call* raw, const char* slot, const char* type,
+                            const char* array, std::int32_t, std::int32_t, const std::int64_t*,
+                            std::uint64_t handle) {
+    FakeHost& self = of(raw);
+    self.asked.push_back(std::string(slot) + " " + type + " " + array + " there");
+    self.handles.push_back(handle);
+    return self.refuses ? 0 : 1;
+  }
   static std::int32_t is_cancelled(const weft_call* raw) { return of(raw).stop ? 1 : 0; }
   static void keep_log(const weft_call* raw, std::int32_t level, const char* text) {
     of(raw).log = std::to_string(level) + text;
@@ -43,6 +52,7 @@ struct FakeHost {
   bool refuses = false, stop = false;
   std::string log;
   std::vector<std::string> asked;
+  std::vector<std::uint64_t> handles;
   std::vector<std::unique_ptr<std::vector<double>>> memory;
 };
 
@@ -129,6 +139,21 @@ TEST_F(ProcessCallTest, AHostThatRefusesAnArrayMakesItAnError) {
   EXPECT_THAT(error_.message, HasSubstr("'kept' of inlier_mask/1"));
 }
 
+TEST_F(ProcessCallTest, AnArrayOnADeviceIsHandedOverByItsHandle) {
+  const auto mask = [](const auto&) -> Result<InlierMask> {
+    InlierMask there = make_mask(3);
+    there.kept = Array<std::uint8_t>::on_device(5, 1, {3}, nullptr);
+    return there;
+  };
+  EXPECT_EQ(run(mask), WEFT_OK);
+  EXPECT_THAT(host_.asked, ::testing::ElementsAre("inlier_mask inlier_mask/1 kept there",
+                                                  "inlier_mask inlier_mask/1 score"));
+  EXPECT_THAT(host_.handles, ::testing::ElementsAre(5U));
+  host_.refuses = true;
+  EXPECT_EQ(run(mask), WEFT_ERROR);
+  EXPECT_THAT(error_.message, HasSubstr("'kept' of inlier_mask/1"));
+}
+
 TEST_F(ProcessCallTest, AnAbsentRequiredInputIsAnError) {
   Scripted filter;
   ProcessCall process(host_.call, nullptr, 0, &error_);
@@ -207,6 +232,41 @@ TEST(Component, SaysWhatItsClassSays) {
   EXPECT_STREQ(kSimple.determinism, "exact");
   EXPECT_STREQ(kSimple.needs, "camera");
   EXPECT_EQ(kSimple.get_extension("weft.unknown/1"), nullptr);
+}
+
+/// A component with a device.
+struct Remote {
+  Result<void> download(std::span<std::byte>, const std::function<bool()>&) const { return {}; }
+};
+struct WithDevices final : Filter {
+  static constexpr About kAbout{.device_memory = &kDeviceMemory<Remote>};
+  explicit WithDevices(Params&) {}
+  static std::vector<std::string> devices() {
+    if (is_broken) throw std::runtime_error("the driver is gone");
+    return {"first", "second"};
+  }
+  Result<InlierMask> filter(const FilterInput&) override { return make_mask(0); }
+  static inline bool is_broken = false;
+};
+
+TEST(Component, HasTheExtensionsThatItsClassHas) {
+  constexpr weft_component kWithDevices =
+      WEFT_COMPONENT(WithDevices, "filters/remote", "1.0.0", "Has devices.");
+  EXPECT_EQ(kSimple.get_extension(WEFT_DEVICE_MEMORY), nullptr);
+  EXPECT_EQ(kSimple.get_extension(WEFT_DEVICES), nullptr);
+  EXPECT_EQ(kWithDevices.get_extension(WEFT_DEVICE_MEMORY), &kDeviceMemory<Remote>);
+  const auto* listing = static_cast<const weft_devices*>(kWithDevices.get_extension(WEFT_DEVICES));
+  ASSERT_NE(listing, nullptr);
+  std::vector<std::string> names;
+  const auto add = [](void* context, const char* name) {
+    static_cast<std::vector<std::string>*>(context)->emplace_back(name);
+  };
+  weft_error error{};
+  EXPECT_EQ(listing->list(&names, add, &error), WEFT_OK);
+  EXPECT_THAT(names, ::testing::ElementsAre("first", "second"));
+  WithDevices::is_broken = true;
+  EXPECT_EQ(listing->list(&names, add, &error), WEFT_ERROR);
+  EXPECT_STREQ(error.message, "threw: the driver is gone");
 }
 
 TEST(Component, RefusesIllegalParametersAndDestroysWhatItMade) {

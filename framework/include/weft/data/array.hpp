@@ -13,6 +13,7 @@
 #include <new>
 #include <stdexcept>
 #include <type_traits>
+#include <utility>
 
 namespace weft {
 
@@ -41,7 +42,8 @@ inline const char* dtype_name(std::int32_t dtype) {
 }
 
 /// A dense n-dimensional array: either it owns 64-byte aligned memory (shared by its copies) or it
-/// borrows memory that outlives it, as all inputs of a plugin do. Default-constructed: absent.
+/// borrows memory that outlives it, as all inputs of a plugin do. Default-constructed: absent. An
+/// array on a device has a shape but no elements that can be read here, see weft/sdk/device.hpp.
 template <class T>
 class Array {
  public:
@@ -77,7 +79,24 @@ class Array {
     return view;
   }
 
-  bool present() const { return data_ != nullptr; }
+  /// An array whose contents a library keeps on a device, under its handle. `owner` keeps them
+  /// there; `hosts` is what the host gave with an input.
+  static Array on_device(std::uint64_t handle, int ndim, const Shape& shape,
+                         std::shared_ptr<void> owner, void* hosts = nullptr) {
+    Array remote;
+    remote.handle_ = handle;
+    remote.hosts_ = hosts;
+    remote.owner_ = std::move(owner);
+    remote.ndim_ = ndim;
+    remote.shape_ = shape;
+    remote.row_stride_ = remote.row_elements();
+    return remote;
+  }
+
+  bool present() const { return data_ != nullptr || is_on_device(); }
+  bool is_on_device() const { return handle_ != 0; }
+  std::uint64_t handle() const { return handle_; }
+  void* hosts() const { return hosts_; }
   int ndim() const { return ndim_; }
   const Shape& shape() const { return shape_; }
   std::int64_t dim(int axis) const {
@@ -121,6 +140,8 @@ class Array {
   int ndim_ = 0;
   Shape shape_{};
   std::int64_t row_stride_ = 0;
+  std::uint64_t handle_ = 0;
+  void* hosts_ = nullptr;
 };
 
 /// An owned array without axes: a scalar that may be absent.

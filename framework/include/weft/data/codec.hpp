@@ -25,6 +25,9 @@ Array<T> borrow_array(const weft_array& array) {
   for (int axis = 0; axis < array.ndim; ++axis) {
     shape[static_cast<std::size_t>(axis)] = array.shape[axis];
   }
+  if (array.memory == WEFT_DEVICE) {
+    return Array<T>::on_device(array.handle, array.ndim, shape, nullptr, array.data);
+  }
   const std::int64_t row_stride =
       array.ndim > 0 ? array.stride[0] / static_cast<std::int64_t>(sizeof(T)) : 1;
   return Array<T>::borrow(static_cast<const T*>(array.data), array.ndim, shape, row_stride);
@@ -66,6 +69,8 @@ class FieldReader {
     } else if (array->dtype != dtype) {
       problem = std::string("has elements of type ") + dtype_name(array->dtype) + " where " +
                 dtype_name(dtype) + " is expected";
+    } else if (array->memory == WEFT_DEVICE && !field.may_be_on_device) {
+      problem = "lies in device memory";
     } else {
       problem = lengths_.match(field.shape, *array);
     }
@@ -79,7 +84,8 @@ class FieldReader {
   void collect(std::string_view prefix, std::vector<NamedArray>& entries) {
     for (std::uint64_t i = 0; i < record_.count; ++i) {
       const weft_array& array = record_.arrays[i];
-      if (array.dtype == WEFT_F64 && std::string_view(array.name).starts_with(prefix) &&
+      if (array.dtype == WEFT_F64 && array.memory != WEFT_DEVICE &&
+          std::string_view(array.name).starts_with(prefix) &&
           ShapePattern::check_layout(array).empty()) {
         entries.push_back({array.name, borrow_array<double>(array)});
       }
@@ -91,7 +97,8 @@ class FieldReader {
   std::string error_;
 };
 
-/// Copies the members of a noun into arrays that `alloc` provides.
+/// Copies the members of a noun into arrays that `alloc` provides; arrays on a device go to its
+/// adopt(), where it has one.
 template <class Alloc>
 class FieldWriter {
  public:
@@ -124,6 +131,7 @@ class FieldWriter {
   }
   template <class T>
   void write(const char* name, const Array<T>& array) {
+    if (array.is_on_device()) return hand_over(name, array);
     void* target = allocate(name, dtype_of<T>(), array.ndim(), array.shape().data());
     if (target == nullptr) return;
     const auto row_bytes = static_cast<std::size_t>(array.row_elements()) * sizeof(T);
@@ -135,6 +143,15 @@ class FieldWriter {
       std::memcpy(static_cast<char*>(target) + static_cast<std::size_t>(i) * row_bytes,
                   array.row(i), row_bytes);
     }
+  }
+  template <class T>
+  void hand_over(const char* name, const Array<T>& array) {
+    bool accepted = false;
+    if constexpr (requires { alloc_.adopt(name, 0, 0, array.shape().data(), array.handle()); }) {
+      accepted =
+          alloc_.adopt(name, dtype_of<T>(), array.ndim(), array.shape().data(), array.handle());
+    }
+    if (!accepted && refused_.empty()) refused_ = name;
   }
   void write_all(const std::vector<NamedArray>& entries) {
     for (const NamedArray& entry : entries) write(entry.name.c_str(), entry.values);

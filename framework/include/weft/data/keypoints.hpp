@@ -29,9 +29,10 @@ struct Keypoints {
     visit(self.response, Field{"response", "K", "", "strength, the detector's own unit"});
     visit(self.octave, Field{"octave", "K", "", "pyramid level"});
     visit(self.metric, Field{"metric", "*", "", "l2 or hamming"});
-    visit(self.descriptors, Field{"descriptors", "K,D", "", "descriptors for metric l2", true});
-    visit(self.binary_descriptors,
-          Field{"binary_descriptors", "K,B", "", "descriptors for metric hamming", true});
+    visit(self.descriptors,
+          Field{"descriptors", "K,D", "", "descriptors for metric l2", true, false, true});
+    visit(self.binary_descriptors, Field{"binary_descriptors", "K,B", "",
+                                         "descriptors for metric hamming", true, false, true});
     visit(self.face, Field{"face", "K", "index", "face of the template, -1 for none", true});
     visit(self.barycentrics, Field{"barycentrics", "K,3", "", "weights in that face", true});
   }

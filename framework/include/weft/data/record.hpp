@@ -19,7 +19,8 @@ struct Field {
   const char* unit;  ///< unit and frame, "" where there is none
   const char* meaning;
   bool optional = false;
-  bool may_be_nan = false;  ///< NaN marks a missing value
+  bool may_be_nan = false;        ///< NaN marks a missing value
+  bool may_be_on_device = false;  ///< readers ask is_on_device() before they read elements
 };
 
 /// An array beyond the catalogue: `diag.*` evidence or `model.*` of a warp.

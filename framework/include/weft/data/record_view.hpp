@@ -28,6 +28,11 @@ class RecordView {
   void add(const Array<T>& array, const char* name) {
     if (!array.present()) return;
     weft_array raw = empty(name, dtype_of<T>(), array.ndim(), array.data());
+    if (array.is_on_device()) {
+      raw.memory = WEFT_DEVICE;
+      raw.handle = array.handle();
+      raw.data = array.hosts();
+    }
     std::int64_t stride = sizeof(T);
     for (int axis = array.ndim() - 1; axis >= 0; --axis) {
       raw.shape[axis] = array.dim(axis);

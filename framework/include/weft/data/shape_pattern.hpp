@@ -42,13 +42,14 @@ class ShapePattern {
     return check_layout(array);
   }
 
-  /// Empty when the array can be read where it lies, else what is wrong, in words.
+  /// Empty when the array can be read where it lies by who may read there, else what is wrong, in
+  /// words.
   static std::string check_layout(const weft_array& array) {
-    if (array.memory == WEFT_DEVICE) return "lies in device memory";
-    if (array.data == nullptr) return "has no data";
     if (array.ndim < 0 || array.ndim > WEFT_MAX_DIMENSIONS) return "has too many axes";
     const std::int64_t element = dtype_size(array.dtype);
     if (element == 0) return "has elements of an unknown type";
+    if (array.memory == WEFT_DEVICE) return array.handle != 0 ? "" : "has no handle";
+    if (array.data == nullptr) return "has no data";
     std::int64_t stride = element;
     for (int axis = array.ndim - 1; axis >= 0; --axis) {
       const bool may_be_padded = axis == 0 && array.ndim > 1;

@@ -21,6 +21,7 @@ struct Outcome {
   weft_status status = WEFT_OK;
   Error error;  ///< for degenerate its message is the reason
   std::vector<std::pair<std::string, RecordPtr>> outputs;  ///< by slot
+  std::uint64_t downloaded_bytes = 0;  ///< that its inputs were fetched from device memory for it
 
   bool usable() const { return status == WEFT_OK || status == WEFT_DEGENERATE; }
   RecordPtr find(std::string_view slot) const;
@@ -37,7 +38,8 @@ struct Timing {
   std::string method;  ///< as its role calls it: "fit", "evaluate"
   std::uint64_t frame = kOfflineFrame;
   weft_status status = WEFT_OK;
-  std::string worker;  ///< the stage in whose worker it ran; empty for this process
+  std::string worker;                  ///< the stage in whose worker it ran; empty for this process
+  std::uint64_t downloaded_bytes = 0;  ///< see Outcome
 };
 
 class Instance;

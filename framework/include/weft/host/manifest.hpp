@@ -33,6 +33,7 @@ struct ComponentManifest {
   std::vector<std::string> needs, reads, produces;
   bool random = false;
   bool uses_truth = false;
+  std::vector<std::string> extensions;  ///< "weft.draft.devices/1"
   std::vector<ParameterSpec> parameters;
 
   std::string role() const { return id.substr(0, id.find('/')); }

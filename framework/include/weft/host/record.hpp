@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 #include <weft/data/codec.hpp>
+#include <weft/host/device_array.hpp>
 #include <weft/host/shared_memory.hpp>
 
 namespace weft::host {
@@ -29,6 +30,12 @@ class Record {
   bool adopt(std::string_view name, std::int32_t dtype, std::int32_t ndim,
              const std::int64_t* shape, std::shared_ptr<void> contents);
 
+  /// An array that stays in the device memory of its maker's library. False when the request is
+  /// illegal.
+  bool adopt(std::string_view name, std::int32_t dtype, std::int32_t ndim,
+             const std::int64_t* shape, const weft_device_memory& library, std::uint64_t handle,
+             const std::string& maker);
+
   const std::string& type() const { return type_; }
   std::uint64_t revision() const { return revision_; }
   void set_revision(std::uint64_t revision) { revision_ = revision; }
@@ -42,6 +49,10 @@ class Record {
 
   /// A record of the same content that shares all arrays with this one.
   std::shared_ptr<const Record> alias() const;
+
+  /// As alias(), with copies of what lies in device memory. Fails when an array cannot be fetched,
+  /// or is illegal once it is here.
+  Result<std::shared_ptr<const Record>> in_host_memory() const;
 
   template <class Noun>
   static std::shared_ptr<Record> copy_of(const Noun& noun) {
@@ -60,8 +71,8 @@ class Record {
     std::shared_ptr<void> memory;
   };
   std::size_t slot_of(std::string_view name);
-  void place(std::string_view name, std::int32_t dtype, std::int32_t ndim,
-             const std::int64_t* shape, std::shared_ptr<void> contents, weft_memory kind);
+  weft_array& place(std::string_view name, std::int32_t dtype, std::int32_t ndim,
+                    const std::int64_t* shape, std::shared_ptr<void> contents, weft_memory kind);
 
   std::string type_;
   std::shared_ptr<SharedArena> arena_;
@@ -72,6 +83,13 @@ class Record {
 };
 
 using RecordPtr = std::shared_ptr<const Record>;
+
+/// Zero-filled, 64-byte aligned; null when memory is short.
+std::shared_ptr<void> own_memory(std::size_t bytes);
+
+/// The entry of an array that lies contiguous in C order.
+weft_array array_at(const char* name, std::int32_t dtype, std::int32_t ndim,
+                    const std::int64_t* shape, void* data, weft_memory kind);
 
 /// [bytes] of an array, or -1 when its type or shape is illegal.
 std::int64_t array_bytes(std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape);

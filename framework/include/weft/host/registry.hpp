@@ -57,7 +57,7 @@ class Registry {
   std::vector<Refusal> refusals_;
 };
 
-/// The binary contract that this host speaks: "0.1".
+/// The binary contract that this host speaks: "0.2".
 std::string abi_version();
 
 /// Opens the library of an installed component and returns its table. The library stays mapped for

@@ -96,11 +96,12 @@ struct PlacedTiming {
   std::int64_t start_ns = 0;  ///< [ns] of the steady clock, which is the machine's
   double ms = 0.0;
   std::int32_t status = WEFT_OK;
+  std::uint64_t downloaded_bytes = 0;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit(self.component), visit(self.method), visit(self.start_ns), visit(self.ms);
-    visit(self.status);
+    visit(self.status), visit(self.downloaded_bytes);
   }
 };
 

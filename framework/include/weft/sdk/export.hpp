@@ -23,6 +23,15 @@ std::int32_t guarded(weft_error* error, Body&& body) noexcept {
   }
 }
 
+template <class T>
+constexpr About about_of() {
+  if constexpr (requires { T::kAbout; }) {
+    return T::kAbout;
+  } else {
+    return {};
+  }
+}
+
 /// The functions of the contract for one component class.
 template <class T>
 struct Functions {
@@ -64,17 +73,24 @@ struct Functions {
     });
   }
   static void destroy(void* self) { delete static_cast<T*>(self); }
-  static const void* get_extension(const char*) { return nullptr; }
-};
-
-template <class T>
-constexpr About about_of() {
-  if constexpr (requires { T::kAbout; }) {
-    return T::kAbout;
-  } else {
-    return {};
+  static const void* get_extension(const char* name) {
+    if (std::string_view(name) == WEFT_DEVICE_MEMORY) return about_of<T>().device_memory;
+    if constexpr (requires { T::devices(); }) {
+      if (std::string_view(name) == WEFT_DEVICES) return &kDevices;
+    }
+    return nullptr;
   }
-}
+  static std::int32_t list_devices(void* context, void (*device)(void* context, const char* text),
+                                   weft_error* error) {
+    return guarded(error, [&]() -> std::int32_t {
+      if constexpr (requires { T::devices(); }) {
+        for (const std::string& text : T::devices()) device(context, text.c_str());
+      }
+      return WEFT_OK;
+    });
+  }
+  static constexpr weft_devices kDevices{sizeof(weft_devices), 0, &list_devices};
+};
 
 template <class T>
 constexpr weft_component make_component(const char* id, const char* version, const char* summary) {

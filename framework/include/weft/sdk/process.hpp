@@ -21,6 +21,8 @@ struct About {
   const char* produces = "";           ///< outputs, where the role leaves a choice
   bool random = false;                 ///< draws from the seed
   bool uses_truth = false;             ///< may read ground_truth
+  /// Where the library keeps arrays of its own, see weft/sdk/device.hpp.
+  const weft_device_memory* device_memory = nullptr;
 };
 
 /// Copies text into a fixed buffer, cut on a UTF-8 character boundary.
@@ -78,10 +80,7 @@ class ProcessCall {
 
   template <class Noun>
   Result<void> write(const char* slot, const Noun& noun) const {
-    return write_record(
-        noun, [&](const char* array, std::int32_t dtype, int ndim, const std::int64_t* shape) {
-          return call_.host->alloc(&call_, slot, Noun::kType, array, dtype, ndim, shape);
-        });
+    return write_record(noun, Output{call_, slot, Noun::kType});
   }
   template <class Noun>
   Result<void> write(const char* slot, const std::optional<Noun>& noun) const {
@@ -99,6 +98,20 @@ class ProcessCall {
   }
 
  private:
+  /// Where the arrays of an output go.
+  struct Output {
+    const weft_call& call;
+    const char *slot, *type;
+
+    void* operator()(const char* array, std::int32_t dtype, int ndim, const std::int64_t* shape) {
+      return call.host->alloc(&call, slot, type, array, dtype, ndim, shape);
+    }
+    bool adopt(const char* array, std::int32_t dtype, int ndim, const std::int64_t* shape,
+               std::uint64_t handle) {
+      return call.host->adopt(&call, slot, type, array, dtype, ndim, shape, handle) != 0;
+    }
+  };
+
   template <class Noun>
   Result<void> read_slot(const char* slot, Noun& member) const {
     for (std::uint64_t i = 0; i < count_; ++i) {

@@ -4,7 +4,9 @@
 #include <initializer_list>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 #include <weft/host/lane.hpp>
 
@@ -13,7 +15,7 @@ namespace weft::testing {
 /// A noun as an input of a call; it copies the noun.
 struct Input {
   std::string slot;
-  std::shared_ptr<host::Record> record;
+  host::RecordPtr record;
 };
 
 template <class Noun>
@@ -37,10 +39,20 @@ struct Outcome {
   std::optional<Noun> get() const {
     for (const auto& [slot, record] : outputs) {
       if (record->type() != Noun::kType) continue;
-      auto noun = host::view_as<Noun>(*record);
+      const auto here = record->in_host_memory();
+      if (!here) continue;
+      auto noun = host::view_as<Noun>(**here);
       if (noun) return *std::move(noun);
     }
     return std::nullopt;
+  }
+
+  /// An output as the input of another call, in device memory if it is there.
+  Input hand_on(std::string_view output, const char* as) const {
+    for (const auto& [slot, record] : outputs) {
+      if (slot == output) return {as, record};
+    }
+    throw std::runtime_error("there is no output '" + std::string(output) + "'");
   }
 };
 

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugin_devices.hpp"
+
+#include <algorithm>
+#include <map>
+
+namespace weft::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+bool lists_devices(const host::Installed& entry) {
+  const std::vector<std::string>& extensions = entry.component.extensions;
+  return !entry.shadowed &&
+         std::find(extensions.begin(), extensions.end(), WEFT_DEVICES) != extensions.end();
+}
+
+Result<std::vector<std::string>> devices_of(const host::Installed& entry) {
+  const auto component = host::load(entry);
+  if (!component) return component.error();
+  const auto* extension =
+      static_cast<const weft_devices*>((*component)->get_extension(WEFT_DEVICES));
+  std::vector<std::string> devices;
+  weft_error error{};
+  const auto add = [](void* context, const char* text) {
+    static_cast<std::vector<std::string>*>(context)->emplace_back(text);
+  };
+  if (extension->list(&devices, add, &error) == WEFT_OK) return devices;
+  return Error{Errc::plugin_failure, error.message, entry.component.id};
+}
+
+}  // namespace
+
+ordered_json plugin_devices(const host::Registry& registry) {
+  std::map<std::string, std::vector<const host::Installed*>> libraries;
+  for (const host::Installed& entry : registry.installed()) {
+    if (lists_devices(entry)) libraries[entry.library->library].push_back(&entry);
+  }
+  ordered_json found = ordered_json::array();
+  for (const auto& [file, entries] : libraries) {
+    const auto devices = devices_of(*entries.front());
+    std::vector<std::string> ids;
+    for (const host::Installed* entry : entries) ids.push_back(entry->component.id);
+    found.push_back({{"plugins", ids},
+                     {"devices", devices ? *devices : std::vector<std::string>()},
+                     {"reason", devices ? "" : devices.error().message}});
+  }
+  return found;
+}
+
+}  // namespace weft::cli

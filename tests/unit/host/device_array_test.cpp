@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+
+#include <cstring>
+#include <limits>
+#include <map>
+#include <weft/data/keypoints.hpp>
+#include <weft/host/record.hpp>
+#include <weft/sdk/device.hpp>
+
+namespace weft::host {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// What a library keeps: numbers by handle, with their references.
+struct Kept {
+  std::vector<float> numbers;
+  int references = 0;
+  int downloads = 0;
+  std::int32_t status = WEFT_OK;
+};
+std::map<std::uint64_t, Kept>& all_kept() {
+  static std::map<std::uint64_t, Kept> kept;
+  return kept;
+}
+
+constexpr weft_device_memory kLibrary{
+    sizeof(weft_device_memory), 0, [](std::uint64_t handle) { ++all_kept()[handle].references; },
+    [](std::uint64_t handle) { --all_kept()[handle].references; },
+    [](const weft_call*, std::uint64_t handle, void* to, std::uint64_t bytes,
+       weft_error* error) -> std::int32_t {
+      Kept& kept = all_kept()[handle];
+      ++kept.downloads;
+      if (kept.status != WEFT_OK) {
+        return report({Errc::io, "the cable is out", {}}, error), kept.status;
+      }
+      std::memcpy(to, kept.numbers.data(), bytes);
+      return WEFT_OK;
+    }};
+constexpr weft_device_memory kOther = kLibrary;
+
+class DeviceArrays : public ::testing::Test {
+ protected:
+  DeviceArrays() {
+    all_kept().clear();
+    all_kept()[7].numbers = {1, 2, 3, 4, 5, 6};
+    Keypoints points;
+    points.xy_px = Array<double>({2, 2});
+    points.scale_px = points.angle_rad = points.response = Array<double>({2});
+    points.octave = Array<std::int32_t>({2});
+    points.metric = "l2";
+    record_ = Record::copy_of(points);
+  }
+
+  bool adopt(std::uint64_t handle = 7) {
+    const std::int64_t shape[] = {2, 3};
+    return record_->adopt("descriptors", WEFT_F32, 2, shape, kLibrary, handle, "detectors/a");
+  }
+  static const Kept& kept() { return all_kept()[7]; }
+
+  std::shared_ptr<Record> record_;
+  weft_call call_{};
+};
+
+TEST_F(DeviceArrays, AreHeldAsLongAsARecordHasThem) {
+  ASSERT_TRUE(adopt());
+  EXPECT_EQ(kept().references, 1);
+  auto copy = record_->alias();
+  record_.reset();
+  EXPECT_EQ(kept().references, 1);
+  copy.reset();
+  EXPECT_EQ(kept().references, 0);
+}
+
+TEST_F(DeviceArrays, AreReplacedByAnArrayOfTheSameName) {
+  ASSERT_TRUE(adopt());
+  const std::int64_t shape[] = {2, 3};
+  ASSERT_NE(record_->allocate("descriptors", WEFT_F32, 2, shape), nullptr);
+  EXPECT_EQ(kept().references, 0);
+  EXPECT_FALSE(view_as<Keypoints>(*record_)->descriptors.is_on_device());
+}
+
+TEST_F(DeviceArrays, WithoutAHandleOrALegalShapeAreRefused) {
+  EXPECT_FALSE(adopt(0));
+  const std::int64_t shape[] = {2, -3};
+  EXPECT_FALSE(record_->adopt("descriptors", WEFT_F32, 2, shape, kLibrary, 7, "detectors/a"));
+  EXPECT_EQ(kept().references, 0);
+}
+
+TEST_F(DeviceArrays, HaveAShapeAndNoElementsForWhoReadsTheRecord) {
+  ASSERT_TRUE(adopt());
+  EXPECT_TRUE(validate(record_->view("")));
+  const auto points = view_as<Keypoints>(*record_);
+  ASSERT_TRUE(points) << points.error().message;
+  EXPECT_TRUE(points->descriptors.present());
+  EXPECT_TRUE(points->descriptors.is_on_device());
+  EXPECT_EQ(points->descriptors.rows(), 2);
+  EXPECT_EQ(points->descriptors.dim(1), 3);
+  EXPECT_EQ(points->descriptors.data(), nullptr);
+  const RecordView<Keypoints> again("keypoints", *points);
+  const weft_array* array = find_array(again.raw(), "descriptors");
+  EXPECT_EQ(array->memory, WEFT_DEVICE);
+  EXPECT_EQ(array->handle, 7U);
+  EXPECT_EQ(array->data, find_array(record_->view(""), "descriptors")->data);
+}
+
+TEST_F(DeviceArrays, ComeHereOnceForAllWhoCannotReadThere) {
+  ASSERT_TRUE(adopt());
+  const weft_record inputs[] = {record_->view("keypoints")};
+  for (const std::uint64_t fetched : {24U, 0U}) {
+    ReachableInputs reachable;
+    const auto reached = reachable.reach(inputs, &kOther, call_);
+    ASSERT_TRUE(reached) << reached.error().message;
+    EXPECT_EQ(reachable.downloaded_bytes(), fetched);
+    const auto points = read_record<Keypoints>((*reached)[0]);
+    ASSERT_TRUE(points);
+    EXPECT_EQ(points->descriptors(1, 2), 6.0F);
+  }
+  const auto here = record_->in_host_memory();
+  ASSERT_TRUE(here);
+  EXPECT_EQ(view_as<Keypoints>(**here)->descriptors(0, 1), 2.0F);
+  EXPECT_EQ(kept().downloads, 1);
+}
+
+TEST_F(DeviceArrays, StayWhereTheyAreForTheirOwnLibrary) {
+  ASSERT_TRUE(adopt());
+  const weft_record inputs[] = {record_->view("keypoints")};
+  ReachableInputs reachable;
+  const auto reached = reachable.reach(inputs, &kLibrary, call_);
+  ASSERT_TRUE(reached);
+  EXPECT_EQ(reached->data(), inputs);
+  EXPECT_EQ(kept().downloads, 0);
+}
+
+TEST_F(DeviceArrays, ThatCannotBeFetchedAreErrorsOfTheirMaker) {
+  ASSERT_TRUE(adopt());
+  all_kept()[7].status = WEFT_ERROR;
+  const auto lost = record_->in_host_memory();
+  ASSERT_FALSE(lost);
+  EXPECT_EQ(lost.error().where, "detectors/a");
+  EXPECT_THAT(lost.error().message, HasSubstr("'descriptors' cannot be copied from the device: "
+                                              "the cable is out"));
+  all_kept()[7].status = WEFT_CANCELLED;
+  EXPECT_EQ(record_->in_host_memory().error().code, Errc::cancelled);
+  all_kept()[7].status = WEFT_OK;
+  EXPECT_TRUE(record_->in_host_memory()) << "a failure is not kept";
+}
+
+TEST_F(DeviceArrays, AreCheckedOnceTheyAreHere) {
+  ASSERT_TRUE(adopt());
+  all_kept()[7].numbers[4] = std::numeric_limits<float>::infinity();
+  EXPECT_TRUE(validate(record_->view("")));
+  const auto here = record_->in_host_memory();
+  ASSERT_FALSE(here);
+  EXPECT_THAT(here.error().message, HasSubstr("'descriptors' holds NaN or infinity"));
+}
+
+/// What the SDK makes of a class.
+struct Rows {
+  int* destroyed;
+  ~Rows() { ++*destroyed; }
+  Result<void> download(std::span<std::byte> to, const std::function<bool()>& cancelled) const {
+    if (cancelled()) return Error{Errc::cancelled, "told to stop", {}};
+    std::fill(to.begin(), to.end(), std::byte{0});
+    if (to.size() > 100) throw std::runtime_error("too much");
+    return {};
+  }
+};
+
+TEST(OnDevice, KeepsTheContentsUntilTheLastReferenceIsGone) {
+  int destroyed = 0;
+  const auto& table = kDeviceMemory<Rows>;
+  auto array = on_device<float>(std::make_shared<const Rows>(Rows{&destroyed}), {2, 3});
+  destroyed = 0;  // the temporary
+  EXPECT_NE(device_contents<Rows>(array), nullptr);
+  EXPECT_EQ(device_contents<Rows>(Array<float>({2, 3})), nullptr);
+  const std::uint64_t handle = array.handle();
+  table.retain(handle);
+  array = {};
+  EXPECT_EQ(destroyed, 0);
+  table.release(handle);
+  EXPECT_EQ(destroyed, 1);
+}
+
+TEST(OnDevice, LetsNoExceptionAcross) {
+  int destroyed = 0;
+  const auto array = on_device<float>(std::make_shared<const Rows>(Rows{&destroyed}), {2, 3});
+  std::vector<float> to(100);
+  weft_error error{};
+  const auto download = [&](std::uint64_t bytes) {
+    return kDeviceMemory<Rows>.download(nullptr, array.handle(), to.data(), bytes, &error);
+  };
+  EXPECT_EQ(download(24), WEFT_OK);
+  EXPECT_EQ(download(400), WEFT_ERROR);
+  EXPECT_STREQ(error.message, "threw: too much");
+}
+
+}  // namespace
+}  // namespace weft::host
