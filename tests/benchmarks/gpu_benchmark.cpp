@@ -64,8 +64,9 @@ void sift(benchmark::State& state) {
     std::sort(keypoints.begin(), keypoints.end(),
               [](const auto& a, const auto& b) { return a.response > b.response; });
     keypoints.resize(std::min(keypoints.size(), kMaxKeypoints));
-    benchmark::DoNotOptimize(
-        session.download(session.describe(keypoints), keypoints.size(), never));
+    std::vector<float> rows(sift_gpu::kDescriptorLength * keypoints.size());
+    session.describe(keypoints)->read(rows, never);
+    benchmark::DoNotOptimize(rows);
     busy_ms += session.kernel_ms();
   };
   frame();
@@ -83,10 +84,10 @@ void matching(benchmark::State& state) {
   const Keypoints templ = descriptors(count, 1), image = descriptors_seen(templ, count, 2);
   const std::vector<float> places(2 * static_cast<std::size_t>(count), 0.0F);
   sift_gpu::Search search(device());
-  const auto queries = search.load(templ.descriptors, true);
-  const auto trains = search.load(image.descriptors, true);
+  search.load_queries(templ.descriptors, true, never);
+  search.load_trains(image.descriptors, true, never);
   for (auto each : state) {
-    benchmark::DoNotOptimize(search.run(queries, trains, places, {0.0F, true}, never));
+    benchmark::DoNotOptimize(search.run(places, {0.0F, true}, never));
   }
 }
 

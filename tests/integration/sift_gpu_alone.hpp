@@ -48,8 +48,11 @@ class PluginInALane {
 /// Whether two answers are equal to the bit; false if either has no keypoints.
 inline bool same_keypoints(const host::Outcome& a, const host::Outcome& b) {
   if (a.status != WEFT_OK || b.status != WEFT_OK) return false;
-  const auto first = host::view_as<Keypoints>(*a.find("keypoints"));
-  const auto second = host::view_as<Keypoints>(*b.find("keypoints"));
+  const auto here = a.find("keypoints")->in_host_memory();
+  const auto there = b.find("keypoints")->in_host_memory();
+  if (!here || !there) return false;
+  const auto first = host::view_as<Keypoints>(**here);
+  const auto second = host::view_as<Keypoints>(**there);
   const auto equal = [](const auto& one, const auto& other) {
     return one.size() == other.size() &&
            std::memcmp(one.data(), other.data(),

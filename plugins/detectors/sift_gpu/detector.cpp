@@ -50,7 +50,7 @@ Result<void> SiftGpu::make_session(const std::shared_ptr<Device>& device,
                                    const Array<std::uint8_t>& pixels) {
   const auto width = static_cast<int>(pixels.dim(1)), height = static_cast<int>(pixels.dim(0));
   const int channels = pixels.ndim() == 3 ? 3 : 1;
-  if (session_ != nullptr && session_->fits(width, height, channels)) return {};
+  if (session_ != nullptr && session_->fits(*device, width, height, channels)) return {};
   session_.reset();
   const ScalePlan plan(width, height, settings_);
   const std::uint64_t needed = Session::bytes_needed(plan, channels);
@@ -100,16 +100,16 @@ Result<Keypoints> SiftGpu::answer(const DetectorInput& in, const CancelledCheck&
     selected.push_back(spots[static_cast<std::size_t>(i)]);
     selected_keypoints.push_back(keypoints[static_cast<std::size_t>(i)]);
   }
-  cv::Mat descriptors(static_cast<int>(order.size()), kDescriptorLength, CV_32F);
-  if (!order.empty()) {
-    std::vector<std::uint8_t> rows =
-        session_->download(session_->describe(selected), selected.size(), cancelled);
-    cv::Mat(descriptors.rows, kDescriptorLength, CV_8U, rows.data()).convertTo(descriptors, CV_32F);
-  }
   // A blob of Gaussian profile answers strongest between the two blurs whose difference was
   // taken.
-  return detectors::answer(selected_keypoints, descriptors,
-                           std::exp2(0.5 / settings_.octave_layers));
+  auto found = detectors::answer(selected_keypoints, cv::Mat(0, kDescriptorLength, CV_32F),
+                                 std::exp2(0.5 / settings_.octave_layers));
+  if (!selected.empty()) {
+    found->descriptors =
+        on_device<float>(session_->describe(selected),
+                         {static_cast<std::int64_t>(selected.size()), kDescriptorLength});
+  }
+  return found;
 }
 
 Result<Keypoints> SiftGpu::detect(const DetectorInput& in) {
@@ -126,7 +126,7 @@ Result<Keypoints> SiftGpu::detect(const DetectorInput& in) {
     return answer(in, [&] { return in.call.cancelled(); });
   } catch (const cl::Error& failure) {
     session_.reset();
-    device_.forget();
+    device_.give_up();
     return error_of(failure, doing);
   } catch (const Cancelled&) {
     abandoned_.keep(std::move(session_));

@@ -18,11 +18,13 @@ class SiftGpu final : public Detector {
   static constexpr About kAbout{
       .reference = "Lowe, Distinctive image features from scale-invariant keypoints, IJCV 2004",
       .determinism = "tolerance",
-      .reads = "region"};
+      .reads = "region",
+      .device_memory = &kDeviceMemory<KeptDescriptors>};
 
   explicit SiftGpu(Params& p);
   Result<void> prepare(const PrepareInput& /*in*/) override { return device_.prepare(); }
   Result<Keypoints> detect(const DetectorInput& in) override;
+  static std::vector<std::string> devices() { return descriptions(); }
 
  private:
   Result<Keypoints> stand_back(const DetectorInput& in) const;

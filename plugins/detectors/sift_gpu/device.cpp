@@ -23,10 +23,10 @@ bool is_gpu(const cl::Device& device) {
   return (device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_GPU) != 0;
 }
 
-std::string list(const std::vector<cl::Device>& devices) {
+std::string list(const std::vector<std::string>& names) {
   std::string text;
-  for (std::size_t i = 0; i < devices.size(); ++i) {
-    text += (i > 0 ? "; " : "") + std::to_string(i) + ": " + description(devices[i]);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    text += (i > 0 ? "; " : "") + std::to_string(i) + ": " + names[i];
   }
   return text;
 }
@@ -80,6 +80,12 @@ std::string description(const cl::Device& device) {
          ", driver " + device.getInfo<CL_DRIVER_VERSION>() + ")";
 }
 
+std::vector<std::string> descriptions() {
+  std::vector<std::string> names;
+  for (const cl::Device& device : all_devices()) names.push_back(description(device));
+  return names;
+}
+
 Result<cl::Device> choose(const std::string& wanted) {
   const std::vector<cl::Device> devices = all_devices();
   if (devices.empty()) {
@@ -97,8 +103,9 @@ Result<cl::Device> choose(const std::string& wanted) {
         device.getInfo<CL_DEVICE_NAME>() + "\n" + device.getInfo<CL_DEVICE_VENDOR>();
     if (lower(names).find(lower(wanted)) != std::string::npos) return device;
   }
-  return Error{
-      Errc::not_found, "no OpenCL device is '" + wanted + "'; there are: " + list(devices), {}};
+  return Error{Errc::not_found,
+               "no OpenCL device is '" + wanted + "'; there are: " + list(descriptions()),
+               {}};
 }
 
 Error error_of(const cl::Error& failure, const std::string& doing) {
@@ -123,7 +130,7 @@ Result<std::shared_ptr<Device>> Device::open(const std::string& wanted) {
   static std::map<cl_device_id, std::weak_ptr<Device>> open_devices;
   const std::lock_guard lock(mutex);
   std::weak_ptr<Device>& place = open_devices[(*device)()];
-  if (auto shared = place.lock()) return shared;
+  if (auto shared = place.lock(); shared != nullptr && !shared->is_retired()) return shared;
   try {
     auto opened = std::make_shared<Device>(*device);
     place = opened;

@@ -5,6 +5,7 @@
 #define CL_HPP_MINIMUM_OPENCL_VERSION 120
 #define CL_HPP_TARGET_OPENCL_VERSION 120
 #include <CL/opencl.hpp>
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <string>
@@ -18,6 +19,9 @@ std::vector<cl::Device> all_devices();
 
 /// Name, vendor and driver of a device, in one line.
 std::string description(const cl::Device& device);
+
+/// Those of all_devices().
+std::vector<std::string> descriptions();
 
 /// The device with this index among all_devices(), else the first whose name or vendor contains the
 /// text, whatever the case; empty text: the first. The Error lists what there is.
@@ -33,8 +37,13 @@ class Device {
   /// ~/.cache). Throws cl::Error.
   explicit Device(const cl::Device& device);
 
-  /// The one that is open already, or a new one.
+  /// The one that is open already and not retired, or a new one.
   static Result<std::shared_ptr<Device>> open(const std::string& wanted);
+
+  /// After a failure: a device that was lost comes back with a new context, if at all. What is kept
+  /// in this one stays there, and may be out of reach.
+  void retire() { is_retired_ = true; }
+  bool is_retired() const { return is_retired_; }
 
   const cl::Context& context() const { return context_; }
   const cl::Program& program() const { return program_; }
@@ -50,6 +59,7 @@ class Device {
   std::string name_;
   cl_ulong largest_buffer_bytes_;
   cl_ulong memory_bytes_;
+  std::atomic<bool> is_retired_ = false;
 };
 
 /// Waits until `event` is complete; false when `cancelled` said so first. Throws cl::Error if what

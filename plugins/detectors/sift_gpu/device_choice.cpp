@@ -15,11 +15,14 @@ void DeviceChoice::read(Params& p) {
 
 Result<void> DeviceChoice::prepare() {
   const auto opened = open();
-  return opened ? Result<void>{} : Result<void>(opened.error());
+  if (!opened) return opened.error();
+  stands_back_ = *opened == nullptr;
+  return {};
 }
 
 Result<std::shared_ptr<Device>> DeviceChoice::open() {
-  if (device_ != nullptr) return device_;
+  if (device_ != nullptr && device_->is_retired()) device_.reset();
+  if (device_ != nullptr || stands_back_) return device_;
   if (auto device = Device::open(wanted_)) {
     device_ = *std::move(device);
   } else if (without_device_ == WithoutDevice::error) {

@@ -23,8 +23,8 @@ class DeviceChoice {
 
   const std::string& reason() const { return reason_; }
 
-  /// After a failure: a device that was lost comes back with a new context, if at all.
-  void forget() { device_.reset(); }
+  /// After a failure: the next open() opens the device anew, for all components on it.
+  void give_up() { device_->retire(); }
 
  private:
   enum class WithoutDevice { error, fallback };
@@ -32,6 +32,7 @@ class DeviceChoice {
   std::string wanted_;
   WithoutDevice without_device_ = WithoutDevice::error;
   std::shared_ptr<Device> device_;
+  bool stands_back_ = false;  ///< there was none before the first frame: it is not looked for again
   std::string reason_;
 };
 

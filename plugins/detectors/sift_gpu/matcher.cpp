@@ -25,11 +25,10 @@ std::vector<matchers::Neighbours> GpuMatcher::search(const matchers::Sides& side
     places_.push_back(static_cast<float>(sides.trains.xy_px(i, 1)));
   }
   const bool root = matching_.root_sift();
-  const DeviceDescriptors queries = search_->load(sides.queries.descriptors, root);
-  const DeviceDescriptors trains = search_->load(sides.trains.descriptors, root);
-  const std::vector<Pair> pairs =
-      search_->run(queries, trains, places_,
-                   {static_cast<float>(matching_.elsewhere_px()), matching_.mutual()}, cancelled);
+  search_->load_queries(sides.queries.descriptors, root, cancelled);
+  search_->load_trains(sides.trains.descriptors, root, cancelled);
+  const std::vector<Pair> pairs = search_->run(
+      places_, {static_cast<float>(matching_.elsewhere_px()), matching_.mutual()}, cancelled);
   std::vector<matchers::Neighbours> found;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Pair& pair = pairs[i];
@@ -62,11 +61,12 @@ Result<Correspondences> GpuMatcher::match(const MatcherInput& in) {
                             std::to_string(sides->trains.count()) + " descriptors on " +
                             (*device)->name();
   try {
-    if (search_ == nullptr) search_ = std::make_unique<Search>(*device);
+    if (search_ == nullptr || !search_->is_on(**device))
+      search_ = std::make_unique<Search>(*device);
     return matching_.answer(*sides, search(*sides, [&] { return in.call.cancelled(); }));
   } catch (const cl::Error& failure) {
     search_.reset();
-    device_.forget();
+    device_.give_up();
     return error_of(failure, doing);
   } catch (const Cancelled&) {
     abandoned_.keep(std::move(search_));

@@ -22,11 +22,13 @@ class GpuMatcher final : public Matcher {
           "Arandjelovic and Zisserman, Three things everyone should know to improve object "
           "retrieval, CVPR 2012",
       .determinism = "tolerance",
-      .needs = "keypoints template_keypoints"};
+      .needs = "keypoints template_keypoints",
+      .device_memory = &kDeviceMemory<KeptDescriptors>};
 
   explicit GpuMatcher(Params& p);
   Result<void> prepare(const PrepareInput& /*in*/) override { return device_.prepare(); }
   Result<Correspondences> match(const MatcherInput& in) override;
+  static std::vector<std::string> devices() { return descriptions(); }
 
  private:
   Result<Correspondences> stand_back(const Call& call, const matchers::Sides& sides) const;

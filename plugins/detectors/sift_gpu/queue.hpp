@@ -49,6 +49,12 @@ class Queue {
 
   void fill(const cl::Buffer& buffer, cl_int value);
 
+  /// Begins with all commands so far; the event is complete when they are.
+  cl::Event begin();
+
+  /// Later commands wait for an event, which may be of another queue of the same device.
+  void wait_for(const cl::Event& event);
+
   /// Waits for all commands so far and copies to the host.
   void read(const cl::Buffer& from, std::size_t bytes, void* to, const CancelledCheck& cancelled,
             std::size_t offset_bytes = 0);

@@ -24,7 +24,9 @@ std::uint64_t bytes_of(int count, int length) {
 }  // namespace
 
 Search::Search(std::shared_ptr<Device> device)
-    : queue_(std::move(device)),
+    : device_(std::move(device)),
+      queue_(device_),
+      widen_(queue_.kernel("widen")),
       load_(queue_.kernel("load")),
       distances_(queue_.kernel("distances")),
       nearest_(queue_.kernel("nearest")),
@@ -38,25 +40,43 @@ const cl::Buffer& Search::reserve(Kept& kept, std::uint64_t bytes) {
   return kept.buffer;
 }
 
-DeviceDescriptors Search::load(const Array<float>& descriptors, bool root) {
-  const auto count = static_cast<int>(descriptors.dim(0));
-  const auto length = static_cast<int>(descriptors.dim(1));
-  DeviceDescriptors loaded{queue_.buffer(bytes_of(count, length)),
-                           queue_.buffer(bytes_of(count, 1)), count, length};
-  const std::size_t row_bytes = bytes_of(1, length);
-  queue_.write(loaded.rows, bytes_of(count, length), [&](std::byte* to) {
-    for (int i = 0; i < count; ++i, to += row_bytes) {
-      std::memcpy(to, descriptors.row(i), row_bytes);
+void Search::send(const Array<float>& descriptors, const cl::Buffer& to) {
+  const std::size_t row_bytes = sizeof(float) * static_cast<std::size_t>(descriptors.dim(1));
+  queue_.write(to, static_cast<std::size_t>(descriptors.rows()) * row_bytes, [&](std::byte* at) {
+    for (std::int64_t i = 0; i < descriptors.rows(); ++i, at += row_bytes) {
+      std::memcpy(at, descriptors.row(i), row_bytes);
     }
   });
-  queue_.launch(load_, one_item_each(count), one_group(), loaded.rows, count, length, root ? 1 : 0,
-                loaded.norms);
-  return loaded;
 }
 
-std::vector<Pair> Search::run(const DeviceDescriptors& queries, const DeviceDescriptors& trains,
-                              std::span<const float> places, const Options& options,
+void Search::load(Loaded& side, const Array<float>& descriptors, bool root,
+                  const CancelledCheck& cancelled) {
+  const auto kept = device_contents<KeptDescriptors>(descriptors);
+  if (kept != nullptr && kept == side.source && root == side.root) return;
+  side.source = kept;
+  side.root = root;
+  side.count = static_cast<int>(descriptors.dim(0));
+  side.length = static_cast<int>(descriptors.dim(1));
+  const cl::Buffer& rows = reserve(side.rows, bytes_of(side.count, side.length));
+  const cl::Buffer& norms = reserve(side.norms, bytes_of(side.count, 1));
+  if (kept == nullptr) {
+    send(descriptors, rows);
+  } else if (&kept->device() == device_.get()) {
+    queue_.wait_for(kept->ready());
+    queue_.launch(widen_, one_item_each(side.count * side.length), one_group(), kept->rows(),
+                  side.count * side.length, rows);
+  } else {
+    Array<float> here({side.count, side.length});
+    kept->read({here.data(), static_cast<std::size_t>(here.size())}, cancelled);
+    send(here, rows);
+  }
+  queue_.launch(load_, one_item_each(side.count), one_group(), rows, side.count, side.length,
+                root ? 1 : 0, norms);
+}
+
+std::vector<Pair> Search::run(std::span<const float> places, const Options& options,
                               const CancelledCheck& cancelled) {
+  const Loaded &queries = queries_, &trains = trains_;
   const std::uint64_t row_bytes = bytes_of(trains.count, 1);
   const auto rows_held = static_cast<int>(std::clamp<std::uint64_t>(
       kBlockBytes / row_bytes / kTileSide * kTileSide, kTileSide, 1U << 20U));
@@ -74,10 +94,11 @@ std::vector<Pair> Search::run(const DeviceDescriptors& queries, const DeviceDesc
     queue_.launch(distances_,
                   cl::NDRange(static_cast<cl::size_type>(tiles(rows)) *
                               static_cast<cl::size_type>(tiles(trains.count)) * kTileItems),
-                  cl::NDRange(kTileItems), queries.rows, queries.norms, first, rows, trains.rows,
-                  trains.norms, trains.count, trains.length, squares);
+                  cl::NDRange(kTileItems), queries.rows.buffer, queries.norms.buffer, first, rows,
+                  trains.rows.buffer, trains.norms.buffer, trains.count, trains.length, squares);
     queue_.launch(nearest_, groups_for(rows), one_group(), squares, trains.count, train_places,
-                  options.elsewhere_px, queries.rows, trains.rows, first, trains.length, found);
+                  options.elsewhere_px, queries.rows.buffer, trains.rows.buffer, first,
+                  trains.length, found);
     if (options.mutual) {
       queue_.launch(nearest_queries_, one_item_each(trains.count), one_group(), squares, first,
                     rows, trains.count, least, best);

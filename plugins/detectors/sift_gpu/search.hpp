@@ -5,15 +5,9 @@
 #include <vector>
 #include <weft/data/array.hpp>
 
-#include "queue.hpp"
+#include "kept_descriptors.hpp"
 
 namespace weft::sift_gpu {
-
-/// Descriptors [count,length] f32 on a device, with their squared norms.
-struct DeviceDescriptors {
-  cl::Buffer rows, norms;
-  int count = 0, length = 0;
-};
 
 /// What the search found for a query, as the kernels write it; -1 where there is none.
 struct Pair {
@@ -26,8 +20,17 @@ class Search {
  public:
   explicit Search(std::shared_ptr<Device> device);
 
-  /// Descriptors [count,length]; with `root` each, which is not negative, becomes sqrt(d / |d|_1).
-  DeviceDescriptors load(const Array<float>& descriptors, bool root);
+  bool is_on(const Device& device) const { return device_.get() == &device; }
+
+  /// Descriptors [count,length], here or kept on a device; with `root` each, which is not negative,
+  /// becomes sqrt(d / |d|_1). What is kept on this device is not copied, and the same again, as
+  /// those of a template, is loaded only once. Both sides have the same length.
+  void load_queries(const Array<float>& descriptors, bool root, const CancelledCheck& cancelled) {
+    load(queries_, descriptors, root, cancelled);
+  }
+  void load_trains(const Array<float>& descriptors, bool root, const CancelledCheck& cancelled) {
+    load(trains_, descriptors, root, cancelled);
+  }
 
   struct Options {
     float elsewhere_px = 0.0F;  ///< the second is farther than this from the best; 0: any other
@@ -35,8 +38,7 @@ class Search {
   };
 
   /// For each query its nearest trains; `places` [trains,2] px. The lowest index wins a tie.
-  std::vector<Pair> run(const DeviceDescriptors& queries, const DeviceDescriptors& trains,
-                        std::span<const float> places, const Options& options,
+  std::vector<Pair> run(std::span<const float> places, const Options& options,
                         const CancelledCheck& cancelled);
 
   /// The query nearest to each train, from the last run with `mutual`.
@@ -50,10 +52,22 @@ class Search {
     cl::Buffer buffer;
     std::uint64_t bytes = 0;
   };
+  /// Descriptors [count,length] f32 as the search wants them, with their squared norms.
+  struct Loaded {
+    Kept rows, norms;
+    int count = 0, length = 0;
+    std::shared_ptr<const KeptDescriptors> source;  ///< null where they came from the host
+    bool root = false;
+  };
   const cl::Buffer& reserve(Kept& kept, std::uint64_t bytes);
+  void load(Loaded& side, const Array<float>& descriptors, bool root,
+            const CancelledCheck& cancelled);
+  void send(const Array<float>& descriptors, const cl::Buffer& to);
 
+  std::shared_ptr<Device> device_;
   Queue queue_;
-  cl::Kernel load_, distances_, nearest_, nearest_queries_;
+  cl::Kernel widen_, load_, distances_, nearest_, nearest_queries_;
+  Loaded queries_, trains_;
   Kept squares_, places_, pairs_, least_, best_;
   std::vector<std::int32_t> best_queries_;
 };

@@ -52,10 +52,11 @@ std::uint64_t Session::largest_buffer_bytes(const ScalePlan& plan) {
 
 Session::Session(std::shared_ptr<Device> device, int width, int height, int channels,
                  const Settings& settings, bool timed)
-    : settings_(settings),
+    : device_(std::move(device)),
+      settings_(settings),
       plan_(width, height, settings),
       channels_(channels),
-      queue_(std::move(device), timed),
+      queue_(device_, timed),
       grey_levels_(queue_.kernel("grey_levels")),
       blur_rows_(queue_.kernel("blur_rows")),
       blur_columns_(queue_.kernel("blur_columns")),
@@ -77,8 +78,9 @@ Session::Session(std::shared_ptr<Device> device, int width, int height, int chan
   queue_.write(octaves_, sizeof(Octave) * plan_.octaves.size(), plan_.octaves.data());
 }
 
-bool Session::fits(int width, int height, int channels) const {
-  return plan_.image_width == width && plan_.image_height == height && channels_ == channels;
+bool Session::fits(const Device& device, int width, int height, int channels) const {
+  return device_.get() == &device && plan_.image_width == width && plan_.image_height == height &&
+         channels_ == channels;
 }
 
 void Session::upload(const Array<std::uint8_t>& pixels) {
@@ -189,24 +191,28 @@ std::vector<Spot> Session::find(const Array<std::uint8_t>& pixels,
   return spots;
 }
 
-cl::Buffer Session::describe(const std::vector<Spot>& keypoints) {
+/// A buffer for descriptors that nobody reads any more.
+const std::shared_ptr<const cl::Buffer>& Session::free_rows(std::size_t bytes) {
+  const auto is_free = [](const auto& buffer) { return buffer.use_count() == 1; };
+  const auto found = std::find_if(rows_.begin(), rows_.end(), is_free);
+  std::shared_ptr<const cl::Buffer>& rows = found != rows_.end() ? *found : rows_.emplace_back();
+  if (rows == nullptr || rows->getInfo<CL_MEM_SIZE>() < bytes) {
+    rows = std::make_shared<const cl::Buffer>(queue_.buffer(bytes + bytes / 4));
+  }
+  return rows;
+}
+
+std::shared_ptr<const KeptDescriptors> Session::describe(const std::vector<Spot>& keypoints) {
   const auto count = static_cast<int>(keypoints.size());
   if (count > selected_capacity_) {
     selected_capacity_ = count + count / 4;
     selected_ = queue_.buffer(sizeof(Spot) * static_cast<std::uint64_t>(selected_capacity_));
   }
   queue_.write(selected_, sizeof(Spot) * keypoints.size(), keypoints.data());
-  cl::Buffer descriptors = queue_.buffer(keypoints.size() * kDescriptorLength);
+  const auto& rows = free_rows(keypoints.size() * kDescriptorLength);
   queue_.launch(descriptions_, groups_for(count), one_group(), pyramid_, octaves_, selected_,
-                descriptors);
-  return descriptors;
-}
-
-std::vector<std::uint8_t> Session::download(const cl::Buffer& descriptors, std::size_t count,
-                                            const CancelledCheck& cancelled) {
-  std::vector<std::uint8_t> rows(count * kDescriptorLength);
-  queue_.read(descriptors, rows.size(), rows.data(), cancelled);
-  return rows;
+                *rows);
+  return std::make_shared<const KeptDescriptors>(device_, rows, queue_.begin(), count);
 }
 
 std::vector<float> Session::octave(std::size_t index) {

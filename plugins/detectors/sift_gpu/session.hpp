@@ -3,7 +3,7 @@
 
 #include <weft/data/array.hpp>
 
-#include "queue.hpp"
+#include "kept_descriptors.hpp"
 #include "scale_plan.hpp"
 
 namespace weft::sift_gpu {
@@ -21,8 +21,6 @@ struct Spot {
   bool operator==(const Spot&) const = default;
 };
 
-inline constexpr int kDescriptorLength = 128;
-
 /// SIFT for images of one size on one device: the buffers are made once. All methods throw
 /// cl::Error when the device fails and Cancelled when the call's host asked to stop; after either
 /// the session must not be used again.
@@ -39,18 +37,15 @@ class Session {
   /// The largest of its buffers.
   static std::uint64_t largest_buffer_bytes(const ScalePlan& plan);
 
-  bool fits(int width, int height, int channels) const;
+  bool fits(const Device& device, int width, int height, int channels) const;
 
   /// Keypoints of the image [H,W] or [H,W,3], without duplicates, in the same order each time; the
   /// pyramid stays for describe().
   std::vector<Spot> find(const Array<std::uint8_t>& pixels, const CancelledCheck& cancelled);
 
-  /// SIFT descriptors [K,128] u8 of keypoints of the last image.
-  cl::Buffer describe(const std::vector<Spot>& keypoints);
-
-  /// Copies descriptors [count,128] to the host.
-  std::vector<std::uint8_t> download(const cl::Buffer& descriptors, std::size_t count,
-                                     const CancelledCheck& cancelled);
+  /// SIFT descriptors of keypoints of the last image. The device is still at work on them when this
+  /// returns.
+  std::shared_ptr<const KeptDescriptors> describe(const std::vector<Spot>& keypoints);
 
   /// See Queue.
   double kernel_ms() { return queue_.kernel_ms(); }
@@ -69,7 +64,9 @@ class Session {
   void launch_extrema();
   void launch_orientations(int extrema);
   int read_count(const CancelledCheck& cancelled);
+  const std::shared_ptr<const cl::Buffer>& free_rows(std::size_t bytes);
 
+  std::shared_ptr<Device> device_;
   Settings settings_;
   ScalePlan plan_;
   int channels_;
@@ -80,6 +77,7 @@ class Session {
       selected_;
   int extrema_capacity_, keypoints_capacity_;
   int selected_capacity_ = 0;
+  std::vector<std::shared_ptr<const cl::Buffer>> rows_;  ///< of descriptors, held by others or free
 };
 
 }  // namespace weft::sift_gpu

@@ -5,6 +5,12 @@
 #define TILE_ITEMS 64    /* (TILE / BLOCK)^2 */
 #define DEPTH 16         /* elements of descriptors loaded at a time */
 
+/* One item for each element. */
+KERNEL void widen(GLOBAL const uchar* bytes, int count, GLOBAL float* numbers) {
+  int i = GLOBAL_ID(0);
+  if (i < count) numbers[i] = bytes[i];
+}
+
 /* One item for each descriptor [count,length], which is not negative if `root`: with `root` it becomes
  * sqrt(d / |d|_1) (Arandjelovic and Zisserman 2012); and its squared norm. */
 KERNEL void load(GLOBAL float* descriptors, int count, int length, int root,

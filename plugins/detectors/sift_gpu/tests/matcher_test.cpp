@@ -7,6 +7,8 @@
 
 #include "common/tests/keypoints_of.hpp"
 #include "common/tests/scenes.hpp"
+#include "search.hpp"
+#include "session.hpp"
 
 namespace weft::detectors {
 namespace {
@@ -115,6 +117,115 @@ TEST(GpuMatcher, AnswersTheSameFreshAndWarm) {
   for (std::int64_t n = 0; n < a.count(); ++n) {
     EXPECT_EQ(a.image_keypoint(n), b.image_keypoint(n));
     EXPECT_EQ(a.distance(n), b.distance(n));
+  }
+}
+
+/// Descriptors that the library keeps on the device, and the same here.
+class OnTheDevice : public ::testing::Test {
+ protected:
+  Outcome detect(std::uint32_t seed) {
+    return detector_.process(0, {input("image", texture(160, 120, seed))});
+  }
+  static Outcome match(PluginUnderTest& matcher, const Outcome& templ, const Outcome& image) {
+    return matcher.process(0, {image.hand_on("keypoints", "keypoints"),
+                               templ.hand_on("keypoints", "template_keypoints")});
+  }
+  static Outcome match_here(PluginUnderTest& matcher, const Outcome& templ, const Outcome& image) {
+    return detectors::match(matcher, templ.get<Keypoints>().value(),
+                            image.get<Keypoints>().value());
+  }
+  static bool is_there(const Outcome& found) {
+    return host::view_as<Keypoints>(*found.outputs.front().second)->descriptors.is_on_device();
+  }
+  static void expect_equal(const Outcome& a, const Outcome& b) {
+    const auto one = a.get<Correspondences>().value(), other = b.get<Correspondences>().value();
+    ASSERT_GT(one.count(), 10);
+    ASSERT_EQ(one.count(), other.count());
+    for (std::int64_t n = 0; n < one.count(); ++n) {
+      EXPECT_EQ(one.template_keypoint(n), other.template_keypoint(n));
+      EXPECT_EQ(one.image_keypoint(n), other.image_keypoint(n));
+      EXPECT_EQ(one.distance(n), other.distance(n));
+    }
+  }
+
+  PluginUnderTest detector_{"detectors/sift_gpu"};
+};
+
+TEST_F(OnTheDevice, DescriptorsGiveTheMatchesThatTheirCopiesGive) {
+  const Outcome templ = detect(38), image = detect(38), other = detect(39);
+  ASSERT_TRUE(is_there(templ) && is_there(image));
+  for (const char* params :
+       {"{}", "{root_sift: false, mutual: true}", "{direction: image_to_template, ratio: 1}"}) {
+    PluginUnderTest there("matchers/gpu", params), here("matchers/gpu", params);
+    for (const Outcome* frame : {&image, &other, &image}) {
+      const Outcome expected = match_here(here, templ, *frame), got = match(there, templ, *frame);
+      ASSERT_EQ(got.status, expected.status) << got.message;
+      if (frame == &image) expect_equal(got, expected);
+    }
+  }
+}
+
+TEST_F(OnTheDevice, DescriptorsOfOneSideMayBeHere) {
+  const Outcome templ = detect(38), image = detect(38);
+  PluginUnderTest matcher("matchers/gpu");
+  const Outcome expected = match(matcher, templ, image);
+  expect_equal(matcher.process(0, {image.hand_on("keypoints", "keypoints"),
+                                   input("template_keypoints", templ.get<Keypoints>().value())}),
+               expected);
+  expect_equal(matcher.process(0, {input("keypoints", image.get<Keypoints>().value()),
+                                   templ.hand_on("keypoints", "template_keypoints")}),
+               expected);
+}
+
+TEST_F(OnTheDevice, DescriptorsThatAreHeldAreNotOverwrittenByLaterFrames) {
+  const Outcome held = detect(38);
+  std::vector<Outcome> more;
+  for (std::uint32_t seed = 40; seed < 44; ++seed) more.push_back(detect(seed));
+  detect(44), detect(45);  // let go of at once
+  PluginUnderTest fresh("detectors/sift_gpu");
+  const auto image = input("image", texture(160, 120, 38));
+  const auto expected = fresh.process(0, {image}).get<Keypoints>()->descriptors;
+  const auto found = held.get<Keypoints>()->descriptors;
+  ASSERT_EQ(found.size(), expected.size());
+  EXPECT_TRUE(std::equal(found.data(), found.data() + found.size(), expected.data()));
+}
+
+TEST_F(OnTheDevice, DescriptorsAreCopiedForAMatcherOnTheProcessor) {
+  const Outcome templ = detect(38), image = detect(38);
+  PluginUnderTest matcher("matchers/descriptor"),
+      fallen_back("matchers/gpu", "{device: no such thing, without_device: fallback}");
+  const Outcome got = match(matcher, templ, image);
+  expect_equal(got, match_here(matcher, templ, image));
+  const Outcome nested = match(fallen_back, templ, image);
+  EXPECT_EQ(nested.status, WEFT_DEGENERATE);
+  expect_equal(nested, got);
+}
+
+TEST(Search, ReadsDescriptorsOfADeviceThatWasGivenUpThroughTheHost) {
+  using namespace sift_gpu;
+  const auto never = [] { return false; };
+  const auto before = *Device::open("");
+  Session session(before, 160, 120, 1, Settings{});
+  const auto spots = session.find(texture(160, 120, 38).pixels, never);
+  const auto count = static_cast<std::int64_t>(spots.size());
+  const auto rows = on_device<float>(session.describe(spots), {count, kDescriptorLength});
+  before->retire();
+  const auto after = *Device::open("");
+  ASSERT_NE(after, before);
+
+  const std::vector<float> places(2 * spots.size(), 0.0F);
+  std::vector<std::vector<Pair>> found;
+  for (const auto& device : {before, after}) {
+    Search search(device);
+    search.load_queries(rows, true, never);
+    search.load_trains(rows, true, never);
+    found.push_back(search.run(places, {}, never));
+  }
+  ASSERT_GT(found[0].size(), 50U);
+  for (std::size_t i = 0; i < found[0].size(); ++i) {
+    EXPECT_EQ(found[0][i].best_square, 0.0F);
+    EXPECT_EQ(found[1][i].best, found[0][i].best);
+    EXPECT_EQ(found[1][i].second_square, found[0][i].second_square);
   }
 }
 

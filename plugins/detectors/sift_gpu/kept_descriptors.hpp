@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <weft/sdk/device.hpp>
+
+#include "queue.hpp"
+
+namespace weft::sift_gpu {
+
+inline constexpr int kDescriptorLength = 128;
+
+/// SIFT descriptors [count,128] that stay on their device, in bytes; to others an array of f32.
+class KeptDescriptors {
+ public:
+  /// `rows` may hold them only once `ready` is complete.
+  KeptDescriptors(std::shared_ptr<Device> device, std::shared_ptr<const cl::Buffer> rows,
+                  cl::Event ready, int count)
+      : device_(std::move(device)),
+        rows_(std::move(rows)),
+        ready_(std::move(ready)),
+        count_(count) {}
+
+  const Device& device() const { return *device_; }
+  const cl::Buffer& rows() const { return *rows_; }
+  const cl::Event& ready() const { return ready_; }
+  int count() const { return count_; }
+
+  /// Copies them to the host, [count,128], once they are ready. Throws as Queue::read().
+  void read(std::span<float> to, const CancelledCheck& cancelled) const;
+
+  /// As read(), for the host, see weft/sdk/device.hpp.
+  Result<void> download(std::span<std::byte> to, const CancelledCheck& cancelled) const;
+
+ private:
+  std::shared_ptr<Device> device_;
+  std::shared_ptr<const cl::Buffer> rows_;
+  cl::Event ready_;
+  int count_;
+};
+
+}  // namespace weft::sift_gpu
