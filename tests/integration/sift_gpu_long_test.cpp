@@ -27,19 +27,24 @@ double resident_mib() {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / kMib;
 }
 
-TEST(SiftGpuPlugin, TenThousandFramesDoNotMakeItGrow) {
-  PluginInALane plugin;
+TEST(SiftGpuPlugin, TenThousandFramesDoNotMakeThemGrow) {
+  PluginUnderTest plugin("detectors/sift_gpu"), matcher("matchers/gpu");
   const Image image = texture(64, 48, 87);
-  const host::Outcome first = plugin.detect(image);
+  const Outcome first = detect(plugin, image);
   double warm_mib = 0.0;
   for (int frame = 1; frame < kFrames; ++frame) {
-    const host::Outcome outcome = plugin.detect(image);
+    const Outcome outcome = detect(plugin, image);
+    const Outcome matches = matcher.process(0, {outcome.hand_on("keypoints", "keypoints"),
+                                                first.hand_on("keypoints", "template_keypoints")});
     if (frame % 1000 == 0) {
       EXPECT_TRUE(same_keypoints(outcome, first)) << frame;
+      EXPECT_EQ(matches.status, WEFT_OK) << matches.message;
     }
+    plugin.forget();
+    matcher.forget();
     if (frame == kWarm) warm_mib = resident_mib();
   }
-  const auto keypoints = host::view_as<Keypoints>(*first.find("keypoints"));
+  const auto keypoints = first.get<Keypoints>();
   const double kept_mib =
       (kFrames - kWarm) * 128.0 * static_cast<double>(keypoints->count()) / kMib;
   const double grown_mib = resident_mib() - warm_mib;

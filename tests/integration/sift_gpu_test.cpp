@@ -11,22 +11,22 @@ using ::testing::HasSubstr;
 
 TEST(SiftGpuPlugin, TakesItsDeviceByIndexOrName) {
   const Image image = texture(64, 48, 81);
-  PluginInALane usual;
-  const host::Outcome expected = usual.detect(image);
+  PluginUnderTest usual("detectors/sift_gpu");
+  const Outcome expected = detect(usual, image);
   const std::string name = all_devices().front().getInfo<CL_DEVICE_NAME>();
   for (const std::string& device : {std::string("0"), std::string("'0'"), "'" + name + "'"}) {
-    PluginInALane plugin("{device: " + device + "}");
-    EXPECT_TRUE(same_keypoints(plugin.detect(image), expected)) << device;
+    PluginUnderTest plugin("detectors/sift_gpu", "{device: " + device + "}");
+    EXPECT_TRUE(same_keypoints(detect(plugin, image), expected)) << device;
   }
 }
 
 TEST(SiftGpuPlugin, AnswersAnUnknownDeviceWithWhatThereIs) {
-  PluginInALane plugin("{device: no such device}");
-  const host::Outcome outcome = plugin.detect(texture(64, 48, 81));
+  PluginUnderTest plugin("detectors/sift_gpu", "{device: no such device}");
+  const Outcome outcome = detect(plugin, texture(64, 48, 81));
   EXPECT_EQ(outcome.status, WEFT_ERROR);
-  EXPECT_EQ(outcome.error.code, Errc::not_found);
-  EXPECT_THAT(outcome.error.message, HasSubstr("'no such device'"));
-  EXPECT_THAT(outcome.error.message, HasSubstr("0: " + description(all_devices().front())));
+  EXPECT_EQ(outcome.code, Errc::not_found);
+  EXPECT_THAT(outcome.message, HasSubstr("'no such device'"));
+  EXPECT_THAT(outcome.message, HasSubstr("0: " + description(all_devices().front())));
 }
 
 TEST(SiftGpuPlugin, CountsTheBytesOfImagesOfAnySize) {
@@ -62,17 +62,17 @@ TEST(SiftGpuPlugin, RefusesAnImageForWhichTheDeviceIsTooSmallAndTakesTheNext) {
   Image huge;
   huge.pixels = Array<std::uint8_t>::borrow(row.data(), 2, {side, side}, 0);
 
-  PluginInALane plugin, other;
+  PluginUnderTest plugin("detectors/sift_gpu"), other("detectors/sift_gpu");
   const Image image = texture(64, 48, 82);
-  const host::Outcome expected = other.detect(image);
-  const host::Outcome outcome = plugin.detect(huge);
+  const Outcome expected = detect(other, image);
+  const Outcome outcome = detect(plugin, huge);
   EXPECT_EQ(outcome.status, WEFT_ERROR);
-  EXPECT_EQ(outcome.error.code, Errc::unsupported);
+  EXPECT_EQ(outcome.code, Errc::unsupported);
   const std::string size = std::to_string(side) + " x " + std::to_string(side);
-  EXPECT_THAT(outcome.error.message, HasSubstr("an image of " + size + " needs "));
-  EXPECT_THAT(outcome.error.message, HasSubstr((*device)->name()));
-  EXPECT_THAT(outcome.error.message, HasSubstr("upsample: false"));
-  EXPECT_TRUE(same_keypoints(plugin.detect(image), expected));
+  EXPECT_THAT(outcome.message, HasSubstr("an image of " + size + " needs "));
+  EXPECT_THAT(outcome.message, HasSubstr((*device)->name()));
+  EXPECT_THAT(outcome.message, HasSubstr("upsample: false"));
+  EXPECT_TRUE(same_keypoints(detect(plugin, image), expected));
 }
 
 /// A GPU has answered before it is first asked whether to go on.
@@ -82,58 +82,58 @@ bool may_be_too_fast() {
 
 TEST(SiftGpuPlugin, StopsWhenItsCallIsCancelledAndAnswersTheNext) {
   const Image image = texture(160, 120, 83);
-  PluginInALane plugin, other;
-  const host::Outcome expected = other.detect(image);
-  plugin.detect(image);  // opened, so that what is cancelled is the work
+  PluginUnderTest plugin("detectors/sift_gpu"), other("detectors/sift_gpu");
+  const Outcome expected = detect(other, image);
+  detect(plugin, image);  // opened, so that what is cancelled is the work
   for (int i = 0; i < 3; ++i) {
     plugin.cancel() = true;
-    const host::Outcome outcome = plugin.detect(image);
+    const Outcome outcome = detect(plugin, image);
     plugin.cancel() = false;
     if (outcome.status == WEFT_OK && may_be_too_fast()) {
       EXPECT_TRUE(same_keypoints(outcome, expected));
       continue;
     }
     EXPECT_EQ(outcome.status, WEFT_CANCELLED);
-    EXPECT_EQ(outcome.error.code, Errc::cancelled);
-    EXPECT_TRUE(same_keypoints(plugin.detect(image), expected));
+    EXPECT_EQ(outcome.code, Errc::cancelled);
+    EXPECT_TRUE(same_keypoints(detect(plugin, image), expected));
   }
 }
 
 TEST(SiftGpuPlugin, MayBeEndedRightAfterACancelledCall) {
   const Image image = texture(160, 120, 84);
-  PluginInALane survivor;
-  const host::Outcome expected = survivor.detect(image);
+  PluginUnderTest survivor("detectors/sift_gpu");
+  const Outcome expected = detect(survivor, image);
   {
-    PluginInALane plugin;
-    plugin.detect(image);
+    PluginUnderTest plugin("detectors/sift_gpu");
+    detect(plugin, image);
     plugin.cancel() = true;
-    EXPECT_TRUE(plugin.detect(image).status == WEFT_CANCELLED || may_be_too_fast());
+    EXPECT_TRUE(detect(plugin, image).status == WEFT_CANCELLED || may_be_too_fast());
   }
-  EXPECT_TRUE(same_keypoints(survivor.detect(image), expected));
+  EXPECT_TRUE(same_keypoints(detect(survivor, image), expected));
 }
 
 TEST(SiftGpuPlugin, TwoInTwoThreadsAnswerAsEachAlone) {
   constexpr int kRounds = 5;
   const std::vector<Image> images{texture(120, 90, 85), texture(100, 110, 86)};
-  std::vector<host::Outcome> alone;
+  std::vector<Outcome> alone;
   for (const Image& image : images) {
-    PluginInALane plugin;
-    alone.push_back(plugin.detect(image));
+    PluginUnderTest plugin("detectors/sift_gpu");
+    alone.push_back(detect(plugin, image));
   }
-  std::vector<std::vector<host::Outcome>> together(images.size());
+  std::vector<std::vector<Outcome>> together(images.size());
   std::vector<std::thread> threads;
   for (std::size_t i = 0; i < images.size(); ++i) {
     threads.emplace_back([&, i] {
-      PluginInALane plugin;
+      PluginUnderTest plugin("detectors/sift_gpu");
       for (int round = 0; round < kRounds; ++round) {
-        together[i].push_back(plugin.detect(images[i]));
+        together[i].push_back(detect(plugin, images[i]));
       }
     });
   }
   for (std::thread& thread : threads) thread.join();
   for (std::size_t i = 0; i < images.size(); ++i) {
     ASSERT_EQ(together[i].size(), static_cast<std::size_t>(kRounds));
-    for (const host::Outcome& outcome : together[i]) {
+    for (const Outcome& outcome : together[i]) {
       EXPECT_TRUE(same_keypoints(outcome, alone[i]));
     }
   }

@@ -24,7 +24,13 @@ PluginUnderTest::~PluginUnderTest() = default;
 
 Outcome PluginUnderTest::keep(host::Outcome outcome) {
   for (const auto& [slot, record] : outcome.outputs) kept_.push_back(record);
-  return {outcome.status, outcome.error.message, outcome.error.where, std::move(outcome.outputs)};
+  return {outcome.status, outcome.error.code, outcome.error.message, outcome.error.where,
+          std::move(outcome.outputs)};
+}
+
+void PluginUnderTest::forget() {
+  kept_.clear();
+  lane_.take_timings();
 }
 
 Result<void> PluginUnderTest::prepare(const Template& templ, const Camera& camera) {

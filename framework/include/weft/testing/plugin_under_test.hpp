@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <initializer_list>
 #include <memory>
 #include <optional>
@@ -26,9 +27,10 @@ Input input(const char* slot, const Noun& noun) {
   return {slot, std::move(record)};
 }
 
-/// What a call came to. Nouns got from it live as long as the PluginUnderTest.
+/// What a call came to. Nouns got from it live as long as the PluginUnderTest, or until it forgets.
 struct Outcome {
   weft_status status = WEFT_OK;
+  Errc code = {};  ///< unless all is well
   std::string message;
   std::string
       where;  ///< what an error is about, such as a file; the component where it says nothing
@@ -69,6 +71,12 @@ class PluginUnderTest {
   Result<void> prepare(const Template& templ, const Camera& camera);
   Outcome process(int method, const std::vector<Input>& inputs, std::uint64_t frame = 0);
   Outcome evaluate(const Warp& warp, const Points& points);
+
+  /// Set from any thread to make the component stop.
+  std::atomic<bool>& cancel() { return lane_.cancel(); }
+
+  /// Lets go of all answers so far, for tests of many frames.
+  void forget();
 
  private:
   Outcome keep(host::Outcome outcome);

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <numeric>
 #include <set>
 #include <weft/data/correspondences.hpp>
 
@@ -9,6 +10,7 @@
 #include "common/tests/scenes.hpp"
 #include "search.hpp"
 #include "session.hpp"
+#include "tests/kernel_runner.hpp"
 
 namespace weft::detectors {
 namespace {
@@ -199,6 +201,17 @@ TEST_F(OnTheDevice, DescriptorsAreCopiedForAMatcherOnTheProcessor) {
   const Outcome nested = match(fallen_back, templ, image);
   EXPECT_EQ(nested.status, WEFT_DEGENERATE);
   expect_equal(nested, got);
+}
+
+TEST(Search, WidensEveryByteAndNothingBehindThem) {
+  std::vector<std::uint8_t> bytes(300);
+  std::iota(bytes.begin(), bytes.end(), std::uint8_t{0});
+  sift_gpu::KernelRunner runner;
+  const cl::Buffer to = runner.upload(std::vector<float>(320, -1.0F));
+  runner.over_spots("widen", 10, runner.upload(bytes), static_cast<int>(bytes.size()), to);
+  std::vector<float> expected(bytes.begin(), bytes.end());
+  expected.resize(320, -1.0F);
+  EXPECT_EQ(runner.download<float>(to, 320), expected);
 }
 
 TEST(Search, ReadsDescriptorsOfADeviceThatWasGivenUpThroughTheHost) {
