@@ -13,7 +13,6 @@
 #include <new>
 #include <stdexcept>
 #include <type_traits>
-#include <utility>
 
 namespace weft {
 
@@ -82,11 +81,11 @@ class Array {
   /// An array whose contents a library keeps on a device, under its handle. `owner` keeps them
   /// there; `hosts` is what the host gave with an input.
   static Array on_device(std::uint64_t handle, int ndim, const Shape& shape,
-                         std::shared_ptr<void> owner, void* hosts = nullptr) {
+                         const std::shared_ptr<void>& owner, void* hosts = nullptr) {
     Array remote;
     remote.handle_ = handle;
     remote.hosts_ = hosts;
-    remote.owner_ = std::move(owner);
+    remote.owner_ = owner;
     remote.ndim_ = ndim;
     remote.shape_ = shape;
     remote.row_stride_ = remote.row_elements();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <bit>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -33,8 +34,8 @@ struct DeviceBlock {
   std::shared_ptr<const Memory> contents;
   std::atomic<int> references{1};
 
-  static DeviceBlock* of(std::uint64_t handle) { return reinterpret_cast<DeviceBlock*>(handle); }
-  std::uint64_t handle() const { return reinterpret_cast<std::uint64_t>(this); }
+  static DeviceBlock* of(std::uint64_t handle) { return std::bit_cast<DeviceBlock*>(handle); }
+  std::uint64_t handle() const { return std::bit_cast<std::uint64_t>(this); }
 
   static void retain(std::uint64_t handle) { ++of(handle)->references; }
   static void release(std::uint64_t handle) {
@@ -71,7 +72,7 @@ Array<T> on_device(std::shared_ptr<const Memory> contents,
   std::shared_ptr<Block> owner(new Block{std::move(contents)},
                                [](Block* block) { Block::release(block->handle()); });
   const std::uint64_t handle = owner->handle();
-  return Array<T>::on_device(handle, static_cast<int>(lengths.size()), shape, std::move(owner));
+  return Array<T>::on_device(handle, static_cast<int>(lengths.size()), shape, owner);
 }
 
 /// What on_device() was given; null for an array in host memory. Of inputs only: the host has seen
