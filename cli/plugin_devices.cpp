@@ -18,15 +18,24 @@ bool lists_devices(const host::Installed& entry) {
 Result<std::vector<std::string>> devices_of(const host::Installed& entry) {
   const auto component = host::load(entry);
   if (!component) return component.error();
-  const auto* extension =
-      static_cast<const weft_devices*>((*component)->get_extension(WEFT_DEVICES));
+  const auto broken = [&](const std::string& reason) {
+    return Error{Errc::plugin_failure, reason, entry.component.id};
+  };
+  const void* found =
+      (*component)->get_extension != nullptr ? (*component)->get_extension(WEFT_DEVICES) : nullptr;
+  const auto* extension = static_cast<const weft_devices*>(found);
+  if (extension == nullptr || extension->struct_size != sizeof(weft_devices) ||
+      extension->list == nullptr) {
+    return broken("its list of devices is damaged; rebuild the plugin");
+  }
   std::vector<std::string> devices;
   weft_error error{};
   const auto add = [](void* context, const char* text) {
     static_cast<std::vector<std::string>*>(context)->emplace_back(text);
   };
   if (extension->list(&devices, add, &error) == WEFT_OK) return devices;
-  return Error{Errc::plugin_failure, error.message, entry.component.id};
+  error.message[sizeof(error.message) - 1] = '\0';
+  return broken(*error.message != '\0' ? error.message : "gave no reason");
 }
 
 }  // namespace

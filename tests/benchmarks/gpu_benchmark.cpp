@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
+#include <span>
 #include <stdexcept>
 #include <weft/core/rng.hpp>
 
@@ -65,7 +66,9 @@ void sift(benchmark::State& state) {
               [](const auto& a, const auto& b) { return a.response > b.response; });
     keypoints.resize(std::min(keypoints.size(), kMaxKeypoints));
     std::vector<float> rows(sift_gpu::kDescriptorLength * keypoints.size());
-    session.describe(keypoints)->read(rows, never);
+    const auto copied = session.describe(keypoints)->download(
+        std::as_writable_bytes(std::span<float>(rows)), never);
+    if (!copied) throw std::runtime_error(copied.error().message);
     benchmark::DoNotOptimize(rows);
     busy_ms += session.kernel_ms();
   };

@@ -370,13 +370,13 @@ TEST_F(Tools, DoctorListsTheDevicesOfPlugins) {
   bool scripted = false;
   for (const json& library : report["devices"]["of_plugins"]) {
     EXPECT_EQ(library["reason"], "") << library;
-    if (library["plugins"] != json::array({"detectors/test.device"})) continue;
+    if (library["plugins"][0] != "detectors/test.device") continue;
     scripted = true;
     EXPECT_EQ(library["devices"], json::array({"scripted device", "another one"}));
   }
   EXPECT_TRUE(scripted);
   EXPECT_THAT(weft({"doctor"}).out,
-              HasSubstr("\ndevice      1: another one for detectors/test.device\n"));
+              HasSubstr("\ndevice      1: another one for detectors/test.device, "));
 }
 
 TEST_F(Tools, DoctorLooksAtThePluginsOfTheDemo) {

@@ -29,10 +29,13 @@ class RemoteNumbers {
   bool is_lost_;
 };
 
-/// The grid, with descriptors 1, 2, 3 ... that stay in this library's memory.
+/// The grid, with descriptors 1, 2, 3 ... that stay in this library's memory, whether it says so or
+/// not.
+template <bool kSaysSo>
 class DeviceDetector final : public weft::Detector {
  public:
-  static constexpr weft::About kAbout{.device_memory = &weft::kDeviceMemory<RemoteNumbers>};
+  static constexpr weft::About kAbout{.device_memory =
+                                          kSaysSo ? &weft::kDeviceMemory<RemoteNumbers> : nullptr};
 
   explicit DeviceDetector(weft::Params& p) : grid_(p) {
     read_frames(p, "lost_at", lost_, "frames whose descriptors cannot be fetched");
@@ -123,6 +126,33 @@ class HandingMatcher final : public weft::Matcher {
  private:
   weft::MatcherComponent reader_{"matchers/test.reading"};
   bool own_ = false;
+};
+
+/// A matcher that finds the keypoints itself, by another component, which may keep them there.
+template <bool kReadsThere>
+class FindingMatcher final : public weft::Matcher {
+ public:
+  static constexpr weft::About kAbout{
+      .needs = "keypoints template_keypoints",
+      .device_memory = kReadsThere ? &weft::kDeviceMemory<RemoteNumbers> : nullptr};
+
+  explicit FindingMatcher(weft::Params& p) : reader_(p) {
+    p.component("detector", detector_, "who finds them");
+  }
+
+  weft::Result<weft::Correspondences> match(const weft::MatcherInput& in) override {
+    weft::DetectorInput wanted{in.call};
+    wanted.image.pixels = weft::Array<std::uint8_t>({1, 1});
+    auto found = detector_.detect(wanted);
+    if (!found) return found.error();
+    weft::MatcherInput given = in;
+    given.keypoints = *std::move(found);
+    return reader_.match(given);
+  }
+
+ private:
+  weft::DetectorComponent detector_{"detectors/test.device"};
+  DescriptorReader<kReadsThere> reader_;
 };
 
 }  // namespace scripted

@@ -21,38 +21,44 @@ bool is_out_of_reach(const weft_record& record, const weft_device_memory* own) {
 
 }  // namespace
 
-DeviceArray::DeviceArray(std::string maker, std::string name, const weft_device_memory& library,
-                         std::uint64_t handle, std::uint64_t bytes,
-                         std::shared_ptr<SharedArena> arena)
+DeviceArray::DeviceArray(std::string maker, const weft_array& array,
+                         const weft_device_memory& library, std::shared_ptr<SharedArena> arena)
     : maker_(std::move(maker)),
-      name_(std::move(name)),
+      name_(array.name),
+      array_(array),
       library_(library),
-      handle_(handle),
-      bytes_(bytes),
       arena_(std::move(arena)) {
-  library_.retain(handle_);
+  array_.name = name_.c_str();
+  library_.retain(array_.handle);
 }
 
-DeviceArray::~DeviceArray() { library_.release(handle_); }
+DeviceArray::~DeviceArray() { library_.release(array_.handle); }
 
 Result<DeviceArray::Copy> DeviceArray::copy(const weft_call* call) {
+  const auto failed = [&](const std::string& reason, Errc code = Errc::plugin_failure) {
+    return Error{code, "its array '" + name_ + "', which lies on a device, " + reason, maker_};
+  };
+  const auto bytes =
+      static_cast<std::uint64_t>(array_bytes(array_.dtype, array_.ndim, array_.shape));
   const weft_memory kind = arena_ != nullptr ? WEFT_SHARED : WEFT_HOST;
+  const auto entry_at = [&](void* data) {
+    return array_at(array_.name, array_.dtype, array_.ndim, array_.shape, data, kind);
+  };
   const std::lock_guard lock(mutex_);
-  if (copy_ != nullptr) return Copy{copy_, kind, false};
-  const std::string what = "its array '" + name_ + "' cannot be copied from the device: ";
-  std::shared_ptr<void> memory =
-      arena_ != nullptr ? arena_->allocate(bytes_) : own_memory(static_cast<std::size_t>(bytes_));
-  if (memory == nullptr) return Error{Errc::plugin_failure, what + "memory is short", maker_};
+  if (copy_ != nullptr) return Copy{copy_, entry_at(copy_.get()), 0};
+  std::shared_ptr<void> memory = arena_ != nullptr ? arena_->allocate(bytes) : own_memory(bytes);
+  if (memory == nullptr) return failed("cannot be copied: memory is short");
   weft_error error{};
-  const std::int32_t status = library_.download(call, handle_, memory.get(), bytes_, &error);
+  const std::int32_t status = library_.download(call, array_.handle, memory.get(), bytes, &error);
   if (status != WEFT_OK) {
     error.message[sizeof(error.message) - 1] = '\0';
     const std::string reason = *error.message != '\0' ? error.message : "no reason is given";
-    const Errc code = status == WEFT_CANCELLED ? Errc::cancelled : Errc::plugin_failure;
-    return Error{code, what + reason, maker_};
+    return failed("cannot be copied: " + reason,
+                  status == WEFT_CANCELLED ? Errc::cancelled : Errc::plugin_failure);
   }
+  if (!is_finite(entry_at(memory.get()))) return failed("holds NaN or infinity");
   copy_ = std::move(memory);
-  return Copy{copy_, kind, true};
+  return Copy{copy_, entry_at(copy_.get()), bytes};
 }
 
 const weft_device_memory* device_memory_of(const weft_component& component) {
@@ -84,7 +90,6 @@ Result<void> ReachableInputs::fetch(weft_record& record, const weft_device_memor
                                     const weft_call& call) {
   std::vector<weft_array>& arrays =
       arrays_.emplace_back(record.arrays, record.arrays + record.count);
-  std::string maker;
   for (weft_array& array : arrays) {
     if (!is_out_of_reach(array, own)) continue;
     DeviceArray* device = DeviceArray::of(array);
@@ -97,14 +102,10 @@ Result<void> ReachableInputs::fetch(weft_record& record, const weft_device_memor
     }
     const auto copy = device->copy(&call);
     if (!copy) return copy.error();
-    array =
-        array_at(array.name, array.dtype, array.ndim, array.shape, copy->memory.get(), copy->kind);
-    if (copy->is_new) downloaded_bytes_ += device->bytes();
-    maker = device->maker();
+    array = copy->array;
+    downloaded_bytes_ += copy->downloaded_bytes;
   }
   record.arrays = arrays.data();
-  const auto valid = validate(record);
-  if (!valid) return Error{valid.error().code, valid.error().message, maker};
   return {};
 }
 

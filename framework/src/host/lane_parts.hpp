@@ -56,9 +56,15 @@ struct Lane::Scope {
   std::vector<std::pair<std::string, std::shared_ptr<Record>>> outputs{};
   std::deque<Outcome> nested{};                  ///< keeps records of nested calls alive
   std::deque<std::vector<weft_record>> views{};  ///< of those records
+  std::deque<ReachableInputs> reached{};         ///< behind those of them that had to be fetched
+  std::uint64_t downloaded_bytes = 0;            ///< for this call and those nested in it
+  std::string refusal{};                         ///< why the host refused an array, if it says
 
   /// Whether the role's method may produce this.
   bool may_produce(std::string_view slot, std::string_view type) const;
 };
+
+/// The functions that every call brings; none throws.
+const weft_host& host_table();
 
 }  // namespace weft::host

@@ -52,6 +52,7 @@ std::int32_t Lane::call_worker(Instance& instance, Scope& scope, int method,
                         scope.frame, status_of(timing.status), instance.stage,
                         timing.downloaded_bytes});
   }
+  scope.downloaded_bytes += answer->downloaded_bytes;
   for (auto& [slot, record] : answer->outputs) {
     if (!scope.may_produce(slot, record->type())) {
       return report(

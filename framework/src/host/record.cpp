@@ -21,6 +21,43 @@ bool is_legal_name(std::string_view name) {
          std::all_of(name.begin(), name.end(), legal);
 }
 
+/// Visits the fields of a noun and finds numbers that are not finite, and arrays that are in device
+/// memory and no fields.
+class ContentCheck {
+ public:
+  explicit ContentCheck(const weft_record& record) : record_(record) {}
+
+  template <class Member>
+  void operator()(const Member&, const Field& field) {
+    const weft_array* array = find_array(record_, field.name);
+    if (array == nullptr || !problem_.empty()) return;
+    if (array->memory == WEFT_DEVICE) {
+      ++on_device_;  // their numbers are looked at when they are fetched
+      return;
+    }
+    if (field.may_be_nan) return;
+    if (!is_finite(*array)) {
+      problem_ = std::string(record_.type) + ": array '" + field.name + "' holds NaN or infinity";
+    }
+  }
+  /// Once all fields have been visited.
+  std::string problem() const {
+    const auto is_remote = [](const weft_array& array) { return array.memory == WEFT_DEVICE; };
+    const auto* end = record_.arrays + record_.count;
+    if (problem_.empty() && std::count_if(record_.arrays, end, is_remote) != on_device_) {
+      return std::string(record_.type) +
+             ": an array that is not in the catalogue lies in device "
+             "memory";
+    }
+    return problem_;
+  }
+
+ private:
+  const weft_record& record_;
+  std::string problem_;
+  std::int64_t on_device_ = 0;
+};
+
 template <class T>
 bool all_finite(const weft_array& array) {
   if (array.ndim == 0) return std::isfinite(*static_cast<const T*>(array.data));
@@ -34,31 +71,12 @@ bool all_finite(const weft_array& array) {
   return true;
 }
 
-/// Visits the fields of a noun and finds numbers that are not finite.
-class FiniteCheck {
- public:
-  explicit FiniteCheck(const weft_record& record) : record_(record) {}
-
-  template <class Member>
-  void operator()(const Member&, const Field& field) {
-    const weft_array* array = find_array(record_, field.name);
-    if (array == nullptr || field.may_be_nan || !problem_.empty()) return;
-    if (array->memory == WEFT_DEVICE) return;  // looked at when it is fetched
-    const bool finite = array->dtype == WEFT_F64   ? all_finite<double>(*array)
-                        : array->dtype == WEFT_F32 ? all_finite<float>(*array)
-                                                   : true;
-    if (!finite) {
-      problem_ = std::string(record_.type) + ": array '" + field.name + "' holds NaN or infinity";
-    }
-  }
-  const std::string& problem() const { return problem_; }
-
- private:
-  const weft_record& record_;
-  std::string problem_;
-};
-
 }  // namespace
+
+bool is_finite(const weft_array& array) {
+  if (array.dtype == WEFT_F64) return all_finite<double>(array);
+  return array.dtype != WEFT_F32 || all_finite<float>(array);
+}
 
 std::shared_ptr<void> own_memory(std::size_t bytes) {
   constexpr std::align_val_t kAlignment{64};
@@ -131,11 +149,12 @@ bool Record::adopt(std::string_view name, std::int32_t dtype, std::int32_t ndim,
 bool Record::adopt(std::string_view name, std::int32_t dtype, std::int32_t ndim,
                    const std::int64_t* shape, const weft_device_memory& library,
                    std::uint64_t handle, const std::string& maker) {
-  const std::int64_t bytes = array_bytes(dtype, ndim, shape);
-  if (bytes < 0 || !is_legal_name(name) || handle == 0) return false;
-  auto array = std::make_shared<DeviceArray>(maker, std::string(name), library, handle,
-                                             static_cast<std::uint64_t>(bytes), arena_);
-  place(name, dtype, ndim, shape, std::move(array), WEFT_DEVICE).handle = handle;
+  if (array_bytes(dtype, ndim, shape) < 0 || !is_legal_name(name) || handle == 0) return false;
+  const std::string text(name);
+  weft_array array = array_at(text.c_str(), dtype, ndim, shape, nullptr, WEFT_DEVICE);
+  array.handle = handle;
+  auto kept = std::make_shared<DeviceArray>(maker, array, library, arena_);
+  place(name, dtype, ndim, shape, std::move(kept), WEFT_DEVICE).handle = handle;
   return true;
 }
 
@@ -179,11 +198,10 @@ Result<RecordPtr> Record::in_host_memory() const {
     auto copy = DeviceArray::of(array)->copy();
     if (!copy) return copy.error();
     here->place(array.name, array.dtype, array.ndim, array.shape, std::move(copy->memory),
-                copy->kind);
+                static_cast<weft_memory>(copy->array.memory));
   }
   here->revision_ = revision_;
   here->producer_ = producer_;
-  if (auto valid = validate(here->view("")); !valid) return valid.error();
   return RecordPtr(std::move(here));
 }
 
@@ -197,10 +215,11 @@ Result<void> validate(const weft_record& record) {
       status = noun.error();
       return;
     }
-    FiniteCheck check(record);
+    ContentCheck check(record);
     Noun::fields(*noun, check);
-    status = check.problem().empty() ? Result<void>{}
-                                     : Result<void>(Error{Errc::invalid_data, check.problem(), {}});
+    const std::string problem = check.problem();
+    status =
+        problem.empty() ? Result<void>{} : Result<void>(Error{Errc::invalid_data, problem, {}});
   });
   return status;
 }

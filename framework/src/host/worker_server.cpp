@@ -71,7 +71,7 @@ class Server {
 
  private:
   static ReplyMessage reply_of(const Error& error, std::int32_t status = WEFT_ERROR) {
-    return {status, static_cast<std::int32_t>(error.code), error.message, error.where, {}, {}};
+    return {status, static_cast<std::int32_t>(error.code), error.message, error.where, {}, {}, 0};
   }
 
   void log(const std::string& component, int level, const std::string& text) {
@@ -98,17 +98,22 @@ class Server {
     const Outcome outcome = lane_.call(*instances_.at(call.handle), call.method,
                                        views(call.inputs, arrays), call.frame);
     ReplyMessage reply = reply_of(outcome.error, outcome.status);
-    for (const auto& [slot, record] : outcome.outputs) {
-      const auto here = record->in_host_memory();  // the device is this process's
-      if (!here) return reply_of(here.error());
-      reply.outputs.push_back(lend(slot, *here));
-    }
     std::vector<Timing> timings = lane_.take_timings();
     if (!timings.empty()) timings.pop_back();  // the call itself, which the host measures
     for (const Timing& timing : timings) {
       const std::chrono::nanoseconds start = timing.start.time_since_epoch();
       reply.timings.push_back({timing.component, timing.method, start.count(), timing.ms,
                                timing.status, timing.downloaded_bytes});
+    }
+    reply.downloaded_bytes = outcome.downloaded_bytes;
+    std::vector<RecordPtr> here;  // devices are this process's
+    for (const auto& [slot, record] : outcome.outputs) {
+      auto fetched = record->in_host_memory();
+      if (!fetched) return reply_of(fetched.error());
+      here.push_back(*std::move(fetched));
+    }
+    for (std::size_t i = 0; i < here.size(); ++i) {
+      reply.outputs.push_back(lend(outcome.outputs[i].first, here[i]));
     }
     return reply;
   }

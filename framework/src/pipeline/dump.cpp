@@ -184,26 +184,30 @@ Result<void> Dump::add(const FrameResult& frame) const {
 Result<void> write_call(const std::string& file, const StageCall& call) {
   host::NamedRecords records;
   std::map<std::string, int> seen;
-  std::string lines;
+  std::string lines, reason = call.outcome.error.message;
+  // What cannot be fetched from a device is why the stage failed, or nobody has asked for it.
+  const auto add = [&](const std::string& name, const RecordPtr& record) {
+    auto here = record->in_host_memory();
+    if (here) {
+      records.emplace_back(name, *std::move(here));
+    } else {
+      reason +=
+          (reason.empty() ? "" : "; ") + name + " is not in this file: " + here.error().message;
+    }
+    return static_cast<bool>(here);
+  };
   for (const GivenRecord& input : call.inputs) {
     const bool constant = is_constant(input.slot);
     const std::string name = constant ? input.slot : record_name(input.slot, seen);
-    if (!constant) {
-      auto here = input.record->in_host_memory();
-      if (!here) return here.error();
-      records.emplace_back(name, *std::move(here));
+    if (constant || add(name, input.record)) {
+      lines += input.slot + " " + name + " " + input.producer + "\n";
     }
-    lines += input.slot + " " + name + " " + input.producer + "\n";
   }
-  for (const auto& [slot, record] : call.outcome.outputs) {
-    auto here = record->in_host_memory();
-    if (!here) return here.error();
-    records.emplace_back("out." + slot, *std::move(here));
-  }
+  for (const auto& [slot, record] : call.outcome.outputs) add("out." + slot, record);
   auto facts = std::make_shared<Record>(kCall);
   put_number(*facts, "frame", static_cast<std::int64_t>(call.frame));
   put_number(*facts, "status", call.outcome.status);
-  put_text(*facts, "reason", call.outcome.error.message);
+  put_text(*facts, "reason", reason);
   put_text(*facts, "inputs", lines);
   records.emplace_back(kCall, std::move(facts));
   return host::write_npz(file, records);

@@ -5,12 +5,13 @@
 
 namespace weft::sift_gpu {
 
-void KeptDescriptors::read(std::span<float> to, const CancelledCheck& cancelled) const {
-  Queue queue(device_);
-  queue.wait_for(ready_);
-  std::vector<std::uint8_t> bytes(to.size());
-  queue.read(*rows_, bytes.size(), bytes.data(), cancelled);
-  std::copy(bytes.begin(), bytes.end(), to.begin());
+void KeptDescriptors::check() const {
+  const auto status = ready_.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>();
+  if (status < 0) throw cl::Error(status, "describing keypoints");
+}
+
+void KeptDescriptors::await(const CancelledCheck& cancelled) const {
+  if (!wait_for(ready_, cancelled)) throw Cancelled{};
 }
 
 Result<void> KeptDescriptors::download(std::span<std::byte> to,
@@ -18,7 +19,10 @@ Result<void> KeptDescriptors::download(std::span<std::byte> to,
   const std::string doing =
       "copying " + std::to_string(count_) + " descriptors from " + device_->name();
   try {
-    read({reinterpret_cast<float*>(to.data()), to.size() / sizeof(float)}, cancelled);
+    await(cancelled);
+    std::vector<std::uint8_t> bytes(to.size() / sizeof(float));
+    Queue(device_).read(*rows_, bytes.size(), bytes.data(), cancelled);
+    std::copy(bytes.begin(), bytes.end(), reinterpret_cast<float*>(to.data()));
     return {};
   } catch (const cl::Error& failure) {
     return error_of(failure, doing);

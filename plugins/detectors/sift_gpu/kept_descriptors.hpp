@@ -12,7 +12,7 @@ inline constexpr int kDescriptorLength = 128;
 /// SIFT descriptors [count,128] that stay on their device, in bytes; to others an array of f32.
 class KeptDescriptors {
  public:
-  /// `rows` may hold them only once `ready` is complete.
+  /// `rows` hold them once `ready` is complete, and never if it fails.
   KeptDescriptors(std::shared_ptr<Device> device, std::shared_ptr<const cl::Buffer> rows,
                   cl::Event ready, int count)
       : device_(std::move(device)),
@@ -25,10 +25,13 @@ class KeptDescriptors {
   const cl::Event& ready() const { return ready_; }
   int count() const { return count_; }
 
-  /// Copies them to the host, [count,128], once they are ready. Throws as Queue::read().
-  void read(std::span<float> to, const CancelledCheck& cancelled) const;
+  /// Throws cl::Error if it is known that they will never be there.
+  void check() const;
 
-  /// As read(), for the host, see weft/sdk/device.hpp.
+  /// Waits until they are there. Throws cl::Error if they never will be, and Cancelled.
+  void await(const CancelledCheck& cancelled) const;
+
+  /// Copies them to the host, [count,128], once they are ready; see weft/sdk/device.hpp.
   Result<void> download(std::span<std::byte> to, const CancelledCheck& cancelled) const;
 
  private:

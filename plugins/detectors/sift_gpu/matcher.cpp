@@ -64,6 +64,8 @@ Result<Correspondences> GpuMatcher::match(const MatcherInput& in) {
     if (search_ == nullptr || !search_->is_on(**device))
       search_ = std::make_unique<Search>(*device);
     return matching_.answer(*sides, search(*sides, [&] { return in.call.cancelled(); }));
+  } catch (const OutOfReach& lost) {
+    return lost.error;
   } catch (const cl::Error& failure) {
     search_.reset();
     device_.give_up();

@@ -34,7 +34,7 @@ Queue::~Queue() {
   const auto start = std::chrono::steady_clock::now();
   const auto enough = [&] { return std::chrono::steady_clock::now() - start > kPatience; };
   try {
-    if (last_() != nullptr && !sift_gpu::wait_for(last_, enough)) {
+    if (last_() != nullptr && !wait_for(last_, enough)) {
       static_cast<void>(std::make_unique<Transfers>(std::move(transfers_)).release());
     }
   } catch (const cl::Error&) {
@@ -62,13 +62,13 @@ void Queue::fill(const cl::Buffer& buffer, cl_int value) {
   queue_.enqueueFillBuffer(buffer, value, 0, sizeof(value));
 }
 
-cl::Event Queue::begin() {
-  queue_.enqueueMarkerWithWaitList(nullptr, &last_);
+cl::Event Queue::last_kernel() {
   queue_.flush();
-  return last_;
+  last_ = kernel_;
+  return kernel_;
 }
 
-void Queue::wait_for(const cl::Event& event) {
+void Queue::after(const cl::Event& event) {
   const std::vector<cl::Event> events{event};
   queue_.enqueueBarrierWithWaitList(&events);
 }
@@ -80,7 +80,7 @@ void Queue::read(const cl::Buffer& from, std::size_t bytes, void* to,
   landing.resize(std::max(landing.size(), bytes));
   queue_.enqueueReadBuffer(from, CL_FALSE, offset_bytes, bytes, landing.data(), nullptr, &last_);
   queue_.flush();
-  if (!sift_gpu::wait_for(last_, cancelled)) throw Cancelled{};
+  if (!wait_for(last_, cancelled)) throw Cancelled{};
   writes_ = 0;
   std::memcpy(to, landing.data(), bytes);
 }

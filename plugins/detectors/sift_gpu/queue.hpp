@@ -43,17 +43,19 @@ class Queue {
               const Args&... args) {
     cl_uint index = 0;
     (kernel.setArg(index++, args), ...);
-    cl::Event* event = timed_ ? &launched_.emplace_back() : nullptr;
-    queue_.enqueueNDRangeKernel(kernel, cl::NullRange, items, group, nullptr, event);
+    queue_.enqueueNDRangeKernel(kernel, cl::NullRange, items, group, nullptr, &kernel_);
+    if (timed_) launched_.push_back(kernel_);
   }
 
   void fill(const cl::Buffer& buffer, cl_int value);
 
-  /// Begins with all commands so far; the event is complete when they are.
-  cl::Event begin();
+  /// Sees to it that the device begins with all commands so far, and returns the event of the last
+  /// kernel, which is complete, or has failed, after all of them.
+  cl::Event last_kernel();
 
-  /// Later commands wait for an event, which may be of another queue of the same device.
-  void wait_for(const cl::Event& event);
+  /// Later commands wait for an event, which may be of another queue of the same device. Whether
+  /// they run, or ever end, where that fails is the driver's affair: it must be waited for too.
+  void after(const cl::Event& event);
 
   /// Waits for all commands so far and copies to the host.
   void read(const cl::Buffer& from, std::size_t bytes, void* to, const CancelledCheck& cancelled,
@@ -63,8 +65,9 @@ class Queue {
   /// end.
   double kernel_ms();
 
-  /// Whether all commands have come to an end. Destroyed before that, it waits for two seconds,
-  /// then leaves the memory that transfers may still use to the process.
+  /// Whether all commands have come to an end. Destroyed before that, it waits for two seconds
+  /// unless they were abandoned, then leaves the memory that transfers may still use to the
+  /// process.
   bool idle() const;
 
  private:
@@ -75,6 +78,7 @@ class Queue {
   bool timed_;
   cl::CommandQueue queue_;
   std::vector<cl::Event> launched_;
+  cl::Event kernel_;  ///< the last one
   cl::Event last_;
   // The device copies from and to this, whatever becomes of a call.
   struct Transfers {

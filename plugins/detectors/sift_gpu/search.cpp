@@ -51,9 +51,9 @@ void Search::send(const Array<float>& descriptors, const cl::Buffer& to) {
 
 void Search::load(Loaded& side, const Array<float>& descriptors, bool root,
                   const CancelledCheck& cancelled) {
-  const auto kept = device_contents<KeptDescriptors>(descriptors);
+  auto kept = device_contents<KeptDescriptors>(descriptors);
   if (kept != nullptr && kept == side.source && root == side.root) return;
-  side.source = kept;
+  side.source = nullptr;
   side.root = root;
   side.count = static_cast<int>(descriptors.dim(0));
   side.length = static_cast<int>(descriptors.dim(1));
@@ -61,17 +61,21 @@ void Search::load(Loaded& side, const Array<float>& descriptors, bool root,
   const cl::Buffer& norms = reserve(side.norms, bytes_of(side.count, 1));
   if (kept == nullptr) {
     send(descriptors, rows);
-  } else if (&kept->device() == device_.get()) {
-    queue_.wait_for(kept->ready());
+  } else if (is_on(kept->device())) {
+    kept->check();
+    queue_.after(kept->ready());
     queue_.launch(widen_, one_item_each(side.count * side.length), one_group(), kept->rows(),
                   side.count * side.length, rows);
   } else {
     Array<float> here({side.count, side.length});
-    kept->read({here.data(), static_cast<std::size_t>(here.size())}, cancelled);
+    const std::span<float> numbers(here.data(), static_cast<std::size_t>(here.size()));
+    const auto fetched = kept->download(std::as_writable_bytes(numbers), cancelled);
+    if (!fetched) throw OutOfReach{fetched.error()};
     send(here, rows);
   }
   queue_.launch(load_, one_item_each(side.count), one_group(), rows, side.count, side.length,
                 root ? 1 : 0, norms);
+  side.source = std::move(kept);
 }
 
 std::vector<Pair> Search::run(std::span<const float> places, const Options& options,
@@ -103,6 +107,9 @@ std::vector<Pair> Search::run(std::span<const float> places, const Options& opti
       queue_.launch(nearest_queries_, one_item_each(trains.count), one_group(), squares, first,
                     rows, trains.count, least, best);
     }
+  }
+  for (const Loaded* side : {&queries_, &trains_}) {
+    if (side->source != nullptr) side->source->await(cancelled);
   }
   std::vector<Pair> pairs(static_cast<std::size_t>(queries.count));
   queue_.read(found, sizeof(Pair) * pairs.size(), pairs.data(), cancelled);

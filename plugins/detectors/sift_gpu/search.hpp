@@ -15,6 +15,11 @@ struct Pair {
   float best_square, second_square;  ///< squared distances
 };
 
+/// Thrown for descriptors that are kept on another device and cannot be had from there.
+struct OutOfReach {
+  Error error;
+};
+
 /// Exact search for nearest descriptors on a device. Methods throw as those of Queue.
 class Search {
  public:
@@ -24,7 +29,8 @@ class Search {
 
   /// Descriptors [count,length], here or kept on a device; with `root` each, which is not negative,
   /// becomes sqrt(d / |d|_1). What is kept on this device is not copied, and the same again, as
-  /// those of a template, is loaded only once. Both sides have the same length.
+  /// those of a template, is loaded only once. Both sides have the same length. Throws OutOfReach
+  /// too.
   void load_queries(const Array<float>& descriptors, bool root, const CancelledCheck& cancelled) {
     load(queries_, descriptors, root, cancelled);
   }

@@ -139,8 +139,8 @@ TEST_F(DeviceArrays, ThatCannotBeFetchedAreErrorsOfTheirMaker) {
   const auto lost = record_->in_host_memory();
   ASSERT_FALSE(lost);
   EXPECT_EQ(lost.error().where, "detectors/a");
-  EXPECT_THAT(lost.error().message, HasSubstr("'descriptors' cannot be copied from the device: "
-                                              "the cable is out"));
+  EXPECT_THAT(lost.error().message, HasSubstr("its array 'descriptors', which lies on a device, "
+                                              "cannot be copied: the cable is out"));
   all_kept()[7].status = WEFT_CANCELLED;
   EXPECT_EQ(record_->in_host_memory().error().code, Errc::cancelled);
   all_kept()[7].status = WEFT_OK;
@@ -153,7 +153,22 @@ TEST_F(DeviceArrays, AreCheckedOnceTheyAreHere) {
   EXPECT_TRUE(validate(record_->view("")));
   const auto here = record_->in_host_memory();
   ASSERT_FALSE(here);
-  EXPECT_THAT(here.error().message, HasSubstr("'descriptors' holds NaN or infinity"));
+  EXPECT_EQ(here.error().where, "detectors/a");
+  EXPECT_THAT(here.error().message, HasSubstr("holds NaN or infinity"));
+  ReachableInputs reachable;
+  const weft_record inputs[] = {record_->view("keypoints")};
+  EXPECT_FALSE(reachable.reach(inputs, &kOther, call_)) << "nobody is given them";
+}
+
+TEST_F(DeviceArrays, ThatAreInNoCatalogueAreIllegal) {
+  const std::int64_t shape[] = {6};
+  for (const char* name : {"diag.residual", "extra"}) {
+    Record record = *record_;
+    ASSERT_TRUE(record.adopt(name, WEFT_F32, 1, shape, kLibrary, 7, "detectors/a"));
+    const auto valid = validate(record.view(""));
+    ASSERT_FALSE(valid) << name;
+    EXPECT_THAT(valid.error().message, HasSubstr("not in the catalogue lies in device memory"));
+  }
 }
 
 /// What the SDK makes of a class.

@@ -27,6 +27,11 @@ class Devices : public testing::PipelineTest {
            "}\n  - {use: warps/test.scripted}\n  - {use: passes/test.scripted}\n"
            "  - {use: solvers/test.scripted}\n";
   }
+  /// The message of a run that does not come to its first frame.
+  std::string run_to_failure(const std::string& text) const {
+    const Ran ran = run(text);
+    return ran.summary ? "" : ran.summary.error().message;
+  }
   /// 1 if the matcher read the descriptors where they lay, 0 if here, -1 without matches.
   static double read_there(const Ran& ran, std::size_t frame) {
     if (frame >= ran.frames.size()) return -1.0;
@@ -80,14 +85,36 @@ TEST_F(Devices, NestedComponentsAreGivenWhatTheyCanRead) {
   EXPECT_THAT(own.status(0, "matchers"), HasSubstr("'descriptors' in device memory that is no"));
 }
 
+TEST_F(Devices, WhatANestedComponentAnswersComesToWhereItsParentCanReadIt) {
+  const Ran there = run(pipeline("test.finding"), "a");
+  EXPECT_EQ(there.status(1, "matchers"), "ok");
+  EXPECT_EQ(read_there(there, 1), 1.0);
+  const Ran here = run(pipeline("test.finding_here"), "b");
+  EXPECT_EQ(here.status(1, "matchers"), "ok");
+  EXPECT_EQ(read_there(here, 1), 0.0);
+  EXPECT_EQ(downloaded(here, 1), 2 * kBytes) << "the stage's keypoints, and its own";
+  const Ran lost = run(pipeline("test.finding_here", "{}",
+                                "{detector: {use: detectors/test.device, params: {lost_at: [1]}}}"),
+                       "c");
+  EXPECT_THAT(lost.status(1, "matchers"), HasSubstr("scripted loss"));
+  EXPECT_EQ(lost.status(2, "matchers"), "ok");
+}
+
 TEST_F(Devices, WhatCannotBeFetchedCostsOneFrameAndNamesItsMaker) {
   const Ran ran = run(pipeline("test.reading", "{lost_at: [1], nan_there_at: [2]}"));
   EXPECT_EQ(ran.status(0, "matchers"), "ok");
-  EXPECT_EQ(ran.status(1, "matchers"),
-            "error: detectors/test.device: its array 'descriptors' cannot be copied from the "
-            "device: scripted loss");
-  EXPECT_EQ(ran.status(2, "matchers"),
-            "error: detectors/test.device: keypoints/1: array 'descriptors' holds NaN or infinity");
+  const std::string what =
+      "error: detectors/test.device: its array 'descriptors', which lies on a device, ";
+  EXPECT_EQ(ran.status(1, "matchers"), what + "cannot be copied: scripted loss");
+  EXPECT_EQ(ran.status(2, "matchers"), what + "holds NaN or infinity");
+}
+
+TEST_F(Devices, AComponentThatNamesNoMemoryOfItsOwnCannotLeaveAnArrayThere) {
+  std::string text = pipeline("test.device");
+  text.replace(text.find("detectors/test.device"), 21, "detectors/test.silent");
+  const auto report = run_to_failure(text);
+  EXPECT_THAT(report, HasSubstr("refused the array 'descriptors'"));
+  EXPECT_THAT(report, HasSubstr("it names no device_memory of its own"));
 }
 
 TEST_F(Devices, OnlyWhatTheCatalogueAllowsMayLieThere) {

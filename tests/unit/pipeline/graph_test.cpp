@@ -214,7 +214,7 @@ TEST_F(Wiring, NamesWhatCouldProduceAMissingInput) {
                           .second;
   const std::string detector =
       ";\n    add one that produces it: detectors/test.scripted, "
-      "detectors/test.device";
+      "detectors/test.device, detectors/test.silent";
   EXPECT_THAT(
       lines(report),
       ElementsAre(

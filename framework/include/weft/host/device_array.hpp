@@ -17,10 +17,10 @@ namespace weft::host {
 /// An array that stays with the library that made it, and its copy here once somebody wanted one.
 class DeviceArray {
  public:
-  /// Retains the handle. `name` stands in messages, with its component `maker`; the copy is made in
-  /// `arena` where one is given.
-  DeviceArray(std::string maker, std::string name, const weft_device_memory& library,
-              std::uint64_t handle, std::uint64_t bytes, std::shared_ptr<SharedArena> arena);
+  /// Retains the handle of `array`, whose name and shape are legal. `maker` is its component; the
+  /// copy is made in `arena` where one is given.
+  DeviceArray(std::string maker, const weft_array& array, const weft_device_memory& library,
+              std::shared_ptr<SharedArena> arena);
   ~DeviceArray();
   DeviceArray(const DeviceArray&) = delete;
   DeviceArray& operator=(const DeviceArray&) = delete;
@@ -28,23 +28,21 @@ class DeviceArray {
   /// What `array`, which is in device memory, stands for; null when no host made its entry.
   static DeviceArray* of(const weft_array& array) { return static_cast<DeviceArray*>(array.data); }
 
-  const std::string& maker() const { return maker_; }
   const weft_device_memory& library() const { return library_; }
-  std::uint64_t bytes() const { return bytes_; }
 
-  /// Fetched at the first call, for `call` if there is one; from any thread.
   struct Copy {
     std::shared_ptr<void> memory;
-    weft_memory kind;
-    bool is_new;  ///< this call fetched it
+    weft_array array;                ///< the entry of the copy
+    std::uint64_t downloaded_bytes;  ///< for this, 0 if it was there
   };
+  /// Fetched at the first call, for `call` if there is one; from any thread. The Error, where it
+  /// cannot be fetched or holds NaN or infinity, names the maker.
   Result<Copy> copy(const weft_call* call = nullptr);
 
  private:
   std::string maker_, name_;
+  weft_array array_;
   const weft_device_memory& library_;
-  std::uint64_t handle_;
-  std::uint64_t bytes_;
   std::shared_ptr<SharedArena> arena_;
   std::mutex mutex_;
   std::shared_ptr<void> copy_;
@@ -57,8 +55,7 @@ const weft_device_memory* device_memory_of(const weft_component& component);
 class ReachableInputs {
  public:
   /// The inputs, with what lies in device memory copied here, unless it belongs to the library
-  /// `own`. Fails when an array cannot be fetched, or is illegal once it is here. The records live
-  /// as long as this and the inputs.
+  /// `own`. Fails as DeviceArray::copy(). The records live as long as this and the inputs.
   Result<std::span<const weft_record>> reach(std::span<const weft_record> inputs,
                                              const weft_device_memory* own, const weft_call& call);
 

@@ -21,7 +21,7 @@ struct Outcome {
   weft_status status = WEFT_OK;
   Error error;  ///< for degenerate its message is the reason
   std::vector<std::pair<std::string, RecordPtr>> outputs;  ///< by slot
-  std::uint64_t downloaded_bytes = 0;  ///< that its inputs were fetched from device memory for it
+  std::uint64_t downloaded_bytes = 0;  ///< fetched from device memory for it and those nested in it
 
   bool usable() const { return status == WEFT_OK || status == WEFT_DEGENERATE; }
   RecordPtr find(std::string_view slot) const;

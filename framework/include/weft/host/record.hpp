@@ -50,8 +50,7 @@ class Record {
   /// A record of the same content that shares all arrays with this one.
   std::shared_ptr<const Record> alias() const;
 
-  /// As alias(), with copies of what lies in device memory. Fails when an array cannot be fetched,
-  /// or is illegal once it is here.
+  /// As alias(), with copies of what lies in device memory. Fails as DeviceArray::copy().
   Result<std::shared_ptr<const Record>> in_host_memory() const;
 
   template <class Noun>
@@ -83,6 +82,9 @@ class Record {
 };
 
 using RecordPtr = std::shared_ptr<const Record>;
+
+/// Whether no number of an array, which is not in device memory, is NaN or infinite.
+bool is_finite(const weft_array& array);
 
 /// Zero-filled, 64-byte aligned; null when memory is short.
 std::shared_ptr<void> own_memory(std::size_t bytes);

@@ -37,6 +37,7 @@ class Worker {
     Error error;  ///< for degenerate its message is the reason
     std::vector<std::pair<std::string, std::shared_ptr<Record>>> outputs;  ///< by slot, unchecked
     std::vector<PlacedTiming> timings;                                     ///< nested components
+    std::uint64_t downloaded_bytes = 0;                                    ///< see host::Outcome
   };
 
   Worker(Isolation isolation, Workplace workplace, CreateMessage component);

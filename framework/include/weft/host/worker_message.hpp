@@ -111,11 +111,12 @@ struct ReplyMessage {
   std::string message, where;
   std::vector<PlacedRecord> outputs;
   std::vector<PlacedTiming> timings;  ///< of the components nested in the one called
+  std::uint64_t downloaded_bytes = 0;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit(self.status), visit(self.code), visit(self.message), visit(self.where);
-    visit(self.outputs), visit(self.timings);
+    visit(self.outputs), visit(self.timings), visit(self.downloaded_bytes);
   }
 };
 

@@ -39,7 +39,7 @@ struct DeviceBlock {
 
   static void retain(std::uint64_t handle) { ++of(handle)->references; }
   static void release(std::uint64_t handle) {
-    if (--of(handle)->references == 0) delete of(handle);
+    if (--of(handle)->references == 0) std::unique_ptr<DeviceBlock>(of(handle)).reset();
   }
   static std::int32_t download(const weft_call* call, std::uint64_t handle, void* to,
                                std::uint64_t bytes, weft_error* error) {
@@ -69,14 +69,15 @@ Array<T> on_device(std::shared_ptr<const Memory> contents,
   if (lengths.size() > shape.size()) throw std::length_error("an array has at most four axes");
   std::copy(lengths.begin(), lengths.end(), shape.begin());
   using Block = detail::DeviceBlock<Memory>;
-  std::shared_ptr<Block> owner(new Block{std::move(contents)},
-                               [](Block* block) { Block::release(block->handle()); });
-  const std::uint64_t handle = owner->handle();
+  auto block = std::make_unique<Block>();
+  block->contents = std::move(contents);
+  const std::uint64_t handle = block->handle();
+  const std::shared_ptr<void> owner(block.release(), [handle](void*) { Block::release(handle); });
   return Array<T>::on_device(handle, static_cast<int>(lengths.size()), shape, owner);
 }
 
-/// What on_device() was given; null for an array in host memory. Of inputs only: the host has seen
-/// to it that what lies on a device was made with this Memory.
+/// What on_device() was given; null for an array in host memory. Of inputs, and of what nested
+/// components answer: the host has seen to it that what lies on a device was made with this Memory.
 template <class Memory, class T>
 std::shared_ptr<const Memory> device_contents(const Array<T>& array) {
   if (!array.is_on_device()) return nullptr;

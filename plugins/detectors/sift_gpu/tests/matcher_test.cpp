@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <cmath>
 #include <numeric>
 #include <set>
@@ -179,17 +180,34 @@ TEST_F(OnTheDevice, DescriptorsOfOneSideMayBeHere) {
                expected);
 }
 
-TEST_F(OnTheDevice, DescriptorsThatAreHeldAreNotOverwrittenByLaterFrames) {
+TEST_F(OnTheDevice, DescriptorsStayAsTheyAreWhileSomebodyHoldsThemAndTheirPlaceIsUsedAgainAfter) {
+  const auto expect_those_of = [](std::uint32_t seed, const Outcome& outcome) {
+    PluginUnderTest fresh("detectors/sift_gpu");
+    const Outcome again = fresh.process(0, {input("image", texture(160, 120, seed))});
+    const auto expected = again.get<Keypoints>()->descriptors;
+    const auto found = outcome.get<Keypoints>()->descriptors;
+    ASSERT_EQ(found.size(), expected.size());
+    EXPECT_TRUE(std::equal(found.data(), found.data() + found.size(), expected.data())) << seed;
+  };
   const Outcome held = detect(38);
-  std::vector<Outcome> more;
-  for (std::uint32_t seed = 40; seed < 44; ++seed) more.push_back(detect(seed));
-  detect(44), detect(45);  // let go of at once
-  PluginUnderTest fresh("detectors/sift_gpu");
-  const auto image = input("image", texture(160, 120, 38));
-  const auto expected = fresh.process(0, {image}).get<Keypoints>()->descriptors;
-  const auto found = held.get<Keypoints>()->descriptors;
-  ASSERT_EQ(found.size(), expected.size());
-  EXPECT_TRUE(std::equal(found.data(), found.data() + found.size(), expected.data()));
+  for (std::uint32_t seed = 40; seed < 45; ++seed) {
+    expect_those_of(seed, detect(seed));
+    detector_.forget();  // the next answer goes where this one was
+  }
+  expect_those_of(38, held);
+}
+
+TEST_F(OnTheDevice, ACancelledMatchIsTakenUpByTheNext) {
+  const Outcome templ = detect(38), image = detect(38);
+  PluginUnderTest matcher("matchers/gpu");
+  const Outcome expected = match(matcher, templ, image);
+  for (int i = 0; i < 3; ++i) {
+    matcher.cancel() = true;
+    const Outcome stopped = match(matcher, templ, image);
+    EXPECT_TRUE(stopped.status == WEFT_CANCELLED || stopped.status == WEFT_OK) << "a GPU is quick";
+    matcher.cancel() = false;
+    expect_equal(match(matcher, templ, image), expected);
+  }
 }
 
 TEST_F(OnTheDevice, DescriptorsAreCopiedForAMatcherOnTheProcessor) {
@@ -212,6 +230,55 @@ TEST(Search, WidensEveryByteAndNothingBehindThem) {
   std::vector<float> expected(bytes.begin(), bytes.end());
   expected.resize(320, -1.0F);
   EXPECT_EQ(runner.download<float>(to, 320), expected);
+}
+
+/// Descriptors that the test's own event completes, or fails.
+class AwaitedDescriptors : public ::testing::Test {
+ protected:
+  static bool never() { return false; }
+
+  std::shared_ptr<sift_gpu::Device> device_ = *sift_gpu::Device::open("");
+  cl::UserEvent ready_{device_->context()};
+  std::shared_ptr<const cl::Buffer> rows_ = std::make_shared<const cl::Buffer>(
+      device_->context(), CL_MEM_READ_WRITE, cl::size_type{2 * sift_gpu::kDescriptorLength});
+  std::shared_ptr<const sift_gpu::KeptDescriptors> kept_ =
+      std::make_shared<const sift_gpu::KeptDescriptors>(device_, rows_, ready_, 2);
+  Array<float> array_ = on_device<float>(kept_, {2, sift_gpu::kDescriptorLength});
+  std::vector<float> places_ = std::vector<float>(4, 0.0F);
+};
+
+TEST_F(AwaitedDescriptors, ThatHaveFailedAreAnErrorForTheSearchAndForACopy) {
+  ready_.setStatus(CL_OUT_OF_RESOURCES);
+  sift_gpu::Search search(device_);
+  EXPECT_THROW(search.load_queries(array_, true, never), cl::Error);
+  std::vector<std::byte> bytes(2 * sift_gpu::kDescriptorLength * sizeof(float));
+  const auto copied = kept_->download(bytes, never);
+  ASSERT_FALSE(copied);
+  EXPECT_THAT(copied.error().message, HasSubstr("while copying 2 descriptors from"));
+}
+
+TEST_F(AwaitedDescriptors, ThatNeverComeCanBeGivenUpAtOnce) {
+  std::vector<std::byte> bytes(2 * sift_gpu::kDescriptorLength * sizeof(float));
+  const auto start = std::chrono::steady_clock::now();
+  const auto copied = kept_->download(bytes, [] { return true; });
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(1));
+  ASSERT_FALSE(copied);
+  EXPECT_EQ(copied.error().code, Errc::cancelled);
+  ready_.setStatus(CL_COMPLETE);
+}
+
+TEST_F(AwaitedDescriptors, OfAnotherDeviceThatAreLostCostThisDeviceNothing) {
+  ready_.setStatus(CL_OUT_OF_RESOURCES);
+  device_->retire();
+  const auto other = *sift_gpu::Device::open("");
+  sift_gpu::Search search(other);
+  EXPECT_THROW(search.load_queries(array_, true, never), sift_gpu::OutOfReach);
+  EXPECT_FALSE(other->is_retired());
+  Rng rng(37);
+  const Keypoints here = l2_keypoints(random_descriptors(2, sift_gpu::kDescriptorLength, rng));
+  search.load_queries(here.descriptors, true, never);
+  search.load_trains(here.descriptors, true, never);
+  EXPECT_EQ(search.run(places_, {}, never).at(1).best, 1);
 }
 
 TEST(Search, ReadsDescriptorsOfADeviceThatWasGivenUpThroughTheHost) {
