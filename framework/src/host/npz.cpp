@@ -96,7 +96,8 @@ Result<void> write_npz(const std::string& file, const NamedRecords& records) {
     zip_file_set_dostime(archive.get(), entry, 0, 33, 0);  // 1980-01-01: no hidden time
   }
   if (zip_close(archive.get()) != 0) {
-    return zip_failure(file, std::string("cannot be written: ") + zip_strerror(archive.get()));
+    return zip_failure(file, std::string("cannot be written: ") + zip_strerror(archive.get()) +
+                                 "; is the disk full?");
   }
   static_cast<void>(archive.release());
   std::error_code failure;
