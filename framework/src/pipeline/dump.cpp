@@ -188,13 +188,13 @@ Result<void> write_call(const std::string& file, const StageCall& call) {
   // What cannot be fetched from a device is why the stage failed, or nobody has asked for it.
   const auto add = [&](const std::string& name, const RecordPtr& record) {
     auto here = record->in_host_memory();
-    if (here) {
-      records.emplace_back(name, *std::move(here));
-    } else {
+    if (!here) {
       reason +=
           (reason.empty() ? "" : "; ") + name + " is not in this file: " + here.error().message;
+      return false;
     }
-    return static_cast<bool>(here);
+    records.emplace_back(name, *std::move(here));
+    return true;
   };
   for (const GivenRecord& input : call.inputs) {
     const bool constant = is_constant(input.slot);
