@@ -23,7 +23,6 @@ class KeptDescriptors {
   const Device& device() const { return *device_; }
   const cl::Buffer& rows() const { return *rows_; }
   const cl::Event& ready() const { return ready_; }
-  int count() const { return count_; }
 
   /// Throws cl::Error if it is known that they will never be there.
   void check() const;

@@ -65,9 +65,8 @@ class Queue {
   /// end.
   double kernel_ms();
 
-  /// Whether all commands have come to an end. Destroyed before that, it waits for two seconds
-  /// unless they were abandoned, then leaves the memory that transfers may still use to the
-  /// process.
+  /// Whether all commands have come to an end. Destroyed before that, it waits for two seconds,
+  /// then leaves the memory that transfers may still use to the process.
   bool idle() const;
 
  private:
