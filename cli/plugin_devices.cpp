@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <weft/host/plugin_error.hpp>
 
 namespace weft::cli {
 namespace {
@@ -31,11 +32,11 @@ Result<std::vector<std::string>> devices_of(const host::Installed& entry) {
   std::vector<std::string> devices;
   weft_error error{};
   const auto add = [](void* context, const char* text) {
-    static_cast<std::vector<std::string>*>(context)->emplace_back(text);
+    if (text != nullptr) static_cast<std::vector<std::string>*>(context)->emplace_back(text);
   };
-  if (extension->list(&devices, add, &error) == WEFT_OK) return devices;
-  error.message[sizeof(error.message) - 1] = '\0';
-  return broken(*error.message != '\0' ? error.message : "gave no reason");
+  const std::int32_t status = extension->list(&devices, add, &error);
+  if (status == WEFT_OK) return devices;
+  return broken(host::plugin_error(status, error, entry.component.id).message);
 }
 
 }  // namespace

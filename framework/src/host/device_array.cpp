@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 #include <weft/host/device_array.hpp>
+#include <weft/host/plugin_error.hpp>
 #include <weft/host/record.hpp>
 
 namespace weft::host {
@@ -51,9 +52,7 @@ Result<DeviceArray::Copy> DeviceArray::copy(const weft_call* call) {
   weft_error error{};
   const std::int32_t status = library_.download(call, array_.handle, memory.get(), bytes, &error);
   if (status != WEFT_OK) {
-    error.message[sizeof(error.message) - 1] = '\0';
-    const std::string reason = *error.message != '\0' ? error.message : "no reason is given";
-    return failed("cannot be copied: " + reason,
+    return failed("cannot be copied: " + plugin_error(status, error, maker_).message,
                   status == WEFT_CANCELLED ? Errc::cancelled : Errc::plugin_failure);
   }
   if (!is_finite(entry_at(memory.get()))) return failed("holds NaN or infinity");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <chrono>
+#include <weft/host/plugin_error.hpp>
 #include <weft/sdk/roles.hpp>
 
 #include "lane_parts.hpp"
@@ -10,27 +11,6 @@ namespace weft::host {
 namespace {
 
 constexpr int kDeepestNesting = 16;
-
-/// What a component wrote into the buffer, made to agree with its status; its id where it named no
-/// place.
-Error error_from(std::int32_t status, weft_error raw, const std::string& id) {
-  if (status == WEFT_OK) return {};
-  raw.where[sizeof(raw.where) - 1] = '\0';
-  raw.message[sizeof(raw.message) - 1] = '\0';
-  Error error{static_cast<Errc>(raw.code), raw.message, *raw.where != '\0' ? raw.where : id};
-  const bool known = raw.code > static_cast<std::int32_t>(Errc::no_result) &&
-                     raw.code < static_cast<std::int32_t>(Errc::cancelled);
-  if (status == WEFT_NO_RESULT) {
-    error.code = Errc::no_result;
-  } else if (status == WEFT_CANCELLED) {
-    error.code = Errc::cancelled;
-  } else if (!known) {
-    error.code = Errc::plugin_failure;
-  }
-  if (error.message.empty())
-    error.message = "gave no reason for its status " + std::to_string(status);
-  return error;
-}
 
 /// A pass always fills what it says it produces; a source may lack truth or time in some frames.
 bool must_produce(const Instance& instance, const RoleSlot& output) {
@@ -79,7 +59,7 @@ Result<Instance*> Lane::instantiate(const ComponentSpec& spec, const std::string
   void* self = nullptr;
   weft_error error{};
   const std::int32_t status = made->table->create(values.data(), values.size(), &self, &error);
-  if (status != WEFT_OK) return error_from(status, error, made->id);
+  if (status != WEFT_OK) return plugin_error(status, error, made->id);
   if (self == nullptr) {
     return Error{Errc::plugin_failure, "created nothing and gave no reason", made->id};
   }
@@ -129,7 +109,7 @@ Result<void> Lane::prepare_here(Instance& instance, std::span<const weft_record>
   const std::int32_t status =
       instance.table->prepare(instance.self, &call, inputs.data(), inputs.size(), &error);
   if (status == WEFT_OK || status == WEFT_DEGENERATE) return {};
-  return error_from(status, error, instance.id);
+  return plugin_error(status, error, instance.id);
 }
 
 Outcome Lane::call(Instance& instance, int method, std::span<const weft_record> inputs,
@@ -199,7 +179,7 @@ Outcome Lane::finish(Instance& instance, Scope& scope, std::span<const weft_reco
   };
   Outcome outcome;
   outcome.status = status_of(status);
-  outcome.error = error_from(status, error, instance.id);
+  outcome.error = plugin_error(status, error, instance.id);
   if (outcome.status == WEFT_ERROR && !scope.refusal.empty())
     outcome.error.message += "; " + scope.refusal;
   if (!outcome.usable()) return outcome;

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <string.h>
+
+#include <weft/host/plugin_error.hpp>
+
+namespace weft::host {
+namespace {
+
+/// A text that its writer may have forgotten to end.
+template <std::size_t Size>
+std::string text_in(const char (&buffer)[Size]) {
+  return {buffer, strnlen(buffer, Size - 1)};
+}
+
+}  // namespace
+
+Error plugin_error(std::int32_t status, const weft_error& raw, const std::string& id) {
+  if (status == WEFT_OK) return {};
+  const std::string where = text_in(raw.where);
+  Error error{static_cast<Errc>(raw.code), text_in(raw.message), where.empty() ? id : where};
+  const bool known = raw.code > static_cast<std::int32_t>(Errc::no_result) &&
+                     raw.code < static_cast<std::int32_t>(Errc::cancelled);
+  if (status == WEFT_NO_RESULT) {
+    error.code = Errc::no_result;
+  } else if (status == WEFT_CANCELLED) {
+    error.code = Errc::cancelled;
+  } else if (!known) {
+    error.code = Errc::plugin_failure;
+  }
+  if (error.message.empty())
+    error.message = "gave no reason for its status " + std::to_string(status);
+  return error;
+}
+
+}  // namespace weft::host
