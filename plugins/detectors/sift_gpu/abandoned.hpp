@@ -4,6 +4,8 @@
 #include <list>
 #include <memory>
 
+#include "device.hpp"
+
 namespace weft::sift_gpu {
 
 /// Work that was interrupted: it is kept until the device has done with it, for the device may
@@ -13,12 +15,18 @@ class Abandoned {
  public:
   void keep(std::unique_ptr<Work> work) { works_.push_back(std::move(work)); }
 
-  /// Lets go of what has come to an end.
-  void bury() {
-    works_.remove_if([](const std::unique_ptr<Work>& one) { return one->idle(); });
-  }
+  /// Lets go of what has come to an end, and of what a lost device will never speak of again.
+  void bury() { works_.remove_if(&is_over); }
 
  private:
+  static bool is_over(const std::unique_ptr<Work>& work) {
+    try {
+      return work->idle();
+    } catch (const cl::Error&) {
+      return true;
+    }
+  }
+
   std::list<std::unique_ptr<Work>> works_;
 };
 

@@ -22,7 +22,8 @@ std::string mebibytes(std::uint64_t bytes) {
 
 SiftGpu::SiftGpu(Params& p) {
   device_.read(p);
-  p.component("fallback", fallback_, "the detector in place of this one, see without_device");
+  p.component("fallback", fallback_,
+              "the detector in place of this one, with parameters of its own; see without_device");
   p.read("max_keypoints", max_keypoints_, "", {0, 1000000},
          "strongest keypoints kept, spread over the image; 0 keeps all");
   p.read("buckets", buckets_, "", {1, 256},
@@ -36,14 +37,6 @@ SiftGpu::SiftGpu(Params& p) {
          "blur of the first scale, in px of the first octave");
   p.read("upsample", settings_.upsample,
          "begin with the image enlarged twice: finds smaller blobs for four times the work");
-}
-
-Result<Keypoints> SiftGpu::stand_back(const DetectorInput& in) const {
-  auto keypoints = fallback_.detect(in);
-  if (!keypoints) return keypoints.error();
-  const std::string its_reason = keypoints.degenerate_reason();
-  return degenerate(*std::move(keypoints), (its_reason.empty() ? "" : its_reason + "; ") +
-                                               "found by the fallback: " + device_.reason());
 }
 
 Result<void> SiftGpu::make_session(const std::shared_ptr<Device>& device,
@@ -116,7 +109,7 @@ Result<Keypoints> SiftGpu::detect(const DetectorInput& in) {
   if (auto valid = detectors::check(in); !valid) return valid.error();
   const auto device = device_.open();
   if (!device) return device.error();
-  if (*device == nullptr) return stand_back(in);
+  if (*device == nullptr) return device_.flagged(fallback_.detect(in));
   abandoned_.bury();
   const Array<std::uint8_t>& pixels = in.image.pixels;
   const std::string doing = "finding keypoints in an image of " + std::to_string(pixels.dim(1)) +

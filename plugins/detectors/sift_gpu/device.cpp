@@ -52,28 +52,46 @@ const char* name_of(cl_int code) {
   }
 }
 
-}  // namespace
+std::string cause_of(const cl::Error& failure) {
+  return std::string(failure.what()) + " failed with " + std::to_string(failure.err()) + " (" +
+         name_of(failure.err()) + ")";
+}
 
-std::vector<cl::Device> all_devices() {
+/// All devices, and what drivers said that could not name theirs.
+struct Found {
   std::vector<cl::Device> devices;
+  std::string failures;
+};
+
+Found look_for_devices() {
+  Found found;
+  // That there is no platform, or no device, is reported as a failure too.
+  const auto note = [&](const cl::Error& failure) {
+    if (failure.err() == CL_PLATFORM_NOT_FOUND_KHR || failure.err() == CL_DEVICE_NOT_FOUND) return;
+    found.failures += "; " + cause_of(failure);
+  };
   std::vector<cl::Platform> platforms;
   try {
     cl::Platform::get(&platforms);
-  } catch (const cl::Error&) {
-    return devices;  // the loader reports "no platform" as a failure
+  } catch (const cl::Error& failure) {
+    note(failure);
   }
   for (const cl::Platform& platform : platforms) {
     try {
       std::vector<cl::Device> of_platform;
       platform.getDevices(CL_DEVICE_TYPE_ALL, &of_platform);
-      devices.insert(devices.end(), of_platform.begin(), of_platform.end());
-    } catch (const cl::Error&) {
-      continue;  // a driver without a device
+      found.devices.insert(found.devices.end(), of_platform.begin(), of_platform.end());
+    } catch (const cl::Error& failure) {
+      note(failure);
     }
   }
-  std::stable_partition(devices.begin(), devices.end(), is_gpu);
-  return devices;
+  std::stable_partition(found.devices.begin(), found.devices.end(), is_gpu);
+  return found;
 }
+
+}  // namespace
+
+std::vector<cl::Device> all_devices() { return look_for_devices().devices; }
 
 std::string description(const cl::Device& device) {
   return device.getInfo<CL_DEVICE_NAME>() + " (" + device.getInfo<CL_DEVICE_VENDOR>() +
@@ -87,18 +105,22 @@ std::vector<std::string> descriptions() {
 }
 
 Result<cl::Device> choose(const std::string& wanted) {
-  const std::vector<cl::Device> devices = all_devices();
+  const auto [devices, failures] = look_for_devices();
   if (devices.empty()) {
     return Error{Errc::not_found,
                  "there is no OpenCL device; install the driver of the GPU (its package has "
-                 "'opencl-icd' in its name), or pocl-opencl-icd to compute on the processor",
+                 "'opencl-icd' in its name), or pocl-opencl-icd to compute on the processor" +
+                     failures,
                  {}};
   }
   if (wanted.empty()) return devices.front();
   for (std::size_t i = 0; i < devices.size(); ++i) {
     if (std::to_string(i) == wanted) return devices[i];
   }
+  const auto is_digit = [](unsigned char c) { return std::isdigit(c) != 0; };
+  const bool is_index = wanted.size() < 3 && std::ranges::all_of(wanted, is_digit);
   for (const cl::Device& device : devices) {
+    if (is_index) break;  // "1" stands in many a name
     const std::string names =
         device.getInfo<CL_DEVICE_NAME>() + "\n" + device.getInfo<CL_DEVICE_VENDOR>();
     if (lower(names).find(lower(wanted)) != std::string::npos) return device;
@@ -109,10 +131,7 @@ Result<cl::Device> choose(const std::string& wanted) {
 }
 
 Error error_of(const cl::Error& failure, const std::string& doing) {
-  return {Errc::plugin_failure,
-          std::string(failure.what()) + " failed with " + std::to_string(failure.err()) + " (" +
-              name_of(failure.err()) + ") while " + doing,
-          {}};
+  return {Errc::plugin_failure, cause_of(failure) + " while " + doing, {}};
 }
 
 Device::Device(const cl::Device& device)
@@ -124,25 +143,26 @@ Device::Device(const cl::Device& device)
       memory_bytes_(device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>()) {}
 
 Result<std::shared_ptr<Device>> Device::open(const std::string& wanted) {
-  auto device = choose(wanted);
-  if (!device) return device.error();
   static std::mutex mutex;
   static std::map<cl_device_id, std::weak_ptr<Device>> open_devices;
-  const std::lock_guard lock(mutex);
-  std::weak_ptr<Device>& place = open_devices[(*device)()];
-  if (auto shared = place.lock(); shared != nullptr && !shared->is_retired()) return shared;
+  std::string name;
   try {
+    const auto device = choose(wanted);
+    if (!device) return device.error();
+    name = description(*device);
+    const std::lock_guard lock(mutex);
+    std::weak_ptr<Device>& place = open_devices[(*device)()];
+    if (auto shared = place.lock(); shared != nullptr && !shared->is_retired()) return shared;
     auto opened = std::make_shared<Device>(*device);
     place = opened;
     return opened;
   } catch (const cl::BuildError& failure) {
+    if (failure.err() != CL_BUILD_PROGRAM_FAILURE) return error_of(failure, "opening " + name);
     std::string log;
     for (const auto& entry : failure.getBuildLog()) log += entry.second;
-    return Error{Errc::unsupported,
-                 "the kernels do not compile on " + description(*device) + ": " + log,
-                 {}};
+    return Error{Errc::unsupported, "the kernels do not compile on " + name + ": " + log, {}};
   } catch (const cl::Error& failure) {
-    return error_of(failure, "opening " + description(*device));
+    return error_of(failure, name.empty() ? "looking for OpenCL devices" : "opening " + name);
   }
 }
 

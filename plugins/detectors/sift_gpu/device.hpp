@@ -23,8 +23,9 @@ std::string description(const cl::Device& device);
 /// Those of all_devices().
 std::vector<std::string> descriptions();
 
-/// The device with this index among all_devices(), else the first whose name or vendor contains the
-/// text, whatever the case; empty text: the first. The Error lists what there is.
+/// The device with this index among all_devices(), a number below 100, or the first whose name or
+/// vendor contains the text, whatever the case; empty text: the first. The Error lists what there
+/// is.
 Result<cl::Device> choose(const std::string& wanted);
 
 /// A failed call of OpenCL as an Error that says what can be done; `doing` completes "while ...".

@@ -18,10 +18,21 @@ class DeviceChoice {
   Result<void> prepare();
 
   /// The device, opened where it is not open. Null where there is none and the component should
-  /// stand back for its `fallback`; reason() then says why.
+  /// stand back for its `fallback`.
   Result<std::shared_ptr<Device>> open();
 
-  const std::string& reason() const { return reason_; }
+  /// The answer of the fallback, which says that it is one, and why.
+  template <class Noun>
+  Result<Noun> flagged(Result<Noun> answer) const {
+    const std::string by = "found by the fallback: " + reason_;
+    if (!answer) {
+      Error error = answer.error();
+      error.message += " (not " + by + ")";
+      return error;
+    }
+    const std::string its_reason = answer.degenerate_reason();
+    return degenerate(*std::move(answer), its_reason.empty() ? by : its_reason + "; " + by);
+  }
 
   /// After a failure: the next open() opens the device anew, for all components on it.
   void give_up() { device_->retire(); }

@@ -25,7 +25,9 @@ Result<void> KeptDescriptors::download(std::span<std::byte> to,
     std::copy(bytes.begin(), bytes.end(), reinterpret_cast<float*>(to.data()));
     return {};
   } catch (const cl::Error& failure) {
-    return error_of(failure, doing);
+    Error error = error_of(failure, doing);
+    if (device_->is_retired()) error.message += ": lost with their device; start the run again";
+    return error;
   } catch (const Cancelled&) {
     return Error{Errc::cancelled, "cancelled while " + doing, {}};
   }

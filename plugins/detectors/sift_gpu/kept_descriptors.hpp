@@ -7,8 +7,6 @@
 
 namespace weft::sift_gpu {
 
-inline constexpr int kDescriptorLength = 128;
-
 /// SIFT descriptors [count,128] that stay on their device, in bytes; to others an array of f32.
 class KeptDescriptors {
  public:

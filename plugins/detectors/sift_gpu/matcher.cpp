@@ -7,14 +7,8 @@ namespace weft::sift_gpu {
 
 GpuMatcher::GpuMatcher(Params& p) : matching_(p) {
   device_.read(p);
-  p.component("fallback", fallback_, "the matcher in place of this one, see without_device");
-}
-
-Result<Correspondences> GpuMatcher::stand_back(const Call& call,
-                                               const matchers::Sides& sides) const {
-  auto matches = fallback_.match(call, sides.image, sides.templ);
-  if (!matches) return matches.error();
-  return degenerate(*std::move(matches), "found by the fallback: " + device_.reason());
+  p.component("fallback", fallback_,
+              "the matcher in place of this one, with parameters of its own; see without_device");
 }
 
 std::vector<matchers::Neighbours> GpuMatcher::search(const matchers::Sides& sides,
@@ -27,35 +21,34 @@ std::vector<matchers::Neighbours> GpuMatcher::search(const matchers::Sides& side
   const bool root = matching_.root_sift();
   search_->load_queries(sides.queries.descriptors, root, cancelled);
   search_->load_trains(sides.trains.descriptors, root, cancelled);
-  const std::vector<Pair> pairs = search_->run(
+  const auto [pairs, best_queries] = search_->run(
       places_, {static_cast<float>(matching_.elsewhere_px()), matching_.mutual()}, cancelled);
-  std::vector<matchers::Neighbours> found;
+  std::vector<matchers::Neighbours> neighbours;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Pair& pair = pairs[i];
     const auto query = static_cast<int>(i);
     if (pair.best < 0 || pair.second < 0) continue;
-    if (matching_.mutual() &&
-        search_->best_queries()[static_cast<std::size_t>(pair.best)] != query) {
-      continue;
-    }
-    found.push_back({query, pair.best, std::sqrt(static_cast<double>(pair.best_square)),
-                     std::sqrt(static_cast<double>(pair.second_square))});
+    if (matching_.mutual() && best_queries[static_cast<std::size_t>(pair.best)] != query) continue;
+    neighbours.push_back({query, pair.best, std::sqrt(static_cast<double>(pair.best_square)),
+                          std::sqrt(static_cast<double>(pair.second_square))});
   }
-  return found;
+  return neighbours;
 }
 
 Result<Correspondences> GpuMatcher::match(const MatcherInput& in) {
   auto sides = matching_.sides(in);
   if (!sides) return sides.error();
+  const auto device = device_.open();
+  if (!device) return device.error();
+  if (*device == nullptr) {
+    return device_.flagged(fallback_.match(in.call, sides->image, sides->templ));
+  }
   if (sides->templ.metric != "l2") {
     return Error{Errc::unsupported,
                  "matchers/gpu compares descriptors of metric l2, not " + sides->templ.metric +
                      "; use matchers/descriptor",
                  {}};
   }
-  const auto device = device_.open();
-  if (!device) return device.error();
-  if (*device == nullptr) return stand_back(in.call, *sides);
   abandoned_.bury();
   const std::string doing = "matching " + std::to_string(sides->queries.count()) + " x " +
                             std::to_string(sides->trains.count()) + " descriptors on " +
@@ -65,6 +58,7 @@ Result<Correspondences> GpuMatcher::match(const MatcherInput& in) {
       search_ = std::make_unique<Search>(*device);
     return matching_.answer(*sides, search(*sides, [&] { return in.call.cancelled(); }));
   } catch (const OutOfReach& lost) {
+    search_.reset();
     return lost.error;
   } catch (const cl::Error& failure) {
     search_.reset();

@@ -31,7 +31,6 @@ class GpuMatcher final : public Matcher {
   static std::vector<std::string> devices() { return descriptions(); }
 
  private:
-  Result<Correspondences> stand_back(const Call& call, const matchers::Sides& sides) const;
   std::vector<matchers::Neighbours> search(const matchers::Sides& sides,
                                            const CancelledCheck& cancelled);
 

@@ -9,11 +9,20 @@
 #include <fstream>
 #include <iterator>
 
+#include "kernel_sizes.hpp"
+
 namespace weft::sift_gpu {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr const char* kOptions = "-cl-std=CL1.2";
+
+const std::string& options() {
+  static const std::string text = "-cl-std=CL1.2 -DGROUP=" + std::to_string(kGroup) +
+                                  " -DLENGTH=" + std::to_string(kDescriptorLength) +
+                                  " -DTILE=" + std::to_string(kTileSide) +
+                                  " -DBLOCK=" + std::to_string(kTileBlock);
+  return text;
+}
 
 /// Where the program of this device stands; empty where there is no folder for caches.
 fs::path cache_file(const cl::Device& device) {
@@ -26,7 +35,7 @@ fs::path cache_file(const cl::Device& device) {
     return {};
   }
   const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>());
-  const std::string identity = std::string(kKernels) + kOptions + description(device) +
+  const std::string identity = std::string(kKernels) + options() + description(device) +
                                device.getInfo<CL_DEVICE_VERSION>() +
                                platform.getInfo<CL_PLATFORM_VERSION>();
   const XXH64_hash_t hash = XXH3_64bits(identity.data(), identity.size());
@@ -78,7 +87,7 @@ cl::Program compiled(const cl::Context& context, const cl::Device& device) {
     if (cl::Program cached = from_cache(context, device, file); cached() != nullptr) return cached;
   }
   cl::Program program(context, kKernels);
-  program.build({device}, kOptions);
+  program.build({device}, options().c_str());
   const auto binaries = program.getInfo<CL_PROGRAM_BINARIES>();
   if (!file.empty() && binaries.size() == 1 && !binaries.front().empty()) {
     store(file, binaries.front());

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <thread>
 
 namespace weft::sift_gpu {
 
@@ -31,15 +32,20 @@ cl::Buffer Queue::buffer(std::uint64_t bytes) const {
 
 Queue::~Queue() {
   constexpr auto kPatience = std::chrono::seconds(2);
+  constexpr auto kPause = std::chrono::microseconds(200);
   const auto start = std::chrono::steady_clock::now();
-  const auto enough = [&] { return std::chrono::steady_clock::now() - start > kPatience; };
+  bool ended = false;
   try {
-    if (last_() != nullptr && !wait_for(last_, enough)) {
-      static_cast<void>(std::make_unique<Transfers>(std::move(transfers_)).release());
+    ended = idle();
+    if (!ended) queue_.flush();  // a command that was never submitted would never end
+    while (!ended && std::chrono::steady_clock::now() - start < kPatience) {
+      std::this_thread::sleep_for(kPause);
+      ended = idle();
     }
   } catch (const cl::Error&) {
-    return;  // what failed has come to an end too
+    ended = false;  // a lost device does not say whether it still writes
   }
+  if (!ended) static_cast<void>(std::make_unique<Transfers>(std::move(transfers_)).release());
 }
 
 std::byte* Queue::staged(std::size_t bytes) {
@@ -59,13 +65,7 @@ void Queue::write(const cl::Buffer& to, std::size_t bytes, const void* from) {
 }
 
 void Queue::fill(const cl::Buffer& buffer, cl_int value) {
-  queue_.enqueueFillBuffer(buffer, value, 0, sizeof(value));
-}
-
-cl::Event Queue::last_kernel() {
-  queue_.flush();
-  last_ = kernel_;
-  return kernel_;
+  queue_.enqueueFillBuffer(buffer, value, 0, sizeof(value), nullptr, &last_);
 }
 
 void Queue::after(const cl::Event& event) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "device.hpp"
+#include "kernel_sizes.hpp"
 
 namespace weft::sift_gpu {
 
@@ -44,14 +45,17 @@ class Queue {
     cl_uint index = 0;
     (kernel.setArg(index++, args), ...);
     queue_.enqueueNDRangeKernel(kernel, cl::NullRange, items, group, nullptr, &kernel_);
+    last_ = kernel_;
     if (timed_) launched_.push_back(kernel_);
   }
 
   void fill(const cl::Buffer& buffer, cl_int value);
 
-  /// Sees to it that the device begins with all commands so far, and returns the event of the last
-  /// kernel, which is complete, or has failed, after all of them.
-  cl::Event last_kernel();
+  /// Sees to it that the device begins with all commands so far.
+  void flush() { queue_.flush(); }
+
+  /// The event of the last kernel.
+  const cl::Event& last_kernel() const { return kernel_; }
 
   /// Later commands wait for an event, which may be of another queue of the same device. Whether
   /// they run, or ever end, where that fails is the driver's affair: it must be waited for too.
@@ -66,7 +70,8 @@ class Queue {
   double kernel_ms();
 
   /// Whether all commands have come to an end. Destroyed before that, it waits for two seconds,
-  /// then leaves the memory that transfers may still use to the process.
+  /// then leaves the memory that transfers may still use to the process; at once where the device
+  /// does not say.
   bool idle() const;
 
  private:
@@ -78,7 +83,7 @@ class Queue {
   cl::CommandQueue queue_;
   std::vector<cl::Event> launched_;
   cl::Event kernel_;  ///< the last one
-  cl::Event last_;
+  cl::Event last_;    ///< command of any kind
   // The device copies from and to this, whatever becomes of a call.
   struct Transfers {
     std::vector<std::vector<std::byte>> leaving;  ///< one for each write since the last read
@@ -89,7 +94,6 @@ class Queue {
 };
 
 /// The items of a launch with one group of kGroup for each of `count` things.
-inline constexpr int kGroup = 32;
 inline cl::NDRange groups_for(int count) {
   return cl::NDRange(static_cast<cl::size_type>(count) * kGroup);
 }

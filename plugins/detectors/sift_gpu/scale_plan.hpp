@@ -13,8 +13,6 @@ struct Settings {
   double edge_threshold = 10.0;      ///< largest ratio of principal curvatures
   double sigma_px = 1.6;             ///< blur of the first layer, px of the first octave
   bool upsample = true;              ///< the first octave has twice the image's size
-
-  bool operator==(const Settings&) const = default;
 };
 
 /// One octave of the pyramid, as the kernels read it: layers [octave_layers + 3,height,width] f32.

@@ -7,9 +7,9 @@
 namespace weft::sift_gpu {
 namespace {
 
-constexpr int kTileSide = 32;  // rows and columns of distances of one group, as in the kernels
-constexpr int kTileItems = 64;
-constexpr std::uint64_t kBlockBytes = 64U << 20U;  // distances that are held at a time
+constexpr int kTileItems = (kTileSide / kTileBlock) * (kTileSide / kTileBlock);
+constexpr std::uint64_t kBlockBytes = 64U
+                                      << 20U;  // distances that are held at a time, if it can be
 
 int tiles(int count) { return (count + kTileSide - 1) / kTileSide; }
 
@@ -32,12 +32,12 @@ Search::Search(std::shared_ptr<Device> device)
       nearest_(queue_.kernel("nearest")),
       nearest_queries_(queue_.kernel("nearest_queries")) {}
 
-const cl::Buffer& Search::reserve(Kept& kept, std::uint64_t bytes) {
-  if (kept.bytes < bytes) {
-    kept.buffer = queue_.buffer(bytes + bytes / 4);
-    kept.bytes = bytes + bytes / 4;
+const cl::Buffer& Search::reserve(GrowingBuffer& place, std::uint64_t bytes) {
+  if (place.bytes < bytes) {
+    place.buffer = queue_.buffer(bytes + bytes / 4);
+    place.bytes = bytes + bytes / 4;
   }
-  return kept.buffer;
+  return place.buffer;
 }
 
 void Search::send(const Array<float>& descriptors, const cl::Buffer& to) {
@@ -78,46 +78,49 @@ void Search::load(Loaded& side, const Array<float>& descriptors, bool root,
   side.source = std::move(kept);
 }
 
-std::vector<Pair> Search::run(std::span<const float> places, const Options& options,
-                              const CancelledCheck& cancelled) {
+void Search::launch_block(int first, int rows, const Options& options) {
   const Loaded &queries = queries_, &trains = trains_;
-  const std::uint64_t row_bytes = bytes_of(trains.count, 1);
+  queue_.launch(distances_,
+                cl::NDRange(static_cast<cl::size_type>(tiles(rows)) *
+                            static_cast<cl::size_type>(tiles(trains.count)) * kTileItems),
+                cl::NDRange(kTileItems), queries.rows.buffer, queries.norms.buffer, first, rows,
+                trains.rows.buffer, trains.norms.buffer, trains.count, trains.length,
+                squares_.buffer);
+  queue_.launch(nearest_, groups_for(rows), one_group(), squares_.buffer, trains.count,
+                places_.buffer, options.elsewhere_px, queries.rows.buffer, trains.rows.buffer,
+                first, trains.length, pairs_.buffer);
+  if (options.mutual) {
+    queue_.launch(nearest_queries_, one_item_each(trains.count), one_group(), squares_.buffer,
+                  first, rows, trains.count, least_.buffer, best_.buffer);
+  }
+}
+
+Search::Found Search::run(std::span<const float> places, const Options& options,
+                          const CancelledCheck& cancelled) {
+  const int queries = queries_.count, trains = trains_.count;
+  const std::uint64_t row_bytes = bytes_of(trains, 1);
   const auto rows_held = static_cast<int>(std::clamp<std::uint64_t>(
       kBlockBytes / row_bytes / kTileSide * kTileSide, kTileSide, 1U << 20U));
-  const int block = std::min(rows_held, tiles(queries.count) * kTileSide);
-  const cl::Buffer& squares = reserve(squares_, static_cast<std::uint64_t>(block) * row_bytes);
-  const cl::Buffer& train_places = reserve(places_, places.size_bytes());
-  const cl::Buffer& found =
-      reserve(pairs_, sizeof(Pair) * static_cast<std::uint64_t>(queries.count));
-  const cl::Buffer& least = reserve(least_, row_bytes);
-  const cl::Buffer& best = reserve(best_, row_bytes);
-  queue_.write(train_places, places.size_bytes(), places.data());
-
-  for (int first = 0; first < queries.count; first += block) {
-    const int rows = std::min(block, queries.count - first);
-    queue_.launch(distances_,
-                  cl::NDRange(static_cast<cl::size_type>(tiles(rows)) *
-                              static_cast<cl::size_type>(tiles(trains.count)) * kTileItems),
-                  cl::NDRange(kTileItems), queries.rows.buffer, queries.norms.buffer, first, rows,
-                  trains.rows.buffer, trains.norms.buffer, trains.count, trains.length, squares);
-    queue_.launch(nearest_, groups_for(rows), one_group(), squares, trains.count, train_places,
-                  options.elsewhere_px, queries.rows.buffer, trains.rows.buffer, first,
-                  trains.length, found);
-    if (options.mutual) {
-      queue_.launch(nearest_queries_, one_item_each(trains.count), one_group(), squares, first,
-                    rows, trains.count, least, best);
-    }
+  const int block = std::min(rows_held, tiles(queries) * kTileSide);
+  Found found;
+  found.pairs.resize(static_cast<std::size_t>(queries));
+  if (options.mutual) found.best_queries.resize(static_cast<std::size_t>(trains));
+  reserve(squares_, static_cast<std::uint64_t>(block) * row_bytes);
+  reserve(pairs_, sizeof(Pair) * found.pairs.size());
+  reserve(least_, row_bytes);
+  reserve(best_, row_bytes);
+  queue_.write(reserve(places_, places.size_bytes()), places.size_bytes(), places.data());
+  for (int first = 0; first < queries; first += block) {
+    launch_block(first, std::min(block, queries - first), options);
   }
+  queue_.flush();
   for (const Loaded* side : {&queries_, &trains_}) {
     if (side->source != nullptr) side->source->await(cancelled);
   }
-  std::vector<Pair> pairs(static_cast<std::size_t>(queries.count));
-  queue_.read(found, sizeof(Pair) * pairs.size(), pairs.data(), cancelled);
-  if (options.mutual) {
-    best_queries_.resize(static_cast<std::size_t>(trains.count));
-    queue_.read(best, row_bytes, best_queries_.data(), cancelled);
-  }
-  return pairs;
+  queue_.read(pairs_.buffer, sizeof(Pair) * found.pairs.size(), found.pairs.data(), cancelled);
+  queue_.read(best_.buffer, sizeof(std::int32_t) * found.best_queries.size(),
+              found.best_queries.data(), cancelled);
+  return found;
 }
 
 }  // namespace weft::sift_gpu

@@ -40,42 +40,42 @@ class Search {
 
   struct Options {
     float elsewhere_px = 0.0F;  ///< the second is farther than this from the best; 0: any other
-    bool mutual = false;        ///< best_queries() is wanted too
+    bool mutual = false;        ///< the query nearest to each train is wanted too
+  };
+  struct Found {
+    std::vector<Pair> pairs;                 ///< [queries]
+    std::vector<std::int32_t> best_queries;  ///< [trains] with `mutual`, else empty
   };
 
   /// For each query its nearest trains; `places` [trains,2] px. The lowest index wins a tie.
-  std::vector<Pair> run(std::span<const float> places, const Options& options,
-                        const CancelledCheck& cancelled);
-
-  /// The query nearest to each train, from the last run with `mutual`.
-  const std::vector<std::int32_t>& best_queries() const { return best_queries_; }
+  Found run(std::span<const float> places, const Options& options, const CancelledCheck& cancelled);
 
   bool idle() const { return queue_.idle(); }
 
  private:
-  /// A buffer that is kept from call to call and grows.
-  struct Kept {
+  /// Kept from call to call.
+  struct GrowingBuffer {
     cl::Buffer buffer;
     std::uint64_t bytes = 0;
   };
   /// Descriptors [count,length] f32 as the search wants them, with their squared norms.
   struct Loaded {
-    Kept rows, norms;
+    GrowingBuffer rows, norms;
     int count = 0, length = 0;
     std::shared_ptr<const KeptDescriptors> source;  ///< null where they came from the host
     bool root = false;
   };
-  const cl::Buffer& reserve(Kept& kept, std::uint64_t bytes);
+  const cl::Buffer& reserve(GrowingBuffer& place, std::uint64_t bytes);
   void load(Loaded& side, const Array<float>& descriptors, bool root,
             const CancelledCheck& cancelled);
   void send(const Array<float>& descriptors, const cl::Buffer& to);
+  void launch_block(int first, int rows, const Options& options);
 
   std::shared_ptr<Device> device_;
   Queue queue_;
   cl::Kernel widen_, load_, distances_, nearest_, nearest_queries_;
   Loaded queries_, trains_;
-  Kept squares_, places_, pairs_, least_, best_;
-  std::vector<std::int32_t> best_queries_;
+  GrowingBuffer squares_, places_, pairs_, least_, best_;
 };
 
 }  // namespace weft::sift_gpu

@@ -212,6 +212,7 @@ std::shared_ptr<const KeptDescriptors> Session::describe(const std::vector<Spot>
   const auto& rows = free_rows(keypoints.size() * kDescriptorLength);
   queue_.launch(descriptions_, groups_for(count), one_group(), pyramid_, octaves_, selected_,
                 *rows);
+  queue_.flush();
   return std::make_shared<const KeptDescriptors>(device_, rows, queue_.last_kernel(), count);
 }
 

@@ -2,7 +2,6 @@
 
 #define CELLS 4
 #define DIRECTIONS 8
-#define LENGTH 128
 #define CELL_SIGMAS 3.0f
 #define LARGEST_PART 0.2f
 
@@ -16,31 +15,20 @@ FUNCTION float sum_of_group(LOCAL_POINTER float* parts, float mine) {
   return sum;
 }
 
-/* One group for each keypoint: its gradients in 4x4 cells of 8 directions, weighted, normalised, cut
- * off at 0.2, normalised to 512 and rounded (Lowe 2004, section 6). */
-KERNEL void descriptions(GLOBAL const float* pyramid, GLOBAL const Octave* octaves,
-                         GLOBAL const Spot* keypoints, GLOBAL uchar* descriptors) {
-  LOCAL int sums[LENGTH];
-  LOCAL float parts[GROUP];
-  Spot spot = keypoints[GROUP_ID];
-  Octave octave = octaves[spot.octave];
-  GLOBAL const float* layer =
-      pyramid + octave.offset + spot.layer * ((wide)octave.width * octave.height);
-  for (int bin = LOCAL_ID; bin < LENGTH; bin += GROUP) sums[bin] = 0;
-  BARRIER();
-
-  float cell = CELL_SIGMAS * spot.scale;
+/* A group's items add the gradients around a spot to 4x4 cells of `cell` px and 8 directions, in parts
+ * of `unit`, each shared out among neighbouring cells and directions. */
+FUNCTION void add_gradients(GLOBAL const float* layer, Octave octave, Spot spot, float cell, float unit,
+                            LOCAL_POINTER int* sums) {
   int centre_x = (int)rint(spot.x), centre_y = (int)rint(spot.y);
   float across = cos(spot.angle) / cell, down = sin(spot.angle) / cell;
   int radius = (int)rint(cell * 1.41421356f * (CELLS + 1) * 0.5f);
   int diagonal = (int)sqrt((float)octave.width * octave.width + (float)octave.height * octave.height);
   radius = radius < diagonal ? radius : diagonal;
   int side = 2 * radius + 1;
-  float unit = LARGEST_SUM / (LARGEST_GRADIENT * (cell + 1.0f) * (cell + 1.0f));
   for (int n = LOCAL_ID; n < side * side; n += GROUP) {
     int i = n / side - radius, j = n % side - radius;
     int x = centre_x + j, y = centre_y + i;
-    if (x <= 0 || x >= octave.width - 1 || y <= 0 || y >= octave.height - 1) continue;
+    if (!has_gradient(octave, x, y)) continue;
     float column = j * across + i * down, row = i * across - j * down;
     float u = column + 0.5f * CELLS - 0.5f, v = row + 0.5f * CELLS - 0.5f;
     if (!(u > -1.0f && u < CELLS && v > -1.0f && v < CELLS)) continue;
@@ -61,6 +49,20 @@ KERNEL void descriptions(GLOBAL const float* pyramid, GLOBAL const Octave* octav
     }
   }
   BARRIER();
+}
+
+/* One group for each keypoint: its gradients in 4x4 cells of 8 directions, weighted, normalised, cut
+ * off at 0.2, normalised to 512 and rounded (Lowe 2004, section 6). */
+KERNEL void descriptions(GLOBAL const float* pyramid, GLOBAL const Octave* octaves,
+                         GLOBAL const Spot* keypoints, GLOBAL uchar* descriptors) {
+  LOCAL int sums[LENGTH];
+  LOCAL float parts[GROUP];
+  Spot spot = keypoints[GROUP_ID];
+  Octave octave = octaves[spot.octave];
+  float cell = CELL_SIGMAS * spot.scale;
+  float unit = LARGEST_SUM / (LARGEST_GRADIENT * (cell + 1.0f) * (cell + 1.0f));
+  clear(sums, LENGTH);
+  add_gradients(layer_of(pyramid, octave, spot), octave, spot, cell, unit, sums);
 
   float squares = 0.0f;
   for (int bin = LOCAL_ID; bin < LENGTH; bin += GROUP) {

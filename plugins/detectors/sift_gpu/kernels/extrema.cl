@@ -78,6 +78,40 @@ FUNCTION void stationary(Taylor t, float* x, float* y, float* s) {
   *s = -(cxs * t.dx + cys * t.dy + css * t.ds) / determinant;
 }
 
+/* Where an extremum lies, once it is refined: at (x + dx, y + dy, layer + ds). */
+typedef struct Extremum {
+  int x, y, layer;
+  float dx, dy, ds;
+  Taylor taylor;
+} Extremum;
+
+FUNCTION int is_within(Extremum at, float x, float y, float s) {
+  return fabs(at.dx) < x && fabs(at.dy) < y && fabs(at.ds) < s;
+}
+
+/* Goes to the pixel and layer nearest to where the differences are stationary; 0 if there is none
+ * inside the octave. */
+FUNCTION int refine(GLOBAL const float* octave, int width, int height, int layers, Extremum* at) {
+  for (int step = 0; step < LARGEST_STEPS; ++step) {
+    at->taylor = expand(octave, (wide)width * height, width, at->x, at->y, at->layer);
+    stationary(at->taylor, &at->dx, &at->dy, &at->ds);
+    if (is_within(*at, 0.5f, 0.5f, 0.5f)) return 1;
+    if (!is_within(*at, width, height, layers + 1)) return 0;
+    at->x += (int)rint(at->dx);
+    at->y += (int)rint(at->dy);
+    at->layer += (int)rint(at->ds);
+    if (at->layer < 1 || at->layer > layers || at->x < BORDER || at->x >= width - BORDER ||
+        at->y < BORDER || at->y >= height - BORDER)
+      return 0;
+  }
+  return 0;
+}
+
+FUNCTION int is_on_edge(Taylor t, float edge) {
+  float trace = t.dxx + t.dyy, determinant = t.dxx * t.dyy - t.dxy * t.dxy;
+  return determinant <= 0.0f || trace * trace * edge >= (edge + 1.0f) * (edge + 1.0f) * determinant;
+}
+
 /* Extrema of one octave, refined and tested (Lowe 2004, sections 3 and 4), appended to `spots` in no
  * order; `count` goes on counting beyond `capacity`. */
 KERNEL void extrema(GLOBAL const float* pyramid, wide offset, int width, int height, int octave,
@@ -88,44 +122,29 @@ KERNEL void extrema(GLOBAL const float* pyramid, wide offset, int width, int hei
   GLOBAL const float* from = pyramid + offset;
   wide plane = (wide)width * height;
   float weakest = floor(0.5f * contrast / layers * 255.0f);
-  for (int start = 1; start <= layers; ++start) {
-    float value = difference(from, plane, width, x, y, start);
+  for (int layer = 1; layer <= layers; ++layer) {
+    float value = difference(from, plane, width, x, y, layer);
     if (!(fabs(value) > weakest)) continue;
-    if (!is_extremum(from, plane, width, x, y, start, value)) continue;
-
-    int u = x, v = y, layer = start, steps = 0;
-    Taylor t;
-    float dx, dy, ds;
-    for (; steps < LARGEST_STEPS; ++steps) {
-      t = expand(from, plane, width, u, v, layer);
-      stationary(t, &dx, &dy, &ds);
-      if (fabs(dx) < 0.5f && fabs(dy) < 0.5f && fabs(ds) < 0.5f) break;
-      if (!(fabs(dx) < width && fabs(dy) < height && fabs(ds) <= layers)) break;
-      u += (int)rint(dx);
-      v += (int)rint(dy);
-      layer += (int)rint(ds);
-      if (layer < 1 || layer > layers || u < BORDER || u >= width - BORDER || v < BORDER ||
-          v >= height - BORDER)
-        break;
-    }
-    if (!(fabs(dx) < 0.5f && fabs(dy) < 0.5f && fabs(ds) < 0.5f)) continue;
-
-    float response = fabs(t.value + 0.5f * (t.dx * dx + t.dy * dy + t.ds * ds));
-    if (response * layers < contrast) continue;
-    float trace = t.dxx + t.dyy, determinant = t.dxx * t.dyy - t.dxy * t.dxy;
-    if (determinant <= 0.0f || trace * trace * edge >= (edge + 1.0f) * (edge + 1.0f) * determinant)
-      continue;
+    if (!is_extremum(from, plane, width, x, y, layer, value)) continue;
+    Extremum at;
+    at.x = x;
+    at.y = y;
+    at.layer = layer;
+    if (!refine(from, width, height, layers, &at)) continue;
+    Taylor t = at.taylor;
+    float response = fabs(t.value + 0.5f * (t.dx * at.dx + t.dy * at.dy + t.ds * at.ds));
+    if (response * layers < contrast || is_on_edge(t, edge)) continue;
 
     int place = NEXT(count);
     if (place >= capacity) continue;
     Spot spot;
-    spot.x = u + dx;
-    spot.y = v + dy;
-    spot.scale = sigma * exp2((layer + ds) / layers);
+    spot.x = at.x + at.dx;
+    spot.y = at.y + at.dy;
+    spot.scale = sigma * exp2((at.layer + at.ds) / layers);
     spot.angle = 0.0f;
     spot.response = response;
     spot.octave = octave;
-    spot.layer = layer;
+    spot.layer = at.layer;
     spot.reserved = 0;
     spots[place] = spot;
   }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * What OpenCL C and CUDA C++ call differently. The other files are written in their common part, with
- * these names; launches have one group of kGroup items for each thing, or one item for each pixel.
+ * these names; launches have one group of GROUP items for each thing, or one item for each pixel.
+ * GROUP and other sizes come from kernel_sizes.hpp, as options of the compiler.
  */
 #if defined(__OPENCL_VERSION__)
 
@@ -40,5 +41,4 @@ typedef unsigned long long wide;
 
 #endif
 
-#define GROUP 32
 #define PI 3.14159265358979f

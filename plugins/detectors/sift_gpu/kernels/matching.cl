@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 
-#define TILE 32          /* queries and trains whose distances a group computes */
-#define BLOCK 4          /* of which an item computes BLOCK x BLOCK */
-#define TILE_ITEMS 64    /* (TILE / BLOCK)^2 */
-#define DEPTH 16         /* elements of descriptors loaded at a time */
+/* A group computes the distances of TILE queries and trains, an item of it BLOCK x BLOCK. */
+#define TILE_ITEMS ((TILE / BLOCK) * (TILE / BLOCK))
+#define DEPTH 16 /* elements of descriptors loaded at a time */
 
 /* One item for each element. */
 KERNEL void widen(GLOBAL const uchar* bytes, int count, GLOBAL float* numbers) {

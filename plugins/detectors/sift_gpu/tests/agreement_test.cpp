@@ -1,9 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <numbers>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "common/tests/scenes.hpp"
 
@@ -18,9 +26,10 @@ struct Agreement {
   double descriptor_difference;  ///< mean of |a - b| over the elements of pairs
 };
 
-/// A pair lies within 0.5 px, 10 % of scale and 10 degrees.
+/// A pair lies within 0.5 px, 10 % of scale and 10 degrees; no keypoint stands in two pairs.
 Agreement agreement(const Keypoints& first, const Keypoints& second) {
   constexpr double kPlacePx = 0.5, kScaleRatio = 1.1, kAngleRad = 10.0 * std::numbers::pi / 180.0;
+  std::vector<bool> taken(static_cast<std::size_t>(second.count()), false);
   std::int64_t paired = 0;
   double difference = 0.0;
   for (std::int64_t i = 0; i < first.count(); ++i) {
@@ -32,14 +41,15 @@ Agreement agreement(const Keypoints& first, const Keypoints& second) {
       const double ratio = first.scale_px(i) / second.scale_px(j);
       const double turn =
           std::remainder(first.angle_rad(i) - second.angle_rad(j), 2.0 * std::numbers::pi);
-      if (distance > nearest || std::abs(turn) > kAngleRad || ratio > kScaleRatio ||
-          1.0 / ratio > kScaleRatio) {
+      if (taken[static_cast<std::size_t>(j)] || distance > nearest || std::abs(turn) > kAngleRad ||
+          ratio > kScaleRatio || 1.0 / ratio > kScaleRatio) {
         continue;
       }
       nearest = distance;
       best = j;
     }
     if (best < 0) continue;
+    taken[static_cast<std::size_t>(best)] = true;
     ++paired;
     for (int d = 0; d < 128; ++d) {
       difference += std::abs(first.descriptors(i, d) - second.descriptors(best, d));
@@ -49,30 +59,64 @@ Agreement agreement(const Keypoints& first, const Keypoints& second) {
           difference / (128.0 * static_cast<double>(paired))};
 }
 
+void expect_agreement(const std::string& params, const Image& image, const std::string& name) {
+  PluginUnderTest reference("detectors/sift", params), gpu("detectors/sift_gpu", params);
+  const Keypoints expected = detect(reference, image), found = detect(gpu, image);
+  ASSERT_GT(expected.count(), 200);
+  const Agreement there = agreement(expected, found), back = agreement(found, expected);
+  std::printf("%s %s: %d of OpenCV, %d found, agreement %.4f and %.4f, descriptors %.3f\n",
+              params.c_str(), name.c_str(), static_cast<int>(expected.count()),
+              static_cast<int>(found.count()), there.share, back.share,
+              there.descriptor_difference);
+  EXPECT_GT(there.share, 0.99);
+  EXPECT_GT(back.share, 0.99);
+  EXPECT_LT(there.descriptor_difference, 1.0);
+}
+
+/// An image of a file, at most `width_px` wide.
+Image image_of_file(const std::string& file, int width_px) {
+  cv::Mat picture = cv::imread(file, cv::IMREAD_COLOR);
+  if (picture.empty()) throw std::runtime_error("cannot read " + file);
+  if (picture.cols > width_px) {
+    const double scale = static_cast<double>(width_px) / picture.cols;
+    cv::resize(picture, picture, {}, scale, scale, cv::INTER_AREA);
+  }
+  Image image;
+  image.pixels = Array<std::uint8_t>({picture.rows, picture.cols, 3});
+  picture.copyTo(cv::Mat(picture.rows, picture.cols, CV_8UC3, image.pixels.data()));
+  return image;
+}
+
 class AgreementWithOpenCv : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(AgreementWithOpenCv, HasTheSameKeypointsAndDescriptors) {
-  PluginUnderTest reference("detectors/sift", GetParam()), gpu("detectors/sift_gpu", GetParam());
+TEST_P(AgreementWithOpenCv, HasTheSameKeypointsAndDescriptorsOnTextures) {
   for (const std::uint64_t seed : {21U, 22U}) {
-    const Image image = texture(319, 240, seed);
-    const Keypoints expected = detect(reference, image), found = detect(gpu, image);
-    ASSERT_GT(expected.count(), 200);
-    const Agreement there = agreement(expected, found), back = agreement(found, expected);
-    std::printf("%s seed %d: %d of OpenCV, %d found, agreement %.4f and %.4f, descriptors %.3f\n",
-                GetParam(), static_cast<int>(seed), static_cast<int>(expected.count()),
-                static_cast<int>(found.count()), there.share, back.share,
-                there.descriptor_difference);
-    EXPECT_GT(there.share, 0.99);
-    EXPECT_GT(back.share, 0.99);
-    EXPECT_LT(there.descriptor_difference, 1.0);
+    expect_agreement(GetParam(), texture(319, 240, seed), "seed " + std::to_string(seed));
   }
 }
+
+TEST_P(AgreementWithOpenCv, HasTheSameKeypointsAndDescriptorsOnAPrintedSheet) {
+  expect_agreement(GetParam(), image_of_file(WEFT_TEXTURE, 400), "sheet_texture.png");
+}
+
 INSTANTIATE_TEST_SUITE_P(Settings, AgreementWithOpenCv,
                          ::testing::Values("{max_keypoints: 0}",
                                            "{max_keypoints: 0, octave_layers: 5}",
                                            "{max_keypoints: 0, sigma_px: 2.4}",
                                            "{max_keypoints: 0, contrast_threshold: 0.01, "
                                            "edge_threshold: 30}"));
+
+TEST(AgreementOnRecordedData, HasTheSameKeypointsAndDescriptorsAsOpenCv) {
+  namespace fs = std::filesystem;
+  const char* data = std::getenv("WEFT_DATA");
+  const fs::path frames = fs::path(data == nullptr ? "" : data) / "kinect_paper" / "frames";
+  if (data == nullptr || !fs::exists(frames)) {
+    GTEST_SKIP() << "WEFT_DATA does not name a folder that holds kinect_paper/";
+  }
+  const std::vector<fs::path> files{fs::directory_iterator(frames), fs::directory_iterator()};
+  const fs::path first = *std::min_element(files.begin(), files.end());
+  expect_agreement("{max_keypoints: 0}", image_of_file(first, 640), first.filename());
+}
 
 }  // namespace
 }  // namespace weft::detectors

@@ -67,6 +67,31 @@ TEST_F(DescriptionsKernel, AreTheReferencesInTwoOctavesOfNoiseAndBlobs) {
   EXPECT_LE(largest, 1.0);
 }
 
+TEST_F(DescriptionsKernel, AreTheReferencesInLayersOfAnySizeWhereGradientsAreZeroOrAlongAnAxis) {
+  constexpr std::uint64_t kSeed = 64;
+  std::printf("noise and places from seed %d\n", static_cast<int>(kSeed));
+  for (const Size size : kLayerSizes) {
+    const std::vector<Spot> spots = spots_all_over(size, 30, kSeed);
+    for (const auto& [name, pyramid] : adversarial_layers(size, kSeed)) {
+      const std::vector<Descriptor> found = run(pyramid, spots);
+      double largest = 0.0;
+      int zero = 0;
+      for (std::size_t i = 0; i < spots.size(); ++i) {
+        const Spot& spot = spots[i];
+        const Descriptor expected =
+            reference::descriptor(pyramid.layer(spot), spot.x, spot.y, spot.scale, spot.angle);
+        largest = std::max(largest, largest_difference(found[i], expected));
+        zero += expected == Descriptor{} ? 1 : 0;
+      }
+      std::printf("%d x %d, %s: largest difference %.3f of 255, %d of %zu without gradients\n",
+                  size.width, size.height, name.c_str(), largest, zero, spots.size());
+      EXPECT_LE(largest, 1.0);
+      const bool nothing = name == "flat" || name == "checkerboard";
+      EXPECT_EQ(nothing, zero == static_cast<int>(spots.size()));
+    }
+  }
+}
+
 TEST_F(DescriptionsKernel, StayTheSameWhenTheImageMakesAQuarterTurn) {
   constexpr std::uint64_t kSeed = 62;
   std::printf("noise from seed %d\n", static_cast<int>(kSeed));

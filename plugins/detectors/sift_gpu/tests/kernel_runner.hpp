@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "device.hpp"
+#include "kernel_sizes.hpp"
 
 namespace weft::sift_gpu {
 
@@ -50,10 +51,23 @@ class KernelRunner {
     run(kernel, cl::NDRange(whole(width, 32), whole(height, 8)), cl::NDRange(32, 8), args...);
   }
 
-  /// One group of 32 items for each of `count` spots.
+  /// One group for each of `count` spots.
   template <class... Args>
   void over_spots(const char* kernel, std::size_t count, const Args&... args) {
-    run(kernel, cl::NDRange(32 * count), cl::NDRange(32), args...);
+    run(kernel, cl::NDRange(kGroup * count), cl::NDRange(kGroup), args...);
+  }
+
+  /// One item for each of `count` things, and more, to fill whole groups.
+  template <class... Args>
+  void over_items(const char* kernel, std::size_t count, const Args&... args) {
+    over_spots(kernel, (count + kGroup - 1) / kGroup, args...);
+  }
+
+  /// One group for each of `count` tiles, of an item for each block of the tile.
+  template <class... Args>
+  void over_tiles(const char* kernel, std::size_t count, const Args&... args) {
+    constexpr cl::size_type kAcross = kTileSide / kTileBlock, kItems = kAcross * kAcross;
+    run(kernel, cl::NDRange(kItems * count), cl::NDRange(kItems), args...);
   }
 
  private:

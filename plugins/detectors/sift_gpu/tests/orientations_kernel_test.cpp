@@ -67,31 +67,58 @@ class OrientationsKernel : public ::testing::Test {
   KernelRunner runner_;
 };
 
+/// How the kernel's angles differ from the reference's.
+struct AngleDifference {
+  std::size_t common = 0;     ///< angles
+  std::size_t differing = 0;  ///< spots with another number of angles
+  double largest_rad = 0.0;
+};
+
+AngleDifference difference(const SmallPyramid& pyramid, const std::vector<Spot>& spots,
+                           const std::vector<std::vector<double>>& found) {
+  AngleDifference result;
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    const std::vector<double> expected =
+        reference::orientations(pyramid.layer(spots[i]), spots[i].x, spots[i].y, spots[i].scale);
+    if (found[i].size() != expected.size()) {
+      ++result.differing;
+      continue;
+    }
+    result.common += expected.size();
+    for (std::size_t j = 0; j < expected.size(); ++j) {
+      result.largest_rad = std::max(result.largest_rad, turn_between(found[i][j], expected[j]));
+    }
+  }
+  std::printf("%zu angles, largest difference %.2g rad; %zu spots of %zu with another number\n",
+              result.common, result.largest_rad, result.differing, spots.size());
+  return result;
+}
+
 TEST_F(OrientationsKernel, AreTheReferencesInTwoOctavesOfNoiseAndBlobs) {
   constexpr std::uint64_t kSeed = 51;
   std::printf("noise and places from seed %d\n", static_cast<int>(kSeed));
   const SmallPyramid pyramid = noise_and_blobs(kSeed);
   const std::vector<Spot> spots = random_spots(pyramid, 400, kSeed);
-  const std::vector<std::vector<double>> found = run(pyramid, spots);
-  double largest_rad = 0.0;
-  std::size_t common = 0, differing = 0;
-  for (std::size_t i = 0; i < spots.size(); ++i) {
-    const std::vector<double> expected =
-        reference::orientations(pyramid.layer(spots[i]), spots[i].x, spots[i].y, spots[i].scale);
-    if (found[i].size() != expected.size()) {
-      ++differing;
-      continue;
-    }
-    for (std::size_t j = 0; j < expected.size(); ++j) {
-      ++common;
-      largest_rad = std::max(largest_rad, turn_between(found[i][j], expected[j]));
+  const AngleDifference found = difference(pyramid, spots, run(pyramid, spots));
+  EXPECT_GT(found.common, spots.size());
+  EXPECT_EQ(found.differing, 0U);
+  EXPECT_LT(found.largest_rad, 1e-3);
+}
+
+TEST_F(OrientationsKernel, AreTheReferencesInLayersOfAnySizeWhereGradientsAreZeroOrAlongAnAxis) {
+  constexpr std::uint64_t kSeed = 53;
+  std::printf("noise and places from seed %d\n", static_cast<int>(kSeed));
+  for (const Size size : kLayerSizes) {
+    for (const auto& [name, pyramid] : adversarial_layers(size, kSeed)) {
+      std::printf("%d x %d, %s: ", size.width, size.height, name.c_str());
+      const std::vector<Spot> spots = spots_all_over(size, 30, kSeed);
+      const AngleDifference found = difference(pyramid, spots, run(pyramid, spots));
+      EXPECT_EQ(found.differing, 0U);
+      EXPECT_LT(found.largest_rad, 1e-3);
+      const bool nothing = name == "flat" || name == "checkerboard";
+      EXPECT_EQ(nothing, found.common == 0);
     }
   }
-  std::printf("%zu angles, largest difference %.2g rad; %zu spots of %zu with another number\n",
-              common, largest_rad, differing, spots.size());
-  EXPECT_GT(common, spots.size());
-  EXPECT_EQ(differing, 0U);
-  EXPECT_LT(largest_rad, 1e-3);
 }
 
 TEST_F(OrientationsKernel, AreTheDirectionOfARamp) {

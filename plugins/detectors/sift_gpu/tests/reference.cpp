@@ -127,6 +127,8 @@ std::vector<float> floats_of(const Plane& plane) {
   return values;
 }
 
+Plane rounded(const Plane& plane) { return plane.cast<float>().cast<double>(); }
+
 Plane doubled(const Plane& image) {
   Plane result(2 * image.rows(), 2 * image.cols());
   const auto last_x = static_cast<int>(image.cols()) - 1;

@@ -16,12 +16,18 @@ namespace weft::sift_gpu::reference {
 /// Grey levels, one row of the image a row.
 using Plane = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+/// The largest relative error of a float that was rounded once.
+inline constexpr double kRoundoff = 0x1.0p-24;
+
 /// A triangle of height 1 over [-1, 1]: what a sample gives to a bin this far from it.
 inline double share(double distance) { return std::max(0.0, 1.0 - std::abs(distance)); }
 
 /// Row-major floats as a plane and back.
 Plane plane_of(const float* values, int width, int height);
 std::vector<float> floats_of(const Plane& plane);
+
+/// The same in numbers that floats can hold, as a kernel is given it.
+Plane rounded(const Plane& plane);
 
 /// Twice the size, linear between pixel centres, constant beyond them; pixel edges are aligned.
 Plane doubled(const Plane& image);

@@ -65,16 +65,17 @@ std::vector<double> orientations(const Plane& layer, double x, double y, double 
 std::array<double, 128> descriptor(const Plane& layer, double x, double y, double scale,
                                    double angle_rad) {
   const double cell_px = 3.0 * scale;
+  const Eigen::Matrix2d cells_from_px = Eigen::Rotation2Dd(-angle_rad).toRotationMatrix() / cell_px;
   Eigen::Matrix<double, 128, 1> bins = Eigen::Matrix<double, 128, 1>::Zero();
   for (int v = 1; v < layer.rows() - 1; ++v) {
     for (int u = 1; u < layer.cols() - 1; ++u) {
       // Place and direction in the keypoint's frame, cells and eighths of a turn.
-      const Eigen::Vector2d place = Eigen::Rotation2Dd(-angle_rad) *
-                                    Eigen::Vector2d(u - std::rint(x), v - std::rint(y)) / cell_px;
+      const Eigen::Vector2d place =
+          cells_from_px * Eigen::Vector2d(u - std::rint(x), v - std::rint(y));
+      if (place.cwiseAbs().maxCoeff() >= 2.5) continue;
       const Gradient gradient(layer, u, v);
       const double direction = (angle_rad - gradient.angle_rad) / kTurn * 8.0;
       const double weight = gradient.length * std::exp(-place.squaredNorm() / 8.0);
-      if (place.cwiseAbs().maxCoeff() >= 2.5) continue;
       for (int bin = 0; bin < 128; ++bin) {
         const double row = bin / 32 - 1.5, column = bin / 8 % 4 - 1.5;
         bins[bin] += weight * share(place.y() - row) * share(place.x() - column) *

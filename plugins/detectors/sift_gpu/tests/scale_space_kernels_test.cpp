@@ -11,10 +11,10 @@
 namespace weft::sift_gpu {
 namespace {
 
+using reference::kRoundoff;
 using reference::Plane;
 
-constexpr std::uint64_t kSeed = 41;
-constexpr double kRoundoff = 0x1.0p-24;
+constexpr std::uint64_t kImageSeed = 41;
 const auto kGuardOffset = static_cast<cl_ulong>(Guarded::kGuard);
 
 std::vector<std::uint8_t> bytes_of(const Plane& plane) {
@@ -35,10 +35,10 @@ double largest_difference(const std::vector<float>& found, const Plane& expected
 /// The images of a size on which each kernel of the scale space is run.
 class ScaleSpaceKernels : public ::testing::TestWithParam<Size> {
  protected:
-  ScaleSpaceKernels() { std::printf("noise from seed %d\n", static_cast<int>(kSeed)); }
+  ScaleSpaceKernels() { std::printf("noise from seed %d\n", static_cast<int>(kImageSeed)); }
 
   Size size() const { return GetParam(); }
-  auto images() const { return adversarial_images(size(), kSeed); }
+  auto images() const { return adversarial_images(size(), kImageSeed); }
   std::size_t pixels() const {
     return static_cast<std::size_t>(size().width) * static_cast<std::size_t>(size().height);
   }
@@ -99,8 +99,8 @@ TEST_P(ScaleSpaceKernels, DoublingIsLinearBetweenPixelCentresWithoutRounding) {
 }
 
 TEST_P(ScaleSpaceKernels, ColourIsWeightedAsOpenCvDoes) {
-  const Plane blue = white_noise(size(), kSeed), green = white_noise(size(), kSeed + 1),
-              red = white_noise(size(), kSeed + 2);
+  const Plane blue = white_noise(size(), kImageSeed), green = white_noise(size(), kImageSeed + 1),
+              red = white_noise(size(), kImageSeed + 2);
   std::vector<std::uint8_t> colour;
   for (Eigen::Index y = 0; y < blue.rows(); ++y) {
     for (Eigen::Index x = 0; x < blue.cols(); ++x) {
@@ -184,7 +184,7 @@ TEST_P(WholePyramid, IsThatOfTheReferenceInEveryLayer) {
   const auto device = Device::open("");
   ASSERT_TRUE(device);
   for (const Size size : {Size{47, 33}, Size{16, 64}}) {
-    const Plane image = white_noise(size, kSeed);
+    const Plane image = white_noise(size, kImageSeed);
     Array<std::uint8_t> pixels({size.height, size.width});
     std::ranges::copy(bytes_of(image), pixels.data());
     Session session(*device, size.width, size.height, 1, GetParam());
@@ -203,7 +203,7 @@ TEST_P(WholePyramid, IsThatOfTheReferenceInEveryLayer) {
       }
     }
     std::printf("%d x %d, %zu octaves from seed %d: largest difference %.2g grey levels\n",
-                size.width, size.height, expected.size(), static_cast<int>(kSeed), largest);
+                size.width, size.height, expected.size(), static_cast<int>(kImageSeed), largest);
     // A hundredth of the weakest difference of layers that counts at usual thresholds.
     EXPECT_LT(largest, 1e-3);
   }

@@ -63,9 +63,7 @@ inline SmallPyramid noise_and_blobs(std::uint64_t seed) {
   for (const Size size : {Size{61, 47}, Size{13, 17}}) {
     std::vector<reference::Plane>& layers = octaves.emplace_back();
     for (const reference::Plane& image : {white_noise(size, seed), blobs(size, seed)}) {
-      const reference::Plane blurred = reference::convolved(image, weights, weights);
-      layers.push_back(reference::plane_of(reference::floats_of(blurred).data(), size.width,
-                                           size.height));  // rounded to floats, as the kernel's
+      layers.push_back(reference::rounded(reference::convolved(image, weights, weights)));
     }
   }
   return SmallPyramid(octaves);
@@ -84,6 +82,49 @@ inline std::vector<Spot> random_spots(const SmallPyramid& pyramid, int count, st
     spot.octave = static_cast<std::int32_t>(octave);
     spot.layer = static_cast<std::int32_t>(rng.below(2));
     spots.push_back(spot);
+  }
+  return spots;
+}
+
+/// Layers on which gradients are zero, lie along an axis or change their sign from pixel to pixel,
+/// with their names; noise and blobs are blurred as above. "Stripes" has the largest gradients of
+/// one direction that there are: two columns at 0, two at 255.
+inline std::vector<std::pair<std::string, SmallPyramid>> adversarial_layers(Size size,
+                                                                            std::uint64_t seed) {
+  const Eigen::VectorXd weights = reference::gaussian(0.8, 3);
+  std::vector<std::pair<std::string, SmallPyramid>> layers;
+  for (const auto& [name, image] : adversarial_images(size, seed)) {
+    const bool blurred = name == "white noise" || name == "blobs";
+    const reference::Plane layer =
+        blurred ? reference::rounded(reference::convolved(image, weights, weights)) : image;
+    layers.emplace_back(name, SmallPyramid({{layer}}));
+  }
+  layers.emplace_back(
+      "stripes",
+      SmallPyramid({{reference::Plane::NullaryExpr(
+          size.height, size.width, [](auto, auto x) { return x % 4 < 2 ? 0.0 : 255.0; })}}));
+  return layers;
+}
+
+/// An even image, and long ones of the least height and width in which extrema are looked for, and
+/// less.
+inline const std::vector<Size> kLayerSizes{{64, 48}, {8192, 11}, {11, 8192}, {8192, 3}, {3, 8192}};
+
+/// Spots all over a layer, on its border pixels too, and on and beside the middle, where the
+/// bright pixel and the step are.
+inline std::vector<Spot> spots_all_over(Size size, int count, std::uint64_t seed) {
+  Rng rng(seed);
+  std::vector<Spot> spots;
+  for (int i = 0; i < count; ++i) {
+    const double scale = i % 5 == 0 ? rng.uniform(8.0, 16.0) : rng.uniform(0.8, 5.0);
+    const double angle_rad = rng.uniform(0.0, 6.283);
+    const bool in_the_middle = i % 2 == 0;
+    const double x = in_the_middle ? size.width / 2 + rng.uniform(-3.0, 3.0)
+                                   : rng.uniform(0.0, size.width - 1.0);
+    const double y = in_the_middle ? size.height / 2 + rng.uniform(-3.0, 3.0)
+                                   : rng.uniform(0.0, size.height - 1.0);
+    spots.push_back(spot_at(std::clamp(x, 0.0, size.width - 1.0),
+                            std::clamp(y, 0.0, size.height - 1.0), scale, angle_rad));
   }
   return spots;
 }
