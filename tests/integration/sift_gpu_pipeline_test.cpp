@@ -47,22 +47,41 @@ class GpuPipeline : public ::testing::Test {
   }
 
   /// The words after the program, with `variables` NAME=VALUE in its environment.
-  static Ended weft(const std::vector<std::string>& words,
-                    const std::vector<std::string>& variables = {}) {
+  static Child start(const std::vector<std::string>& words,
+                     const std::vector<std::string>& variables, const std::string& printed) {
     std::vector<std::string> command{"/usr/bin/env"};
     command.insert(command.end(), variables.begin(), variables.end());
     command.insert(command.end(), {WEFT_PROGRAM, "--plugin-path", WEFT_REAL_PLUGINS});
     command.insert(command.end(), words.begin(), words.end());
-    return Child(command, path("printed")).wait();
+    return Child(command, path(printed));
+  }
+  static Ended weft(const std::vector<std::string>& words,
+                    const std::vector<std::string>& variables = {}) {
+    return start(words, variables, "printed").wait();
   }
 
-  static Ended run(const std::string& pipeline, const std::string& out,
-                   const std::vector<std::string>& settings = {},
-                   const std::vector<std::string>& variables = {}) {
+  static Child start_run(const std::string& pipeline, const std::string& out,
+                         const std::vector<std::string>& settings = {},
+                         const std::vector<std::string>& variables = {}) {
     std::vector<std::string> words{"run", pipeline, "--quiet", "--out", path(out)};
     words.insert(words.end(), {"--set", "source.frames=" + std::to_string(kFrames)});
     for (const std::string& setting : settings) words.insert(words.end(), {"--set", setting});
-    return weft(words, variables);
+    return start(words, variables, out + ".printed");
+  }
+  static Ended run(const std::string& pipeline, const std::string& out,
+                   const std::vector<std::string>& settings = {},
+                   const std::vector<std::string>& variables = {}) {
+    return start_run(pipeline, out, settings, variables).wait();
+  }
+
+  static void expect_the_same_frames(const std::string& out, const std::string& expected) {
+    std::size_t frames = 0;
+    for (const fs::directory_entry& frame : fs::directory_iterator(path(expected + "/frames"))) {
+      const std::string name = frame.path().filename().string();
+      EXPECT_EQ(read_text(path(out + "/frames/" + name)), read_text(frame.path())) << name;
+      ++frames;
+    }
+    EXPECT_EQ(frames, kFrames);
   }
 
   static json metrics(const std::string& out) {
@@ -135,10 +154,18 @@ TEST_F(GpuPipeline, DescriptorsReachTheHostOnlyForThoseWhoReadThemThere) {
 TEST_F(GpuPipeline, StagesInProcessesOfTheirOwnAnswerTheSameToTheByte) {
   const Ended apart = run(kGpu, "apart", {"detectors.isolate=process", "matchers.isolate=process"});
   ASSERT_EQ(apart.exit_code, 0) << apart.err;
-  for (const fs::directory_entry& frame : fs::directory_iterator(path("gpu/frames"))) {
-    const std::string name = frame.path().filename().string();
-    EXPECT_EQ(read_text(path("apart/frames/" + name)), read_text(frame.path())) << name;
+  expect_the_same_frames("apart", "gpu");
+}
+
+TEST_F(GpuPipeline, TwoRunsOnOneDeviceThatBothFindNoCompiledKernelsAnswerAsOneAlone) {
+  const std::vector<std::string> cold{"XDG_CACHE_HOME=" + path("cache")};
+  Child first = start_run(kGpu, "first", {}, cold), second = start_run(kGpu, "second", {}, cold);
+  for (Child* one : {&first, &second}) {
+    const Ended done = one->wait();
+    EXPECT_EQ(done.exit_code, 0) << done.err;
   }
+  expect_the_same_frames("first", "gpu");
+  expect_the_same_frames("second", "gpu");
 }
 
 TEST_F(GpuPipeline, WithoutADeviceIsRefusedBeforeTheFirstFrame) {
