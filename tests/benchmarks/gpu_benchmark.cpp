@@ -109,4 +109,10 @@ BENCHMARK(matching)->Arg(1000)->Arg(4000)->UseRealTime()->Unit(benchmark::kMilli
 }  // namespace
 }  // namespace weft::bench
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+  benchmark::AddCustomContext("device", weft::bench::device()->name());
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+}

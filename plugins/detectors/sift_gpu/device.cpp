@@ -114,6 +114,11 @@ Result<cl::Device> choose(const std::string& wanted) {
                  {}};
   }
   if (wanted.empty()) return devices.front();
+  if (lower(wanted) == "gpu") {
+    if (is_gpu(devices.front())) return devices.front();
+    return Error{
+        Errc::not_found, "no OpenCL device is a GPU; there are: " + list(descriptions()), {}};
+  }
   for (std::size_t i = 0; i < devices.size(); ++i) {
     if (std::to_string(i) == wanted) return devices[i];
   }

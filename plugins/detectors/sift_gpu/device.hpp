@@ -24,8 +24,8 @@ std::string description(const cl::Device& device);
 std::vector<std::string> descriptions();
 
 /// The device with this index among all_devices(), a number below 100, or the first whose name or
-/// vendor contains the text, whatever the case; empty text: the first. The Error lists what there
-/// is.
+/// vendor contains the text, whatever the case; "gpu": the first GPU; empty text: the first. The
+/// Error lists what there is.
 Result<cl::Device> choose(const std::string& wanted);
 
 /// A failed call of OpenCL as an Error that says what can be done; `doing` completes "while ...".

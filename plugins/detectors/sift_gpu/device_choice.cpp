@@ -5,8 +5,8 @@ namespace weft::sift_gpu {
 
 void DeviceChoice::read(Params& p) {
   p.text("device", wanted_,
-         "index, or part of the name or of the vendor, of an OpenCL device of `weft doctor`; empty "
-         "takes the first GPU, else the first device");
+         "index, or part of the name or of the vendor, of an OpenCL device of `weft doctor`; gpu "
+         "takes the first GPU, empty the first GPU, else the first device");
   p.choice("without_device", without_device_,
            {{"error", WithoutDevice::error}, {"fallback", WithoutDevice::fallback}},
            "where no such device is: an error before the first frame, or the component of "

@@ -62,6 +62,21 @@ TEST(Devices, AreChosenByAPartOfTheirNameOrVendorInAnyCase) {
   }
 }
 
+TEST(Devices, TheWordGpuTakesAGpuAndNothingElse) {
+  const cl::Device first = all_devices().front();
+  for (const char* word : {"gpu", "GPU"}) {
+    const auto chosen = choose(word);
+    ASSERT_EQ(static_cast<bool>(chosen), is_gpu(first));
+    if (chosen) {
+      EXPECT_EQ((*chosen)(), first());
+    } else {
+      EXPECT_EQ(chosen.error().code, Errc::not_found);
+      EXPECT_EQ(chosen.error().message,
+                "no OpenCL device is a GPU; there are: 0: " + description(first));
+    }
+  }
+}
+
 TEST(Devices, AnUnknownNameIsAnsweredWithWhatThereIs) {
   for (const std::string wanted : {"no such device", "4096"}) {
     const auto chosen = choose(wanted);
