@@ -18,6 +18,10 @@
 ///     const;
 ///   };
 ///
+/// Any thread may call download(), or destroy the object with its last reference, also when no
+/// component is left. A maker may answer before the work is done: who reads the array where it lies
+/// waits by what the class holds for it, such as an event.
+///
 /// Every component that makes or reads such arrays names the class, `About{...,
 /// .device_memory = &weft::kDeviceMemory<Rows>}`; it must be the same class in the whole library,
 /// so outside of unnamed namespaces. An array made with on_device() goes into a field of the
