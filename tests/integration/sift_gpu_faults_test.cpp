@@ -109,6 +109,21 @@ TEST_F(DetectorFaults, AWaitThatNeverEndsIsCancelledWithItsCallAndLetGoOnceItEnd
   }
 }
 
+TEST_F(DetectorFaults, AnImageOfAnotherSizeDoesNotWaitForDescriptorsThatAreStillComputed) {
+  const Image other = texture(64, 40, kSeed);
+  detector_.forget();
+  EXPECT_EQ(sift_gpu::detect(detector_, other).status, WEFT_OK);
+  driver_.hang(1);
+  const Outcome meanwhile = detect();
+  EXPECT_GT(driver_.put_off(), 0) << "the descriptors of the other image";
+  EXPECT_EQ(driver_.calls("clReleaseCommandQueue"), 0) << "what may be written to is kept";
+  EXPECT_TRUE(same_keypoints(meanwhile, expected_));
+  driver_.work();
+  const Outcome afterwards = detect();
+  EXPECT_EQ(driver_.calls("clReleaseCommandQueue"), 1) << "and let go";
+  EXPECT_TRUE(same_keypoints(afterwards, expected_));
+}
+
 TEST_F(LostDetector, ADeviceThatIsLostWhileACancelledWaitHangsIsOpenedAnew) {
   detect();
   driver_.hang(1);

@@ -39,12 +39,18 @@ SiftGpu::SiftGpu(Params& p) {
          "begin with the image enlarged twice: finds smaller blobs for four times the work");
 }
 
+/// Without waiting for descriptors on which the device may still be at work.
+void SiftGpu::let_go() {
+  if (session_ != nullptr) abandoned_.keep(std::move(session_));
+  abandoned_.bury();
+}
+
 Result<void> SiftGpu::make_session(const std::shared_ptr<Device>& device,
                                    const Array<std::uint8_t>& pixels) {
   const auto width = static_cast<int>(pixels.dim(1)), height = static_cast<int>(pixels.dim(0));
   const int channels = pixels.ndim() == 3 ? 3 : 1;
   if (session_ != nullptr && session_->fits(*device, width, height, channels)) return {};
-  session_.reset();
+  let_go();
   const ScalePlan plan(width, height, settings_);
   const std::uint64_t needed = Session::bytes_needed(plan, channels);
   const std::uint64_t largest = Session::largest_buffer_bytes(plan);
@@ -110,10 +116,10 @@ Result<Keypoints> SiftGpu::detect(const DetectorInput& in) {
   const auto device = device_.open();
   if (!device) return device.error();
   if (*device == nullptr) return device_.flagged(fallback_.detect(in));
-  abandoned_.bury();
   const Array<std::uint8_t>& pixels = in.image.pixels;
   const std::string doing = "finding keypoints in an image of " + std::to_string(pixels.dim(1)) +
                             " x " + std::to_string(pixels.dim(0)) + " on " + (*device)->name();
+  abandoned_.bury();
   try {
     if (auto fits = make_session(*device, pixels); !fits) return fits.error();
     return answer(in, [&] { return in.call.cancelled(); });
@@ -122,7 +128,7 @@ Result<Keypoints> SiftGpu::detect(const DetectorInput& in) {
     device_.give_up();
     return error_of(failure, doing);
   } catch (const Cancelled&) {
-    abandoned_.keep(std::move(session_));
+    let_go();
     return Error{Errc::cancelled, "cancelled while " + doing, {}};
   }
 }

@@ -27,6 +27,7 @@ class SiftGpu final : public Detector {
   static std::vector<std::string> devices() { return descriptions(); }
 
  private:
+  void let_go();
   Result<void> make_session(const std::shared_ptr<Device>& device,
                             const Array<std::uint8_t>& pixels);
   Result<Keypoints> answer(const DetectorInput& in, const CancelledCheck& cancelled);
