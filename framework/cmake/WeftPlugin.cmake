@@ -99,7 +99,7 @@ function(weft_add_test name label)
   if(label STREQUAL "long")
     weft_build_with_long_tests(${name})
     set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
-    set_tests_properties(${name} PROPERTIES FIXTURES_REQUIRED long_tests)
+    set_tests_properties(${name} PROPERTIES FIXTURES_REQUIRED long_tests TIMEOUT 3600)
   endif()
 endfunction()
 

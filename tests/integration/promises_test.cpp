@@ -54,6 +54,14 @@ class Promises : public ::testing::Test {
   Witness witness_;
 };
 
+/// Pipelines of the same plugins as others here, with sanitizers only slower.
+class PromisesOfShapes : public Promises {
+ protected:
+#if defined(WEFT_SANITIZED)
+  void SetUp() override { GTEST_SKIP() << "counts in release alone"; }
+#endif
+};
+
 TEST_F(Promises, SyntheticSheetIsRecoveredFromTheFirstFrameOn) {
   const auto metrics = measure("demo.yaml");
   EXPECT_EQ(metrics.counts.frames, 60);
@@ -76,21 +84,21 @@ TEST_F(Promises, SheetIsFoundAgainInTheFirstFrameAfterACutOrAGap) {
   EXPECT_LT(metrics.all.solved_error.worst_mm, 1.5);
 }
 
-TEST_F(Promises, InsoleIsTrackedWithTheTemplateOfItsPhotograph) {
+TEST_F(PromisesOfShapes, InsoleIsTrackedWithTheTemplateOfItsPhotograph) {
   const auto metrics = measure("outline.yaml");
   EXPECT_EQ(metrics.counts.solved(), 60);
   EXPECT_LT(metrics.all.solved_error.mean_mm, 1.6);
   EXPECT_LT(metrics.all.solved_error.worst_mm, 4.5);
 }
 
-TEST_F(Promises, CurvedLabelIsTrackedWithItsSidesOutOfSight) {
+TEST_F(PromisesOfShapes, CurvedLabelIsTrackedWithItsSidesOutOfSight) {
   const auto metrics = measure("label.yaml");
   EXPECT_EQ(metrics.counts.solved(), 60);
   EXPECT_LT(metrics.all.solved_error.mean_mm, 1.1);
   EXPECT_LT(metrics.all.solved_error.worst_mm, 2.1);
 }
 
-TEST_F(Promises, HalfCylinderIsTrackedWithItsSidesEdgeOn) {
+TEST_F(PromisesOfShapes, HalfCylinderIsTrackedWithItsSidesEdgeOn) {
   const auto metrics = measure("half_cylinder.yaml");
   EXPECT_EQ(metrics.counts.solved(), 60);
   EXPECT_LT(metrics.all.solved_error.mean_mm, 2.6);
