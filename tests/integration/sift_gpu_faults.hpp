@@ -22,8 +22,12 @@ struct LeaksOnPurpose {};
 #endif
 
 inline constexpr std::uint64_t kSeed = 91;
-inline constexpr int kMany = 30;  // calls of one function in one frame, of which not each is tried
-inline constexpr int kSamples = 12;
+// Calls of one function in one frame, of which not each is tried.
+#if defined(WEFT_SANITIZED)
+inline constexpr int kMany = 6, kSamples = 3;
+#else
+inline constexpr int kMany = 30, kSamples = 12;
+#endif
 
 /// With enough keypoints, and few pixels for many frames.
 inline Image plain() { return texture(48, 32, kSeed); }

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -29,31 +30,34 @@ struct Agreement {
 /// A pair lies within 0.5 px, 10 % of scale and 10 degrees; no keypoint stands in two pairs.
 Agreement agreement(const Keypoints& first, const Keypoints& second) {
   constexpr double kPlacePx = 0.5, kScaleRatio = 1.1, kAngleRad = 10.0 * std::numbers::pi / 180.0;
-  std::vector<bool> taken(static_cast<std::size_t>(second.count()), false);
+  std::multimap<double, std::int64_t> free_by_x;
+  for (std::int64_t j = 0; j < second.count(); ++j) free_by_x.emplace(second.xy_px(j, 0), j);
   std::int64_t paired = 0;
   double difference = 0.0;
   for (std::int64_t i = 0; i < first.count(); ++i) {
-    std::int64_t best = -1;
+    auto best = free_by_x.end();
     double nearest = kPlacePx;
-    for (std::int64_t j = 0; j < second.count(); ++j) {
+    const auto end = free_by_x.upper_bound(first.xy_px(i, 0) + kPlacePx);
+    for (auto at = free_by_x.lower_bound(first.xy_px(i, 0) - kPlacePx); at != end; ++at) {
+      const std::int64_t j = at->second;
       const double distance = std::hypot(first.xy_px(i, 0) - second.xy_px(j, 0),
                                          first.xy_px(i, 1) - second.xy_px(j, 1));
       const double ratio = first.scale_px(i) / second.scale_px(j);
       const double turn =
           std::remainder(first.angle_rad(i) - second.angle_rad(j), 2.0 * std::numbers::pi);
-      if (taken[static_cast<std::size_t>(j)] || distance > nearest || std::abs(turn) > kAngleRad ||
-          ratio > kScaleRatio || 1.0 / ratio > kScaleRatio) {
+      if (distance > nearest || std::abs(turn) > kAngleRad || ratio > kScaleRatio ||
+          1.0 / ratio > kScaleRatio) {
         continue;
       }
       nearest = distance;
-      best = j;
+      best = at;
     }
-    if (best < 0) continue;
-    taken[static_cast<std::size_t>(best)] = true;
+    if (best == free_by_x.end()) continue;
     ++paired;
     for (int d = 0; d < 128; ++d) {
-      difference += std::abs(first.descriptors(i, d) - second.descriptors(best, d));
+      difference += std::abs(first.descriptors(i, d) - second.descriptors(best->second, d));
     }
+    free_by_x.erase(best);
   }
   return {static_cast<double>(paired) / static_cast<double>(first.count()),
           difference / (128.0 * static_cast<double>(paired))};
