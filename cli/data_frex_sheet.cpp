@@ -12,6 +12,7 @@
 #include <weft/data/template.hpp>
 #include <weft/geometry/marker_sheet.hpp>
 
+#include "cairo_bytes.hpp"
 #include "template_builder.hpp"
 
 namespace weft::cli {
@@ -67,17 +68,12 @@ void add_caption(cairo_t* page, const MarkerSheet& sheet, std::int64_t seed) {
   cairo_stroke(page);
 }
 
-cairo_status_t append(void* text, const unsigned char* bytes, unsigned count) {
-  static_cast<std::string*>(text)->append(reinterpret_cast<const char*>(bytes), count);
-  return CAIRO_STATUS_SUCCESS;
-}
-
 /// The page as PDF; empty where Cairo failed.
 std::string draw_page(const MarkerSheet& sheet, const Array<std::uint8_t>& texture,
                       std::int64_t seed) {
   std::string pdf;
   cairo_surface_t* surface = cairo_pdf_surface_create_for_stream(
-      append, &pdf, sheet.width_mm * kPointsPerMm, sheet.height_mm * kPointsPerMm);
+      append_to_text, &pdf, sheet.width_mm * kPointsPerMm, sheet.height_mm * kPointsPerMm);
   // The same sheet is the same bytes.
   cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
   cairo_t* page = cairo_create(surface);
@@ -104,11 +100,9 @@ std::string draw_picture(const Array<std::uint8_t>& texture) {
     }
   }
   cairo_surface_mark_dirty(surface);
-  std::string png;
-  const bool drawn =
-      cairo_surface_write_to_png_stream(surface, append, &png) == CAIRO_STATUS_SUCCESS;
+  std::string png = to_png(surface);
   cairo_surface_destroy(surface);
-  return drawn ? png : std::string{};
+  return png;
 }
 
 Result<void> make_files(const Context& context, const FrexSheetRequest& request) {

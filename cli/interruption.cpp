@@ -7,14 +7,14 @@ namespace weft::cli {
 namespace {
 
 // A signal handler can reach nothing but an object with static storage.
-std::atomic<bool> interrupted{false};
+std::atomic<bool> signal_came{false};
 
 }  // namespace
 
 const std::atomic<bool>& watch_for_interruption() {
-  std::signal(SIGINT, [](int) { interrupted = true; });
-  std::signal(SIGTERM, [](int) { interrupted = true; });
-  return interrupted;
+  std::signal(SIGINT, [](int) { signal_came = true; });
+  std::signal(SIGTERM, [](int) { signal_came = true; });
+  return signal_came;
 }
 
 }  // namespace weft::cli

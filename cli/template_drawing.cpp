@@ -13,6 +13,8 @@
 #include <weft/geometry/rigid_alignment.hpp>
 #include <weft/geometry/surface_distance.hpp>
 
+#include "cairo_bytes.hpp"
+
 namespace weft::cli {
 namespace {
 
@@ -48,17 +50,6 @@ Surface texture_surface(const Template& templ, double paleness) {
   }
   cairo_surface_mark_dirty(surface.get());
   return surface;
-}
-
-cairo_status_t append(void* text, const unsigned char* bytes, unsigned count) {
-  static_cast<std::string*>(text)->append(reinterpret_cast<const char*>(bytes), count);
-  return CAIRO_STATUS_SUCCESS;
-}
-
-std::string to_png(cairo_surface_t* surface) {
-  std::string png;
-  const auto status = cairo_surface_write_to_png_stream(surface, append, &png);
-  return status == CAIRO_STATUS_SUCCESS ? png : std::string{};
 }
 
 void draw_edges(cairo_t* pen, const Points2& at, const MeshTopology& topology) {

@@ -2,7 +2,7 @@
 # shellcheck shell=bash
 # Sourced by test.sh and demo.sh, which run in the repository root.
 
-# Jobs that the machine bears: one more than its cores, but 2 GiB of memory for each.
+# Jobs that the machine bears: one more than its cores, but 3 GiB of memory for each.
 weft_jobs() {
   local kib limit by_cores by_memory
   kib=$(awk '/^MemTotal:/ {print $2}' /proc/meminfo)
@@ -11,7 +11,7 @@ weft_jobs() {
     kib=$((limit / 1024))
   fi
   by_cores=$(($(nproc) + 1))
-  by_memory=$((kib / 1024 / 1024 / 2))
+  by_memory=$((kib / 1024 / 1024 / 3))
   ((by_memory >= 1)) || by_memory=1
   echo $((by_memory < by_cores ? by_memory : by_cores))
 }

@@ -16,7 +16,7 @@ tests labelled `quick`. Exits 1 if anything failed.
   --long    also: the tests labelled `long` in both presets, the quick tests in the presets tsan and
             coverage (which prints the share of lines that they run), clang-format over all tracked
             sources, clang-tidy, and the benchmarks of the stages (build/benchmarks.log)
-  --jobs N  compile and test N at a time (default: cores + 1, at most one for each 2 GiB of memory)
+  --jobs N  compile and test N at a time (default: cores + 1, at most one for each 3 GiB of memory)
   --help    this text
 
 Tests on recorded data look for it in $WEFT_DATA. Where that is unset and ../shared/data exists, it
@@ -117,11 +117,12 @@ check_format() {
 }
 
 # Tests are left out: GoogleTest's macros are what would be reported. The files are seen in the
-# batches in which they are compiled. Clang 14 does not know all of GCC's warnings, and misses captures
-# that only instances of a generic lambda use.
+# batches in which they are compiled. Clang 14 does not know all of GCC's warnings and parameters, and
+# misses captures that only instances of a generic lambda use.
 check_tidy() {
   run-clang-tidy -quiet -p build/release -j "$jobs" -checks=-bugprone-suspicious-include \
     -extra-arg=-Wno-unknown-warning-option -extra-arg=-Wno-unused-lambda-capture \
+    -extra-arg=-Wno-unused-command-line-argument \
     "^(?!.*_test(_headers)?\\.dir/)$PWD/build/release/(cli|framework|plugins)/" 2>/dev/null
 }
 

@@ -92,7 +92,7 @@ function(weft_add_test name label)
     target_precompile_headers(${name} REUSE_FROM weft_test_headers)
   endif()
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests
-    UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+    UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)
   add_test(NAME ${name} COMMAND ${name})
   set_tests_properties(${name} PROPERTIES LABELS ${label}
     ENVIRONMENT "WEFT_PLUGIN_PATH=${PROJECT_BINARY_DIR}/lib/weft/plugins")
