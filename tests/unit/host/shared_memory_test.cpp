@@ -64,9 +64,9 @@ TEST(SharedArena, ReusesWhatWasGivenBack) {
 }
 
 TEST(SharedArena, RandomUseNeverOverlapsAndEndsWhereItBegan) {
-  constexpr std::uint64_t kDraws = 31;
-  std::cout << "seed " << kDraws << "\n";
-  Rng rng(kDraws);
+  constexpr std::uint64_t kArenaSeed = 31;
+  std::cout << "seed " << kArenaSeed << "\n";
+  Rng rng(kArenaSeed);
   const auto arena = *SharedArena::create(kReserve);
   struct Block {
     std::shared_ptr<void> memory;
