@@ -46,8 +46,9 @@ std::uint64_t setting(const char* name, std::uint64_t usual) {
   return text == nullptr ? usual : std::strtoull(text, nullptr, 10);
 }
 
-/// With sanitizers a set takes ten times as long: one seed, and no rates, which need them all.
-#if defined(WEFT_SANITIZED)
+/// With AddressSanitizer a set takes ten times as long: one seed, and no rates, which need them
+/// all.
+#ifdef __SANITIZE_ADDRESS__
 constexpr std::uint64_t kSeeds = 1;
 #else
 constexpr std::uint64_t kSeeds = 20;
