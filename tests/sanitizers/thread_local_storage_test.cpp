@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // LeakSanitizer looks through the thread-local storage of loaded libraries when a program ends, at
-// whatever place in a page that storage lies: it must not fail there, nor take for lost what is
-// owned there. Passes by ending with 0.
+// whatever place in a page that storage lies, and must not fail there. Passes by ending with 0.
 #include <dlfcn.h>
 #include <unistd.h>
 
