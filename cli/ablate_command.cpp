@@ -2,10 +2,12 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <csignal>
 #include <memory>
+#include <weft/core/shell_word.hpp>
 #include <weft/evaluation/ablation.hpp>
 #include <weft/evaluation/results_index.hpp>
 
@@ -22,6 +24,11 @@ struct AblateOptions {
   std::vector<std::string> settings;
   int jobs = 1;
   bool timing = false, accept_rebuilt = false, status = false, quiet = false;
+  std::vector<std::string> retry;
+
+  bool retries(const char* what) const {
+    return std::find(retry.begin(), retry.end(), what) != retry.end();
+  }
 };
 
 std::string duration_text(double seconds) {
@@ -64,16 +71,6 @@ class ProgressLine {
   bool quiet_, terminal_;
   Clock::time_point start_, last_;
 };
-
-/// A word of a command line, as a shell takes it.
-std::string shell_word(const std::string& text) {
-  constexpr const char* kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=,:+@%";
-  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
-  std::string word = "'";
-  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return word + "'";
-}
 
 /// The command that repeats the ablation, whatever the folder, the number of jobs and the times.
 std::string command_of(const AblateOptions& options, const Context& context) {
@@ -123,11 +120,24 @@ bool print_verdicts(const evaluation::Grid& grid, const evaluation::AblationStat
 }
 
 void print_state(const evaluation::AblationState& state) {
+  constexpr std::size_t kMost = 10;
+  const std::string damaged = state.damaged > 0 ? fmt::format("{} damaged, ", state.damaged) : "";
   fmt::print(
-      "{} cells ({} distinct): {} done, {} failed, {} left; {} stages, {} executed, {} reused\n",
-      state.cells, state.keys, state.done, state.failed, state.left, state.stages,
+      "{} cells ({} distinct): {} done, {} failed, {}{} left; {} stages, {} executed, {} reused\n",
+      state.cells, state.keys, state.done, state.failed, damaged, state.left, state.stages,
       state.stages_executed, state.stages - state.stages_executed);
   for (const std::string& reason : state.reasons) fmt::print("left: {}\n", reason);
+  const std::size_t shown = std::min(kMost, state.damages.size());
+  for (std::size_t i = 0; i < shown; ++i) {
+    fmt::print("damaged: {}: {}\n", state.damages[i].where, state.damages[i].what);
+  }
+  if (state.damages.size() > shown) {
+    fmt::print("damaged: {} more results\n", state.damages.size() - shown);
+  }
+  if (state.unchecked > 0) {
+    fmt::print("unchecked: {} results of an older program, whose lines have no check\n",
+               state.unchecked);
+  }
 }
 
 /// The grid, checked; exits 2 with all mistakes otherwise.
@@ -148,7 +158,8 @@ Result<evaluation::AblationState> execute(evaluation::Grid& grid,
                                           const evaluation::ResultsFolder& folder,
                                           const AblateOptions& options, const Context& context) {
   const evaluation::AblationOptions how{options.timing, options.accept_rebuilt,
-                                        command_of(options, context)};
+                                        command_of(options, context), options.retries("failed"),
+                                        options.retries("damaged")};
   if (options.status) return evaluation::state_of(grid, folder, how);
   const std::atomic<bool>& interrupted = watch_for_interruption();
   std::signal(SIGXFSZ, SIG_IGN);  // a file that is too large is an error of its write
@@ -173,7 +184,9 @@ void ablate(AblateOptions options, Context& context) {
   auto grid = load_grid(options, registry, context);
   if (!grid) return;
   if (options.folder.empty()) options.folder = "ablations/" + grid->plan().name;
-  const auto folder = evaluation::ResultsFolder::open(options.folder);
+  const std::string& plan = grid->plan().name;
+  const auto folder = options.status ? evaluation::ResultsFolder::look(options.folder, plan)
+                                     : evaluation::ResultsFolder::open(options.folder, plan);
   if (!folder) {
     print_error(folder.error());
     context.exit_code = kBadConfiguration;
@@ -184,10 +197,12 @@ void ablate(AblateOptions options, Context& context) {
   if (!options.quiet) fmt::print("{}", evaluation::summary_table(*grid, *state));
   print_failures(*grid, *state);
   print_state(*state);
-  const bool met = state->left > 0 || print_verdicts(*grid, *state);
-  fmt::print("{}{}\n", options.folder,
-             state->left > 0 ? " (not finished; run again to go on)" : "");
-  if (state->left > 0 || state->failed > 0 || !met) context.exit_code = kFramesFailed;
+  const bool whole = state->left == 0 && state->damages.empty();
+  const bool met = !whole || print_verdicts(*grid, *state);
+  fmt::print("{}{}{}\n", options.folder,
+             state->left > 0 ? " (not finished; run again to go on)" : "",
+             state->damages.empty() ? "" : " (damaged results; run again with --retry damaged)");
+  if (!whole || state->failed > 0 || !met) context.exit_code = kFramesFailed;
 }
 
 }  // namespace
@@ -214,7 +229,15 @@ void add_ablate_command(CLI::App& app, Context& context) {
       ->add_option("--set", options->settings,
                    "PATH=VALUE over all cells, such as source.frames=20; may be repeated")
       ->allow_extra_args(false);
-  command->add_flag("--status", options->status, "Say what is done; run nothing");
+  CLI::Option* retry =
+      command
+          ->add_option("--retry", options->retry,
+                       "Run cells again whose results failed, or are damaged; may be repeated")
+          ->option_text("failed|damaged")
+          ->check(CLI::IsMember({"failed", "damaged"}))
+          ->allow_extra_args(false);
+  command->add_flag("--status", options->status, "Say what is done; run and write nothing")
+      ->excludes(retry);
   command->add_flag("--quiet", options->quiet, "No progress and no table");
   command->callback([&context, options] { ablate(*options, context); });
 }

@@ -41,9 +41,9 @@ class Survival : public AblationTest {
   std::set<std::string> finished(const std::string& out) const {
     std::set<std::string> keys;
     if (!fs::exists(path(out + "/manifest.json"))) return keys;
-    const auto stored = ResultsFolder::open(path(out))->read();
+    const auto stored = ResultsFolder::open(path(out), "plan")->read();
     EXPECT_TRUE(stored);
-    for (const auto& [key, cell] : *stored) keys.insert(key);
+    for (const auto& [key, cell] : stored->cells) keys.insert(key);
     return keys;
   }
 

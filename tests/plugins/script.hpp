@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <new>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -33,10 +34,14 @@ class Script {
     read_frames(p, "throw_at", throw_, "frames with an exception");
     read_frames(p, "nan_at", nan_, "frames whose result holds NaN");
     read_frames(p, "wrong_length_at", wrong_length_, "frames whose result has a wrong length");
+    read_frames(p, "no_memory_at", no_memory_, "frames in which memory is short");
+    read_frames(p, "lost_at", lost_, "frames whose file is gone");
     p.read("refuse", refuse_, "fail in prepare");
+    p.read("absent", absent_, "fail in prepare for a file that is gone");
   }
 
   weft::Result<void> prepare() const {
+    if (absent_) return weft::Error{weft::Errc::not_found, "its file is gone, as scripted", ""};
     if (!refuse_) return {};
     return weft::Error{weft::Errc::invalid_value, "refuses as scripted", ""};
   }
@@ -44,6 +49,8 @@ class Script {
   /// The failure that is due in this call, if one is.
   std::optional<weft::Error> failure(const weft::Call& call) const {
     if (has(throw_, call)) throw std::runtime_error("scripted exception");
+    if (has(no_memory_, call)) throw std::bad_alloc();
+    if (has(lost_, call)) return weft::Error{weft::Errc::io, "scripted loss", ""};
     if (has(no_result_, call)) return weft::no_result("scripted no result");
     if (has(error_, call)) return weft::Error{weft::Errc::invalid_data, "scripted error", ""};
     return std::nullopt;
@@ -67,8 +74,8 @@ class Script {
   }
 
  private:
-  Frames no_result_, degenerate_, error_, throw_, nan_, wrong_length_;
-  bool refuse_ = false;
+  Frames no_result_, degenerate_, error_, throw_, nan_, wrong_length_, no_memory_, lost_;
+  bool refuse_ = false, absent_ = false;
 };
 
 /// The scene: texel (u, v) is seen at `kScale` * (u, v) + `kShift_px`, by a sheet that faces the

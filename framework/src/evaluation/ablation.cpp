@@ -21,20 +21,86 @@ void adopt_rebuilt(Grid& grid, const std::map<std::string, StoredCell>& stored) 
   }
 }
 
+/// Keys of which there is nothing but a damaged result.
+std::set<std::string> damaged_keys(const StoredCells& stored) {
+  std::set<std::string> keys;
+  for (const Damage& damage : stored.damaged) {
+    if (!damage.key.empty() && stored.cells.count(damage.key) == 0) keys.insert(damage.key);
+  }
+  return keys;
+}
+
 /// Cells without a result, each key once, those that read the same frames together.
-std::vector<std::vector<const Cell*>> pending(const Grid& grid,
-                                              const std::map<std::string, StoredCell>& stored,
+std::vector<std::vector<const Cell*>> pending(const Grid& grid, const StoredCells& stored,
                                               bool timed) {
   std::vector<std::vector<const Cell*>> groups;
   std::map<std::string, std::size_t> group_of;
-  std::set<std::string> keys;
+  std::set<std::string> keys = damaged_keys(stored);
   for (const Cell& cell : grid.cells()) {
-    if (is_finished(stored, cell, timed) || !keys.insert(cell.identity.key).second) continue;
+    if (is_finished(stored.cells, cell, timed)) continue;
+    if (!keys.insert(cell.identity.key).second) continue;
     const auto [known, is_new] = group_of.emplace(cell.identity.group, groups.size());
     if (is_new || timed) groups.emplace_back();
     groups[timed ? groups.size() - 1 : known->second].push_back(&cell);
   }
   return groups;
+}
+
+/// The lines of the grid's cells that failed.
+std::vector<Damage> failed_lines(const Grid& grid, const StoredCells& stored) {
+  std::vector<Damage> lines;
+  std::set<std::string> keys;
+  for (const Cell& cell : grid.cells()) {
+    const auto found = stored.cells.find(cell.identity.key);
+    if (found == stored.cells.end() || !found->second.failed) continue;
+    if (!keys.insert(found->first).second) continue;
+    const StoredCell& failed = found->second;
+    lines.push_back({{}, "it failed: " + failed.reason, failed.key, failed.file, failed.line});
+  }
+  return lines;
+}
+
+/// What the folder has, without what is to be tried again. A key may have several lines: behind
+/// one that is withdrawn another may stand.
+Result<StoredCells> read_and_withdraw(Grid& grid, const ResultsFolder& folder,
+                                      const AblationOptions& options) {
+  for (;;) {
+    auto stored = folder.read(options.retry_damaged);
+    if (!stored) return stored;
+    if (options.accept_rebuilt) adopt_rebuilt(grid, stored->cells);
+    std::vector<Damage> lines;
+    if (options.retry_damaged) lines = stored->damaged;
+    if (options.retry_failed) {
+      for (Damage& line : failed_lines(grid, *stored)) lines.push_back(std::move(line));
+    }
+    if (lines.empty()) return stored;
+    if (auto withdrawn = folder.withdraw(lines); !withdrawn) return withdrawn.error();
+  }
+}
+
+AblationState state_from(const Grid& grid, StoredCells stored, bool timed) {
+  AblationState state;
+  const std::set<std::string> damaged = damaged_keys(stored);
+  std::set<std::string> keys;
+  for (const Cell& cell : grid.cells()) {
+    ++state.cells;
+    const bool is_new = keys.insert(cell.identity.key).second;
+    if (!is_finished(stored.cells, cell, timed)) {
+      ++(damaged.count(cell.identity.key) > 0 ? state.damaged : state.left);
+      continue;
+    }
+    const StoredCell& result = stored.cells.at(cell.identity.key);
+    ++(result.failed ? state.failed : state.done);
+    const bool crashed = result.failed && result.executed.empty();
+    if (!is_new || crashed) continue;
+    state.stages += cell.stages.size();
+    state.stages_executed += result.executed.size();
+  }
+  state.keys = keys.size();
+  state.stored = std::move(stored.cells);
+  state.damages = std::move(stored.damaged);
+  state.unchecked = stored.unchecked;
+  return state;
 }
 
 }  // namespace
@@ -43,36 +109,18 @@ Result<AblationState> state_of(Grid& grid, const ResultsFolder& folder,
                                const AblationOptions& options) {
   auto stored = folder.read();
   if (!stored) return stored.error();
-  if (options.accept_rebuilt) adopt_rebuilt(grid, *stored);
-  AblationState state;
-  std::set<std::string> keys;
-  for (const Cell& cell : grid.cells()) {
-    ++state.cells;
-    const bool is_new = keys.insert(cell.identity.key).second;
-    if (!is_finished(*stored, cell, options.timed)) {
-      ++state.left;
-      continue;
-    }
-    const StoredCell& result = stored->at(cell.identity.key);
-    ++(result.failed ? state.failed : state.done);
-    const bool crashed = result.failed && result.executed.empty();
-    if (!is_new || crashed) continue;
-    state.stages += cell.stages.size();
-    state.stages_executed += result.executed.size();
-  }
-  state.keys = keys.size();
-  state.stored = *std::move(stored);
-  return state;
+  if (options.accept_rebuilt) adopt_rebuilt(grid, stored->cells);
+  return state_from(grid, *std::move(stored), options.timed);
 }
 
 Result<AblationState> run_ablation(Grid& grid, const ResultsFolder& folder, Engine& engine,
                                    const AblationOptions& options, const Engine::Progress& progress,
                                    const std::atomic<bool>& cancel) {
-  const auto before = state_of(grid, folder, options);
+  const auto before = read_and_withdraw(grid, folder, options);
   if (!before) return before.error();
   const auto described = folder.describe(grid, options.command, options.accept_rebuilt);
   if (!described) return described.error();
-  const Order order{grid, folder, pending(grid, before->stored, options.timed), options.timed};
+  const Order order{grid, folder, pending(grid, *before, options.timed), options.timed};
   std::vector<std::string> reasons;
   if (!order.groups.empty()) {
     auto left = engine.run(order, progress, cancel);

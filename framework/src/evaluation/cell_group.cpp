@@ -6,6 +6,7 @@
 #include <weft/pipeline/input.hpp>
 #include <weft/pipeline/run_folder.hpp>
 
+#include "cell_line.hpp"
 #include "kept_frames.hpp"
 #include "worst_frames.hpp"
 
@@ -21,6 +22,14 @@ void add_truth_users(const host::ComponentSpec& spec, std::vector<std::string>& 
 
 std::string text_of(const Error& error) {
   return (error.where.empty() ? "" : error.where + ": ") + error.message;
+}
+
+/// Whether a failure says something about the pipeline and its data. The rest may be otherwise the
+/// next time, on the same machine: memory, files that are gone, libraries that cannot be loaded.
+bool is_own(Errc code) {
+  constexpr Errc kNotOwn[] = {Errc::no_memory, Errc::io, Errc::not_found, Errc::incompatible,
+                              Errc::cancelled};
+  return std::find(std::begin(kNotOwn), std::end(kNotOwn), code) == std::end(kNotOwn);
 }
 
 /// What cells of a group have in common.
@@ -39,6 +48,7 @@ class Member {
   }
 
   const Cell& cell() const { return cell_; }
+  const CheckedPipeline& pipeline() const { return pipeline_; }
   const PipelineConfig& config() const { return pipeline_.config; }
 
   /// Makes the stages that no member before it has made.
@@ -47,7 +57,7 @@ class Member {
     auto executor =
         Executor::create(pipeline_.config, pipeline_.graph, common.lane, common.input.templ(),
                          common.input.camera(), {&common.memo, cell_.identity.stages});
-    if (!executor) return fail(text_of(executor.error()));
+    if (!executor) return fail(executor.error());
     auto evaluator = RunEvaluator::create(common.scene, options);
     if (!evaluator) return fail(text_of(evaluator.error()));
     executor_ = *std::move(executor);
@@ -55,10 +65,10 @@ class Member {
     for (const std::string& stage : cell_.stages) result_.timings.push_back({stage, {}});
   }
 
-  /// Runs and measures a frame, unless the cell has failed.
+  /// Runs and measures a frame, unless the cell has ended.
   void process(const Common& common, const PipelineInput::Frame& read,
                const RecordPtr& kept_truth) {
-    if (!result_.failure.empty()) return;
+    if (has_ended()) return;
     FrameResult frame = executor_->process(read.input);
     for (std::size_t i = 0; i < frame.stages.size(); ++i) take(frame.stages[i], i);
     frame.stages.insert(frame.stages.begin(), read.report);
@@ -77,6 +87,9 @@ class Member {
                 {"shape", frame.shape},
                 {"correspondences",
                  matches >= 0 ? frame.values[static_cast<std::size_t>(matches)] : none}});
+    if (frame.failed() && config().stop_on_error) {
+      blame_frames(first_error_.message + " (on_error: stop)");
+    }
   }
 
   void draw(const host::Registry& registry, const Common& common) {
@@ -85,6 +98,10 @@ class Member {
   }
 
   void fail(const std::string& reason) { result_.failure = reason; }
+  void fail(const Error& error) {
+    (is_own(error.code) ? result_.failure : result_.left) = text_of(error);
+  }
+  void leave(const std::string& reason) { result_.left = reason; }
 
   /// `templ` is the template as it is kept.
   CellResult finish(const RecordPtr& templ) {
@@ -96,6 +113,8 @@ class Member {
   }
 
  private:
+  bool has_ended() const { return !result_.failure.empty() || !result_.left.empty(); }
+
   void take(const StageReport& report, std::size_t stage) {
     if (report.shared) return;
     if (report.status != StageStatus::skipped) result_.timings[stage].ms.push_back(report.ms);
@@ -107,11 +126,32 @@ class Member {
 
   void note_error(const FrameResult& frame) {
     for (const StageReport& report : frame.stages) {
-      if (!first_error_.empty() || report.status != StageStatus::error) continue;
-      first_error_ =
-          "frame " + std::to_string(frame.index) + ", " + report.stage + ": " + report.reason;
+      if (report.status != StageStatus::error) continue;
+      const Error error{
+          report.code,
+          "frame " + std::to_string(frame.index) + ", " + report.stage + ": " + report.reason,
+          {}};
+      if (error.code == Errc::no_memory && result_.left.empty()) leave(error.message);
+      if (first_error_.message.empty()) {
+        first_error_ = error;
+        // Stages compute; files are read by the source.
+        lost_input_ = &report == &frame.stages.front() && !is_own(report.code);
+      }
     }
   }
+
+  /// The rule of `weft run`, and that some frame must be without an error.
+  void judge(const FrameCounts& counts) {
+    if (has_ended()) return;
+    if (counts.frames == 0) return fail("the source has no frames");
+    const bool all = counts.failed == counts.frames;
+    if (!all && counts.failed <= config().max_failed) return;
+    blame_frames((all ? "every frame had an error"
+                      : too_many_failed(counts.failed, counts.frames, config().max_failed)) +
+                 "; the first: " + first_error_.message);
+  }
+
+  void blame_frames(const std::string& reason) { lost_input_ ? leave(reason) : fail(reason); }
 
   void measure() {
     const auto& stages = pipeline_.config.stages;
@@ -123,11 +163,7 @@ class Member {
     for (const StageConfig& stage : stages) {
       add_truth_users(stage.component, metrics.truth_users);
     }
-    const FrameCounts& counts = metrics.counts;
-    if (result_.failure.empty() && counts.frames == 0) fail("the source has no frames");
-    if (result_.failure.empty() && counts.failed == counts.frames) {
-      fail("every frame had an error; the first: " + first_error_);
-    }
+    judge(metrics.counts);
     result_.metrics = std::move(metrics);
   }
 
@@ -137,35 +173,58 @@ class Member {
   std::optional<RunEvaluator> evaluator_;
   KeptFrames kept_;
   WorstFrames worst_;
-  std::string first_error_;
+  Error first_error_{};      ///< of a frame; without a message while there is none
+  bool lost_input_ = false;  ///< the source could not read that frame's files
   CellResult result_;
 };
 
 class Group {
  public:
   Group(const Grid& grid, const std::vector<const Cell*>& cells, GroupObserver& observer)
-      : registry_(grid.registry()), options_(grid.plan().measurement.options), observer_(observer) {
-    for (const Cell* cell : cells) members_.emplace_back(*cell, grid.load(*cell).first);
+      : grid_(grid), options_(grid.plan().measurement.options), observer_(observer) {
+    for (const Cell* cell : cells) {
+      auto [pipeline, report] = grid.load(*cell);
+      if (report.ok()) {
+        members_.emplace_back(*cell, std::move(pipeline));
+      } else {
+        observer_.cell_left(*cell, report.text());
+      }
+    }
   }
 
   Result<void> run() {
+    if (members_.empty()) return {};
     const auto lane = make_lane();
     auto common = lane ? open(**lane) : lane.error();
     if (common) {
       for (Member& member : members_) member.open(*common, options_);
       run_frames(*common);
-      for (Member& member : members_) member.draw(registry_, *common);
+      for (Member& member : members_) member.draw(grid_.registry(), *common);
     } else {
-      for (Member& member : members_) member.fail(text_of(common.error()));
+      for (Member& member : members_) member.fail(common.error());
     }
     const RecordPtr templ = common ? without_texture(*common->input.templ()) : nullptr;
     for (Member& member : members_) {
-      if (auto kept = observer_.cell_done(member.cell(), member.finish(templ)); !kept) return kept;
+      if (auto kept = hand_over(member, templ); !kept) return kept;
     }
     return {};
   }
 
  private:
+  /// A result is one of the data that the cell's key speaks of, or none.
+  Result<void> hand_over(Member& member, const RecordPtr& templ) {
+    const std::string changed = grid_.changed_input(member.pipeline());
+    const CellResult result = member.finish(templ);
+    if (!changed.empty()) {
+      observer_.cell_left(member.cell(), "its data changed while it ran: " + changed);
+    } else if (!result.left.empty()) {
+      observer_.cell_left(member.cell(), result.left);
+    } else {
+      return observer_.cell_done(member.cell(), result);
+    }
+    return {};
+  }
+
   /// Records stand in shared memory where some stage runs in a process of its own.
   Result<std::unique_ptr<host::Lane>> make_lane() {
     const auto isolated = [](const StageConfig& stage) { return stage.isolation.has_value(); };
@@ -204,7 +263,7 @@ class Group {
     }
   }
 
-  const host::Registry& registry_;
+  const Grid& grid_;
   EvaluationOptions options_;
   GroupObserver& observer_;
   std::deque<Member> members_;  ///< executors refer to what is in them

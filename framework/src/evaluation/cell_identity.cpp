@@ -57,6 +57,16 @@ json value_json(const host::ParameterSpec& parameter, const yaml::Node& node) {
   return node.scalar;
 }
 
+void add_input_paths(const host::ComponentSpec& spec, std::vector<std::string>& paths) {
+  const yaml::Node* given = spec.effective.find("params");
+  for (const host::ParameterSpec& parameter : spec.component().parameters) {
+    const yaml::Node* value = given != nullptr ? given->find(parameter.name) : nullptr;
+    const bool is_path = parameter.type == WEFT_VALUE_INPUT_PATH && value != nullptr;
+    if (is_path && !value->scalar.empty()) paths.push_back(value->scalar);
+  }
+  for (const host::NestedSpec& nested : spec.nested) add_input_paths(nested.component, paths);
+}
+
 std::string digest(const json& identity) {
   return host::content_hash(identity.dump(-1, ' ', false, json::error_handler_t::replace));
 }
@@ -66,7 +76,7 @@ std::string digest(const json& identity) {
 /// The canonical JSON of one cell, with build ids or without.
 class IdentityWriter {
  public:
-  IdentityWriter(Identifier& files, const CheckedPipeline& pipeline, std::uint64_t run_seed,
+  IdentityWriter(InputFiles& files, const CheckedPipeline& pipeline, std::uint64_t run_seed,
                  bool builds, std::vector<yaml::Problem>& problems)
       : files_(files),
         config_(pipeline.config),
@@ -149,7 +159,7 @@ class IdentityWriter {
     return nullptr;
   }
 
-  Identifier& files_;
+  InputFiles& files_;
   const PipelineConfig& config_;
   const Graph& graph_;
   std::uint64_t run_seed_;
@@ -157,10 +167,16 @@ class IdentityWriter {
   std::vector<yaml::Problem>& problems_;
 };
 
-const Result<std::string>& Identifier::hash_of(const std::string& path) {
-  const auto known = hashes_.find(path);
-  if (known != hashes_.end()) return known->second;
-  return hashes_.emplace(path, host::hash_of_files(path)).first->second;
+std::vector<std::string> input_paths(const CheckedPipeline& pipeline) {
+  const PipelineConfig& config = pipeline.config;
+  std::vector<std::string> paths;
+  add_input_paths(config.source->component, paths);
+  add_input_paths(config.templ->component, paths);
+  for (const StageConfig& stage : config.stages) {
+    add_input_paths(stage.component, paths);
+    if (stage.on_template) add_input_paths(*stage.on_template, paths);
+  }
+  return paths;
 }
 
 CellIdentity Identifier::identify(const CheckedPipeline& pipeline, std::uint64_t run_seed,
@@ -173,14 +189,18 @@ CellIdentity Identifier::identify(const CheckedPipeline& pipeline, std::uint64_t
                       {"match_tolerance_px", measurement.options.match_tolerance_px},
                       {"frames", measurement.frames}};
   const auto whole = [&](IdentityWriter& writer, const json& data) {
-    return digest({{"data", data},
-                   {"pipeline", writer.stages(all)},
-                   {"lost_after", pipeline.config.lost_after},
-                   {"metrics", measured}});
+    json identity{{"data", data},
+                  {"pipeline", writer.stages(all)},
+                  {"lost_after", pipeline.config.lost_after},
+                  {"metrics", measured}};
+    // Both decide what is a failure; what they are by default has never been named.
+    if (pipeline.config.max_failed > 0) identity["max_failed"] = pipeline.config.max_failed;
+    if (pipeline.config.stop_on_error) identity["on_error"] = "stop";
+    return digest(identity);
   };
   std::vector<yaml::Problem> again;  // the same as of the first time
-  IdentityWriter writer(*this, pipeline, run_seed, true, problems);
-  IdentityWriter rebuilt(*this, pipeline, run_seed, false, again);
+  IdentityWriter writer(files_, pipeline, run_seed, true, problems);
+  IdentityWriter rebuilt(files_, pipeline, run_seed, false, again);
   const json data = writer.data();
   CellIdentity identity{whole(writer, data), whole(rebuilt, rebuilt.data()), digest(data), {}};
   for (int i = 0; i < count; ++i) {

@@ -4,13 +4,12 @@
 #include <sys/utsname.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
+#include <string_view>
 #include <weft/core/statistics.hpp>
 #include <weft/core/version.hpp>
 #include <weft/evaluation/metrics_report.hpp>
+#include <weft/host/content_hash.hpp>
 #include <weft/host/processor.hpp>
-
-#include "axis_sweep.hpp"
 
 namespace weft::evaluation {
 namespace {
@@ -19,8 +18,8 @@ using nlohmann::json;
 using nlohmann::ordered_json;
 
 /// Text of any bytes as JSON: what is no UTF-8 is replaced.
-std::string dump(const ordered_json& value, int indent = -1) {
-  return value.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
+std::string dump(const ordered_json& value) {
+  return value.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
 }
 
 ordered_json metrics_json(const CellResult& result, bool with_frames) {
@@ -45,160 +44,136 @@ ordered_json timing_json(const CellResult& result, bool timed) {
   return {{"frames", frames}, {"stages", std::move(stages)}};
 }
 
-ordered_json measurement_json(const Measurement& measurement) {
-  return {{"alignment", to_string(measurement.options.alignment)},
-          {"match_tolerance_px", measurement.options.match_tolerance_px},
-          {"frames", measurement.frames}};
-}
-
-/// All values of the cell by name.
-ordered_json selection_json(const Selection& where) {
-  ordered_json values = ordered_json::object();
-  for (const auto& [name, value] : where) values[name] = value;
-  return values;
-}
-
-ordered_json cells_json(const Grid& grid) {
-  ordered_json cells = ordered_json::array();
-  for (const Cell& cell : grid.cells()) {
-    ordered_json axes = ordered_json::object();
-    for (const Axis& axis : grid.plan().axes) axes[axis.name] = grid.value_of(cell, axis.name);
-    cells.push_back({{"cell", cells.size()},
-                     {"axes", std::move(axes)},
-                     {"sequence", grid.value_of(cell, "sequence")},
-                     {"seed", cell.seed},
-                     {"key", cell.identity.key},
-                     {"group", cell.identity.group}});
+ordered_json files_json(const std::vector<CellFile>& files) {
+  ordered_json list = ordered_json::array();
+  for (const CellFile& file : files) {
+    list.push_back({{"name", file.name}, {"bytes", file.bytes}, {"hash", file.hash}});
   }
-  return cells;
+  return list;
 }
 
-ordered_json expectation_json(const Expectation& expectation) {
-  ordered_json entry{{"where", selection_json(expectation.where)}, {"metric", expectation.metric}};
-  if (expectation.at_most) entry["at_most"] = *expectation.at_most;
-  if (expectation.at_least) entry["at_least"] = *expectation.at_least;
-  return entry;
+constexpr std::string_view kCheckStart = ",\"check\":\"";
+constexpr std::string_view kCheckEnd = "\"}";
+constexpr std::size_t kCheckSize = kCheckStart.size() + kKeyDigits + kCheckEnd.size();
+
+/// A line with the check of its text as the last member.
+std::string with_check(std::string line) {
+  const std::string check = host::content_hash(line);
+  line.pop_back();
+  return line.append(kCheckStart).append(check).append(kCheckEnd);
 }
 
-ordered_json comparison_json(const PlannedComparison& comparison) {
-  ordered_json entry{
-      {"axis", comparison.axis}, {"reference", nullptr}, {"metric", comparison.metric}};
-  if (comparison.reference) entry["reference"] = *comparison.reference;
-  return entry;
-}
+enum class Check { none, right, wrong };
 
-ordered_json names_json(const std::vector<NamedPatch>& patches) {
-  ordered_json names = ordered_json::array();
-  for (const NamedPatch& patch : patches) names.push_back(patch.name);
-  return names;
-}
-
-ordered_json axis_json(const Axis& axis) {
-  ordered_json object{{"name", axis.name}, {"values", names_json(axis.values)}};
-  if (const auto sweep = sweep_of(axis)) {
-    object["swept"] = sweep->name;
-    object["numbers"] = sweep->numbers;
-    if (!sweep->families.empty()) object["families"] = sweep->families;
-  }
-  return object;
+Check check_of(std::string_view line) {
+  if (line.size() <= kCheckSize) return Check::none;
+  const std::string_view end = line.substr(line.size() - kCheckSize);
+  if (!end.starts_with(kCheckStart) || !end.ends_with(kCheckEnd)) return Check::none;
+  const std::string text = std::string(line.substr(0, line.size() - kCheckSize)) + "}";
+  const bool right = host::content_hash(text) == end.substr(kCheckStart.size(), kKeyDigits);
+  return right ? Check::right : Check::wrong;
 }
 
 }  // namespace
 
+bool is_key(const std::string& text) {
+  return text.size() == kKeyDigits &&
+         text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
 std::string cell_line(const Cell& cell, const CellResult& result, bool timed,
-                      const Measurement& measurement) {
+                      const Measurement& measurement, const std::vector<CellFile>& files) {
   ordered_json stages = ordered_json::array();
   for (std::size_t i = 0; i < cell.stages.size(); ++i) {
     stages.push_back({{"stage", cell.stages[i]}, {"key", cell.identity.stages[i]}});
   }
   utsname system{};
   uname(&system);
-  return dump({{"schema", kLineSchema},
-               {"key", cell.identity.key},
-               {"rebuilt_key", cell.identity.rebuilt_key},
-               {"outcome", result.failure.empty() ? "done" : "failed"},
-               {"reason", result.failure},
-               {"metrics", metrics_json(result, measurement.frames)},
-               {"stages", std::move(stages)},
-               {"timing", timing_json(result, timed)},
-               {"machine",
-                {{"processor", host::processor_name()},
-                 {"system", system.release},
-                 {"executed", result.executed}}}});
+  return with_check(dump({{"schema", kLineSchema},
+                          {"key", cell.identity.key},
+                          {"rebuilt_key", cell.identity.rebuilt_key},
+                          {"outcome", result.failure.empty() ? "done" : "failed"},
+                          {"reason", result.failure},
+                          {"metrics", metrics_json(result, measurement.frames)},
+                          {"stages", std::move(stages)},
+                          {"timing", timing_json(result, timed)},
+                          {"machine",
+                           {{"processor", host::processor_name()},
+                            {"system", system.release},
+                            {"executed", result.executed}}},
+                          {"files", files_json(files)}}));
 }
 
-Result<StoredCell> parse_cell_line(const std::string& line) {
-  const auto leave_frames_out = [](int depth, json::parse_event_t event, json& parsed) {
-    return !(depth == 2 && event == json::parse_event_t::key && parsed == "frames");
+std::string withdrawal_line(const std::string& file, int number, const std::string& reason) {
+  return with_check(
+      dump({{"schema", kWithdrawalSchema}, {"file", file}, {"line", number}, {"reason", reason}}));
+}
+
+Result<TrustedLine> trusted_line(const std::string& text, bool with_frames) {
+  const auto keep = [&](int depth, json::parse_event_t event, json& parsed) {
+    return with_frames || !(depth == 2 && event == json::parse_event_t::key && parsed == "frames");
   };
-  const json object = json::parse(line, leave_frames_out, false);
-  const Error damaged{Errc::invalid_data, "is no line of a cell", {}};
-  if (!object.is_object()) return damaged;
-  const std::string schema = object.value("schema", std::string());
-  if (schema != kLineSchema) {
-    return Error{Errc::invalid_data,
-                 "has the schema '" + schema + "', this program reads '" + kLineSchema + "'",
+  const Check check = check_of(text);
+  TrustedLine line{json::parse(text, keep, false), check == Check::right};
+  const auto damaged = [](const std::string& what) { return Error{Errc::invalid_data, what, {}}; };
+  if (check == Check::wrong) return damaged("it was changed after it was written");
+  if (!line.object.is_object()) return damaged("it is not a JSON object");
+  const json schema = line.object.value("schema", json());
+  const bool of_cell = schema == kLineSchema || schema == kUncheckedLineSchema;
+  if (!of_cell && schema != kWithdrawalSchema) {
+    return Error{Errc::incompatible,
+                 "the schema is " + schema.dump() + ", this program reads '" + kLineSchema + "'",
                  {}};
   }
+  if (schema != kUncheckedLineSchema && !line.checked) return damaged("its check is missing");
+  const json key = line.object.value("key", json());
+  if (of_cell && !(key.is_string() && is_key(key.get<std::string>()))) {
+    return damaged("its key is not made of 32 hexadecimal digits");
+  }
+  return line;
+}
+
+std::string too_many_failed(std::int64_t failed, std::int64_t frames, int max_failed) {
+  return std::to_string(failed) + " of " + std::to_string(frames) +
+         " frames had an error, more than max_failed (" + std::to_string(max_failed) + ")";
+}
+
+std::string failure_of(const json& line) {
+  if (line.at("outcome") != "done") {
+    const std::string reason = line.value("reason", std::string());
+    return reason.empty() ? "no reason was given" : reason;
+  }
+  // Lines without a check were written when a cell had to fail in every frame; those with another
+  // max_failed than 0 have another key by now.
+  if (line.at("schema") != kUncheckedLineSchema) return {};
+  const std::int64_t failed = line.value("/metrics/counts/failed"_json_pointer, std::int64_t{0});
+  if (failed == 0) return {};
+  return too_many_failed(failed, line.at("metrics").at("counts").at("frames"), 0);
+}
+
+std::vector<CellFile> files_of_line(const json& line) {
+  std::vector<CellFile> files;
+  for (const json& file : line.value("files", json::array())) {
+    files.push_back({file.at("name"), file.at("bytes"), file.at("hash")});
+  }
+  return files;
+}
+
+Result<StoredCell> stored_cell(const json& line) {
   try {
     StoredCell cell;
-    cell.key = object.at("key");
-    cell.rebuilt_key = object.at("rebuilt_key");
-    cell.failed = object.at("outcome") != "done";
-    cell.reason = object.at("reason");
-    cell.timed = !object.at("timing").value("cached", false);
-    cell.metrics = object.at("metrics").dump();
-    cell.executed = object.at("machine").at("executed").get<std::vector<std::string>>();
+    cell.key = line.at("key");
+    cell.rebuilt_key = line.at("rebuilt_key");
+    cell.reason = failure_of(line);
+    cell.failed = !cell.reason.empty();
+    cell.timed = !line.at("timing").value("cached", false);
+    cell.metrics = line.at("metrics").dump();
+    cell.executed = line.at("machine").at("executed").get<std::vector<std::string>>();
+    cell.files = files_of_line(line);
     return cell;
   } catch (const json::exception&) {
-    return damaged;
+    return Error{Errc::invalid_data, "it is no line of a cell", {}};
   }
-}
-
-std::string manifest_text(const Grid& grid, bool accept_rebuilt) {
-  return dump({{"schema", kFolderSchema},
-               {"weft", kVersion},
-               {"plan", grid.plan().name},
-               {"metrics", measurement_json(grid.plan().measurement)},
-               {"accept_rebuilt", accept_rebuilt}},
-              2) +
-         "\n";
-}
-
-std::string plan_text(const Grid& grid, const std::string& command) {
-  const Plan& plan = grid.plan();
-  ordered_json axes = ordered_json::array(), data = ordered_json::array();
-  ordered_json sequences = ordered_json::array(), show = ordered_json::array();
-  for (const Axis& axis : plan.axes) {
-    axes.push_back(axis_json(axis));
-  }
-  for (const PlannedData& each : plan.data) {
-    data.push_back({{"name", each.name}, {"sequences", names_json(each.sequences)}});
-    for (const NamedPatch& sequence : each.sequences) sequences.push_back(sequence.name);
-  }
-  std::vector<std::uint64_t> seeds = plan.seeds;
-  for (const Cell& cell : grid.cells()) {
-    if (std::find(seeds.begin(), seeds.end(), cell.seed) == seeds.end()) seeds.push_back(cell.seed);
-  }
-  for (const auto& [metric, at] : plan.show) show.push_back(metric);
-  ordered_json comparisons = ordered_json::array(), expect = ordered_json::array();
-  for (const PlannedComparison& each : plan.comparisons)
-    comparisons.push_back(comparison_json(each));
-  for (const Expectation& each : plan.expect) expect.push_back(expectation_json(each));
-  return dump({{"name", plan.name},
-               {"file", plan.source.name},
-               {"command", command},
-               {"data_use", plan.reporting ? "reporting" : "tuning"},
-               {"axes", std::move(axes)},
-               {"sequences", std::move(sequences)},
-               {"data", std::move(data)},
-               {"seeds", std::move(seeds)},
-               {"show", std::move(show)},
-               {"cells", cells_json(grid)},
-               {"comparisons", std::move(comparisons)},
-               {"expect", std::move(expect)}},
-              1) +
-         "\n";
 }
 
 }  // namespace weft::evaluation

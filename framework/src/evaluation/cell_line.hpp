@@ -1,21 +1,52 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 #include <weft/evaluation/results_folder.hpp>
 
 /// The texts of a results folder; docs/results.md describes them.
 namespace weft::evaluation {
 
 inline constexpr const char* kFolderSchema = "weft.results/1";
-inline constexpr const char* kLineSchema = "weft.cell/1";
+inline constexpr const char* kLineSchema = "weft.cell/2";
+inline constexpr const char* kUncheckedLineSchema = "weft.cell/1";
+inline constexpr const char* kWithdrawalSchema = "weft.withdrawn/1";
+inline constexpr std::size_t kKeyDigits = 32;
 
-/// The line of a cell, without its line break.
+/// Whether a text is the key of a cell, so that it can name a folder.
+bool is_key(const std::string& text);
+
+/// The line of a cell with its check, without its line break. `files` are those of its folder.
 std::string cell_line(const Cell& cell, const CellResult& result, bool timed,
-                      const Measurement& measurement);
+                      const Measurement& measurement, const std::vector<CellFile>& files);
 
-/// What a line says; fails with invalid_data where it is no line of this schema.
-Result<StoredCell> parse_cell_line(const std::string& line);
+/// The line that says that another one counts no more.
+std::string withdrawal_line(const std::string& file, int number, const std::string& reason);
+
+/// A line as JSON that may be trusted.
+struct TrustedLine {
+  nlohmann::json object;
+  bool checked = false;  ///< it had a check; those of older programs have none
+};
+
+/// Fails with incompatible where the line is whole and of another schema, with invalid_data where
+/// it is damaged. `with_frames`: with the list of frames of its metrics.
+Result<TrustedLine> trusted_line(const std::string& text, bool with_frames);
+
+/// Why the cell of a line failed; empty where it is done. A cell in which more frames had an error
+/// than max_failed has failed, also where an older program called it done.
+std::string failure_of(const nlohmann::json& line);
+
+/// "29 of 39 frames had an error, more than max_failed (0)".
+std::string too_many_failed(std::int64_t failed, std::int64_t frames, int max_failed);
+
+/// What a line of a cell says.
+Result<StoredCell> stored_cell(const nlohmann::json& line);
+
+/// The files that a line says to be in the folder of its cell.
+std::vector<CellFile> files_of_line(const nlohmann::json& line);
 
 std::string manifest_text(const Grid& grid, bool accept_rebuilt);
 

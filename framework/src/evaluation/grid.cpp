@@ -32,6 +32,7 @@ class GridBuilder {
     report_mistakes();
     check_metrics();
     report_.sort();
+    grid_.inputs_ = identifier_.files();
     return {std::move(grid_), std::move(report_)};
   }
 
@@ -158,6 +159,10 @@ std::pair<CheckedPipeline, ConfigReport> Grid::load(const Cell& cell) const {
   auto loaded = check_pipeline(plan_.pipeline, *registry_, plan_.source.folder, settings_, patches);
   if (!plan_.seeds.empty()) loaded.first.config.seed = cell.seed;
   return loaded;
+}
+
+std::string Grid::changed_input(const CheckedPipeline& pipeline) const {
+  return inputs_.changed(input_paths(pipeline));
 }
 
 std::string Grid::value_of(const Cell& cell, const std::string& name) const {

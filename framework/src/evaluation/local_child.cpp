@@ -11,6 +11,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <new>
+
+#include "cell_line.hpp"
 
 namespace weft::evaluation {
 namespace {
@@ -34,6 +37,10 @@ class Reporter final : public GroupObserver {
     return order_.folder.keep(cell, result, order_.timed, order_.grid.plan().measurement, *lines_);
   }
 
+  void cell_left(const Cell& cell, const std::string& reason) override {
+    say("l" + cell.identity.key + reason);
+  }
+
   void say(std::string text) const {
     std::replace(text.begin(), text.end(), '\n', ' ');
     text += '\n';
@@ -53,8 +60,10 @@ void run_cells(const Order& order, const std::vector<const Cell*>& cells, int pi
   Result<void> done;
   try {
     done = run_group(order.grid, cells, reporter);
+  } catch (const std::bad_alloc&) {
+    return reporter.say("m");
   } catch (const std::exception& failure) {
-    done = Error{Errc::io, std::string("the host is out of memory: ") + failure.what(), {}};
+    done = Error{Errc::io, std::string("the host failed: ") + failure.what(), {}};
   }
   if (done) return reporter.say("d");
   const Error& error = done.error();
@@ -98,6 +107,10 @@ ChildMessage parse_message(const std::string& line) {
   ChildMessage message;
   if (line.starts_with("p")) message.share = std::atof(line.c_str() + 1);
   if (line.starts_with("e")) message.error = line.substr(1);
+  if (line.starts_with("l") && line.size() > kKeyDigits) {
+    message.left = {line.substr(1, kKeyDigits), line.substr(1 + kKeyDigits)};
+  }
+  message.no_memory = line == "m";
   message.done = line == "d";
   return message;
 }

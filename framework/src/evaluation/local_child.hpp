@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 #include <weft/evaluation/engine.hpp>
 
@@ -24,9 +25,11 @@ Result<ChildProcess> start_child(const Order& order, const std::vector<const Cel
 
 /// What a child says.
 struct ChildMessage {
-  std::optional<double> share;  ///< of its frames that are done
-  std::string error;            ///< why results could not be kept
-  bool done = false;            ///< all results are kept
+  std::optional<double> share;                              ///< of its frames that are done
+  std::string error;                                        ///< why results could not be kept
+  std::optional<std::pair<std::string, std::string>> left;  ///< a cell without a result, and why
+  bool no_memory = false;                                   ///< this program had not enough of it
+  bool done = false;                                        ///< all results are kept
 };
 ChildMessage parse_message(const std::string& line);
 

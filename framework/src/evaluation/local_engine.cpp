@@ -9,6 +9,7 @@
 #include <cstring>
 #include <deque>
 #include <list>
+#include <map>
 #include <optional>
 #include <weft/evaluation/engine.hpp>
 
@@ -33,10 +34,12 @@ struct Child {
   pid_t process = 0;
   int pipe = -1;  ///< what it says; closed by its end
   Task task;
-  double share = 0.0;  ///< of its frames
-  std::string said;    ///< not yet a whole line
-  std::string error;   ///< why it gave up
-  bool done = false;   ///< it has kept all results
+  double share = 0.0;                       ///< of its frames
+  std::string said;                         ///< not yet a whole line
+  std::string error;                        ///< why it gave up
+  std::map<std::string, std::string> left;  ///< why cells have no result, by key
+  bool no_memory = false;
+  bool done = false;  ///< it has kept all results
 };
 
 /// Signals that a program sends itself by a mistake; any other comes from outside.
@@ -122,6 +125,8 @@ class LocalRun {
       child.said.erase(0, end + 1);
       if (heard.share) child.share = *heard.share;
       if (!heard.error.empty()) child.error = heard.error;
+      if (heard.left) child.left.insert(*heard.left);
+      child.no_memory = child.no_memory || heard.no_memory;
       child.done = child.done || heard.done;
     }
     return count > 0;
@@ -132,6 +137,7 @@ class LocalRun {
     int status = 0;
     while (waitpid(child.process, &status, 0) < 0 && errno == EINTR) {
     }
+    leave(child.task, child.left);
     if (child.done) {
       done_ += static_cast<double>(child.task.cells.size());
       return {};
@@ -139,17 +145,30 @@ class LocalRun {
     if (!child.error.empty()) return Error{Errc::io, child.error, {}};
     if (auto rest = leave_out_finished(child.task); !rest) return rest;
     if (child.task.cells.empty()) return {};
+    if (child.no_memory) return try_again(std::move(child.task), "there was not enough memory");
     const bool own_fault = !WIFSIGNALED(status) || is_own_fault(WTERMSIG(status));
     return own_fault ? blame(std::move(child.task), status)
-                     : try_again(std::move(child.task), status);
+                     : try_again(std::move(child.task), how_it_ended(status));
+  }
+
+  void leave(Task& task, const std::map<std::string, std::string>& reasons) {
+    std::erase_if(task.cells, [&](const Cell* cell) {
+      const auto reason = reasons.find(cell->identity.key);
+      if (reason != reasons.end()) leave(*cell, reason->second);
+      return reason != reasons.end();
+    });
+  }
+  void leave(const Cell& cell, const std::string& reason) {
+    done_ += 1.0;
+    left_.push_back("the cell " + cell.identity.key + ": " + reason);
   }
 
   Result<void> leave_out_finished(Task& task) {
     const auto stored = order_.folder.read();
     if (!stored) return stored.error();
     const auto finished = [&](const Cell* cell) {
-      const auto found = stored->find(cell->identity.key);
-      return found != stored->end() && (found->second.timed || !order_.timed);
+      const auto found = stored->cells.find(cell->identity.key);
+      return found != stored->cells.end() && (found->second.timed || !order_.timed);
     };
     done_ += static_cast<double>(std::erase_if(task.cells, finished));
     return {};
@@ -164,8 +183,14 @@ class LocalRun {
     const Cell& cell = *task.cells.front();
     CellResult result;
     result.failure = how_it_ended(status);
-    auto loaded = order_.grid.load(cell);
-    result.pipeline = effective_yaml(loaded.first.config);
+    auto [pipeline, report] = order_.grid.load(cell);
+    const std::string changed =
+        report.ok() ? order_.grid.changed_input(pipeline) : "\n" + report.text();
+    if (!changed.empty()) {
+      leave(cell, result.failure + "; its data changed while it ran: " + changed);
+      return {};
+    }
+    result.pipeline = effective_yaml(pipeline.config);
     if (!lines_) {
       auto lines = order_.folder.writer(order_.timed);
       if (!lines) return lines.error();
@@ -176,14 +201,14 @@ class LocalRun {
   }
 
   /// Whatever killed it says nothing about the cells, unless they want more memory than there is.
-  Result<void> try_again(Task task, int status) {
+  Result<void> try_again(Task task, const std::string& how) {
     if (++task.kills < kMostKills) {
       tasks_.push_front(std::move(task));
     } else if (task.cells.size() > 1) {
       split(task);
     } else {
-      left_.push_back("the cell " + task.cells.front()->identity.key + ": " + how_it_ended(status) +
-                      ", " + std::to_string(kMostKills) + " times; is there enough memory?");
+      leave(*task.cells.front(),
+            how + ", " + std::to_string(kMostKills) + " times; is there enough memory?");
     }
     return {};
   }

@@ -122,7 +122,7 @@ std::string counts_text(const RunMetrics& metrics) {
     text += '\n';
   }
   if (metrics.interrupted) {
-    text += "  the run was interrupted: the last line of frames.jsonl is cut off and not counted\n";
+    text += fmt::format("  {} frames; the run did not finish\n", counts.frames);
   }
   for (const std::string& id : metrics.truth_users) {
     text += fmt::format("  {} may read the ground truth: these figures are no measurement\n",

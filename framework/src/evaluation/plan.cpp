@@ -52,7 +52,7 @@ class PlanReader {
     if (values_.has(root, "name", "a plan")) {
       const yaml::Node& name = *root.find("name");
       plan_.name = values_.text(name, "'name'");
-      if (!plan_.name.empty()) values_.is_name(plan_.name, name.at, "'name'");
+      if (!plan_.name.empty()) values_.is_folder_name(plan_.name, name.at);
     }
     if (values_.has(root, "data_use", "a plan")) {
       const yaml::Node& use = *root.find("data_use");

@@ -37,6 +37,9 @@ class PlanValues {
   /// Letters, digits and . _ - + / only, so that a name can stand in tables and file names.
   bool is_name(const std::string& name, yaml::Position at, const std::string& what);
 
+  /// Whether a name can be that of a folder, and stays where the folder is made.
+  bool is_folder_name(const std::string& name, yaml::Position at);
+
   /// Reads what `key` of the map holds; a mistake where it is missing and required.
   bool has(const yaml::Node& map, const char* key, const std::string& what);
 

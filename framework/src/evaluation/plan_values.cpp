@@ -108,6 +108,19 @@ bool PlanValues::is_name(const std::string& name, yaml::Position at, const std::
   return false;
 }
 
+/// The results folder is called by the name of the plan.
+bool PlanValues::is_folder_name(const std::string& name, yaml::Position at) {
+  constexpr std::size_t kLongest = 100;
+  constexpr const char* kLegal =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-";
+  const bool legal = !name.empty() && name.size() <= kLongest && name.front() != '.' &&
+                     name.find_first_not_of(kLegal) == std::string::npos;
+  if (legal) return true;
+  problem(at, "'name' names a folder: it must be made of at most " + std::to_string(kLongest) +
+                  " letters, digits and _ . -, and must not begin with a dot");
+  return false;
+}
+
 bool PlanValues::has(const yaml::Node& map, const char* key, const std::string& what) {
   if (map.find(key) != nullptr) return true;
   problem(map.at, what + " lacks the key '" + key + "'");

@@ -2,25 +2,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <weft/core/shell_word.hpp>
 #include <weft/evaluation/metrics.hpp>
 
 #include "report_sheets.hpp"
 
 namespace weft::evaluation {
-namespace {
-
-/// A path as a shell takes it.
-std::string in_shell(const std::string& path) {
-  constexpr const char* kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789/._-+=:,@%";
-  if (path.find_first_not_of(kPlain) == std::string::npos) return path;
-  std::string quoted = "'";
-  for (const char c : path) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
-}  // namespace
-
 std::string anchor_of(std::size_t combination) {
   return "reproduce-" + std::to_string(combination);
 }
@@ -32,8 +19,9 @@ std::string run_command(const Results& results, const std::string& key) {
       results.match_tolerance_px != EvaluationOptions{}.match_tolerance_px) {
     options += fmt::format(" --match-tolerance-px {:g}", results.match_tolerance_px);
   }
-  return "weft run " + in_shell(results.folder + "/cells/" + key + "/pipeline.yaml") +
-         " --out runs/" + key + " && weft eval runs/" + key + options;
+  const std::string run = shell_word("runs/" + key);
+  return "weft run " + shell_word(results.folder + "/cells/" + key + "/pipeline.yaml") + " --out " +
+         run + " && weft eval " + run + options;
 }
 
 std::string command_of(const Results& results, const PlanCell& cell) {
@@ -41,7 +29,7 @@ std::string command_of(const Results& results, const PlanCell& cell) {
 }
 
 std::string ablate_command(const Results& results, const std::string& option) {
-  return results.command + " --out " + in_shell(results.folder) + option;
+  return results.command + " --out " + shell_word(results.folder) + option;
 }
 
 }  // namespace weft::evaluation

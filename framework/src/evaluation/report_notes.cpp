@@ -161,6 +161,23 @@ std::vector<std::string> notices_of(const Results& results, const ReportTables& 
         fmt::format("{} of {} cells have not been run yet: the figures are of what is there.",
                     counts.missing, results.cells.size()));
   }
+  if (!results.damaged.empty()) {
+    constexpr std::size_t kMost = 5;
+    std::vector<std::string> places;
+    for (const Damage& damage : results.damaged) {
+      if (places.size() < kMost) places.push_back(damage.where + " (" + damage.what + ")");
+    }
+    notices.push_back(fmt::format("{} left out: {}{}. To run these cells again: {}",
+                                  counted(results.damaged.size(), "damaged result"), listed(places),
+                                  results.damaged.size() > kMost ? ", ..." : "",
+                                  ablate_command(results, " --retry damaged")));
+  }
+  if (results.unchecked > 0) {
+    notices.push_back(fmt::format(
+        "{} of an older program: their lines have no check, so that a change in them would not be "
+        "noticed.",
+        counted(results.unchecked, "result")));
+  }
   if (results.data_use == "tuning") {
     notices.emplace_back(
         "The sequences of this plan are for tuning: its figures are not for publication.");

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <set>
 
 #include "cell_line.hpp"
 #include "metric_path.hpp"
+#include "result_lines.hpp"
 #include "results_json.hpp"
 
 namespace weft::evaluation {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
 
 /// The metrics that the plan names, each once.
@@ -97,42 +95,51 @@ void read_times(const json& timing, CellRecord& record) {
   }
 }
 
-Result<void> read_line(const json& line, const std::set<std::string>& wanted, Results& results) {
-  if (line.value("schema", "") != kLineSchema) {
-    return Error{Errc::incompatible,
-                 "the schema is '" + line.value("schema", "") + "', this program reads '" +
-                     kLineSchema + "'",
-                 {}};
-  }
+/// What is left of a cell that failed: it enters no mean, and failed in each of its frames.
+void forget_figures(CellRecord& record) {
+  CellRecord failed;
+  failed.outcome = CellOutcome::failed;
+  failed.reason = std::move(record.reason);
+  failed.frames = record.frames;
+  failed.truth_frames = failed.failures = record.truth_frames;
+  failed.truth_users = std::move(record.truth_users);
+  for (const FrameError& error : record.errors) failed.errors.push_back({error.frame});
+  record = std::move(failed);
+}
+
+CellRecord record_of(const json& line, const std::set<std::string>& wanted) {
   CellRecord record;
-  const bool done = line.at("outcome") == "done";
-  record.outcome = done ? CellOutcome::done : CellOutcome::failed;
-  record.reason = line.value("reason", "");
+  record.reason = failure_of(line);
+  record.outcome = record.reason.empty() ? CellOutcome::done : CellOutcome::failed;
   if (line.contains("metrics") && line.at("metrics").is_object()) {
     read_metrics(line.at("metrics"), wanted, record);
   }
-  if (done && line.contains("timing")) read_times(line.at("timing"), record);
-  const std::string processor = line.value("/machine/processor"_json_pointer, "");
-  if (!processor.empty()) results.processors.insert(processor);
-  results.records.emplace(line.at("key"), std::move(record));
-  return {};
+  if (line.contains("timing")) read_times(line.at("timing"), record);
+  if (record.outcome == CellOutcome::failed) forget_figures(record);
+  return record;
 }
 
-Result<void> read_lines(const std::string& file, Results& results) {
+/// Reads the lines, and looks whether what they say to be in the folders of cells is there.
+Result<void> read_records(Results& results) {
+  std::map<std::string, std::vector<CellFile>> files_of;  // by key
   const std::set<std::string> wanted = metrics_of(results);
-  std::ifstream stream(file, std::ios::binary);
-  std::string text;
-  for (int number = 1; std::getline(stream, text); ++number) {
-    if (stream.eof()) break;  // the last line was cut off
-    const std::string place = file + ":" + std::to_string(number);
-    const json line = json::parse(text, nullptr, false);
-    if (!line.is_object()) return Error{Errc::invalid_data, "is not a JSON object", place};
-    try {
-      if (auto read = read_line(line, wanted, results); !read) {
-        return Error{read.error().code, read.error().message, place};
-      }
-    } catch (const json::exception& damage) {
-      return Error{Errc::invalid_data, damage.what(), place};
+  const auto take = [&](const LinePlace&, const json& line) {
+    results.records.emplace(line.at("key"), record_of(line, wanted));
+    files_of.emplace(line.at("key"), files_of_line(line));
+    const std::string processor = line.value("/machine/processor"_json_pointer, "");
+    if (!processor.empty()) results.processors.insert(processor);
+    return Result<void>();
+  };
+  const auto faults = read_result_lines(results.folder, true, take);
+  if (!faults) return faults.error();
+  results.unchecked = faults->unchecked;
+  results.damaged = faults->damaged;
+  for (const auto& [key, files] : files_of) {
+    if (files.empty()) continue;  // of an older program
+    const std::string folder = results.folder + "/cells/" + key;
+    if (const std::string fault = fault_of_files(folder, files, false); !fault.empty()) {
+      results.damaged.push_back({folder, fault, key, {}, 0});
+      results.records.erase(key);
     }
   }
   return {};
@@ -174,15 +181,7 @@ SequenceSize Results::size(const PlanCell& cell) const {
 Result<Results> read_results(const std::string& folder) {
   auto results = read_results_plan(folder);
   if (!results) return results.error();
-  std::vector<std::string> files;
-  std::error_code code;
-  for (const auto& entry : fs::directory_iterator(folder + "/results", code)) {
-    if (entry.path().extension() == ".jsonl") files.push_back(entry.path().string());
-  }
-  std::sort(files.begin(), files.end());
-  for (const std::string& file : files) {
-    if (auto read = read_lines(file, *results); !read) return read.error();
-  }
+  if (auto read = read_records(*results); !read) return read.error();
   for (const PlanCell& cell : results->cells) {
     const CellRecord& record = results->record(cell);
     SequenceSize& size = results->sizes[cell.sequence];

@@ -7,13 +7,13 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <thread>
 #include <utility>
 #include <weft/core/whole_file.hpp>
 #include <weft/evaluation/results_folder.hpp>
 
 #include "cell_line.hpp"
+#include "result_lines.hpp"
 
 namespace weft::evaluation {
 namespace {
@@ -46,7 +46,7 @@ bool is_fresh(const std::string& path) {
   return true;
 }
 
-Result<void> check_schema(const std::string& path) {
+Result<void> check_schema(const std::string& path, const std::string& plan) {
   const std::string file = path + "/manifest.json";
   std::ifstream stream(file, std::ios::binary);
   if (!stream) {
@@ -57,7 +57,14 @@ Result<void> check_schema(const std::string& path) {
   const json manifest = json::parse(stream, nullptr, false);
   const std::string schema =
       manifest.is_object() ? manifest.value("schema", std::string()) : std::string();
-  if (schema == kFolderSchema) return {};
+  const std::string of = manifest.is_object() ? manifest.value("plan", plan) : plan;
+  if (schema == kFolderSchema && of == plan) return {};
+  if (schema == kFolderSchema) {
+    return Error{Errc::invalid_value,
+                 "holds the results of the plan '" + of + "', and this plan is '" + plan +
+                     "'; choose another folder with --out, or give the plan its name back",
+                 path};
+  }
   return Error{Errc::invalid_value,
                "has the schema '" + schema + "', this program writes '" + kFolderSchema +
                    "'; choose another folder with --out",
@@ -77,37 +84,6 @@ Result<int> lock_folder(const std::string& path) {
   }
   close(descriptor);
   return Error{Errc::invalid_value, "is in use by another `weft ablate`", path};
-}
-
-std::vector<std::string> line_files(const std::string& folder) {
-  std::vector<std::string> files;
-  std::error_code code;
-  for (const auto& entry : fs::directory_iterator(folder, code)) {
-    if (entry.path().extension() == ".jsonl") files.push_back(entry.path().string());
-  }
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
-Result<void> read_lines(const std::string& file, std::map<std::string, StoredCell>& cells) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) return io_error(file, "cannot be read");
-  std::string text;
-  std::uint64_t offset = 0;
-  for (int number = 1; std::getline(stream, text); ++number) {
-    if (stream.eof()) return {};  // cut off
-    auto cell = parse_cell_line(text);
-    if (!cell) {
-      return Error{cell.error().code, cell.error().message, file + ":" + std::to_string(number)};
-    }
-    cell->file = fs::path(file).filename().string();
-    cell->offset = offset;
-    offset += text.size() + 1;
-    std::string key = cell->key;
-    cells.emplace(std::move(key), *std::move(cell));
-  }
-  if (stream.bad()) return io_error(file, "cannot be read to its end");
-  return {};
 }
 
 }  // namespace
@@ -141,13 +117,22 @@ ResultsFolder::~ResultsFolder() {
   if (lock_ >= 0) close(lock_);
 }
 
-Result<ResultsFolder> ResultsFolder::open(const std::string& path) {
+Result<ResultsFolder> ResultsFolder::look(const std::string& path, const std::string& plan) {
+  std::error_code code;
+  if (fs::exists(path, code) && !fs::is_directory(path, code)) {
+    return Error{Errc::invalid_value, "is no folder; choose another with --out", path};
+  }
+  if (auto legal = check_schema(path, plan); !legal) return legal.error();
+  return ResultsFolder(fs::absolute(path).string(), -1);
+}
+
+Result<ResultsFolder> ResultsFolder::open(const std::string& path, const std::string& plan) {
   std::error_code code;
   fs::create_directories(path, code);
   if (code || !fs::is_directory(path, code)) {
     return io_error(path, "cannot be made a folder; choose another with --out");
   }
-  if (auto legal = check_schema(path); !legal) return legal.error();
+  if (auto legal = check_schema(path, plan); !legal) return legal.error();
   const auto lock = lock_folder(path);
   if (!lock) return lock.error();
   ResultsFolder folder(fs::absolute(path).string(), *lock);
@@ -165,18 +150,53 @@ Result<void> ResultsFolder::describe(const Grid& grid, const std::string& comman
   return write_whole(plan_text(grid, command), path_ + "/plan.json");
 }
 
-Result<std::map<std::string, StoredCell>> ResultsFolder::read() const {
-  std::map<std::string, StoredCell> cells;
-  for (const std::string& file : line_files(path_ + "/results")) {
-    if (auto read = read_lines(file, cells); !read) return read.error();
+Result<StoredCells> ResultsFolder::read(bool content) const {
+  StoredCells stored;
+  auto faults = read_result_lines(path_, false, [&](const LinePlace& place, const json& line) {
+    auto cell = stored_cell(line);
+    if (!cell) return Result<void>(cell.error());
+    cell->file = place.file;
+    cell->line = place.number;
+    cell->offset = place.offset;
+    std::string key = cell->key;
+    stored.cells.emplace(std::move(key), *std::move(cell));
+    return Result<void>();
+  });
+  if (!faults) return faults.error();
+  stored.damaged = std::move(faults->damaged);
+  stored.unchecked = faults->unchecked;
+  for (auto cell = stored.cells.begin(); cell != stored.cells.end();) {
+    const StoredCell& known = cell->second;
+    const std::string folder = path_ + "/cells/" + known.key;
+    std::string fault = fault_of_files(folder, known.files, content);
+    if (fault.empty()) {
+      ++cell;
+      continue;
+    }
+    stored.damaged.push_back({folder, std::move(fault), known.key, known.file, known.line});
+    cell = stored.cells.erase(cell);
   }
-  return cells;
+  return stored;
+}
+
+Result<void> ResultsFolder::withdraw(const std::vector<Damage>& lines) const {
+  if (lines.empty()) return {};
+  auto writer = lines_file("withdrawn");
+  if (!writer) return writer.error();
+  for (const Damage& line : lines) {
+    const auto written = writer->append(withdrawal_line(line.file, line.line, line.what));
+    if (!written) return written;
+  }
+  return {};
 }
 
 Result<LineWriter> ResultsFolder::writer(bool timed) const {
+  return lines_file(timed ? "alone" : "cached");
+}
+
+Result<LineWriter> ResultsFolder::lines_file(const char* kind) const {
   for (int number = 1; number < kMostFiles; ++number) {
-    const std::string file =
-        fmt::format("{}/results/{}-{:06}.jsonl", path_, timed ? "alone" : "cached", number);
+    const std::string file = fmt::format("{}/results/{}-{:06}.jsonl", path_, kind, number);
     constexpr int kFlags = O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC;
     const int descriptor = ::open(file.c_str(), kFlags, 0666);
     if (descriptor >= 0) return LineWriter(file, descriptor);
@@ -191,21 +211,30 @@ Result<void> ResultsFolder::keep(const Cell& cell, const CellResult& result, boo
   std::error_code code;
   fs::create_directories(folder, code);
   if (code) return io_error(folder, "cannot be created; is the disk full?");
-  std::vector<std::string> files{folder + "/pipeline.yaml"};
-  if (auto written = write_whole(result.pipeline, files.back()); !written) return written;
+  const auto path_of = [&](const std::string& name) { return folder + "/" + name; };
+  std::vector<std::string> names{"pipeline.yaml"};
+  if (auto written = write_whole(result.pipeline, path_of(names.back())); !written) return written;
   if (!result.shapes.empty()) {
-    files.push_back(folder + "/shapes.npz");
-    if (auto written = host::write_npz(files.back(), result.shapes); !written) return written;
+    names.emplace_back("shapes.npz");
+    if (auto written = host::write_npz(path_of(names.back()), result.shapes); !written) {
+      return written;
+    }
   }
   for (const auto& [name, bytes] : result.pictures) {
-    files.push_back(folder + "/" + name);
-    if (auto written = write_whole(bytes, files.back()); !written) return written;
+    names.push_back(name);
+    if (auto written = write_whole(bytes, path_of(name)); !written) return written;
   }
-  files.insert(files.end(), {folder, path_ + "/cells"});
-  for (const std::string& file : files) {
-    if (auto lasting = make_last(file); !lasting) return lasting;
+  std::vector<CellFile> files;
+  for (const std::string& name : names) {
+    if (auto lasting = make_last(path_of(name)); !lasting) return lasting;
+    auto file = cell_file(folder, name);
+    if (!file) return file.error();
+    files.push_back(*std::move(file));
   }
-  return lines.append(cell_line(cell, result, timed, measurement));
+  for (const std::string& each : {folder, path_ + "/cells"}) {
+    if (auto lasting = make_last(each); !lasting) return lasting;
+  }
+  return lines.append(cell_line(cell, result, timed, measurement, files));
 }
 
 }  // namespace weft::evaluation

@@ -137,6 +137,13 @@ Result<Results> read_results_plan(const std::string& folder) {
     const auto plan = read_json(file);
     if (!plan) return plan.error();
     fill_plan(*plan, results);
+    for (const PlanCell& cell : results.cells) {
+      if (is_key(cell.key)) continue;
+      return Error{
+          Errc::invalid_data,
+          "the key of cell " + std::to_string(cell.index) + " is not made of 32 hexadecimal digits",
+          file};
+    }
   } catch (const json::exception& damage) {
     return Error{Errc::invalid_data, damage.what(), file};
   }

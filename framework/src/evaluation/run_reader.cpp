@@ -1,55 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <weft/evaluation/run_reader.hpp>
 #include <weft/pipeline/match_depths.hpp>
+
+#include "run_damage.hpp"
 
 namespace weft::evaluation {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
-
-std::optional<ShapeState> state_of(const std::string& name) {
-  for (const ShapeState state : {ShapeState::none, ShapeState::estimated, ShapeState::weak,
-                                 ShapeState::predicted, ShapeState::lost}) {
-    if (name == to_string(state)) return state;
-  }
-  return std::nullopt;
-}
-
-/// The line as a frame, or the name of the key that is missing or wrong.
-std::variant<FrameLine, std::string> parse_line(const json& object) {
-  const auto member = [&](const char* key) {
-    return object.value(json::json_pointer(key), json());
-  };
-  if (!object.is_object()) return std::string("{...}");
-  FrameLine line;
-  const json frame = member("/frame"), state = member("/state"), failed = member("/failed");
-  if (!frame.is_number_unsigned()) return std::string("frame");
-  line.frame = frame.get<std::uint64_t>();
-  const auto known = state.is_string() ? state_of(state.get<std::string>()) : std::nullopt;
-  if (!known) return std::string("state");
-  line.state = *known;
-  if (!failed.is_boolean()) return std::string("failed");
-  line.failed = failed.get<bool>();
-  const json stem = member("/stem");
-  if (stem.is_string()) line.stem = stem.get<std::string>();
-  return line;
-}
 
 std::string frame_file(const std::string& folder, std::uint64_t frame) {
   std::string digits = std::to_string(frame);
   digits.insert(0, digits.size() < 6 ? 6 - digits.size() : 0, '0');
   return folder + "/frames/" + digits + ".npz";
-}
-
-Error damaged(const std::string& file, const std::string& message) {
-  return {Errc::invalid_data, message + "; the run folder is damaged: run the pipeline again",
-          file};
 }
 
 /// The record of a slot as a noun that borrows from it; nothing where the slot is absent.
@@ -110,7 +76,7 @@ class MatchFinder {
     auto matches = find_noun<Correspondences>(records_, slot, file_);
     if (!matches) return matches.error();
     if (!usable(**matches, faces_)) {
-      return damaged(file_, "has matches in " + slot + " with NaN, infinity or no such face");
+      return damaged_run(file_, "has matches in " + slot + " with NaN, infinity or no such face");
     }
     left_.insert_or_assign(path, Left{found_.size(), (*matches)->kept});
     found_.push_back({path, **std::move(matches), {}, {}});
@@ -124,7 +90,7 @@ class MatchFinder {
     if (!mask) return mask.error();
     if (before == left_.end() || before->second.kept.rows() != (*mask)->kept.rows() ||
         (*mask)->score.rows() != (*mask)->kept.rows()) {
-      return damaged(file_, "has in " + slot + " no entry for each match");
+      return damaged_run(file_, "has in " + slot + " no entry for each match");
     }
     const Left& from = before->second;
     found_[from.index].filters.push_back(
@@ -138,7 +104,7 @@ class MatchFinder {
     if (!depths) return depths.error();
     if (found_.empty() || found_.back().stage != path ||
         found_.back().matches.count() != (*depths)->depth_m.rows()) {
-      return damaged(file_, "has in " + slot + " no entry for each match");
+      return damaged_run(file_, "has in " + slot + " no entry for each match");
     }
     found_.back().depth_m = (*depths)->depth_m;
     return {};
@@ -160,7 +126,7 @@ Result<std::vector<WarpRecords>> find_warps(const host::NamedRecords& records,
     auto samples = find_noun<WarpSamples>(records, slot, file);
     if (!samples) return samples.error();
     if ((*samples)->xy_px.rows() != vertices) {
-      return damaged(file, "has in " + slot + " no entry for each vertex");
+      return damaged_run(file, "has in " + slot + " no entry for each vertex");
     }
     warps.push_back({slot.substr(0, slot.size() - kEnd.size()), **std::move(samples)});
   }
@@ -202,61 +168,12 @@ Result<void> RunReader::take_scene(host::NamedRecords scene, const std::string& 
   template_owner_ = std::move(scene);
   auto sheet = find_noun<Template>(template_owner_, "template", file);
   if (!sheet) return sheet.error();
-  if (!*sheet) return damaged(file, "holds no template");
+  if (!*sheet) return damaged_run(file, "holds no template");
   template_ = **std::move(sheet);
   const auto camera = find_noun<Camera>(template_owner_, "camera", file);
   if (!camera) return camera.error();
-  if (!*camera) return damaged(file, "holds no camera");
+  if (!*camera) return damaged_run(file, "holds no camera");
   camera_ = **camera;
-  return {};
-}
-
-Result<void> RunReader::read_lines() {
-  const std::string file = folder_ + "/frames.jsonl";
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) return Error{Errc::io, "cannot be read", file};
-  std::string text;
-  for (std::size_t number = 1; std::getline(stream, text); ++number) {
-    const bool cut = stream.eof();  // a whole line ends with a line break
-    const json object = json::parse(text, nullptr, false);
-    if (cut && object.is_discarded()) {
-      interrupted_ = true;
-      break;
-    }
-    const std::string place = file + ":" + std::to_string(number);
-    if (object.is_discarded()) return Error{Errc::syntax, "is no JSON object", place};
-    auto line = parse_line(object);
-    if (const auto* key = std::get_if<std::string>(&line)) {
-      return Error{Errc::syntax, "'" + *key + "' is missing or has no legal value", place};
-    }
-    lines_.push_back(std::get<FrameLine>(std::move(line)));
-  }
-  if (stream.bad()) return Error{Errc::io, "cannot be read to its end", file};
-  std::sort(lines_.begin(), lines_.end(),
-            [](const FrameLine& a, const FrameLine& b) { return a.frame < b.frame; });
-  const auto twice =
-      std::adjacent_find(lines_.begin(), lines_.end(),
-                         [](const FrameLine& a, const FrameLine& b) { return a.frame == b.frame; });
-  if (twice == lines_.end()) return {};
-  return damaged(file, "has two lines of frame " + std::to_string(twice->frame));
-}
-
-Result<void> RunReader::read_manifest() {
-  const std::string file = folder_ + "/manifest.json";
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) return {};  // a folder made by another program need not have one
-  const json manifest = json::parse(stream, nullptr, false);
-  if (!manifest.is_object()) return damaged(file, "is no JSON object");
-  const json components = manifest.value("components", json::array());
-  has_solver_ = std::any_of(components.begin(), components.end(), [](const json& component) {
-    const json id = component.is_object() ? component.value("id", json()) : json();
-    return id.is_string() && id.get<std::string>().starts_with("solvers/");
-  });
-  for (const json& component : components) {
-    if (!component.is_object() || component.value("uses_truth", json()) != json(true)) continue;
-    const json id = component.value("id", json());
-    truth_users_.push_back(id.is_string() ? id.get<std::string>() : "a component without id");
-  }
   return {};
 }
 
@@ -266,9 +183,14 @@ Result<FrameRecords> RunReader::read(const FrameLine& line) const {
   if (fs::exists(file, code)) {
     auto records = host::read_npz(file, host::NpzCheck::none);
     if (!records) return records.error();
+    if (line.records >= 0 && line.records != static_cast<std::int64_t>(records->size())) {
+      return damaged_run(file, "has " + std::to_string(records->size()) +
+                                   " records where frames.jsonl says " +
+                                   std::to_string(line.records));
+    }
     return sort(*std::move(records), line, file);
   }
-  if (line.state != ShapeState::none) return damaged(file, "is missing");
+  if (line.state != ShapeState::none || line.records > 0) return damaged_run(file, "is missing");
   return sort({}, line, file);
 }
 
@@ -293,20 +215,20 @@ Result<FrameRecords> RunReader::sort(host::NamedRecords records, const FrameLine
   frame.warps = *std::move(warps);
   const ShapeState stored = frame.shape ? frame.shape->shape_state() : ShapeState::none;
   if (stored != line.state) {
-    return damaged(file, std::string("has the state '") + to_string(stored) +
-                             "' where frames.jsonl says '" + to_string(line.state) + "'");
+    return damaged_run(file, std::string("has the state '") + to_string(stored) +
+                                 "' where frames.jsonl says '" + to_string(line.state) + "'");
   }
   if (frame.shape && frame.shape->vertices_m.rows() != template_.vertices_m.rows()) {
-    return damaged(file, "has " + std::to_string(frame.shape->vertices_m.rows()) +
-                             " vertices where the template has " +
-                             std::to_string(template_.vertices_m.rows()));
+    return damaged_run(file, "has " + std::to_string(frame.shape->vertices_m.rows()) +
+                                 " vertices where the template has " +
+                                 std::to_string(template_.vertices_m.rows()));
   }
   if (frame.visibility && frame.visibility->visible.rows() != template_.vertices_m.rows()) {
-    return damaged(file, "has in visibility no entry for each vertex");
+    return damaged_run(file, "has in visibility no entry for each vertex");
   }
   if (frame.ground_truth && !(frame.ground_truth->template_xy_m.matrix<2>().allFinite() &&
                               frame.ground_truth->points_m.matrix<3>().allFinite())) {
-    return damaged(file, "has a ground truth with NaN or infinity");
+    return damaged_run(file, "has a ground truth with NaN or infinity");
   }
   return frame;
 }

@@ -18,8 +18,9 @@ Error plugin_error(std::int32_t status, const weft_error& raw, const std::string
   if (status == WEFT_OK) return {};
   const std::string where = text_in(raw.where);
   Error error{static_cast<Errc>(raw.code), text_in(raw.message), where.empty() ? id : where};
-  const bool known = raw.code > static_cast<std::int32_t>(Errc::no_result) &&
-                     raw.code < static_cast<std::int32_t>(Errc::cancelled);
+  const bool known = (raw.code > static_cast<std::int32_t>(Errc::no_result) &&
+                      raw.code < static_cast<std::int32_t>(Errc::cancelled)) ||
+                     raw.code == static_cast<std::int32_t>(Errc::no_memory);
   if (status == WEFT_NO_RESULT) {
     error.code = Errc::no_result;
   } else if (status == WEFT_CANCELLED) {

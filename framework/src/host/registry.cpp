@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <sstream>
+#include <weft/core/shell_word.hpp>
 #include <weft/core/suggest.hpp>
 #include <weft/host/build_id.hpp>
 #include <weft/host/processor.hpp>
@@ -69,7 +70,7 @@ Refusal unreadable(const std::string& manifest, const Error& error) {
   const std::string library = manifest.substr(0, manifest.rfind(".plugin.yaml")) + ".so";
   return {library,
           "its manifest cannot be read: " + error.message + " (" + error.where + ")",
-          "run: weft plugins describe " + library,
+          "run: weft plugins describe " + shell_word(library),
           {}};
 }
 
@@ -95,7 +96,7 @@ std::optional<Refusal> check(const Manifest& manifest) {
   }
   if (*build_id != manifest.build_id) {
     return refuse("its manifest belongs to another build of it",
-                  "run: weft plugins describe " + manifest.library);
+                  "run: weft plugins describe " + shell_word(manifest.library));
   }
   if (const std::string missing = missing_features(manifest.isa); !missing.empty()) {
     return refuse("it needs processor features that this machine lacks: " + missing,
@@ -162,8 +163,10 @@ void Registry::scan_folder(const SearchFolder& folder) {
   for (const std::string& library : libraries) {
     const std::string manifest = library.substr(0, library.size() - 3) + ".plugin.yaml";
     if (std::binary_search(manifests.begin(), manifests.end(), manifest)) continue;
-    refusals_.push_back(
-        {library, "it has no manifest beside it", "run: weft plugins describe " + library, {}});
+    refusals_.push_back({library,
+                         "it has no manifest beside it",
+                         "run: weft plugins describe " + shell_word(library),
+                         {}});
   }
   std::vector<Manifest> usable;
   for (const std::string& file : manifests) {

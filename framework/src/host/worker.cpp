@@ -16,7 +16,7 @@ constexpr std::chrono::milliseconds kCancelPatience{1000};
 Error error_in(const ReplyMessage& reply) {
   constexpr std::size_t kLongestText = 1023;
   const bool known = reply.code >= static_cast<std::int32_t>(Errc::no_result) &&
-                     reply.code <= static_cast<std::int32_t>(Errc::cancelled);
+                     reply.code <= static_cast<std::int32_t>(Errc::no_memory);
   return {known ? static_cast<Errc>(reply.code) : Errc::plugin_failure,
           reply.message.substr(0, kLongestText), reply.where.substr(0, kLongestText)};
 }
@@ -187,11 +187,11 @@ Result<ReplyMessage> Worker::converse(MessageKind kind, const std::string& conte
     if (cancelled_at) return fail("did not stop when cancelled, and was ended", Errc::cancelled);
     return fail("gave no answer within " + std::to_string(deadline.count()) + " ms and was ended");
   };
-  if (!process_->channel().send(kind, content)) return fail(process_->cause_of_death());
+  if (!process_->channel().send(kind, content)) return died();
   for (;;) {
     Message message;
     const auto got = process_->channel().receive(message, keep_waiting);
-    if (got == Channel::Received::closed) return fail(process_->cause_of_death());
+    if (got == Channel::Received::closed) return died();
     if (got == Channel::Received::unreadable) return fail("sent what is no message, and was ended");
     if (got == Channel::Received::gave_up) return gave_up();
     auto reply = unpack<ReplyMessage>(message.content);
@@ -203,6 +203,11 @@ Result<ReplyMessage> Worker::converse(MessageKind kind, const std::string& conte
     if (workplace_.log) workplace_.log(log->component, log->level, log->text);
     if (!keep_waiting()) return gave_up();
   }
+}
+
+Result<ReplyMessage> Worker::died() {
+  const Error death = process_->cause_of_death();
+  return fail(death.message, death.code);
 }
 
 Result<ReplyMessage> Worker::fail(const std::string& cause, Errc code) {

@@ -125,10 +125,11 @@ bool WorkerProcess::reap(int patience_ms) {
   return id_ == 0;
 }
 
-std::string WorkerProcess::cause_of_death() {
+Error WorkerProcess::cause_of_death() {
+  Error death{Errc::plugin_failure, "closed its connection and was ended", {}};
   if (!reap(kPatience_ms)) {
     kill();
-    return "closed its connection and was ended";
+    return death;
   }
   std::string cause = "ended";
   if (status_ != -1 && WIFEXITED(status_)) {
@@ -138,9 +139,11 @@ std::string WorkerProcess::cause_of_death() {
     const char* name = sigdescr_np(signal);
     cause = "died of signal " + std::to_string(signal) + " (" + (name != nullptr ? name : "?") +
             ")" + (signal == SIGKILL ? ", perhaps because memory was short" : "");
+    if (signal == SIGKILL) death.code = Errc::no_memory;
   }
   const std::string line = last_line();
-  return line.empty() ? cause : cause + "; the last that it printed: " + line;
+  death.message = line.empty() ? cause : cause + "; the last that it printed: " + line;
+  return death;
 }
 
 void WorkerProcess::forget_old_output() {

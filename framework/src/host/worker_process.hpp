@@ -31,8 +31,8 @@ class WorkerProcess {
   void kill();
 
   /// After its end of the channel was closed: how it ended, and its last printed line. "died of
-  /// signal 11 (Segmentation fault)".
-  std::string cause_of_death();
+  /// signal 11 (Segmentation fault)". The code is no_memory where somebody else killed it.
+  Error cause_of_death();
 
   /// Bounds what is kept of its printing.
   void forget_old_output();

@@ -68,6 +68,7 @@ StageReport report_of(const std::string& stage, const Outcome& outcome, double m
                   : outcome.status == WEFT_NO_RESULT ? StageStatus::no_result
                                                      : StageStatus::error;
   report.reason = outcome.error.message;
+  report.code = outcome.error.code;
   if (report.status == StageStatus::error && !outcome.error.where.empty()) {
     report.reason = outcome.error.where + ": " + report.reason;
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <filesystem>
+#include <weft/core/shell_word.hpp>
 #include <weft/core/suggest.hpp>
 #include <weft/pipeline/replay.hpp>
 
@@ -131,7 +132,8 @@ Result<std::string> find_dump(const std::string& records, const std::string& sta
     if (has_dump(entry.path())) stages.push_back(entry.path().filename().string());
   }
   if (stages.empty()) {
-    return Error{Errc::io, "holds no dump; write one with: weft run --dump " + stage, records};
+    return Error{Errc::io, "holds no dump; write one with: weft run --dump " + shell_word(stage),
+                 records};
   }
   if (has_dump(root / stage)) return (root / stage).string();
   const std::string near = nearest(stage, stages);

@@ -62,8 +62,11 @@ class Run {
       throw;
     }
     need(finish());
-    if (folder_) summary_.folder = folder_->path();
     summary_.stopped = summary_.stopped || cancel_.load();
+    if (folder_) {
+      need(folder_->end(summary_.frames, summary_.failed, summary_.stopped));
+      summary_.folder = folder_->path();
+    }
     return summary_;
   }
 

@@ -22,6 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
+constexpr const char* kEndFile = "end.json";  // a run that did not come to its end has none
+
 Error io_error(const std::string& file, const std::string& message) {
   return {Errc::io, message, file};
 }
@@ -67,6 +69,7 @@ ordered_json provenance(const PipelineConfig& config) {
           {"sources", source_names(config.sources)},
           {"seed", config.seed},
           {"reproducible", true},
+          {"end", kEndFile},
           {"machine", {{"processor", host::processor_name()}, {"system", system.release}}},
           {"components", std::move(components)}};
 }
@@ -258,11 +261,17 @@ Result<void> RunFolder::add(const Graph& graph, const FrameResult& frame,
                     {"age", frame.age_frames}};
   add_certainty(frame.shape, line);
   line["failed"] = frame.failed();
+  line["records"] = records.size();
   line["stages"] = std::move(stages);
   line["ms"] = std::move(times);
   frames_ << dump(line) << std::endl;
   if (!frames_) return io_error(path_ + "/frames.jsonl", "cannot be written; is the disk full?");
   return {};
+}
+
+Result<void> RunFolder::end(std::int64_t frames, std::int64_t failed, bool stopped) const {
+  const ordered_json summary{{"frames", frames}, {"failed", failed}, {"stopped", stopped}};
+  return write_whole(dump(summary) + "\n", path_ + "/" + kEndFile);
 }
 
 }  // namespace weft

@@ -20,6 +20,7 @@ enum class Errc : std::int32_t {
   unsupported,     ///< legal, but this component cannot do it
   plugin_failure,  ///< a plugin threw or broke its contract
   cancelled,       ///< the host asked to stop
+  no_memory,       ///< memory was short; says nothing about what was asked for
 };
 
 /// A cause, a sentence that says what to change, and a place (file:line:column, plugin or stage).

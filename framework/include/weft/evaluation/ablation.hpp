@@ -13,24 +13,30 @@ struct AblationOptions {
   bool timed = false;
   bool accept_rebuilt = false;  ///< takes results of the same versions built anew
   std::string command;          ///< that repeats the ablation
+  bool retry_failed = false;    ///< runs cells again that failed
+  bool retry_damaged = false;   ///< runs cells again whose results cannot be trusted
 };
 
-/// Where an ablation stands. cells = done + failed + left.
+/// Where an ablation stands. cells = done + failed + damaged + left.
 struct AblationState {
   std::size_t cells = 0;
   std::size_t keys = 0;  ///< distinct ones
   std::size_t done = 0, failed = 0, left = 0;
+  std::size_t damaged = 0;                   ///< cells whose only results cannot be trusted
   std::size_t stages = 0;                    ///< stages of the distinct keys that are finished
   std::size_t stages_executed = 0;           ///< of these, executed; the others were shared
   std::map<std::string, StoredCell> stored;  ///< by key
   std::vector<std::string> reasons;          ///< why cells were left
+  std::vector<Damage> damages;               ///< of cells of other plans too
+  std::size_t unchecked = 0;                 ///< lines without a check, of older programs
 };
 
 /// What the folder has of the grid's cells. Results that are accepted give their cells their keys.
 Result<AblationState> state_of(Grid& grid, const ResultsFolder& folder,
                                const AblationOptions& options);
 
-/// Runs the cells that have no result yet. Cells that fail are results.
+/// Runs the cells that have no result yet. Cells that fail are results, and so are damaged ones
+/// until they are to be tried again: their lines are then withdrawn before anything runs.
 Result<AblationState> run_ablation(Grid& grid, const ResultsFolder& folder, Engine& engine,
                                    const AblationOptions& options, const Engine::Progress& progress,
                                    const std::atomic<bool>& cancel);

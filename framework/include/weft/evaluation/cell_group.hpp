@@ -19,7 +19,8 @@ struct StageTiming {
 
 /// What a cell came to.
 struct CellResult {
-  std::string failure;                ///< why it failed; empty where it is done
+  std::string failure;  ///< why it failed; empty where it is done
+  std::string left;     ///< why there is no result: nothing that the cell is to blame for
   std::optional<RunMetrics> metrics;  ///< of all that could be measured
   std::vector<std::string> executed;  ///< stages that it ran itself
   std::vector<StageTiming> timings;   ///< of these stages and of the source
@@ -36,10 +37,14 @@ class GroupObserver {
   virtual void frame_done(std::int64_t done, std::int64_t frames) = 0;
   /// An Error ends the group: the result could not be kept.
   virtual Result<void> cell_done(const Cell& cell, const CellResult& result) = 0;
+  /// The cell has no result, and is to be run again another time.
+  virtual void cell_left(const Cell& cell, const std::string& reason) = 0;
 };
 
 /// Runs cells that read the same frames, in step: each frame is read once, and each stage key is
-/// executed once. What goes wrong in a cell is its result.
+/// executed once. What goes wrong in a cell is its result: it has failed where a run of its
+/// pipeline would end with exit code 1 or 2. What says nothing about the cell is not: memory that
+/// was short, a file that is gone or was changed meanwhile, a library that cannot be loaded.
 Result<void> run_group(const Grid& grid, const std::vector<const Cell*>& cells,
                        GroupObserver& observer);
 

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <string>
 #include <vector>
+#include <weft/evaluation/input_files.hpp>
 #include <weft/evaluation/plan.hpp>
 #include <weft/pipeline/run.hpp>
 
@@ -18,6 +18,9 @@ struct CellIdentity {
   std::vector<std::string> stages;  ///< a key for each stage, of it and all that it depends on
 };
 
+/// The files that a pipeline reads, as its parameters name them.
+std::vector<std::string> input_paths(const CheckedPipeline& pipeline);
+
 /// Identifies cells; hashes each file once.
 class Identifier {
  public:
@@ -26,11 +29,12 @@ class Identifier {
   CellIdentity identify(const CheckedPipeline& pipeline, std::uint64_t run_seed,
                         const Measurement& measurement, std::vector<yaml::Problem>& problems);
 
+  /// All that was hashed so far.
+  const InputFiles& files() const { return files_; }
+
  private:
   friend class IdentityWriter;
-  const Result<std::string>& hash_of(const std::string& path);
-
-  std::map<std::string, Result<std::string>> hashes_;  ///< by path
+  InputFiles files_;
 };
 
 }  // namespace weft::evaluation

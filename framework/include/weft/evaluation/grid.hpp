@@ -37,6 +37,10 @@ class Grid {
   /// The pipeline of a cell, with its run seed and without sinks. It was ok when the grid was made.
   std::pair<CheckedPipeline, ConfigReport> load(const Cell& cell) const;
 
+  /// A path of the pipeline whose files are not what they were when the grid was made; empty when
+  /// there is none.
+  std::string changed_input(const CheckedPipeline& pipeline) const;
+
   /// "myneighbor" of the axis `filter`, "plain" of `data`, "plain_101" of `sequence`, "1" of
   /// `seed`.
   std::string value_of(const Cell& cell, const std::string& name) const;
@@ -52,6 +56,7 @@ class Grid {
   const host::Registry* registry_ = nullptr;
   std::vector<std::string> settings_;
   std::vector<Cell> cells_;
+  InputFiles inputs_;
 };
 
 }  // namespace weft::evaluation

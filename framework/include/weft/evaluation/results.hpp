@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 #include <weft/core/result.hpp>
+#include <weft/evaluation/damage.hpp>
 #include <weft/evaluation/frame_metrics.hpp>
 
 /// The results folder of an ablation, read for tables and figures; see docs/results.md.
@@ -114,8 +115,7 @@ struct SequenceSize {
 };
 
 struct Results {
-  std::string folder;
-  std::string name;             ///< of the plan
+  std::string folder, name;     ///< name: of the plan
   std::string command;          ///< that wrote the folder
   std::string version;          ///< of weft
   std::string data_use;         ///< "tuning", "reporting" or empty
@@ -133,6 +133,8 @@ struct Results {
   std::map<std::string, CellRecord> records;  ///< by key
   std::map<std::string, SequenceSize> sizes;  ///< by sequence
   std::set<std::string> processors;           ///< that computed them
+  std::vector<Damage> damaged;                ///< results that are left out for it
+  std::size_t unchecked = 0;                  ///< lines without a check, of older programs
 
   /// What is known of a cell; outcome `missing` where nothing is.
   const CellRecord& record(const PlanCell& cell) const;
@@ -140,9 +142,8 @@ struct Results {
   SequenceSize size(const PlanCell& cell) const;
 };
 
-/// Reads a results folder; the last line of a file that was cut off is left out. Fails with
-/// not_found where the folder is no results folder, with incompatible where it has another schema,
-/// with invalid_data and the place where a file is damaged.
+/// Reads a results folder; what was cut off or damaged is left out. Fails with not_found where the
+/// folder is none, with incompatible at another schema, with invalid_data at a damaged plan.
 Result<Results> read_results(const std::string& folder);
 
 }  // namespace weft::evaluation

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 #include <weft/evaluation/cell_group.hpp>
+#include <weft/evaluation/damage.hpp>
 #include <weft/evaluation/grid.hpp>
 
 namespace weft::evaluation {
@@ -17,8 +18,17 @@ struct StoredCell {
   std::string reason;
   std::string metrics;                ///< as JSON, without its frames; "null" where there are none
   std::vector<std::string> executed;  ///< stages that the cell ran itself
+  std::vector<CellFile> files;        ///< of its folder; none in lines of older programs
   std::string file;
+  int line = 0;              ///< from 1
   std::uint64_t offset = 0;  ///< [bytes] where the line begins
+};
+
+/// All that a folder has.
+struct StoredCells {
+  std::map<std::string, StoredCell> cells;  ///< finished ones, by key
+  std::vector<Damage> damaged;
+  std::size_t unchecked = 0;  ///< lines without a check, of older programs
 };
 
 /// A file of lines that one process writes.
@@ -45,8 +55,11 @@ class LineWriter {
 class ResultsFolder {
  public:
   /// Creates the folder, or opens one of this schema for this process and its children alone.
-  /// Fails where it holds something else, cannot be written, or is in use.
-  static Result<ResultsFolder> open(const std::string& path);
+  /// Fails where it holds something else or the results of a plan of another name than `plan`,
+  /// cannot be written, or is in use.
+  static Result<ResultsFolder> open(const std::string& path, const std::string& plan);
+  /// The same for reading alone: creates nothing, locks nothing, and may be absent.
+  static Result<ResultsFolder> look(const std::string& path, const std::string& plan);
   ResultsFolder(ResultsFolder&& other) noexcept;
   ResultsFolder& operator=(ResultsFolder&&) = delete;
   ~ResultsFolder();
@@ -56,8 +69,12 @@ class ResultsFolder {
   /// Writes manifest.json and plan.json. `command` repeats the ablation.
   Result<void> describe(const Grid& grid, const std::string& command, bool accept_rebuilt) const;
 
-  /// All finished cells by key. A line that was cut off is none; a damaged one is an error.
-  Result<std::map<std::string, StoredCell>> read() const;
+  /// All finished cells. A line that was cut off is none. Folders of cells are compared with their
+  /// lines by the sizes of files, with `content` by their hashes too.
+  Result<StoredCells> read(bool content = false) const;
+
+  /// Takes results back: their lines count no more, for any reader, and their cells have none.
+  Result<void> withdraw(const std::vector<Damage>& lines) const;
 
   /// A new file of lines; those of a timing pass stand before the others by name.
   Result<LineWriter> writer(bool timed) const;
@@ -67,10 +84,11 @@ class ResultsFolder {
                     const Measurement& measurement, LineWriter& lines) const;
 
  private:
+  Result<LineWriter> lines_file(const char* kind) const;
   ResultsFolder(std::string path, int lock) : path_(std::move(path)), lock_(lock) {}
 
   std::string path_;
-  int lock_;  ///< descriptor of the folder, which holds the lock
+  int lock_;  ///< descriptor of the folder, which holds the lock; -1 for reading
 };
 
 }  // namespace weft::evaluation

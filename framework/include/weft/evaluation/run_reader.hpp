@@ -22,6 +22,8 @@ struct FrameLine {
   std::string stem;         ///< of the image file, empty where there is none
   ShapeState state = ShapeState::none;
   bool failed = false;  ///< a stage, the source or a sink had an error
+  /// [] in the frame's file, which is there unless it is 0; -1: the line does not say
+  std::int64_t records = -1;
 };
 
 /// What a filter left of the matches that a stage made.
@@ -59,7 +61,7 @@ struct FrameRecords {
 class RunReader {
  public:
   /// Reads everything but the frames. Fails with not_found where the folder is no run folder, with
-  /// syntax or invalid_data and the place where a file is damaged.
+  /// syntax or invalid_data and the place where a file is damaged or lines are missing.
   static Result<RunReader> open(const std::string& folder);
 
   /// A run that is not written: `where` names it in errors, `scene` has the slots template and
@@ -71,7 +73,8 @@ class RunReader {
   const Camera& camera() const { return camera_; }
   /// One entry a frame, in the order of the frames.
   const std::vector<FrameLine>& lines() const { return lines_; }
-  /// The last line is cut off because the run was killed; it is not among lines().
+  /// The run did not come to its end: it was killed or stopped. A line that was cut off then is not
+  /// among lines().
   bool interrupted() const { return interrupted_; }
   /// Without a solver there are no shapes, and none is missing.
   bool has_solver() const { return has_solver_; }
@@ -92,6 +95,7 @@ class RunReader {
   Result<void> take_scene(host::NamedRecords scene, const std::string& file);
   Result<void> read_lines();
   Result<void> read_manifest();
+  Result<void> read_end(const std::string& file);
 
   std::string folder_;
   host::NamedRecords template_owner_;
@@ -99,6 +103,7 @@ class RunReader {
   Camera camera_;
   std::vector<FrameLine> lines_;
   bool interrupted_ = false;
+  bool cut_ = false;  ///< the last line has no line break
   bool has_solver_ = true;
   std::vector<std::string> truth_users_;
 };

@@ -65,6 +65,7 @@ class Worker {
   Result<ReplyMessage> converse(MessageKind kind, const std::string& content,
                                 std::chrono::milliseconds deadline = {});
   Result<ReplyMessage> fail(const std::string& cause, Errc code = Errc::plugin_failure);
+  Result<ReplyMessage> died();
   Result<std::shared_ptr<Record>> adopt(const PlacedRecord& placed) const;
 
   Isolation isolation_;

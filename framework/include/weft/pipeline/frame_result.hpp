@@ -23,7 +23,8 @@ struct StageReport {
   std::string reason;  ///< of anything but ok; for skipped the first cause
   double ms = 0.0;     ///< [ms] nested components included
   std::vector<std::pair<std::string, double>> numbers;  ///< counts and scalar diagnostics
-  bool shared = false;  ///< taken from another pipeline, see StageMemo
+  bool shared = false;          ///< taken from another pipeline, see StageMemo
+  Errc code = Errc::no_result;  ///< of an error
 };
 
 /// What enters the graph in one frame: the source's outputs, or why there are none.

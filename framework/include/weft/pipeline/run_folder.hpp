@@ -19,9 +19,9 @@ host::NamedRecords frame_records(const Graph& graph, const FrameResult& frame,
                                  const host::RecordPtr& ground_truth);
 
 /// The folder of one run: pipeline.yaml (effective configuration), manifest.json, template.npz
-/// (template, camera), frames.jsonl (a line a frame), frames/NNNNNN.npz and what the sinks write.
-/// Whatever is finished stays readable when the run is killed.
-/// frames/NNNNNN.npz holds the frame_records.
+/// (template, camera), frames.jsonl (a line a frame), frames/NNNNNN.npz, what the sinks write, and
+/// at the end end.json. Whatever is finished stays readable when the run is killed.
+/// frames/NNNNNN.npz holds the frame_records; a frame without any has no such file.
 class RunFolder {
  public:
   /// Creates the folder; refuses one that is not empty.
@@ -36,6 +36,9 @@ class RunFolder {
   /// Writes one frame of the graph; its line is flushed.
   Result<void> add(const Graph& graph, const FrameResult& frame,
                    const host::RecordPtr& ground_truth);
+
+  /// Writes end.json: how many frames there are, so that a reader knows that none is missing.
+  Result<void> end(std::int64_t frames, std::int64_t failed, bool stopped) const;
 
  private:
   explicit RunFolder(std::string path) : path_(std::move(path)) {}

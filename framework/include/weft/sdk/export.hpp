@@ -4,19 +4,26 @@
 #include <array>
 #include <exception>
 #include <memory>
+#include <new>
+#include <string_view>
 #include <weft/sdk/isa.hpp>
 #include <weft/sdk/process.hpp>
 
 namespace weft::detail {
+
+/// Whether an exception says that memory was short: OpenCV has one of its own for that.
+inline bool is_about_memory(const std::exception& thrown) {
+  return dynamic_cast<const std::bad_alloc*>(&thrown) != nullptr ||
+         std::string_view(thrown.what()).find("(-4:Insufficient memory)") != std::string_view::npos;
+}
 
 /// Runs `body` and turns an exception into an error: none crosses the boundary.
 template <class Body>
 std::int32_t guarded(weft_error* error, Body&& body) noexcept {
   try {
     return body();
-  } catch (const std::bad_alloc&) {
-    return report({Errc::plugin_failure, "out of memory", {}}, error);
   } catch (const std::exception& thrown) {
+    if (is_about_memory(thrown)) return report({Errc::no_memory, "out of memory", {}}, error);
     return report({Errc::plugin_failure, std::string("threw: ") + thrown.what(), {}}, error);
   } catch (...) {
     return report({Errc::plugin_failure, "threw something that is no std::exception", {}}, error);
