@@ -44,8 +44,9 @@ TEST_F(Trust, ACellFailsWhereARunOfItsPipelineWould) {
       "data: {all: {set: {source.frames: 4, solvers.error_at: [1, 2]}}}\n"
       "expect: [{where: {rule: none}, metric: counts.frames, at_least: 1}]\n");
   const AblationState state = run(grid, "out");
-  EXPECT_THAT(cell(grid, state, 0).reason,
-              StartsWith("2 of 4 frames had an error, more than max_failed (0); the first: frame 1"));
+  EXPECT_THAT(
+      cell(grid, state, 0).reason,
+      StartsWith("2 of 4 frames had an error, more than max_failed (0); the first: frame 1"));
   EXPECT_FALSE(cell(grid, state, 1).failed);
   EXPECT_THAT(cell(grid, state, 2).reason, EndsWith("(on_error: stop)"));
   EXPECT_EQ(json::parse(cell(grid, state, 2).metrics).at("counts").at("frames"), 2);
@@ -88,7 +89,8 @@ TEST_F(Trust, ACellWhoseDataChangedWhileItRanHasNoResult) {
       run_ablation(grid, *folder, *local_engine(1), {}, change, std::atomic<bool>{false});
   ASSERT_TRUE(state) << state.error().message;
   EXPECT_EQ(state->left, 1U);
-  EXPECT_THAT(state->reasons, ElementsAre(HasSubstr("its data changed while it ran: " + path("data"))));
+  EXPECT_THAT(state->reasons,
+              ElementsAre(HasSubstr("its data changed while it ran: " + path("data"))));
   EXPECT_TRUE(lines("out").empty());
 }
 
@@ -122,8 +124,9 @@ TEST_F(Trust, WhatIsNotTheCellsOwnFailureIsNoResult) {
   EXPECT_EQ(state.left, 8U);
   std::string reasons;
   for (const std::string& reason : state.reasons) reasons += reason + "\n";
-  for (const char* part : {"solvers: solvers/test.scripted: out of memory", "its file is gone, as scripted",
-                           "the first: frame 1, sources: sources/test.scripted: scripted loss"}) {
+  for (const char* part :
+       {"solvers: solvers/test.scripted: out of memory", "its file is gone, as scripted",
+        "the first: frame 1, sources: sources/test.scripted: scripted loss"}) {
     EXPECT_THAT(reasons, HasSubstr(part));
   }
   for (const Cell& each : grid.cells()) {
@@ -147,8 +150,8 @@ TEST_F(Trust, RunsFailedCellsAgainWhenTold) {
   EXPECT_EQ(stored->cells.size(), 2U);
   std::map<std::string, int> files;
   for (const auto& [key, known] : stored->cells) ++files[known.file];
-  EXPECT_EQ(files, (std::map<std::string, int>{{"cached-000001.jsonl", 1},
-                                               {"cached-000002.jsonl", 1}}));
+  EXPECT_EQ(files,
+            (std::map<std::string, int>{{"cached-000001.jsonl", 1}, {"cached-000002.jsonl", 1}}));
   EXPECT_TRUE(fs::exists(path("out/results/withdrawn-000001.jsonl")));
   EXPECT_EQ(read_results(path("out"))->records.size(), 2U);
 }

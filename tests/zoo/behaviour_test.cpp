@@ -74,6 +74,7 @@ TEST_F(Misbehaviour, ThrowingWhatIsNoExceptionIsNamedAsSuch) {
   expect_error(number.filter(), "filters/zoo_throws", "no std::exception");
   Subject memory(registry_, "filters/zoo_throws", "{in: process, what: memory}");
   expect_error(memory.filter(), "filters/zoo_throws", "out of memory");
+  EXPECT_EQ(memory.filter().error.code, Errc::no_memory);
 }
 
 TEST_F(Misbehaviour, ALongMessageIsCutBetweenCharacters) {

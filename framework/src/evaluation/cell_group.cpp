@@ -43,7 +43,9 @@ struct Common {
 /// A cell on its way through the frames.
 class Member {
  public:
-  Member(const Cell& cell, CheckedPipeline pipeline) : cell_(cell), pipeline_(std::move(pipeline)) {
+  Member(const Cell& cell, CheckedPipeline pipeline, std::vector<std::string> stage_keys)
+      : cell_(cell), pipeline_(std::move(pipeline)) {
+    cell_.identity.stages = std::move(stage_keys);
     result_.pipeline = effective_yaml(pipeline_.config);
   }
 
@@ -167,7 +169,7 @@ class Member {
     result_.metrics = std::move(metrics);
   }
 
-  const Cell& cell_;
+  Cell cell_;
   CheckedPipeline pipeline_;
   std::unique_ptr<Executor> executor_;
   std::optional<RunEvaluator> evaluator_;
@@ -185,7 +187,8 @@ class Group {
     for (const Cell* cell : cells) {
       auto [pipeline, report] = grid.load(*cell);
       if (report.ok()) {
-        members_.emplace_back(*cell, std::move(pipeline));
+        auto keys = grid.stage_keys(pipeline);
+        members_.emplace_back(*cell, std::move(pipeline), std::move(keys));
       } else {
         observer_.cell_left(*cell, report.text());
       }

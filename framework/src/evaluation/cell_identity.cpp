@@ -67,8 +67,9 @@ void add_input_paths(const host::ComponentSpec& spec, std::vector<std::string>& 
   for (const host::NestedSpec& nested : spec.nested) add_input_paths(nested.component, paths);
 }
 
-std::string digest(const json& identity) {
-  return host::content_hash(identity.dump(-1, ' ', false, json::error_handler_t::replace));
+/// Canonical: members in bytewise order, no spaces.
+std::string text_of(const json& identity) {
+  return identity.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
 }  // namespace
@@ -179,36 +180,67 @@ std::vector<std::string> input_paths(const CheckedPipeline& pipeline) {
   return paths;
 }
 
+IdentityPart Identifier::data_part(const CheckedPipeline& pipeline, std::uint64_t run_seed,
+                                   std::vector<yaml::Problem>& problems) {
+  std::vector<yaml::Problem> again;  // the same as of the first time
+  const json data = IdentityWriter(files_, pipeline, run_seed, true, problems).data();
+  const json rebuilt = IdentityWriter(files_, pipeline, run_seed, false, again).data();
+  return {text_of(data), text_of(rebuilt), data.contains("seed")};
+}
+
+IdentityPart Identifier::rest_part(const CheckedPipeline& pipeline, std::uint64_t run_seed,
+                                   const Measurement& measurement,
+                                   std::vector<yaml::Problem>& problems) {
+  std::set<int> all;
+  for (int i = 0; i < static_cast<int>(pipeline.config.stages.size()); ++i) all.insert(i);
+  json rest{{"lost_after", pipeline.config.lost_after},
+            {"metrics",
+             {{"alignment", to_string(measurement.options.alignment)},
+              {"match_tolerance_px", measurement.options.match_tolerance_px},
+              {"frames", measurement.frames}}}};
+  // Both decide what is a failure; what they are by default has never been named.
+  if (pipeline.config.max_failed > 0) rest["max_failed"] = pipeline.config.max_failed;
+  if (pipeline.config.stop_on_error) rest["on_error"] = "stop";
+  std::vector<yaml::Problem> again;
+  rest["pipeline"] = IdentityWriter(files_, pipeline, run_seed, true, problems).stages(all);
+  const bool seeded = rest["pipeline"].contains("seed");
+  std::string text = text_of(rest);
+  rest["pipeline"] = IdentityWriter(files_, pipeline, run_seed, false, again).stages(all);
+  return {std::move(text), text_of(rest), seeded};
+}
+
+CellIdentity Identifier::join(const IdentityPart& data, const IdentityPart& rest) {
+  // One object: "data" stands before all members of the rest in canonical order.
+  const auto whole = [](const std::string& first, const std::string& second) {
+    return host::content_hash("{\"data\":" + first + "," + second.substr(1));
+  };
+  return {whole(data.text, rest.text),
+          whole(data.rebuilt, rest.rebuilt),
+          host::content_hash(data.text),
+          {}};
+}
+
+std::vector<std::string> Identifier::stage_keys(const CheckedPipeline& pipeline,
+                                                std::uint64_t run_seed) {
+  std::vector<yaml::Problem> problems;  // known since the cells were identified
+  const std::string group = host::content_hash(data_part(pipeline, run_seed, problems).text);
+  IdentityWriter writer(files_, pipeline, run_seed, true, problems);
+  std::vector<std::string> keys;
+  for (int i = 0; i < static_cast<int>(pipeline.config.stages.size()); ++i) {
+    const std::string& name = pipeline.config.stages[static_cast<std::size_t>(i)].name;
+    const json identity{
+        {"data", group}, {"stage", name}, {"of", writer.stages(closure_of(pipeline.graph, i))}};
+    keys.push_back(host::content_hash(text_of(identity)));
+  }
+  return keys;
+}
+
 CellIdentity Identifier::identify(const CheckedPipeline& pipeline, std::uint64_t run_seed,
                                   const Measurement& measurement,
                                   std::vector<yaml::Problem>& problems) {
-  const auto count = static_cast<int>(pipeline.config.stages.size());
-  std::set<int> all;
-  for (int i = 0; i < count; ++i) all.insert(i);
-  const json measured{{"alignment", to_string(measurement.options.alignment)},
-                      {"match_tolerance_px", measurement.options.match_tolerance_px},
-                      {"frames", measurement.frames}};
-  const auto whole = [&](IdentityWriter& writer, const json& data) {
-    json identity{{"data", data},
-                  {"pipeline", writer.stages(all)},
-                  {"lost_after", pipeline.config.lost_after},
-                  {"metrics", measured}};
-    // Both decide what is a failure; what they are by default has never been named.
-    if (pipeline.config.max_failed > 0) identity["max_failed"] = pipeline.config.max_failed;
-    if (pipeline.config.stop_on_error) identity["on_error"] = "stop";
-    return digest(identity);
-  };
-  std::vector<yaml::Problem> again;  // the same as of the first time
-  IdentityWriter writer(files_, pipeline, run_seed, true, problems);
-  IdentityWriter rebuilt(files_, pipeline, run_seed, false, again);
-  const json data = writer.data();
-  CellIdentity identity{whole(writer, data), whole(rebuilt, rebuilt.data()), digest(data), {}};
-  for (int i = 0; i < count; ++i) {
-    const std::string& name = pipeline.config.stages[static_cast<std::size_t>(i)].name;
-    identity.stages.push_back(digest({{"data", identity.group},
-                                      {"stage", name},
-                                      {"of", writer.stages(closure_of(pipeline.graph, i))}}));
-  }
+  const IdentityPart data = data_part(pipeline, run_seed, problems);
+  CellIdentity identity = join(data, rest_part(pipeline, run_seed, measurement, problems));
+  identity.stages = stage_keys(pipeline, run_seed);
   return identity;
 }
 

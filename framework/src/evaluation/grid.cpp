@@ -4,6 +4,7 @@
 #include <set>
 #include <weft/evaluation/grid.hpp>
 
+#include "grid_parts.hpp"
 #include "metric_path.hpp"
 
 namespace weft::evaluation {
@@ -15,6 +16,7 @@ class GridBuilder {
     grid_.plan_ = std::move(plan);
     grid_.registry_ = &registry;
     grid_.settings_ = std::move(settings);
+    grid_.base_ = read_base(grid_.plan_.pipeline, grid_.paths());
     report_.sources.push_back(grid_.plan_.source);
   }
 
@@ -32,7 +34,6 @@ class GridBuilder {
     report_mistakes();
     check_metrics();
     report_.sort();
-    grid_.inputs_ = identifier_.files();
     return {std::move(grid_), std::move(report_)};
   }
 
@@ -55,26 +56,29 @@ class GridBuilder {
   }
 
   void add_cells(Cell cell) {
-    auto [pipeline, report] = grid_.load(cell);
+    Document document = grid_.document(cell);
     ++pipelines_;
-    std::vector<std::uint64_t> seeds = grid_.plan_.seeds;
-    if (seeds.empty()) seeds.push_back(pipeline.config.seed);
-    std::vector<std::string> filters;
-    for (const StageConfig& stage : pipeline.config.stages) {
-      cell.stages.push_back(stage.name);
-      if (stage.component.installed == nullptr) continue;
-      if (stage.component.component().role() == "filters") filters.push_back(stage.name);
-    }
-    filters_.insert(filters);
-    for (const std::uint64_t seed : seeds) {
-      cell.seed = seed;
+    const std::vector<std::uint64_t>& seeds = grid_.plan_.seeds;
+    const PartNames names = part_names(document.root);
+    const bool legal = document.problems.empty();
+    auto known = legal ? parts_.find(names, seeds) : std::nullopt;
+    if (!known) {
+      auto [pipeline, report] = grid_.load(cell, std::move(document));
       if (report.ok()) {
-        cell.identity =
-            identifier_.identify(pipeline, seed, grid_.plan_.measurement, report.problems);
+        parts_.note(names, pipeline, seeds, grid_.plan_.measurement, *grid_.identifier_,
+                    report.problems);
       }
+      for (const yaml::Problem& problem : report.problems) note(report.sources, problem, cell);
+      known = parts_.find(names, seeds);
+      if (!known) return;  // with a mistake the grid is not used
+    }
+    filters_.insert(known->filters);
+    cell.stages = std::move(known->stages);
+    for (std::size_t i = 0; i < known->seeds.size(); ++i) {
+      cell.seed = known->seeds[i];
+      cell.identity = std::move(known->identities[i]);
       grid_.cells_.push_back(cell);
     }
-    for (const yaml::Problem& problem : report.problems) note(report.sources, problem, cell);
   }
 
   void note(const std::vector<ConfigSource>& sources, const yaml::Problem& problem,
@@ -136,7 +140,7 @@ class GridBuilder {
 
   Grid grid_;
   ConfigReport report_;
-  Identifier identifier_;
+  KnownParts parts_;
   std::map<std::string, Mistake> mistakes_;  ///< by place and message
   std::set<std::vector<std::string>> filters_;
   std::size_t pipelines_ = 0;
@@ -147,7 +151,9 @@ std::pair<Grid, ConfigReport> Grid::expand(Plan plan, const host::Registry& regi
   return GridBuilder(std::move(plan), registry, std::move(settings)).build();
 }
 
-std::pair<CheckedPipeline, ConfigReport> Grid::load(const Cell& cell) const {
+host::PathRules Grid::paths() const { return host::PathRules::of_process({}, plan_.source.folder); }
+
+Document Grid::document(const Cell& cell) const {
   std::vector<Patch> patches{{plan_.source, plan_.data[cell.data].sequences[cell.sequence].patch}};
   for (std::size_t axis = 0; axis < plan_.axes.size(); ++axis) {
     patches.push_back({plan_.source, plan_.axes[axis].values[cell.values[axis]].patch});
@@ -156,13 +162,26 @@ std::pair<CheckedPipeline, ConfigReport> Grid::load(const Cell& cell) const {
   no_sinks.kind = yaml::Kind::map;
   no_sinks.entries.push_back({"sinks", {}, {}});
   patches.push_back({plan_.source, no_sinks});
-  auto loaded = check_pipeline(plan_.pipeline, *registry_, plan_.source.folder, settings_, patches);
+  return laid_over(base_, patches, settings_, paths());
+}
+
+std::pair<CheckedPipeline, ConfigReport> Grid::load(const Cell& cell, Document document) const {
+  auto loaded =
+      check_pipeline(plan_.pipeline, std::move(document), *registry_, plan_.source.folder);
   if (!plan_.seeds.empty()) loaded.first.config.seed = cell.seed;
   return loaded;
 }
 
+std::pair<CheckedPipeline, ConfigReport> Grid::load(const Cell& cell) const {
+  return load(cell, document(cell));
+}
+
+std::vector<std::string> Grid::stage_keys(const CheckedPipeline& pipeline) const {
+  return identifier_->stage_keys(pipeline, pipeline.config.seed);
+}
+
 std::string Grid::changed_input(const CheckedPipeline& pipeline) const {
-  return inputs_.changed(input_paths(pipeline));
+  return identifier_->files().changed(input_paths(pipeline));
 }
 
 std::string Grid::value_of(const Cell& cell, const std::string& name) const {

@@ -180,7 +180,7 @@ class LocalRun {
       split(task);
       return {};
     }
-    const Cell& cell = *task.cells.front();
+    Cell cell = *task.cells.front();
     CellResult result;
     result.failure = how_it_ended(status);
     auto [pipeline, report] = order_.grid.load(cell);
@@ -191,6 +191,7 @@ class LocalRun {
       return {};
     }
     result.pipeline = effective_yaml(pipeline.config);
+    cell.identity.stages = order_.grid.stage_keys(pipeline);
     if (!lines_) {
       auto lines = order_.folder.writer(order_.timed);
       if (!lines) return lines.error();

@@ -33,10 +33,19 @@ Result<PageAssets> read_assets(const std::string& folder) {
                     read_text(folder + "/licences.txt").value_or("")};
 }
 
+/// A text as it is, between marks of which it has no longer ones.
+std::string markdown_code(const std::string& text) {
+  std::string mark = "`";
+  while (text.find(mark) != std::string::npos) mark += '`';
+  const std::string space = mark.size() > 1 ? " " : "";
+  return mark + space + text + space + mark;
+}
+
 /// What stands before the tables: what was run, and what came of it.
 std::string markdown_head(const Results& results, const ReportTables& tables) {
   std::string text = "# " + markdown_escaped(results.name) + "\n\nMade by Weft " +
-                     markdown_escaped(results.version) + " with `" + results.command + "`.\n\n";
+                     markdown_escaped(results.version) + " with " + markdown_code(results.command) +
+                     ".\n\n";
   for (const auto& [name, value] : facts_of(results, tables)) {
     text += "- " + markdown_escaped(name) + ": " + markdown_escaped(value) + "\n";
   }

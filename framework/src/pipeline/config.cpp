@@ -28,8 +28,15 @@ std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
                                                       const std::string& output_folder,
                                                       const std::vector<std::string>& settings,
                                                       const std::vector<Patch>& patches) {
+  const auto paths = host::PathRules::of_process({}, output_folder);
+  return load_pipeline(file, read_document(file, settings, paths, patches), registry,
+                       output_folder);
+}
+
+std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file, Document document,
+                                                      const host::Registry& registry,
+                                                      const std::string& output_folder) {
   auto paths = host::PathRules::of_process({}, output_folder);
-  Document document = read_document(file, settings, paths, patches);
   for (const ConfigSource& source : document.sources) paths.input_folders.push_back(source.folder);
   PipelineConfig config;
   config.file = file;

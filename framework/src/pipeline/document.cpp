@@ -32,13 +32,18 @@ class Reader {
  public:
   explicit Reader(const host::PathRules& paths) : paths_(paths) {}
 
-  Document read(const std::string& file, const std::vector<Patch>& patches,
-                const std::vector<std::string>& settings) {
+  Document read(const std::string& file) {
     document_.root = read_file(file, {});
+    return std::move(document_);
+  }
+
+  Document lay(Document base, const std::vector<Patch>& patches,
+               const std::vector<std::string>& settings) {
+    document_ = std::move(base);
     for (const Patch& patch : patches) lay(patch);
     for (const std::string& setting : settings) {
       const int source = add_source({setting, fs::current_path().string(), true});
-      if (unreadable_) continue;
+      if (document_.unreadable) continue;
       auto [overlay, problems] = overlay_of(setting, document_.root);
       stamp(overlay, source);
       report(std::move(problems), source);
@@ -55,7 +60,7 @@ class Reader {
 
   void lay(const Patch& patch) {
     const int source = add_source(patch.source);
-    if (unreadable_) return;
+    if (document_.unreadable) return;
     yaml::Node node = patch.node;
     stamp(node, source);
     if (const yaml::Node* without = node.find("without")) leave_out(document_.root, *without);
@@ -87,7 +92,7 @@ class Reader {
   /// What else is missing would only follow from this.
   yaml::Node give_up(yaml::Position at, std::string message) {
     problem(at, std::move(message));
-    unreadable_ = true;
+    document_.unreadable = true;
     return {};
   }
 
@@ -123,7 +128,7 @@ class Reader {
       return root;
     }
     yaml::Node base = read_base(*extends, source, chain);
-    if (unreadable_) return {};
+    if (document_.unreadable) return {};
     if (without != nullptr) leave_out(base, *without);
     erase(root, "extends");
     erase(root, "without");
@@ -182,7 +187,6 @@ class Reader {
 
   const host::PathRules& paths_;
   Document document_;
-  bool unreadable_ = false;
 };
 
 }  // namespace
@@ -212,7 +216,16 @@ std::vector<std::string> names_of_stages(const yaml::Node& list) {
 
 Document read_document(const std::string& file, const std::vector<std::string>& settings,
                        const host::PathRules& paths, const std::vector<Patch>& patches) {
-  return Reader(paths).read(file, patches, settings);
+  return laid_over(read_base(file, paths), patches, settings, paths);
+}
+
+Document read_base(const std::string& file, const host::PathRules& paths) {
+  return Reader(paths).read(file);
+}
+
+Document laid_over(Document base, const std::vector<Patch>& patches,
+                   const std::vector<std::string>& settings, const host::PathRules& paths) {
+  return Reader(paths).lay(std::move(base), patches, settings);
 }
 
 }  // namespace weft

@@ -184,7 +184,15 @@ std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file,
                                                         const std::string& output_folder,
                                                         const std::vector<std::string>& settings,
                                                         const std::vector<Patch>& patches) {
-  auto [config, report] = load_pipeline(file, registry, output_folder, settings, patches);
+  const auto paths = host::PathRules::of_process({}, output_folder);
+  return check_pipeline(file, read_document(file, settings, paths, patches), registry,
+                        output_folder);
+}
+
+std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file, Document document,
+                                                        const host::Registry& registry,
+                                                        const std::string& output_folder) {
+  auto [config, report] = load_pipeline(file, std::move(document), registry, output_folder);
   CheckedPipeline pipeline{std::move(config), {}};
   if (report.wirable) pipeline.graph = wire(pipeline.config, registry, report.problems);
   report.sort();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <weft/evaluation/metrics.hpp>
+#include <weft/evaluation/metrics_report.hpp>
 #include <weft/evaluation/run_reader.hpp>
 #include <weft/evaluation/shape_meter.hpp>
 
@@ -78,6 +79,62 @@ TEST(RunReader, RefusesTwoLinesOfOneFrame) {
     run.append_line("{\"frame\": 3, \"state\": \"none\", \"failed\": false}\n");
   }
   EXPECT_THAT(failure(run).message, HasSubstr("two lines of frame 3"));
+}
+
+constexpr const char* kEnds = R"({"end": "end.json", "components": []})";
+
+TEST(RunReader, NoticesALineThatIsMissing) {
+  TestRun between;
+  for (const char* frame : {"0", "2"}) {
+    between.append_line(std::string("{\"frame\": ") + frame +
+                        ", \"state\": \"none\", \"failed\": false}\n");
+  }
+  EXPECT_THAT(failure(between).message, HasSubstr("has no line of frame 1"));
+  TestRun last;
+  for (int i = 0; i < 2; ++i) last.solved(1.0, TestRun::truth("mdh"));
+  last.write_text("manifest.json", kEnds);
+  last.write_text("end.json", R"({"frames": 3, "failed": 0, "stopped": false})");
+  EXPECT_THAT(failure(last).message, HasSubstr("has 2 lines of 3 frames"));
+  last.write_text("end.json", R"({"frames": 2, "failed": 0, "stopped": false})");
+  EXPECT_FALSE(evaluate_run(last.folder())->interrupted);
+}
+
+TEST(RunReader, NoticesALastLineThatIsCutOffInARunThatCameToItsEnd) {
+  TestRun run;
+  for (int i = 0; i < 2; ++i) run.solved(1.0, TestRun::truth("mdh"));
+  run.write_text("manifest.json", kEnds);
+  run.write_text("end.json", R"({"frames": 2, "failed": 0, "stopped": false})");
+  const std::string lines = run.read_text("frames.jsonl");
+  run.write_text("frames.jsonl", lines.substr(0, lines.size() - 1));
+  EXPECT_THAT(failure(run).message, HasSubstr("cut off"));
+  run.write_text("frames.jsonl", lines.substr(0, lines.size() - 9));
+  EXPECT_THAT(failure(run).message, HasSubstr("has 1 lines of 2 frames"));
+}
+
+TEST(RunReader, MeasuresWhatIsThereOfARunThatDidNotFinish) {
+  TestRun run;
+  for (int i = 0; i < 2; ++i) run.solved(1.0, TestRun::truth("mdh"));
+  run.write_text("manifest.json", kEnds);
+  const auto killed = evaluate_run(run.folder());
+  ASSERT_TRUE(killed);
+  EXPECT_TRUE(killed->interrupted);
+  EXPECT_EQ(killed->counts.frames, 2);
+  EXPECT_THAT(to_table(*killed), HasSubstr("2 frames; the run did not finish"));
+  run.write_text("end.json", R"({"frames": 2, "failed": 0, "stopped": true})");
+  EXPECT_TRUE(evaluate_run(run.folder())->interrupted);
+}
+
+TEST(RunReader, NoticesAMissingFileAndMissingRecords) {
+  TestRun run;
+  run.append_line(R"({"frame": 0, "state": "none", "failed": false, "records": 1})"
+                  "\n");
+  EXPECT_THAT(failure(run).message, HasSubstr("is missing"));
+  run.write_npz(TestRun::frame_name(0),
+                {{"ground_truth", host::Record::copy_of(TestRun::truth("mdh"))}});
+  EXPECT_TRUE(evaluate_run(run.folder()));
+  run.write_text("frames.jsonl", R"({"frame": 0, "state": "none", "failed": false, "records": 2})"
+                                 "\n");
+  EXPECT_THAT(failure(run).message, HasSubstr("has 1 records where frames.jsonl says 2"));
 }
 
 TEST(RunReader, PutsFramesInOrder) {

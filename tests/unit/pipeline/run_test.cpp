@@ -53,7 +53,7 @@ TEST_F(Runs, LeavesAFolderThatCanBeRead) {
   ASSERT_TRUE(ran.summary) << ran.summary.error().message;
   EXPECT_EQ(ran.summary->folder, ran.folder);
   EXPECT_THAT(files_in(ran.folder),
-              ElementsAre("frames", "frames.jsonl", "lines.txt", "manifest.json", "pipeline.yaml",
+              ElementsAre("end.json", "frames", "frames.jsonl", "lines.txt", "manifest.json", "pipeline.yaml",
                           "template.npz", "trace.json"));
   EXPECT_THAT(files_in(ran.folder + "/frames"),
               ElementsAre("000000.npz", "000001.npz", "000002.npz"));

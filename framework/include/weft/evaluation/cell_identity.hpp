@@ -18,6 +18,13 @@ struct CellIdentity {
   std::vector<std::string> stages;  ///< a key for each stage, of it and all that it depends on
 };
 
+/// What a part of a pipeline puts into the keys of its cells, as pieces of canonical JSON.
+struct IdentityPart {
+  std::string text;
+  std::string rebuilt;  ///< the same without build ids
+  bool seeded = false;  ///< it holds the run seed
+};
+
 /// The files that a pipeline reads, as its parameters name them.
 std::vector<std::string> input_paths(const CheckedPipeline& pipeline);
 
@@ -28,6 +35,17 @@ class Identifier {
   /// identity is then not to be used.
   CellIdentity identify(const CheckedPipeline& pipeline, std::uint64_t run_seed,
                         const Measurement& measurement, std::vector<yaml::Problem>& problems);
+
+  /// The same in parts, each of which many cells share: source and template; all else. Joined they
+  /// are the identity without the keys of the stages.
+  IdentityPart data_part(const CheckedPipeline& pipeline, std::uint64_t run_seed,
+                         std::vector<yaml::Problem>& problems);
+  IdentityPart rest_part(const CheckedPipeline& pipeline, std::uint64_t run_seed,
+                         const Measurement& measurement, std::vector<yaml::Problem>& problems);
+  static CellIdentity join(const IdentityPart& data, const IdentityPart& rest);
+
+  /// A key for each stage.
+  std::vector<std::string> stage_keys(const CheckedPipeline& pipeline, std::uint64_t run_seed);
 
   /// All that was hashed so far.
   const InputFiles& files() const { return files_; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,10 +19,11 @@ struct Cell {
   std::size_t sequence = 0;         ///< index into its sequences
   std::uint64_t seed = 0;
   std::vector<std::string> stages;  ///< names
-  CellIdentity identity;
+  CellIdentity identity;            ///< without the keys of the stages, see Grid::stage_keys
 };
 
-/// All cells of a plan, each loaded, wired and checked once.
+/// All cells of a plan, each loaded, wired and checked once: of cells that are made of parts of
+/// others without mistakes, the parts.
 class Grid {
  public:
   /// Expands the plan over `settings` of the command line. The report has all mistakes of all
@@ -36,6 +38,9 @@ class Grid {
 
   /// The pipeline of a cell, with its run seed and without sinks. It was ok when the grid was made.
   std::pair<CheckedPipeline, ConfigReport> load(const Cell& cell) const;
+
+  /// The keys of the stages of a cell's pipeline, which cells() leave out.
+  std::vector<std::string> stage_keys(const CheckedPipeline& pipeline) const;
 
   /// A path of the pipeline whose files are not what they were when the grid was made; empty when
   /// there is none.
@@ -52,11 +57,16 @@ class Grid {
 
  private:
   friend class GridBuilder;
+  host::PathRules paths() const;
+  Document document(const Cell& cell) const;
+  std::pair<CheckedPipeline, ConfigReport> load(const Cell& cell, Document document) const;
+
   Plan plan_;
   const host::Registry* registry_ = nullptr;
   std::vector<std::string> settings_;
+  Document base_;
   std::vector<Cell> cells_;
-  InputFiles inputs_;
+  std::shared_ptr<Identifier> identifier_ = std::make_shared<Identifier>();
 };
 
 }  // namespace weft::evaluation

@@ -70,6 +70,11 @@ std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
                                                       const std::vector<std::string>& settings = {},
                                                       const std::vector<Patch>& patches = {});
 
+/// The same of a document that has been read from `file`.
+std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file, Document document,
+                                                      const host::Registry& registry,
+                                                      const std::string& output_folder);
+
 /// The configuration with all defaults filled in and paths resolved, as YAML.
 std::string effective_yaml(const PipelineConfig& config);
 

@@ -38,6 +38,7 @@ struct Document {
   std::vector<ConfigSource> sources;  ///< the file, what it extends, settings
   std::vector<LeftOut> left_out;
   std::vector<yaml::Problem> problems;  ///< a syntax error stands alone
+  bool unreadable = false;  ///< a text ended early: what is laid over it is not looked at
 };
 
 /// Reads a pipeline file, merges it over the file that it `extends` (which may extend another), and
@@ -54,6 +55,12 @@ struct Document {
 /// YAML.
 Document read_document(const std::string& file, const std::vector<std::string>& settings,
                        const host::PathRules& paths, const std::vector<Patch>& patches = {});
+
+/// The two steps of read_document, for a file that much is laid over: the file with what it
+/// extends, and then the rest.
+Document read_base(const std::string& file, const host::PathRules& paths);
+Document laid_over(Document base, const std::vector<Patch>& patches,
+                   const std::vector<std::string>& settings, const host::PathRules& paths);
 
 /// The names of the stages in a list: `as`, else the role, numbered from the second stage without a
 /// name on: "filters", "filters#2".

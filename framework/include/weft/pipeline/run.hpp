@@ -36,6 +36,11 @@ std::pair<CheckedPipeline, ConfigReport> check_pipeline(
     const std::string& file, const host::Registry& registry, const std::string& output_folder,
     const std::vector<std::string>& settings = {}, const std::vector<Patch>& patches = {});
 
+/// The same of a document that has been read from `file`.
+std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file, Document document,
+                                                        const host::Registry& registry,
+                                                        const std::string& output_folder);
+
 /// Runs all frames of the source into `output_folder`, which must be new or empty; an empty name
 /// leaves no run folder, only what the sinks write. Fails with the
 /// first error before the first frame, or when the run folder cannot be written; errors of single
