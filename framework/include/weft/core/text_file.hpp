@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <weft/core/result.hpp>
+
+namespace weft {
+namespace detail {
+
+/// A descriptor that is closed with its scope.
+class OpenFile {
+ public:
+  // Without O_NONBLOCK a FIFO that nobody writes would hold the caller for ever.
+  explicit OpenFile(const std::string& path)
+      : descriptor_(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {}
+  ~OpenFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+
+  int get() const { return descriptor_; }
+
+ private:
+  int descriptor_;
+};
+
+/// Appends what is left of a file to `text`, at most `room` bytes; 0 or the error's number.
+inline int append_bytes(int descriptor, std::uint64_t room, std::string& text) {
+  constexpr std::uint64_t kPiece = 1U << 16U;
+  while (room > 0) {
+    const std::size_t before = text.size();
+    text.resize(before + static_cast<std::size_t>(std::min(room, kPiece)));
+    const ::ssize_t got = ::read(descriptor, text.data() + before, text.size() - before);
+    const int cause = errno;
+    text.resize(before + static_cast<std::size_t>(std::max<::ssize_t>(got, 0)));
+    if (got == 0) return 0;
+    if (got < 0 && cause != EINTR) return cause;
+    room -= text.size() - before;
+  }
+  return 0;
+}
+
+}  // namespace detail
+
+/// The bytes of a regular file of at most `most_bytes` (below 2^64 - 1). The limit holds while the
+/// file is read, so that one that grows, lies about its size or never ends costs no more.
+/// Errc::not_found where there is none, else Errc::io; the message is the reason ("there is no such
+/// file", "it is a folder", "it is no regular file", "Permission denied", "it has more than 100
+/// bytes").
+inline Result<std::string> read_text_file(const std::string& path, std::uint64_t most_bytes) {
+  const auto fail = [&](Errc code, std::string reason) {
+    return Error{code, std::move(reason), path};
+  };
+  if (path.find('\0') != std::string::npos) return fail(Errc::io, "its name has a NUL character");
+  const detail::OpenFile file(path);
+  if (file.get() < 0) {
+    if (errno == ENOENT || errno == ENOTDIR) return fail(Errc::not_found, "there is no such file");
+    return fail(Errc::io,
+                errno == ENXIO ? "it is no regular file" : std::generic_category().message(errno));
+  }
+  struct stat status {};
+  if (::fstat(file.get(), &status) != 0) {
+    return fail(Errc::io, std::generic_category().message(errno));
+  }
+  if (S_ISDIR(status.st_mode)) return fail(Errc::io, "it is a folder");
+  if (!S_ISREG(status.st_mode)) return fail(Errc::io, "it is no regular file");
+  const std::string too_large = "it has more than " + std::to_string(most_bytes) + " bytes";
+  const auto size = static_cast<std::uint64_t>(std::max<::off_t>(status.st_size, 0));
+  if (size > most_bytes) return fail(Errc::io, too_large);
+  std::string text;
+  text.reserve(static_cast<std::size_t>(size) + 1);
+  // Files of the kernel claim a size of 0; one byte more than is allowed tells a file that lies.
+  if (const int cause = detail::append_bytes(file.get(), most_bytes + 1, text); cause != 0) {
+    return fail(Errc::io, std::generic_category().message(cause));
+  }
+  if (text.size() > most_bytes) return fail(Errc::io, too_large);
+  return text;
+}
+
+}  // namespace weft
