@@ -26,22 +26,6 @@ std::string bad_character(char32_t value) {
 
 }  // namespace
 
-CodePoint decode(std::string_view text, std::size_t offset) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char first = byte(offset);
-  if (first < 0x80) return {first, 1};
-  const std::size_t bytes = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (first < 0xC2 || first > 0xF4 || text.size() - offset < bytes) return {};
-  char32_t value = first & (0xFFu >> (bytes + 1));
-  for (std::size_t i = 1; i < bytes; ++i) {
-    if (!is_continuation(text[offset + i])) return {};
-    value = (value << 6u) | (byte(offset + i) & 0x3Fu);
-  }
-  constexpr char32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
-  if (value < kLeast[bytes] || value > 0x10FFFF || (value >= 0xD800 && value < 0xE000)) return {};
-  return {value, bytes};
-}
-
 bool is_printable(char32_t value) {
   if (value < 0x20) return value == '\t' || value == '\n' || value == '\r';
   if (value >= 0x7F && value < 0xA0) return value == 0x85;

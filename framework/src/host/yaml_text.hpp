@@ -7,19 +7,13 @@
 #include <string_view>
 #include <vector>
 
+#include "weft/core/utf8.hpp"
 #include "weft/host/yaml.hpp"
 
 namespace weft::yaml::detail {
 
-/// A Unicode code point and the bytes it takes; 0 bytes when `text` holds no valid UTF-8 there.
-struct CodePoint {
-  char32_t value = 0;
-  std::size_t bytes = 0;
-};
-
-/// Decodes the character that begins at `offset` < text.size(). Rejects overlong forms, surrogates
-/// and values above U+10FFFF.
-CodePoint decode(std::string_view text, std::size_t offset);
+using utf8::CodePoint;
+using utf8::decode;
 
 /// Whether YAML allows the character in a text as it is; a byte order mark is not.
 bool is_printable(char32_t value);
