@@ -1,21 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <elf.h>
-
 #include <cstring>
-#include <fstream>
-#include <vector>
 #include <weft/host/build_id.hpp>
+
+#include "elf_file.hpp"
 
 namespace weft::host {
 namespace {
-
-template <class T>
-bool read_at(std::ifstream& stream, std::uint64_t offset, T* target, std::size_t count = 1) {
-  stream.clear();
-  stream.seekg(static_cast<std::streamoff>(offset));
-  stream.read(reinterpret_cast<char*>(target), static_cast<std::streamsize>(sizeof(T) * count));
-  return static_cast<bool>(stream);
-}
 
 std::string to_hex(const unsigned char* bytes, std::size_t count) {
   constexpr char kDigits[] = "0123456789abcdef";
@@ -48,29 +38,22 @@ std::string build_id_in_notes(const std::vector<unsigned char>& notes) {
 
 }  // namespace
 
-Result<std::string> read_build_id(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) return Error{Errc::io, "cannot be read", file};
-  Elf64_Ehdr header;
-  if (!read_at(stream, 0, &header) || std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0 ||
-      header.e_ident[EI_CLASS] != ELFCLASS64) {
-    return Error{Errc::incompatible, "is no 64-bit ELF file", file};
-  }
-  for (int i = 0; i < header.e_phnum; ++i) {
-    Elf64_Phdr segment;
-    const auto step = static_cast<std::uint64_t>(i) * sizeof(segment);
-    if (!read_at(stream, header.e_phoff + step, &segment)) {
-      return Error{Errc::incompatible, "is a truncated ELF file", file};
-    }
+Result<std::string> read_build_id(const std::string& path) {
+  const auto file = ElfFile::open(path);
+  if (!file) return file.error();
+  for (const Elf64_Phdr& segment : file->segments()) {
     constexpr std::uint64_t kLargestNote = 1U << 20U;
     if (segment.p_type != PT_NOTE || segment.p_filesz > kLargestNote) continue;
     std::vector<unsigned char> notes(segment.p_filesz);
-    if (!read_at(stream, segment.p_offset, notes.data(), notes.size())) {
-      return Error{Errc::incompatible, "is a truncated ELF file", file};
-    }
+    if (!file->read(segment.p_offset, notes.data(), notes.size())) continue;
     if (std::string id = build_id_in_notes(notes); !id.empty()) return id;
   }
   return std::string{};
+}
+
+Result<void> check_library_file(const std::string& path) {
+  const auto file = ElfFile::open(path);
+  return file ? check_dynamic_tables(*file) : file.error();
 }
 
 }  // namespace weft::host

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <boost/dll/shared_library.hpp>
+#include <weft/host/build_id.hpp>
 #include <weft/host/registry.hpp>
 
 namespace weft::host {
@@ -47,6 +48,10 @@ std::string abi_version() {
 }
 
 Result<const weft_library_table*> load_library(const std::string& file) {
+  if (auto whole = check_library_file(file); !whole) {
+    return incompatible(file, "cannot be loaded: it " + whole.error().message +
+                                  "; build or install the plugin again");
+  }
   using boost::dll::load_mode::rtld_local;
   using boost::dll::load_mode::rtld_now;
   // Never unloaded: code and type information of a plugin may be in use until the process ends.

@@ -88,8 +88,11 @@ std::optional<Refusal> check(const Manifest& manifest) {
                       std::to_string(manifest.abi_minor) + ", this host has " + abi_version(),
                   "rebuild the plugin against this version of Weft");
   }
-  const auto build_id = read_build_id(manifest.library);
-  if (!build_id) return refuse("it " + build_id.error().message, "rebuild the plugin");
+  const auto whole = check_library_file(manifest.library);
+  const auto build_id = whole ? read_build_id(manifest.library) : whole.error();
+  if (!build_id) {
+    return refuse("it " + build_id.error().message, "build or install the plugin again");
+  }
   if (build_id->empty()) {
     return refuse("it has no build-id",
                   "link it with -Wl,--build-id=sha1, as weft_add_plugin() does");

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <elf.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+#include <weft/core/result.hpp>
+
+namespace weft::host {
+
+/// The headers of a 64-bit ELF file that has been found whole, read without mapping it. Whoever
+/// maps a file that is cut off is ended by a signal when it touches what is not there, so nothing
+/// is loaded that was not opened here before.
+class ElfFile {
+ public:
+  /// Fails with io when there is no regular file that can be read, with incompatible when its
+  /// headers name bytes that the file does not have, or contradict each other: "is a truncated ELF
+  /// file". Does not wait for a pipe.
+  static Result<ElfFile> open(const std::string& path);
+
+  ElfFile(ElfFile&& other) noexcept;
+  ElfFile& operator=(ElfFile&&) = delete;
+  ~ElfFile();
+
+  const std::string& path() const { return path_; }
+  const std::vector<Elf64_Phdr>& segments() const { return segments_; }
+  const std::vector<Elf64_Shdr>& sections() const { return sections_; }
+
+  /// False unless all `bytes` at `offset` of the file were read.
+  bool read(std::uint64_t offset, void* target, std::uint64_t bytes) const;
+
+  /// Whether the file has these bytes.
+  bool has(std::uint64_t offset, std::uint64_t bytes) const {
+    return offset <= size_ && bytes <= size_ - offset;
+  }
+
+  /// The segment that is loaded from the file to these addresses; null when there is none.
+  const Elf64_Phdr* loaded_at(std::uint64_t address, std::uint64_t bytes) const;
+
+ private:
+  explicit ElfFile(std::string path) : path_(std::move(path)) {}
+  Result<void> open_file();
+  Result<void> read_headers();
+  Result<void> check_segments() const;
+  Result<void> check_sections() const;
+  Error damaged(const std::string& what) const;
+  Error truncated(const std::string& what) const;
+
+  std::string path_;
+  int file_ = -1;
+  std::uint64_t size_ = 0;  ///< [bytes]
+  std::vector<Elf64_Phdr> segments_;
+  std::vector<Elf64_Shdr> sections_;
+};
+
+/// Whether the dynamic linker can follow the tables of a library: each lies in what is loaded, and
+/// what it is told to write to is writable. Fails with incompatible.
+Result<void> check_dynamic_tables(const ElfFile& file);
+
+}  // namespace weft::host
