@@ -101,6 +101,7 @@ class Shift final : public weft::WarpModel {
     p.read("shift_px", shift_px_, "px", {-1000, 1000}, "along u");
     p.read("extra_samples", extra_samples_, "", {-10, 10}, "more samples than points: a mistake");
     p.read("always_fails", always_fails_, "never fits");
+    p.output_path("notes", notes_, "a file that is not written");
   }
 
   weft::Result<weft::Warp> fit(const weft::FitInput&) override {
@@ -133,6 +134,7 @@ class Shift final : public weft::WarpModel {
   double shift_px_ = 2.0;
   int extra_samples_ = 0;
   bool always_fails_ = false;
+  std::string notes_;
 };
 
 }  // namespace

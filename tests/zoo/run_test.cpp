@@ -96,5 +96,24 @@ const Deed kDeeds[] = {
 INSTANTIATE_TEST_SUITE_P(, MisbehaviourInARun, ::testing::ValuesIn(kDeeds),
                          [](const auto& test) { return test.param.name; });
 
+class OutputsOfStages : public testing::PipelineTest {};
+
+TEST_F(OutputsOfStages, AndOfWhatIsNestedInThemFollowTheRuleOfSinks) {
+  registry_ = host::Registry::scan({{WEFT_TEST_PLUGINS, "test"}, {WEFT_ZOO_FOLDER, "test"}});
+  const std::string notes = write("precious", "notes.txt");
+  const auto refusal = [&](const std::string& params, const std::string& more = "") {
+    return check(testing::head() +
+                 "stages:\n  - {use: matchers/test.pattern}\n  - use: filters/zoo_good\n" +
+                 "    params: {" + params + "}\n" + more)
+        .second.text();
+  };
+  const std::string is_there = notes + " is a file; choose a path where nothing is";
+  EXPECT_THAT(refusal("report: '" + notes + "'"), HasSubstr(":7:22: 'report': " + is_there));
+  EXPECT_THAT(refusal("warp: {use: warps/zoo_shift, params: {notes: '" + notes + "'}}"),
+              HasSubstr(":7:59: 'warp.notes': " + is_there));
+  EXPECT_EQ(refusal("report: '" + notes + "'", "    overwrite: true\n"), "");
+  EXPECT_EQ(refusal("report: notes.txt"), "");
+}
+
 }  // namespace
 }  // namespace weft

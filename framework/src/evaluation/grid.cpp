@@ -166,8 +166,7 @@ Document Grid::document(const Cell& cell) const {
 }
 
 std::pair<CheckedPipeline, ConfigReport> Grid::load(const Cell& cell, Document document) const {
-  auto loaded =
-      check_pipeline(plan_.pipeline, std::move(document), *registry_, plan_.source.folder);
+  auto loaded = check_pipeline(plan_.pipeline, std::move(document), *registry_, {});
   if (!plan_.seeds.empty()) loaded.first.config.seed = cell.seed;
   return loaded;
 }

@@ -112,7 +112,7 @@ class Binder {
         return bind_text(parameter, value);
       case WEFT_VALUE_INPUT_PATH:
       case WEFT_VALUE_OUTPUT_PATH:
-        return bind_path(parameter, value, resolved);
+        return bind_path(parameter, value, given, resolved);
       case WEFT_VALUE_LABELS:
         return bind_labels(parameter, value);
       case WEFT_VALUE_COMPONENT:
@@ -170,15 +170,18 @@ class Binder {
     spec_.arguments.add_texts(parameter.name, parameter.type, {value.scalar});
   }
 
-  void bind_path(const ParameterSpec& parameter, const yaml::Node& value, yaml::Node& resolved) {
+  void bind_path(const ParameterSpec& parameter, const yaml::Node& value, bool given,
+                 yaml::Node& resolved) {
     if (value.kind != yaml::Kind::scalar) return wrong(parameter, value, "a path");
     if (value.scalar.empty()) {
       if (parameter.required) wrong(parameter, value, "a path");
       return;
     }
-    const auto expanded = expand_variables(value.scalar, paths_);
-    if (!expanded) return problem(value.at, expanded.error().message);
     const bool input = parameter.type == WEFT_VALUE_INPUT_PATH;
+    const auto expanded = given || input
+                              ? expand_variables(value.scalar, paths_)
+                              : Result<std::string>(default_output(value.scalar, spec_.arguments));
+    if (!expanded) return problem(value.at, expanded.error().message);
     const auto source = static_cast<std::size_t>(value.at.source);
     const fs::path folder = input ? paths_.input_folders.at(source) : paths_.output_folder;
     const std::string path = (folder / *expanded).lexically_normal().string();
@@ -187,7 +190,7 @@ class Binder {
     if (input && !pattern && !fs::exists(path, code)) {
       return problem(value.at, "'" + parameter.name + "': there is no file " + path);
     }
-    resolved = yaml::text_node(path, value.at);
+    resolved = yaml::text_node(input ? path : path_in_run(path, paths_), value.at);
     spec_.arguments.add_texts(parameter.name, parameter.type, {path});
   }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdlib>
+#include <filesystem>
 #include <weft/host/component_spec.hpp>
 
 namespace weft::host {
@@ -39,6 +40,25 @@ Result<std::string> expand_variables(const std::string& text, const PathRules& p
     result += text.substr(at, start - at) + *value;
     at = end + 1;
   }
+}
+
+std::string default_output(std::string text, const Arguments& given) {
+  for (const weft_value& other : given.values()) {
+    const std::string name = "{" + std::string(other.name) + "}";
+    const std::size_t at = other.type == WEFT_VALUE_OUTPUT_PATH ? text.find(name) : text.npos;
+    if (at == text.npos) continue;
+    std::filesystem::path path = *static_cast<const char* const*>(other.data);
+    text.replace(at, name.size(), path.replace_extension().string());
+  }
+  return text;
+}
+
+std::string path_in_run(const std::string& path, const PathRules& paths) {
+  namespace fs = std::filesystem;
+  if (paths.output_folder.empty()) return path;
+  const fs::path folder = fs::path(paths.output_folder).lexically_normal();
+  const fs::path inside = fs::path(path).lexically_relative(folder);
+  return inside.empty() || *inside.begin() == ".." ? path : inside.string();
 }
 
 }  // namespace weft::host

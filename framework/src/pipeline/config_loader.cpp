@@ -17,12 +17,13 @@ struct Place {
   Words roles;
 };
 
-const Place kSource{"the source", {"use", "params"}, {"sources"}};
-const Place kTemplate{"the template", {"use", "params"}, {"templates"}};
-const Place kStage{"a stage",
-                   {"use", "params", "as", "from", "template_params", "isolate", "deadline_ms"},
-                   {"detectors", "matchers", "filters", "warps", "passes", "solvers"}};
-const Place kSink{"a sink", {"use", "params", "as", "from"}, {"sinks"}};
+const Place kSource{"the source", {"use", "params", "overwrite"}, {"sources"}};
+const Place kTemplate{"the template", {"use", "params", "overwrite"}, {"templates"}};
+const Place kStage{
+    "a stage",
+    {"use", "params", "as", "from", "template_params", "isolate", "deadline_ms", "overwrite"},
+    {"detectors", "matchers", "filters", "warps", "passes", "solvers"}};
+const Place kSink{"a sink", {"use", "params", "as", "from", "overwrite"}, {"sinks"}};
 
 class Loader {
  public:
@@ -126,6 +127,7 @@ class Loader {
       return stage;
     }
     refuse_unknown(node, place.what, place.keys);
+    read_overwrite(node, stage);
     const yaml::Node* use = node.find("use");
     if (use == nullptr) {
       complete_ = false;
@@ -147,6 +149,14 @@ class Loader {
                            "; legal roles: " + joined(place.roles));
     }
     return stage;
+  }
+
+  void read_overwrite(const yaml::Node& node, StageConfig& stage) {
+    const yaml::Node* given = node.find("overwrite");
+    if (given == nullptr) return;
+    const auto flag = yaml::as_bool(*given);
+    if (!flag) problem(given->at, "'overwrite' must be true or false");
+    stage.overwrite = flag.value_or(true);  // what is refused without it would only follow
   }
 
   void read_list(const yaml::Node& root, const char* key, std::vector<StageConfig>& stages,

@@ -31,7 +31,7 @@ yaml::Node merged_value(yaml::Node base, yaml::Node over) {
   const yaml::Node* after = over.find("use");
   if (before != nullptr && after != nullptr && before->scalar != after->scalar) {
     std::erase_if(base.entries, [](const yaml::Entry& entry) {
-      return entry.key == "params" || entry.key == "template_params";
+      return entry.key == "params" || entry.key == "template_params" || entry.key == "overwrite";
     });
   }
   if (after != nullptr) base.at = over.at;

@@ -5,6 +5,7 @@
 #include <weft/pipeline/replay.hpp>
 
 #include "document_merge.hpp"
+#include "output_paths.hpp"
 
 namespace weft {
 namespace {
@@ -19,7 +20,10 @@ Result<host::ComponentSpec> resolve(const host::Registry& registry, const yaml::
   std::vector<yaml::Problem> problems;
   auto spec = host::resolve_component(registry, *component.find("use"), component.find("params"),
                                       host::PathRules::of_process({here}, here), problems);
-  if (spec) return *std::move(spec);
+  if (spec) {
+    if (auto fresh = refuse_existing_outputs(*spec, here); !fresh) return fresh.error();
+    return *std::move(spec);
+  }
   return Error{Errc::invalid_value, problems.front().message,
                yaml::place(text_name, problems.front().at)};
 }

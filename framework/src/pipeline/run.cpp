@@ -8,6 +8,8 @@
 #include <weft/pipeline/run_folder.hpp>
 #include <weft/pipeline/trace.hpp>
 
+#include "output_paths.hpp"
+
 namespace weft {
 namespace {
 
@@ -194,6 +196,7 @@ std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file,
                                                         const std::string& output_folder) {
   auto [config, report] = load_pipeline(file, std::move(document), registry, output_folder);
   CheckedPipeline pipeline{std::move(config), {}};
+  refuse_unsafe_outputs(pipeline.config, registry, output_folder, report.problems);
   if (report.wirable) pipeline.graph = wire(pipeline.config, registry, report.problems);
   report.sort();
   return {std::move(pipeline), std::move(report)};

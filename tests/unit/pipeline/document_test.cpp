@@ -130,7 +130,7 @@ TEST_F(Documents, NameSinksLikeStages) {
   ASSERT_TRUE(report.ok()) << report.text();
   EXPECT_THAT(names_and_ids(config.sinks),
               ElementsAre("second=sinks/test.scripted", "third=sinks/test.visibility"));
-  EXPECT_EQ(parameter(config.sinks[0], "path"), path("run/c.txt"));
+  EXPECT_EQ(parameter(config.sinks[0], "path"), "c.txt");
   EXPECT_TRUE(config.sinks[0].named);
   const auto [again, second] = load(effective_yaml(config));
   ASSERT_TRUE(second.ok()) << second.text();

@@ -53,7 +53,7 @@ class Params {
   /// Absolute when read; a relative one stands in the file's folder.
   void input_path(const char* name, std::string& value, const char* help,
                   Need need = Need::optional);
-  /// Absolute when read; a relative one stands in the run folder.
+  /// Absolute; a relative one stands in the run folder. What is written stands in one of these.
   void output_path(const char* name, std::string& value, const char* help);
   /// A map from text to text, in its order; empty when not given.
   void labels(const char* name, std::vector<std::pair<std::string, std::string>>& value,

@@ -48,4 +48,12 @@ std::optional<ComponentSpec> resolve_component(const Registry& registry, const y
 /// Expands ${NAME} and ${NAME:-default}; the Error says which variable is not set.
 Result<std::string> expand_variables(const std::string& text, const PathRules& paths);
 
+/// The default of an output path, with "{NAME}" as the output path of that name among those given
+/// before, without its extension.
+std::string default_output(std::string text, const Arguments& given);
+
+/// An output path as the effective configuration has it: relative in the run folder, so that
+/// another run writes into its own.
+std::string path_in_run(const std::string& path, const PathRules& paths);
+
 }  // namespace weft::host

@@ -28,6 +28,7 @@ struct StageConfig {
   host::ComponentSpec component;
   /// Detectors: the component with `template_params` over `params`, for the template's texture.
   std::optional<host::ComponentSpec> on_template;
+  bool overwrite = false;                    ///< its outputs may go over what is there
   std::optional<host::Isolation> isolation;  ///< `isolate: process`; nothing runs it in this one
   yaml::Position at;
 };

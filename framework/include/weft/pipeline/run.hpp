@@ -30,8 +30,9 @@ struct CheckedPipeline {
   Graph graph;
 };
 
-/// Loads and wires a pipeline; use it only when the report is ok. `settings` and `patches` as in
-/// load_pipeline.
+/// Loads and wires a pipeline, and refuses outputs that would go over what is there or what it
+/// reads; use it only when the report is ok. `output_folder` is the run folder, new or empty;
+/// without a name, no component may write. `settings` and `patches` as in load_pipeline.
 std::pair<CheckedPipeline, ConfigReport> check_pipeline(
     const std::string& file, const host::Registry& registry, const std::string& output_folder,
     const std::vector<std::string>& settings = {}, const std::vector<Patch>& patches = {});
