@@ -105,9 +105,10 @@ Result<void> LineWriter::append(const std::string& line) {
     size_ += written;
     return {};
   }
+  const std::error_code code(errno, std::generic_category());
   // Readers leave a line without its end out, so that it does no harm if this fails too.
   static_cast<void>(ftruncate(descriptor_, size_));
-  return io_error(file_, "cannot be written; is the disk full?");
+  return io_error(file_, "cannot be written (" + why_not_written(code) + ")");
 }
 
 ResultsFolder::ResultsFolder(ResultsFolder&& other) noexcept

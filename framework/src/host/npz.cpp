@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <weft/core/whole_file.hpp>
 #include <weft/data/npz_members.hpp>
 #include <weft/host/npz.hpp>
 
@@ -96,8 +97,12 @@ Result<void> write_npz(const std::string& file, const NamedRecords& records) {
     zip_file_set_dostime(archive.get(), entry, 0, 33, 0);  // 1980-01-01: no hidden time
   }
   if (zip_close(archive.get()) != 0) {
-    return zip_failure(file, std::string("cannot be written: ") + zip_strerror(archive.get()) +
-                                 "; is the disk full?");
+    const std::error_code reason(zip_error_code_system(zip_get_error(archive.get())),
+                                 std::generic_category());
+    return zip_failure(
+        file, "cannot be written (" +
+                  (reason ? why_not_written(reason) : std::string(zip_strerror(archive.get()))) +
+                  ")");
   }
   static_cast<void>(archive.release());
   std::error_code failure;

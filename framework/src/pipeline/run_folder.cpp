@@ -2,6 +2,7 @@
 #include <sys/utsname.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -264,9 +265,12 @@ Result<void> RunFolder::add(const Graph& graph, const FrameResult& frame,
   line["records"] = records.size();
   line["stages"] = std::move(stages);
   line["ms"] = std::move(times);
+  errno = 0;
   frames_ << dump(line) << std::endl;
-  if (!frames_) return io_error(path_ + "/frames.jsonl", "cannot be written; is the disk full?");
-  return {};
+  if (frames_) return {};
+  return io_error(path_ + "/frames.jsonl",
+                  "cannot be written (" +
+                      why_not_written(std::error_code(errno, std::generic_category())) + ")");
 }
 
 Result<void> RunFolder::end(std::int64_t frames, std::int64_t failed, bool stopped) const {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <weft/core/whole_file.hpp>
 #include <weft/pipeline/trace.hpp>
 
 namespace weft {
@@ -118,9 +120,13 @@ void Trace::put(const std::string& event) {
 }
 
 Result<void> Trace::flush() {
+  errno = 0;
   if (stream_.is_open()) stream_.flush();
   if (stream_) return {};
-  return Error{Errc::io, "cannot be written; is the disk full?", file_};
+  const std::error_code code(errno, std::generic_category());
+  return Error{Errc::io,
+               "cannot be written (" + (code ? why_not_written(code) : "is the disk full?") + ")",
+               file_};
 }
 
 }  // namespace weft

@@ -70,7 +70,11 @@ Result<void> write_npz(const fs::path& path, const std::vector<NpzMember>& membe
       return cannot_write(path, added.error().message);
     }
   }
-  if (zip_close(archive.get()) != 0) return cannot_write(path, zip_strerror(archive.get()));
+  if (zip_close(archive.get()) != 0) {
+    const std::error_code reason(zip_error_code_system(zip_get_error(archive.get())),
+                                 std::generic_category());
+    return cannot_write(path, reason ? why_not_written(reason) : zip_strerror(archive.get()));
+  }
   static_cast<void>(archive.release());
   return put_in_place(path);
 }

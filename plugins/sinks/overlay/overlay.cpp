@@ -26,7 +26,8 @@ class Overlay final : public Sink {
     p.output_path("path", path_, "video file, .avi or .mkv");
     p.read("fps", fps_, "1/s", {0.1, 1000.0}, "frames a second of the video");
     p.read("stills_every", stills_every_, "frames", {0, 1'000'000},
-           "also keep every n-th frame as PNG, in a folder named like the video; 0: none");
+           "also keep every n-th frame as PNG; 0: none");
+    p.output_path("stills", stills_path_, "folder of these; named like the video by default");
     p.read("stills_width_px", stills_width_px_, "px", {0, 10'000},
            "width of these; 0: that of the frames");
     p.read("draw_matches", draw_matches_, "draw the kept matches as dots");
@@ -62,10 +63,7 @@ class Overlay final : public Sink {
     return {};
   }
 
-  Result<void> finish(const Call&) override {
-    video_.close();
-    return {};
-  }
+  Result<void> finish(const Call&) override { return video_.close(); }
 
  private:
   static std::string text_of(cv::Size size) {
@@ -152,17 +150,20 @@ class Overlay final : public Sink {
   Result<void> write_still(const cv::Mat& canvas, std::uint64_t frame) const {
     char name[32];
     std::snprintf(name, sizeof name, "%06llu.png", static_cast<unsigned long long>(frame));
-    const fs::path path = fs::path(path_).replace_extension() / name;
+    const fs::path path = fs::path(stills_path_) / name;
     std::vector<std::uint8_t> bytes;
-    cv::imencode(".png", still_of(canvas), bytes);
+    if (!cv::imencode(".png", still_of(canvas), bytes)) {
+      return Error{Errc::unsupported, "OpenCV cannot write the frame as PNG", {}};
+    }
     std::error_code status;
-    fs::create_directories(path.parent_path(), status);
+    fs::create_directories(path.parent_path(), status);  // writing says why it cannot
     return write_whole({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path);
   }
 
   std::string path_ = "overlay.avi";
   double fps_ = 30.0;
   int stills_every_ = 0;
+  std::string stills_path_ = "{path}";
   int stills_width_px_ = 0;
   bool draw_matches_ = true;
   int line_width_px_ = 1;

@@ -2,24 +2,41 @@
 #include "video_file.hpp"
 
 #include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <weft/core/whole_file.hpp>
 
 namespace weft::overlay {
 namespace {
 
-/// Makes an empty file, so that the system can say what is wrong; OpenCV does not.
-Result<void> check_writable(const std::filesystem::path& path) {
-  std::error_code status;
-  std::filesystem::create_directories(path.parent_path(), status);
+namespace fs = std::filesystem;
+
+bool is_avi(const std::string& path) { return path.ends_with(".avi"); }
+
+/// Makes an empty file, so that the system can say what is wrong; FFmpeg does not.
+Result<void> check_writable(const std::string& path) {
   errno = 0;
   if (std::ofstream(path, std::ios::binary)) return {};
-  const char* reason = errno != 0 ? std::strerror(errno) : "unknown reason";
+  const std::error_code code(errno, std::generic_category());
   return Error{Errc::io,
-               "the video " + path.string() + " cannot be written (" + reason +
+               "the video " + path + " cannot be written (" + why_not_written(code) +
                    "): choose another 'path' or make its folder writable",
                {}};
+}
+
+/// Pictures of a finished video, none of which is decoded.
+std::int64_t pictures_in(const std::string& path) {
+  std::int64_t count = 0;
+  try {
+    cv::VideoCapture video(path, is_avi(path) ? cv::CAP_OPENCV_MJPEG : cv::CAP_FFMPEG);
+    constexpr double kPackets = -1.0;
+    if (!is_avi(path)) video.set(cv::CAP_PROP_FORMAT, kPackets);
+    while (video.isOpened() && video.grab()) ++count;
+  } catch (const cv::Exception&) {
+    return 0;
+  }
+  return count;
 }
 
 }  // namespace
@@ -29,11 +46,14 @@ Result<void> VideoFile::open(const std::string& path, double fps, cv::Size size)
   fps_ = fps;
   size_ = size;
   part_ = 1;
+  first_failure_ = {};
+  std::error_code status;
+  fs::create_directories(fs::path(path).parent_path(), status);  // opening says why it cannot
   return open_part();
 }
 
 Result<void> VideoFile::open_part() {
-  std::filesystem::path path(path_);
+  fs::path path(path_);
   const std::string extension = path.extension().string();
   if (extension != ".avi" && extension != ".mkv") {
     return Error{Errc::unsupported,
@@ -41,39 +61,76 @@ Result<void> VideoFile::open_part() {
                      "run is killed: change 'path', and convert the file afterwards",
                  {}};
   }
-  if (part_ > 1) {
-    path.replace_filename(path.stem().string() + "_" + std::to_string(part_) + extension);
+  std::error_code status;
+  while (part_ > 1) {
+    path.replace_filename(fs::path(path_).stem().string() + "_" + std::to_string(part_) +
+                          extension);
+    if (!fs::exists(fs::symlink_status(path, status))) break;
+    ++part_;
   }
   part_path_ = path.string();
-  if (auto writable = check_writable(path); !writable) return writable.error();
-  const int writer = extension == ".avi" ? cv::CAP_OPENCV_MJPEG : cv::CAP_FFMPEG;
+  given_ = 0;
+  return is_avi(part_path_) ? avi_.open(part_path_, fps_, size_.width, size_.height) : open_mkv();
+}
+
+Result<void> VideoFile::open_mkv() {
+  if (auto writable = check_writable(part_path_); !writable) return writable;
   try {
-    writer_.open(part_path_, writer, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), fps_, size_);
+    writer_.open(part_path_, cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), fps_,
+                 size_);
   } catch (const cv::Exception&) {
     writer_.release();
   }
   if (writer_.isOpened()) return {};
-  return Error{Errc::unsupported,
-               "OpenCV cannot write the video " + part_path_ +
-                   (extension == ".mkv" ? ": it was built without FFmpeg; use .avi"
-                                        : " with its MJPEG writer; use .mkv"),
-               {}};
+  return Error{
+      Errc::unsupported,
+      "OpenCV cannot write the video " + part_path_ + ": it was built without FFmpeg; use .avi",
+      {}};
 }
 
 Result<void> VideoFile::write(const cv::Mat& picture) {
-  if (part_is_full()) {
-    writer_.release();
+  auto written = add(picture);
+  if (!written && first_failure_) first_failure_ = written;
+  return written;
+}
+
+Result<void> VideoFile::add(const cv::Mat& picture) {
+  if (avi_.is_open() && avi_.size() >= most_bytes_of_avi_) {
+    if (auto closed = close_part(); !closed) return closed;
     ++part_;
     if (auto opened = open_part(); !opened) return opened;
   }
-  writer_.write(picture);
+  if (!avi_.is_open()) {
+    writer_.write(picture);
+    ++given_;
+    return {};
+  }
+  std::vector<std::uint8_t> jpeg;
+  constexpr int kQuality = 95;
+  if (!cv::imencode(".jpg", picture, jpeg, {cv::IMWRITE_JPEG_QUALITY, kQuality})) {
+    return Error{Errc::unsupported, "OpenCV cannot write the frame as JPEG", {}};
+  }
+  if (auto added = avi_.add(jpeg); !added) return added;
+  ++given_;
   return {};
 }
 
-bool VideoFile::part_is_full() const {
-  std::error_code status;
-  return part_path_.ends_with(".avi") &&
-         std::filesystem::file_size(part_path_, status) >= most_bytes_of_avi_ && !status;
+Result<void> VideoFile::close_part() {
+  if (!is_open()) return {};
+  auto closed = avi_.close();
+  writer_.release();
+  if (!closed) return closed;
+  const std::int64_t found = pictures_in(part_path_);
+  if (found == given_) return {};
+  return Error{Errc::io,
+               "the video " + part_path_ + " has " + std::to_string(found) + " of " +
+                   std::to_string(given_) + " frames: is the disk full?",
+               {}};
+}
+
+Result<void> VideoFile::close() {
+  auto closed = close_part();
+  return first_failure_ ? closed : first_failure_;
 }
 
 }  // namespace weft::overlay

@@ -6,35 +6,44 @@
 #include <string>
 #include <weft/core/result.hpp>
 
+#include "avi_file.hpp"
+
 namespace weft::overlay {
 
-/// A video of JPEG pictures: `.avi` by OpenCV's own writer, `.mkv` by FFmpeg. Both can be read up
-/// to the last buffer that reached the disk when the program is killed. OpenCV cannot close an
-/// `.avi` of more than 2 GiB, so a longer video goes on in NAME_2.avi, NAME_3.avi and so on.
+/// A video of JPEG pictures: `.avi` as AviFile writes it, `.mkv` by FFmpeg, which says nothing of a
+/// full disk before the video is closed and read again. An `.avi` of more than 2 GiB is not for all
+/// players, so a longer video goes on in NAME_2.avi, NAME_3.avi and so on, over no other file.
 class VideoFile {
  public:
-  static constexpr std::uintmax_t kMostBytesOfAvi = 1'900'000'000;
+  static constexpr std::uint64_t kMostBytesOfAvi = 1'900'000'000;
 
-  explicit VideoFile(std::uintmax_t most_bytes_of_avi = kMostBytesOfAvi)
+  explicit VideoFile(std::uint64_t most_bytes_of_avi = kMostBytesOfAvi)
       : most_bytes_of_avi_(most_bytes_of_avi) {}
 
   /// Makes the folder if need be. Fails on another extension and when the file cannot be written.
   Result<void> open(const std::string& path, double fps, cv::Size size);
-  bool is_open() const { return writer_.isOpened(); }
-  /// `picture` is BGR and has the size of the video. Fails when the next part cannot be opened.
+  bool is_open() const { return avi_.is_open() || writer_.isOpened(); }
+  /// `picture` is BGR and has the size of the video. Fails when it cannot be written, as far as
+  /// that is known, or when the next part cannot be opened.
   Result<void> write(const cv::Mat& picture);
-  void close() { writer_.release(); }
+  /// Fails when the video on the disk has not all pictures that it was given; closed it is anyway.
+  Result<void> close();
 
  private:
   Result<void> open_part();
-  bool part_is_full() const;
+  Result<void> open_mkv();
+  Result<void> close_part();
+  Result<void> add(const cv::Mat& picture);
 
-  std::uintmax_t most_bytes_of_avi_;
+  std::uint64_t most_bytes_of_avi_;
   std::string path_;
   double fps_ = 0.0;
   cv::Size size_;
   int part_ = 1;
   std::string part_path_;
+  std::int64_t given_ = 0;  ///< [] pictures of this part
+  Result<void> first_failure_;
+  AviFile avi_;
   cv::VideoWriter writer_;
 };
 

@@ -11,12 +11,28 @@
 
 namespace weft {
 
-/// Writes a file that appears whole or not at all: it is renamed from `file`.part. A device, such
-/// as /dev/stdout, is written directly.
+/// Why a file could not be written, in words.
+inline std::string why_not_written(std::error_code code) {
+  if (code == std::errc::file_too_large) return "it is beyond the file size limit, see ulimit -f";
+  return code.message();
+}
+
+/// Whether what is written there goes elsewhere: a terminal, a pipe, /dev/stdout, which may be a
+/// file.
+inline bool is_device(const std::filesystem::path& file) {
+  namespace fs = std::filesystem;
+  std::error_code code;
+  const fs::file_status status = fs::status(file, code);
+  return file.lexically_normal().native().starts_with("/dev/") ||
+         (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status));
+}
+
+/// Writes a file that appears whole or not at all: it is renamed from `file`.part. A device is
+/// written directly.
 inline Result<void> write_whole(std::string_view bytes, const std::filesystem::path& file) {
   namespace fs = std::filesystem;
   std::error_code code;
-  const bool replaceable = !fs::exists(file, code) || fs::is_regular_file(file, code);
+  const bool replaceable = !is_device(file);
   fs::path target = file;
   if (replaceable) target += ".part";
   errno = 0;
@@ -26,7 +42,7 @@ inline Result<void> write_whole(std::string_view bytes, const std::filesystem::p
   code = stream ? std::error_code() : std::error_code(errno, std::generic_category());
   if (stream && replaceable) fs::rename(target, file, code);
   if (stream && !code) return {};
-  const std::string reason = code ? " (" + code.message() + ")" : "";
+  const std::string reason = code ? " (" + why_not_written(code) + ")" : "";
   if (replaceable) fs::remove(target, code);
   return Error{Errc::io,
                "cannot be written" + reason + "; is its folder writable and the disk not full?",

@@ -116,21 +116,33 @@ TEST_F(OverlaySink, WritesEveryFrameIntoTheVideo) {
   }
 }
 
-TEST_F(OverlaySink, LeavesAReadableAviWhenTheRunIsKilled) {
-  // A pattern that JPEG compresses badly, so that the file grows beyond its buffer.
-  for (std::int64_t i = 0; i < image_.pixels.size(); ++i) {
-    image_.pixels.data()[i] = static_cast<std::uint8_t>(i * 2654435761U >> 24U);
-  }
+TEST_F(OverlaySink, LeavesEveryFinishedFrameInAnAviWhenTheRunIsKilled) {
   auto plugin = sink();
   ASSERT_EQ(open(plugin).status, WEFT_OK);
-  for (std::uint64_t i = 0; i < 40; ++i) {
+  for (int i = 0; i < 6; ++i) {
+    // What is on the disk now is what a killed process leaves behind.
+    fs::copy_file(folder_ / "view.avi", folder_ / "killed.avi",
+                  fs::copy_options::overwrite_existing);
+    EXPECT_EQ(frames_in(folder_ / "killed.avi"), i);
+    ASSERT_EQ(plugin.process(kWrite, inputs(), static_cast<std::uint64_t>(i)).status, WEFT_OK);
+  }
+}
+
+TEST_F(OverlaySink, FailsToFinishAVideoThatLacksFrames) {
+  for (int i = 0; i < image_.pixels.size(); ++i) {
+    image_.pixels.data()[i] =
+        static_cast<std::uint8_t>(static_cast<unsigned>(i) * 2654435761U >> 24U);
+  }
+  auto plugin = sink("", "view.mkv");
+  ASSERT_EQ(open(plugin).status, WEFT_OK);
+  for (std::uint64_t i = 0; i < 200; ++i) {
     ASSERT_EQ(plugin.process(kWrite, inputs(), i).status, WEFT_OK);
   }
-  // What is on the disk now is what a killed process leaves behind.
-  fs::copy_file(folder_ / "view.avi", folder_ / "killed.avi");
-  const int readable = frames_in(folder_ / "killed.avi");
-  EXPECT_GE(readable, 36);
-  EXPECT_LE(readable, 40);
+  ASSERT_GT(fs::file_size(folder_ / "view.mkv"), 10'000U);
+  fs::remove(folder_ / "view.mkv");  // as if nothing of it had reached the disk
+  const Outcome finished = plugin.process(kFinish, {});
+  EXPECT_EQ(finished.status, WEFT_ERROR);
+  EXPECT_THAT(finished.message, HasSubstr("view.mkv has 0 of 200 frames"));
 }
 
 TEST_F(OverlaySink, DrawsEdgesWhereTheCameraSeesThem) {
@@ -273,6 +285,14 @@ TEST_F(OverlaySink, KeepsEveryNthFrameAsAStill) {
     names.push_back(entry.path().filename().string());
   }
   EXPECT_THAT(names, ::testing::UnorderedElementsAre("000000.png", "000004.png", "000008.png"));
+}
+
+TEST_F(OverlaySink, PutsStillsIntoAFolderOfChoice) {
+  auto plugin = sink(", stills_every: 1, stills: '" + (folder_ / "chosen").string() + "'");
+  ASSERT_EQ(open(plugin).status, WEFT_OK);
+  ASSERT_EQ(plugin.process(kWrite, inputs(), 0).status, WEFT_OK);
+  EXPECT_TRUE(fs::exists(folder_ / "chosen" / "000000.png"));
+  EXPECT_FALSE(fs::exists(folder_ / "view"));
 }
 
 TEST_F(OverlaySink, MakesStillsSmallerButNeverLarger) {
