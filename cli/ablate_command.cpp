@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <memory>
 #include <weft/core/shell_word.hpp>
 #include <weft/evaluation/ablation.hpp>
@@ -162,7 +161,6 @@ Result<evaluation::AblationState> execute(evaluation::Grid& grid,
                                         options.retries("damaged")};
   if (options.status) return evaluation::state_of(grid, folder, how);
   const std::atomic<bool>& interrupted = watch_for_interruption();
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that is too large is an error of its write
   const auto engine = evaluation::local_engine(options.timing ? 1 : options.jobs);
   ProgressLine line(grid.cells().size(), options.quiet);
   auto state = evaluation::run_ablation(

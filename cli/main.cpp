@@ -2,16 +2,19 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <weft/core/suggest.hpp>
 #include <weft/core/version.hpp>
 
 #include "commands.hpp"
+#include "standard_output.hpp"
 
 namespace weft::cli {
 
 void print_error(const Error& error) {
-  fmt::print(stderr, "error: {}{}{}\n", error.where, error.where.empty() ? "" : ": ",
-             error.message);
+  const std::string line =
+      fmt::format("error: {}{}{}\n", error.where, error.where.empty() ? "" : ": ", error.message);
+  std::fputs(line.c_str(), stderr);  // nobody is left to be told that this failed
 }
 
 }  // namespace weft::cli
@@ -34,9 +37,8 @@ std::string wrong_command(const CLI::App& app) {
                                   : fmt::format("did you mean '{}'?", near));
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+/// The exit code of the command that the arguments give.
+int run_command(int argc, char** argv) {
   CLI::App app{"Weft recovers the 3D shape of a deforming surface from one camera and a template."};
   app.set_version_flag("--version", weft::kVersion);
   app.require_subcommand(1);
@@ -67,8 +69,17 @@ int main(int argc, char** argv) {
     weft::cli::print_error({weft::Errc::invalid_value, message, {}});
     return weft::cli::kBadConfiguration;
   } catch (const std::exception& error) {
+    if (std::ferror(stdout) != 0) return weft::cli::kInputOutput;  // said at the end
     weft::cli::print_error({weft::Errc::io, error.what(), {}});
     return weft::cli::kInputOutput;
   }
   return context.exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  weft::cli::guard_standard_streams();
+  const int exit_code = run_command(argc, argv);
+  return weft::cli::standard_output_failed() ? weft::cli::kInputOutput : exit_code;
 }

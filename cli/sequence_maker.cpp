@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <weft/core/whole_file.hpp>
 #include <weft/host/yaml.hpp>
@@ -32,7 +33,10 @@ class SequenceProgress final : public RunObserver {
       first_error_ = fmt::format("frame {}: {}", frame.index, report.reason);
     }
     if (quiet_) return;
-    fmt::print(stderr, "\r{}{} frames", done_, total_ < 0 ? "" : fmt::format("/{}", total_));
+    // Frames do not depend on whether somebody can read this.
+    std::fputs(
+        fmt::format("\r{}{} frames", done_, total_ < 0 ? "" : fmt::format("/{}", total_)).c_str(),
+        stderr);
   }
   void end_line() const {
     if (!quiet_ && done_ > 0) fmt::print(stderr, "\n");
