@@ -13,6 +13,7 @@
 #include <weft/geometry/marker_sheet.hpp>
 
 #include "cairo_bytes.hpp"
+#include "new_file.hpp"
 #include "template_builder.hpp"
 
 namespace weft::cli {
@@ -127,6 +128,7 @@ Result<void> make_files(const Context& context, const FrexSheetRequest& request)
       {std::filesystem::path(path).replace_extension(".png").string(),
        draw_picture(templ->texture)}};
   for (const auto& [name, content] : files) {
+    if (auto fresh = check_new_file(name, request.overwrite); !fresh) return fresh;
     if (content.empty()) return Error{Errc::io, name + ": Cairo cannot draw it", {}};
   }
   for (const auto& [name, content] : files) {

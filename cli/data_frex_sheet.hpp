@@ -12,6 +12,7 @@ namespace weft::cli {
 struct FrexSheetRequest {
   std::string pdf_path;
   std::int64_t seed = 1;
+  bool overwrite = false;  ///< files that are there
 };
 
 /// Writes the sheet of templates/frex_sheet as a PDF of exact size, markers as filled rectangles,

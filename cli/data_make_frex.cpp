@@ -24,6 +24,7 @@ struct FrexOptions {
   bool occluder = false;
   std::vector<std::string> settings;
   bool quiet = false;
+  bool overwrite = false;  ///< the sheet's files
 };
 
 std::string one_line(std::string text) {
@@ -59,7 +60,7 @@ std::string simulation_text(const FrexOptions& options) {
 
 void make(const FrexOptions& options, Context& context) {
   if (!options.sheet.empty()) {
-    context.exit_code = make_frex_sheet(context, {options.sheet, options.seed});
+    context.exit_code = make_frex_sheet(context, {options.sheet, options.seed, options.overwrite});
     return;
   }
   if (options.folder.empty() || options.texture.empty()) {
@@ -141,8 +142,11 @@ void add_data_make_frex(CLI::App& make_command, Context& context) {
                    "repeated; see `weft plugins show sources/frex`")
       ->allow_extra_args(false);
   CLI::Option* quiet = command->add_flag("--quiet", options->quiet, "No progress");
+  CLI::Option* overwrite =
+      command->add_flag("--overwrite", options->overwrite, "Replace the files of a sheet")
+          ->needs(sheet);
   for (CLI::Option* option : command->get_options()) {
-    const bool goes = option == sheet || option == seed || option == quiet;
+    const bool goes = option == sheet || option == seed || option == quiet || option == overwrite;
     if (!goes && option != command->get_help_ptr()) sheet->excludes(option);
   }
   command->callback([&context, options] { make(*options, context); });

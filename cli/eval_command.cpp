@@ -5,6 +5,7 @@
 #include <weft/evaluation/metrics_report.hpp>
 
 #include "commands.hpp"
+#include "new_file.hpp"
 
 namespace weft::cli {
 namespace {
@@ -18,6 +19,7 @@ struct EvalOptions {
   bool frames = false;
   bool no_save = false;
   bool quiet = false;
+  bool overwrite = false;  ///< json_file and csv_file
 };
 
 Result<void> evaluate(const EvalOptions& options, const std::string& alignment) {
@@ -52,6 +54,10 @@ Result<void> evaluate(const EvalOptions& options, const std::string& alignment) 
 }
 
 Result<void> evaluate_all(const EvalOptions& options) {
+  for (const std::string& file : {options.json_file, options.csv_file}) {
+    if (file.empty() || file == "-") continue;
+    if (auto fresh = check_new_file(file, options.overwrite); !fresh) return fresh;
+  }
   if (options.alignment != "all") return evaluate(options, options.alignment);
   if (!options.json_file.empty() || !options.csv_file.empty()) {
     return Error{
@@ -96,6 +102,7 @@ void add_eval_command(CLI::App& app, Context& context) {
   command->add_flag("--frames", options->frames,
                     "Print a row for each frame too, and the frames with the largest errors");
   command->add_flag("--no-save", options->no_save, "Write nothing into the run folder");
+  add_overwrite(*command, options->overwrite);
   command->add_flag("--quiet", options->quiet, "No table");
   command->footer(
       "Exit codes:\n"

@@ -6,6 +6,7 @@
 #include <weft/evaluation/report.hpp>
 
 #include "commands.hpp"
+#include "new_file.hpp"
 
 namespace weft::cli {
 namespace {
@@ -18,12 +19,18 @@ std::string assets_folder() {
   return (program.parent_path().parent_path() / "share" / "weft" / "report").string();
 }
 
+bool is_same(const std::string& a, const std::string& b) {
+  std::error_code code;
+  return std::filesystem::equivalent(a, b, code);
+}
+
 }  // namespace
 
 void add_report_command(CLI::App& app, Context& context) {
   struct Options {
     std::string folder;
     std::string page;
+    bool overwrite = false;
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
@@ -31,7 +38,16 @@ void add_report_command(CLI::App& app, Context& context) {
   command->add_option("DIR", options->folder, "Results folder that `weft ablate` wrote")
       ->required();
   command->add_option("--out", options->page, "The page (default: DIR/report.html)");
+  add_overwrite(*command, options->overwrite);
   command->callback([&context, options] {
+    const std::string own = options->folder + "/report.html";
+    if (!options->page.empty() && !is_same(options->page, own)) {
+      if (auto fresh = check_new_file(options->page, options->overwrite); !fresh) {
+        print_error(fresh.error());
+        context.exit_code = kInputOutput;
+        return;
+      }
+    }
     const auto files = evaluation::write_report(options->folder, {options->page, assets_folder()});
     if (!files) {
       print_error(files.error());

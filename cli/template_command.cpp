@@ -4,12 +4,13 @@
 
 #include <charconv>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <utility>
+#include <weft/core/whole_file.hpp>
 #include <weft/pipeline/config.hpp>
 
 #include "json_text.hpp"
+#include "new_file.hpp"
 #include "template_builder.hpp"
 #include "template_drawing.hpp"
 #include "template_figures.hpp"
@@ -23,6 +24,7 @@ struct TemplateOptions {
   std::string pipeline, use, out, png;
   std::vector<std::string> settings;
   bool json = false;
+  bool overwrite = false;  ///< png
 };
 
 /// The shortest text that reads back as the same number.
@@ -53,11 +55,9 @@ std::string to_obj(const Template& templ) {
 }
 
 Result<void> write_file(const fs::path& path, const std::string& content) {
-  std::ofstream stream(path, std::ios::binary);
-  stream << content;
-  stream.close();
-  if (stream && !content.empty()) return {};
-  return Error{Errc::io, "cannot be written: is its folder there and writable?", path.string()};
+  if (!content.empty()) return write_whole(content, path);
+  return Error{Errc::io, "cannot be drawn: Cairo is out of memory or the picture too large",
+               path.string()};
 }
 
 Result<void> write_folder(const Template& templ, const fs::path& folder) {
@@ -121,6 +121,12 @@ void run(const TemplateOptions& options, Context& context) {
   if (options.use.empty() == options.pipeline.empty()) {
     return print_error({Errc::invalid_value, "give a pipeline file or --use ID, one of them", {}});
   }
+  if (!options.png.empty()) {
+    if (auto fresh = check_new_file(options.png, options.overwrite); !fresh) {
+      context.exit_code = kInputOutput;
+      return print_error(fresh.error());
+    }
+  }
   const auto component = options.use.empty() ? component_of_pipeline(options, registry)
                                              : named_component(options, registry);
   if (!component) return;
@@ -183,6 +189,7 @@ void add_template_command(CLI::App& app, Context& context) {
   CLI::App* show = add_command(*parent, "show", "Print the figures of a template", shown);
   show->add_option("--png", shown->png, "Draw the mesh over the texture, and a curved object")
       ->option_text("FILE");
+  add_overwrite(*show, shown->overwrite);
   show->callback([&context, shown] { run(*shown, context); });
 }
 

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+
+#include <opencv2/videoio.hpp>
+
+#include "support/child.hpp"
+#include "support/pipeline_fixture.hpp"
+
+namespace weft {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::chain;
+using testing::Child;
+using testing::Ended;
+using ::testing::HasSubstr;
+using testing::read_lines;
+using testing::read_text;
+
+/// The program, started by a shell that takes something away from it: its standard output, or the
+/// right to write large files.
+class LostOutput : public testing::PipelineTest {
+ protected:
+  Ended weft(const std::string& shell, const std::vector<std::string>& arguments) const {
+    std::vector<std::string> words{"/bin/sh",
+                                   "-c",
+                                   "cd '" + folder_ + "' && " + shell,
+                                   WEFT_PROGRAM,
+                                   "--plugin-path",
+                                   WEFT_TEST_PLUGINS,
+                                   "--plugin-path",
+                                   WEFT_REAL_PLUGINS};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    return Child(words, path("printed")).wait();
+  }
+  Ended weft(const std::vector<std::string>& arguments) const {
+    return weft(R"(exec "$0" "$@")", arguments);
+  }
+  /// No file may be larger than this; the shell counts in 512 bytes.
+  Ended limited(int kb, const std::vector<std::string>& arguments) const {
+    return weft("ulimit -f " + std::to_string(2 * kb) + R"( && exec "$0" "$@")", arguments);
+  }
+
+  /// Frames of 160 x 120 px and what is drawn over them.
+  static std::string overlay(int frames, const std::string& params,
+                             const std::string& options = "max_failed: 1000") {
+    return "weft: 1\n" + options +
+           "\nsource: {use: sources/test.scripted, params: {frames: " + std::to_string(frames) +
+           "}}\ntemplate: {use: templates/test.scripted}\n" +
+           "sinks:\n  - {use: sinks/overlay, params: {" + params + "}}\n";
+  }
+
+  static int frames_in(const std::string& video) {
+    cv::VideoCapture capture(video, cv::CAP_FFMPEG);
+    int count = 0;
+    while (capture.isOpened() && capture.grab()) ++count;
+    return count;
+  }
+};
+
+TEST_F(LostOutput, OfEveryCommandIsAnErrorWithCodeThree) {
+  const std::string file = write(chain());
+  ASSERT_EQ(weft({"run", file, "--out", "kept", "--dump", "warps"}).exit_code, 0);
+  write(
+      "weft: 1\nname: plan\npipeline: pipeline.yaml\ndata_use: tuning\naxes:\n"
+      "  distance: {set: solvers.distance_m, values: [0.2, 0.3]}\n"
+      "data: {plain: {seeds: 1-2, seed_setting: source.frames}}\n",
+      "plan.yaml");
+  ASSERT_EQ(weft({"ablate", "plan.yaml", "--out", "cells"}).exit_code, 0);
+  const std::vector<std::vector<std::string>> commands{
+      {"--version"},
+      {"--help"},
+      {"check", file},
+      {"run", file, "--out", "other"},
+      {"records"},
+      {"plugins", "list"},
+      {"plugins", "show", "sinks/overlay"},
+      {"doctor"},
+      {"eval", "kept"},
+      {"eval", "kept", "--json", "-"},
+      {"replay", "warps", "kept"},
+      {"ablate", "plan.yaml", "--out", "cells", "--status"},
+      {"report", "cells"}};
+  for (const auto& command : commands) {
+    const Ended full = weft(R"(exec "$0" "$@" > /dev/full)", command);
+    EXPECT_EQ(full.exit_code, 3) << command.front();
+    EXPECT_EQ(full.err, "error: the standard output cannot be written (No space left on device)\n")
+        << command.front();
+    fs::remove_all(path("other"));
+    const Ended closed = weft(R"(exec "$0" "$@" >&-)", command);
+    EXPECT_EQ(closed.exit_code, 3) << command.front();
+    EXPECT_THAT(closed.err, HasSubstr("error: the standard output cannot be written"))
+        << command.front();
+    // What was opened is no file that bears the number of the standard output.
+    const bool ran = command.front() == "run";
+    EXPECT_EQ(read_lines(path("other/frames.jsonl")).size(), ran ? 3U : 0U) << command.front();
+    fs::remove_all(path("other"));
+  }
+}
+
+TEST_F(LostOutput, ThatNobodyNeedsIsNoError) {
+  const std::string file = write(chain());
+  ASSERT_EQ(weft({"run", file, "--out", "kept"}).exit_code, 0);
+  EXPECT_EQ(weft(R"(exec "$0" "$@" >&-)", {"eval", "kept", "--quiet"}).exit_code, 0);
+}
+
+TEST_F(LostOutput, OfAFileThatGrowsTooLargeIsNamedWithItsReason) {
+  const std::string file = write(overlay(40, "path: overlay.avi"));
+  const Ended ended = limited(24, {"run", file, "--out", "run", "--quiet"});
+  EXPECT_EQ(ended.exit_code, 3) << ended.out << ended.err;
+  EXPECT_EQ(ended.signal, 0);
+  EXPECT_EQ(ended.err, "error: sinks/overlay: the video " + path("run/overlay.avi") +
+                           " cannot be written (it is beyond the file size limit, see ulimit -f): "
+                           "choose another 'path', or make it writable and free space\n");
+  // Those that were written can be read, and the others are errors of their frames.
+  const int readable = frames_in(path("run/overlay.avi"));
+  EXPECT_GT(readable, 1);
+  const std::vector<std::string> lines = read_lines(path("run/frames.jsonl"));
+  ASSERT_EQ(lines.size(), 40U);
+  int written = 0;
+  for (const std::string& line : lines) written += line.find("\"failed\":false") != line.npos;
+  EXPECT_EQ(readable, written);
+}
+
+TEST_F(LostOutput, OfFfmpegIsFoundWhenTheVideoIsReadAgain) {
+  const std::string file = write(overlay(40, "path: overlay.mkv"));
+  const Ended ended = limited(24, {"run", file, "--out", "run", "--quiet"});
+  EXPECT_EQ(ended.exit_code, 3) << ended.out << ended.err;
+  EXPECT_THAT(ended.err, HasSubstr("error: sinks/overlay: the video " + path("run/overlay.mkv")));
+  EXPECT_THAT(ended.err, HasSubstr(" of 40 frames: is the disk full?\n"));
+}
+
+TEST_F(LostOutput, OfTheRunFolderItselfNamesTheFile) {
+  const std::string file = write(chain({{"sources", "{frames: 400}"}}));
+  const Ended ended = limited(24, {"run", file, "--out", "run", "--quiet"});
+  EXPECT_EQ(ended.exit_code, 3) << ended.out << ended.err;
+  EXPECT_THAT(ended.err, HasSubstr(" cannot be written (it is beyond the file size limit"));
+}
+
+TEST_F(LostOutput, NeverTakesWhatAPipelineReads) {
+  ASSERT_EQ(weft({"run", write(overlay(3, "path: film.avi")), "--out", "film"}).exit_code, 0);
+  const std::string film = path("film/film.avi"), before = read_text(film);
+  write("fx: 100\nfy: 100\ncx: 79.5\ncy: 59.5\nwidth: 160\nheight: 120\ndistortion: null\n",
+        "camera.yaml");
+  const std::string text =
+      "weft: 1\nsource: {use: sources/video, params: {path: film/film.avi, camera: camera.yaml}}\n"
+      "template: {use: templates/test.scripted}\nsinks:\n"
+      "  - {use: sinks/overlay, params: {path: '" +
+      film + "'}, overwrite: true}\n";
+  const std::string file = write(text);
+  for (const char* command : {"check", "run"}) {
+    const Ended refused = weft({command, file});
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_EQ(refused.err, file + ":5:41: 'path': " + film +
+                               " would overwrite what 'path' of sources/video reads, at " + file +
+                               ":2:45; choose another path\n");
+  }
+  EXPECT_EQ(read_text(film), before);
+}
+
+TEST_F(LostOutput, OfAnEarlierRunStaysWhenItsPipelineRunsAgain) {
+  ASSERT_EQ(weft({"run", write(overlay(3, "path: o.avi")), "--out", "one"}).exit_code, 0);
+  const std::string before = read_text(path("one/o.avi"));
+  ASSERT_EQ(
+      weft({"run", "one/pipeline.yaml", "--out", "two", "--set", "source.frames=2"}).exit_code, 0);
+  EXPECT_EQ(read_text(path("one/o.avi")), before);
+  EXPECT_EQ(frames_in(path("two/o.avi")), 2);
+}
+
+TEST_F(LostOutput, OfStillsFollowsTheRuleOfOutputs) {
+  fs::create_directory(path("film"));
+  write("precious", "film/000000.png");
+  const std::string file = write(overlay(1, "path: '" + path("film.avi") + "', stills_every: 1"));
+  const Ended refused = weft({"check", file});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("'stills': " + path("film") + " is a folder that is not"));
+}
+
+TEST_F(LostOutput, OfCommandsReplacesNoFileUnasked) {
+  ASSERT_EQ(weft({"run", write(chain()), "--out", "run"}).exit_code, 0);
+  for (const char* option : {"--csv", "--json"}) {
+    write("precious", "mine");
+    const Ended refused = weft({"eval", "run", option, "mine", "--no-save"});
+    EXPECT_EQ(refused.exit_code, 3);
+    EXPECT_EQ(refused.err,
+              "error: mine: is there already; choose another name, or give --overwrite\n");
+    EXPECT_EQ(read_text(path("mine")), "precious");
+    EXPECT_EQ(weft({"eval", "run", option, "mine", "--overwrite"}).exit_code, 0);
+    EXPECT_NE(read_text(path("mine")), "precious");
+    EXPECT_EQ(weft({"eval", "run", option, "/dev/null"}).exit_code, 0);
+  }
+}
+
+}  // namespace
+}  // namespace weft
