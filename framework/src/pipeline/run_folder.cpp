@@ -217,11 +217,15 @@ host::NamedRecords frame_records(const Graph& graph, const FrameResult& frame,
 }
 
 Result<RunFolder> RunFolder::create(const std::string& path) {
+  const Error taken =
+      io_error(path, "exists and is not an empty folder; choose another with --out");
   std::error_code code;
   if (fs::exists(path, code) && !(fs::is_directory(path, code) && fs::is_empty(path, code))) {
-    return io_error(path, "exists and is not an empty folder; choose another with --out");
+    return taken;
   }
-  fs::create_directories(path + "/frames", code);
+  fs::create_directories(path, code);
+  // Of two runs that begin together one makes this folder.
+  if (!code && !fs::create_directory(path + "/frames", code) && !code) return taken;
   if (code) return io_error(path, "cannot be created: " + code.message());
   RunFolder folder(fs::absolute(path).string());
   folder.frames_.open(path + "/frames.jsonl");
