@@ -42,6 +42,7 @@ int run_command(int argc, char** argv) {
   CLI::App app{"Weft recovers the 3D shape of a deforming surface from one camera and a template."};
   app.set_version_flag("--version", weft::kVersion);
   app.require_subcommand(1);
+  app.footer("All commands exit with 3 when their standard output cannot be written.");
   weft::cli::Context context;
   app.add_option("--plugin-path", context.plugin_path,
                  "Folder of plugins, searched before WEFT_PLUGIN_PATH; may be repeated")

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <iterator>
 #include <weft/core/whole_file.hpp>
@@ -61,6 +63,31 @@ TEST_F(WholeFileTest, ADeviceIsWrittenAndStays) {
   EXPECT_TRUE(write_whole("text", folder_ / "null"));
   EXPECT_TRUE(fs::is_symlink(folder_ / "null"));
   EXPECT_EQ(entries(), 1);
+}
+
+TEST_F(WholeFileTest, AnOpenFileIsWrittenInItsPlaceAndNotReplaced) {
+  const fs::path file = folder_ / "a.txt";
+  const int open_file = ::open(file.c_str(), O_CREAT | O_WRONLY, 0600);
+  ASSERT_GE(open_file, 0);
+  const fs::path name = "/dev/fd/" + std::to_string(open_file);
+  EXPECT_TRUE(is_device(name));
+  EXPECT_TRUE(is_device("/dev/stdout"));
+  EXPECT_TRUE(is_device("/dev/null"));
+  EXPECT_FALSE(is_device(file));
+  EXPECT_FALSE(is_device(folder_));
+  EXPECT_FALSE(is_device("/dev/shm/new.txt"));
+  EXPECT_TRUE(write_whole("text", name));
+  ::close(open_file);
+  EXPECT_EQ(content(file), "text");
+  EXPECT_EQ(entries(), 1);
+}
+
+TEST_F(WholeFileTest, AFullDiskAndASizeLimitAreNamed) {
+  const auto full = write_whole("text", "/dev/full");
+  ASSERT_FALSE(full);
+  EXPECT_THAT(full.error().message, HasSubstr("(No space left on device)"));
+  EXPECT_THAT(why_not_written(std::make_error_code(std::errc::file_too_large)),
+              HasSubstr("file size limit"));
 }
 
 }  // namespace

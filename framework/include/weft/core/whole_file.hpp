@@ -17,14 +17,16 @@ inline std::string why_not_written(std::error_code code) {
   return code.message();
 }
 
-/// Whether what is written there goes elsewhere: a terminal, a pipe, /dev/stdout, which may be a
-/// file.
+/// Whether what is written there goes elsewhere: a terminal, a pipe, /dev/stdout, which may lead to
+/// a file that is open already.
 inline bool is_device(const std::filesystem::path& file) {
   namespace fs = std::filesystem;
+  const std::string name = file.lexically_normal().string();
+  if (name == "/dev/stdout" || name == "/dev/stderr") return true;
+  if (name.starts_with("/dev/fd/") || name.starts_with("/proc/")) return true;
   std::error_code code;
   const fs::file_status status = fs::status(file, code);
-  return file.lexically_normal().native().starts_with("/dev/") ||
-         (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status));
+  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
 }
 
 /// Writes a file that appears whole or not at all: it is renamed from `file`.part. A device is
