@@ -161,6 +161,7 @@ Result<evaluation::AblationState> execute(evaluation::Grid& grid,
                                         options.retries("damaged")};
   if (options.status) return evaluation::state_of(grid, folder, how);
   const std::atomic<bool>& interrupted = watch_for_interruption();
+  now_running("the cells of the plan, in processes of their own");
   const auto engine = evaluation::local_engine(options.timing ? 1 : options.jobs);
   ProgressLine line(grid.cells().size(), options.quiet);
   auto state = evaluation::run_ablation(

@@ -101,6 +101,7 @@ void inform(const std::string& path, const std::string& camera, bool json, Conte
     return;
   }
   const std::atomic<bool>& interrupted = watch_for_interruption();
+  now_running("the survey of " + path);
   const auto survey = survey_data(*layout, context.registry(), interrupted);
   if (!survey) {
     print_error(survey.error());

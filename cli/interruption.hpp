@@ -2,10 +2,24 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
+#include <string>
 
 namespace weft::cli {
 
-/// From now on SIGINT and SIGTERM set this flag instead of ending the process.
+/// The exit code of a process that a second SIGINT ended; that of SIGTERM is 143.
+inline constexpr int kInterruptedTwice = 130;
+
+/// From now on the first SIGINT or SIGTERM sets this flag instead of ending the process. The second
+/// one ends it at once, with exit code 128 and the number of the signal, and says on stderr what
+/// ran.
 const std::atomic<bool>& watch_for_interruption();
+
+/// What a second interrupt says was running: "the plan is read".
+void now_running(const std::string& what);
+
+/// The same, of a component in a frame; before the first frame and after the last one
+/// host::kOfflineFrame.
+void now_running(const std::string& stage, const std::string& what, std::uint64_t frame);
 
 }  // namespace weft::cli

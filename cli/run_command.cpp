@@ -39,8 +39,16 @@ class Progress final : public RunObserver {
     if (show_bar_) draw_bar(frame);
   }
 
-  void print_table() const {
+  void calling(const std::string& stage, const std::string& what, std::uint64_t frame) override {
+    now_running(stage, what, frame);
+  }
+
+  void clear_bar() const {
     if (show_bar_) fmt::print(stderr, "\r{:78}\r", "");
+  }
+
+  void print_table() const {
+    clear_bar();
     fmt::print("{:<16}{:>7}{:>12}{:>11}{:>9}{:>7}{:>9}{:>9}\n", "stage", "ok", "degenerate",
                "no_result", "skipped", "error", "ms p50", "ms p95");
     for (const std::string& name : order_) {
@@ -105,6 +113,8 @@ std::string free_folder(const std::string& pipeline) {
 
 void run(const std::string& file, std::string folder, const std::vector<std::string>& settings,
          const std::vector<std::string>& dumped, bool quiet, Context& context) {
+  const std::atomic<bool>& interrupted = watch_for_interruption();
+  now_running("the checks of " + file);
   if (folder.empty()) folder = free_folder(file);
   const auto registry = context.registry();
   const auto [pipeline, report] =
@@ -114,7 +124,6 @@ void run(const std::string& file, std::string folder, const std::vector<std::str
     context.exit_code = kBadConfiguration;
     return;
   }
-  const std::atomic<bool>& interrupted = watch_for_interruption();
   Progress progress(quiet);
   const auto summary = run_pipeline(pipeline, folder, progress, interrupted, dumped);
   if (!summary) {
@@ -123,8 +132,18 @@ void run(const std::string& file, std::string folder, const std::vector<std::str
     context.exit_code = io ? kInputOutput : kBadConfiguration;
     return;
   }
+  if (summary->cancelled && summary->frames == 0) {
+    progress.clear_bar();
+    fmt::print("interrupted before the first frame was finished: no run folder is left\n");
+    return;
+  }
   if (!quiet) progress.print_table();
-  fmt::print("{} frames, {} failed{}: {}\n", summary->frames, summary->failed,
+  for (const RunWarning& warning : summary->warnings) {
+    fmt::print(stderr, "warning: {}: {} ({} of {} frames)\n", warning.component, warning.text,
+               warning.frames, summary->frames);
+  }
+  fmt::print("{} frames, {} failed{}{}: {}\n", summary->frames, summary->failed,
+             summary->warnings.empty() ? "" : fmt::format(", {} warned", summary->warnings.size()),
              summary->stopped ? ", stopped early" : "", summary->folder);
   const bool gave_up = pipeline.config.stop_on_error && summary->failed > 0;
   if (gave_up || summary->failed > pipeline.config.max_failed) context.exit_code = kFramesFailed;
@@ -183,7 +202,8 @@ void add_run_command(CLI::App& app, Context& context) {
       "  0  done, or interrupted; at most max_failed frames had an error\n"
       "  1  more frames had an error, or one had with on_error: stop\n"
       "  2  the command line or the pipeline is wrong, or a component could not start\n"
-      "  3  a file or folder could not be read or written after the checks");
+      "  3  a file or folder could not be read or written after the checks\n"
+      "  130, 143  a second SIGINT or SIGTERM ended it at once; stderr names the stage that ran");
   command->callback([&context, options] {
     run(options->pipeline, options->folder, options->settings, options->dumped, options->quiet,
         context);

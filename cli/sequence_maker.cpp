@@ -38,6 +38,9 @@ class SequenceProgress final : public RunObserver {
         fmt::format("\r{}{} frames", done_, total_ < 0 ? "" : fmt::format("/{}", total_)).c_str(),
         stderr);
   }
+  void calling(const std::string& stage, const std::string& what, std::uint64_t frame) override {
+    now_running(stage, what, frame);
+  }
   void end_line() const {
     if (!quiet_ && done_ > 0) fmt::print(stderr, "\n");
   }
@@ -109,6 +112,11 @@ void make_sequence(const std::string& pipeline_text, const std::string& folder,
   if (!progress.first_error().empty()) fmt::print(stderr, "error: {}\n", progress.first_error());
   if (summary->failed > 0 || summary->stopped) context.exit_code = kFramesFailed;
   const std::int64_t written = frames_in(folder);
+  if (summary->cancelled && written == 0) {
+    fmt::print("interrupted before the first frame was finished: nothing is left\n");
+    withdraw(folder);
+    return;
+  }
   if (written == 0 && context.exit_code == kDone) {
     print_error(none);
     withdraw(folder);

@@ -225,6 +225,43 @@ TEST_F(Program, FinishesWhenItIsInterrupted) {
   }
 }
 
+TEST_F(Program, ASecondInterruptEndsItAtOnceAndNamesWhatRan) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    fs::remove_all(path("run"));
+    const std::string file = write(chain({{"sources", "{frames: 50, sleep_ms: 300}"}}));
+    Child child(command({"run", file, "--out", path("run")}), path("printed"));
+    ASSERT_TRUE(wait_for_frames(1));
+    std::this_thread::sleep_for(std::chrono::milliseconds(60));
+    child.send(signal);
+    std::this_thread::sleep_for(std::chrono::milliseconds(60));
+    child.send(signal);
+    const Ended ended = child.wait();
+    EXPECT_EQ(ended.exit_code, 128 + signal);
+    EXPECT_THAT(ended.err, HasSubstr("interrupted twice, ended at once; running: sources (read), "
+                                     "frame 1"));
+  }
+}
+
+TEST_F(Program, AnInterruptBeforeTheFirstFrameIsNoErrorAndLeavesNoFolder) {
+  const std::string file = write(chain({{"sources", "{frames: 50, sleep_ms: 400}"}}));
+  Child child(command({"run", file, "--out", path("run")}), path("printed"));
+  while (!fs::exists(path("run/frames.jsonl"))) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  child.send(SIGINT);
+  const Ended ended = child.wait();
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_EQ(ended.out, "interrupted before the first frame was finished: no run folder is left\n");
+  EXPECT_FALSE(fs::exists(path("run")));
+}
+
+TEST_F(Program, PrintsWhatComponentsWarnOf) {
+  const Ended ended = run(chain({{"filters", "{degenerate_at: [0, 2]}"}}), {"--quiet"});
+  EXPECT_EQ(ended.exit_code, 0);
+  EXPECT_EQ(ended.err, "warning: filters: scripted warning (2 of 3 frames)\n");
+  EXPECT_EQ(ended.out, "3 frames, 0 failed, 1 warned: " + path("run") + "\n");
+}
+
 TEST_F(Program, ListsComponentsAndRefusals) {
   fs::create_directories(path("plugins"));
   write("no library", "plugins/junk.so");

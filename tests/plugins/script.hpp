@@ -59,7 +59,10 @@ class Script {
   /// The value, flagged where the script says so.
   template <class Noun>
   weft::Result<Noun> answer(const weft::Call& call, Noun noun) const {
-    if (has(degenerate_, call)) return weft::degenerate(std::move(noun), "scripted degeneracy");
+    if (has(degenerate_, call)) {
+      call.log_warning("scripted warning");
+      return weft::degenerate(std::move(noun), "scripted degeneracy");
+    }
     return noun;
   }
 

@@ -17,6 +17,8 @@ class DynamicTables {
     for (const Place& place : kTables) {
       if (!stands(place)) return damaged("a table of its dynamic section lies outside of it");
     }
+    if (!sections_agree())
+      return damaged("its dynamic section and its sections contradict each other");
     if (!names_stand()) return damaged("a name in its dynamic section lies outside of it");
     for (const Place& place : {Place{DT_RELA, DT_RELASZ, 0}, Place{DT_JMPREL, DT_PLTRELSZ, 0}}) {
       if (!relocations_stand(place)) return damaged("a relocation of it lies outside of it");
@@ -43,6 +45,20 @@ class DynamicTables {
                                       {DT_FINI_ARRAY, DT_FINI_ARRAYSZ, 0},
                                       {DT_INIT, 0, 1},
                                       {DT_FINI, 0, 1}};
+
+  /// The tags that point to a section of a type, and say how long it is or how many parts it has.
+  struct Twin {
+    std::uint32_t type;
+    std::int64_t at, size, parts;
+  };
+  static constexpr Twin kTwins[] = {{SHT_DYNSYM, DT_SYMTAB, 0, 0},
+                                    {SHT_GNU_HASH, DT_GNU_HASH, 0, 0},
+                                    {SHT_HASH, DT_HASH, 0, 0},
+                                    {SHT_GNU_versym, DT_VERSYM, 0, 0},
+                                    {SHT_GNU_verneed, DT_VERNEED, 0, DT_VERNEEDNUM},
+                                    {SHT_GNU_verdef, DT_VERDEF, 0, DT_VERDEFNUM},
+                                    {SHT_INIT_ARRAY, DT_INIT_ARRAY, DT_INIT_ARRAYSZ, 0},
+                                    {SHT_FINI_ARRAY, DT_FINI_ARRAY, DT_FINI_ARRAYSZ, 0}};
 
   Error damaged(const std::string& what) const {
     return {Errc::incompatible, "is a damaged ELF file: " + what, file_.path()};
@@ -82,6 +98,56 @@ class DynamicTables {
     const Elf64_Phdr* segment = file_.loaded_at(table->d_un.d_ptr, bytes);
     const bool is_code = place.at == DT_INIT || place.at == DT_FINI;
     return segment != nullptr && (!is_code || (segment->p_flags & PF_X) != 0);
+  }
+
+  const Elf64_Shdr* section_at(std::uint32_t type, std::int64_t tag) const {
+    for (const Elf64_Shdr& section : file_.sections()) {
+      if (section.sh_type == type && section.sh_addr == value(tag)) return &section;
+    }
+    return nullptr;
+  }
+
+  /// Whether an absent table is absent, and one that is there is a section, whole.
+  bool is_section(std::uint32_t type, std::int64_t at, std::int64_t size) const {
+    if (find(at) == nullptr) return true;
+    const Elf64_Shdr* section = section_at(type, at);
+    return section != nullptr && (size == 0 || value(size) == section->sh_size);
+  }
+
+  /// What the linker wrote twice is the same, where sections were not stripped.
+  bool sections_agree() const {
+    const auto is_size = [&](std::int64_t tag, std::uint64_t size) {
+      return find(tag) == nullptr || value(tag) == size;
+    };
+    if (!is_size(DT_SYMENT, sizeof(Elf64_Sym)) || !is_size(DT_RELAENT, sizeof(Elf64_Rela)) ||
+        !is_size(DT_PLTREL, DT_RELA) || find(DT_REL) != nullptr) {
+      return false;
+    }
+    if (file_.sections().empty()) return true;
+    for (const Twin& twin : kTwins) {
+      const auto is_it = [&](const Elf64_Shdr& section) { return section.sh_type == twin.type; };
+      const auto& sections = file_.sections();
+      const auto section = std::find_if(sections.begin(), sections.end(), is_it);
+      if (section == sections.end() || section->sh_size == 0) continue;
+      if (find(twin.at) == nullptr || !is_section(twin.type, twin.at, twin.size) ||
+          (twin.parts != 0 && value(twin.parts) != section->sh_info)) {
+        return false;
+      }
+    }
+    return is_section(SHT_STRTAB, DT_STRTAB, DT_STRSZ) &&
+           is_section(SHT_RELA, DT_RELA, DT_RELASZ) &&
+           is_section(SHT_RELA, DT_JMPREL, DT_PLTRELSZ) && is_section(SHT_PROGBITS, DT_INIT, 0) &&
+           is_section(SHT_PROGBITS, DT_FINI, 0) && is_section(SHT_PROGBITS, DT_PLTGOT, 0) &&
+           relocated() == std::count_if(file_.sections().begin(), file_.sections().end(),
+                                        [](const Elf64_Shdr& section) {
+                                          return section.sh_type == SHT_RELA &&
+                                                 (section.sh_flags & SHF_ALLOC) != 0;
+                                        });
+  }
+
+  /// [tables] of relocations.
+  std::ptrdiff_t relocated() const {
+    return (find(DT_RELA) != nullptr ? 1 : 0) + (find(DT_JMPREL) != nullptr ? 1 : 0);
   }
 
   bool names_stand() const {

@@ -12,6 +12,10 @@ namespace {
 
 constexpr int kDeepestNesting = 16;
 
+Error not_begun(const std::string& id) {
+  return {Errc::cancelled, "cancelled before it began", id};
+}
+
 /// A pass always fills what it says it produces; a source may lack truth or time in some frames.
 bool must_produce(const Instance& instance, const RoleSlot& output) {
   if (output.required || instance.role() != "passes") return output.required;
@@ -41,6 +45,8 @@ Lane::~Lane() = default;
 
 Result<Instance*> Lane::instantiate(const ComponentSpec& spec, const std::string& stage,
                                     const std::string& path) {
+  if (is_cancelled()) return not_begun(spec.component().id);
+  if (path.empty()) announce(stage, "load", kOfflineFrame);
   const auto table = load(*spec.installed);
   if (!table) return table.error();
   auto made = std::make_unique<Instance>(spec, stage, path);
@@ -92,6 +98,8 @@ weft_call Lane::make_call(const Instance& instance, Scope& scope, int method, st
 }
 
 Result<void> Lane::prepare(Instance& instance, const Record& templ, const Record& camera) {
+  if (is_cancelled()) return not_begun(instance.id);
+  announce(instance.name(), "prepare", kOfflineFrame);
   if (instance.worker != nullptr) {
     return instance.worker->prepare({{"template", templ.alias()}, {"camera", camera.alias()}});
   }
@@ -103,6 +111,7 @@ Result<void> Lane::prepare_here(Instance& instance, std::span<const weft_record>
   for (Instance* nested : instance.nested) {
     if (auto ready = prepare_here(*nested, inputs); !ready) return ready;
   }
+  if (is_cancelled()) return not_begun(instance.id);
   Scope scope{*this, instance, nullptr, 0, kOfflineFrame};
   const weft_call call = make_call(instance, scope, 0, kOfflineFrame);
   weft_error error{};
@@ -114,6 +123,9 @@ Result<void> Lane::prepare_here(Instance& instance, std::span<const weft_record>
 
 Outcome Lane::call(Instance& instance, int method, std::span<const weft_record> inputs,
                    std::uint64_t frame) {
+  const std::vector<RoleMethod>& methods = roles_.at(instance.role()).methods;
+  const auto index = static_cast<std::size_t>(method);
+  announce(instance.name(), index < methods.size() ? methods[index].name : "", frame);
   return enter(instance, method, inputs, frame, 0);
 }
 

@@ -25,6 +25,10 @@ Result<void> Lane::open_workplace() {
 
 Result<Instance*> Lane::instantiate_apart(const ComponentSpec& spec, const std::string& stage,
                                           const Isolation& isolation) {
+  if (is_cancelled()) {
+    return Error{Errc::cancelled, "cancelled before it began", spec.component().id};
+  }
+  announce(stage, "load", kOfflineFrame);
   if (auto open = open_workplace(); !open) return open.error();
   Instance& instance = add(std::make_unique<Instance>(spec, stage, ""));
   const CreateMessage create{instance.handle, stage, "", Recipe::of(spec)};

@@ -54,8 +54,9 @@ class Server {
         arena_(std::make_shared<SharedArena>(std::move(outputs))),
         lane_(
             hello.run_seed, [this](const auto&... said) { log(said...); }, arena_, kFirstRevision) {
-    lane_.watch(static_cast<const std::atomic<bool>*>(
-        inputs_->at(hello.cancel_offset, sizeof(std::atomic<bool>))));
+    const auto* cancel = static_cast<const std::atomic<bool>*>(
+        inputs_->at(hello.cancel_offset, sizeof(std::atomic<bool>)));
+    lane_.watch([cancel] { return cancel != nullptr && cancel->load(); });
   }
 
   ReplyMessage answer(const Message& message) {

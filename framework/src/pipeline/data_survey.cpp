@@ -126,7 +126,7 @@ Result<DataSurvey> survey_data(const DataLayout& layout, const host::Registry& r
       host::PathRules::of_process({layout.folder}, layout.folder), problems);
   if (!spec) return problem_of(problems, layout);
   host::Lane lane(0, {});
-  lane.watch(&cancel);
+  lane.watch([&] { return cancel.load(); });
   const auto source = lane.instantiate(*spec, "sources");
   if (!source) return source.error();
   const Outcome opened = lane.call(**source, kOpenSource, {}, host::kOfflineFrame);

@@ -186,7 +186,9 @@ StageReport Executor::execute(Stage& stage, FrameResult& result) {
   StageReport report{stage.config->name, StageStatus::skipped, cause, 0.0, {}, false};
   if (cause.empty()) {
     const auto start = std::chrono::steady_clock::now();
-    Outcome outcome = lane_.call(*stage.made.instance, 0, inputs, result.index);
+    Outcome outcome = lane_.is_cancelled()
+                          ? Outcome{WEFT_CANCELLED, {Errc::cancelled, "was not begun", {}}, {}}
+                          : lane_.call(*stage.made.instance, 0, inputs, result.index);
     if (stage.is_kept) keep_call(stage, outcome, result);
     if (outcome.usable()) {
       if (auto stored = store(stage, outcome, result); !stored) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <chrono>
+#include <set>
 #include <weft/pipeline/dump.hpp>
 #include <weft/pipeline/input.hpp>
 #include <weft/pipeline/methods.hpp>
@@ -37,6 +38,35 @@ std::shared_ptr<host::SharedArena> arena_for(const PipelineConfig& config) {
   return isolated ? need(host::SharedArena::create()) : nullptr;
 }
 
+/// Counts what components warn of, each text once a frame.
+class WarningLog {
+ public:
+  void begin_frame() { told_.clear(); }
+  void end_of_start() { in_frames_ = true; }
+
+  void note(const std::string& component, int level, const std::string& text) {
+    constexpr int kWarning = 2;
+    constexpr std::size_t kMost = 100;
+    if (level < kWarning || !told_.emplace(component, text).second) return;
+    const auto same = [&](const RunWarning& warning) {
+      return warning.component == component && warning.text == text;
+    };
+    auto known = std::find_if(warnings_.begin(), warnings_.end(), same);
+    if (known == warnings_.end()) {
+      if (warnings_.size() == kMost) return;
+      known = warnings_.insert(known, {component, text, 0});
+    }
+    known->frames += in_frames_ ? 1 : 0;
+  }
+
+  std::vector<RunWarning> take() { return std::move(warnings_); }
+
+ private:
+  bool in_frames_ = false;
+  std::set<std::pair<std::string, std::string>> told_;  ///< in this frame
+  std::vector<RunWarning> warnings_;
+};
+
 class Run {
  public:
   Run(const CheckedPipeline& pipeline, const std::string& folder, RunObserver& observer,
@@ -46,9 +76,16 @@ class Run {
         observer_(observer),
         cancel_(cancel),
         dumped_(dumped),
-        lane_(pipeline.config.seed, {}, arena_for(pipeline.config)),
+        lane_(
+            pipeline.config.seed,
+            [this](const std::string& component, int level, const std::string& text) {
+              warnings_.note(component, level, text);
+            },
+            arena_for(pipeline.config)),
         folder_path_(folder) {
-    lane_.watch(&cancel_);
+    watch();
+    lane_.announce_to([this](const std::string& stage, const std::string& what,
+                             std::uint64_t frame) { observer_.calling(stage, what, frame); });
   }
 
   RunSummary run() {
@@ -56,15 +93,30 @@ class Run {
       open();
       const std::int64_t count = input_->frames();
       observer_.started(count);
+      warnings_.end_of_start();
       for (std::int64_t index = 0; count < 0 || index < count; ++index) {
         if (cancel_.load() || !frame(static_cast<std::uint64_t>(index))) break;
       }
-    } catch (const Failed&) {
+    } catch (const Failed& failed) {
       static_cast<void>(finish());  // the first error is the one to report
-      throw;
+      if (failed.error.code != Errc::cancelled || !cancel_.load()) throw;
+      return summary();
     }
     need(finish());
-    summary_.stopped = summary_.stopped || cancel_.load();
+    return summary();
+  }
+
+ private:
+  /// A run that was cancelled before its first frame was there leaves nothing of itself.
+  RunSummary summary() {
+    summary_.cancelled = cancel_.load();
+    summary_.stopped = summary_.stopped || summary_.cancelled;
+    summary_.warnings = warnings_.take();
+    if (folder_ && summary_.cancelled && summary_.frames == 0) {
+      trace_.reset();
+      folder_->withdraw();
+      folder_.reset();
+    }
     if (folder_) {
       need(folder_->end(summary_.frames, summary_.failed, summary_.stopped));
       summary_.folder = folder_->path();
@@ -72,7 +124,6 @@ class Run {
     return summary_;
   }
 
- private:
   struct Sink {
     const StageConfig* config;
     const Node* node;
@@ -83,10 +134,19 @@ class Run {
     need(Dump::check_names(config_, dumped_));
     input_.emplace(need(PipelineInput::open(config_, lane_)));
     executor_ = need(Executor::create(config_, graph_, lane_, input_->templ(), input_->camera()));
+    stop_if_cancelled();
     // Not before: a run that cannot start leaves no folder behind.
     if (!folder_path_.empty()) open_folder();
     open_sinks();
     if (trace_) need(trace_->add(lane_.take_timings()));
+  }
+
+  void watch() {
+    lane_.watch([this] { return cancel_.load(); });
+  }
+
+  void stop_if_cancelled() const {
+    if (cancel_.load()) throw Failed{{Errc::cancelled, "cancelled before the first frame", {}}};
   }
 
   void open_folder() {
@@ -111,12 +171,15 @@ class Run {
 
   /// False when the run ends here.
   bool frame(std::uint64_t index) {
+    warnings_.begin_frame();
     const auto read = input_->read(index);
     if (!read) return false;
     FrameResult result = executor_->process(read->input);
     result.stages.insert(result.stages.begin(), read->report);
     if (result.failed() && cancel_.load()) return false;  // cut short: this is no result
+    lane_.watch(nullptr);  // a frame that is there is written by all sinks, or by none
     for (const Sink& sink : sinks_) result.stages.push_back(write(sink, result));
+    watch();
     for (const host::Timing& timing : lane_.take_timings()) result.timings.push_back(timing);
     if (folder_) {
       need(folder_->add(graph_, result, read->input.find("ground_truth")));
@@ -168,6 +231,7 @@ class Run {
   RunObserver& observer_;
   const std::atomic<bool>& cancel_;
   const std::vector<std::string>& dumped_;  ///< names of stages
+  WarningLog warnings_;
   host::Lane lane_;
   std::string folder_path_;
   std::optional<RunFolder> folder_;

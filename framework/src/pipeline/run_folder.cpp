@@ -247,6 +247,12 @@ Result<void> RunFolder::begin(const PipelineConfig& config, const host::Record& 
                          {{"template", borrow(templ)}, {"camera", borrow(camera)}});
 }
 
+void RunFolder::withdraw() {
+  frames_.close();
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
 Result<void> RunFolder::add(const Graph& graph, const FrameResult& frame,
                             const host::RecordPtr& ground_truth) {
   const host::NamedRecords records = frame_records(graph, frame, ground_truth);

@@ -115,7 +115,7 @@ Result<Keypoints> SiftGpu::detect(const DetectorInput& in) {
   if (auto valid = detectors::check(in); !valid) return valid.error();
   const auto device = device_.open();
   if (!device) return device.error();
-  if (*device == nullptr) return device_.flagged(fallback_.detect(in));
+  if (*device == nullptr) return device_.flagged(in.call, fallback_.detect(in));
   const Array<std::uint8_t>& pixels = in.image.pixels;
   const std::string doing = "finding keypoints in an image of " + std::to_string(pixels.dim(1)) +
                             " x " + std::to_string(pixels.dim(0)) + " on " + (*device)->name();

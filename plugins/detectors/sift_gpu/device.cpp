@@ -6,7 +6,9 @@
 #include <chrono>
 #include <map>
 #include <mutex>
+#include <sstream>
 #include <thread>
+#include <weft/core/suggest.hpp>
 
 #include "program.hpp"
 
@@ -55,6 +57,19 @@ const char* name_of(cl_int code) {
 std::string cause_of(const cl::Error& failure) {
   return std::string(failure.what()) + " failed with " + std::to_string(failure.err()) + " (" +
          name_of(failure.err()) + ")";
+}
+
+/// What may stand for a device: a kind, or a word of a name or of a vendor.
+std::vector<std::string> words_of(const std::vector<cl::Device>& devices) {
+  std::vector<std::string> words{"gpu"};
+  for (const cl::Device& device : devices) {
+    std::string names = device.getInfo<CL_DEVICE_NAME>() + " " + device.getInfo<CL_DEVICE_VENDOR>();
+    std::replace_if(
+        names.begin(), names.end(), [](unsigned char c) { return std::isalnum(c) == 0; }, ' ');
+    std::istringstream stream(lower(names));
+    for (std::string word; stream >> word;) words.push_back(word);
+  }
+  return words;
 }
 
 /// All devices, and what drivers said that could not name theirs.
@@ -130,8 +145,11 @@ Result<cl::Device> choose(const std::string& wanted) {
         device.getInfo<CL_DEVICE_NAME>() + "\n" + device.getInfo<CL_DEVICE_VENDOR>();
     if (lower(names).find(lower(wanted)) != std::string::npos) return device;
   }
+  const std::string near = nearest(lower(wanted), words_of(devices));
   return Error{Errc::not_found,
-               "no OpenCL device is '" + wanted + "'; there are: " + list(descriptions()),
+               "no OpenCL device is '" + wanted + "'; " +
+                   (near.empty() ? "" : "did you mean '" + near + "'? ") +
+                   "there are: " + list(descriptions()),
                {}};
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <weft/core/params.hpp>
+#include <weft/sdk/call.hpp>
 
 #include "device.hpp"
 
@@ -21,9 +22,10 @@ class DeviceChoice {
   /// stand back for its `fallback`.
   Result<std::shared_ptr<Device>> open();
 
-  /// The answer of the fallback, which says that it is one, and why.
+  /// The answer of the fallback, which says that it is one, and why, also as a warning of the run.
   template <class Noun>
-  Result<Noun> flagged(Result<Noun> answer) const {
+  Result<Noun> flagged(const Call& call, Result<Noun> answer) const {
+    call.log_warning(reason_ + "; its fallback answered");
     const std::string by = "found by the fallback: " + reason_;
     if (!answer) {
       Error error = answer.error();

@@ -41,7 +41,7 @@ Result<Correspondences> GpuMatcher::match(const MatcherInput& in) {
   const auto device = device_.open();
   if (!device) return device.error();
   if (*device == nullptr) {
-    return device_.flagged(fallback_.match(in.call, sides->image, sides->templ));
+    return device_.flagged(in.call, fallback_.match(in.call, sides->image, sides->templ));
   }
   if (sides->templ.metric != "l2") {
     return Error{Errc::unsupported,

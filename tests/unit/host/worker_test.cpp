@@ -282,7 +282,7 @@ TEST_F(WorkerTest, CancellingReachesTheComponent) {
   Instance& obedient = apart("filters/zoo_deadly", "{frame: 1, deed: obey}");
   EXPECT_EQ(filter(obedient, 0).status, WEFT_OK);
   std::atomic<bool> cancel{false};
-  lane_->watch(&cancel);
+  lane_->watch([&] { return cancel.load(); });
   std::thread later([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     cancel = true;

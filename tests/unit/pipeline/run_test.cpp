@@ -276,6 +276,58 @@ TEST_F(Runs, StopWhenTheyAreCancelled) {
   EXPECT_TRUE(summary->stopped);
 }
 
+TEST_F(Runs, LeaveNothingWhenTheyAreCancelledBeforeTheFirstFrame) {
+  struct Canceller : Ran {
+    std::string at;
+    std::atomic<bool> cancel{false};
+    void calling(const std::string& stage, const std::string& what, std::uint64_t) override {
+      if (stage + " " + what == at) cancel = true;
+    }
+  };
+  for (const char* at :
+       {"sources load", "sources open", "templates load", "templates build", "detectors load",
+        "detectors prepare", "detectors detect", "solvers load", "solvers prepare", "sinks load",
+        "sinks open", "sources read", "filters filter"}) {
+    Canceller ran;
+    ran.at = at;
+    const auto [pipeline, report] = check(chain({{"sinks", "{path: lines.txt}"}}));
+    const auto summary = run_pipeline(pipeline, path("run"), ran, ran.cancel);
+    EXPECT_TRUE(ran.cancel) << at;
+    ASSERT_TRUE(summary) << at << ": " << summary.error().message;
+    EXPECT_TRUE(summary->cancelled && summary->stopped) << at;
+    EXPECT_EQ(summary->frames, 0) << at;
+    EXPECT_EQ(summary->folder, "") << at;
+    EXPECT_FALSE(fs::exists(path("run"))) << at;
+  }
+}
+
+TEST_F(Runs, WriteAFrameWithAllSinksOrWithNone) {
+  struct Canceller : Ran {
+    std::atomic<bool> cancel{false};
+    void calling(const std::string&, const std::string& what, std::uint64_t frame) override {
+      if (what == "write" && frame == 1) cancel = true;
+    }
+  } ran;
+  const auto [pipeline, report] = check(chain({{"sinks", "{path: lines.txt}"}}));
+  const auto summary = run_pipeline(pipeline, path("run"), ran, ran.cancel);
+  ASSERT_TRUE(summary);
+  EXPECT_EQ(summary->frames, 2);
+  EXPECT_EQ(summary->failed, 0);
+  EXPECT_EQ(read_lines(path("run/lines.txt")).size(), 2U);
+}
+
+TEST_F(Runs, CountTheFramesInWhichAComponentWarns) {
+  const Ran ran = run(chain({{"sources", "{frames: 5}"},
+                             {"filters", "{degenerate_at: [1, 2, 4]}"},
+                             {"solvers", "{degenerate_at: [0]}"}}));
+  ASSERT_TRUE(ran.summary);
+  ASSERT_EQ(ran.summary->warnings.size(), 2U);
+  EXPECT_EQ(ran.summary->warnings[0].component, "solvers");
+  EXPECT_EQ(ran.summary->warnings[1].component, "filters");
+  EXPECT_EQ(ran.summary->warnings[1].text, "scripted warning");
+  EXPECT_EQ(ran.summary->warnings[1].frames, 3);
+}
+
 TEST_F(Runs, EndASourceOfUnknownLengthWhereItSaysSo) {
   const Ran ran = run(chain({{"sources", "{unknown_count: true, frames: 4, error_at: [1]}"}}));
   ASSERT_TRUE(ran.summary);

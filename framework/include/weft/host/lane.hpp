@@ -49,6 +49,9 @@ struct Workplace;
 class Lane {
  public:
   using Log = std::function<void(const std::string& component, int level, const std::string& text)>;
+  /// What is about to run: a stage, what it does ("load", "prepare", a method), for which frame.
+  using Announce =
+      std::function<void(const std::string& stage, const std::string& what, std::uint64_t frame)>;
 
   /// Outputs stand in `arena` where one is given, which isolated instances need. Revisions count
   /// from `first_revision` on.
@@ -89,8 +92,14 @@ class Lane {
   /// Set from any thread to make plugins stop.
   std::atomic<bool>& cancel() { return cancel_; }
 
-  /// Another flag that makes plugins stop while it is set; null for none.
-  void watch(const std::atomic<bool>* cancel) { watched_ = cancel; }
+  /// Asked, from any thread, as often as plugins ask: they stop while it says so. Null for nobody.
+  void watch(std::function<bool()> cancelled) { watched_ = std::move(cancelled); }
+
+  /// Whether plugins are to stop. Nothing is created or prepared then.
+  bool is_cancelled() const { return cancel_ || (watched_ && watched_()); }
+
+  /// Told before components are created, prepared and called; not of those nested in them.
+  void announce_to(Announce announce) { announce_ = std::move(announce); }
 
  private:
   friend struct Callbacks;
@@ -107,16 +116,19 @@ class Lane {
   std::int32_t call_worker(Instance& instance, Scope& scope, int method,
                            std::span<const weft_record> inputs, weft_error* error);
   Instance* find(std::uint64_t handle) const;
-  bool is_cancelled() const { return cancel_ || (watched_ != nullptr && *watched_); }
+  void announce(const std::string& stage, const std::string& what, std::uint64_t frame) const {
+    if (announce_) announce_(stage, what, frame);
+  }
 
   std::uint64_t run_seed_;
   Log log_;
+  Announce announce_;
   std::map<std::string, Role> roles_;
   std::vector<std::unique_ptr<Instance>> instances_;  ///< handle - 1 is the index
   std::vector<Timing> timings_;
   std::uint64_t next_revision_;
   std::atomic<bool> cancel_{false};
-  const std::atomic<bool>* watched_ = nullptr;
+  std::function<bool()> watched_;
   std::shared_ptr<SharedArena> arena_;
   std::unique_ptr<Workplace> workplace_;  ///< from the first worker on
 };

@@ -15,6 +15,16 @@ class RunObserver {
   /// `frames` is -1 when unknown.
   virtual void started(std::int64_t frames) = 0;
   virtual void frame_done(const FrameResult& frame) = 0;
+  /// What runs from now on; `frame` is host::kOfflineFrame before and after the frames.
+  virtual void calling(const std::string& /*stage*/, const std::string& /*what*/,
+                       std::uint64_t /*frame*/) {}
+};
+
+/// What a component warned of, such as a device that is absent.
+struct RunWarning {
+  std::string component;  ///< "detectors", "filters/warp"
+  std::string text;
+  std::int64_t frames = 0;  ///< in so many; 0 where it warned before the first frame only
 };
 
 struct RunSummary {
@@ -22,6 +32,8 @@ struct RunSummary {
   std::int64_t frames = 0;
   std::int64_t failed = 0;  ///< frames with an error in a stage, the source or a sink
   bool stopped = false;     ///< by on_error: stop, or cancelled
+  bool cancelled = false;   ///< without a frame, also when it was not yet open: no folder is left
+  std::vector<RunWarning> warnings;  ///< the first of each text, at most 100
 };
 
 /// A loaded, wired pipeline: what `weft check` checks and `weft run` runs.

@@ -40,6 +40,9 @@ class RunFolder {
   /// Writes end.json: how many frames there are, so that a reader knows that none is missing.
   Result<void> end(std::int64_t frames, std::int64_t failed, bool stopped) const;
 
+  /// Removes the folder with all that is in it: it was new or empty, so that all is of this run.
+  void withdraw();
+
  private:
   explicit RunFolder(std::string path) : path_(std::move(path)) {}
 
