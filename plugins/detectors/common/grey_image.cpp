@@ -3,6 +3,7 @@
 
 #include <opencv2/imgproc.hpp>
 #include <string>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::detectors {
 namespace {
@@ -39,6 +40,7 @@ cv::Mat grey_image(const Array<std::uint8_t>& pixels, cv::Mat& buffer) {
   } else {
     view.create(height, width, type);
     for (int y = 0; y < height; ++y) {
+      ask_to_go_on();
       std::copy_n(pixels.row(y), pixels.row_elements(), view.ptr(y));
     }
   }

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <string>
 #include <vector>
+#include <weft/core/stop_check.hpp>
 
 #include "common/candidates.hpp"
 #include "local_map.hpp"
@@ -116,7 +117,9 @@ class AdaLam final : public weft::Filter {
     std::vector<std::uint8_t> beaten(candidates.count(), 0);
     // Candidates are sorted by u: those within the radius stand close.
     for (Eigen::Index i = 0; i < p.rows(); ++i) {
+      weft::worked(10);
       for (Eigen::Index j = i + 1; j < p.rows() && p(j, 0) - p(i, 0) < template_radius_px_; ++j) {
+        weft::worked_in_loop(j);
         if ((p.row(i) - p.row(j)).squaredNorm() >= radius2_px2) continue;
         const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
         beaten[evidence.rank[a] < evidence.rank[b] ? b : a] = 1;
@@ -136,6 +139,7 @@ class AdaLam final : public weft::Filter {
     const double template_px = search_expansion_ * template_radius_px_;
     const double image_px = search_expansion_ * image_radius_px_;
     std::vector<std::size_t> members;
+    weft::worked(static_cast<std::int64_t>(candidates.count()));
     for (std::size_t k = 0; k < candidates.count(); ++k) {
       const auto row = static_cast<Eigen::Index>(k);
       if (k == seed ||

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::adalam {
 namespace {
@@ -144,6 +145,7 @@ Agreement agreement_of(const Neighbourhood& around, const Settings& settings) {
       fit.add(around.in_template[a], around.in_image[a]);
       fit.add(around.in_template[b], around.in_image[b]);
       const auto map = fit.map(settings.most_stretch);
+      worked(static_cast<std::int64_t>(around.size()));
       if (!map) continue;
       const std::size_t agreeing = judge.agreeing(*map);
       if (best && agreeing <= most) continue;

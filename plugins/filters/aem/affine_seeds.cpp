@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::aem {
 namespace {
@@ -106,6 +107,7 @@ class SeedSearch {
 
   void consider(const std::optional<Affine>& map, double widen) {
     if (!map || !plausible(*map)) return;
+    worked(kScored);
     Seed seed{*map, widen * kThreshold * map->scale() * matches_.diagonal_px(), 0.0, 0.0};
     const double area_px2 = std::numbers::pi * seed.threshold_px * seed.threshold_px;
     const double rare = std::log(std::max(1.5, matches_.image_area_px2 / area_px2));

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 #include <weft/core/statistics.hpp>
+#include <weft/core/stop_check.hpp>
 
 #include "orientation.hpp"
 
@@ -100,6 +101,7 @@ Start Annealing::start_along(const Points2& flat_px, const Points2& image_px) {
   double area_ratio = 0.0;
   for (Eigen::Index i = 0; i < matches_.count(); ++i) {
     start.image_px.row(i) = fine_.displacement_px(i).transpose();
+    worked(20);
     start.slopes.push_back(fine_.slope(i));
     area_ratio += std::abs(start.slopes.back().determinant());
   }
@@ -114,6 +116,7 @@ Solution Annealing::run(const Start& start) {
   double change = 1.0;
   while (state.rounds < kMostRounds && (state.rounds <= kFewestRounds || change >= kStill)) {
     if (state.rounds % kGatherEvery == 0) gather_again(start, state);
+    worked(matches_.count());
     const double before_px = state.sigma_px;
     improve(start, state);
     change = 1.0 - state.sigma_px / before_px;
@@ -227,6 +230,7 @@ Points2 Annealing::residuals_px(const State& state) const {
   Points2 residual_px(matches_.count(), 2);
   for (Eigen::Index i = 0; i < matches_.count(); ++i) {
     residual_px.row(i) = state.grid.displacement_px(i).transpose() - state.target_px.row(i);
+    worked(10);
   }
   return residual_px;
 }
@@ -241,6 +245,7 @@ void Annealing::improve(const Start& start, State& state) const {
                           square(state.sigma_px / start.scale));
   for (Eigen::Index k = 0; k < state.probability.size(); ++k) {
     if (state.probability[k] < kLeastProbability) continue;
+    worked(40);
     const Eigen::Index i = state.rows[static_cast<std::size_t>(k)];
     state.grid.spline.add(state.grid.sites[static_cast<std::size_t>(i)], state.probability[k],
                           state.target_px.row(i).transpose());

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::aem {
 namespace {
@@ -56,6 +57,7 @@ Lonely find_lonely(const Matches& matches, const Eigen::ArrayXd& logit, double s
   Lonely lonely(matches.count());
   for (Eigen::Index i = 0; i < matches.count(); ++i) {
     if (logit[i] <= 0.0) continue;
+    worked(20);
     const double others = all.around(i) - 1.0, expected = share * others;
     const double company = correct.around(i) - probability[i];
     if (expected < kMuchCompany || company >= std::min(kEnough, kMissing * expected)) continue;

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::filters {
 namespace {
@@ -177,6 +178,7 @@ Nearest nearest_of(const Points2& points, const std::vector<int>& among, int cou
   Buckets buckets(points, among);
   std::vector<Key> keys(static_cast<std::size_t>(count));
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    worked(30 + 10 * count);
     buckets.search(points.row(i), static_cast<int>(i), keys);
     std::transform(keys.begin(), keys.end(), nearest.row(i).begin(), index_of);
   }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 #include <weft/core/statistics.hpp>
+#include <weft/core/stop_check.hpp>
 
 #include "common/candidates.hpp"
 #include "common/nearest.hpp"
@@ -60,6 +61,7 @@ class Famouri final : public weft::Filter {
       const Nearest near =
           weft::filters::nearest_of(candidates->template_px, survivors, neighbours_);
       for (const int i : survivors) {
+        weft::worked(20 * neighbours_ + neighbours_ * neighbours_);
         const Foretold foretold = foretell(*candidates, near, i);
         const auto k = static_cast<std::size_t>(i);
         const bool oriented = foretold.oriented >= least_oriented_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 #include <vector>
+#include <weft/core/stop_check.hpp>
 
 #include "cell_support.hpp"
 #include "common/candidates.hpp"
@@ -108,6 +109,7 @@ class Gms final : public weft::Filter {
     const int image_cells = std::max(kFewestCells, static_cast<int>(std::lround(cells * scale)));
     for (const bool shifted_u : {false, true}) {
       for (const bool shifted_v : {false, true}) {
+        weft::worked(20 * p.rows());
         const std::vector<double> support =
             weft::gms::support_of(p, q, Layout{cells, image_cells, turn, shifted_u, shifted_v});
         for (std::size_t i = 0; i < largest.size(); ++i) {

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <string>
 #include <vector>
+#include <weft/core/stop_check.hpp>
 
 #include "common/candidates.hpp"
 #include "common/nearest.hpp"
@@ -82,6 +83,7 @@ class Lpm final : public weft::Filter {
     std::vector<double> cost;
     std::vector<Rank> rank_in_image(static_cast<std::size_t>(p.rows()));
     for (Eigen::Index i = 0; i < p.rows(); ++i) {
+      weft::worked(5 * most);
       for (int k = 0; k < most; ++k) {
         const int j = in_image(i, k);
         if (j >= 0) rank_in_image[static_cast<std::size_t>(j)] = {i, k};

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <numeric>
 #include <utility>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::myneighbor {
 namespace {
@@ -45,6 +46,7 @@ Links links_of(const Triangulation& triangulation, std::size_t vertices) {
   Links links;
   links.reserve(7 * vertices);
   for (const auto& edge : triangulation.finite_edges()) {
+    worked(3);
     const std::int32_t a = edge.first->vertex(Triangulation::cw(edge.second))->info();
     const std::int32_t b = edge.first->vertex(Triangulation::ccw(edge.second))->info();
     links.emplace_back(a, b);
@@ -88,6 +90,7 @@ bool build_neighbour_sets(const Points2View& points, NeighbourSets& sets) {
   // Points in ascending order go to the sets of all vertices around: each set comes out ascending.
   for (std::size_t i = 0; i < sets.vertex_of.size(); ++i) {
     const auto vertex = static_cast<std::size_t>(sets.vertex_of[i]);
+    worked(10);
     for (std::int32_t link = first_link[vertex]; link < first_link[vertex + 1]; ++link) {
       const auto target = static_cast<std::size_t>(targets[static_cast<std::size_t>(link)]);
       sets.items[static_cast<std::size_t>(cursor[target]++)] = static_cast<std::int32_t>(i);
@@ -99,6 +102,7 @@ bool build_neighbour_sets(const Points2View& points, NeighbourSets& sets) {
 double mismatch_factor_percent(const NeighbourSets& p, const NeighbourSets& q, std::size_t i,
                                double empty_percent) {
   const auto in_p = p.with_self(i), in_q = q.with_self(i);
+  worked(static_cast<std::int64_t>(in_p.size() + in_q.size()));
   std::size_t common = 0;
   for (auto a = in_p.begin(), b = in_q.begin(); a != in_p.end() && b != in_q.end();) {
     if (*a == *b) ++common;

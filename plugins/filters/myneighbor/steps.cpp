@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <weft/core/statistics.hpp>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::myneighbor {
 namespace {
@@ -11,6 +12,56 @@ namespace {
 constexpr double kEqualPercent = 1e-9;
 constexpr double kMadFactor = 2.5;
 constexpr double kLeastMadPx = 0.01;  // perfect data: the rule would drop one match in five
+
+constexpr Eigen::Index kMostInPairs = 4096;  // above, points are heaped up in a grid
+constexpr Eigen::Index kHeapsAlong = 64;
+
+/// Points, or the means of the points in the cells of a grid, which then count as often.
+struct Heaps {
+  Eigen::ArrayXd x, y;
+  Eigen::ArrayXd count;  ///< empty: each once
+};
+
+/// In place of each point the mean of those in its cell. A distance to it is right to first order,
+/// so that the mean over all pairs is off by about 1e-4 of itself.
+Heaps heaps_of(const Points2View& points) {
+  const Eigen::RowVector2d low = points.colwise().minCoeff();
+  const double side =
+      (points.colwise().maxCoeff() - low).maxCoeff() / static_cast<double>(kHeapsAlong);
+  Eigen::ArrayXd x = Eigen::ArrayXd::Zero(kHeapsAlong * kHeapsAlong), y = x, count = x;
+  const auto along = [&](double offset) {
+    const auto cell = static_cast<Eigen::Index>(side > 0.0 ? offset / side : 0.0);
+    return std::min(cell, kHeapsAlong - 1);
+  };
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    worked_in_loop(i);
+    const Eigen::Index cell =
+        along(points(i, 1) - low.y()) * kHeapsAlong + along(points(i, 0) - low.x());
+    x[cell] += points(i, 0);
+    y[cell] += points(i, 1);
+    count[cell] += 1.0;
+  }
+  std::vector<Eigen::Index> filled;
+  for (Eigen::Index cell = 0; cell < count.size(); ++cell) {
+    if (count[cell] > 0.0) filled.push_back(cell);
+  }
+  return {x(filled) / count(filled), y(filled) / count(filled), count(filled)};
+}
+
+double sum_over_pairs(const Heaps& heaps) {
+  const Eigen::Index n = heaps.x.size();
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i + 1 < n; ++i) {
+    const Eigen::Index rest = n - 1 - i;
+    worked(rest / 4);
+    const auto lengths =
+        ((heaps.x.tail(rest) - heaps.x[i]).square() + (heaps.y.tail(rest) - heaps.y[i]).square())
+            .sqrt();
+    sum += heaps.count.size() == 0 ? lengths.sum()
+                                   : heaps.count[i] * (heaps.count.tail(rest) * lengths).sum();
+  }
+  return sum;
+}
 
 void select_up_to(const std::vector<double>& factors, double limit, Selection& selection) {
   selection.count = 0;
@@ -68,18 +119,18 @@ void trim_by_distance(const std::vector<double>& distance_px,
 double mean_pair_distance(const Points2View& points) {
   const Eigen::Index n = points.rows();
   if (n < 2) return 0.0;
-  const Eigen::ArrayXd x = points.col(0), y = points.col(1);
-  double sum = 0.0;
-  for (Eigen::Index i = 0; i + 1 < n; ++i) {
-    const Eigen::Index rest = n - 1 - i;
-    sum += ((x.tail(rest) - x[i]).square() + (y.tail(rest) - y[i]).square()).sqrt().sum();
+  if (n <= kMostInPairs) {
+    const Heaps single{points.col(0), points.col(1), Eigen::ArrayXd()};
+    return sum_over_pairs(single) / (0.5 * static_cast<double>(n) * static_cast<double>(n - 1));
   }
-  return sum / (0.5 * static_cast<double>(n) * static_cast<double>(n - 1));
+  const Heaps heaps = heaps_of(points);
+  return sum_over_pairs(heaps) / (0.5 * static_cast<double>(n) * static_cast<double>(n - 1));
 }
 
 double folded_share(const Points2View& vertices, const FacesView& faces) {
   Eigen::Index positive = 0, negative = 0;
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    worked_in_loop(f);
     const Eigen::RowVector2d a = vertices.row(faces(f, 1)) - vertices.row(faces(f, 0));
     const Eigen::RowVector2d b = vertices.row(faces(f, 2)) - vertices.row(faces(f, 0));
     const double area = a.x() * b.y() - a.y() * b.x();

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 #include <weft/core/statistics.hpp>
+#include <weft/core/stop_check.hpp>
 #include <weft/geometry/thin_plate_spline.hpp>
 
 #include "common/nearest.hpp"
@@ -117,6 +118,7 @@ class Assembly {
     for (const int i : asked) {
       const auto k = static_cast<std::size_t>(i);
       if (nearest.row(i) != nearest_.row(i)) {
+        worked(20 * static_cast<std::int64_t>(settings_.triples));
         opinions_[k] = neighbourhoods_.opinion(i, nearest.row(i));
         nearest_.row(i) = nearest.row(i);
         silent_[k] = std::isnan(opinions_[k].residual) ? 1 : 0;
@@ -153,6 +155,7 @@ class Assembly {
     const Nearest wide = filters::nearest_of(p_, among, kWider * settings_.neighbours);
     for (const int i : silent) {
       Opinion opinion = neighbourhoods_.opinion(i, wide.row(i));
+      worked(50 * static_cast<std::int64_t>(settings_.triples));
       const auto nearest = static_cast<std::size_t>(settings_.neighbours);
       opinion.agrees.resize(std::min(opinion.agrees.size(), nearest));
       opinions_[static_cast<std::size_t>(i)] = std::move(opinion);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <weft/core/statistics.hpp>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::pizarro {
 namespace {
@@ -36,6 +37,7 @@ std::optional<RobustAffine> least_median_affine(const Points2& p, const Points2&
   std::optional<RobustAffine> best;
   double least2 = 0.0;
   for (const auto& [a, b, c] : triples) {
+    worked(3 * static_cast<std::int64_t>(n));
     Eigen::Matrix2d in_template, in_image;
     in_template << p.row(b) - p.row(a), p.row(c) - p.row(a);
     in_image << q.row(b) - q.row(a), q.row(c) - q.row(a);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <weft/core/statistics.hpp>
+#include <weft/core/stop_check.hpp>
 #include <weft/geometry/bspline_bending.hpp>
 #include <weft/geometry/bspline_site.hpp>
 
@@ -49,6 +50,7 @@ class ShrinkingWarp {
     moments_ = Control::Zero(n, 2);
     for (Eigen::Index k = 0; k < p.rows(); ++k) {
       const SplineSite site = spline_site(domain, p(k, 0), p(k, 1));
+      worked(100);
       for (int a = 0; a < 16; ++a) {
         const double weight = site.weights[static_cast<std::size_t>(a)];
         moments_.row(control_of(site, a)) += weight * q.row(k);
@@ -121,6 +123,7 @@ class ShrinkingWarp {
   bool improve(const std::vector<Place>& places, double median_det, double weight) {
     const Eigen::Index n = domain_.control_count();
     Eigen::MatrixXd system = Eigen::MatrixXd::Zero(2 * n, 2 * n);
+    worked(StopCheck::kPassesPerAsk);  // the factorisation of 384 unknowns takes milliseconds
     system.topLeftCorner(n, n) = system.bottomRightCorner(n, n) = normal_;
     const Control residual = moments_ - normal_ * control_;
     Eigen::VectorXd downhill(2 * n);

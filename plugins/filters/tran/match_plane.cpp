@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::tran {
 namespace {
@@ -95,6 +96,7 @@ std::optional<Found> search(const MatchPoints& matches, const Search& search, Rn
   const auto bound = static_cast<std::uint32_t>(n);
   while (draws < needed) {
     ++draws;
+    worked(n / 2);
     const auto a = static_cast<Eigen::Index>(rng.below(bound));
     const auto b = static_cast<Eigen::Index>(rng.below(bound));
     const auto c = static_cast<Eigen::Index>(rng.below(bound));

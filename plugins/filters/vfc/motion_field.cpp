@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::vfc {
 namespace {
@@ -62,6 +63,7 @@ Verdict follow(const Points2& places, const Points2& motions, const Points2& cen
   verdict.probability.resize(n);
   Eigen::MatrixXd weighted, normal;
   for (verdict.rounds = 1; verdict.rounds <= settings.most_rounds; ++verdict.rounds) {
+    worked(basis.size() * (basis.cols() + 16) / 16);
     // How probable each match is, given the field.
     const Eigen::ArrayXd residual2 = (motions - field).rowwise().squaredNorm().array();
     verdict.probability = probabilities(residual2, variance, verdict.gamma, settings.mismatch_area);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <string>
+#include <weft/core/stop_check.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/sdk/pass.hpp>
@@ -103,6 +104,7 @@ class SalientCells final : public Pass {
     for (std::size_t k = 0; k < chosen.size(); ++k) {
       const auto i = static_cast<std::int64_t>(k);
       lines.vertex(i) = chosen[k].vertex;
+      worked(5);
       lines.face(i) = chosen[k].face;
       lines.barycentrics(i, chosen[k].corner) = 1.0;
       lines.weight(i) = weight_by_matches_ ? 1.0 - std::exp(-0.5 * chosen[k].matches) : 1.0;
@@ -118,6 +120,7 @@ class SalientCells final : public Pass {
     for (std::size_t k = 0; k < chosen.size(); ++k) {
       const auto i = static_cast<std::int64_t>(k);
       lines.vertex(i) = -1;
+      worked(5);
       lines.face(i) = in.correspondences->face(chosen[k]);
       lines.weight(i) = 1.0;
       for (int c = 0; c < 3; ++c) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 #include <weft/core/statistics.hpp>
+#include <weft/core/stop_check.hpp>
 #include <weft/geometry/mesh_validation.hpp>
 
 namespace weft::salient_cells {
@@ -32,6 +33,7 @@ std::vector<double> area_ratios(const Template& templ, const WarpSamples& warped
   const Faces faces = templ.faces.matrix<3>();
   std::vector<double> ratios(static_cast<std::size_t>(faces.rows()), std::nan(""));
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    worked_in_loop(f, 3);
     if (evaluated(warped, faces(f, 0)) && evaluated(warped, faces(f, 1)) &&
         evaluated(warped, faces(f, 2))) {
       ratios[static_cast<std::size_t>(f)] =
@@ -64,6 +66,7 @@ double salient_area_share(const Template& templ, const std::vector<std::uint8_t>
   const Faces faces = templ.faces.matrix<3>();
   double covered = 0.0, all = 0.0;
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    worked_in_loop(f, 2);
     const double area = face_area(vertices_m, faces, f);
     all += area;
     if (salient[static_cast<std::size_t>(f)] != 0) covered += area;
@@ -106,6 +109,7 @@ std::vector<SalientVertex> find_vertices(const Template& templ, const Camera& ca
                                          const Rules& rules, Dropped& dropped) {
   std::vector<SalientVertex> all(static_cast<std::size_t>(templ.vertices_m.rows()), {-1, 0, 0, 0});
   for (std::int32_t f = 0; f < templ.faces.rows(); ++f) {
+    worked_in_loop(f);
     if (cells.salient[static_cast<std::size_t>(f)] == 0) continue;
     for (int corner = 0; corner < 3; ++corner) {
       SalientVertex& entry = all[static_cast<std::size_t>(templ.faces(f, corner))];

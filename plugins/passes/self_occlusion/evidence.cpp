@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <weft/core/stop_check.hpp>
 #include <weft/geometry/barycentric.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/mesh_validation.hpp>
@@ -24,6 +25,7 @@ double exposure_px2(const Scene& scene, const Points2& pixels, Eigen::Index face
 bool two_agree(const std::vector<Eigen::Vector2d>& offsets_px, double tolerance_px) {
   for (std::size_t i = 0; i < offsets_px.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
+      worked_in_loop(static_cast<std::int64_t>(j));
       if ((offsets_px[i] - offsets_px[j]).norm() <= tolerance_px) return true;
     }
   }
@@ -45,6 +47,7 @@ std::vector<std::size_t> take_part(const Scene& scene, std::size_t start,
   marked[start] = 0;
   for (std::size_t next = 0; next < part.size(); ++next) {
     const std::size_t vertex = part[next];
+    worked(10);
     for_neighbours(scene, vertex, [&](std::size_t v) {
       if (marked[v] == 0) return;
       marked[v] = 0;

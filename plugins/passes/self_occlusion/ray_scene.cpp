@@ -7,6 +7,7 @@
 #include <array>
 #include <string>
 #include <utility>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::self_occlusion {
 namespace {
@@ -93,6 +94,7 @@ std::vector<std::uint8_t> RayScene::are_hidden(const Points3View& points_m, doub
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   for (std::size_t first = 0; first < count; first += kTogether) {
     const std::size_t some = std::min(kTogether, count - first);
+    worked(40 * static_cast<std::int64_t>(some));
     for (std::size_t k = 0; k < some; ++k) {
       rays[k] = ray_to(points_m, static_cast<Eigen::Index>(first + k), slack_m);
     }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <weft/core/stop_check.hpp>
 #include <weft/geometry/camera_model.hpp>
 
 namespace weft::self_occlusion {
@@ -22,6 +23,7 @@ bool in_image(const Camera& camera, const Eigen::Vector3d& point_m) {
 Points3 centroids(const Points3View& vertices_m, const FacesView& faces) {
   Points3 points(faces.rows(), 3);
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    worked_in_loop(f);
     points.row(f) =
         (vertices_m.row(faces(f, 0)) + vertices_m.row(faces(f, 1)) + vertices_m.row(faces(f, 2))) /
         3.0;
@@ -32,6 +34,7 @@ Points3 centroids(const Points3View& vertices_m, const FacesView& faces) {
 double mean_side(const Points3View& vertices_m, const FacesView& faces) {
   double sum = 0.0;
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    worked_in_loop(f);
     for (int k = 0; k < 3; ++k) {
       sum += (vertices_m.row(faces(f, k)) - vertices_m.row(faces(f, (k + 1) % 3))).norm();
     }
@@ -76,6 +79,7 @@ Facing facing_of(double cosine) {
 std::vector<double> facing_cosines(const Points3View& vertices_m, const FacesView& faces) {
   std::vector<double> cosines;
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    worked_in_loop(f, 3);
     const Eigen::Vector3d a = vertices_m.row(faces(f, 0)), b = vertices_m.row(faces(f, 1)),
                           c = vertices_m.row(faces(f, 2));
     const Eigen::Vector3d normal = (b - a).cross(c - a), centre = a + b + c;
@@ -94,6 +98,7 @@ Sight look(const Points3View& vertices_m, const FacesView& faces, const IndexLis
   const auto hidden = scene.are_hidden(vertices_m, slack_m);
   const auto face_hidden = scene.are_hidden(centroids(vertices_m, faces), slack_m);
   for (Eigen::Index v = 0; v < vertices_m.rows(); ++v) {
+    worked_in_loop(v, 5);
     const bool covered = hidden[static_cast<std::size_t>(v)] != 0;
     const Ring ring = ring_of(around[v], sight.cosines, face_hidden);
     SightReason reason = SightReason::seen;

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 #include <weft/core/statistics.hpp>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::self_occlusion {
 namespace {
@@ -65,10 +66,14 @@ std::vector<std::uint8_t> folded_faces(const std::vector<FaceMap>& maps) {
 Sight look_at_warp(const Template& templ, const WarpSamples& warped, const IndexLists& around,
                    const Camera& camera) {
   std::vector<FaceMap> maps;
-  for (std::int64_t f = 0; f < templ.faces.rows(); ++f) maps.push_back(map_of(templ, warped, f));
+  for (std::int64_t f = 0; f < templ.faces.rows(); ++f) {
+    worked_in_loop(f, 10);
+    maps.push_back(map_of(templ, warped, f));
+  }
   const std::vector<std::uint8_t> folded = folded_faces(maps);
   Sight sight;
   for (std::int64_t v = 0; v < templ.vertices_m.rows(); ++v) {
+    worked_in_loop(v, 5);
     const auto faces = around[v];
     int hidden = 0, evaluated = 0;
     for (const std::int32_t face : faces) {

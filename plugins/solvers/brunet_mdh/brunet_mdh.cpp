@@ -124,13 +124,17 @@ class BrunetMdh final : public Solver {
     }
     const bool cached = templ.revision != 0 && problem_revision_ == templ.revision;
     if (cached && problem_.seen == seen && problem_.given == given) return;
-    problem_revision_ = templ.revision;
+    problem_revision_ = 0;  // until all is made
     problem_ = make_problem(*surface_, std::move(given), seen, rings_);
-    if (problem_.points.size() < 3) return;
+    if (problem_.points.size() < 3) {
+      problem_revision_ = templ.revision;
+      return;
+    }
     admm_.set_graph(problem_.edges, static_cast<int>(problem_.points.size()));
     std::vector<SurfacePoint> placed = problem_.points;
     for (const std::size_t known : problem_.unseen) placed.push_back(problem_.given[seen + known]);
     fill_.prepare(*surface_, placed);
+    problem_revision_ = templ.revision;
   }
 
   /// Depths with distances that may yield; with rigid ones where that has no bounded solution.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <weft/core/statistics.hpp>
+#include <weft/core/stop_check.hpp>
 
 #include "at.hpp"
 
@@ -190,6 +191,7 @@ DepthResult DepthAdmm::solve(const Points3View& rays, const DepthOptions& option
   while (iterations < options.max_iterations && !converged && !stopped) {
     solve_depths(rho);
     const Residuals sums = update_edges(options.slack_penalty / rho);
+    worked(10 * static_cast<std::int64_t>(edges_.size()));
     ++iterations;
     const double scale = 1.0 / static_cast<double>(edges_.size());
     const double primal = std::sqrt(scale * sums.primal2), dual = std::sqrt(scale * sums.dual2);

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <numeric>
 #include <utility>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::brunet_mdh {
 namespace {
@@ -36,6 +37,7 @@ void join_nearest(const RestSurface& surface, std::span<const SurfacePoint> poin
   const auto count = static_cast<std::int32_t>(points.size());
   std::vector<std::int32_t> order(points.size());
   for (std::int32_t from = 0; from < count; ++from) {
+    worked(10 * static_cast<std::int64_t>(points.size()));
     const std::vector<double> lengths = surface.lengths_m(points, from);
     std::iota(order.begin(), order.end(), 0);
     const auto nearer = [&](std::int32_t a, std::int32_t b) {
@@ -94,8 +96,11 @@ std::vector<DistanceConstraint> distance_graph(const RestSurface& surface,
   const auto count = static_cast<std::int32_t>(points.size());
   const PointLists points_at = points_at_vertices(surface, points);
   std::vector<DistanceConstraint> edges;
+  std::vector<std::uint8_t> reached(static_cast<std::size_t>(surface.vertices_m().rows()), 0);
   for (std::int32_t from = 0; from < count; ++from) {
-    for (const auto& [to, length_m] : surface.points_around(points, points_at, from, rings)) {
+    worked(200);
+    for (const auto& [to, length_m] :
+         surface.points_around(points, points_at, from, rings, reached)) {
       add(from, to, length_m, edges);
     }
   }

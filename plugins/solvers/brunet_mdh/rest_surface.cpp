@@ -70,15 +70,16 @@ double RestSurface::length_m(const SurfacePoint& from, const SurfacePoint& to,
 
 std::vector<Neighbour> RestSurface::points_around(std::span<const SurfacePoint> points,
                                                   const PointLists& points_at, std::int32_t from,
-                                                  int rings) const {
+                                                  int rings,
+                                                  std::vector<std::uint8_t>& reached) const {
   const SurfacePoint& origin = points[at(from)];
-  std::vector<std::uint8_t> reached(static_cast<std::size_t>(vertices_m_.rows()), 0);
-  std::vector<std::int32_t> found, next;
+  std::vector<std::int32_t> found, next, visited;
   const auto start = support(origin);
   std::vector<std::int32_t> front(start.begin(), start.end());
   for (const std::int32_t v : front) reached[at(v)] = 1;
   for (int ring = 0; ring <= rings; ++ring) {
     next.clear();
+    visited.insert(visited.end(), front.begin(), front.end());
     for (const std::int32_t v : front) {
       found.insert(found.end(), points_at[at(v)].begin(), points_at[at(v)].end());
       if (ring == rings) continue;
@@ -92,6 +93,7 @@ std::vector<Neighbour> RestSurface::points_around(std::span<const SurfacePoint> 
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
   const std::vector<double> paths = paths_m(origin, reached);
+  for (const std::int32_t v : visited) reached[at(v)] = 0;
   std::vector<Neighbour> neighbours;
   for (const std::int32_t p : found) {
     if (p != from) neighbours.push_back({p, length_m(origin, points[at(p)], paths)});

@@ -53,10 +53,10 @@ class RestSurface {
 
   /// The points within `rings` edges of points[from], ascending, without itself, and how far they
   /// are along the surface (on paths that stay within those rings). `points_at` lists the points
-  /// that hang on each vertex.
+  /// that hang on each vertex; `reached` [V] is all 0 before and after.
   std::vector<Neighbour> points_around(std::span<const SurfacePoint> points,
-                                       const PointLists& points_at, std::int32_t from,
-                                       int rings) const;
+                                       const PointLists& points_at, std::int32_t from, int rings,
+                                       std::vector<std::uint8_t>& reached) const;
 
   /// Length along the surface from points[from] to each of `points`, in m; infinite where there is
   /// no path.

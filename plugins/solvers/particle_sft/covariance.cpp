@@ -7,11 +7,13 @@
 #include <cstddef>
 #include <cstdlib>
 #include <numeric>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::particle_sft {
 namespace {
 
 constexpr double kPriorM = 0.1;
+constexpr double kMiB = 1024.0 * 1024.0, kMostBytes = 1024.0 * kMiB;  // 26,000 vertices in a square
 constexpr double kLeastRadiusM = 5e-4;  // a known point that is held exactly is known this well
 
 /// Vertices by their place along the longest principal axis of the mesh.
@@ -37,7 +39,7 @@ HoldingNoise holding_noise(double residual_px, std::size_t sightlines, int agree
           0.0015, 0.05};
 }
 
-void ShapeCovariance::build(const MeshModel& mesh) {
+Result<void> ShapeCovariance::build(const MeshModel& mesh) {
   hinges_ = mesh.hinges();
   const std::vector<std::int32_t> order = along_longest_axis(mesh.rest_m());
   place_.resize(order.size());
@@ -53,8 +55,18 @@ void ShapeCovariance::build(const MeshModel& mesh) {
   for (const DistanceConstraint& pair : mesh.bending()) join(pair.i, pair.j);
   size_ = 3 * static_cast<Eigen::Index>(order.size());
   below_ = std::min(apart + 2, size_ - 1);
+  const double bytes = 8.0 * static_cast<double>(size_) * static_cast<double>(below_ + 1);
+  if (bytes > kMostBytes) {
+    return Error{Errc::unsupported,
+                 "the covariance of " + std::to_string(order.size()) + " vertices needs " +
+                     std::to_string(std::llround(bytes / kMiB)) + " MiB, more than " +
+                     std::to_string(std::llround(kMostBytes / kMiB)) +
+                     ": set covariance: false, or give a template with fewer vertices",
+                 {}};
+  }
   band_.resize(static_cast<std::size_t>(size_ + (size_ - 1) * below_));
   column_.resize(below_);
+  return {};
 }
 
 bool ShapeCovariance::compute(const ParticleSystem& system, const Pinhole& camera,
@@ -150,6 +162,7 @@ bool ShapeCovariance::factorise() {
     at(j, j) = 1.0 / pivot;
     const Eigen::Index below = std::min(below_, size_ - 1 - j);
     if (below == 0) continue;
+    worked(below * below / 16);
     Eigen::Map<Eigen::VectorXd> column(&at(j + 1, j), below);
     window(j + 1, below).selfadjointView<Eigen::Lower>().rankUpdate(column, -1.0 / pivot);
     column /= pivot;
@@ -163,6 +176,7 @@ void ShapeCovariance::invert() {
     const Eigen::Index below = std::min(below_, size_ - 1 - j);
     Eigen::Map<Eigen::VectorXd> column(&at(j + 1, j), below);
     auto solved = column_.head(below);
+    worked(below * below / 16);
     solved.noalias() = window(j + 1, below).selfadjointView<Eigen::Lower>() * column;
     at(j, j) += column.dot(solved);
     column = -solved;

@@ -35,7 +35,7 @@ HoldingNoise holding_noise(double residual_px, std::size_t sightlines, int agree
 /// its inverse only the band is computed (Erisman and Tinney, CACM 18, 1975).
 class ShapeCovariance {
  public:
-  void build(const MeshModel& mesh);
+  Result<void> build(const MeshModel& mesh);
 
   /// Writes `covariance_m2` [V,9], row by row; false where H is not positive definite. Allocates
   /// nothing from the second call for a mesh on.

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <weft/core/stop_check.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/rigid_alignment.hpp>
 #include <weft/geometry/surface_distance.hpp>
@@ -16,6 +17,7 @@ std::vector<DistanceConstraint> by_colour(const std::vector<DistanceConstraint>&
   std::vector<DistanceConstraint> ordered, waiting = constraints, later;
   std::vector<std::size_t> last_colour(static_cast<std::size_t>(vertex_count), 0);
   for (std::size_t colour = 1; !waiting.empty(); ++colour) {
+    worked(static_cast<std::int64_t>(waiting.size()));
     later.clear();
     for (const DistanceConstraint& c : waiting) {
       std::size_t& at_i = last_colour[static_cast<std::size_t>(c.i)];

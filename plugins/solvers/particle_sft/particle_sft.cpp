@@ -83,7 +83,9 @@ class ParticleSft final : public Solver {
     mesh_revision_ = 0;
     if (auto built = mesh_.build(templ, start_smoothing_); !built) return built;
     if (auto built = continuation_.build(templ); !built) return built;
-    if (wants_covariance_) covariance_.build(mesh_);
+    if (wants_covariance_) {
+      if (auto built = covariance_.build(mesh_); !built) return built;
+    }
     mesh_revision_ = templ.revision;
     frame_.system.stretch = mesh_.stretch();
     return {};

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <span>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::particle_sft {
 namespace {
@@ -40,6 +42,17 @@ void sweep(const Springs& springs, double stiffness, double* y) {
     b[0] -= share * dx;
     b[1] -= share * dy;
     b[2] -= share * dz;
+  }
+}
+
+/// Between two parts the host may be asked.
+template <class Spring>
+void sweep_in_parts(const std::vector<Spring>& springs, double stiffness, double* y) {
+  constexpr std::size_t kPart = 65536;
+  for (std::size_t first = 0; first < springs.size(); first += kPart) {
+    const std::span part(springs.data() + first, std::min(kPart, springs.size() - first));
+    worked(static_cast<std::int64_t>(part.size()));
+    sweep(part, stiffness, y);
   }
 }
 
@@ -130,8 +143,8 @@ double Relaxation::iterate(const ParticleSystem& system, const RelaxationOptions
   for (const RayConstraint& seen : at_vertices_) put_on_ray(seen, y);
   if (!in_faces_.empty()) pull_faces(y);
   for (int inner = 0; inner < options.solver_iterations; ++inner) {
-    sweep(stretch_, options.stretch_stiffness, y);
-    sweep(bending_, options.bend_stiffness, y);
+    sweep_in_parts(stretch_, options.stretch_stiffness, y);
+    sweep_in_parts(bending_, options.bend_stiffness, y);
     for (const KnownSurfacePoint& sphere : system.spheres) bring_into_sphere(sphere, y);
   }
   double sum2 = 0.0;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::sources {
 namespace {
@@ -12,6 +13,7 @@ Picture halved(const Picture& full) {
   Picture half{std::max(1, full.width / 2), std::max(1, full.height / 2)};
   half.pixels.reserve(static_cast<std::size_t>(half.width) * static_cast<std::size_t>(half.height));
   for (int y = 0; y < half.height; ++y) {
+    ask_to_go_on();
     const int below = std::min(2 * y + 1, full.height - 1);
     for (int x = 0; x < half.width; ++x) {
       const int right = std::min(2 * x + 1, full.width - 1);
@@ -32,6 +34,7 @@ Picture picture_of(const cv::Mat& image) {
   Picture picture{image.cols, image.rows};
   picture.pixels.reserve(image.total());
   for (int y = 0; y < image.rows; ++y) {
+    ask_to_go_on();
     for (int x = 0; x < image.cols; ++x) picture.pixels.push_back(colour_of(image, x, y));
   }
   return picture;

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::sources {
 namespace {
@@ -27,6 +28,7 @@ cv::Mat opaque(const cv::Mat& image) {
     cv::mixChannels(&image, 1, &bgra, 1, both, 4);
   }
   for (int y = 0; y < image.rows; ++y) {
+    ask_to_go_on();
     for (int x = 0; x < image.cols; ++x) {
       const cv::Vec4b& pixel = bgra.at<cv::Vec4b>(y, x);
       for (int c = 0; c < 3; ++c) {

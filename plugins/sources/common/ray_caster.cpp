@@ -7,6 +7,7 @@
 #include <array>
 #include <limits>
 #include <utility>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::sources {
 namespace {
@@ -118,6 +119,7 @@ std::vector<std::uint8_t> RayCaster::are_hidden(const Points3View& points_m, dou
   std::vector<std::uint8_t> hidden(static_cast<std::size_t>(points_m.rows()));
   RTCIntersectContext context = coherent_context();
   for (Eigen::Index i = 0; i < points_m.rows(); ++i) {
+    worked(50);
     const Eigen::Vector3d point = points_m.row(i).transpose();
     const double end = 1.0 - slack_m / std::max(point.norm(), slack_m);
     RTCRay ray = ray_along(point.cast<float>(), static_cast<float>(end));

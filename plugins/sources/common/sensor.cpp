@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::sources {
 namespace {
@@ -56,6 +57,7 @@ Array<std::uint8_t> Sensor::expose(const Picture& light, bool is_grey, Rng rng) 
   NoiseSource noise(noise_, rng);
   std::uint8_t* target = pixels.data();
   for (int y = 0; y < seen.rows; ++y) {
+    ask_to_go_on();
     const auto* row = seen.ptr<cv::Vec4f>(y);
     for (int x = 0; x < seen.cols; ++x) {
       for (int k = 0; k < channels; ++k) {

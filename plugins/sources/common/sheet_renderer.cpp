@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 #include <utility>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::sources {
 namespace {
@@ -113,6 +114,7 @@ void SheetRenderer::trace_centres(const Window& window, View& view) const {
   for (int top = window.y0; top < window.y1; top += kTile) {
     for (int left = window.x0; left < window.x1; left += kTile) {
       for (int y = top; y < std::min(top + kTile, window.y1); ++y) {
+        ask_to_go_on();
         for (int x = left; x < std::min(left + kTile, window.x1); ++x) {
           pixels.push_back(index(x, y));
           rays.push_back(ray(x, y));
@@ -127,6 +129,7 @@ void SheetRenderer::trace_centres(const Window& window, View& view) const {
 void SheetRenderer::fill_maps(Scene& scene, const Window& window, View& view) const {
   scene.light.resize(view.hits.size());
   for (int y = window.y0; y < window.y1; ++y) {
+    ask_to_go_on();
     for (int x = window.x0; x < window.x1; ++x) {
       const RayHit& hit = view.hits[index(x, y)];
       if (hit.mesh < 0) continue;
@@ -146,6 +149,7 @@ void SheetRenderer::draw(const Scene& scene, const Window& window, View& view) c
   std::vector<std::array<int, 2>> edges;
   std::vector<Eigen::Vector3f> rays;
   for (int y = window.y0; y < window.y1; ++y) {
+    ask_to_go_on();
     for (int x = window.x0; x < window.x1; ++x) {
       const RayHit& hit = view.hits[index(x, y)];
       if (is_on_an_edge(scene, x, y, view)) {

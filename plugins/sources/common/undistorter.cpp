@@ -3,6 +3,7 @@
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::sources {
 
@@ -32,6 +33,7 @@ cv::Mat Undistorter::nearest(const cv::Mat& image) const {
   if (!changes_images()) return image;
   cv::Mat whole = map_xy_.clone();  // the fractions are multiples of 1/32 px; halves are rounded up
   for (int y = 0; y < whole.rows; ++y) {
+    ask_to_go_on();
     for (int x = 0; x < whole.cols; ++x) {
       const int fraction = map_weights_.at<std::uint16_t>(y, x);
       auto& source = whole.at<cv::Vec2s>(y, x);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <weft/core/rng.hpp>
+#include <weft/core/stop_check.hpp>
 
 #include "common/random_stream.hpp"
 #include "common/value_noise.hpp"
@@ -47,6 +48,7 @@ void paint_table(Picture& picture, Rng& rng) {
   const sources::ValueNoise grain(0.12 * picture.width, size, 0.02 * size, rng);
   const Colour wood(96.0F, 128.0F, 156.0F, 0.0F);
   for (int y = 0; y < picture.height; ++y) {
+    ask_to_go_on();
     for (int x = 0; x < picture.width; ++x) {
       const double light = 1.0 + 0.16 * clouds(x, y) + 0.05 * grain(0.12 * x, y) - 0.12 * y / size;
       picture.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) +
@@ -145,6 +147,7 @@ void hang(Picture& wall, const sources::MipTexture& print, const Poster& poster,
   const double reach = poster.pitch_px * std::hypot(half_u, half_v) + 1.0;
   const auto from = [](double value) { return std::max(0, static_cast<int>(value)); };
   for (int y = from(poster.y - reach); y < std::min<double>(wall.height, poster.y + reach); ++y) {
+    ask_to_go_on();
     for (int x = from(poster.x - reach); x < std::min<double>(wall.width, poster.x + reach); ++x) {
       const double dx = (x - poster.x) / poster.pitch_px, dy = (y - poster.y) / poster.pitch_px;
       const double u = poster.cosine * dx + poster.sine * dy;
@@ -196,6 +199,7 @@ Picture look_alike_backdrop(const Camera& camera, const sources::MipTexture& pri
   Picture wall = blank(camera);
   const sources::ValueNoise clouds(wall.width, wall.height, 0.5 * wall.height, rng);
   for (int y = 0; y < wall.height; ++y) {
+    ask_to_go_on();
     for (int x = 0; x < wall.width; ++x) {
       const auto light = static_cast<float>(1.0 + 0.1 * clouds(x, y));
       wall.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(wall.width) +
@@ -226,6 +230,7 @@ Picture picture_backdrop(const Camera& camera, const sources::MipTexture& pictur
   const double v0 = 0.5 * (picture.height() - 1 - texels * (wall.height - 1));
   std::size_t index = 0;
   for (int y = 0; y < wall.height; ++y) {
+    ask_to_go_on();
     for (int x = 0; x < wall.width; ++x) {
       wall.pixels[index++] =
           picture.sample(static_cast<float>(u0 + texels * x), static_cast<float>(v0 + texels * y),

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <optional>
 #include <utility>
+#include <weft/core/stop_check.hpp>
 #include <weft/sdk/source.hpp>
 #include <weft/sdk/template_builder.hpp>
 
@@ -175,6 +176,7 @@ class SheetSource : public Source {
     truth.depth_m = view.depth_m;
     truth.uv_m = view.uv_px;
     for (std::int64_t y = 0; y < truth.uv_m.rows(); ++y) {
+      ask_to_go_on();
       float* row = truth.uv_m.row(y);
       for (std::int64_t x = 0; x < truth.uv_m.dim(1); ++x) {
         row[2 * x] *= static_cast<float>(studio_->pitch_m.x());

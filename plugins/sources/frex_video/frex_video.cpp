@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+#include <weft/core/stop_check.hpp>
 #include <weft/sdk/source.hpp>
 
 #include "common/picture_file.hpp"
@@ -141,6 +142,7 @@ class FrexVideo final : public Source {
     image.pixels = Array<std::uint8_t>({behind.rows, behind.cols, 3});
     cv::Mat3b result(behind.rows, behind.cols, reinterpret_cast<cv::Vec3b*>(image.pixels.data()));
     for (int y = 0; y < behind.rows; ++y) {
+      ask_to_go_on();
       for (int x = 0; x < behind.cols; ++x) {
         const float coverage = layer.coverage(y, x);
         const double sigma = noise_grey_ * (keep ? coverage : 1.0);

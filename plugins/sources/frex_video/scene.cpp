@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 #include <weft/core/rng.hpp>
+#include <weft/core/stop_check.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
 
 namespace weft::frex_video {
@@ -181,6 +182,7 @@ void SceneMaker::add_images(const LocatedSheet& sheet, const SheetLayer& layer,
   truth.uv_m = Array<float>({height, width, 2});
   std::fill_n(truth.uv_m.data(), truth.uv_m.size(), std::numeric_limits<float>::quiet_NaN());
   for (int y = 0; y < height; ++y) {
+    ask_to_go_on();
     for (int x = 0; x < width; ++x) {
       const cv::Vec2f& texel = layer.template_px(y, x);
       if (std::isnan(texel[0]) || !sheet.is_known(point_mm_of({texel[0], texel[1]}))) continue;

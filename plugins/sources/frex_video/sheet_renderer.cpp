@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::frex_video {
 namespace {
@@ -62,6 +63,7 @@ class RayGrid {
     const int x1 = std::min(width_ - 1, static_cast<int>(std::floor(std::max({p.x, q.x, r.x}))));
     const int y1 = std::min(height_ - 1, static_cast<int>(std::floor(std::max({p.y, q.y, r.y}))));
     for (int y = y0; y <= y1; ++y) {
+      ask_to_go_on();
       for (int x = x0; x <= x1; ++x) {
         const double beta = ((x - p.x) * acy - (y - p.y) * acx) / det;
         const double gamma = ((y - p.y) * abx - (x - p.x) * aby) / det;
@@ -152,6 +154,7 @@ SheetLayer SheetRenderer::render(const std::vector<ScreenVertex>& mesh, int colu
                    cv::Mat1f(image_px_, 0.0F), cv::Mat2f(image_px_, cv::Vec2f::all(kNone))};
   const cv::Rect& window = grid.window_px();
   for (int y = window.y; y < window.y + window.height; ++y) {
+    ask_to_go_on();
     for (int x = window.x; x < window.x + window.width; ++x) {
       for (int k = 0; k < kRays * kRays; ++k) {
         const Ray& ray = grid.at(x, y, k % kRays, k / kRays);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <weft/core/rng.hpp>
+#include <weft/core/stop_check.hpp>
 
 #include "common/value_noise.hpp"
 
@@ -56,6 +57,7 @@ std::vector<float> draw_background(int width, int height, std::uint64_t seed) {
   std::vector<float> grey;
   grey.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   for (int y = 0; y < height; ++y) {
+    ask_to_go_on();
     for (int x = 0; x < width; ++x) {
       double value = 92.0, amplitude = 34.0;
       for (const sources::ValueNoise& layer : layers) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::synthetic {
 namespace {
@@ -36,6 +37,7 @@ Texture::Level Texture::halved(const Level& level) {
                         static_cast<std::size_t>(x)];
   };
   for (int y = 0; y < half.height; ++y) {
+    ask_to_go_on();
     for (int x = 0; x < half.width; ++x) {
       half.pixels.push_back(0.25F * (at(2 * x, 2 * y) + at(2 * x + 1, 2 * y) +
                                      at(2 * x, 2 * y + 1) + at(2 * x + 1, 2 * y + 1)));
@@ -163,6 +165,7 @@ void Renderer::draw_triangle(const Vertex& a, const Vertex& b, const Vertex& c) 
                                  c_x * (c.over_depth[k] - a.over_depth[k]));
   }
   for (int y = y0; y <= y1; ++y) {
+    ask_to_go_on();
     const double b_row = (x0 - a.x) * b_x + (y - a.y) * b_y;
     const double c_row = (x0 - a.x) * c_x + (y - a.y) * c_y;
     const auto is_inside = [&](int n) {
@@ -215,6 +218,7 @@ void Renderer::resolve() {
   const auto stride = static_cast<std::size_t>(window_.x1 - window_.x0);
   const auto width = static_cast<std::size_t>(camera_.width_px);
   for (int y = window_.y0; y < window_.y1; y += kRays) {
+    ask_to_go_on();
     for (int x = window_.x0; x < window_.x1; x += kRays) {
       float& pixel =
           image_[static_cast<std::size_t>(y / kRays) * width + static_cast<std::size_t>(x / kRays)];

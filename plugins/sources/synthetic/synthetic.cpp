@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <set>
+#include <weft/core/stop_check.hpp>
 #include <weft/geometry/sheet_motion.hpp>
 #include <weft/sdk/source.hpp>
 
@@ -40,6 +41,7 @@ Result<Texture> read_texture(const std::string& path) {
   std::vector<float> pixels;
   pixels.reserve(image.total());
   for (int y = 0; y < image.rows; ++y) {
+    ask_to_go_on();
     pixels.insert(pixels.end(), image.ptr(y), image.ptr(y) + image.cols);
   }
   return Texture(image.cols, image.rows, std::move(pixels));

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <weft/core/stop_check.hpp>
 #include <weft/sdk/template_builder.hpp>
 
 #include "common/texture_file.hpp"
@@ -104,6 +105,7 @@ class OutlineTemplate final : public TemplateBuilder {
     Eigen::Vector2d low = outer.front(), high = outer.front();
     double longest = 0.0;
     for (const Eigen::Vector2d& a : outer) {
+      weft::worked(static_cast<std::int64_t>(outer.size()));
       low = low.cwiseMin(a);
       high = high.cwiseMax(a);
       for (const Eigen::Vector2d& b : outer) longest = std::max(longest, (a - b).norm());

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <vector>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::outline {
 namespace {
@@ -26,6 +27,7 @@ cv::Mat3f to_lab(const cv::Mat& photo) {
 cv::Vec3f border_colour(const cv::Mat3f& lab) {
   std::vector<float> channels[3];
   for (int y = 0; y < lab.rows; ++y) {
+    ask_to_go_on();
     for (int x = 0; x < lab.cols; ++x) {
       if (std::min({x, y, lab.cols - 1 - x, lab.rows - 1 - y}) > 1) continue;
       for (int c = 0; c < 3; ++c) channels[c].push_back(lab(y, x)[c]);
@@ -44,6 +46,7 @@ cv::Vec3f border_colour(const cv::Mat3f& lab) {
 cv::Mat1b distances_from(const cv::Mat3f& lab, const cv::Vec3f& colour) {
   cv::Mat1b distances(lab.size());
   for (int y = 0; y < lab.rows; ++y) {
+    ask_to_go_on();
     for (int x = 0; x < lab.cols; ++x) {
       distances(y, x) = cv::saturate_cast<std::uint8_t>(kSteps * cv::norm(lab(y, x) - colour));
     }

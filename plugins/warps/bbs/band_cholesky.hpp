@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::bbs {
 
@@ -23,6 +24,7 @@ inline double factorise(Band& band) {
     smallest = std::min(smallest, pivot);
     largest = std::max(largest, pivot);
     const Eigen::Index below = std::min(bandwidth, n - 1 - j);
+    worked(below * below / 16);
     const double root = std::sqrt(pivot);
     band(0, j) = root;
     auto column = band.col(j).segment(1, below);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "spline_fit.hpp"
 
+#include <weft/core/stop_check.hpp>
 #include <weft/geometry/bspline_bending.hpp>
 
 namespace weft::bbs {
@@ -48,6 +49,7 @@ SplineSystem SplineFit::solve(std::span<const double> weights, const SplinePenal
   control_.setZero(domain_.control_count(), 2);
   for (std::size_t k = 0; k < sites_.size(); ++k) {
     if (!(weights[k] > 0.0)) continue;
+    worked(10);
     const auto row = static_cast<Eigen::Index>(k);
     add_match(sites_[k], weights[k], values_px_.row(row) - affine_(points_px_.row(row)));
   }
@@ -84,6 +86,7 @@ const Points2& SplineFit::residuals() {
   residuals_px_.resize(points_px_.rows(), 2);
   for (std::size_t k = 0; k < sites_.size(); ++k) {
     const Site& site = sites_[k];
+    worked(3);
     Eigen::RowVector2d value = Eigen::RowVector2d::Zero();
     for (Eigen::Index i = 0; i < 4; ++i) {
       const auto run = control_.middleRows<4>(site.first + i * domain_.nv);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "spline_model.hpp"
 
+#include <weft/core/stop_check.hpp>
 #include <weft/geometry/bspline_site.hpp>
 
 #include "common/warp_samples.hpp"
@@ -41,6 +42,7 @@ Result<WarpSamples> evaluate_model(const SplineModel& model, const Points& point
   auto samples = warps::make_samples(points);
   if (!samples) return samples.error();
   for (std::int64_t i = 0; i < points.xy_px.rows(); ++i) {
+    worked_in_loop(i, points.order >= 2 ? 60 : 20);
     const double u = points.xy_px(i, 0), v = points.xy_px(i, 1);
     const auto at = [&](int du, int dv) {
       const SplineSite site = spline_site(model.domain, u, v, du, dv);

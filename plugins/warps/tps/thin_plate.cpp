@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <utility>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::tps {
 namespace {
@@ -24,6 +25,7 @@ using Vector = Eigen::VectorXd;
 Eigen::MatrixXd kernels(const PointColumns& a, const PointColumns& b) {
   Eigen::MatrixXd values(a.rows(), b.rows());
   for (Eigen::Index k = 0; k < b.rows(); ++k) {
+    worked(2 * a.rows());
     auto r2 = values.col(k).array();
     r2 = (a.col(0).array() - b(k, 0)).square() + (a.col(1).array() - b(k, 1)).square();
     r2 *= r2.max(kTiny).log();
@@ -37,6 +39,7 @@ Eigen::MatrixXd quick_kernels(const PointColumns& a, const PointColumns& b) {
   Eigen::MatrixXd values(a.rows(), b.rows());
   Eigen::ArrayXf log(a.rows());
   for (Eigen::Index k = 0; k < b.rows(); ++k) {
+    worked(a.rows());
     auto r2 = values.col(k).array();
     r2 = (a.col(0).array() - b(k, 0)).square() + (a.col(1).array() - b(k, 1)).square();
     log = r2.cast<float>();
@@ -222,9 +225,7 @@ std::optional<Fitted> fit_at_matches(const Samples& samples, double lambda, bool
 
 void GridFit::set_grid(const warps::Box& box, int columns, int rows) {
   if (box == box_ && columns == columns_ && rows == rows_) return;
-  box_ = box;
-  columns_ = columns;
-  rows_ = rows;
+  columns_ = 0;  // until all is made
   const double width = box.u1 - box.u0, height = box.v1 - box.v0;
   plate_.centre_px << 0.5 * (box.u0 + box.u1), 0.5 * (box.v0 + box.v1);
   plate_.scale_px = std::sqrt((width * width + height * height) / 12.0);
@@ -237,6 +238,9 @@ void GridFit::set_grid(const warps::Box& box, int columns, int rows) {
     }
   }
   cardinal_ = cardinal_splines(plate_.centres);
+  box_ = box;
+  columns_ = columns;
+  rows_ = rows;
 }
 
 std::optional<Fitted> GridFit::fit(const Samples& samples, double lambda, bool leave_one_out) {

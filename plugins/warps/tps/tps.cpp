@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 #include <weft/core/statistics.hpp>
+#include <weft/core/stop_check.hpp>
 #include <weft/sdk/warp_model.hpp>
 
 #include "thin_plate.hpp"
@@ -207,6 +208,7 @@ weft::Result<weft::WarpSamples> Tps::evaluate(const weft::EvaluateInput& in) {
   if (!samples) return samples.error();
   for (std::int64_t i = 0; i < in.points.xy_px.rows(); ++i) {
     const Eigen::RowVector2d point = in.points.xy_px.matrix<2>().row(i);
+    weft::worked(2 * centres->rows());
     weft::warps::WarpAt at = spline.at(point, in.points.order);
     at.inside = box.contains(point.x(), point.y());
     weft::warps::set_sample(*samples, i, at);

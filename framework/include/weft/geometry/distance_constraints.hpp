@@ -9,6 +9,7 @@
 #include <vector>
 #include <weft/core/result.hpp>
 #include <weft/core/statistics.hpp>
+#include <weft/core/stop_check.hpp>
 #include <weft/geometry/types.hpp>
 
 namespace weft {
@@ -28,18 +29,20 @@ inline Result<std::vector<DistanceConstraint>> distance_constraints(
   constraints.reserve(static_cast<std::size_t>(pairs.rows()));
   for (Eigen::Index e = 0; e < pairs.rows(); ++e) {
     const std::int32_t i = pairs(e, 0), j = pairs(e, 1);
-    const std::string name =
-        "the pair of vertices " + std::to_string(i) + " and " + std::to_string(j);
+    const auto name = [i, j] {
+      return "the pair of vertices " + std::to_string(i) + " and " + std::to_string(j);
+    };
+    worked_in_loop(e);
     if (i < 0 || j < 0 || i >= rest_vertices_m.rows() || j >= rest_vertices_m.rows()) {
       return Error{Errc::invalid_data,
-                   name + " is outside the mesh of " + std::to_string(rest_vertices_m.rows()) +
+                   name() + " is outside the mesh of " + std::to_string(rest_vertices_m.rows()) +
                        " vertices: correct the index",
                    {}};
     }
     const double length = (rest_vertices_m.row(i) - rest_vertices_m.row(j)).norm();
     if (!(length > 0.0) || !std::isfinite(length)) {
       return Error{Errc::invalid_data,
-                   name + " has no length at rest: move the vertices apart or merge them",
+                   name() + " has no length at rest: move the vertices apart or merge them",
                    {}};
     }
     constraints.push_back({i, j, length});
@@ -60,6 +63,7 @@ inline std::vector<double> strains(std::span<const DistanceConstraint> constrain
   std::vector<double> values;
   values.reserve(constraints.size());
   for (const DistanceConstraint& c : constraints) {
+    worked_in_loop(static_cast<std::int64_t>(values.size()));
     const double length = (vertices_m.row(c.i) - vertices_m.row(c.j)).norm();
     values.push_back(std::abs(length / c.rest_length_m - 1.0));
   }

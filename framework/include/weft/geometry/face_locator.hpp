@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 #include <weft/core/result.hpp>
+#include <weft/core/stop_check.hpp>
 #include <weft/geometry/barycentric.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/mesh_validation.hpp>
@@ -96,6 +97,7 @@ class FaceLocator {
     rows_ = static_cast<int>(extent.y() / cell_px_) + 1;
     cells_.resize(cell_index(0, rows_));
     for (std::int32_t f = 0; f < faces_.rows(); ++f) {
+      worked_in_loop(f, 20);
       if (weights_in(f, corner(f, 0)).allFinite()) insert(f);
     }
   }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 #include <weft/core/result.hpp>
+#include <weft/core/stop_check.hpp>
 #include <weft/data/known_points.hpp>
 #include <weft/data/template.hpp>
 #include <weft/geometry/barycentric.hpp>
@@ -50,6 +51,7 @@ inline std::int32_t face_around(const Eigen::Vector2d& point_px, const Points2Vi
   std::int32_t found = -1;
   double largest = kLeastWeight;
   for (std::int32_t f = 0; f < faces.rows(); ++f) {
+    worked_in_loop(f, 3);
     const Eigen::Vector3d in_face = barycentric_weights(
         point_px, flat_px.row(faces(f, 0)), flat_px.row(faces(f, 1)), flat_px.row(faces(f, 2)));
     if (!(in_face.minCoeff() > largest)) continue;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <vector>
+#include <weft/core/stop_check.hpp>
 #include <weft/data/correspondences.hpp>
 #include <weft/data/template.hpp>
 #include <weft/geometry/camera_model.hpp>
@@ -49,7 +50,10 @@ inline std::vector<std::int8_t> label_matches(const Correspondences& matches, co
     return distance_px < tolerance_px ? kCorrectMatch : kMismatch;
   };
   std::vector<std::int8_t> labels;
-  for (std::int64_t n = 0; n < matches.count(); ++n) labels.push_back(label(n));
+  for (std::int64_t n = 0; n < matches.count(); ++n) {
+    worked(100);
+    labels.push_back(label(n));
+  }
   return labels;
 }
 

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 #include <vector>
+#include <weft/core/stop_check.hpp>
 #include <weft/geometry/types.hpp>
 
 namespace weft {
@@ -27,18 +28,24 @@ struct IndexLists {
 
 namespace detail {
 
-/// Lists from (list, item) pairs.
-inline IndexLists gather(std::vector<std::pair<std::int32_t, std::int32_t>> pairs,
+/// Lists from (list, item) pairs, in linear time but for the lists themselves.
+inline IndexLists gather(const std::vector<std::pair<std::int32_t, std::int32_t>>& pairs,
                          Eigen::Index count) {
-  std::sort(pairs.begin(), pairs.end());
   IndexLists lists;
   lists.offsets.assign(static_cast<std::size_t>(count) + 1, 0);
-  lists.items.reserve(pairs.size());
-  for (const auto& [list, item] : pairs) {
-    ++lists.offsets[static_cast<std::size_t>(list) + 1];
-    lists.items.push_back(item);
-  }
+  for (const auto& pair : pairs) ++lists.offsets[static_cast<std::size_t>(pair.first) + 1];
   for (std::size_t i = 1; i < lists.offsets.size(); ++i) lists.offsets[i] += lists.offsets[i - 1];
+  std::vector<std::int32_t> next(lists.offsets.begin(), lists.offsets.end() - 1);
+  lists.items.resize(pairs.size());
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    worked_in_loop(static_cast<std::int64_t>(p));
+    const auto list = static_cast<std::size_t>(pairs[p].first);
+    lists.items[static_cast<std::size_t>(next[list]++)] = pairs[p].second;
+  }
+  for (std::size_t i = 0; i < next.size(); ++i) {
+    worked_in_loop(static_cast<std::int64_t>(i), 5);
+    std::sort(lists.items.begin() + lists.offsets[i], lists.items.begin() + lists.offsets[i + 1]);
+  }
   return lists;
 }
 
@@ -49,9 +56,10 @@ inline IndexLists vertex_faces(const FacesView& faces, Eigen::Index vertex_count
   std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
   pairs.reserve(static_cast<std::size_t>(3 * faces.rows()));
   for (std::int32_t f = 0; f < faces.rows(); ++f) {
+    worked_in_loop(f);
     for (int k = 0; k < 3; ++k) pairs.emplace_back(faces(f, k), f);
   }
-  return detail::gather(std::move(pairs), vertex_count);
+  return detail::gather(pairs, vertex_count);
 }
 
 /// The vertices joined to each vertex by one of the (unique) edges.
@@ -59,10 +67,11 @@ inline IndexLists vertex_neighbours(const EdgesView& edges, Eigen::Index vertex_
   std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
   pairs.reserve(static_cast<std::size_t>(2 * edges.rows()));
   for (Eigen::Index e = 0; e < edges.rows(); ++e) {
+    worked_in_loop(e);
     pairs.emplace_back(edges(e, 0), edges(e, 1));
     pairs.emplace_back(edges(e, 1), edges(e, 0));
   }
-  return detail::gather(std::move(pairs), vertex_count);
+  return detail::gather(pairs, vertex_count);
 }
 
 }  // namespace weft

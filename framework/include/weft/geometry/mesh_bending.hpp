@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <vector>
+#include <weft/core/stop_check.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/types.hpp>
 
@@ -27,6 +28,7 @@ inline std::vector<BendingHinge> bending_hinges(const Points3View& rest_m, const
                                                 const MeshTopology& topology) {
   std::vector<BendingHinge> hinges;
   for (Eigen::Index e = 0; e < topology.edges.rows(); ++e) {
+    worked_in_loop(e, 10);
     if (topology.edge_faces(e, 1) < 0) continue;
     const std::int32_t a = topology.edges(e, 0), b = topology.edges(e, 1);
     const std::int32_t c = detail::opposite_vertex(faces, topology.edge_faces(e, 0), a, b);

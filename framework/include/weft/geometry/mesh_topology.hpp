@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 #include <weft/core/result.hpp>
+#include <weft/core/stop_check.hpp>
 #include <weft/geometry/types.hpp>
 
 namespace weft {
@@ -50,6 +51,7 @@ inline Edges to_edges(const std::vector<std::array<std::int32_t, 2>>& pairs) {
 /// Checks that every face has three different vertices within [0, vertex_count).
 inline Result<void> check_face_indices(const FacesView& faces, Eigen::Index vertex_count) {
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    worked_in_loop(f);
     for (int k = 0; k < 3; ++k) {
       const std::int32_t v = faces(f, k);
       if (v < 0 || v >= vertex_count) {
@@ -73,6 +75,7 @@ inline Result<void> collect_edges(const FacesView& faces, MeshTopology& topology
   std::vector<std::array<std::int32_t, 2>> edges, edge_faces;
   std::unordered_map<std::uint64_t, std::size_t> edge_of;
   for (std::int32_t f = 0; f < faces.rows(); ++f) {
+    worked_in_loop(f, 60);
     for (int k = 0; k < 3; ++k) {
       const auto [a, b] = std::minmax({faces(f, k), faces(f, (k + 1) % 3)});
       const auto key = static_cast<std::uint64_t>(a) << 32U | static_cast<std::uint64_t>(b);
@@ -105,6 +108,7 @@ inline Result<MeshTopology> build_topology(const FacesView& faces, Eigen::Index 
   if (auto done = detail::collect_edges(faces, topology); !done) return done.error();
   std::vector<std::array<std::int32_t, 2>> pairs;
   for (std::int32_t e = 0; e < topology.edges.rows(); ++e) {
+    worked_in_loop(e, 3);
     const std::int32_t first = topology.edge_faces(e, 0), second = topology.edge_faces(e, 1);
     if (second < 0) {
       topology.boundary_edges.push_back(e);
@@ -127,6 +131,7 @@ template <class Derived>
 double mean_edge_length(const Eigen::MatrixBase<Derived>& vertices, const EdgesView& edges) {
   double sum = 0.0;
   for (Eigen::Index e = 0; e < edges.rows(); ++e) {
+    worked_in_loop(e);
     sum += (vertices.row(edges(e, 0)) - vertices.row(edges(e, 1))).norm();
   }
   return sum / static_cast<double>(edges.rows());

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 #include <weft/core/result.hpp>
+#include <weft/core/stop_check.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/types.hpp>
 
@@ -76,6 +77,7 @@ inline Result<void> validate_mesh(const Points3View& vertices, const FacesView& 
   if (auto checked = detail::check_finite(vertices); !checked) return checked;
   const double least = smallest_area(vertices);
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    worked_in_loop(f, 2);
     if (!(face_area(vertices, faces, f) > least)) return detail::zero_area(f);
   }
   return {};
@@ -89,6 +91,7 @@ inline Result<void> validate_flat_mesh(const Points2View& flat_px, const FacesVi
   if (flat_px.rows() == 0) return {};
   const double least = smallest_area(flat_px);
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    worked_in_loop(f, 2);
     const double area = signed_area_px2(flat_px, faces, f);
     if (!(std::abs(area) > least)) return detail::zero_area(f);
     if (area > 0.0) {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 #include <vector>
+#include <weft/core/stop_check.hpp>
 #include <weft/geometry/types.hpp>
 
 namespace weft {
@@ -76,6 +77,7 @@ class MovingLeastSquares {
   /// The nearest places within reach, the nearest first.
   std::vector<Neighbour> neighbours(const Eigen::Vector2d& xy_m, Eigen::Index without) const {
     std::vector<Neighbour> near;
+    worked(xy_m_.rows());
     for (Eigen::Index i = 0; i < xy_m_.rows(); ++i) {
       const double distance_m = (xy_m_.row(i).transpose() - xy_m).norm();
       if (i != without && distance_m < reach_m_) near.push_back({i, distance_m});

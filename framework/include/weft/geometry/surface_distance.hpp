@@ -10,6 +10,7 @@
 #include <span>
 #include <utility>
 #include <vector>
+#include <weft/core/stop_check.hpp>
 #include <weft/geometry/mesh_adjacency.hpp>
 #include <weft/geometry/types.hpp>
 
@@ -50,6 +51,7 @@ inline std::vector<double> path_lengths_m(const Points3View& vertices_m,
   };
   for (const PathStart& start : starts) offer(start.vertex, start.length_m);
   while (!open.empty()) {
+    worked(20);
     const auto [length, v] = open.top();
     open.pop();
     if (length > lengths[static_cast<std::size_t>(v)]) continue;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <string>
 #include <weft/core/rng.hpp>
+#include <weft/core/stop_check.hpp>
 
 namespace weft {
 
@@ -21,8 +22,17 @@ class Call {
   Rng rng() const { return Rng(raw_->seed); }
   /// How many threads the component may use.
   int threads() const { return raw_->threads; }
-  /// Ask at least every 5 ms, then return an Error with Errc::cancelled.
+  /// Ask at least every 5 ms, then return an Error with Errc::cancelled. Loops may call
+  /// weft::worked() instead, which asks for them.
   bool cancelled() const { return raw_->host->cancelled(raw_) != 0; }
+  /// Lets weft::worked() ask the host, for as long as the answer lives.
+  StopCheck stop_check() const {
+    return {[](const void* whom) {
+              const auto* asked = static_cast<const weft_call*>(whom);
+              return asked->host->cancelled(asked) != 0;
+            },
+            raw_};
+  }
   void log_info(const std::string& text) const { raw_->host->log(raw_, 1, text.c_str()); }
   void log_warning(const std::string& text) const { raw_->host->log(raw_, 2, text.c_str()); }
 

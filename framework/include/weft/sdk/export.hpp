@@ -22,6 +22,8 @@ template <class Body>
 std::int32_t guarded(weft_error* error, Body&& body) noexcept {
   try {
     return body();
+  } catch (const Stopped&) {
+    return report({Errc::cancelled, "cancelled", {}}, error);
   } catch (const std::exception& thrown) {
     if (is_about_memory(thrown)) return report({Errc::no_memory, "out of memory", {}}, error);
     return report({Errc::plugin_failure, std::string("threw: ") + thrown.what(), {}}, error);
@@ -64,6 +66,7 @@ struct Functions {
                               std::uint64_t count, weft_error* error) {
     return guarded(error, [&]() -> std::int32_t {
       if constexpr (requires(T & t, const PrepareInput& in) { t.prepare(in); }) {
+        const StopCheck check = Call(*call).stop_check();
         ProcessCall process(*call, inputs, count, error);
         return process.run_with<PrepareInput>(
             [&](const PrepareInput& in) { return static_cast<T*>(self)->prepare(in); },
@@ -75,6 +78,7 @@ struct Functions {
   static std::int32_t process(void* self, const weft_call* call, const weft_record* inputs,
                               std::uint64_t count, weft_error* error) {
     return guarded(error, [&]() -> std::int32_t {
+      const StopCheck check = Call(*call).stop_check();
       ProcessCall process(*call, inputs, count, error);
       return static_cast<T*>(self)->process(process);
     });

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <initializer_list>
 #include <memory>
 #include <optional>
@@ -74,6 +75,9 @@ class PluginUnderTest {
 
   /// Set from any thread to make the component stop.
   std::atomic<bool>& cancel() { return lane_.cancel(); }
+
+  /// Asked as often as the component asks whether to stop; see host::Lane.
+  void watch(std::function<bool()> cancelled) { lane_.watch(std::move(cancelled)); }
 
   /// Lets go of all answers so far, for tests of many frames.
   void forget();

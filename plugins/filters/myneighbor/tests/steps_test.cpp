@@ -71,6 +71,22 @@ TEST(MeanPairDistance, IsTheMeanOverUnorderedPairs) {
   EXPECT_EQ(mean_pair_distance(square.topRows(1)), 0.0);
 }
 
+TEST(MeanPairDistance, IsCloseToThatMeanForManyPoints) {
+  Points2 grid(90 * 60, 2);  // bent, so that the cells hold unlike numbers of points
+  for (Eigen::Index i = 0; i < grid.rows(); ++i) {
+    const double u = static_cast<double>(i % 90) / 89, v = static_cast<double>(i / 90) / 59;
+    grid.row(i) << 500.0 * u * u, 300.0 * v + 40.0 * u;
+  }
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < grid.rows(); ++i) {
+    sum += (grid.rowwise() - grid.row(i)).rowwise().norm().sum();
+  }
+  const auto n = static_cast<double>(grid.rows());
+  const double exact = sum / (n * (n - 1.0));
+  EXPECT_NEAR(mean_pair_distance(grid), exact, 2e-4 * exact);
+  EXPECT_EQ(mean_pair_distance(Points2::Constant(5000, 2, 7.0)), 0.0);
+}
+
 TEST(FoldedShare, CountsFacesAgainstTheMajority) {
   Points2 vertices(5, 2);
   vertices << 0, 0, 1, 0, 1, 1, 0, 1, 0.5, 0.5;

@@ -30,7 +30,7 @@ struct Held {
 
   std::vector<Eigen::Matrix3d> blocks() const {
     ShapeCovariance covariance;
-    covariance.build(mesh);
+    if (!covariance.build(mesh)) throw std::runtime_error("the mesh is too large");
     std::vector<double> values(static_cast<std::size_t>(9 * mesh.vertex_count()));
     EXPECT_TRUE(covariance.compute(system, camera, scene.truth_m, kNoise, values.data()));
     std::vector<Eigen::Matrix3d> result;
@@ -159,13 +159,25 @@ TEST(ShapeCovariance, IsSmallAtKnownPoints) {
 TEST(ShapeCovariance, DoesNotDependOnWhatWasComputedBefore) {
   const Held held(partly_seen()), other(Scene::bent(0.12));
   ShapeCovariance used, fresh;
-  used.build(held.mesh);
-  fresh.build(held.mesh);
+  ASSERT_TRUE(used.build(held.mesh));
+  ASSERT_TRUE(fresh.build(held.mesh));
   std::vector<double> first(540), second(540);
   ASSERT_TRUE(used.compute(other.system, other.camera, other.scene.truth_m, kNoise, first.data()));
   ASSERT_TRUE(used.compute(held.system, held.camera, held.scene.truth_m, kNoise, first.data()));
   ASSERT_TRUE(fresh.compute(held.system, held.camera, held.scene.truth_m, kNoise, second.data()));
   EXPECT_EQ(first, second);
+}
+
+TEST(ShapeCovariance, SaysWhatAMeshNeedsThatIsTooFineForIt) {
+  MeshModel mesh;
+  ASSERT_TRUE(mesh.build(testing::make_template({.columns = 220, .rows = 220}), 0.0));
+  const auto refused = ShapeCovariance().build(mesh);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::unsupported);
+  EXPECT_NE(refused.error().message.find("the covariance of 48400 vertices needs"),
+            std::string::npos)
+      << refused.error().message;
+  EXPECT_NE(refused.error().message.find("set covariance: false"), std::string::npos);
 }
 
 }  // namespace
