@@ -90,6 +90,18 @@ TEST_F(TemplateCommand, SaysWhereAMeshIsBroken) {
   EXPECT_EQ(weft({"show", path("none.yaml")}).exit_code, 2);
 }
 
+TEST_F(TemplateCommand, RefusesMoreVerticesThanStagesBear) {
+  const auto show = [&](const std::string& columns) {
+    return weft({"show", "--use", "templates/rectangular", "--set", "columns=" + columns, "--set",
+                 "rows=2000", "--set", "width_m=0.3", "--set",
+                 "texture=" + kData + "sheet_texture.png"});
+  };
+  const Ended refused = show("126");
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("the template has 252000 vertices, the stages bear at most "
+                                     "250000: lower its columns and rows"));
+}
+
 /// Frames of sources/frex_object, small.
 class ObjectFilm : public ::testing::Test {
  protected:

@@ -85,6 +85,11 @@ class FitCheck {
 Result<void> check_template(const Record& templ) {
   const auto sheet = view_as<Template>(templ);
   if (!sheet) return sheet.error();
+  if (const std::int64_t count = sheet->vertices_m.rows(); count > kMostTemplateVertices) {
+    return broken("the template has " + std::to_string(count) +
+                  " vertices, the stages bear at most " + std::to_string(kMostTemplateVertices) +
+                  ": lower its columns and rows, widen its spacing or give a coarser mesh file");
+  }
   for (int axis = 0; axis < 2; ++axis) {
     if (sheet->texture.dim(axis) != sheet->mask.dim(axis) || sheet->texture.dim(axis) < 1) {
       return broken("the template's texture and mask must have the same, non-zero size");

@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <weft/host/record.hpp>
 
 namespace weft {
 
-/// Whether a template can be used: indices in range, no folded or degenerate faces, sizes agree.
+/// The largest template that the stages bear, in vertices: a sheet of 500 x 500. See
+/// docs/templates.md for what was measured.
+inline constexpr std::int64_t kMostTemplateVertices = 250'000;
+
+/// Whether a template can be used: not too many vertices, indices in range, no folded or degenerate
+/// faces, sizes agree.
 Result<void> check_template(const host::Record& templ);
 
 /// Whether the camera is finite and has positive focal lengths and sizes.
