@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <fstream>
 #include <thread>
 #include <weft/geometry/rectangular_grid.hpp>
 #include <weft/sdk/source.hpp>
@@ -25,7 +26,14 @@ class FrameSource final : public weft::Source {
     p.read("truth", truth_, "give ground truth");
     read_frames(p, "wrong_size_at", wrong_size_, "frames larger than the camera says");
     p.input_path("path", path_, "not used, but must exist");
-    p.text("note", note_, "not used");
+    p.text("note", note_, "add a line to 'path': a line in it for each check; else not used");
+  }
+
+  void check(weft::Mistakes& mistakes) const {
+    script_.check(mistakes);
+    if (note_ == "odd") mistakes.add("note", "'note' is odd");
+    if (note_ == "nameless") mistakes.add("no such parameter", "everything is odd");
+    if (note_ == "add a line to 'path'") std::ofstream(path_, std::ios::app) << "checked\n";
   }
 
   weft::Result<weft::Camera> open(const weft::Call&) override {

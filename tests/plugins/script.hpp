@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
+#include <weft/core/mistakes.hpp>
 #include <weft/core/params.hpp>
 #include <weft/sdk/call.hpp>
 
@@ -38,6 +39,12 @@ class Script {
     read_frames(p, "lost_at", lost_, "frames whose file is gone");
     p.read("refuse", refuse_, "fail in prepare");
     p.read("absent", absent_, "fail in prepare for a file that is gone");
+    p.text("doubt", doubt_, "what check() says of this parameter, where there is one");
+  }
+
+  void check(weft::Mistakes& mistakes) const {
+    if (doubt_ == "throw") throw std::runtime_error("scripted exception");
+    if (!doubt_.empty()) mistakes.add("doubt", doubt_);
   }
 
   weft::Result<void> prepare() const {
@@ -79,6 +86,7 @@ class Script {
  private:
   Frames no_result_, degenerate_, error_, throw_, nan_, wrong_length_, no_memory_, lost_;
   bool refuse_ = false, absent_ = false;
+  std::string doubt_;
 };
 
 /// The scene: texel (u, v) is seen at `kScale` * (u, v) + `kShift_px`, by a sheet that faces the

@@ -141,6 +141,8 @@ class PlaneSolver final : public weft::Solver {
     read_frames(p, "bad_state_at", bad_state_, "frames whose shape claims to be predicted");
   }
 
+  void check(weft::Mistakes& mistakes) const { script_.check(mistakes); }
+
   weft::Result<void> prepare(const weft::PrepareInput&) override { return script_.prepare(); }
 
   weft::Result<weft::Shape> solve(const weft::SolverInput& in) override {

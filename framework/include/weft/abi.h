@@ -177,6 +177,19 @@ typedef struct weft_devices {
                   weft_error* error);
 } weft_devices;
 
+/* Extension of components whose parameters can be wrong in a way that their declarations do not
+ * tell: files, patterns, parameters that exclude one another. Called after create (which was given
+ * no nested components) and before prepare; it may read headers and small files, but must neither
+ * block nor compute. Each mistake names the parameter that it is about. */
+#define WEFT_CHECK "weft.draft.check/1"
+typedef struct weft_check {
+  uint32_t struct_size;
+  uint32_t reserved;
+  int32_t (*check)(void* self, void* context,
+                   void (*mistake)(void* context, const char* parameter, const char* message),
+                   weft_error* error);
+} weft_check;
+
 typedef struct weft_component {
   uint32_t struct_size;
   uint32_t flags; /* WEFT_FLAG_* */

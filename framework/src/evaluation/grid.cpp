@@ -15,6 +15,7 @@ class GridBuilder {
   GridBuilder(Plan plan, const host::Registry& registry, std::vector<std::string> settings) {
     grid_.plan_ = std::move(plan);
     grid_.registry_ = &registry;
+    grid_.checks_ = std::make_shared<host::ComponentChecks>();
     grid_.settings_ = std::move(settings);
     grid_.base_ = read_base(grid_.plan_.pipeline, grid_.paths());
     report_.sources.push_back(grid_.plan_.source);
@@ -34,6 +35,7 @@ class GridBuilder {
     report_mistakes();
     check_metrics();
     report_.sort();
+    grid_.checks_.reset();  // a cell that is loaded later may find other files
     return {std::move(grid_), std::move(report_)};
   }
 
@@ -166,7 +168,7 @@ Document Grid::document(const Cell& cell) const {
 }
 
 std::pair<CheckedPipeline, ConfigReport> Grid::load(const Cell& cell, Document document) const {
-  auto loaded = check_pipeline(plan_.pipeline, std::move(document), *registry_, {});
+  auto loaded = check_pipeline(plan_.pipeline, std::move(document), *registry_, {}, checks_.get());
   if (!plan_.seeds.empty()) loaded.first.config.seed = cell.seed;
   return loaded;
 }

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <set>
 #include <weft/core/whole_file.hpp>
 #include <weft/data/npz_members.hpp>
 #include <weft/host/npz.hpp>
@@ -22,9 +23,26 @@ Error zip_failure(const std::string& file, const std::string& what) {
   return {Errc::io, what, file};
 }
 
+Result<Archive> open_archive(const std::string& file) {
+  namespace fs = std::filesystem;
+  std::error_code failure;
+  const fs::file_status status = fs::status(file, failure);
+  if (!fs::exists(status)) return Error{Errc::not_found, "there is no such file", file};
+  if (!fs::is_regular_file(status)) return zip_failure(file, "is no regular file");
+  int code = 0;
+  Archive archive(zip_open(file.c_str(), ZIP_RDONLY, &code));
+  if (!archive) return zip_failure(file, "cannot be read as an npz file");
+  if (zip_get_num_entries(archive.get(), 0) > kMostNpzMembers) {
+    return zip_failure(file, "has more than " + std::to_string(kMostNpzMembers) + " members");
+  }
+  return archive;
+}
+
 /// The whole member at `index`. It is read to its end, where its checksum is compared, and in
-/// pieces, because the size that a damaged file states may be anything.
-Result<NpzMember> read_member(zip_t* archive, zip_uint64_t index, const std::string& file) {
+/// pieces, because the size that a damaged file states may be anything. `room` is what may still be
+/// read of this archive.
+Result<NpzMember> read_member(zip_t* archive, zip_uint64_t index, const std::string& file,
+                              std::uint64_t& room) {
   const char* name = zip_get_name(archive, index, 0);
   const std::string path = name != nullptr ? name : "";
   const Error damaged = zip_failure(file, "is damaged at the member '" + path + "'");
@@ -36,6 +54,10 @@ Result<NpzMember> read_member(zip_t* archive, zip_uint64_t index, const std::str
   std::array<char, 1U << 16U> piece;
   zip_int64_t got = 0;
   while ((got = zip_fread(stream.get(), piece.data(), piece.size())) > 0) {
+    if (static_cast<std::uint64_t>(got) > room) {
+      return zip_failure(file, "holds far more than its size: '" + path + "' is not read");
+    }
+    room -= static_cast<std::uint64_t>(got);
     member->bytes.append(piece.data(), static_cast<std::size_t>(got));
   }
   if (got < 0) return damaged;
@@ -46,6 +68,7 @@ Result<NpzMember> read_member(zip_t* archive, zip_uint64_t index, const std::str
 struct Assembly {
   std::vector<std::pair<std::string, std::shared_ptr<Record>>> records{};
   std::map<std::string, std::shared_ptr<Record>> by_slot{};
+  std::set<std::string> arrays{};
 
   Result<void> add(const NpzMember& member, const std::string& file) {
     const std::string name = member.slot + "/" + member.array;
@@ -66,6 +89,9 @@ struct Assembly {
       return zip_failure(file, "lacks the type of '" + member.slot + "'; was it written by Weft?");
     }
     const auto axes = static_cast<std::int32_t>(header->shape.size());
+    if (!arrays.insert(name).second) {
+      return zip_failure(file, "has the member '" + name + "' twice");
+    }
     void* target = found->second->allocate(member.array, header->dtype, axes, header->shape.data());
     if (target == nullptr) return zip_failure(file, name + " has an illegal name or size");
     std::memcpy(target, data, size);
@@ -112,13 +138,15 @@ Result<void> write_npz(const std::string& file, const NamedRecords& records) {
 }
 
 Result<NamedRecords> read_npz(const std::string& file, NpzCheck check) {
-  int code = 0;
-  const Archive archive(zip_open(file.c_str(), ZIP_RDONLY, &code));
-  if (!archive) return zip_failure(file, "cannot be read as an npz file");
+  const auto opened = open_archive(file);
+  if (!opened) return opened.error();
+  const Archive& archive = *opened;
+  std::error_code failure;
+  std::uint64_t room = most_npz_bytes(std::filesystem::file_size(file, failure));
   Assembly assembly;
   const zip_int64_t count = zip_get_num_entries(archive.get(), 0);
   for (zip_int64_t i = 0; i < count; ++i) {
-    const auto member = read_member(archive.get(), static_cast<zip_uint64_t>(i), file);
+    const auto member = read_member(archive.get(), static_cast<zip_uint64_t>(i), file, room);
     if (!member) return member.error();
     if (auto added = assembly.add(*member, file); !added) return added.error();
   }

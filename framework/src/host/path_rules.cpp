@@ -37,6 +37,11 @@ Result<std::string> expand_variables(const std::string& text, const PathRules& p
           "the variable " + name + " is not set; set it, or write ${" + name + ":-default}",
           {}};
     }
+    if (value->empty() && dash == std::string::npos) {
+      return Error{Errc::not_found,
+                   "the variable " + name + " is empty; set it, or write ${" + name + ":-default}",
+                   {}};
+    }
     result += text.substr(at, start - at) + *value;
     at = end + 1;
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <weft/data/ground_truth.hpp>
+#include <weft/geometry/camera_check.hpp>
 #include <weft/geometry/mesh_validation.hpp>
 #include <weft/pipeline/checks.hpp>
 
@@ -106,10 +107,10 @@ Result<void> check_template(const Record& templ) {
 Result<void> check_camera(const Record& camera) {
   const auto pinhole = view_as<Camera>(camera);
   if (!pinhole) return pinhole.error();
-  if (pinhole->fx > 0 && pinhole->fy > 0 && pinhole->width_px > 0 && pinhole->height_px > 0) {
-    return {};
+  if (const auto mistake = camera_mistake(*pinhole)) {
+    return broken("the camera cannot be right: " + mistake->message);
   }
-  return broken("a camera needs fx, fy, width and height above 0");
+  return {};
 }
 
 Result<void> check_fits(const Record& record, const Record& templ, const Record& camera) {

@@ -16,10 +16,9 @@ Error missing(const fs::path& path, const std::string& message) {
 
 bool has_files(const fs::path& folder, const std::string& extension) {
   std::error_code code;
-  return std::any_of(fs::directory_iterator(folder, code), fs::directory_iterator(),
-                     [&](const fs::directory_entry& entry) {
-                       return entry.is_regular_file(code) && entry.path().extension() == extension;
-                     });
+  return std::any_of(
+      fs::directory_iterator(folder, code), fs::directory_iterator(),
+      [&](const fs::directory_entry& entry) { return entry.path().extension() == extension; });
 }
 
 /// "FOLDER/*.png", of the first of these extensions that a file in the folder has; or empty.

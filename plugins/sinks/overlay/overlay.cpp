@@ -34,6 +34,8 @@ class Overlay final : public Sink {
     p.read("line_width_px", line_width_px_, "px", {1, 20}, "width of the mesh's lines");
   }
 
+  void check(Mistakes& mistakes) const { mistakes.expect("path", VideoFile::check_format(path_)); }
+
   Result<void> prepare(const PrepareInput& in) override {
     auto topology = build_topology(in.templ.faces.matrix<3>(), in.templ.vertices_m.rows());
     if (!topology) return topology.error();

@@ -52,15 +52,19 @@ Result<void> VideoFile::open(const std::string& path, double fps, cv::Size size)
   return open_part();
 }
 
+Result<void> VideoFile::check_format(const std::string& path) {
+  const std::string extension = fs::path(path).extension().string();
+  if (extension == ".avi" || extension == ".mkv") return {};
+  return Error{Errc::unsupported,
+               "the video " + path + " must end in .avi or .mkv, which stay readable when a " +
+                   "run is killed: change 'path', and convert the file afterwards",
+               {}};
+}
+
 Result<void> VideoFile::open_part() {
+  if (auto legal = check_format(path_); !legal) return legal;
   fs::path path(path_);
   const std::string extension = path.extension().string();
-  if (extension != ".avi" && extension != ".mkv") {
-    return Error{Errc::unsupported,
-                 "the video " + path_ + " must end in .avi or .mkv, which stay readable when a " +
-                     "run is killed: change 'path', and convert the file afterwards",
-                 {}};
-  }
   std::error_code status;
   while (part_ > 1) {
     path.replace_filename(fs::path(path_).stem().string() + "_" + std::to_string(part_) +

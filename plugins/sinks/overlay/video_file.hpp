@@ -20,6 +20,8 @@ class VideoFile {
   explicit VideoFile(std::uint64_t most_bytes_of_avi = kMostBytesOfAvi)
       : most_bytes_of_avi_(most_bytes_of_avi) {}
 
+  /// Fails on a path whose extension names another format.
+  static Result<void> check_format(const std::string& path);
   /// Makes the folder if need be. Fails on another extension and when the file cannot be written.
   Result<void> open(const std::string& path, double fps, cv::Size size);
   bool is_open() const { return avi_.is_open() || writer_.isOpened(); }

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/calibrated_camera.hpp"
 
+#include <opencv2/imgcodecs.hpp>
+#include <weft/core/image_file.hpp>
+
+#include "common/picture_file.hpp"
+
 namespace weft::sources {
 namespace {
 
@@ -17,6 +22,15 @@ Result<CalibratedCamera> CalibratedCamera::read(const std::string& path) {
   camera.path_ = path;
   camera.camera_ = file->camera;
   camera.undistorter_ = Undistorter(*file);
+  return camera;
+}
+
+Result<CalibratedCamera> CalibratedCamera::read_sizes(const std::string& path) {
+  const auto file = read_camera_file(path);
+  if (!file) return file.error();
+  CalibratedCamera camera;
+  camera.path_ = path;
+  camera.camera_ = file->camera;
   return camera;
 }
 
@@ -52,6 +66,19 @@ Result<Array<float>> CalibratedCamera::undistorted_depth(const cv::Mat& stored,
   undistorter_.nearest(stored).convertTo(exact_m, CV_64F, unit_m);
   exact_m.convertTo(target, CV_32F);
   return depth_m;
+}
+
+Result<cv::Mat> read_image_of(const std::string& path, const CalibratedCamera& camera) {
+  const auto file = read_image_bytes(path);
+  if (!file) return file.error();
+  const ImageHeader& header = file->header;
+  if (header.width_px > 0) {
+    const cv::Size size(static_cast<int>(header.width_px), static_cast<int>(header.height_px));
+    if (auto fits = camera.check_size(size, path); !fits) return fits.error();
+  }
+  cv::Mat image = decode_image(file->bytes, cv::IMREAD_UNCHANGED);
+  if (image.empty()) return no_image(path);
+  return image;
 }
 
 }  // namespace weft::sources

@@ -18,6 +18,9 @@ class CalibratedCamera {
   /// Reads a camera file; see read_camera_file().
   static Result<CalibratedCamera> read(const std::string& path);
 
+  /// The same without the maps of undistortion: to check a file and the sizes of its images.
+  static Result<CalibratedCamera> read_sizes(const std::string& path);
+
   const Camera& pinhole() const { return camera_; }
 
   /// An error unless images of this size are the camera's; `name` is the image's in the message.
@@ -38,5 +41,9 @@ class CalibratedCamera {
   Camera camera_;
   Undistorter undistorter_;
 };
+
+/// An image of the camera as it is stored. Its header is read before its pixels are decoded, so
+/// that an image of another size costs nothing. Fails with a message that names the file.
+Result<cv::Mat> read_image_of(const std::string& path, const CalibratedCamera& camera);
 
 }  // namespace weft::sources

@@ -1,18 +1,89 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/camera_file.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
+#include <weft/core/suggest.hpp>
+#include <weft/geometry/camera_check.hpp>
 
 #include "common/yaml_file.hpp"
 
 namespace weft::sources {
 namespace {
 
+// Of what OpenCV's and ROS's calibration programs write, most is not read.
+const std::vector<std::string> kOwnKeys{"fx",     "fy",         "cx",      "cy",         "width",
+                                        "height", "distortion", "comment", "convention", "name"};
+const std::vector<std::string> kForeignKeys{"image_width",
+                                            "image_height",
+                                            "camera_matrix",
+                                            "distortion_coefficients",
+                                            "distortion_model",
+                                            "fisheye_model",
+                                            "camera_name",
+                                            "rectification_matrix",
+                                            "projection_matrix",
+                                            "binning_x",
+                                            "binning_y",
+                                            "roi",
+                                            "header",
+                                            "calibration_time",
+                                            "nframes",
+                                            "nr_of_frames",
+                                            "board_width",
+                                            "board_height",
+                                            "square_size",
+                                            "marker_size",
+                                            "aspectRatio",
+                                            "fix_aspect_ratio",
+                                            "flags",
+                                            "avg_reprojection_error",
+                                            "per_view_reprojection_errors",
+                                            "extrinsic_parameters",
+                                            "image_points",
+                                            "grid_points",
+                                            "comment"};
+
 constexpr double kLargestSize = 32767;  // the remapping of OpenCV counts pixels in 16 bits
+
+constexpr double kLeastShown = 0.1;
+constexpr int kProbes = 16;
+
+/// Where the lens puts a point of the ideal image.
+Eigen::Vector2d distorted(const CameraFile& file, const Eigen::Vector2d& p) {
+  const std::vector<double>& k = file.coefficients;
+  const double r2 = p.squaredNorm(), r = std::sqrt(r2);
+  if (file.model == Distortion::fisheye) {
+    const double theta = std::atan(r), t2 = theta * theta;
+    const double scale = 1.0 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3])));
+    return r > 0.0 ? Eigen::Vector2d(theta * scale / r * p) : p;
+  }
+  const double over = 1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
+  const double under = k.size() == 8 ? 1.0 + r2 * (k[5] + r2 * (k[6] + r2 * k[7])) : 1.0;
+  const double both = 2.0 * p.x() * p.y();
+  return over / under * p + Eigen::Vector2d(k[2] * both + k[3] * (r2 + 2.0 * p.x() * p.x()),
+                                            k[3] * both + k[2] * (r2 + 2.0 * p.y() * p.y()));
+}
+
+/// Share of the ideal image that the camera's image shows, by probes.
+double shown_share(const CameraFile& file) {
+  if (file.coefficients.empty()) return 1.0;
+  const Camera& camera = file.camera;
+  int shown = 0;
+  for (int i = 0; i < kProbes * kProbes; ++i) {
+    const double x_px = (i % kProbes + 0.5) / kProbes * static_cast<double>(camera.width_px) - 0.5;
+    const double y_px = (i / kProbes + 0.5) / kProbes * static_cast<double>(camera.height_px) - 0.5;
+    const Eigen::Vector2d seen =
+        distorted(file, {(x_px - camera.cx) / camera.fx, (y_px - camera.cy) / camera.fy});
+    shown += camera.shows(camera.fx * seen.x() + camera.cx, camera.fy * seen.y() + camera.cy);
+  }
+  return static_cast<double>(shown) / (kProbes * kProbes);
+}
 
 class Reader {
  public:
@@ -22,8 +93,16 @@ class Reader {
     if (!root_.IsMap()) {
       fail(root_, "must hold keys: fx, fy, cx, cy, width and height, or OpenCV's camera_matrix");
     }
-    check_duplicates();
-    CameraFile file = root_["camera_matrix"] ? read_matrices() : read_plain();
+    const bool foreign = root_["camera_matrix"].IsDefined();
+    check_keys(foreign ? kForeignKeys : kOwnKeys);
+    CameraFile file = foreign ? read_matrices() : read_plain();
+    check_ranges(file.camera, foreign);
+    if (shown_share(file) < kLeastShown) {
+      fail(
+          root_[foreign ? "distortion_coefficients" : "distortion"],
+          "the distortion leaves less than a tenth of the image: are the coefficients in the order "
+          "of the model, and of these fx, fy, cx and cy?");
+    }
     const bool ideal = std::all_of(file.coefficients.begin(), file.coefficients.end(),
                                    [](double k) { return k == 0.0; });
     if (ideal) file.model = Distortion::none;
@@ -36,13 +115,28 @@ class Reader {
   }
 
   /// yaml-cpp keeps both values of a key that is given twice and answers with the first.
-  void check_duplicates() const {
+  void check_keys(const std::vector<std::string>& known) const {
     std::set<std::string> keys;
     for (const auto& entry : root_) {
-      if (entry.first.IsScalar() && !keys.insert(entry.first.Scalar()).second) {
-        fail(entry.first, "'" + entry.first.Scalar() + "' is given twice: remove one");
-      }
+      const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
+      if (!keys.insert(key).second) fail(entry.first, "'" + key + "' is given twice: remove one");
+      if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+      const std::string meant = nearest(key, known);
+      fail(entry.first, "a camera file has no key '" + key + "'" +
+                            (meant.empty() ? "; notes belong under 'comment'"
+                                           : "; did you mean '" + meant + "'?"));
     }
+  }
+
+  void check_ranges(const Camera& camera, bool foreign) const {
+    const auto mistake = camera_mistake(camera);
+    if (!mistake) return;
+    if (!foreign) fail(root_[mistake->field], mistake->message);
+    static const std::map<std::string, int> kPlaces{{"fx", 0}, {"cx", 2}, {"fy", 4}, {"cy", 5}};
+    const auto place = kPlaces.find(mistake->field);
+    const YAML::Node data = root_["camera_matrix"]["data"];
+    fail(place == kPlaces.end() ? root_["image_" + mistake->field] : data[place->second],
+         mistake->message);
   }
 
   YAML::Node at(const YAML::Node& map, const std::string& key) const {
@@ -183,7 +277,7 @@ class Reader {
 }  // namespace
 
 Result<CameraFile> read_camera_file(const std::string& path) {
-  auto text = read_text_file(path, "camera");
+  auto text = read_yaml_text(path, "camera");
   if (!text) return text.error();
   // OpenCV's first line is no directive of YAML; a comment in its place keeps the line numbers.
   if (text->starts_with("%YAML:")) text->front() = '#';

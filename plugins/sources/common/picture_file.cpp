@@ -1,22 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/picture_file.hpp"
 
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
+#include <weft/core/image_file.hpp>
 #include <weft/core/stop_check.hpp>
 
 namespace weft::sources {
 namespace {
 
-cv::Mat decode(const std::vector<char>& bytes) {
-  try {
-    if (!bytes.empty()) return cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {  // reported by the caller: the file is at fault
-  }
-  return {};
+Error in(Error error, const std::string& parameter) {
+  error.message += ": correct '" + parameter + "' or its file";
+  return error;
 }
 
 /// The picture on white paper.
@@ -42,25 +37,34 @@ cv::Mat opaque(const cv::Mat& image) {
 
 }  // namespace
 
+cv::Mat decode_image(const std::string& bytes, int flags) {
+  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
+  try {
+    if (!bytes.empty()) return cv::imdecode(buffer, flags);
+  } catch (const cv::Exception&) {  // reported by the caller: the file is at fault
+  }
+  return {};
+}
+
 Result<cv::Mat> read_picture(const std::string& parameter, const std::string& path) {
-  std::error_code status;
-  if (!std::filesystem::is_regular_file(path, status)) {
-    return Error{
-        Errc::not_found, path + ": there is no such file: correct '" + parameter + "'", {}};
-  }
-  std::ifstream stream(path, std::ios::binary);
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) {
-    return Error{
-        Errc::not_found, path + ": cannot be read: correct '" + parameter + "' or its file", {}};
-  }
-  const cv::Mat image = decode(bytes);
-  if (image.empty() || image.depth() != CV_8U) {
+  const auto file = read_image_bytes(path);
+  if (!file) return in(file.error(), parameter);
+  const cv::Mat image = decode_image(file->bytes, cv::IMREAD_UNCHANGED);
+  if (image.empty()) return in(no_image(path), parameter);
+  if (image.depth() != CV_8U) {
     return Error{Errc::invalid_data,
                  path + ": is no image of 8 bits a channel: correct '" + parameter + "'",
                  {}};
   }
   return image.channels() == 2 || image.channels() == 4 ? opaque(image) : image;
+}
+
+Result<void> check_picture(const std::string& parameter, const std::string& path) {
+  const auto file = read_image_bytes(path);
+  if (!file) return in(file.error(), parameter);
+  if (file->header.complete && file->header.bits == 8) return {};
+  const auto picture = read_picture(parameter, path);
+  return picture ? Result<void>() : picture.error();
 }
 
 }  // namespace weft::sources

@@ -11,4 +11,10 @@ namespace weft::sources {
 /// a message that names the parameter and the file.
 Result<cv::Mat> read_picture(const std::string& parameter, const std::string& path);
 
+/// What read_picture() would refuse; a PNG or JPEG that is whole is not decoded for that.
+Result<void> check_picture(const std::string& parameter, const std::string& path);
+
+/// Empty for what cannot be decoded; never throws. `flags` are OpenCV's.
+cv::Mat decode_image(const std::string& bytes, int flags);
+
 }  // namespace weft::sources

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/yaml_file.hpp"
 
-#include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <weft/core/text_file.hpp>
 
 namespace weft::sources {
 namespace {
@@ -21,19 +19,24 @@ void fail_at(const std::string& path, const YAML::Node& node, const std::string&
   throw FileMistake(place + ": " + message);
 }
 
-Result<std::string> read_text_file(const std::string& path, const std::string& parameter) {
-  std::error_code status;
-  if (!std::filesystem::is_regular_file(path, status)) {
-    return Error{
-        Errc::not_found, path + ": there is no such file: correct '" + parameter + "'", {}};
-  }
-  if (std::filesystem::file_size(path, status) > kMostBytes) {
-    return Error{Errc::invalid_data, path + ": is too large for '" + parameter + "'", {}};
-  }
-  std::ifstream stream(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) return Error{Errc::io, path + ": cannot be read: check its permissions", {}};
-  return text;
+Result<std::string> read_yaml_text(const std::string& path, const std::string& parameter) {
+  auto text = weft::read_text_file(path, kMostBytes);
+  if (text) return text;
+  return Error{text.error().code,
+               path + ": cannot be read: " + text.error().message + ": correct '" + parameter +
+                   "' or its file",
+               {}};
+}
+
+Error syntax_error(const std::string& path, const YAML::Mark& mark) {
+  const std::string place =
+      mark.is_null() ? ""
+                     : ":" + std::to_string(mark.line + 1) + ":" + std::to_string(mark.column + 1);
+  return {Errc::syntax,
+          path + place +
+              ": cannot be understood from here on: look for a bracket or quote that is not "
+              "closed, a missing colon or comma, and wrong indentation",
+          {}};
 }
 
 }  // namespace weft::sources

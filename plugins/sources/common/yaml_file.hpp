@@ -19,8 +19,11 @@ struct FileMistake : std::runtime_error {
 [[noreturn]] void fail_at(const std::string& path, const YAML::Node& node,
                           const std::string& message);
 
-/// The text of a file of at most 1 MiB; `parameter` is what names it.
-Result<std::string> read_text_file(const std::string& path, const std::string& parameter);
+/// The text of a regular file of at most 1 MiB; `parameter` is what names it.
+Result<std::string> read_yaml_text(const std::string& path, const std::string& parameter);
+
+/// What to say where the library's parser gave up.
+Error syntax_error(const std::string& path, const YAML::Mark& mark);
 
 /// What `read` makes of the root of a YAML text; it reports mistakes with fail_at.
 template <class Read>
@@ -31,10 +34,7 @@ auto read_yaml(const std::string& path, const std::string& text, Read read)
   } catch (const FileMistake& mistake) {
     return Error{Errc::invalid_data, mistake.what(), {}};
   } catch (const YAML::Exception& mistake) {
-    return Error{Errc::syntax,
-                 path + ":" + std::to_string(mistake.mark.line + 1) + ":" +
-                     std::to_string(mistake.mark.column + 1) + ": " + mistake.msg,
-                 {}};
+    return syntax_error(path, mistake.mark);
   }
 }
 

@@ -55,6 +55,8 @@ class SheetSource : public Source {
       .reference = "Shetab-Bushehri et al., ROBUSfT (2023), section IV; XPBD: Macklin et al. 2016",
       .produces = "image time ground_truth"};
 
+  void check(Mistakes& mistakes) const { settings_.check(mistakes); }
+
   Result<Camera> open(const Call& call) override {
     if (auto legal = settings_.check(); !legal) return legal.error();
     Camera camera = settings_.camera;
@@ -196,6 +198,11 @@ class Frex final : public SheetSource {
   explicit Frex(Params& p) {
     rectangle_.read(p);
     read_settings(p);
+  }
+
+  void check(Mistakes& mistakes) const {
+    mistakes.expect("texture", sources::check_picture("texture", rectangle_.texture_path));
+    SheetSource::check(mistakes);
   }
 
  private:

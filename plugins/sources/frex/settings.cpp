@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "common/picture_file.hpp"
+
 namespace weft::frex {
 
 void RectangleSettings::read(Params& p) {
@@ -61,18 +63,35 @@ void Settings::read(Params& p) {
   motion.seed = static_cast<std::uint64_t>(seed);
 }
 
-Result<void> Settings::check() const {
-  for (const auto& [name, values] :
-       {std::pair{"cut_frames", &cut_frames}, std::pair{"invisible_frames", &invisible_frames}}) {
-    for (const double value : *values) {
-      if (value == std::floor(value) && value < static_cast<double>(frames)) continue;
-      return Error{Errc::invalid_value,
-                   std::string("'") + name + "' holds " + std::to_string(value) +
-                       ", which is no frame: give whole numbers from 0 to " +
-                       std::to_string(frames - 1),
-                   {}};
-    }
+Result<void> Settings::check_frames(const char* name, const std::vector<double>& values) const {
+  for (const double value : values) {
+    if (value == std::floor(value) && value < static_cast<double>(frames)) continue;
+    return Error{Errc::invalid_value,
+                 std::string("'") + name + "' holds " + std::to_string(value) +
+                     ", which is no frame: give whole numbers from 0 to " +
+                     std::to_string(frames - 1),
+                 {}};
   }
+  return {};
+}
+
+Result<void> Settings::check() const {
+  if (auto legal = check_frames("cut_frames", cut_frames); !legal) return legal;
+  if (auto legal = check_frames("invisible_frames", invisible_frames); !legal) return legal;
+  return check_background();
+}
+
+void Settings::check(Mistakes& mistakes) const {
+  mistakes.expect("cut_frames", check_frames("cut_frames", cut_frames));
+  mistakes.expect("invisible_frames", check_frames("invisible_frames", invisible_frames));
+  const char* culprit = background_path.empty() ? "background" : "background_image";
+  if (mistakes.expect(culprit, check_background()) && background == Background::image) {
+    mistakes.expect("background_image",
+                    sources::check_picture("background_image", background_path));
+  }
+}
+
+Result<void> Settings::check_background() const {
   if ((background == Background::image) != background_path.empty()) return {};
   return Error{Errc::invalid_value,
                background_path.empty()

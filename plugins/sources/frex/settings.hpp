@@ -3,6 +3,7 @@
 
 #include <string>
 #include <vector>
+#include <weft/core/mistakes.hpp>
 #include <weft/core/params.hpp>
 #include <weft/data/camera.hpp>
 
@@ -44,8 +45,13 @@ struct Settings {
 
   /// Declares or reads all of them.
   void read(Params& p);
-  /// What a range cannot say.
+  /// What a range cannot say: the first mistake, or all of them and those of the files.
   Result<void> check() const;
+  void check(Mistakes& mistakes) const;
+
+ private:
+  Result<void> check_frames(const char* name, const std::vector<double>& values) const;
+  Result<void> check_background() const;
 };
 
 }  // namespace weft::frex

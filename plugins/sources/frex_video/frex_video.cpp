@@ -51,17 +51,23 @@ class FrexVideo final : public Source {
     p.read("noise_grey", noise_grey_, "grey level", {0.0, 255.0}, "sigma of its noise");
   }
 
+  void check(Mistakes& mistakes) const {
+    const auto layout = read_layout_file(layout_path_);
+    if (mistakes.expect("layout", layout)) mistakes.expect("min_markers", check_count(*layout));
+    mistakes.expect("texture", sources::check_picture("texture", texture_path_));
+    const char* culprit = background_path_.empty() ? "background" : "background_image";
+    if (mistakes.expect(culprit, check_background()) && background_ == Background::image) {
+      mistakes.expect("background_image",
+                      sources::check_picture("background_image", background_path_));
+    }
+  }
+
   Result<Camera> open(const Call& call) override {
     maker_.reset();
     auto layout = read_layout_file(layout_path_);
     if (!layout) return layout.error();
     locate_.min_markers = static_cast<std::size_t>(min_markers_);
-    if (layout->markers.size() < locate_.min_markers) {
-      return Error{Errc::invalid_value,
-                   fmt::format("{}: has {} markers, but 'min_markers' is {}: lower that",
-                               layout_path_, layout->markers.size(), min_markers_),
-                   {}};
-    }
+    if (auto enough = check_count(*layout); !enough) return enough.error();
     const auto texture = sources::read_picture("texture", texture_path_);
     if (!texture) return texture.error();
     auto camera = frames_.open(call);
@@ -118,13 +124,24 @@ class FrexVideo final : public Source {
             static_cast<std::size_t>(pixels.row_stride())};
   }
 
+  Result<void> check_count(const MarkerSheet& layout) const {
+    if (layout.markers.size() >= static_cast<std::size_t>(min_markers_)) return {};
+    return Error{Errc::invalid_value,
+                 fmt::format("{}: has {} markers, but 'min_markers' is {}: lower that",
+                             layout_path_, layout.markers.size(), min_markers_),
+                 {}};
+  }
+
+  Result<void> check_background() const {
+    if ((background_ == Background::image) != background_path_.empty()) return {};
+    return Error{Errc::invalid_value,
+                 "'background: image' and 'background_image' go together: give both or neither",
+                 {}};
+  }
+
   Result<void> make_background(const Camera& camera) {
     const cv::Size size(static_cast<int>(camera.width_px), static_cast<int>(camera.height_px));
-    if ((background_ == Background::image) == background_path_.empty()) {
-      return Error{Errc::invalid_value,
-                   "'background: image' and 'background_image' go together: give both or neither",
-                   {}};
-    }
+    if (auto legal = check_background(); !legal) return legal;
     if (background_ == Background::white) behind_ = cv::Mat(size, CV_8UC3, cv::Scalar::all(255));
     if (background_ != Background::image) return {};
     const auto picture = sources::read_picture("background_image", background_path_);

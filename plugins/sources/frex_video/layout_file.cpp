@@ -125,7 +125,7 @@ class Reader {
 }  // namespace
 
 Result<MarkerSheet> read_layout_file(const std::string& path) {
-  const auto text = sources::read_text_file(path, "layout");
+  const auto text = sources::read_yaml_text(path, "layout");
   if (!text) return text.error();
   return sources::read_yaml(path, *text,
                             [&](const YAML::Node& root) { return Reader(path).read(root); });

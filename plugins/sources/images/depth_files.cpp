@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "depth_files.hpp"
 
-#include <fstream>
-#include <iterator>
-#include <opencv2/imgcodecs.hpp>
 #include <set>
 
 #include "frame_files.hpp"
@@ -11,23 +8,10 @@
 namespace weft::images {
 namespace {
 
-Result<cv::Mat> read_depth_file(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) return Error{Errc::io, path + ": cannot be read", {}};
-  cv::Mat depth;
-  try {
-    if (!bytes.empty()) depth = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {
-    depth.release();
-  }
-  if (depth.empty()) {
-    return Error{
-        Errc::invalid_data,
-        path + ": is no image that can be decoded (empty, damaged or of an unknown format)",
-        {}};
-  }
-  if (depth.type() != CV_16UC1) {
+Result<cv::Mat> read_depth_file(const std::string& path, const sources::CalibratedCamera& camera) {
+  auto depth = sources::read_image_of(path, camera);
+  if (!depth) return depth;
+  if (depth->type() != CV_16UC1) {
     return Error{Errc::unsupported,
                  path +
                      ": a depth image has one channel of 16 bits; convert it, 0 where nothing "
@@ -79,7 +63,7 @@ Result<void> DepthFiles::add_to(std::optional<GroundTruth>& truth, const std::st
                                 const sources::CalibratedCamera& camera) const {
   const auto found = path_of_.find(stem);
   if (found == path_of_.end()) return {};
-  const auto stored = read_depth_file(found->second);
+  const auto stored = read_depth_file(found->second, camera);
   if (!stored) return stored.error();
   auto depth_m = camera.undistorted_depth(*stored, found->second, unit_m_);
   if (!depth_m) return depth_m.error();

@@ -14,33 +14,47 @@ namespace fs = std::filesystem;
 
 bool has_wildcard(const std::string& text) { return text.find_first_of("*?[") != text.npos; }
 
-/// Adds the files below `base` that match the parts of the path that remain.
-void expand(const fs::path& base, fs::path::iterator part, fs::path::iterator end,
-            std::vector<std::string>& found) {
+bool is_there(const fs::path& path) {
+  std::error_code code;
+  return fs::exists(fs::symlink_status(path, code));
+}
+
+bool is_folder(const fs::path& path) {
+  std::error_code code;
+  return fs::is_directory(path, code);
+}
+
+/// Adds what below `base` matches the parts of the path that remain. Fails on a folder that cannot
+/// be listed.
+Result<void> expand(const fs::path& base, fs::path::iterator part, fs::path::iterator end,
+                    std::vector<std::string>& found) {
   if (part == end) {
-    if (fs::is_regular_file(base)) found.push_back(base.string());
-    return;
+    if (is_there(base)) found.push_back(base.string());
+    return {};
   }
   const std::string name = part->string();
-  if (!has_wildcard(name) || fs::exists(base / name)) {
-    expand(base / name, std::next(part), end, found);
-  } else if (fs::is_directory(base)) {
-    for (const fs::directory_entry& entry : fs::directory_iterator(base)) {
-      if (fnmatch(name.c_str(), entry.path().filename().c_str(), FNM_PERIOD) == 0) {
-        expand(entry.path(), std::next(part), end, found);
-      }
-    }
+  if (!has_wildcard(name) || is_there(base / name)) {
+    return expand(base / name, std::next(part), end, found);
   }
+  if (!is_folder(base)) return {};
+  std::error_code code;
+  for (fs::directory_iterator entry(base, code), last; !code && entry != last;
+       entry.increment(code)) {
+    if (fnmatch(name.c_str(), entry->path().filename().c_str(), FNM_PERIOD) != 0) continue;
+    if (auto done = expand(entry->path(), std::next(part), end, found); !done) return done;
+  }
+  if (!code) return {};
+  return Error{Errc::io, base.string() + ": the folder cannot be listed: " + code.message(), {}};
 }
 
 /// Why nothing matches, and what to change.
 std::string explanation(const fs::path& pattern) {
-  if (fs::is_directory(pattern)) return "it is a folder: name its files, for example with /*.png";
+  if (is_folder(pattern)) return "it is a folder: name its files, for example with /*.png";
   fs::path folder;
   for (const fs::path& part : pattern.parent_path()) {
     if (has_wildcard(part.string())) break;
     folder /= part;
-    if (!fs::exists(folder)) return "the folder " + folder.string() + " does not exist";
+    if (!is_there(folder)) return "the folder " + folder.string() + " does not exist";
   }
   return "there are folders but no such file: check the pattern and its letters' case";
 }
@@ -50,13 +64,9 @@ std::string explanation(const fs::path& pattern) {
 Result<std::vector<std::string>> matching_files(const std::string& pattern) {
   const fs::path path(pattern);
   std::vector<std::string> found;
-  try {
-    expand({}, path.begin(), path.end(), found);
-    if (found.empty()) {
-      return Error{Errc::not_found, "no file matches '" + pattern + "': " + explanation(path), {}};
-    }
-  } catch (const fs::filesystem_error& failure) {
-    return Error{Errc::io, "cannot look for '" + pattern + "': " + failure.what(), {}};
+  if (auto listed = expand({}, path.begin(), path.end(), found); !listed) return listed.error();
+  if (found.empty() || (!has_wildcard(pattern) && is_folder(path))) {
+    return Error{Errc::not_found, "no file matches '" + pattern + "': " + explanation(path), {}};
   }
   std::sort(found.begin(), found.end());
   return found;

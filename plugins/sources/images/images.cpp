@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <map>
+#include <weft/core/image_file.hpp>
 #include <weft/core/suggest.hpp>
 #include <weft/sdk/source.hpp>
 
@@ -44,6 +46,17 @@ class Images final : public Source {
     p.read("fps", fps_, "1/s", {1e-3, 1e6}, "frames a second; gives each frame its time");
   }
 
+  void check(Mistakes& mistakes) const {
+    const auto camera = sources::CalibratedCamera::read_sizes(camera_path_);
+    const bool calibrated = mistakes.expect("camera", camera);
+    Images found = *this;
+    if (!mistakes.expect("path", found.list_frames())) return;
+    if (calibrated) mistakes.expect("camera", found.check_sizes(*camera));
+    mistakes.expect("truth", found.attach_truth());
+    mistakes.expect("depth", found.attach_depth());
+    mistakes.expect("apart", found.mark_apart());
+  }
+
   Result<Camera> open(const Call&) override {
     frames_.clear();
     frame_of_.clear();
@@ -51,10 +64,9 @@ class Images final : public Source {
     if (!camera) return camera.error();
     camera_ = *std::move(camera);
     if (auto listed = list_frames(); !listed) return listed.error();
+    if (auto fit = check_sizes(camera_); !fit) return fit.error();
     if (auto attached = attach_truth(); !attached) return attached.error();
-    std::vector<std::string> stems;
-    for (const Frame& frame : frames_) stems.push_back(frame.stem);
-    if (auto opened = depth_.open(stems); !opened) return opened.error();
+    if (auto attached = attach_depth(); !attached) return attached.error();
     if (auto marked = mark_apart(); !marked) return marked.error();
     return camera_.pinhole();
   }
@@ -69,7 +81,7 @@ class Images final : public Source {
                    {}};
     }
     const Frame& frame = frames_[static_cast<std::size_t>(index)];
-    const auto stored = read_image_file(frame.path);
+    const auto stored = read_image_file(frame.path, camera_);
     if (!stored) return stored.error();
     auto image = camera_.undistorted(*stored, frame.path, frame.stem);
     if (!image) return image.error();
@@ -102,6 +114,29 @@ class Images final : public Source {
       frames_.push_back({std::move(path), std::move(stem), {}, {}, {}, {}});
     }
     return {};
+  }
+
+  /// A frame of another size than the camera's is an error of that frame; if none has it, the
+  /// camera file is that of other images.
+  Result<void> check_sizes(const sources::CalibratedCamera& camera) const {
+    constexpr std::size_t kMostTries = 100;
+    Result<void> first;
+    for (std::size_t i = 0; i < std::min(frames_.size(), kMostTries); ++i) {
+      const auto file = read_image_bytes(frames_[i].path);
+      if (!file || file->header.width_px == 0) continue;
+      const cv::Size size(static_cast<int>(file->header.width_px),
+                          static_cast<int>(file->header.height_px));
+      const auto fits = camera.check_size(size, frames_[i].path);
+      if (fits) return {};
+      if (first) first = fits;
+    }
+    return first;
+  }
+
+  Result<void> attach_depth() {
+    std::vector<std::string> stems;
+    for (const Frame& frame : frames_) stems.push_back(frame.stem);
+    return depth_.open(stems);
   }
 
   Result<void> attach_truth() {

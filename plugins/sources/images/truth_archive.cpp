@@ -4,6 +4,7 @@
 #include <zip.h>
 
 #include <array>
+#include <filesystem>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -23,12 +24,15 @@ struct Close {
 
 /// Reads a member to its end, where its checksum is compared, and in pieces, because the size that
 /// a damaged file states may be anything.
-bool read_bytes(zip_t* archive, zip_uint64_t index, std::string& bytes) {
+/// `room` is what may still be read of this archive.
+bool read_bytes(zip_t* archive, zip_uint64_t index, std::string& bytes, std::uint64_t& room) {
   const std::unique_ptr<zip_file_t, Close> stream(zip_fopen_index(archive, index, 0));
   if (!stream) return false;
   std::array<char, 1U << 16U> piece;
   zip_int64_t got = 0;
   while ((got = zip_fread(stream.get(), piece.data(), piece.size())) > 0) {
+    if (static_cast<std::uint64_t>(got) > room) return false;
+    room -= static_cast<std::uint64_t>(got);
     bytes.append(piece.data(), static_cast<std::size_t>(got));
   }
   return got == 0;
@@ -40,18 +44,25 @@ TruthArchive::TruthArchive(std::string path, NpzRecord record)
     : path_(std::move(path)), record_(std::move(record)) {}
 
 Result<TruthArchive> TruthArchive::read(const std::string& path) {
+  const auto fail = [&](const char* what) { return Error{Errc::io, path + ": " + what, {}}; };
+  std::error_code failure;
+  if (!std::filesystem::is_regular_file(path, failure)) return fail("is no file that can be read");
+  std::uint64_t room = most_npz_bytes(std::filesystem::file_size(path, failure));
   int code = 0;
   const std::unique_ptr<zip_t, Discard> archive(zip_open(path.c_str(), ZIP_RDONLY, &code));
-  if (!archive) return Error{Errc::io, path + ": cannot be read as an npz file", {}};
+  if (!archive) return fail("cannot be read as an npz file");
   std::vector<NpzMember> members;
   const zip_int64_t count = zip_get_num_entries(archive.get(), 0);
+  if (count > kMostNpzMembers) return fail("has too many members");
   for (zip_int64_t i = 0; i < count; ++i) {
     const auto index = static_cast<zip_uint64_t>(i);
     const char* name = zip_get_name(archive.get(), index, 0);
     auto member = NpzMember::of_path(name != nullptr ? name : "");
     if (!member || member->slot != kSlot) continue;
-    if (!read_bytes(archive.get(), index, member->bytes)) {
-      return Error{Errc::invalid_data, path + ": is damaged at " + member->path(), {}};
+    if (!read_bytes(archive.get(), index, member->bytes, room)) {
+      return Error{Errc::invalid_data,
+                   path + ": is damaged, or holds far more than its size, at " + member->path(),
+                   {}};
     }
     members.push_back(*std::move(member));
   }

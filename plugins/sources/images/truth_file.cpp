@@ -5,10 +5,11 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <set>
+#include <sstream>
 #include <string_view>
 #include <vector>
+#include <weft/core/text_file.hpp>
 
 namespace weft::images {
 namespace {
@@ -35,10 +36,15 @@ std::vector<std::string> split(std::string_view line) {
 
 class TruthReader {
  public:
-  explicit TruthReader(const std::string& path) : path_(path), stream_(path, std::ios::binary) {}
+  explicit TruthReader(const std::string& path) : path_(path) {}
 
   Result<GroundTruth> read() {
-    if (!stream_) return Error{Errc::io, path_ + ": cannot be read", {}};
+    constexpr std::uint64_t kMostBytes = 1U << 26U;
+    auto text = read_text_file(path_, kMostBytes);
+    if (!text) {
+      return Error{text.error().code, path_ + ": cannot be read: " + text.error().message, {}};
+    }
+    stream_.str(*std::move(text));
     if (!next_line()) return mistake("is empty: the first line names the columns");
     if (auto header = read_header(); !header) return header.error();
     while (next_line()) {
@@ -132,7 +138,7 @@ class TruthReader {
   }
 
   std::string path_;
-  std::ifstream stream_;
+  std::istringstream stream_;
   int line_number_ = 0;
   std::vector<std::string> fields_;
   std::vector<std::size_t> column_of_;  // entry of kColumns for each field of the file

@@ -33,9 +33,16 @@ class KnownPointSource final : public Source {
            "they are in the camera frame");
   }
 
+  /// A pipe is not opened: its writer would lose what it has written to it so far.
+  void check(Mistakes& mistakes) const {
+    FeedOptions options = feed_options_;
+    const bool posed = mistakes.expect("camera_from_robot", read_pose(options));
+    if (posed && !is_pipe(options.path)) mistakes.expect("path", RowFeed::open(options));
+  }
+
   Result<Camera> open(const Call& call) override {
     feed_.reset();
-    if (auto posed = read_pose(); !posed) return posed.error();
+    if (auto posed = read_pose(feed_options_); !posed) return posed.error();
     auto feed = RowFeed::open(feed_options_);
     if (!feed) return feed.error();
     auto camera = frames_.open(call);
@@ -68,7 +75,7 @@ class KnownPointSource final : public Source {
   }
 
  private:
-  Result<void> read_pose() {
+  Result<void> read_pose(FeedOptions& options) const {
     if (camera_from_robot_.empty()) return {};
     constexpr double kLargestError = 1e-3;
     const auto mistake = [](const char* what) {
@@ -82,7 +89,7 @@ class KnownPointSource final : public Source {
     if (error.cwiseAbs().maxCoeff() > kLargestError || rotation.determinant() < 0.0) {
       return mistake("must begin with a rotation: orthonormal, with determinant 1");
     }
-    feed_options_.camera_from_rows.matrix().topRows<3>() = pose;
+    options.camera_from_rows.matrix().topRows<3>() = pose;
     return {};
   }
 

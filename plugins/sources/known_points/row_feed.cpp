@@ -3,11 +3,10 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <weft/core/text_file.hpp>
 
 #include "row_text.hpp"
 
@@ -38,23 +37,29 @@ Result<void> for_each_line(std::string_view text, const Take& take) {
 
 }  // namespace
 
-Result<RowFeed> RowFeed::open(FeedOptions options) {
-  namespace fs = std::filesystem;
-  RowFeed feed(std::move(options));
-  const fs::path path = feed.options_.path;
+bool is_pipe(const std::string& path) {
   std::error_code code;
-  if (fs::is_fifo(path, code)) {
+  return std::filesystem::is_fifo(path, code);
+}
+
+Result<RowFeed> RowFeed::open(FeedOptions options) {
+  RowFeed feed(std::move(options));
+  const std::string& path = feed.options_.path;
+  if (is_pipe(path)) {
     auto pipe = LinePipe::open(path);
     if (!pipe) return pipe.error();
     feed.pipe_ = *std::move(pipe);
     return feed;
   }
-  std::ifstream stream(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (!stream) return Error{Errc::io, path.string() + ": cannot be read", {}};
-  auto read = path.extension() == ".csv" ? feed.read_csv(text) : feed.read_json_lines(text);
+  constexpr std::uint64_t kMostBytes = 1U << 28U;
+  const auto text = read_text_file(path, kMostBytes);
+  if (!text) {
+    return Error{text.error().code, path + ": cannot be read: " + text.error().message, {}};
+  }
+  const bool is_csv = std::filesystem::path(path).extension() == ".csv";
+  auto read = is_csv ? feed.read_csv(*text) : feed.read_json_lines(*text);
   if (!read) return read.error();
-  if (feed.tracks_.empty()) return Error{Errc::invalid_data, path.string() + ": has no rows", {}};
+  if (feed.tracks_.empty()) return Error{Errc::invalid_data, path + ": has no rows", {}};
   return feed;
 }
 

@@ -20,6 +20,9 @@ struct FeedOptions {
   Eigen::Isometry3d camera_from_rows = Eigen::Isometry3d::Identity();
 };
 
+/// Whether there is a named pipe of this name.
+bool is_pipe(const std::string& path);
+
 /// When a frame is.
 struct Moment {
   double frame = 0.0;            ///< []

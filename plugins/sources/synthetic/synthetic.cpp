@@ -2,11 +2,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <set>
+#include <weft/core/image_file.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/sheet_motion.hpp>
 #include <weft/sdk/source.hpp>
@@ -19,25 +18,22 @@ namespace {
 
 constexpr double kJumpInPeriods = 0.73;
 
+Error in_texture(Error error) {
+  error.message += ": correct 'texture' or its file";
+  return error;
+}
+
 Result<Texture> read_texture(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) {
-    return Error{
-        Errc::not_found, path + ": the texture cannot be read: correct 'texture' or its file", {}};
-  }
+  const auto file = read_image_bytes(path);
+  if (!file) return in_texture(file.error());
+  const cv::Mat bytes(1, static_cast<int>(file->bytes.size()), CV_8U,
+                      const_cast<char*>(file->bytes.data()));
   cv::Mat image;
   try {
-    if (!bytes.empty()) image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
+    image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
   } catch (const cv::Exception&) {  // reported below: the file is at fault
   }
-  if (image.empty()) {
-    return Error{Errc::invalid_data,
-                 path +
-                     ": the texture is no image that can be decoded (empty, damaged or of an "
-                     "unknown format)",
-                 {}};
-  }
+  if (image.empty()) return in_texture(no_image(path));
   std::vector<float> pixels;
   pixels.reserve(image.total());
   for (int y = 0; y < image.rows; ++y) {
@@ -45,6 +41,15 @@ Result<Texture> read_texture(const std::string& path) {
     pixels.insert(pixels.end(), image.ptr(y), image.ptr(y) + image.cols);
   }
   return Texture(image.cols, image.rows, std::move(pixels));
+}
+
+/// What read_texture() would refuse; a PNG or JPEG that is whole is not decoded for that.
+Result<void> check_texture(const std::string& path) {
+  const auto file = read_image_bytes(path);
+  if (!file) return in_texture(file.error());
+  if (file->header.complete) return {};
+  const auto texture = read_texture(path);
+  return texture ? Result<void>() : texture.error();
 }
 
 /// Renders a printed sheet that moves and bends without stretching, with exact truth.
@@ -77,6 +82,12 @@ class Synthetic final : public Source {
     p.read("background_seed", background_seed_, "", {0, 1000000}, "chooses the background");
     p.read("truth_columns", truth_columns_, "", {2, 1000}, "points of the truth along the width");
     p.read("truth_rows", truth_rows_, "", {2, 1000}, "points of the truth along the height");
+  }
+
+  void check(Mistakes& mistakes) const {
+    mistakes.expect("texture", check_texture(texture_path_));
+    mistakes.expect("cut_frames", frame_set("cut_frames", cut_frames_));
+    mistakes.expect("invisible_frames", frame_set("invisible_frames", invisible_frames_));
   }
 
   Result<Camera> open(const Call&) override {

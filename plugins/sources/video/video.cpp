@@ -26,10 +26,21 @@ class Video final : public Source {
     p.read("max_frames", max_frames_, "", {0, 1'000'000'000}, "stop after so many; 0 for all");
   }
 
+  /// A camera is not opened, and where 'start_s' leads is not decoded.
+  void check(Mistakes& mistakes) const {
+    const auto camera = sources::CalibratedCamera::read_sizes(camera_path_);
+    const bool calibrated = mistakes.expect("camera", camera);
+    if (!mistakes.expect(path_.empty() ? "device" : "path", check_choice())) return;
+    if (device_ >= 0) return;
+    auto stream = FrameStream::open_file(path_);
+    if (!mistakes.expect("path", stream)) return;
+    if (!stream->advance()) return mistakes.add("path", no_frame());
+    const auto first = stream->image();
+    if (first && calibrated) mistakes.expect("camera", camera->check_size(first->size(), path_));
+  }
+
   Result<Camera> open(const Call& call) override {
-    if (path_.empty() == (device_ < 0)) {
-      return Error{Errc::invalid_value, "give either 'path' or 'device'", {}};
-    }
+    if (auto chosen = check_choice(); !chosen) return chosen.error();
     auto camera = sources::CalibratedCamera::read(camera_path_);
     if (!camera) return camera.error();
     camera_ = *std::move(camera);
@@ -83,11 +94,16 @@ class Video final : public Source {
     return {};
   }
 
+  Result<void> check_choice() const {
+    if (path_.empty() == (device_ >= 0)) return {};
+    return Error{Errc::invalid_value, "give either 'path' or 'device'", {}};
+  }
+
+  std::string no_frame() const { return path_ + ": holds no frame that can be decoded"; }
+
   Error no_start() const {
     if (device_ >= 0) return stream_.ending().error();
-    if (stream_.number() < 0) {
-      return {Errc::invalid_data, path_ + ": holds no frame that can be decoded", {}};
-    }
+    if (stream_.number() < 0) return {Errc::invalid_data, no_frame(), {}};
     return {Errc::invalid_value,
             fmt::format("{}: its last frame is at {:.3f} s, before 'start_s': make that smaller",
                         path_, stream_.time_s()),

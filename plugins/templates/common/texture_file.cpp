@@ -1,40 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/texture_file.hpp"
 
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <vector>
+#include <weft/core/image_file.hpp>
 
 namespace weft::templates {
 namespace {
 
 constexpr double kHalfOpaque = 127.0;
 
+Error in(Error error, const std::string& parameter) {
+  error.message += ": correct '" + parameter + "' or its file";
+  return error;
+}
+
 Result<cv::Mat> decode_file(const std::string& parameter, const std::string& path) {
-  std::error_code status;
-  if (!std::filesystem::is_regular_file(path, status)) {
-    return Error{
-        Errc::not_found, path + ": there is no such file: correct '" + parameter + "'", {}};
-  }
-  std::ifstream stream(path, std::ios::binary);
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) {
-    return Error{
-        Errc::not_found, path + ": cannot be read: correct '" + parameter + "' or its file", {}};
-  }
+  const auto file = read_image_bytes(path);
+  if (!file) return in(file.error(), parameter);
+  const cv::Mat bytes(1, static_cast<int>(file->bytes.size()), CV_8U,
+                      const_cast<char*>(file->bytes.data()));
   try {
-    if (!bytes.empty()) {
-      if (cv::Mat image = cv::imdecode(bytes, cv::IMREAD_UNCHANGED); !image.empty()) return image;
-    }
+    if (cv::Mat image = cv::imdecode(bytes, cv::IMREAD_UNCHANGED); !image.empty()) return image;
   } catch (const cv::Exception&) {  // reported below: the file is at fault
   }
-  return Error{Errc::invalid_data,
-               path + ": the " + parameter +
-                   " is no image that can be decoded (empty, damaged or of an unknown format)",
-               {}};
+  return in(no_image(path), parameter);
 }
 
 }  // namespace
@@ -63,6 +53,14 @@ Result<Texture> read_texture_file(const std::string& parameter, const std::strin
         {}};
   }
   return texture;
+}
+
+Result<void> check_texture_file(const std::string& parameter, const std::string& path) {
+  const auto file = read_image_bytes(path);
+  if (!file) return in(file.error(), parameter);
+  if (file->header.complete && file->header.bits == 8 && !file->header.has_alpha) return {};
+  const auto texture = read_texture_file(parameter, path);
+  return texture ? Result<void>() : texture.error();
 }
 
 void store(const Texture& texture, Template& templ) {

@@ -18,6 +18,10 @@ struct Texture {
 /// and everywhere when there is none. Fails with a message that names the file and the parameter.
 Result<Texture> read_texture_file(const std::string& parameter, const std::string& path);
 
+/// What read_texture_file() would refuse; a PNG without transparency or a JPEG that is whole is not
+/// decoded for that.
+Result<void> check_texture_file(const std::string& parameter, const std::string& path);
+
 /// Copies pixels and mask into the template's texture and mask.
 void store(const Texture& texture, Template& templ);
 

@@ -34,14 +34,15 @@ class FrexSheet final : public TemplateBuilder {
     p.read("rows", rows_, "", {2, 2000}, "vertices along the height");
   }
 
+  void check(Mistakes& mistakes) const {
+    mistakes.expect("count", lay_out());
+    mistakes.expect("px_per_mm", check_size());
+  }
+
   Result<Template> build(const Call&) override {
-    MarkerSheetSpec spec = spec_;
-    spec.dictionary = dictionary_ == Dictionary::four_by_four ? "4x4_250" : "5x5_250";
-    const auto sheet = lay_out_markers(spec);
+    const auto sheet = lay_out();
     if (!sheet) return sheet.error();
-    if (sheet->width_mm * sheet->height_mm * px_per_mm_ * px_per_mm_ > kMostTexels) {
-      return Error{Errc::invalid_value, "the texture would be too large: lower 'px_per_mm'", {}};
-    }
+    if (auto legal = check_size(); !legal) return legal.error();
     const auto picture = draw_sheet(*sheet, px_per_mm_);
     if (!picture) return picture.error();
     const auto faces = rectangular_grid_faces(columns_, rows_);
@@ -51,6 +52,18 @@ class FrexSheet final : public TemplateBuilder {
 
  private:
   static constexpr double kMostTexels = 2e8;
+
+  Result<MarkerSheet> lay_out() const {
+    MarkerSheetSpec spec = spec_;
+    spec.dictionary = dictionary_ == Dictionary::four_by_four ? "4x4_250" : "5x5_250";
+    return lay_out_markers(spec);
+  }
+
+  Result<void> check_size() const {
+    const double texels = static_cast<double>(spec_.width_mm) * spec_.height_mm;
+    if (texels * px_per_mm_ * px_per_mm_ <= kMostTexels) return {};
+    return Error{Errc::invalid_value, "the texture would be too large: lower 'px_per_mm'", {}};
+  }
 
   Template assemble(const cv::Mat& picture, const Faces& faces) const {
     const double pitch_m = 0.001 / px_per_mm_;

@@ -39,6 +39,20 @@ class MeshTemplate final : public TemplateBuilder {
              "where texture coordinate 0 is: the outer edge or the centre of the first texel");
   }
 
+  /// The surface is not flattened here, which may take long.
+  void check(Mistakes& mistakes) const {
+    mistakes.expect("texture", templates::check_texture_file("texture", texture_path_));
+    const auto file = read_mesh_file(mesh_path_);
+    if (!mistakes.expect("mesh", file)) return;
+    if (const auto legal = check_coordinates(*file); !legal) {
+      const bool asked = legal.error().code == Errc::invalid_value;
+      mistakes.expect(asked ? "coordinates" : "mesh", legal);
+    }
+    const auto surface = weld(*file);
+    if (!mistakes.expect("mesh", surface)) return;
+    mistakes.expect("unit_m", check_size(unit_m_ * surface->vertices));
+  }
+
   Result<Template> build(const Call&) override {
     auto texture = templates::read_texture_file("texture", texture_path_);
     if (!texture) return texture.error();
@@ -75,19 +89,23 @@ class MeshTemplate final : public TemplateBuilder {
   }
 
   Result<void> find_coordinates(const MeshFile& file, Surface& surface) const {
+    if (auto legal = check_coordinates(file); !legal) return legal;
+    if (coordinates_ == Coordinates::file) return {};
+    auto found = flattened(file, surface);
+    if (!found) return found.error();
+    surface.texture = *std::move(found);
+    return {};
+  }
+
+  Result<void> check_coordinates(const MeshFile& file) const {
     const bool has_own = file.faces.front().corners.front().texture >= 0;
     if (coordinates_ == Coordinates::flattened) {
-      if (has_own) {
-        return Error{Errc::invalid_value,
-                     file.path +
-                         ": has texture coordinates: leave 'coordinates: flattened' out, or "
-                         "export the mesh without them",
-                     {}};
-      }
-      auto found = flattened(file, surface);
-      if (!found) return found.error();
-      surface.texture = *std::move(found);
-      return {};
+      if (!has_own) return {};
+      return Error{Errc::invalid_value,
+                   file.path +
+                       ": has texture coordinates: leave 'coordinates: flattened' out, or "
+                       "export the mesh without them",
+                   {}};
     }
     if (!has_own) {
       return Error{Errc::invalid_data,

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mesh_file.hpp"
 
-#include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <weft/core/text_file.hpp>
 
 namespace weft::mesh {
 namespace {
@@ -32,17 +30,16 @@ Error MeshFile::mistake(const Face& face, const std::string& sentence) const {
 }
 
 Result<MeshFile> read_mesh_file(const std::string& path) {
-  std::error_code status;
-  if (!std::filesystem::is_regular_file(path, status)) {
-    return Error{Errc::not_found, path + ": there is no such file: correct 'mesh'", {}};
+  constexpr std::uint64_t kMostBytes = 1U << 28U;
+  const auto text = read_text_file(path, kMostBytes);
+  if (!text) {
+    return Error{
+        text.error().code,
+        path + ": cannot be read: " + text.error().message + ": correct 'mesh' or its file",
+        {}};
   }
-  std::ifstream stream(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) {
-    return Error{Errc::not_found, path + ": cannot be read: correct 'mesh' or its file", {}};
-  }
-  const bool is_ply = text.starts_with("ply") && text.find_first_of("\r\n") == 3;
-  auto file = is_ply ? parse_ply(path, text) : parse_obj(path, text);
+  const bool is_ply = text->starts_with("ply") && text->find_first_of("\r\n") == 3;
+  auto file = is_ply ? parse_ply(path, *text) : parse_obj(path, *text);
   if (!file) return file.error();
   if (file->faces.empty()) {
     return Error{

@@ -70,6 +70,11 @@ std::string missing_in(const PlyHeader& header, bool has_format) {
     return std::find_if(header.elements.begin(), header.elements.end(),
                         [&](const PlyElement& element) { return element.name == name; });
   };
+  for (const PlyElement& element : header.elements) {
+    if (element.properties.empty() && element.count > 0) {  // would be read for ever
+      return "the element '" + element.name + "' has no properties: export the mesh again";
+    }
+  }
   const auto vertex = named("vertex"), face = named("face");
   if (vertex == header.elements.end() ||
       std::min({vertex->find({"x"}), vertex->find({"y"}), vertex->find({"z"})}) < 0) {

@@ -50,6 +50,13 @@ class OutlineTemplate final : public TemplateBuilder {
            "that even out the mesh; 0: the refined mesh as it is");
   }
 
+  void check(Mistakes& mistakes) const {
+    mistakes.expect("photo", templates::check_texture_file("photo", photo_path_));
+    if (!mask_path_.empty()) {
+      mistakes.expect("mask", templates::check_texture_file("mask", mask_path_));
+    }
+  }
+
   Result<Template> build(const Call&) override {
     auto texture = templates::read_texture_file("photo", photo_path_);
     if (!texture) return texture.error();

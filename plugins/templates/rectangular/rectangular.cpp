@@ -33,6 +33,10 @@ class Rectangular final : public TemplateBuilder {
              "where texture coordinate 0 is: the outer edge or the centre of the first texel");
   }
 
+  void check(Mistakes& mistakes) const {
+    mistakes.expect("texture", templates::check_texture_file("texture", texture_path_));
+  }
+
   Result<Template> build(const Call&) override {
     auto faces = rectangular_grid_faces(columns_, rows_);
     if (!faces) return faces.error();

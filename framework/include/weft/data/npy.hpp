@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <sstream>
 #include <string>
@@ -65,7 +66,8 @@ inline Result<NpyHeader> parse_npy(const std::string& bytes) {
   };
   NpyHeader header;
   header.data_offset = 10 + byte(8) + 256 * byte(9);
-  if (header.data_offset > bytes.size()) return damaged;
+  // NumPy aligns the elements, and readers rely on it.
+  if (header.data_offset > bytes.size() || header.data_offset % 8 != 0) return damaged;
   const std::string text = bytes.substr(10, header.data_offset - 10);
   if (text.find("'fortran_order': False") == std::string::npos) return damaged;
   for (std::size_t i = 1; i < detail::kNpyDescriptors.size(); ++i) {
@@ -77,6 +79,7 @@ inline Result<NpyHeader> parse_npy(const std::string& bytes) {
   if (header.dtype == 0 || open == std::string::npos || close == std::string::npos) return damaged;
   std::istringstream list(text.substr(open + 1, close - open - 1));
   std::uint64_t expected = static_cast<std::uint64_t>(dtype_size(header.dtype));
+  std::uint64_t extent = expected;  // with 1 for 0, so that no stride overflows
   for (std::string word; std::getline(list, word, ',');) {
     if (word.find_first_of("0123456789") == std::string::npos) continue;
     std::int64_t length = 0;
@@ -84,6 +87,9 @@ inline Result<NpyHeader> parse_npy(const std::string& bytes) {
     header.shape.push_back(length);
     if (length > 0 && expected > bytes.size() / static_cast<std::uint64_t>(length)) return damaged;
     expected *= static_cast<std::uint64_t>(length);
+    constexpr std::uint64_t kMostExtent = 1ULL << 40U;
+    if (static_cast<std::uint64_t>(length) > kMostExtent / extent) return damaged;
+    extent *= static_cast<std::uint64_t>(std::max<std::int64_t>(length, 1));
   }
   if (header.shape.size() > WEFT_MAX_DIMENSIONS) return damaged;
   if (expected != bytes.size() - header.data_offset) return damaged;

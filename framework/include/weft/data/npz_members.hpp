@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,6 +28,15 @@ struct NpzMember {
   }
 };
 
+inline constexpr std::int64_t kMostNpzMembers = 10'000;
+
+/// What the members of an archive of so many bytes may hold together, so that a small file cannot
+/// ask for all memory: a hundred times its size and 64 MiB.
+inline std::uint64_t most_npz_bytes(std::uint64_t file_bytes) {
+  constexpr std::uint64_t kMostRatio = 100, kAlways = 1ULL << 26U, kMost = 1ULL << 33U;
+  return std::min(kMost, kAlways + kMostRatio * std::min(file_bytes, kMost));
+}
+
 /// Appends the members of a record: its type first, then its arrays.
 inline void add_npz_members(const weft_record& record, std::vector<NpzMember>& members) {
   const std::string type = record.type;
@@ -49,7 +60,11 @@ class NpzRecord {
     std::erase_if(members, [&](const NpzMember& member) { return member.slot != slot; });
     NpzRecord record;
     record.members_ = std::move(members);
+    std::set<std::string> arrays;
     for (const NpzMember& member : record.members_) {
+      if (!arrays.insert(member.array).second) {
+        return Error{Errc::invalid_data, "has the member " + member.path() + " twice", {}};
+      }
       auto header = parse_npy(member.bytes);
       if (!header) {
         return Error{Errc::invalid_data, member.path() + " " + header.error().message, {}};

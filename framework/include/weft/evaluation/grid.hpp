@@ -63,6 +63,7 @@ class Grid {
 
   Plan plan_;
   const host::Registry* registry_ = nullptr;
+  std::shared_ptr<host::ComponentChecks> checks_;  ///< of this expansion
   std::vector<std::string> settings_;
   Document base_;
   std::vector<Cell> cells_;

@@ -14,7 +14,7 @@ inline constexpr std::int64_t kMostTemplateVertices = 250'000;
 /// faces, sizes agree.
 Result<void> check_template(const host::Record& templ);
 
-/// Whether the camera is finite and has positive focal lengths and sizes.
+/// Whether the camera is one that can have taken pictures, see camera_mistake().
 Result<void> check_camera(const host::Record& camera);
 
 /// What only the host can know of a record that a stage or source made: indices of vertices and

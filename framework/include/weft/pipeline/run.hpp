@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <string>
+#include <weft/host/component_checks.hpp>
 #include <weft/pipeline/executor.hpp>
 
 namespace weft {
@@ -42,17 +43,20 @@ struct CheckedPipeline {
   Graph graph;
 };
 
-/// Loads and wires a pipeline, and refuses outputs that would go over what is there or what it
-/// reads; use it only when the report is ok. `output_folder` is the run folder, new or empty;
-/// without a name, no component may write. `settings` and `patches` as in load_pipeline.
+/// Loads and wires a pipeline, refuses outputs that would go over what is there or what it reads,
+/// and asks its components about their files and parameters; use it only when the report is ok.
+/// `output_folder` is the run folder, new or empty; without a name, no component may write.
+/// `settings` and `patches` as in load_pipeline.
 std::pair<CheckedPipeline, ConfigReport> check_pipeline(
     const std::string& file, const host::Registry& registry, const std::string& output_folder,
     const std::vector<std::string>& settings = {}, const std::vector<Patch>& patches = {});
 
-/// The same of a document that has been read from `file`.
+/// The same of a document that has been read from `file`. With `checks`, what components of earlier
+/// pipelines were asked is not asked again.
 std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file, Document document,
                                                         const host::Registry& registry,
-                                                        const std::string& output_folder);
+                                                        const std::string& output_folder,
+                                                        host::ComponentChecks* checks = nullptr);
 
 /// Runs all frames of the source into `output_folder`, which must be new or empty; an empty name
 /// leaves no run folder, only what the sinks write. Fails with the

@@ -2,44 +2,11 @@
 #pragma once
 
 #include <array>
-#include <exception>
 #include <memory>
-#include <new>
-#include <string_view>
+#include <weft/sdk/extensions.hpp>
 #include <weft/sdk/isa.hpp>
-#include <weft/sdk/process.hpp>
 
 namespace weft::detail {
-
-/// Whether an exception says that memory was short: OpenCV has one of its own for that.
-inline bool is_about_memory(const std::exception& thrown) {
-  return dynamic_cast<const std::bad_alloc*>(&thrown) != nullptr ||
-         std::string_view(thrown.what()).find("(-4:Insufficient memory)") != std::string_view::npos;
-}
-
-/// Runs `body` and turns an exception into an error: none crosses the boundary.
-template <class Body>
-std::int32_t guarded(weft_error* error, Body&& body) noexcept {
-  try {
-    return body();
-  } catch (const Stopped&) {
-    return report({Errc::cancelled, "cancelled", {}}, error);
-  } catch (const std::exception& thrown) {
-    if (is_about_memory(thrown)) return report({Errc::no_memory, "out of memory", {}}, error);
-    return report({Errc::plugin_failure, std::string("threw: ") + thrown.what(), {}}, error);
-  } catch (...) {
-    return report({Errc::plugin_failure, "threw something that is no std::exception", {}}, error);
-  }
-}
-
-template <class T>
-constexpr About about_of() {
-  if constexpr (requires { T::kAbout; }) {
-    return T::kAbout;
-  } else {
-    return {};
-  }
-}
 
 /// The functions of the contract for one component class.
 template <class T>
@@ -84,23 +51,6 @@ struct Functions {
     });
   }
   static void destroy(void* self) { delete static_cast<T*>(self); }
-  static const void* get_extension(const char* name) {
-    if (std::string_view(name) == WEFT_DEVICE_MEMORY) return about_of<T>().device_memory;
-    if constexpr (requires { T::devices(); }) {
-      if (std::string_view(name) == WEFT_DEVICES) return &kDevices;
-    }
-    return nullptr;
-  }
-  static std::int32_t list_devices(void* context, void (*device)(void* context, const char* text),
-                                   weft_error* error) {
-    return guarded(error, [&]() -> std::int32_t {
-      if constexpr (requires { T::devices(); }) {
-        for (const std::string& text : T::devices()) device(context, text.c_str());
-      }
-      return WEFT_OK;
-    });
-  }
-  static constexpr weft_devices kDevices{sizeof(weft_devices), 0, &list_devices};
 };
 
 template <class T>
@@ -122,7 +72,7 @@ constexpr weft_component make_component(const char* id, const char* version, con
           &Functions<T>::prepare,
           &Functions<T>::process,
           &Functions<T>::destroy,
-          &Functions<T>::get_extension};
+          &Extensions<T>::get};
 }
 
 template <std::size_t Count>

@@ -40,10 +40,10 @@ void expect_refusal(const std::string& content, const std::vector<std::string>& 
 const std::string kMatrix =
     "camera_matrix: {rows: 3, cols: 3, data: [500.25, 0, 3.5, 0, 510, -2.5, 0, 0, 1]}\n";
 
-TEST(CameraFile, ReadsYamlAndIgnoresOtherKeys) {
+TEST(CameraFile, ReadsYamlWithNotes) {
   expect_camera(
       "fx: 500.25\nfy: 5.1e2\ncx: 3.5\ncy: -2.5\nwidth: 8\nheight: 6.0\n"
-      "distortion: null\nconvention: \"whatever\"\nmore: {a: 1}\n");
+      "distortion: null\nconvention: \"whatever\"\ncomment: {a: 1}\n");
 }
 
 TEST(CameraFile, ReadsJsonIndentedWithTabs) {
@@ -136,13 +136,56 @@ TEST(CameraFile, RefusesBrokenMatrices) {
   expect_refusal("image_width: 8\n" + kMatrix, {"no 'image_height'"});
 }
 
+TEST(CameraFile, RefusesKeysThatItDoesNotKnow) {
+  const std::string own = "fx: 5\nfy: 5\ncx: 3.5\ncy: 2.5\nwidth: 8\nheight: 6\n";
+  expect_refusal(own + "distorsion: [0.1, 0, 0, 0, 0]\n",
+                 {"camera.yaml:7:1", "no key 'distorsion'", "did you mean 'distortion'?"});
+  expect_refusal(own + "anything: 1\n", {":7:1", "no key 'anything'", "'comment'"});
+  expect_refusal("image_width: 8\nimage_height: 6\n" + kMatrix + "distortion_coefficient: 1\n",
+                 {"did you mean 'distortion_coefficients'?"});
+  expect_camera("image_width: 8\nimage_height: 6\n" + kMatrix +
+                "calibration_time: now\nnframes: 12\nsquare_size: 0.03\n");
+}
+
+TEST(CameraFile, RefusesWhatNoCameraCanHave) {
+  const auto own = [](const std::string& cx, const std::string& cy, const std::string& fy) {
+    return "fx: 500\nfy: " + fy + "\ncx: " + cx + "\ncy: " + cy + "\nwidth: 640\nheight: 480\n";
+  };
+  ASSERT_TRUE(read(own("-640", "960", "5000")));
+  ASSERT_TRUE(read(own("1280", "-480", "50")));
+  expect_refusal(own("99999", "240", "500"), {"camera.yaml:3:5", "'cx' is 99999", "-640 to 1280"});
+  expect_refusal(own("320", "-481", "500"), {"camera.yaml:4:5", "'cy' is -481", "-480 to 960"});
+  expect_refusal(own("320", "240", "5001"), {"camera.yaml:2:5", "'fy' is 5001", "50 to 5000"});
+  expect_refusal(own("320", "240", "1e9"), {"camera.yaml:2:5", "'fy' is 1000000000", "1e"});
+  expect_refusal(
+      "image_width: 8\nimage_height: 6\n"
+      "camera_matrix: {rows: 3, cols: 3, data: [500, 0, 77, 0, 500, 2, 0, 0, 1]}\n",
+      {":3:50", "'cx' is 77", "-8 to 16"});
+}
+
+TEST(CameraFile, RefusesDistortionThatLeavesNothingOfTheImage) {
+  const std::string own = "fx: 500\nfy: 500\ncx: 320\ncy: 240\nwidth: 640\nheight: 480\n";
+  ASSERT_TRUE(read(own + "distortion: [-0.35, 0.18, 0.001, -0.001, -0.05]\n"));
+  ASSERT_TRUE(read(own + "distortion: {model: fisheye, coefficients: [0.1, 0.02, 0, 0]}\n"));
+  expect_refusal(own + "distortion: [1e6, 0, 0, 0, 0]\n", {":7:13", "less than a tenth"});
+  expect_refusal(own + "distortion: [0, 0, 0, 900, 0]\n", {"less than a tenth"});
+}
+
+TEST(CameraFile, RefusesWhatIsNoRegularFile) {
+  const auto folder = read_camera_file("/tmp");
+  ASSERT_FALSE(folder);
+  EXPECT_EQ(folder.error().message,
+            "/tmp: cannot be read: it is a folder: correct 'camera' or its file");
+  EXPECT_THAT(read_camera_file("/dev/zero").error().message, HasSubstr("no regular file"));
+}
+
 TEST(CameraFile, RefusesTextThatIsNoCamera) {
   expect_refusal("", {"camera.yaml", "must hold keys"});
   expect_refusal("just text", {"must hold keys"});
   expect_refusal("[1, 2]", {"must hold keys"});
-  expect_refusal("fx: [1, 2", {"camera.yaml:"});
-  expect_refusal("{\"fx\": 1,, }}", {"camera.yaml:"});
-  expect_refusal(std::string(2 << 20, ' '), {"too large"});
+  expect_refusal("fx: [1, 2", {"camera.yaml:", "cannot be understood from here on"});
+  expect_refusal("{\"fx\": 1,, }}", {"camera.yaml:", "cannot be understood from here on"});
+  expect_refusal(std::string(2 << 20, ' '), {"more than 1048576 bytes"});
 }
 
 }  // namespace

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <weft/core/result.hpp>
+
+namespace weft {
+
+/// What an image file says of itself before its pixels are decoded. PNG, JPEG, BMP, TIFF, WebP and
+/// PNM are known; of another format all is 0.
+struct ImageHeader {
+  std::int64_t width_px = 0, height_px = 0;
+  int bits = 0;            ///< of a channel; 0: not known
+  bool has_alpha = false;  ///< known of PNG only
+  bool complete = false;   ///< PNG and JPEG: all parts are there, those of PNG with right checksums
+};
+
+namespace detail {
+
+/// Numbers at places of a text; beyond its end they are 0.
+class Bytes {
+ public:
+  explicit Bytes(std::string_view text) : text_(text) {}
+  bool has(std::uint64_t end) const { return end <= text_.size(); }
+  std::uint32_t at(std::uint64_t i) const {
+    return i < text_.size() ? static_cast<unsigned char>(text_[static_cast<std::size_t>(i)]) : 0U;
+  }
+  std::uint32_t big16(std::uint64_t i) const { return at(i) << 8U | at(i + 1); }
+  std::uint32_t big32(std::uint64_t i) const { return big16(i) << 16U | big16(i + 2); }
+  std::uint32_t little16(std::uint64_t i) const { return at(i + 1) << 8U | at(i); }
+  std::uint32_t little32(std::uint64_t i) const { return little16(i + 2) << 16U | little16(i); }
+  std::string_view part(std::uint64_t from, std::uint64_t count) const {
+    return from > text_.size()
+               ? std::string_view()
+               : text_.substr(static_cast<std::size_t>(from), static_cast<std::size_t>(count));
+  }
+  std::uint64_t size() const { return text_.size(); }
+
+ private:
+  std::string_view text_;
+};
+
+constexpr std::array<std::uint32_t, 256> crc_table() {
+  std::array<std::uint32_t, 256> table{};
+  for (std::uint32_t i = 0; i < 256; ++i) {
+    table[i] = i;
+    for (int k = 0; k < 8; ++k)
+      table[i] = (table[i] & 1U) != 0 ? 0xEDB88320U ^ table[i] >> 1U : table[i] >> 1U;
+  }
+  return table;
+}
+
+/// CRC-32 as PNG and zip have it.
+inline std::uint32_t crc32(std::string_view bytes) {
+  static constexpr std::array<std::uint32_t, 256> kTable = crc_table();
+  std::uint32_t crc = 0xFFFFFFFFU;
+  for (const char byte : bytes) {
+    crc = kTable[(crc ^ static_cast<unsigned char>(byte)) & 0xFFU] ^ crc >> 8U;
+  }
+  return ~crc;
+}
+
+inline Error cut_off() { return {Errc::invalid_data, "it is cut off", {}}; }
+
+/// Chunks of length, type, data and checksum; IHDR comes first, IEND last.
+inline Result<ImageHeader> png_header(const Bytes& bytes) {
+  ImageHeader header;
+  for (std::uint64_t at = 8;;) {
+    const std::uint64_t length = bytes.big32(at);
+    if (!bytes.has(at + 12 + length)) return cut_off();
+    const std::string_view type = bytes.part(at + 4, 4);
+    const bool critical = (bytes.at(at + 4) & 0x20U) == 0;
+    if (critical && crc32(bytes.part(at + 4, length + 4)) != bytes.big32(at + 8 + length)) {
+      return Error{Errc::invalid_data, "it is damaged: a checksum is wrong", {}};
+    }
+    if (type == "IHDR") {
+      header.width_px = bytes.big32(at + 8);
+      header.height_px = bytes.big32(at + 12);
+      header.bits = bytes.at(at + 16) == 16 ? 16 : 8;
+      header.has_alpha = (bytes.at(at + 17) & 4U) != 0;
+    }
+    if (type == "tRNS") header.has_alpha = true;
+    if (type == "IEND") break;
+    at += 12 + length;
+  }
+  header.complete = true;
+  return header;
+}
+
+/// Segments of a marker and a length up to the coded data, in which FF D9 is the end alone.
+inline Result<ImageHeader> jpeg_header(const Bytes& bytes) {
+  ImageHeader header;
+  header.bits = 8;
+  for (std::uint64_t at = 2; bytes.has(at + 4); at += 2 + bytes.big16(at + 2)) {
+    while (bytes.at(at) == 0xFF && bytes.at(at + 1) == 0xFF) ++at;
+    const std::uint32_t marker = bytes.at(at + 1);
+    const bool is_frame =
+        marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
+    if (bytes.at(at) != 0xFF) return Error{Errc::invalid_data, "it is damaged", {}};
+    if (is_frame) {
+      header.height_px = bytes.big16(at + 5);
+      header.width_px = bytes.big16(at + 7);
+    }
+    if (marker != 0xDA) continue;
+    const std::string_view rest = bytes.part(at, bytes.size());
+    header.complete = rest.find("\xFF\xD9") != std::string_view::npos;
+    break;
+  }
+  if (!header.complete) return cut_off();
+  return header;
+}
+
+}  // namespace detail
+}  // namespace weft

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <exception>
+#include <new>
+#include <string_view>
+#include <weft/core/mistakes.hpp>
+#include <weft/sdk/process.hpp>
+
+namespace weft::detail {
+
+/// Whether an exception says that memory was short: OpenCV has one of its own for that.
+inline bool is_about_memory(const std::exception& thrown) {
+  return dynamic_cast<const std::bad_alloc*>(&thrown) != nullptr ||
+         std::string_view(thrown.what()).find("(-4:Insufficient memory)") != std::string_view::npos;
+}
+
+/// Runs `body` and turns an exception into an error: none crosses the boundary.
+template <class Body>
+std::int32_t guarded(weft_error* error, Body&& body) noexcept {
+  try {
+    return body();
+  } catch (const Stopped&) {
+    return report({Errc::cancelled, "cancelled", {}}, error);
+  } catch (const std::exception& thrown) {
+    if (is_about_memory(thrown)) return report({Errc::no_memory, "out of memory", {}}, error);
+    return report({Errc::plugin_failure, std::string("threw: ") + thrown.what(), {}}, error);
+  } catch (...) {
+    return report({Errc::plugin_failure, "threw something that is no std::exception", {}}, error);
+  }
+}
+
+template <class T>
+constexpr About about_of() {
+  if constexpr (requires { T::kAbout; }) {
+    return T::kAbout;
+  } else {
+    return {};
+  }
+}
+
+/// What a component class can do beyond its role, found by its members.
+template <class T>
+struct Extensions {
+  static const void* get(const char* name) {
+    const std::string_view asked = name;
+    if (asked == WEFT_DEVICE_MEMORY) return about_of<T>().device_memory;
+    if constexpr (requires { T::devices(); }) {
+      if (asked == WEFT_DEVICES) return &kDevices;
+    }
+    if constexpr (kChecks) {
+      if (asked == WEFT_CHECK) return &kCheck;
+    }
+    return nullptr;
+  }
+
+ private:
+  static constexpr bool kChecks = requires(const T& t, Mistakes& m) { t.check(m); };
+
+  static std::int32_t list_devices(void* context, void (*device)(void* context, const char* text),
+                                   weft_error* error) {
+    return guarded(error, [&]() -> std::int32_t {
+      if constexpr (requires { T::devices(); }) {
+        for (const std::string& text : T::devices()) device(context, text.c_str());
+      }
+      return WEFT_OK;
+    });
+  }
+  static std::int32_t check(void* self, void* context, Mistakes::Report mistake,
+                            weft_error* error) {
+    return guarded(error, [&]() -> std::int32_t {
+      Mistakes mistakes(context, mistake);
+      if constexpr (kChecks) static_cast<const T*>(self)->check(mistakes);
+      return WEFT_OK;
+    });
+  }
+
+  static constexpr weft_devices kDevices{sizeof(weft_devices), 0, &list_devices};
+  static constexpr weft_check kCheck{sizeof(weft_check), 0, &check};
+};
+
+}  // namespace weft::detail
