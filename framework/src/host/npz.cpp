@@ -27,7 +27,7 @@ Result<Archive> open_archive(const std::string& file) {
   namespace fs = std::filesystem;
   std::error_code failure;
   const fs::file_status status = fs::status(file, failure);
-  if (!fs::exists(status)) return Error{Errc::not_found, "there is no such file", file};
+  if (!fs::exists(status)) return zip_failure(file, "there is no such file");
   if (!fs::is_regular_file(status)) return zip_failure(file, "is no regular file");
   int code = 0;
   Archive archive(zip_open(file.c_str(), ZIP_RDONLY, &code));

@@ -175,6 +175,8 @@ TEST_F(ComponentSpecTest, VariablesAreExpandedInPathsOnly) {
   EXPECT_EQ(effective(good("{title: '${NAME}'}"), "title"), "${NAME}");
   expect_problem("{report: '${ABSENT}/x'}",
                  "the variable ABSENT is not set; set it, or write ${ABSENT:-default}");
+  expect_problem("{report: '${EMPTY}/x'}",
+                 "the variable EMPTY is empty; set it, or write ${EMPTY:-default}");
   expect_problem("{report: '${NAME'}", "${ without }");
   expect_problem("{report: '${ABSENT:-${NAME}}'}", "${ inside");
 }

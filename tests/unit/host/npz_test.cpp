@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <zip.h>
 
 #include <iostream>
 #include <weft/host/npz.hpp>
@@ -183,6 +185,46 @@ TEST(Npz, DamageAnywhereIsAnErrorOrHarmless) {
     for (const auto& [slot, record] : *read) EXPECT_TRUE(validate(record->view("")));
   }
   EXPECT_GT(errors, 300);
+}
+
+/// An archive of these members, deflated, as somebody may have made it.
+void zip(const std::string& file, const std::vector<std::pair<std::string, std::string>>& members) {
+  int code = 0;
+  zip_t* archive = zip_open(file.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code);
+  ASSERT_NE(archive, nullptr);
+  for (const auto& [name, bytes] : members) {
+    zip_source_t* source = zip_source_buffer(archive, bytes.data(), bytes.size(), 0);
+    ASSERT_GE(zip_file_add(archive, name.c_str(), source, 0), 0);
+  }
+  ASSERT_EQ(zip_close(archive), 0);
+}
+
+TEST(Npz, AnArchiveThatHoldsFarMoreThanItsSizeIsNotRead) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "bomb.npz";
+  zip(file, {{"image/pixels.npy", std::string(std::size_t{80} << 20U, '\0')}});
+  const auto read = read_npz(file);
+  ASSERT_FALSE(read);
+  EXPECT_THAT(read.error().message, HasSubstr("far more than its size"));
+  EXPECT_EQ(read.error().where, file);
+}
+
+TEST(Npz, APipeIsNotWaitedFor) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "pipe.npz";
+  ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
+  EXPECT_EQ(read_npz(file).error().message, "is no regular file");
+  EXPECT_EQ(read_npz(folder / "absent.npz").error().message, "there is no such file");
+}
+
+TEST(Npz, AShapeWhoseStridesOverflowIsNoArray) {
+  std::string header =
+      "{'descr': '<f8', 'fortran_order': False, 'shape': (0, 4611686018427387904, "
+      "4611686018427387904), }";
+  header.resize(118, ' ');
+  const std::string bytes =
+      std::string("\x93NUMPY\x01\x00", 8) + static_cast<char>(118) + '\0' + header;
+  EXPECT_FALSE(parse_npy(bytes));
 }
 
 }  // namespace

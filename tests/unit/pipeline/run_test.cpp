@@ -208,7 +208,8 @@ TEST_F(Runs, NeedNoStagesAndLeaveOnlyWhatSinksWriteIfTheyHaveNoFolder) {
 TEST_F(Runs, LeavesNoFolderBehindWhenTheyCannotStart) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {chain({{"sources", "{refuse: true}"}}), "refuses as scripted"},
-      {chain({{"sources", "{focal_px: 0}"}}), "a camera needs fx, fy, width and height above 0"},
+      {chain({{"sources", "{focal_px: 0}"}}), "'fx' is 0, legal is 0.01"},
+      {chain({{"sources", "{focal_px: 99999}"}}), "'fy' is 100, legal is 9999.9 to 999990"},
       {chain({{"templates", "{defect: index}"}}), "1000000"},
       {chain({{"templates", "{defect: flipped}"}}), "is flipped in the texture"},
       {chain({{"templates", "{defect: mask_size}"}}), "array 'mask' has length 2"},

@@ -64,7 +64,7 @@ inline std::uint32_t crc32(std::string_view bytes) {
   return ~crc;
 }
 
-inline Error cut_off() { return {Errc::invalid_data, "it is cut off", {}}; }
+inline Error cut_off() { return {Errc::invalid_data, "it is damaged or cut off", {}}; }
 
 /// Chunks of length, type, data and checksum; IHDR comes first, IEND last.
 inline Result<ImageHeader> png_header(const Bytes& bytes) {

@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <weft/data/template.hpp>
 #include <weft/geometry/mesh_topology.hpp>
+#include <weft/testing/mistakes.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 
 namespace {
@@ -19,6 +20,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using weft::Template;
+using weft::testing::mistakes_of;
 using weft::testing::Outcome;
 using weft::testing::PluginUnderTest;
 
@@ -172,7 +174,7 @@ TEST_F(RectangularTemplate, KeepsTheTextureAndMakesAMask) {
 TEST_F(RectangularTemplate, SaysWhatToChangeWhenTheTextureIsUnusable) {
   EXPECT_THROW(build(path("missing.png"), ", width_m: 0.1"), std::runtime_error);
   const std::vector<std::pair<std::string, std::string>> cases{
-      {path(""), "there is no such file"},
+      {path(""), "it is a folder"},
       {write_text("text.png", "no image"), "no image"},
       {write_text("empty.png", ""), "empty"},
       {write("deep.png", cv::Mat::zeros(4, 4, CV_16UC1)), "8 bits"},
@@ -181,6 +183,8 @@ TEST_F(RectangularTemplate, SaysWhatToChangeWhenTheTextureIsUnusable) {
     const Outcome outcome = build(texture, ", width_m: 0.1");
     EXPECT_EQ(outcome.status, WEFT_ERROR) << texture;
     EXPECT_THAT(outcome.message, AllOf(HasSubstr(texture), HasSubstr(reason)));
+    EXPECT_THAT(mistakes_of("templates/rectangular", "{texture: '" + texture + "', width_m: 1}"),
+                ::testing::ElementsAre("texture: " + outcome.message));
   }
 }
 
