@@ -5,6 +5,7 @@
 #include <weft/data/catalogue.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/host/lane.hpp>
+#include <weft/pipeline/checks.hpp>
 #include <weft/pipeline/data_survey.hpp>
 #include <weft/pipeline/methods.hpp>
 
@@ -131,6 +132,9 @@ Result<DataSurvey> survey_data(const DataLayout& layout, const host::Registry& r
   if (!source) return source.error();
   const Outcome opened = lane.call(**source, kOpenSource, {}, host::kOfflineFrame);
   if (!opened.usable()) return opened.error;
+  if (auto valid = check_camera(*opened.find("camera")); !valid) {
+    return Error{valid.error().code, valid.error().message, spec->component().id};
+  }
   const Outcome counted = lane.call(**source, kCountFrames, {}, host::kOfflineFrame);
   if (!counted.usable()) return counted.error;
   DataSurvey survey;

@@ -212,7 +212,7 @@ TEST_F(MeshTemplate, SaysWhatToChangeWhenTheWholeMeshCannotBeUsed) {
   EXPECT_THAT(refusal(bare, ", coordinates: flattened"), HasSubstr("the surface is closed"));
   const Outcome missing = build(folder_.string());
   EXPECT_EQ(missing.status, WEFT_ERROR);
-  EXPECT_THAT(missing.message, HasSubstr("there is no such file"));
+  EXPECT_THAT(missing.message, HasSubstr("it is a folder"));
 }
 
 TEST_F(MeshTemplate, FlattensNothingButADisc) {
