@@ -3,18 +3,19 @@
 #include <cmath>
 #include <filesystem>
 #include <sstream>
+#include <weft/core/quote.hpp>
 #include <weft/core/suggest.hpp>
 #include <weft/host/component_spec.hpp>
+#include <weft/host/yaml_keys.hpp>
 
 namespace weft::host {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::optional<ComponentSpec> resolve(const Registry& registry, const yaml::Node& use,
-                                     const yaml::Node* params, const PathRules& paths,
-                                     std::vector<yaml::Problem>& problems,
-                                     std::vector<std::string> parents);
+ComponentSpec resolve(const Registry& registry, const yaml::Node& use, const yaml::Node* params,
+                      const PathRules& paths, std::vector<yaml::Problem>& problems,
+                      std::vector<std::string> parents);
 
 /// Binds the parameters of one component.
 class Binder {
@@ -33,12 +34,21 @@ class Binder {
     effective.kind = yaml::Kind::map;
     if (params != nullptr && params->kind != yaml::Kind::map && !yaml::is_null(*params)) {
       problem(params->at, "params must be a map of names and values");
+      for (const ParameterSpec& parameter : component.parameters) {
+        if (parameter.type == WEFT_VALUE_COMPONENT) spec_.nested.push_back({parameter.name, {}});
+      }
       return;
     }
-    if (params != nullptr) refuse_unknown(*params);
+    yaml::Node corrected = params != nullptr ? *params : yaml::Node{};
+    if (params != nullptr) {
+      correct_names(corrected);
+      params = &corrected;
+    }
+    const bool partial = paths_.of_fragment || corrected.partial;
     for (const ParameterSpec& parameter : component.parameters) {
       const yaml::Node* given = params != nullptr ? params->find(parameter.name) : nullptr;
       if (given == nullptr && parameter.required) {
+        if (partial) continue;
         problem(
             params != nullptr ? params->at : use_at,
             component.id + " requires the parameter '" + parameter.name + "': " + parameter.help);
@@ -58,23 +68,23 @@ class Binder {
     problems_.push_back({at, std::move(message)});
   }
 
-  void refuse_unknown(const yaml::Node& params) {
-    const ComponentManifest& component = spec_.component();
+  void correct_names(yaml::Node& params) {
+    const std::string& id = spec_.component().id;
     std::vector<std::string> names;
-    for (const ParameterSpec& parameter : component.parameters) names.push_back(parameter.name);
-    for (const yaml::Entry& entry : params.entries) {
-      if (std::find(names.begin(), names.end(), entry.key) != names.end()) continue;
-      const std::string near = nearest(entry.key, names);
-      problem(entry.at, component.id + " has no parameter '" + entry.key + "'" +
-                            (near.empty() ? "; see: weft plugins show " + component.id
-                                          : "; did you mean '" + near + "'?"));
+    for (const ParameterSpec& parameter : spec_.component().parameters) {
+      names.push_back(parameter.name);
     }
+    yaml::correct_keys(params, names, [&](const yaml::Entry& entry, const std::string& near) {
+      problem(entry.at, id + " has no parameter " + quote(entry.key) +
+                            (near.empty() ? "; see: weft plugins show " + id
+                                          : "; did you mean '" + near + "'?"));
+    });
   }
 
   void wrong(const ParameterSpec& parameter, const yaml::Node& value, const std::string& expected) {
     const bool is_text = value.kind == yaml::Kind::scalar;
     problem(value.at, "'" + parameter.name + "' must be " + expected +
-                          (is_text ? ", not '" + value.scalar + "'" : ""));
+                          (is_text ? ", not " + quote(value.scalar) : ""));
   }
 
   static std::string with_unit(const std::string& what, const ParameterSpec& parameter) {
@@ -90,7 +100,7 @@ class Binder {
       return true;
     }
     std::ostringstream message;
-    message << "'" << parameter.name << "' is " << value.scalar << ", legal is "
+    message << "'" << parameter.name << "' is " << escaped(value.scalar, 80) << ", legal is "
             << parameter.minimum << " to " << parameter.maximum
             << (parameter.unit.empty() ? "" : " ") << parameter.unit;
     problem(value.at, message.str());
@@ -188,7 +198,7 @@ class Binder {
     const bool pattern = path.find_first_of("*?[") != std::string::npos;
     std::error_code code;
     if (input && !pattern && !fs::exists(path, code)) {
-      return problem(value.at, "'" + parameter.name + "': there is no file " + path);
+      return problem(value.at, "'" + parameter.name + "': there is no file " + escaped(path));
     }
     resolved = yaml::text_node(input ? path : path_in_run(path, paths_), value.at);
     spec_.arguments.add_texts(parameter.name, parameter.type, {path});
@@ -212,30 +222,40 @@ class Binder {
   void bind_component(const ParameterSpec& parameter, const yaml::Node& value, bool given,
                       yaml::Node& resolved) {
     if (given && value.kind != yaml::Kind::map) {
+      spec_.nested.push_back({parameter.name, {}});
       return wrong(parameter, value,
                    "a component, such as {use: " + parameter.default_value.scalar + "}");
     }
-    static constexpr const char* kKeys[] = {"use", "params"};
-    for (const yaml::Entry& entry : value.entries) {
-      if (entry.key == kKeys[0] || entry.key == kKeys[1]) continue;
-      problem(entry.at, "a nested component has no key '" + entry.key + "'; it has use and params");
-    }
+    yaml::Node node = value;
+    yaml::correct_keys(node, {"use", "params"}, [&](const yaml::Entry& entry, const std::string&) {
+      problem(entry.at,
+              "a nested component has no key " + quote(entry.key) + "; it has use and params");
+    });
     const yaml::Node default_use = yaml::text_node(parameter.default_value.scalar, value.at);
-    const yaml::Node* use = given ? value.find("use") : &default_use;
-    if (use == nullptr) return problem(value.at, "'" + parameter.name + "' lacks the key 'use'");
-    if (!given && std::find(chain_.begin(), chain_.end(), use->scalar) != chain_.end()) {
-      return problem(value.at, "'" + parameter.name + "' of " + chain_.back() + " is " +
-                                   use->scalar + " by default, which holds it; give another one");
+    const yaml::Node* use = given ? node.find("use") : &default_use;
+    ComponentSpec nested;
+    if (use == nullptr) {
+      if (!value.partial) problem(value.at, "'" + parameter.name + "' lacks the key 'use'");
+    } else if (may_hold(parameter, *use, given)) {
+      nested = resolve(registry_, *use, given ? node.find("params") : nullptr, paths_, problems_,
+                       chain_);
+      resolved = nested.effective;
     }
-    if (use->kind == yaml::Kind::scalar && !use->scalar.starts_with(parameter.role + "/")) {
-      return problem(use->at, "'" + parameter.name + "' must be one of " + parameter.role +
-                                  "/..., not " + use->scalar);
+    spec_.nested.push_back({parameter.name, std::move(nested)});
+  }
+
+  bool may_hold(const ParameterSpec& parameter, const yaml::Node& use, bool given) {
+    if (!given && std::find(chain_.begin(), chain_.end(), use.scalar) != chain_.end()) {
+      problem(use.at, "'" + parameter.name + "' of " + chain_.back() + " is " + use.scalar +
+                          " by default, which holds it; give another one");
+      return false;
     }
-    auto nested =
-        resolve(registry_, *use, given ? value.find("params") : nullptr, paths_, problems_, chain_);
-    if (!nested) return;
-    resolved = nested->effective;
-    spec_.nested.push_back({parameter.name, *std::move(nested)});
+    if (use.kind != yaml::Kind::scalar || use.scalar.starts_with(parameter.role + "/")) return true;
+    const std::string near = registry_.nearest_of_role(use.scalar, parameter.role);
+    problem(use.at, "'" + parameter.name + "' must be one of " + parameter.role + "/..., not " +
+                        quote(use.scalar) +
+                        (near.empty() ? std::string() : "; did you mean '" + near + "'?"));
+    return false;
   }
 
   const Registry& registry_;
@@ -245,26 +265,23 @@ class Binder {
   std::vector<std::string> chain_;  ///< ids from the outermost component to this one
 };
 
-std::optional<ComponentSpec> resolve(const Registry& registry, const yaml::Node& use,
-                                     const yaml::Node* params, const PathRules& paths,
-                                     std::vector<yaml::Problem>& problems,
-                                     std::vector<std::string> parents) {
+ComponentSpec resolve(const Registry& registry, const yaml::Node& use, const yaml::Node* params,
+                      const PathRules& paths, std::vector<yaml::Problem>& problems,
+                      std::vector<std::string> parents) {
+  ComponentSpec spec;
   if (use.kind != yaml::Kind::scalar) {
     problems.push_back({use.at, "'use' must be the id of a plugin, such as filters/myneighbor"});
-    return std::nullopt;
+    return spec;
   }
-  ComponentSpec spec;
   spec.installed = registry.find(use.scalar);
   if (spec.installed == nullptr) {
     problems.push_back({use.at, registry.explain_missing(use.scalar)});
-    return std::nullopt;
+    return spec;
   }
-  const std::size_t before = problems.size();
   spec.effective.kind = yaml::Kind::map;
   spec.effective.entries.push_back({"use", use.at, yaml::plain_node(use.scalar, use.at)});
   parents.push_back(use.scalar);
   Binder(registry, paths, problems, spec, std::move(parents)).bind(params, use.at);
-  if (problems.size() > before) return std::nullopt;
   return spec;
 }
 
@@ -273,6 +290,14 @@ std::optional<ComponentSpec> resolve(const Registry& registry, const yaml::Node&
 std::optional<ComponentSpec> resolve_component(const Registry& registry, const yaml::Node& use,
                                                const yaml::Node* params, const PathRules& paths,
                                                std::vector<yaml::Problem>& problems) {
+  const std::size_t before = problems.size();
+  ComponentSpec spec = resolve(registry, use, params, paths, problems, {});
+  return problems.size() > before ? std::nullopt : std::optional(std::move(spec));
+}
+
+ComponentSpec resolve_known_part(const Registry& registry, const yaml::Node& use,
+                                 const yaml::Node* params, const PathRules& paths,
+                                 std::vector<yaml::Problem>& problems) {
   return resolve(registry, use, params, paths, problems, {});
 }
 

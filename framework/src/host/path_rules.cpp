@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdlib>
 #include <filesystem>
+#include <weft/core/quote.hpp>
 #include <weft/host/component_spec.hpp>
 
 namespace weft::host {
@@ -10,7 +11,8 @@ PathRules PathRules::of_process(std::vector<std::string> input_folders, std::str
           [](const std::string& name) -> std::optional<std::string> {
             const char* value = std::getenv(name.c_str());
             return value != nullptr ? std::optional<std::string>(value) : std::nullopt;
-          }};
+          },
+          false};
 }
 
 Result<std::string> expand_variables(const std::string& text, const PathRules& paths) {
@@ -21,20 +23,21 @@ Result<std::string> expand_variables(const std::string& text, const PathRules& p
     if (start == std::string::npos) return result + text.substr(at);
     const std::size_t end = text.find('}', start);
     if (end == std::string::npos) {
-      return Error{Errc::invalid_value, "'" + text + "' has ${ without }", {}};
+      return Error{Errc::invalid_value, quote(text) + " has ${ without }", {}};
     }
     const std::string inside = text.substr(start + 2, end - start - 2);
     if (inside.find("${") != std::string::npos) {
-      return Error{Errc::invalid_value, "'" + text + "' has ${ inside ${...}", {}};
+      return Error{Errc::invalid_value, quote(text) + " has ${ inside ${...}", {}};
     }
     const std::size_t dash = inside.find(":-");
     const std::string name = inside.substr(0, dash);
     std::optional<std::string> value = paths.variable(name);
     if ((!value || value->empty()) && dash != std::string::npos) value = inside.substr(dash + 2);
     if (!value) {
+      const std::string shown = escaped(name, 80);
       return Error{
           Errc::not_found,
-          "the variable " + name + " is not set; set it, or write ${" + name + ":-default}",
+          "the variable " + shown + " is not set; set it, or write ${" + shown + ":-default}",
           {}};
     }
     if (value->empty() && dash == std::string::npos) {

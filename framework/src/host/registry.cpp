@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <sstream>
+#include <weft/core/quote.hpp>
 #include <weft/core/shell_word.hpp>
 #include <weft/core/suggest.hpp>
 #include <weft/host/build_id.hpp>
@@ -215,6 +216,19 @@ const Installed* Registry::find(std::string_view id) const {
   return nullptr;
 }
 
+std::string Registry::nearest_of_role(std::string_view id, const std::string& role) const {
+  std::vector<std::string> ids, names;
+  for (const Installed& entry : installed_) {
+    if (entry.component.role() != role) continue;
+    ids.push_back(entry.component.id);
+    names.push_back(entry.component.id.substr(role.size() + 1));
+  }
+  std::string near = nearest(id, ids);
+  if (!near.empty()) return near;
+  near = nearest(id.substr(id.find('/') + 1), names);  // npos + 1 is 0
+  return near.empty() ? near : role + "/" + near;
+}
+
 std::string Registry::explain_missing(std::string_view id) const {
   // A library bears its first id, so a file without a readable manifest is known by its name.
   std::string stem(id);
@@ -223,14 +237,14 @@ std::string Registry::explain_missing(std::string_view id) const {
     const std::string name = fs::path(refusal.file).filename().string();
     const bool named = refusal.ids.empty() && name.substr(0, name.rfind(".so")) == stem;
     if (named || std::find(refusal.ids.begin(), refusal.ids.end(), id) != refusal.ids.end()) {
-      return "plugin '" + std::string(id) + "' cannot be used: " + refusal.cause + " (" +
-             refusal.file + "); " + refusal.fix;
+      return "plugin " + quote(id) + " cannot be used: " + refusal.cause + " (" + refusal.file +
+             "); " + refusal.fix;
     }
   }
   std::vector<std::string> ids;
   for (const Installed& entry : installed_) ids.push_back(entry.component.id);
   const std::string near = nearest(id, ids);
-  return "no plugin '" + std::string(id) + "' is installed" +
+  return "no plugin " + quote(id) + " is installed" +
          (near.empty() ? "; see: weft plugins list" : "; did you mean '" + near + "'?");
 }
 

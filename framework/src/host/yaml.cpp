@@ -5,14 +5,11 @@
 #include <yaml-cpp/parser.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <exception>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <sstream>
-#include <system_error>
 #include <utility>
+#include <weft/core/quote.hpp>
+#include <weft/core/text_file.hpp>
 
 #include "yaml_builder.hpp"
 #include "yaml_text.hpp"
@@ -121,30 +118,16 @@ Error syntax_error(const Text& text, const Fault& fault, const std::string& file
 
 }  // namespace
 
-Result<std::string> read_text(const std::string& file) {
-  namespace fs = std::filesystem;
-  std::error_code code;
-  const fs::file_type type = fs::status(file, code).type();
-  if (type == fs::file_type::not_found)
-    return Error{Errc::not_found, "there is no such file", file};
-  if (type == fs::file_type::directory) return Error{Errc::io, "it is a folder", file};
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  const int cause = errno;
-  std::string text;
-  if (stream) text.assign(std::istreambuf_iterator<char>(stream), {});
-  if (stream) return text;
-  return Error{Errc::io, cause != 0 ? std::generic_category().message(cause) : "reading it fails",
-               file};
-}
+Result<std::string> read_text(const std::string& file) { return read_text_file(file, kMaxBytes); }
 
 std::string place(std::string_view file, Position at) {
-  return std::string(file) + ":" + std::to_string(at.line) + ":" + std::to_string(at.column);
+  return escaped(file) + ":" + std::to_string(at.line) + ":" + std::to_string(at.column);
 }
 
 Position position_in(std::string_view where, std::string_view file) {
   Position at;
-  std::istringstream numbers(std::string(where.substr(std::min(file.size() + 1, where.size()))));
+  std::istringstream numbers(
+      std::string(where.substr(std::min(escaped(file).size() + 1, where.size()))));
   char colon = ':';
   numbers >> at.line >> colon >> at.column;
   return at;

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "weft/core/quote.hpp"
 #include "weft/core/suggest.hpp"
 
 namespace weft::yaml::detail {
@@ -57,9 +58,9 @@ bool follows_end_mark(const Text& text, std::size_t offset) {
 std::string Builder::unknown_anchor(const std::string& name) const {
   const std::string near = nearest(name, anchor_names_);
   std::string hint;
-  if (!near.empty()) hint = "; did you mean '*" + near + "'?";
+  if (!near.empty()) hint = "; did you mean " + quote("*" + near) + "?";
   if (!name.empty() && name.back() == ':') hint = "; put a space before the ':'";
-  return "no anchor '&" + name + "' stands before this alias" + hint;
+  return "no anchor " + quote("&" + name) + " stands before this alias" + hint;
 }
 
 void Builder::problem(Position at, std::string message) {
@@ -104,7 +105,7 @@ void Builder::refuse_missing_value(std::size_t offset) const {
   const Frame& parent = open_.back();
   // yaml-cpp takes a line without ':' for a key, and gives its value the place of the key.
   if (!parent.flow && parent.has_key && offset == parent.key_offset) {
-    const std::string key = parent.drops_value ? "this key" : "'" + parent.key + "'";
+    const std::string key = parent.drops_value ? "this key" : quote(parent.key);
     throw Fault{offset, "expected ':' behind " + key};
   }
   if (parent.flow && parent.node.kind == Kind::sequence && text_.at(offset) == ',') {
@@ -145,6 +146,9 @@ void Builder::OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anc
   check_tag(tag, Kind::scalar, offset);
   Node node = plain_node(value, text_.position(offset));
   node.quoted = tag != "?";
+  if (value.find('\0') != std::string::npos) {
+    problem(node.at, "a text with the character NUL, which ends names and paths; remove it");
+  }
   deliver(std::move(node), offset, anchor);
 }
 
@@ -157,14 +161,15 @@ void Builder::check_tag(const std::string& tag, Kind kind, std::size_t offset) {
   if (shown[0] == '!' && text_.starts_at(offset, shown) &&
       std::string_view(" \t\r\n,]}\0", 8).find(text_.at(offset + shown.size())) ==
           std::string_view::npos) {
-    throw Fault{offset, "put a space behind the tag '" + shown + "'"};
+    throw Fault{offset, "put a space behind the tag " + quote(shown)};
   }
   constexpr std::string_view kFitting[] = {"null", "str", "seq", "map"};
   if (tag == "!" || name == kFitting[static_cast<std::size_t>(kind)]) return;
   const bool known = name == "str" || name == "seq" || name == "map";
   problem(text_.position(offset),
-          known ? "tag '" + shown + "' does not fit this value; remove it"
-                : "tag '" + shown + "' is not supported (only !!str, !!seq, !!map); remove it");
+          "tag " + quote(shown) +
+              (known ? " does not fit this value; remove it"
+                     : " is not supported (only !!str, !!seq, !!map); remove it"));
 }
 
 void Builder::start(Kind kind, const YAML::Mark& mark, const std::string& tag,
@@ -253,17 +258,21 @@ void Builder::take_key(Frame& map, Node node, std::size_t offset) {
   map.key_at = node.at;
   map.key_offset = offset;
   if (node.kind != Kind::scalar) {
+    map.node.partial = true;
     problem(node.at, node.kind == Kind::null ? "a key is missing or null; write a text, or quote it"
                                              : "a key must be a text, not a list or map");
     return;
   }
   if (node.scalar == "<<" && !node.quoted) {
+    map.node.partial = true;
     problem(node.at, "merge keys ('<<') are not supported; write the keys out");
     return;
   }
   const auto [first, is_new] = map.keys.emplace(node.scalar, node.at);
   if (!is_new) {
-    problem(node.at, "duplicate key '" + node.scalar + "'; the first is at " +
+    const auto same = [&](const Entry& entry) { return entry.key == node.scalar; };
+    std::find_if(map.node.entries.begin(), map.node.entries.end(), same)->doubtful = true;
+    problem(node.at, "duplicate key " + quote(node.scalar) + "; the first is at " +
                          std::to_string(first->second.line) + ":" +
                          std::to_string(first->second.column));
     return;

@@ -201,10 +201,15 @@ void write_block(const Node& node, std::size_t indent, std::string& out) {
 
 }  // namespace
 
-const Node* Node::find(std::string_view key) const {
+const Entry* Node::find_entry(std::string_view key) const {
   const auto same = [&](const Entry& entry) { return entry.key == key; };
   const auto found = std::find_if(entries.begin(), entries.end(), same);
-  return found == entries.end() ? nullptr : &found->value;
+  return found == entries.end() ? nullptr : &*found;
+}
+
+const Node* Node::find(std::string_view key) const {
+  const Entry* entry = find_entry(key);
+  return entry == nullptr ? nullptr : &entry->value;
 }
 
 bool operator==(const Node& a, const Node& b) {

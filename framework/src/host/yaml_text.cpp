@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <utility>
+#include <weft/core/quote.hpp>
 
 namespace weft::yaml::detail {
 namespace {
@@ -142,8 +143,8 @@ std::vector<Problem> Text::directive_problems() const {
     line = line.substr(0, line.find(" #"));
     line = line.substr(0, line.find_last_not_of(kBlanks) + 1);
     if (line == "%YAML 1.2") continue;
-    problems.push_back({position(start), "directive '" + std::string(line) +
-                                             "' is not supported; only '%YAML 1.2' is"});
+    problems.push_back(
+        {position(start), "directive " + quote(line) + " is not supported; only '%YAML 1.2' is"});
   }
   if (found && !has_start_mark(header)) {
     problems.push_back({position(header), "expected '---' between the directives and the value"});

@@ -42,13 +42,15 @@ std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file, D
   config.file = file;
   config.sources = document.sources;
   config.left_out = std::move(document.left_out);
+  config.doubtful_names = document.doubtful_names;
+  paths.of_fragment = document.fragment;
   ConfigReport report{std::move(document.sources), std::move(document.problems), false};
   const auto of_text = static_cast<std::ptrdiff_t>(report.problems.size());
   // A text that could not be read to its end has no root.
   if (of_text == 0 || document.root.kind == yaml::Kind::map) {
     std::vector<yaml::Problem> found;
-    const bool complete = load_config(document.root, registry, paths, config, found);
-    report.wirable = of_text == 0 && complete;
+    const bool known = load_config(document.root, registry, paths, config, found);
+    report.wirable = known && !document.fragment;
     for (yaml::Problem& mistake : found) {
       const auto end = report.problems.begin() + of_text;
       const bool follows = std::any_of(report.problems.begin(), end,

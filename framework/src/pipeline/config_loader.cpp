@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <set>
-#include <weft/core/suggest.hpp>
+#include <weft/core/quote.hpp>
+#include <weft/host/yaml_keys.hpp>
 
 #include "wiring.hpp"
 
@@ -31,14 +32,15 @@ class Loader {
          std::vector<yaml::Problem>& problems)
       : registry_(registry), paths_(std::move(paths)), config_(config), problems_(problems) {}
 
-  void load(const yaml::Node& root) {
-    if (root.kind != yaml::Kind::map) {
-      complete_ = false;
-      return problem(root.at, "a pipeline is a map with the keys weft, source, template, stages");
+  void load(const yaml::Node& given) {
+    if (given.kind != yaml::Kind::map) {
+      wirable_ = false;
+      return problem(given.at, "a pipeline is a map with the keys weft, source, template, stages");
     }
-    refuse_unknown(root, "a pipeline",
-                   {"weft", "source", "template", "stages", "sinks", "seed", "lost_after",
-                    "on_error", "max_failed", "extends", "without"});
+    const yaml::Node root =
+        with_keys_of(given, "a pipeline",
+                     {"weft", "source", "template", "stages", "sinks", "seed", "lost_after",
+                      "on_error", "max_failed", "extends", "without"});
     check_version(root);
     read_options(root);
     config_.source = read_single(root, "source", kSource);
@@ -47,26 +49,26 @@ class Loader {
     read_list(root, "sinks", config_.sinks, kSink);
   }
 
-  /// Whether each stage is a known component in a legal place, so that wiring can be checked.
-  bool complete() const { return complete_; }
+  /// Whether it is known which stages there are, so that wiring can be checked.
+  bool wirable() const { return wirable_; }
 
  private:
   void problem(yaml::Position at, std::string message) {
     problems_.push_back({at, std::move(message)});
   }
 
-  void refuse_unknown(const yaml::Node& node, const std::string& what, const Words& keys) {
-    for (const yaml::Entry& entry : node.entries) {
-      if (contains(keys, entry.key)) continue;
-      const std::string near = nearest(entry.key, keys);
-      problem(entry.at, what + " has no key '" + entry.key + "'" +
+  yaml::Node with_keys_of(yaml::Node node, const std::string& what, const Words& keys) {
+    yaml::correct_keys(node, keys, [&](const yaml::Entry& entry, const std::string& near) {
+      problem(entry.at, what + " has no key " + quote(entry.key) +
                             (near.empty() ? "; it may have: " + joined(keys)
                                           : "; did you mean '" + near + "'?"));
-    }
+    });
+    return node;
   }
 
   void check_version(const yaml::Node& root) {
     const yaml::Node* version = root.find("weft");
+    if (version == nullptr && paths_.of_fragment) return;
     if (version == nullptr) {
       problem(root.at, "the key 'weft' is missing; begin the file with: weft: 1");
     } else if (yaml::as_int64(*version) != 1) {
@@ -107,12 +109,12 @@ class Loader {
                                          const Place& place) {
     const yaml::Node* node = root.find(key);
     if (node == nullptr) {
-      complete_ = false;
-      problem(root.at, std::string("the key '") + key + "' is missing");
+      if (!paths_.of_fragment) problem(root.at, std::string("the key '") + key + "' is missing");
       return std::nullopt;
     }
-    StageConfig stage = read_component(*node, place);
+    StageConfig stage = read_component(with_keys_of(*node, place.what, place.keys), place);
     stage.name = place.roles.front();
+    if (root.find_entry(key)->doubtful) stage.component = {};
     return stage;
   }
 
@@ -121,32 +123,27 @@ class Loader {
     StageConfig stage;
     stage.at = node.at;
     if (node.kind != yaml::Kind::map) {
-      complete_ = false;
       problem(node.at, std::string(place.what) + " must be a component, such as {use: " +
                            place.roles.back() + "/..., params: {...}}");
       return stage;
     }
-    refuse_unknown(node, place.what, place.keys);
     read_overwrite(node, stage);
-    const yaml::Node* use = node.find("use");
+    const yaml::Entry* use = node.find_entry("use");
     if (use == nullptr) {
-      complete_ = false;
-      problem(node.at, std::string(place.what) + " lacks the key 'use'");
+      if (!node.partial && !paths_.of_fragment) {
+        problem(node.at, std::string(place.what) + " lacks the key 'use'");
+      }
       return stage;
     }
-    auto component =
-        host::resolve_component(registry_, *use, node.find("params"), paths_, problems_);
-    if (component) {
-      stage.component = *std::move(component);
-    } else {
-      stage.component.installed = registry_.find(use->scalar);
-    }
-    if (stage.component.installed == nullptr) {
-      complete_ = false;
-    } else if (!contains(place.roles, stage.component.component().role())) {
-      complete_ = false;
-      problem(use->at, "'" + use->scalar + "' cannot be " + place.what +
-                           "; legal roles: " + joined(place.roles));
+    if (use->doubtful) return stage;
+    stage.component = resolve(node);
+    const std::string role = role_meant(use->value.scalar);
+    if (contains(place.roles, role)) {
+      stage.role = role;
+    } else if (stage.component.installed != nullptr) {
+      stage.component = {};
+      problem(use->value.at, quote(use->value.scalar) + " cannot be " + place.what +
+                                 "; legal roles: " + joined(place.roles));
     }
     return stage;
   }
@@ -159,21 +156,38 @@ class Loader {
     stage.overwrite = flag.value_or(true);  // what is refused without it would only follow
   }
 
+  /// What is known of the component in `node`, which has a `use`.
+  host::ComponentSpec resolve(const yaml::Node& node) {
+    const yaml::Entry* given = node.find_entry("params");
+    yaml::Node params = given != nullptr ? given->value : yaml::Node{};
+    params.partial = params.partial || node.partial || (given != nullptr && given->doubtful);
+    const bool present = given != nullptr || params.partial;
+    if (given == nullptr) params.at = node.find("use")->at;
+    return host::resolve_known_part(registry_, *node.find("use"), present ? &params : nullptr,
+                                    paths_, problems_);
+  }
+
   void read_list(const yaml::Node& root, const char* key, std::vector<StageConfig>& stages,
                  const Place& place) {
     const yaml::Node* list = root.find(key);
     if (list == nullptr || yaml::is_null(*list)) return;
+    if (root.find_entry(key)->doubtful) wirable_ = false;
     if (list->kind != yaml::Kind::sequence) {
-      complete_ = false;
+      wirable_ = false;
       return problem(list->at, std::string("'") + key +
                                    "' must be a list, each item beginning with '- use: '");
     }
-    const std::vector<std::string> names = names_of_stages(*list);
+    yaml::Node corrected = *list;
+    for (yaml::Node& item : corrected.items) {
+      item = with_keys_of(std::move(item), place.what, place.keys);
+    }
+    const std::vector<std::string> names = names_of_stages(corrected);
     for (std::size_t i = 0; i < names.size(); ++i) {
-      const yaml::Node& item = list->items[i];
+      const yaml::Node& item = corrected.items[i];
       StageConfig stage = read_component(item, place);
       stage.name = names[i];
       read_name(item, stage);
+      if (item.partial) config_.doubtful_names = true;
       read_from(item, stage);
       read_isolation(item, stage);
       if (stage.component.installed != nullptr) read_template_params(item, stage);
@@ -184,20 +198,23 @@ class Loader {
   void read_name(const yaml::Node& item, StageConfig& stage) {
     const yaml::Node* as = item.find("as");
     if (as == nullptr) return;
+    if (item.find_entry("as")->doubtful) config_.doubtful_names = true;
     const auto legal = [](char c) {
       return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
     };
     const std::string& name = as->scalar;
     if (name.empty() || !std::all_of(name.begin(), name.end(), legal)) {
+      config_.doubtful_names = true;
       return problem(as->at, "'as' must be a name of a-z, 0-9 and _");
     }
     // Stages without a name bear that of their role, and 'previous' is the host's.
     const bool of_role = contains(kStage.roles, name) || contains(kSink.roles, name) ||
                          contains(kSource.roles, name) || contains(kTemplate.roles, name);
     if (of_role || name == "previous") {
+      config_.doubtful_names = true;
       problem(as->at, "'as' must not be '" + name + "', which has a meaning of its own");
     } else if (!names_.insert(name).second) {
-      problem(as->at, "the name '" + name + "' is used twice");
+      problem(as->at, "the name " + quote(name) + " is used twice");
     }
     stage.named = true;
   }
@@ -205,6 +222,8 @@ class Loader {
   void read_from(const yaml::Node& item, StageConfig& stage) {
     const yaml::Node* from = item.find("from");
     if (from == nullptr) return;
+    if (item.find_entry("from")->doubtful || from->partial)
+      stage.from.push_back({"", {}, from->at});
     if (from->kind != yaml::Kind::map) {
       stage.from.push_back({"", {}, from->at});
       return problem(from->at, "'from' must be a map of inputs and names, such as {warp: NAME}");
@@ -218,11 +237,11 @@ class Loader {
         if (name.kind == yaml::Kind::scalar) rule.names.push_back(name.scalar);
       }
       if (names.empty() || rule.names.size() < names.size()) {
-        problem(entry.value.at, "'" + entry.key +
-                                    "' must be the name of a stage, or a list of "
-                                    "names");
+        problem(entry.value.at,
+                quote(entry.key) + " must be the name of a stage, or a list of names");
         rule.names.clear();
       }
+      if (entry.doubtful) rule.names.clear();
       stage.from.push_back(std::move(rule));
     }
   }
@@ -235,6 +254,7 @@ class Loader {
     }
     if (deadline == nullptr && isolate == nullptr) return;
     if (isolate == nullptr) {
+      if (item.partial || paths_.of_fragment) return;
       return problem(deadline->at,
                      "'deadline_ms' needs 'isolate: process': only a process can be ended");
     }
@@ -246,6 +266,7 @@ class Loader {
   void read_template_params(const yaml::Node& item, StageConfig& stage) {
     const yaml::Node* overrides = item.find("template_params");
     if (overrides == nullptr) return;
+    const bool doubtful = item.partial || item.find_entry("template_params")->doubtful;
     if (stage.component.component().role() != "detectors") {
       return problem(overrides->at, "only detectors have template_params");
     }
@@ -253,7 +274,9 @@ class Loader {
       return problem(overrides->at, "template_params must be a map of names and values");
     }
     yaml::Node merged = *overrides;
+    merged.partial = merged.partial || doubtful;
     if (const yaml::Node* params = item.find("params")) {
+      merged.partial = merged.partial || params->partial || item.find_entry("params")->doubtful;
       for (const yaml::Entry& entry : params->entries) {
         if (merged.find(entry.key) == nullptr) merged.entries.push_back(entry);
       }
@@ -275,7 +298,7 @@ class Loader {
   PipelineConfig& config_;
   std::vector<yaml::Problem>& problems_;
   std::set<std::string> names_;
-  bool complete_ = true;
+  bool wirable_ = true;
 };
 
 }  // namespace
@@ -285,7 +308,7 @@ bool load_config(const yaml::Node& root, const host::Registry& registry,
                  std::vector<yaml::Problem>& problems) {
   Loader loader(registry, paths, config, problems);
   loader.load(root);
-  return loader.complete();
+  return loader.wirable();
 }
 
 }  // namespace weft

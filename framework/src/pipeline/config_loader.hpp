@@ -6,8 +6,8 @@
 
 namespace weft {
 
-/// Fills a configuration from the root of a pipeline file and appends all mistakes. Says whether
-/// each stage is a known component in a legal place, so that the wiring can be checked.
+/// Fills a configuration from the root of a pipeline file and appends all mistakes. Says whether it
+/// is known which stages there are, so that the wiring can be checked.
 bool load_config(const yaml::Node& root, const host::Registry& registry,
                  const host::PathRules& paths, PipelineConfig& config,
                  std::vector<yaml::Problem>& problems);

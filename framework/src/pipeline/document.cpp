@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 #include <set>
+#include <weft/core/quote.hpp>
 #include <weft/core/suggest.hpp>
 #include <weft/pipeline/document.hpp>
 
@@ -28,6 +29,21 @@ void erase(yaml::Node& map, std::string_view key) {
   std::erase_if(map.entries, [&](const yaml::Entry& entry) { return entry.key == key; });
 }
 
+constexpr std::size_t kMostShown = 200;  // [characters] of a setting
+
+/// The places of all values that hold no others.
+void add_leaves(const yaml::Node& node, std::vector<yaml::Position>& leaves) {
+  if (node.items.empty() && node.entries.empty()) leaves.push_back(node.at);
+  for (const yaml::Node& item : node.items) add_leaves(item, leaves);
+  for (const yaml::Entry& entry : node.entries) add_leaves(entry.value, leaves);
+}
+
+std::vector<yaml::Position> leaves_of(const yaml::Node& node) {
+  std::vector<yaml::Position> leaves;
+  if (node.kind != yaml::Kind::map || !node.entries.empty()) add_leaves(node, leaves);
+  return leaves;
+}
+
 class Reader {
  public:
   explicit Reader(const host::PathRules& paths) : paths_(paths) {}
@@ -41,18 +57,28 @@ class Reader {
                const std::vector<std::string>& settings) {
     document_ = std::move(base);
     for (const Patch& patch : patches) lay(patch);
+    std::vector<Laid> laid;
     for (const std::string& setting : settings) {
-      const int source = add_source({setting, fs::current_path().string(), true});
-      if (document_.unreadable) continue;
+      std::error_code code;
+      const int source = add_source({setting, fs::current_path(code).string(), true});
+      if (document_.unreadable || document_.fragment) continue;
       auto [overlay, problems] = overlay_of(setting, document_.root);
       stamp(overlay, source);
       report(std::move(problems), source);
+      laid.push_back({{1, 1, source}, leaves_of(overlay)});
       document_.root = merged(std::move(document_.root), std::move(overlay));
     }
+    refuse_lost(laid);
     return std::move(document_);
   }
 
  private:
+  /// A setting and the places of its values.
+  struct Laid {
+    yaml::Position at;
+    std::vector<yaml::Position> leaves;
+  };
+
   int add_source(ConfigSource source) {
     document_.sources.push_back(std::move(source));
     return static_cast<int>(document_.sources.size()) - 1;
@@ -60,19 +86,57 @@ class Reader {
 
   void lay(const Patch& patch) {
     const int source = add_source(patch.source);
-    if (document_.unreadable) return;
+    if (document_.unreadable || document_.fragment) return;
     yaml::Node node = patch.node;
     stamp(node, source);
+    refuse_twice(node);
     if (const yaml::Node* without = node.find("without")) leave_out(document_.root, *without);
     const yaml::Node* given = node.find("set");
     const yaml::Node settings = given != nullptr ? *given : yaml::Node{};
     erase(node, "without");
     erase(node, "set");
     document_.root = merged(std::move(document_.root), std::move(node));
+    std::vector<Laid> laid;
     for (const yaml::Entry& setting : settings.entries) {
       auto [overlay, problems] = overlay_of(setting, document_.root);
+      const bool sound = problems.empty();
       report(std::move(problems), source);
+      if (sound) laid.push_back({setting.at, leaves_of(setting.value)});
       document_.root = merged(std::move(document_.root), std::move(overlay));
+    }
+    refuse_lost(laid);
+  }
+
+  /// A setting of which nothing is left has been overruled by one beside it.
+  void refuse_lost(const std::vector<Laid>& laid) {
+    if (laid.size() < 2) return;
+    const std::vector<yaml::Position> left = leaves_of(document_.root);
+    for (const Laid& setting : laid) {
+      const auto stands = [&](yaml::Position at) {
+        return std::find(left.begin(), left.end(), at) != left.end();
+      };
+      if (setting.leaves.empty() ||
+          std::any_of(setting.leaves.begin(), setting.leaves.end(), stands))
+        continue;
+      problem(setting.at,
+              "this setting has no effect: a later one sets the same, or takes another plugin, "
+              "which drops it; leave it out, or put it behind");
+    }
+  }
+
+  /// Of two entries with one name the later would be laid over the earlier.
+  void refuse_twice(const yaml::Node& root) {
+    for (const char* key : {"stages", "sinks"}) {
+      const yaml::Node* list = root.find(key);
+      if (list == nullptr || list->kind != yaml::Kind::sequence) continue;
+      std::set<std::string> known;
+      const std::vector<std::string> names = names_of_stages(*list);
+      for (std::size_t i = 0; i < names.size(); ++i) {
+        if (known.insert(names[i]).second) continue;
+        const yaml::Node* as = list->items[i].find("as");
+        problem(as != nullptr ? as->at : list->items[i].at,
+                "the name " + quote(names[i]) + " is used twice");
+      }
     }
   }
 
@@ -83,36 +147,35 @@ class Reader {
     }
   }
 
-  /// Nothing but this can be said of a text that is no YAML.
-  yaml::Node syntax_error(yaml::Position at, std::string message) {
-    document_.problems.clear();
-    return give_up(at, std::move(message));
-  }
-
-  /// What else is missing would only follow from this.
+  /// Nothing but this can be said of a text that is no YAML. What other files lay over it is still
+  /// checked, as far as it does not depend on it.
   yaml::Node give_up(yaml::Position at, std::string message) {
     problem(at, std::move(message));
-    document_.unreadable = true;
+    document_.fragment = true;
     return {};
   }
 
   yaml::Node read_file(const std::string& file, std::vector<std::string> chain) {
-    const int source = add_source({file, fs::absolute(file).parent_path().string(), false});
+    std::error_code code;
+    const int source = add_source({file, fs::absolute(file, code).parent_path().string(), false});
     const auto text = yaml::read_text(file);
     if (!text) {
-      return syntax_error({1, 1, source},
-                          "the pipeline file cannot be read: " + text.error().message);
+      document_.unreadable = chain.empty();
+      return give_up({1, 1, source}, "the pipeline file cannot be read: " + text.error().message);
     }
     auto parsed = yaml::parse(*text, file);
     if (!parsed) {
+      document_.unreadable = chain.empty();
       yaml::Position at = yaml::position_in(parsed.error().where, file);
       stamp(at, source);
-      return syntax_error(at, parsed.error().message);
+      return give_up(at, parsed.error().message);
     }
     yaml::Node root = std::move(parsed->root);
     stamp(root, source);
     report(std::move(parsed->problems), source);
-    chain.push_back(fs::weakly_canonical(file).string());
+    refuse_twice(root);
+    if (root.partial) document_.fragment = true;
+    chain.push_back(canonical(file));
     return extended(std::move(root), source, chain);
   }
 
@@ -127,13 +190,20 @@ class Reader {
       }
       return root;
     }
+    if (root.find_entry("extends")->doubtful) document_.fragment = true;
     yaml::Node base = read_base(*extends, source, chain);
-    if (document_.unreadable) return {};
-    if (without != nullptr) leave_out(base, *without);
+    if (without != nullptr && !document_.fragment) leave_out(base, *without);
+    if (without != nullptr && root.find_entry("without")->doubtful) document_.doubtful_names = true;
     erase(root, "extends");
     erase(root, "without");
+    if (base.kind == yaml::Kind::null) return root;
     base.at = root.at;  // a missing key is missing in this file
     return merged(std::move(base), std::move(root));
+  }
+
+  static std::string canonical(const std::string& file) {
+    std::error_code code;
+    return fs::weakly_canonical(file, code).string();
   }
 
   yaml::Node read_base(const yaml::Node& extends, int source,
@@ -149,13 +219,15 @@ class Reader {
     const std::string file = (fs::path(folder) / *expanded).lexically_normal().string();
     if (const auto text = yaml::read_text(file); !text) {
       return give_up(extends.at, text.error().code == Errc::not_found
-                                     ? "'extends': there is no file " + file
-                                     : "'extends': " + file + ": " + text.error().message);
+                                     ? "'extends': there is no file " + escaped(file)
+                                     : "'extends': " + escaped(file) + ": " + text.error().message);
     }
-    if (std::find(chain.begin(), chain.end(), fs::weakly_canonical(file).string()) != chain.end()) {
-      return give_up(extends.at, "'extends': " + file + " extends itself");
+    if (std::find(chain.begin(), chain.end(), canonical(file)) != chain.end()) {
+      return give_up(extends.at, "'extends': " + escaped(file) + " extends itself");
     }
-    return read_file(file, chain);
+    yaml::Node base = read_file(file, chain);
+    if (base.kind == yaml::Kind::map || document_.fragment) return base;
+    return give_up(extends.at, "'extends': " + escaped(file) + " is no pipeline, which is a map");
   }
 
   void leave_out(yaml::Node& base, const yaml::Node& without) {
@@ -163,7 +235,10 @@ class Reader {
       return problem(without.at, "'without' must be a list of names of stages and sinks");
     }
     std::set<std::string> unwanted;
-    for (const yaml::Node& name : without.items) unwanted.insert(name.scalar);
+    for (const yaml::Node& name : without.items) {
+      if (unwanted.insert(name.scalar).second || name.kind != yaml::Kind::scalar) continue;
+      problem(name.at, "'without' names " + quote(name.scalar) + " twice");
+    }
     std::vector<std::string> known;
     std::map<std::string, std::string> plugins;
     for (NamedStage& stage : remove_stages(base, unwanted)) {
@@ -175,8 +250,13 @@ class Reader {
         document_.left_out.push_back({name.scalar, found->second, name.at});
         continue;
       }
+      document_.doubtful_names = true;
+      if (name.kind != yaml::Kind::scalar) {
+        problem(name.at, "'without' must be a list of names of stages and sinks");
+        continue;
+      }
       const std::string near = nearest(name.scalar, known);
-      problem(name.at, "the extended file has no stage or sink '" + name.scalar + "'" +
+      problem(name.at, "the extended file has no stage or sink " + quote(name.scalar) +
                            (near.empty() ? "" : "; did you mean '" + near + "'?"));
     }
   }
@@ -194,24 +274,7 @@ class Reader {
 std::string place_in(const std::vector<ConfigSource>& sources, yaml::Position at) {
   const ConfigSource& source = sources.at(static_cast<std::size_t>(at.source));
   if (!source.is_setting) return yaml::place(source.name, at);
-  return "--set " + source.name + ", column " + std::to_string(at.column);
-}
-
-std::vector<std::string> names_of_stages(const yaml::Node& list) {
-  std::map<std::string, int> unnamed;
-  std::vector<std::string> names;
-  for (const yaml::Node& item : list.items) {
-    const yaml::Node* as = item.find("as");
-    if (as != nullptr) {
-      names.push_back(as->scalar);
-      continue;
-    }
-    const yaml::Node* use = item.find("use");
-    const std::string role = use != nullptr ? use->scalar.substr(0, use->scalar.find('/')) : "";
-    const int number = ++unnamed[role];
-    names.push_back(number == 1 ? role : role + "#" + std::to_string(number));
-  }
-  return names;
+  return "--set " + escaped(source.name, kMostShown) + ", column " + std::to_string(at.column);
 }
 
 Document read_document(const std::string& file, const std::vector<std::string>& settings,

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <iterator>
 #include <optional>
+#include <weft/core/quote.hpp>
 #include <weft/core/suggest.hpp>
 #include <weft/pipeline/document.hpp>
 
@@ -93,7 +94,7 @@ class Overlay {
                       columns(text.substr(0, equals + 1)));
   }
 
-  /// The keys of a path that begins at `at`; false when one is empty.
+  /// The keys of a path that begins at `at`; false when one is empty or there are too many.
   bool split_path(const std::string& path, yaml::Position at, Setting& setting) {
     for (std::size_t start = 0; start <= path.size();) {
       const std::size_t end = std::min(path.find('.', start), path.size());
@@ -102,6 +103,10 @@ class Overlay {
       if (end == start) {
         const std::string next = end == path.size() ? "=" : path.substr(end, 1);
         fail(key_at, "expected a name before '" + next + "'");
+        return false;
+      }
+      if (setting.path.size() == yaml::kMaxDepth) {
+        fail(key_at, "more than " + std::to_string(yaml::kMaxDepth) + " names before '='");
         return false;
       }
       setting.path.push_back({path.substr(start, end - start), key_at});
@@ -158,8 +163,8 @@ class Overlay {
     const std::string& name = setting.path.front().text;
     const std::string& text = setting.value.scalar;
     const bool is_id = text.find('/') != std::string::npos;
-    fail(setting.value.at, "'" + name + "' is a component" +
-                               (is_id ? "; did you mean " + name + ".use=" + text + "?"
+    fail(setting.value.at, quote(name) + " is a component" +
+                               (is_id ? "; did you mean " + escaped(name + ".use=" + text, 80) + "?"
                                       : "; set a key or parameter of it: " + name + ".KEY=VALUE"));
     return false;
   }
@@ -185,11 +190,11 @@ class Overlay {
     const bool of_files =
         std::find(std::begin(kOfFiles), std::end(kOfFiles), first.text) != std::end(kOfFiles);
     if (of_files && (setting.path.size() == 1 || first.text != "sinks")) {
-      fail(first.at, "a setting cannot set '" + first.text + "'; write it into a file");
+      fail(first.at, "a setting cannot set " + quote(first.text) + "; write it into a file");
       return {};
     }
     if (setting.path.size() > 1) {
-      fail(first.at, "no stage or sink is named '" + first.text + "'" + suggestion(first.text));
+      fail(first.at, "no stage or sink is named " + quote(first.text) + suggestion(first.text));
       return {};
     }
     return nested(setting, 0);

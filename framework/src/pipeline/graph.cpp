@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <weft/core/quote.hpp>
 #include <weft/core/suggest.hpp>
 #include <weft/sdk/roles.hpp>
 
@@ -10,26 +11,10 @@
 namespace weft {
 namespace {
 
-/// What a component is given: `required` or used when present.
-struct Demand {
-  std::string slot;
-  bool required;
-};
-
-const Role& role_named(const std::map<std::string, Role>& roles, const std::string& name) {
-  return roles.at(name);
-}
-
-/// The method that takes a frame's data: the last one of sources and sinks' three, else the first.
-const RoleMethod& main_method(const Role& role) {
-  const std::size_t index = role.name == "sinks" ? 1 : role.name == "sources" ? 2 : 0;
-  return role.methods[index];
-}
-
 using host::ComponentManifest;
 
 constexpr int kLongestLag = 1000;  // [frames]
-constexpr int kRefused = -2;       // instead of a value: a mistake has been reported
+constexpr int kRefused = -2;       // instead of a value: nothing is to be said of it
 constexpr std::string_view kPrevious = "previous.";
 
 /// Sources have a choice; they say what they produce.
@@ -47,38 +32,51 @@ class Wiring {
   }
 
   Graph wire() {
-    const std::size_t before = problems_.size();
     add_given();
     for (std::size_t i = 0; i < config_.stages.size(); ++i) {
       const StageConfig& stage = config_.stages[i];
+      reader_ = i;
       Node node = connect(stage);
-      for (const std::string& slot : products_of(stage.component.component())) {
+      const auto made = products_of(stage);
+      for (const std::string& slot : made.value_or(Words{})) {
         node.outputs.push_back(add(slot, static_cast<int>(i), stage.name));
       }
-      if (stage.component.component().role() == "filters" && !node.inputs.empty()) {
+      if (!made) may_make(stage.role, "");
+      if (stage.role == "filters" && !node.inputs.empty()) {
         graph_.values.back().filtered = node.inputs.front().value;
       }
       graph_.stages.push_back(std::move(node));
     }
+    reader_ = config_.stages.size();
     for (const StageConfig& sink : config_.sinks) graph_.sinks.push_back(connect(sink));
-    // What is read by nobody may only follow from another mistake.
-    if (problems_.size() == before && !has_broken_rules()) {
-      refuse_unread(config_, graph_, problems_);
-    }
+    if (!config_.doubtful_names) refuse_unread(config_, graph_, open_, problems_);
     return std::move(graph_);
   }
 
  private:
+  /// What a stage of an unknown plugin may make, from here on.
+  void may_make(const std::string& role, const std::string& before) {
+    for (const auto& [name, each] : roles_) {
+      if (!role.empty() && name != role) continue;
+      StageConfig any;
+      any.role = name;
+      for (const std::string& slot : products_of(any).value_or(Words{})) {
+        perhaps_.insert(before + slot);
+      }
+      if (products_of(any)) continue;
+      for (const RoleSlot& output : main_method(each).outputs)
+        perhaps_.insert(before + output.name);
+    }
+  }
+
   /// Whether `from` cannot be understood, which has been reported.
   static bool has_broken_rule(const StageConfig& stage) {
     return std::any_of(stage.from.begin(), stage.from.end(),
                        [](const FromRule& rule) { return rule.names.empty(); });
   }
 
-  bool has_broken_rules() const {
-    return std::any_of(config_.stages.begin(), config_.stages.end(), has_broken_rule) ||
-           std::any_of(config_.sinks.begin(), config_.sinks.end(), has_broken_rule);
-  }
+  /// From now on the stage that is being connected may read whatever is made before it.
+  void may_read_anything() { open_.before = reader_; }
 
   int add(const std::string& slot, int stage, const std::string& name, int lag = 0) {
     graph_.values.push_back({slot, stage, name, lag});
@@ -87,74 +85,46 @@ class Wiring {
 
   /// Values that exist before the first stage. previous.* is fed back by the host.
   void add_given() {
-    if (config_.source) {
-      const ComponentManifest& source = config_.source->component.component();
-      for (const RoleSlot& output : main_method(roles_.at("sources")).outputs) {
-        if (declares(source, output.name)) add(output.name, -1, "sources");
+    const host::Installed* source = config_.source ? config_.source->component.installed : nullptr;
+    for (const RoleSlot& output : main_method(roles_.at("sources")).outputs) {
+      if (source == nullptr || declares(source->component, output.name)) {
+        add(output.name, -1, "sources");
       }
     }
     add("camera", -1, "sources");
     add("template", -1, "templates");
     std::set<std::string> fed_back;
     for (const StageConfig& stage : config_.stages) {
-      const auto made = products_of(stage.component.component());
+      const Words made = products_of(stage).value_or(Words{});
       fed_back.insert(made.begin(), made.end());
+      if (!products_of(stage)) may_make(stage.role, std::string(kPrevious));
     }
     for (const std::string& slot : fed_back) add("previous." + slot, -1, "previous", 1);
   }
 
-  /// What the component and those nested in it want of the role's inputs.
-  void collect(const host::ComponentSpec& spec, const RoleMethod& offered,
-               std::vector<Demand>& demands, yaml::Position at, bool nested) {
-    const ComponentManifest& component = spec.component();
-    const auto want = [&](const std::string& slot, bool required) {
-      const bool is_offered =
-          std::any_of(offered.inputs.begin(), offered.inputs.end(),
-                      [&](const RoleSlot& input) { return input.name == slot; });
-      if (!is_offered) {
-        if (!nested)
-          problems_.push_back({at, component.id + " wants '" + slot + "', which " +
-                                       component.role() + " are never given"});
-        return;
-      }
-      if (slot == "ground_truth" && !component.uses_truth && component.role() != "sinks") {
-        problems_.push_back({at, component.id + " reads ground_truth without saying uses_truth"});
-        return;
-      }
-      for (Demand& demand : demands) {
-        if (demand.slot != slot) continue;
-        demand.required = demand.required || required;
-        return;
-      }
-      demands.push_back({slot, required && !slot.starts_with("previous.")});
-    };
-    for (const RoleSlot& input : main_method(role_named(roles_, component.role())).inputs) {
-      if (input.required) want(input.name, true);
-    }
-    for (const std::string& slot : component.needs) want(slot, true);
-    for (const std::string& slot : component.reads) want(slot, false);
-    for (const auto& [parameter, child] : spec.nested) collect(child, offered, demands, at, true);
-  }
-
   Node connect(const StageConfig& stage) {
-    const ComponentManifest& component = stage.component.component();
-    const RoleMethod& method = main_method(role_named(roles_, component.role()));
-    std::vector<Demand> demands;
-    collect(stage.component, method, demands, stage.at, false);
-    check_from(stage, demands);
     Node node;
+    if (!is_known(stage.component) || has_broken_rule(stage)) may_read_anything();
+    if (stage.role.empty()) return node;
+    const std::vector<Demand> demands =
+        demands_of(stage, main_method(roles_.at(stage.role)), problems_);
+    check_from(stage, demands);
     for (const Demand& demand : demands) {
-      const bool unites = takes_several(component, demand.slot);
+      const bool unites = takes_several(stage, demand.slot);
       if (unites && chosen(stage, demand.slot) == nullptr && !has_broken_rule(stage)) {
+        if (perhaps_.count(demand.slot) > 0 || stage.component.installed == nullptr) continue;
         problems_.push_back({stage.at, nothing_to_unite(graph_, stage, demand.slot)});
+        open_.slots.insert(demand.slot);
         continue;
       }
       const std::vector<int> values = choose(stage, demand.slot);
       for (const int value : values) node.inputs.push_back({demand.slot, value, demand.required});
-      if (values.empty() && demand.required && !chosen(stage, demand.slot)) {
-        problems_.push_back(
-            {stage.at, missing_input(config_, registry_, component.id, demand.slot)});
-      }
+      if (!values.empty() || !demand.required || chosen(stage, demand.slot) != nullptr) continue;
+      open_.slots.insert(demand.slot);
+      may_read_anything();  // as what is missing may
+      if (perhaps_.count(demand.slot) > 0) continue;
+      problems_.push_back({stage.at, missing_input(config_, registry_,
+                                                   stage.component.component().id, demand.slot)});
     }
     return node;
   }
@@ -162,24 +132,35 @@ class Wiring {
   void check_from(const StageConfig& stage, const std::vector<Demand>& demands) {
     std::vector<std::string> slots;
     for (const Demand& demand : demands) slots.push_back(demand.slot);
-    const ComponentManifest& component = stage.component.component();
+    const std::string reader = stage.component.installed != nullptr
+                                   ? stage.component.component().id
+                                   : "a component of " + stage.role;
     for (const FromRule& rule : stage.from) {
       if (rule.names.empty()) continue;  // reported
-      const bool read = std::find(slots.begin(), slots.end(), rule.slot) != slots.end();
+      const bool read = contains(slots, rule.slot);
       if (rule.slot == "template_keypoints") {
         problems_.push_back({rule.at, "'from' chooses both kinds of keypoints with: keypoints"});
       } else if (!read) {
         const std::string near = nearest(rule.slot, slots);
-        problems_.push_back({rule.at, component.id + " does not read '" + rule.slot + "'" +
+        problems_.push_back({rule.at, reader + " does not read " + quote(rule.slot) +
                                           (near.empty() ? "" : "; did you mean '" + near + "'?")});
-      } else if (rule.names.size() > 1 && !takes_several(component, rule.slot)) {
-        problems_.push_back({rule.at, component.id + " takes one '" + rule.slot + "' only"});
+      } else if (rule.names.size() > 1 && !takes_several(stage, rule.slot)) {
+        problems_.push_back({rule.at, reader + " takes one '" + rule.slot + "' only"});
       }
+      if (read && takes_several(stage, rule.slot)) refuse_twice(rule);
+      if (!read) may_read_anything();
     }
   }
 
-  static bool takes_several(const ComponentManifest& component, const std::string& slot) {
-    return component.role() == "matchers" && slot == "correspondences";
+  /// What is given twice would count twice.
+  void refuse_twice(const FromRule& rule) {
+    const std::set<std::string> names(rule.names.begin(), rule.names.end());
+    if (names.size() == rule.names.size()) return;
+    problems_.push_back({rule.at, "'" + rule.slot + "' is taken from one stage twice"});
+  }
+
+  static bool takes_several(const StageConfig& stage, const std::string& slot) {
+    return stage.role == "matchers" && slot == "correspondences";
   }
 
   /// The rule with which a stage chooses where a slot comes from, or null.
@@ -202,14 +183,33 @@ class Wiring {
       // In place of the previous value a stage may take one of this frame, to refine it.
       const std::string made = slot.substr(slot.starts_with(kPrevious) ? kPrevious.size() : 0);
       const int value = name.starts_with(kPrevious) ? earlier(*rule, name) : named(made, name);
-      if (value == kRefused) continue;
-      if (value >= 0) {
-        values.push_back(value);
-      } else if (slot == rule->slot) {
+      if (value >= 0) values.push_back(value);
+      if (value >= 0) continue;
+      may_read_anything();
+      open_.slots.insert(slot);
+      if (value != kRefused && slot == rule->slot && !is_open(name)) {
         problems_.push_back({rule->at, wrong_name(config_, graph_, stage, made, name)});
       }
     }
     return values;
+  }
+
+  /// Whether a name may be that of a stage of an unknown plugin, or of one whose name is not known.
+  bool is_open(const std::string& name) const {
+    const auto named = [&](const StageConfig& stage) { return stage.name == name; };
+    const auto& stages = config_.stages;
+    const auto stage = std::find_if(stages.begin(), stages.end(), named);
+    if (stage != stages.end()) {
+      const bool before = stage - stages.begin() < static_cast<std::ptrdiff_t>(reader_);
+      return before && !products_of(*stage);
+    }
+    const bool unnamed = std::any_of(stages.begin(), stages.end(), [](const StageConfig& each) {
+      return each.role.empty() && !each.named;
+    });
+    const bool known = std::any_of(graph_.values.begin(), graph_.values.end(),
+                                   [&](const ValueInfo& value) { return value.name == name; }) ||
+                       std::any_of(config_.sinks.begin(), config_.sinks.end(), named);
+    return !known && (unnamed || config_.doubtful_names);
   }
 
   /// The value of "previous.TYPE@k", for an input of that type.
@@ -219,16 +219,17 @@ class Wiring {
     const std::string type = slot.substr(kPrevious.size());
     const bool reads_previous = rule.slot.starts_with(kPrevious);
     if (type != (reads_previous ? rule.slot.substr(rule.slot.find('.') + 1) : rule.slot)) {
-      problems_.push_back({rule.at, "'" + rule.slot + "' cannot be read from '" + name + "'"});
+      problems_.push_back({rule.at, "'" + rule.slot + "' cannot be read from " + quote(name)});
       return kRefused;
     }
     const auto lag = at == name.size() ? 1 : lag_in(name.substr(at + 1));
     if (!lag) {
-      problems_.push_back({rule.at, "'" + name + "' must be " + slot + " or " + slot +
+      problems_.push_back({rule.at, quote(name) + " must be " + slot + " or " + slot +
                                         "@k, k frames ago, with k from 1 to " +
                                         std::to_string(kLongestLag)});
       return kRefused;
     }
+    if (graph_.latest(slot) < 0 && perhaps_.count(slot) > 0) return kRefused;
     if (graph_.latest(slot) < 0) {
       problems_.push_back(
           {rule.at, "no stage produces '" + type + "', so that there is no '" + name + "'"});
@@ -258,6 +259,9 @@ class Wiring {
   const host::Registry& registry_;
   std::vector<yaml::Problem>& problems_;
   std::map<std::string, Role> roles_;
+  std::set<std::string> perhaps_;  ///< what an unknown plugin may have made so far
+  OpenReading open_;
+  std::size_t reader_ = 0;  ///< the stage that is being connected; behind the last for sinks
   Graph graph_;
 };
 

@@ -1,11 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <weft/core/quote.hpp>
 #include <weft/core/suggest.hpp>
 
 #include "wiring.hpp"
 
 namespace weft {
 namespace {
+
+/// Nothing where a component has a choice.
+std::optional<Words> products_of_role(const std::string& role) {
+  if (role == "detectors") return Words{"keypoints", "template_keypoints"};
+  if (role == "matchers" || role == "filters") return Words{"correspondences"};
+  if (role == "warps") return Words{"warp", "warp_samples"};
+  if (role == "solvers") return Words{"shape"};
+  return std::nullopt;
+}
 
 /// Whether a component makes values of this slot out of others. Filters only mark what is there.
 bool can_make(const host::ComponentManifest& component, const std::string& slot) {
@@ -14,7 +24,7 @@ bool can_make(const host::ComponentManifest& component, const std::string& slot)
 
 /// "FILE:LINE".
 std::string line_of(const PipelineConfig& config, yaml::Position at) {
-  return config.sources.at(static_cast<std::size_t>(at.source)).name + ":" +
+  return escaped(config.sources.at(static_cast<std::size_t>(at.source)).name) + ":" +
          std::to_string(at.line);
 }
 
@@ -32,9 +42,9 @@ std::string later_stage(const PipelineConfig& config, const StageConfig& reader,
                         const std::string& slot, const std::string& name) {
   for (const StageConfig& stage : config.stages) {
     if (stage.name != name) continue;
-    const Words made = products_of(stage.component.component());
-    if (!contains(made, slot))
-      return "'" + name + "' makes " + joined(made) + ", not '" + slot + "'";
+    const auto made = products_of(stage);
+    if (made && !contains(*made, slot))
+      return "'" + name + "' makes " + joined(*made) + ", not '" + slot + "'";
     if (&stage == &reader) {
       return "'" + name + "' cannot read what it makes itself; what it made one frame ago is " +
              "previous." + slot;
@@ -57,12 +67,13 @@ std::string joined(const Words& words) {
 }
 
 std::vector<std::string> products_of(const host::ComponentManifest& component) {
-  const std::string role = component.role();
-  if (role == "detectors") return {"keypoints", "template_keypoints"};
-  if (role == "matchers" || role == "filters") return {"correspondences"};
-  if (role == "warps") return {"warp", "warp_samples"};
-  if (role == "solvers") return {"shape"};
-  return component.produces;
+  const auto fixed = products_of_role(component.role());
+  return fixed ? *fixed : component.produces;
+}
+
+std::optional<Words> products_of(const StageConfig& stage) {
+  if (stage.component.installed != nullptr) return products_of(stage.component.component());
+  return products_of_role(stage.role);
 }
 
 std::string missing_input(const PipelineConfig& config, const host::Registry& registry,
@@ -102,8 +113,9 @@ std::string wrong_name(const PipelineConfig& config, const Graph& graph, const S
     if (gone.name == name) return "'" + name + "' is left out by " + line_of(config, gone.at);
   }
   const std::string near = nearest(name, makers);
-  return "no earlier stage named '" + name + "' produces '" + slot + "'" +
-         (near.empty() ? "; name it with: as: " + name : "; did you mean '" + near + "'?");
+  return "no earlier stage named " + quote(name) + " produces '" + slot + "'" +
+         (near.empty() ? "; name it with: as: " + escaped(name, 80)
+                       : "; did you mean '" + near + "'?");
 }
 
 std::string nothing_to_unite(const Graph& graph, const StageConfig& reader,

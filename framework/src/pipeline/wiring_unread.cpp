@@ -10,7 +10,8 @@ namespace {
 /// Finds stages whose work is lost.
 class Readers {
  public:
-  Readers(const PipelineConfig& config, const Graph& graph) : config_(config), graph_(graph) {
+  Readers(const PipelineConfig& config, const Graph& graph, const OpenReading& open)
+      : config_(config), graph_(graph), open_(open) {
     for (const Node& stage : graph.stages) {
       for (const InputLink& input : stage.inputs) note(input, by_stages_);
     }
@@ -24,7 +25,7 @@ class Readers {
   /// What is to be said of a stage; empty when what it makes is read.
   std::string complaint(std::size_t stage) const {
     const std::vector<int>& outputs = graph_.stages[stage].outputs;
-    const auto read = [&](int value) { return is_read(value); };
+    const auto read = [&](int value) { return may_be_read(value) || is_read(value); };
     if (outputs.empty() || std::any_of(outputs.begin(), outputs.end(), read)) return {};
     const auto late = std::find_if(outputs.begin(), outputs.end(),
                                    [&](int value) { return needed_earlier(value) != nullptr; });
@@ -66,6 +67,11 @@ class Readers {
     if (info(input.value).lag > 0) fed_back_.insert(info(input.value).slot);
   }
 
+  bool may_be_read(int value) const {
+    return open_.slots.count(info(value).slot) > 0 ||
+           (open_.before && info(value).stage < static_cast<int>(*open_.before));
+  }
+
   /// The run folder takes shapes, of several solvers those of the last that gives one; what is fed
   /// back is likewise the last that was made.
   bool is_read(int value) const {
@@ -83,7 +89,7 @@ class Readers {
     const std::string& slot = info(value).slot;
     const StageConfig* first = nullptr;
     for (std::size_t i = 0; i < graph_.stages.size(); ++i) {
-      const std::string role = config_.stages[i].component.component().role();
+      const std::string& role = config_.stages[i].role;
       if (slot == "correspondences" && (role == "matchers" || role == "filters")) continue;
       const auto& inputs = graph_.stages[i].inputs;
       const bool reads = std::any_of(inputs.begin(), inputs.end(),
@@ -105,19 +111,18 @@ class Readers {
 
   const PipelineConfig& config_;
   const Graph& graph_;
+  const OpenReading& open_;
   std::set<int> by_stages_, by_sinks_, by_choosing_sinks_;
   std::set<std::string> fed_back_;
 };
 
 }  // namespace
 
-void refuse_unread(const PipelineConfig& config, const Graph& graph,
+void refuse_unread(const PipelineConfig& config, const Graph& graph, const OpenReading& open,
                    std::vector<yaml::Problem>& problems) {
-  const auto solves = [](const StageConfig& stage) {
-    return stage.component.component().role() == "solvers";
-  };
+  const auto solves = [](const StageConfig& stage) { return stage.role == "solvers"; };
   if (std::none_of(config.stages.begin(), config.stages.end(), solves)) return;
-  const Readers readers(config, graph);
+  const Readers readers(config, graph, open);
   for (std::size_t i = 0; i < graph.stages.size(); ++i) {
     std::string complaint = readers.complaint(i);
     if (!complaint.empty()) problems.push_back({config.stages[i].at, std::move(complaint)});

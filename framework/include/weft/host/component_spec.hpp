@@ -17,6 +17,8 @@ struct PathRules {
   std::vector<std::string> input_folders;  ///< by yaml::Position::source: where that text stands
   std::string output_folder;               ///< the run folder
   std::function<std::optional<std::string>(const std::string&)> variable;
+  /// What is missing may stand in a file that cannot be read, which has been reported.
+  bool of_fragment = false;
 
   static PathRules of_process(std::vector<std::string> input_folders, std::string output_folder);
 };
@@ -25,7 +27,7 @@ struct NestedSpec;
 
 /// A component with its checked parameters, ready to be instantiated.
 struct ComponentSpec {
-  const Installed* installed = nullptr;
+  const Installed* installed = nullptr;  ///< null only in what resolve_known_part gives
   Arguments arguments;
   std::vector<NestedSpec> nested;
   yaml::Node effective;  ///< {use, params} with all defaults, paths as they were resolved
@@ -44,6 +46,12 @@ struct NestedSpec {
 std::optional<ComponentSpec> resolve_component(const Registry& registry, const yaml::Node& use,
                                                const yaml::Node* params, const PathRules& paths,
                                                std::vector<yaml::Problem>& problems);
+
+/// The same for what stands in a file with mistakes: what is known of the component and of those
+/// nested in it, where `installed` is null of each that is not.
+ComponentSpec resolve_known_part(const Registry& registry, const yaml::Node& use,
+                                 const yaml::Node* params, const PathRules& paths,
+                                 std::vector<yaml::Problem>& problems);
 
 /// Expands ${NAME} and ${NAME:-default}; the Error says which variable is not set.
 Result<std::string> expand_variables(const std::string& text, const PathRules& paths);

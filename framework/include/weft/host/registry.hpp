@@ -48,6 +48,9 @@ class Registry {
   /// "no plugin 'filters/x'; did you mean ...?", or why the one that has this id is refused.
   std::string explain_missing(std::string_view id) const;
 
+  /// The component of this role that an id was meant for, or nothing: warps/bbs for wajprs/bbs.
+  std::string nearest_of_role(std::string_view id, const std::string& role) const;
+
  private:
   void scan_folder(const SearchFolder& folder);
   void add(const SearchFolder& folder, std::vector<Manifest> manifests);

@@ -45,9 +45,11 @@ struct Node {
   Position at;              ///< first character; what an alias brought in stands at the alias
   std::vector<Node> items;  ///< of a sequence
   std::vector<Entry> entries;  ///< of a map, in the order of the text, keys unique
+  bool partial = false;  ///< a map of which a key was refused, so that what it lacks is not known
 
   /// The value of `key`, or null when this is no map or has no such key.
   const Node* find(std::string_view key) const;
+  const Entry* find_entry(std::string_view key) const;
 };
 
 /// One `key: value`. Keys are text, whatever they look like: `009: x` has the key "009".
@@ -55,6 +57,7 @@ struct Entry {
   std::string key;
   Position at;  ///< of the key
   Node value;
+  bool doubtful = false;  ///< the text gives the key again; this is the first value
 };
 
 /// Same content, wherever it stands. Quoting counts only where it decides the type: `"a"` equals
@@ -74,9 +77,7 @@ struct Document {
   std::vector<Problem> problems;  ///< in the order of the text
 };
 
-/// The bytes of a file that is to be parsed. Errc::not_found or Errc::io, whose message is the
-/// reason
-/// ("there is no such file", "it is a folder", "Permission denied").
+/// The bytes of a file that is to be parsed; see read_text_file.
 Result<std::string> read_text(const std::string& file);
 
 /// Reads one document; an empty text is a null root. A line break missing at the end is added.
@@ -84,7 +85,8 @@ Result<std::string> read_text(const std::string& file);
 /// A text that is no YAML gives Errc::syntax at "file:line:column", alone: invalid UTF-8 or control
 /// characters, bad indentation, a missing quote or bracket. Everything else is collected in
 /// `problems`: duplicate keys, merge keys (`<<`), keys that are not text, more than one document,
-/// directives other than `%YAML 1.2`, tags other than !!str !!seq !!map, aliases without an anchor.
+/// directives other than `%YAML 1.2`, tags other than !!str !!seq !!map, aliases without an anchor,
+/// texts with a NUL character, which would end early wherever they become a name or a path.
 /// Too many nodes or too deep nesting end the reading and are the last problem.
 Result<Document> parse(std::string_view text, std::string file_name);
 

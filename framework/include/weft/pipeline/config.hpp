@@ -24,8 +24,9 @@ struct FromRule {
 struct StageConfig {
   std::string name;    ///< see names_of_stages
   bool named = false;  ///< `as` was given
+  std::string role;    ///< that its plugin is meant to have; empty when that cannot be told
   std::vector<FromRule> from;
-  host::ComponentSpec component;
+  host::ComponentSpec component;  ///< without `installed` where the plugin is not known
   /// Detectors: the component with `template_params` over `params`, for the template's texture.
   std::optional<host::ComponentSpec> on_template;
   bool overwrite = false;                    ///< its outputs may go over what is there
@@ -46,13 +47,15 @@ struct PipelineConfig {
   int lost_after = 30;         ///< [frames] a predicted shape older than this is lost
   bool stop_on_error = false;  ///< else the run goes on after a failed frame
   int max_failed = 0;          ///< failed frames that still count as success
+  /// A mistake leaves open what some stages are called, so that names may be missing only by it.
+  bool doubtful_names = false;
 };
 
 /// Mistakes of a pipeline, each at its place.
 struct ConfigReport {
   std::vector<ConfigSource> sources;  ///< by yaml::Position::source
   std::vector<yaml::Problem> problems;
-  bool wirable = false;  ///< all stages are known, whatever else is wrong: wiring can be checked
+  bool wirable = false;  ///< it is known which stages there are, whatever else is wrong
 
   bool ok() const { return problems.empty(); }
   /// By place.
@@ -63,7 +66,8 @@ struct ConfigReport {
 
 /// Reads a pipeline file with what it extends, lays `patches` over it, sets `settings`
 /// ("filters.alpha_s=0.2", see read_document) and checks everything but the wiring. All mistakes
-/// are reported in one pass, by place; a syntax error is reported alone. Use the configuration only
+/// that do not merely follow from another one are reported in one pass, by place; a syntax error is
+/// reported alone. Use the configuration only
 /// when the report is ok, or for the wiring.
 std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
                                                       const host::Registry& registry,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 #include <weft/host/component_spec.hpp>
 #include <weft/host/yaml.hpp>
@@ -37,8 +38,10 @@ struct Document {
   yaml::Node root;
   std::vector<ConfigSource> sources;  ///< the file, what it extends, settings
   std::vector<LeftOut> left_out;
-  std::vector<yaml::Problem> problems;  ///< a syntax error stands alone
-  bool unreadable = false;  ///< a text ended early: what is laid over it is not looked at
+  std::vector<yaml::Problem> problems;
+  bool unreadable = false;      ///< the file itself: nothing else can be said of it
+  bool fragment = false;        ///< what is missing may stand in a text that could not be read
+  bool doubtful_names = false;  ///< a mistake leaves open which stages are left out
 };
 
 /// Reads a pipeline file, merges it over the file that it `extends` (which may extend another), and
@@ -62,8 +65,11 @@ Document read_base(const std::string& file, const host::PathRules& paths);
 Document laid_over(Document base, const std::vector<Patch>& patches,
                    const std::vector<std::string>& settings, const host::PathRules& paths);
 
-/// The names of the stages in a list: `as`, else the role, numbered from the second stage without a
-/// name on: "filters", "filters#2".
+/// The role of a component's id, the nearest one where it is misspelt: "filters" of "fitlers/x".
+std::string role_meant(std::string_view id);
+
+/// The names of the stages in a list: `as`, else the role meant, numbered from the second stage
+/// without a name on: "filters", "filters#2".
 std::vector<std::string> names_of_stages(const yaml::Node& list);
 
 }  // namespace weft
