@@ -75,8 +75,10 @@ std::vector<ComponentChecks::Mistake> ComponentChecks::mistakes_of(const Compone
 }
 
 void ComponentChecks::ask(const ComponentSpec& spec, std::vector<yaml::Problem>& problems) {
+  if (spec.installed == nullptr) return;  // a mistake that was reported
   const std::vector<std::string>& extensions = spec.component().extensions;
-  if (std::find(extensions.begin(), extensions.end(), WEFT_CHECK) != extensions.end()) {
+  const bool asks = std::find(extensions.begin(), extensions.end(), WEFT_CHECK) != extensions.end();
+  if (asks && spec.bound) {
     const auto [entry, is_new] = known_.try_emplace(identity_of(spec));
     if (is_new) entry->second = mistakes_of(spec);
     for (const Mistake& mistake : entry->second) {

@@ -45,9 +45,11 @@ class Binder {
       params = &corrected;
     }
     const bool partial = paths_.of_fragment || corrected.partial;
+    spec_.bound = !partial;
     for (const ParameterSpec& parameter : component.parameters) {
       const yaml::Node* given = params != nullptr ? params->find(parameter.name) : nullptr;
       if (given == nullptr && parameter.required) {
+        spec_.bound = false;
         if (partial) continue;
         problem(
             params != nullptr ? params->at : use_at,
@@ -57,7 +59,10 @@ class Binder {
       yaml::Node value = given != nullptr ? *given : parameter.default_value;
       if (given == nullptr) value.at = use_at;
       yaml::Node resolved = value;
+      const std::size_t before = problems_.size();
       bind_one(parameter, value, given != nullptr, resolved);
+      const bool legal = problems_.size() == before || parameter.type == WEFT_VALUE_COMPONENT;
+      spec_.bound = spec_.bound && legal;
       effective.entries.push_back({parameter.name, value.at, std::move(resolved)});
     }
     spec_.effective.entries.push_back({"params", use_at, std::move(effective)});

@@ -124,7 +124,7 @@ std::vector<Reading> readings_of(const PipelineConfig& config, const host::Regis
 std::string taken_by_run(const fs::path& inside) {
   static constexpr std::array kTaken{"frames",        "frames.jsonl", "manifest.json",
                                      "pipeline.yaml", "template.npz", "trace.json",
-                                     "dumps",         "metrics.json"};
+                                     "dumps",         "end.json",     "metrics.json"};
   const auto found = std::find(kTaken.begin(), kTaken.end(), inside.begin()->string());
   return found != kTaken.end() ? *found : "";
 }

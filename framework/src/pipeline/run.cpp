@@ -248,9 +248,7 @@ class Run {
 void ask_components(const PipelineConfig& config, host::ComponentChecks& checks,
                     std::vector<yaml::Problem>& problems) {
   std::vector<yaml::Problem> found;
-  const auto ask = [&](const host::ComponentSpec& component) {
-    if (component.effective.kind == yaml::Kind::map) checks.ask(component, found);
-  };
+  const auto ask = [&](const host::ComponentSpec& component) { checks.ask(component, found); };
   for (const auto* single : {&config.source, &config.templ}) {
     if (*single) ask((*single)->component);
   }

@@ -31,6 +31,7 @@ struct ComponentSpec {
   Arguments arguments;
   std::vector<NestedSpec> nested;
   yaml::Node effective;  ///< {use, params} with all defaults, paths as they were resolved
+  bool bound = false;    ///< all its own parameters have legal values: it can be created
 
   const ComponentManifest& component() const { return installed->component; }
 };
