@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs the program once and keeps what it answered: code, text, places of mistakes, time."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+PLACE = re.compile(r"^(?P<file>[^\n:]+):(?P<line>\d+):(?P<column>\d+): (?P<message>.*)$", re.M)
+SUGGESTION = re.compile(r"did you mean '([^']*)'\?")
+RAW = ("what()", "yaml-cpp", "std::", "cv::", "[json.exception", "OpenCV(", "terminate called",
+       "bad_alloc", "basic_string", "vector::_M", "AddressSanitizer", "runtime error:")
+
+
+@dataclass
+class Mistake:
+    """A line `FILE:LINE:COLUMN: message` of an answer."""
+
+    file: str
+    at: tuple[int, int]
+    message: str
+
+    @property
+    def suggestion(self) -> str | None:
+        found = SUGGESTION.search(self.message)
+        return found.group(1) if found else None
+
+
+@dataclass
+class Answer:
+    command: list[str]
+    code: int  # negative: the signal that ended it
+    out: str
+    err: str
+    ms: float
+    hung: bool = False
+
+    @property
+    def text(self) -> str:
+        return self.out + self.err
+
+    def mistakes(self) -> list[Mistake]:
+        return [Mistake(found["file"], (int(found["line"]), int(found["column"])), found["message"])
+                for found in PLACE.finditer(self.err)]
+
+    def dirt(self) -> str:
+        """Why no user should have seen this answer; empty where it is clean."""
+        if self.hung:
+            return "hangs"
+        if self.code < 0:
+            return "killed by " + signal.Signals(-self.code).name
+        for word in RAW:
+            if word in self.text:
+                return f"prints {word}"
+        control = [c for c in self.text if (ord(c) < 32 and c not in "\n\t") or 127 <= ord(c) < 160]
+        return f"prints the control character {ord(control[0]):#04x}" if control else ""
+
+
+class Program:
+    """The program under test and where its plugins are."""
+
+    def __init__(self, weft: str, plugins: list[str], timeout_s: float = 10.0) -> None:
+        self.weft, self.timeout_s = str(Path(weft).resolve()), timeout_s
+        self.options = [word for folder in plugins
+                        for word in ("--plugin-path", str(Path(folder).resolve()))]
+
+    def command(self, *arguments: str) -> list[str]:
+        return [self.weft, *self.options, *arguments]
+
+    def ask(self, folder: Path, *arguments: str) -> Answer:
+        """Runs in the folder; a program that does not end is killed with all its children."""
+        command = self.command(*arguments)
+        start = time.monotonic()
+        child = subprocess.Popen(command, cwd=folder, stdin=subprocess.DEVNULL,
+                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                 start_new_session=True)
+        hung = False
+        try:
+            out, err = child.communicate(timeout=self.timeout_s)
+        except subprocess.TimeoutExpired:
+            hung = True
+            os.killpg(child.pid, signal.SIGKILL)
+            out, err = child.communicate()
+        ms = 1000.0 * (time.monotonic() - start)
+        texts = [printed.decode(errors="replace") for printed in (out, err)]
+        return Answer(command, child.returncode, *texts, ms, hung)
