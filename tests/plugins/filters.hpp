@@ -3,6 +3,7 @@
 
 #include <weft/sdk/filter.hpp>
 
+#include "gate.hpp"
 #include "script.hpp"
 
 namespace scripted {
@@ -18,11 +19,12 @@ class EveryFilter final : public weft::Filter {
  public:
   static constexpr weft::About kAbout{.reads = "previous.shape"};
 
-  explicit EveryFilter(weft::Params& p) : script_(p) {
+  explicit EveryFilter(weft::Params& p) : script_(p), gate_(p) {
     p.read("every", every_, "", {0, 1000}, "rejects matches whose index it divides, 0 for none");
   }
 
   weft::Result<weft::InlierMask> filter(const weft::FilterInput& in) override {
+    if (auto cancelled = gate_.pass(in.call)) return *cancelled;
     if (auto failure = script_.failure(in.call)) return *failure;
     const std::int64_t count = in.correspondences.count();
     const std::int64_t length = script_.length(in.call, count);
@@ -40,6 +42,7 @@ class EveryFilter final : public weft::Filter {
 
  private:
   Script script_;
+  Gate gate_;
   int every_ = 0;
 };
 
