@@ -3,8 +3,8 @@
 """Kills, interrupts, stops and starves runs and ablations half-way, and looks at what is left.
 
 Judged is after each: that a cell or frame was running when it happened; that what was finished is
-still there, byte for byte, and can be read; that no result that was cut short ends with exit code 0;
-that the same command completes it; and that the tables are those of an undisturbed one.
+still there, byte for byte, and can be read; that no result that was cut short ends with exit code
+0; that the same command completes it; and that the tables are those of an undisturbed one.
 
 Exits 1 if one of these failed, 2 on wrong usage.
 """
@@ -58,7 +58,8 @@ def cases() -> list[Case]:
 
 
 def victim_of(case: Case) -> Ablation | Run:
-    return Ablation("disk/out") if case.victim == "ablation" else Run("disk/out", case.victim == "isolated run")
+    out = "disk/out"  # a disk of its own for those that are to find it full
+    return Ablation(out) if case.victim == "ablation" else Run(out, case.victim == "isolated run")
 
 
 class Judge:

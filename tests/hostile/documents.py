@@ -71,7 +71,7 @@ def tree(value: object) -> Node:
 
 @dataclass
 class Style:
-    """How a document is written: the shares of lines in [ ] and { }, of quoted words, of comments."""
+    """How a document is written: the shares of values in brackets, quoted words and comments."""
 
     rng: Random | None = None
     indent: int = 2

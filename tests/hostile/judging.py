@@ -108,7 +108,8 @@ def judge_planted(mutant: Mutant, answer: Answer, verdict: Verdict) -> None:
             right = (fitting.suggestion or "") == expected.suggestion
             verdict.right_suggestions += right
             if not right:
-                verdict.faults.append(f"'{expected.suggestion}' is not suggested: {fitting.message}")
+                wanted = f"'{expected.suggestion}' is not suggested"
+                verdict.faults.append(f"{wanted}: {fitting.message}")
     for extra in left if mutant.one_pass else []:
         verdict.faults.append(f"not planted: {extra.at[0]}:{extra.at[1]}: {extra.message}")
     verdict.misplaced = min(len(left), verdict.planted - verdict.exact)

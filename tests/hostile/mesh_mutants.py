@@ -14,6 +14,8 @@ from pictures import png
 from program import Answer, Program
 
 COLUMNS, ROWS = 4, 3
+BAD_CORNERS = ["99", "0", "-99", "1/99", "1/0", "99999999999999999999", "x", "1/x", "1.5",
+               "2147483648", "4294967297", "-2147483649"]
 BAD_NUMBERS = ["x", "nan", "inf", "1e999", "", "0,1", "\x01", "--1", "0x1p3", "é"]
 
 
@@ -60,8 +62,7 @@ def spoil_obj(rng: Random, lines: list[str]) -> int:
         lines[at] = " ".join(words)
     elif kind == 1:
         at = pick(rng, lines, "f ")
-        wrong = rng.choice(["99", "0", "-99", "1/99", "1/0", "99999999999999999999", "x", "1/x", "1.5",
-                            "2147483648", "4294967297", "-2147483649"])
+        wrong = rng.choice(BAD_CORNERS)
         lines[at] = " ".join([*lines[at].split()[:3], wrong])
     elif kind == 2:
         at = pick(rng, lines, "f ")
@@ -97,7 +98,8 @@ def spoil_ply(rng: Random, lines: list[str]) -> int:
                                 "3 0 1 99999999999999999999", "-3 0 1 2", "4000000000 0 1 2"])
     elif kind == 2:
         at = rng.randrange(3, 8)
-        lines[at] = rng.choice(["property quad x", "property", "proprety float x", "element", "\x01"])
+        lines[at] = rng.choice(
+            ["property quad x", "property", "proprety float x", "element", "\x01"])
     elif kind == 3:
         at = pick(rng, lines, "element")
         wrong = rng.choice(["-1", "many", "1e3", "99999999999999999999"])

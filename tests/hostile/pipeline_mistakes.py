@@ -163,14 +163,16 @@ def wrong_from(rng: Random, part: Map) -> Planted | None:
         names.items[0] = written
     else:
         put_value(chosen, key.value, written)
-    return Planted("unknown name in from", key, None if not wrong else right if wrong[:2] != "zq" else "")
+    suggested = None if wrong is None else "" if wrong.startswith("zq") else right
+    return Planted("unknown name in from", key, suggested)
 
 
 def from_of_wrong_kind(rng: Random, part: Map) -> Planted | None:
     if part.find("from") is None:
         return None
     if rng.random() < 0.5:
-        return Planted("wrong type", put_value(part, "from", rng.choice([Text("pairs"), tree([1])])))
+        wrong = rng.choice([Text("pairs"), tree([1])])
+        return Planted("wrong type", put_value(part, "from", wrong))
     key = part.find("from").entries[0][0].value
     return Planted("wrong type", put_value(part.find("from"), key, rng.choice(
         [tree([]), tree({"a": 1}), tree([["a"]])])))

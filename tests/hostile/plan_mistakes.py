@@ -47,7 +47,8 @@ def wrong_show(rng: Random, root: Map) -> Planted:
 
 
 def misspelt_root_key(rng: Random, root: Map) -> Planted:
-    return rename_key(rng, "misspelt key", root, rng.choice(["metrics", "show", "seeds"]), PLAN_KEYS)
+    key = rng.choice(["metrics", "show", "seeds"])
+    return rename_key(rng, "misspelt key", root, key, PLAN_KEYS)
 
 
 def unknown_root_key(rng: Random, root: Map) -> Planted:
@@ -153,8 +154,9 @@ def wrong_data(rng: Random, data: Map) -> Planted:
         return Planted("wrong seeds", put_value(data, "seeds", rng.choice(
             one_of("99-101", "3-1", "[3, 3]", "-1", "soon", "[]", "1.5"))))
     if kind == 1:
-        wrong = put_value(data, "seed_setting", Text("source." + misspelt(rng, "frames", ["frames"])))
-        return Planted("misspelt parameter", wrong, "frames", len("source."))
+        wrong = Text("source." + misspelt(rng, "frames", ["frames"]))
+        return Planted("misspelt parameter", put_value(data, "seed_setting", wrong), "frames",
+                       len("source."))
     return unknown_key(rng, "unknown key", data)
 
 

@@ -93,7 +93,8 @@ def spoil_lines(rng: Random, files: dict[str, object]) -> str:
     elif kind == 3:
         lines[at] = lines[at][:rng.randrange(1, len(lines[at]) - 1)] + b"\n"
     elif kind == 4:
-        lines[at] = lines[at].replace(b"estimated", rng.choice([b"weak", b"none", b"lost", b"\x1b"]))
+        state = rng.choice([b"weak", b"none", b"lost", b"\x1b"])
+        lines[at] = lines[at].replace(b"estimated", state)
     elif kind == 5:
         wrong = rng.choice([b"-1", b"99", b"1e3", b"99999999999999999999", b'"0"', b"null"])
         lines[at] = lines[at].replace(f'"frame":{at}'.encode(), b'"frame":' + wrong)

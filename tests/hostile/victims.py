@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is disturbed: an ablation and runs, what of them counts as finished, and what they result in."""
+"""What is disturbed, an ablation and runs: what of it counts as finished, and its results."""
 
 from __future__ import annotations
 
@@ -140,7 +140,8 @@ class Run:
     def read_back(self, program: Program, folder: Path) -> str:
         kept = [name for name in self.finished(folder) if name.endswith(".npz")]
         for name in kept:
-            if (broken := zipfile.ZipFile(folder / self.out / "frames" / name).testzip()) is not None:
+            broken = zipfile.ZipFile(folder / self.out / "frames" / name).testzip()
+            if broken is not None:
                 return f"{name}: {broken} is damaged"
         if not kept:
             return ""

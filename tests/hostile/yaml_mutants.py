@@ -79,7 +79,7 @@ def run_text(program: Program, folder: Path, name: str) -> str:
         return f"{name}: run ends with {ran.code}: {ran.err}"
     lines = re.sub(r'"ms":(\{[^}]*\}|[\d.e-]+)', "", (out / "frames.jsonl").read_text())
     config = (out / "pipeline.yaml").read_text().replace(str(out), "")
-    config = re.sub(r"[+-]?[\d.]+(e[+-]?\d+)?", lambda found: as_number(found[0]), config, flags=re.I)
+    config = re.sub(r"[+-]?[\d.]+([eE][+-]?\d+)?", lambda found: as_number(found[0]), config)
     arrays = [file.read_bytes().hex() for file in sorted(out.glob("frames/*.npz"))]
     return "\n".join([config, lines, *arrays])
 
