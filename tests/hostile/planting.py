@@ -103,7 +103,7 @@ def wrong_type(rng: Random, kind: str) -> tuple[Node, int]:
     wrong: list[Node] = [tree({"a": 1})]
     if kind in ("whole", "number"):
         wrong += [Text("many"), Text("", '"3"'), Text("3 px"), tree([1]), Text("", "true")]
-        wrong += [Text("1e999"), Text(".nan"), Text("-.inf"), Text("0x"), Text("3,5")]
+        wrong += [Text("1e999"), Text(".nan"), Text("-.inf"), Text("0x"), Text("3;5")]
     if kind == "whole":
         wrong += [Text("2.5"), Text("99999999999999999999"), Text("1e3")]
     if kind == "flag":
