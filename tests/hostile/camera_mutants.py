@@ -116,7 +116,7 @@ def wrong_lens(rng: Random, root: Map) -> Planted | None:
 
 
 def syntax(rng: Random, root: Map) -> Planted:
-    key = rng.choice([key.value for key, _ in root.entries])
+    key = rng.choice(["cx", "fy"] if root.find("cx") else ["image_width", "camera_matrix"])
     raw = rng.choice(["*nowhere", '"ab\x01c"', '"ab\udcff"'])
     return Planted("syntax", put_value(root, key, Text("", raw)))
 

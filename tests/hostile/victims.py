@@ -78,7 +78,7 @@ class Ablation:
             if name.startswith("line "):
                 line = json.loads(data)
                 del line["timing"], line["machine"]
-                line.pop("checksum", None)  # of the whole line
+                line.pop("check", None)  # of the whole line, times and machine too
                 found[name] = json.dumps(line, sort_keys=True)
             else:
                 found[name] = data.hex()
