@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <weft/core/quote.hpp>
 
 #include "declared_paths.hpp"
 
@@ -153,7 +154,7 @@ class Outputs {
       if (taken.empty()) return {};
       return "the run folder has its own " + taken + "; choose another name";
     }
-    const std::string path = output.path.string();
+    const std::string path = escaped(output.path.string());
     if (is_within(run_folder_, real)) return path + " holds the run folder; choose another path";
     if (const Reading* reading = reading_at(real)) {
       return path + " would overwrite " + reading->what + "; choose another path";
@@ -168,14 +169,16 @@ class Outputs {
   /// Why two outputs cannot be; empty where they can.
   std::string clash(const DeclaredPath& later, const DeclaredPath& earlier) const {
     const fs::path a = real_path(later.path), b = real_path(earlier.path);
+    std::error_code code;
+    if (fs::is_character_file(a, code)) return {};  // /dev/null
     struct stat there {};
     const bool same = a == b || (stat(b.c_str(), &there) == 0 && is_one_file(a, there));
     const bool in_file = (is_within(a, b) && b.has_extension() && b != run_folder_) ||
                          (is_within(b, a) && a.has_extension() && a != run_folder_);
     if (!same && !in_file) return {};
-    return later.path.string() + (same ? " is" : " collides with") + " the '" + earlier.parameter +
-           "' of " + earlier.component + " at " + place_in(config_.sources, earlier.at) +
-           "; choose another path";
+    return escaped(later.path.string()) + (same ? " is" : " collides with") + " the '" +
+           earlier.parameter + "' of " + earlier.component + " at " +
+           place_in(config_.sources, earlier.at) + "; choose another path";
   }
 
  private:
@@ -218,7 +221,7 @@ Result<void> refuse_existing_outputs(const host::ComponentSpec& component,
     const std::string there = what_is_there(output.path);
     if (there.empty()) continue;
     return Error{Errc::invalid_value,
-                 "'" + output.parameter + "': " + output.path.string() + " is " + there +
+                 "'" + output.parameter + "': " + escaped(output.path.string()) + " is " + there +
                      "; choose a path where nothing is",
                  output.component};
   }

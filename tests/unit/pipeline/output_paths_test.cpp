@@ -62,6 +62,9 @@ TEST_F(OutputPaths, NeverGoOverWhatIsThereUnlessTheEntrySaysSo) {
   EXPECT_EQ(answer(to("new.txt")), "ok");
   EXPECT_EQ(answer(to("/dev/null")), "ok");
   EXPECT_EQ(read_text(path("notes.txt")), "precious");
+  write("precious", "bell\a");
+  EXPECT_THAT(answer("params: {path: \"" + path("bell\\a") + "\"}"),
+              HasSubstr("bell\\x07 is a file"));
 }
 
 TEST_F(OutputPaths, AreRefusedBeforeAnythingIsWritten) {
@@ -125,6 +128,7 @@ TEST_F(OutputPaths, OfOnePipelineKeepApart) {
   EXPECT_THAT(second(path("new.avi/meshes"), path("new.avi")), HasSubstr("collides with"));
   EXPECT_EQ(second("meshes", "meshes/a.txt"), "ok") << "a folder may hold a file";
   EXPECT_EQ(second(".", "a.txt"), "ok");
+  EXPECT_EQ(second("/dev/null", "/dev/null"), "ok");
   EXPECT_EQ(second("a.txt", "b.txt"), "ok");
 }
 
