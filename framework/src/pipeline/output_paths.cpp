@@ -202,16 +202,23 @@ void refuse_unsafe_outputs(const PipelineConfig& config, const host::Registry& r
   const std::vector<DeclaredPath> declared =
       declared_paths(config, WEFT_VALUE_OUTPUT_PATH, run_folder);
   if (declared.empty()) return;
+  const auto refuse = [&](const DeclaredPath& output, const std::string& complaint) {
+    if (complaint.empty()) return;
+    problems.push_back({output.at, "'" + output.parameter + "': " + complaint});
+  };
+  if (run_folder.empty()) {
+    for (const DeclaredPath& output : declared) {
+      refuse(output, "there is no run folder for what it writes; leave it out");
+    }
+    return;
+  }
   Outputs outputs(config, registry, run_folder);
   for (std::size_t i = 0; i < declared.size(); ++i) {
-    std::string complaint = run_folder.empty()
-                                ? "there is no run folder for what it writes; leave it out"
-                                : outputs.complaint(declared[i]);
+    std::string complaint = outputs.complaint(declared[i]);
     for (std::size_t k = 0; k < i && complaint.empty(); ++k) {
       complaint = outputs.clash(declared[i], declared[k]);
     }
-    if (complaint.empty()) continue;
-    problems.push_back({declared[i].at, "'" + declared[i].parameter + "': " + complaint});
+    refuse(declared[i], complaint);
   }
 }
 
