@@ -55,6 +55,24 @@ TEST_F(Ablation, GivesWhatTheSamePipelineGivesByItself) {
   }
 }
 
+TEST_F(Ablation, IdentifiesCellsByTheirPartsAsEachByItself) {
+  const Grid grid = expand(kGrid);
+  ASSERT_EQ(grid.cells().size(), 32U);
+  for (const Cell& cell : grid.cells()) {
+    const auto [pipeline, report] = grid.load(cell);
+    ASSERT_TRUE(report.ok()) << report.text();
+    std::vector<yaml::Problem> problems;
+    const CellIdentity alone =
+        Identifier().identify(pipeline, cell.seed, grid.plan().measurement, problems);
+    EXPECT_EQ(cell.identity.key, alone.key);
+    EXPECT_EQ(cell.identity.rebuilt_key, alone.rebuilt_key);
+    EXPECT_EQ(cell.identity.group, alone.group);
+    EXPECT_EQ(grid.stage_keys(pipeline), alone.stages);
+    ASSERT_EQ(cell.stages.size(), pipeline.config.stages.size());
+    EXPECT_EQ(cell.stages.back(), pipeline.config.stages.back().name);
+  }
+}
+
 TEST_F(Ablation, IsTheSameForAnyNumberOfJobsAndWhenInterrupted) {
   Grid one = expand(kGrid), two = expand(kGrid), three = expand(kGrid);
   run(one, "one", 1);

@@ -80,8 +80,14 @@ TEST_F(Identity, LooksThroughPathsAtTheFiles) {
 TEST_F(Identity, LeavesSinksAndWhatDoesNotDecideResultsOut) {
   const CellIdentity plain = of(chain());
   EXPECT_EQ(of(chain({{"sinks", "{path: other.txt}"}})).key, plain.key);
-  EXPECT_EQ(of(chain({}, "on_error: stop\nmax_failed: 3")).key, plain.key);
   EXPECT_EQ(of(chain(), 7).key, plain.key) << "no component is random";
+}
+
+TEST_F(Identity, HasWhatDecidesAFailureWhereItIsNotTheDefault) {
+  const std::string plain = of(chain()).key;
+  EXPECT_EQ(of(chain({}, "on_error: continue\nmax_failed: 0")).key, plain);
+  EXPECT_NE(of(chain({}, "max_failed: 3")).key, plain);
+  EXPECT_NE(of(chain({}, "on_error: stop")).key, plain);
 }
 
 TEST_F(Identity, HasTheRunSeedWhereAComponentIsRandom) {

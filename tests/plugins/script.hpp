@@ -36,7 +36,7 @@ class Script {
     read_frames(p, "nan_at", nan_, "frames whose result holds NaN");
     read_frames(p, "wrong_length_at", wrong_length_, "frames whose result has a wrong length");
     read_frames(p, "no_memory_at", no_memory_, "frames in which memory is short");
-    read_frames(p, "lost_at", lost_, "frames whose file is gone");
+    read_frames(p, "gone_at", lost_, "frames whose file is gone");
     p.read("refuse", refuse_, "fail in prepare");
     p.read("absent", absent_, "fail in prepare for a file that is gone");
     p.text("doubt", doubt_, "what check() says of this parameter, where there is one");
