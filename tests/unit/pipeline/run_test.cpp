@@ -53,8 +53,8 @@ TEST_F(Runs, LeavesAFolderThatCanBeRead) {
   ASSERT_TRUE(ran.summary) << ran.summary.error().message;
   EXPECT_EQ(ran.summary->folder, ran.folder);
   EXPECT_THAT(files_in(ran.folder),
-              ElementsAre("end.json", "frames", "frames.jsonl", "lines.txt", "manifest.json", "pipeline.yaml",
-                          "template.npz", "trace.json"));
+              ElementsAre("end.json", "frames", "frames.jsonl", "lines.txt", "manifest.json",
+                          "pipeline.yaml", "template.npz", "trace.json"));
   EXPECT_THAT(files_in(ran.folder + "/frames"),
               ElementsAre("000000.npz", "000001.npz", "000002.npz"));
   const auto lines = read_lines(ran.folder + "/frames.jsonl");
