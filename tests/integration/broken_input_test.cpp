@@ -115,7 +115,8 @@ TEST_F(BrokenInput, StopsBeforeTheFirstFrameWithoutImages) {
   for (int i = 0; i < kFrames; ++i) fs::remove(frame_file(i));
   const Ended ended = run(images());
   EXPECT_THAT(ended.exit_code, AnyOf(2, 3));
-  EXPECT_THAT(ended.err, AllOf(HasSubstr("sources/images"), HasSubstr(path("frames/*.png"))));
+  EXPECT_THAT(ended.err,
+              AllOf(StartsWith(path("pipeline.yaml") + ":"), HasSubstr(path("frames/*.png"))));
   EXPECT_FALSE(fs::exists(path("run")));
 }
 
@@ -170,7 +171,7 @@ TEST_F(BrokenInput, StopsBeforeTheFirstFrameForATextureThatIsUseless) {
   const Ended damaged = run(images());
   EXPECT_THAT(damaged.exit_code, AnyOf(2, 3));
   EXPECT_THAT(damaged.err,
-              AllOf(HasSubstr("templates/rectangular"), HasSubstr(path("texture.png"))));
+              AllOf(StartsWith(path("pipeline.yaml") + ":5:21: "), HasSubstr(path("texture.png"))));
   cv::imwrite(path("texture.png"), cv::Mat(200, 300, CV_8UC1, cv::Scalar(90)));
   const Ended plain = run(images());
   EXPECT_EQ(plain.exit_code, 2);

@@ -5,6 +5,7 @@
 #include <zip.h>
 
 #include <iostream>
+#include <weft/data/npy.hpp>
 #include <weft/host/npz.hpp>
 
 #include "unit/data/random_noun.hpp"
