@@ -13,7 +13,7 @@ namespace weft::particle_sft {
 namespace {
 
 constexpr double kPriorM = 0.1;
-constexpr double kMiB = 1024.0 * 1024.0, kMostBytes = 1024.0 * kMiB;  // 26,000 vertices in a square
+constexpr double kMiB = 1024.0 * 1024.0, kMostBytes = 1024.0 * kMiB;  // 38,000 vertices of a square
 constexpr double kLeastRadiusM = 5e-4;  // a known point that is held exactly is known this well
 
 /// Vertices by their place along the longest principal axis of the mesh.
