@@ -35,6 +35,7 @@ SIGNALS = {"child killed": disturbing.kill_child, "parent killed": disturbing.ki
            "group killed": disturbing.kill_group, "interrupted": disturbing.interrupt,
            "interrupted twice": disturbing.interrupt_twice,
            "stopped, continued": disturbing.stop_and_continue}
+GAVE_UP = 130  # of a process that a second interrupt ended
 UNHARMED = ("child killed", "stopped, continued")  # after these the program goes on by itself
 
 
@@ -91,7 +92,8 @@ class Judge:
         if answer.dirt():
             return answer.dirt()
         if case.kind.startswith("interrupted"):
-            allowed = victim.interrupted_codes
+            gave_up = (GAVE_UP,) if case.kind == "interrupted twice" else ()
+            allowed = (*victim.interrupted_codes, *gave_up)
             return "" if answer.code in allowed else f"exit {answer.code} after an interrupt"
         if case.victim == "isolated run" and case.kind == "child killed":
             return "" if answer.code == 1 else f"exit {answer.code} where one frame failed"
