@@ -142,7 +142,7 @@ void print_state(const evaluation::AblationState& state) {
 /// The grid, checked; exits 2 with all mistakes otherwise.
 std::optional<evaluation::Grid> load_grid(const AblateOptions& options,
                                           const host::Registry& registry, Context& context) {
-  auto [plan, report] = evaluation::read_plan(options.plan);
+  auto [plan, report] = evaluation::load_plan(options.plan, registry, options.settings);
   if (report.ok()) {
     auto [grid, mistakes] = evaluation::Grid::expand(std::move(plan), registry, options.settings);
     if (mistakes.ok()) return std::move(grid);

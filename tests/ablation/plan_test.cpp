@@ -28,7 +28,7 @@ std::vector<std::string> wrong_plans() {
 
 /// The mistakes of a plan as the program prints them, without folders.
 std::vector<std::string> mistakes(const std::string& file, const host::Registry& registry) {
-  auto [plan, report] = read_plan(file);
+  auto [plan, report] = load_plan(file, registry, {});
   if (report.ok()) report = Grid::expand(std::move(plan), registry, {}).second;
   std::vector<std::string> lines;
   for (const yaml::Problem& problem : report.problems) {

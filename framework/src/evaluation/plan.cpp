@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <filesystem>
+#include <map>
+#include <set>
+#include <weft/core/quote.hpp>
 
 #include "metric_path.hpp"
 #include "plan_parts.hpp"
@@ -24,7 +27,9 @@ class PlanReader {
     read_head(root);
     if (const yaml::Node* axes = root.find("axes")) read_axes(*axes);
     if (values_.has(root, "data", "a plan")) {
+      const std::size_t before = values_.count();
       plan_.data = read_data(*root.find("data"), plan_, values_);
+      data_broken_ = values_.count() > before;
     }
     if (const yaml::Node* seeds = root.find("seeds")) {
       plan_.seeds = values_.seeds(*seeds, "run seeds");
@@ -33,6 +38,7 @@ class PlanReader {
     if (const yaml::Node* show = root.find("show")) plan_.show = values_.texts(*show, "'show'");
     for (const yaml::Node& item : list(root, "comparisons")) read_comparison(item);
     for (const yaml::Node& item : list(root, "expect")) read_expectation(item);
+    check_metrics();
   }
 
  private:
@@ -54,10 +60,12 @@ class PlanReader {
       plan_.name = values_.text(name, "'name'");
       if (!plan_.name.empty()) values_.is_folder_name(plan_.name, name.at);
     }
+    values_.data_use_known = root.find("data_use") != nullptr;
     if (values_.has(root, "data_use", "a plan")) {
       const yaml::Node& use = *root.find("data_use");
       plan_.reporting = use.scalar == "reporting";
       if (!plan_.reporting && use.scalar != "tuning") {
+        values_.data_use_known = false;
         values_.problem(use.at, "'data_use' must be one of: tuning, reporting");
       }
     }
@@ -72,7 +80,8 @@ class PlanReader {
     plan_.pipeline = (fs::path(plan_.source.folder) / *expanded).lexically_normal().string();
     std::error_code code;
     if (fs::is_regular_file(plan_.pipeline, code)) return;
-    values_.problem(node.at, "'pipeline': there is no file " + plan_.pipeline);
+    values_.problem(node.at, "'pipeline': there is no file " + escaped(plan_.pipeline));
+    plan_.pipeline.clear();
   }
 
   void read_axes(const yaml::Node& axes) {
@@ -82,14 +91,30 @@ class PlanReader {
     for (const yaml::Entry& entry : axes.entries) {
       const std::vector<std::string> taken{"data", "sequence", "seed", "cell", "key"};
       if (std::find(taken.begin(), taken.end(), entry.key) != taken.end()) {
-        values_.problem(entry.at, "an axis must not be called '" + entry.key +
-                                      "', which has a meaning of its own");
+        values_.problem(entry.at, "an axis must not be called " + quote(entry.key) +
+                                      ", which has a meaning of its own");
       }
       values_.is_name(entry.key, entry.at, "the name of an axis");
-      if (!values_.is_map(entry.value, "an axis", {"set", "values"})) continue;
-      if (!values_.has(entry.value, "values", "an axis")) continue;
-      plan_.axes.push_back({entry.key, values_of(entry.value)});
+      const std::size_t before = values_.count();
+      std::vector<NamedPatch> values;
+      if (values_.is_map(entry.value, "an axis", {"set", "values"}) &&
+          values_.has(entry.value, "values", "an axis")) {
+        values = values_of(entry.value);
+      }
+      if (values_.count() > before) broken_.insert(entry.key);
+      if (const yaml::Node* set = entry.value.find("set")) refuse_same_setting(entry.key, *set);
+      if (!values.empty()) plan_.axes.push_back({entry.key, std::move(values)});
     }
+  }
+
+  /// Of two axes with one setting the later would always win.
+  void refuse_same_setting(const std::string& axis, const yaml::Node& set) {
+    std::string path = set.scalar;
+    const std::size_t dot = path.find('.');  // `params` may be left out of a path
+    if (dot != std::string::npos && path.compare(dot, 8, ".params.") == 0) path.erase(dot, 7);
+    const auto [first, is_new] = settings_.emplace(path, axis);
+    if (is_new || path.empty()) return;
+    values_.problem(set.at, "the axis '" + first->second + "' sets " + quote(path) + " too");
   }
 
   std::vector<NamedPatch> values_of(const yaml::Node& axis) {
@@ -97,7 +122,7 @@ class PlanReader {
     const yaml::Node& given = *axis.find("values");
     const std::string path = set != nullptr ? values_.text(*set, "'set' of an axis") : "";
     std::vector<NamedPatch> found;
-    for (const yaml::Node& item : given.items) {
+    for (const yaml::Node& item : set != nullptr ? given.items : std::vector<yaml::Node>{}) {
       found.push_back({values_.text(item, "a value of an axis"), {}});
       if (set != nullptr) found.back().patch = setting_patch(path, set->at, item);
       check_value(found, item.at);
@@ -121,12 +146,13 @@ class PlanReader {
     const auto same = [&](const NamedPatch& value) { return value.name == name; };
     if (name.empty() || !values_.is_name(name, at, "the name of a value")) return;
     if (std::count_if(values.begin(), values.end(), same) > 1) {
-      values_.problem(at, "the axis has the value '" + name + "' twice");
+      values_.problem(at, "the axis has the value " + quote(name) + " twice");
     }
   }
 
   yaml::Node patch_of(const yaml::Node& node) {
     if (!values_.is_map(node, "a value of an axis", patch_keys())) return {};
+    if (yaml::is_null(node)) return {};
     return patch_in(node, values_);
   }
 
@@ -158,8 +184,10 @@ class PlanReader {
       const Axis* known = find_axis(comparison.axis, axis.at);
       if (const yaml::Node* reference = node.find("reference"); reference != nullptr && known) {
         comparison.reference = values_.text(*reference, "'reference'");
-        check_choice("value of the axis", *comparison.reference, reference->at,
-                     names(known->values));
+        if (broken_.count(comparison.axis) == 0) {
+          check_choice("value of the axis", *comparison.reference, reference->at,
+                       names(known->values));
+        }
       }
     }
     if (values_.has(node, "metric", "a comparison")) {
@@ -219,9 +247,12 @@ class PlanReader {
       if (key != "sequence") continue;
       for (const NamedPatch& sequence : data.sequences) known.push_back(sequence.name);
     }
-    if (key == "data" || key == "sequence") return known;
+    if (key == "data" || key == "sequence") {
+      return data_broken_ ? std::nullopt : std::optional(known);
+    }
     const Axis* axis = find_axis(key, at);
-    return axis != nullptr ? std::optional(names(axis->values)) : std::nullopt;
+    return axis != nullptr && broken_.count(key) == 0 ? std::optional(names(axis->values))
+                                                      : std::nullopt;
   }
 
   void check_choice(const std::string& what, const std::string& value, yaml::Position at,
@@ -236,7 +267,8 @@ class PlanReader {
       if (axis.name == name) return &axis;
       known.push_back(axis.name);
     }
-    if (!name.empty()) values_.unknown(at, "axis", name, known);
+    known.insert(known.end(), broken_.begin(), broken_.end());
+    if (!name.empty() && broken_.count(name) == 0) values_.unknown(at, "axis", name, known);
     return nullptr;
   }
 
@@ -246,15 +278,38 @@ class PlanReader {
     return all;
   }
 
+  /// What no run can have, whatever its filters.
+  void check_metrics() {
+    for (const auto& [metric, at] : metrics_of(plan_)) {
+      if (metric.empty() || metric.starts_with("filters")) continue;
+      if (std::string because = why_no_metric(metric, {}); !because.empty()) {
+        values_.problem(at, std::move(because));
+      }
+    }
+  }
+
   Plan& plan_;
   PlanValues values_;
+  std::set<std::string> broken_;                 ///< axes with mistakes
+  std::map<std::string, std::string> settings_;  ///< the axis of each
+  bool data_broken_ = false;
 };
 
 }  // namespace
 
+std::vector<std::pair<std::string, yaml::Position>> metrics_of(const Plan& plan) {
+  auto metrics = plan.show;
+  for (const PlannedComparison& each : plan.comparisons) {
+    metrics.emplace_back(each.metric, each.metric_at);
+  }
+  for (const Expectation& each : plan.expect) metrics.emplace_back(each.metric, each.metric_at);
+  return metrics;
+}
+
 std::pair<Plan, ConfigReport> read_plan(const std::string& file) {
   Plan plan;
-  plan.source = {file, fs::absolute(file).parent_path().string(), false};
+  std::error_code code;
+  plan.source = {file, fs::absolute(file, code).parent_path().string(), false};
   ConfigReport report{{plan.source}, {}, false};
   const auto text = yaml::read_text(file);
   if (!text) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <filesystem>
+#include <set>
+#include <weft/core/quote.hpp>
 #include <weft/host/component_spec.hpp>
 #include <weft/host/content_hash.hpp>
 
@@ -53,7 +55,7 @@ class DataReader {
         setting != nullptr ? values_.text(*setting, "'seed_setting'") : "source.seed";
     const yaml::Position at = setting != nullptr ? setting->at : seeds.at;
     for (const std::uint64_t seed : values_.seeds(seeds, "data seeds")) {
-      if ((seed > kLastTuningSeed) != plan_.reporting) {
+      if (values_.data_use_known && (seed > kLastTuningSeed) != plan_.reporting) {
         values_.problem(seeds.at, "the data seed " + std::to_string(seed) + " is for " +
                                       (plan_.reporting ? "tuning" : "reporting") +
                                       ": 1-100 are for tuning, from 101 on for reporting");
@@ -76,7 +78,7 @@ class DataReader {
         (fs::path(plan_.source.folder) / *expanded / "camera.yaml").string();
     const auto cameras = host::files_of(pattern);
     if (!cameras) {
-      values_.problem(folders.at, "no folder with a camera.yaml matches '" + *expanded + "'");
+      values_.problem(folders.at, "no folder with a camera.yaml matches " + quote(*expanded));
       return {};
     }
     std::vector<NamedPatch> found;
@@ -115,7 +117,7 @@ class DataReader {
 
 std::vector<PlannedData> read_data(const yaml::Node& node, const Plan& plan, PlanValues& values) {
   std::vector<PlannedData> all;
-  std::vector<std::string> names;
+  std::set<std::string> names;
   if (node.kind != yaml::Kind::map || node.entries.empty()) {
     values.problem(node.at, "'data' must be a map of names and what they lay over the pipeline");
     return all;
@@ -126,10 +128,8 @@ std::vector<PlannedData> read_data(const yaml::Node& node, const Plan& plan, Pla
     if (!values.is_map(entry.value, "data", keys) || !named) continue;
     all.push_back({entry.key, DataReader(entry, plan, values).sequences()});
     for (const NamedPatch& sequence : all.back().sequences) {
-      if (std::find(names.begin(), names.end(), sequence.name) != names.end()) {
-        values.problem(entry.at, "there are two sequences with the name '" + sequence.name + "'");
-      }
-      names.push_back(sequence.name);
+      if (names.insert(sequence.name).second) continue;
+      values.problem(entry.at, "there are two sequences with the name " + quote(sequence.name));
     }
   }
   return all;

@@ -17,6 +17,12 @@ class PlanValues {
     problems_.push_back({at, std::move(message)});
   }
 
+  /// How many mistakes there are so far.
+  std::size_t count() const { return problems_.size(); }
+
+  /// Whether it is known what the data are used for, so that their seeds can be checked.
+  bool data_use_known = true;
+
   /// Whether the node is a map of no keys but these; `what` names it in messages.
   bool is_map(const yaml::Node& node, const std::string& what,
               const std::vector<std::string>& keys);
@@ -53,6 +59,9 @@ class PlanValues {
 
   std::vector<yaml::Problem>& problems_;
 };
+
+/// All metrics that a plan names.
+std::vector<std::pair<std::string, yaml::Position>> metrics_of(const Plan& plan);
 
 /// Reads `data`: names with what they are laid over the pipeline.
 std::vector<PlannedData> read_data(const yaml::Node& node, const Plan& plan, PlanValues& values);

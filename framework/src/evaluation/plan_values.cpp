@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <weft/core/quote.hpp>
 #include <weft/core/suggest.hpp>
 
 #include "plan_parts.hpp"
@@ -34,7 +35,7 @@ bool PlanValues::is_map(const yaml::Node& node, const std::string& what,
   for (const yaml::Entry& entry : node.entries) {
     if (std::find(keys.begin(), keys.end(), entry.key) != keys.end()) continue;
     const std::string near = nearest(entry.key, keys);
-    problem(entry.at, what + " has no key '" + entry.key + "'" +
+    problem(entry.at, what + " has no key " + quote(entry.key) +
                           (near.empty() ? "; it may have: " + joined(keys)
                                         : "; did you mean '" + near + "'?"));
   }
@@ -93,7 +94,7 @@ void PlanValues::add_seeds(const yaml::Node& node, const std::string& what,
   if (node.kind != yaml::Kind::scalar || !first || !last || *last < *first) {
     return problem(node.at, what + " must be whole numbers from 0 or ranges such as 101-120");
   }
-  if (static_cast<std::size_t>(*last - *first) >= kMostSeeds) {
+  if (seeds.size() + static_cast<std::size_t>(*last - *first) >= kMostSeeds) {
     return problem(node.at, what + " are more than " + std::to_string(kMostSeeds));
   }
   for (auto seed = *first; seed <= *last; ++seed) seeds.push_back(static_cast<std::uint64_t>(seed));
@@ -104,7 +105,7 @@ bool PlanValues::is_name(const std::string& name, yaml::Position at, const std::
     return std::isalnum(c) != 0 || c == '.' || c == '_' || c == '-' || c == '+' || c == '/';
   };
   if (!name.empty() && std::all_of(name.begin(), name.end(), legal)) return true;
-  problem(at, what + " must be made of letters, digits and . _ - + /, not '" + name + "'");
+  problem(at, what + " must be made of letters, digits and . _ - + /, not " + quote(name));
   return false;
 }
 
@@ -131,7 +132,7 @@ void PlanValues::unknown(yaml::Position at, const std::string& what, const std::
                          const std::vector<std::string>& known) {
   const std::string near = nearest(word, known);
   const std::string others = known.empty() ? "" : "; there are: " + joined(known);
-  problem(at, "there is no " + what + " '" + word + "'" +
+  problem(at, "there is no " + what + " " + quote(word) +
                   (near.empty() ? others : "; did you mean '" + near + "'?"));
 }
 

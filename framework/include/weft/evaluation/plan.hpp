@@ -72,7 +72,14 @@ struct Plan {
   std::vector<Expectation> expect;
 };
 
-/// Reads a plan and checks all of it that needs no plugin. Use the plan only when the report is ok.
+/// Reads a plan and checks all of it that needs no plugin. Use the plan only when the report is ok;
+/// otherwise it holds what is sound.
 std::pair<Plan, ConfigReport> read_plan(const std::string& file);
+
+/// Reads a plan and lays its parts over the pipeline, as far as they are sound: each value of an
+/// axis and each data once, with the first of all others. A mistake in a plan of a million cells is
+/// found without expanding it. What only some combinations show is left to Grid::expand.
+std::pair<Plan, ConfigReport> load_plan(const std::string& file, const host::Registry& registry,
+                                        const std::vector<std::string>& settings);
 
 }  // namespace weft::evaluation
