@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kFewPipelines = 64;
 
 /// Of more parts than these the rest is left to the grid, so that the answer comes at once.
-constexpr std::size_t kMostParts = 400;
+constexpr std::size_t kMostParts = 150;
 
 /// Lays the parts of a plan over its pipeline, one at a time.
 class PartsCheck {
@@ -27,14 +27,17 @@ class PartsCheck {
     const std::size_t before = report_.problems.size();
     std::vector<std::size_t> values(plan_.axes.size());
     lay(values, 0);
-    for (std::size_t axis = 0; axis < values.size(); ++axis) {
-      for (std::size_t i = 1; i < plan_.axes[axis].values.size(); ++i) {
+    for (std::size_t data = 1; data < plan_.data.size(); ++data) lay(values, data);
+    std::size_t most = 0;
+    for (const Axis& axis : plan_.axes) most = std::max(most, axis.values.size());
+    for (std::size_t i = 1; i < most; ++i) {
+      for (std::size_t axis = 0; axis < values.size(); ++axis) {
+        if (i >= plan_.axes[axis].values.size()) continue;
         values[axis] = i;
         lay(values, 0);
+        values[axis] = 0;
       }
-      values[axis] = 0;
     }
-    for (std::size_t data = 1; data < plan_.data.size(); ++data) lay(values, data);
     for (auto& [place, mistake] : mistakes_) add(std::move(mistake));
     if (report_.problems.size() == before) check_metrics();
   }

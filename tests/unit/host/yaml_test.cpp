@@ -340,7 +340,11 @@ TEST(Yaml, RefusesControlCharacters) {
   expect_syntax_error("a: 1\nb: \x04 2\n", "2:4", "U+0004");
   expect_syntax_error("a: \"\x1B[1m\"", "1:5", "U+001B");
   expect_syntax_error("a: \xC2\x80", "1:4", "U+0080");
-  EXPECT_EQ(root_of("a: \"\\0\\x1B\"").find("a")->scalar, std::string("\0\x1B", 2));
+  EXPECT_EQ(root_of("a: \"\\x1B\"").find("a")->scalar, "\x1B");
+  const auto with_nul = parse("a: \"b\\0\"", "file");
+  ASSERT_TRUE(with_nul);
+  ASSERT_EQ(with_nul->problems.size(), 1U);
+  EXPECT_EQ(with_nul->problems[0].at, (Position{1, 4}));
 }
 
 TEST(Yaml, SurvivesHostileSizes) {
