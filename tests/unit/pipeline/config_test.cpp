@@ -173,10 +173,11 @@ TEST_F(Config, LeavesTheWiringAloneWhereAStageIsUnknown) {
   EXPECT_THAT(lines(report), ElementsAre(HasSubstr("no plugin 'passes/unknown' is installed")));
 }
 
-TEST_F(Config, LeavesTheWiringAloneWhereTheTextIsAmbiguous) {
+TEST_F(Config, StillChecksTheWiringWhereANameIsAmbiguous) {
   const auto report =
       check(head() + "stages:\n  - {use: solvers/test.scripted, as: a, as: b}\n").second;
-  EXPECT_THAT(lines(report), ElementsAre(StartsWith("5:41: duplicate key 'as'")));
+  EXPECT_THAT(lines(report), ElementsAre(HasSubstr("requires 'sightlines'"),
+                                         StartsWith("5:41: duplicate key 'as'")));
 }
 
 TEST_F(Config, ReportsASyntaxErrorAlone) {

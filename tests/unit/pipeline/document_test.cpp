@@ -182,11 +182,12 @@ TEST_F(Documents, RefusesAChainThatCannotBeFollowed) {
                                           path("pipeline.yaml") + " extends itself\n");
 }
 
-TEST_F(Documents, ReportsASyntaxErrorOfTheExtendedFileAlone) {
+TEST_F(Documents, ChecksWhatStandsOnItsOwnOverAFileThatCannotBeRead) {
   write("weft: [1\n", "base.yaml");
   const auto report = over("seed: -1\n").second;
-  ASSERT_EQ(report.problems.size(), 1U) << report.text();
-  EXPECT_THAT(report.text(), StartsWith(path("base.yaml") + ":"));
+  ASSERT_EQ(report.problems.size(), 2U) << report.text();
+  EXPECT_THAT(report.text(), HasSubstr(path("pipeline.yaml") + ":3:7: 'seed' must be"));
+  EXPECT_THAT(report.text(), HasSubstr("\n" + path("base.yaml") + ":"));
 }
 
 TEST_F(Documents, SetsParametersKeysAndPlugins) {
@@ -205,10 +206,17 @@ TEST_F(Documents, SetsParametersKeysAndPlugins) {
   EXPECT_EQ(config.sources.size(), 8U);
 }
 
-TEST_F(Documents, SetsParametersOfNestedComponentsAndLaterSettingsWin) {
+TEST_F(Documents, RefusesASettingOfWhichALaterOneLeavesNothing) {
+  EXPECT_THAT(set({"filters.every=4", "filters.every=5"}).second.text(),
+              StartsWith("--set filters.every=4, column 1: this setting has no effect"));
+  EXPECT_THAT(set({"filters.every=4", "filters.use=filters/test.random"}).second.text(),
+              StartsWith("--set filters.every=4, column 1: this setting has no effect"));
+}
+
+TEST_F(Documents, SetsParametersOfNestedComponents) {
   const auto [config, report] =
       set({"filters={use: filters/test.warped, params: {warp: {use: warps/test.scripted}}}",
-           "filters.warp.nan_at=[4]", "filters.warp.nan_at=[4, 5]"});
+           "filters.warp.nan_at=[4, 5]"});
   ASSERT_TRUE(report.ok()) << report.text();
   const yaml::Node& params = *config.stages[2].component.effective.find("params");
   EXPECT_EQ(params.find("warp")->find("params")->find("nan_at")->items.size(), 2U);

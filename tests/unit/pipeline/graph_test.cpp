@@ -224,7 +224,8 @@ TEST_F(Wiring, NamesWhatCouldProduceAMissingInput) {
           "produces" +
               detector,
           "6:5: passes/test.scripted requires 'warp_samples', which no earlier stage produces;\n"
-          "    add one that produces it: warps/test.scripted"));
+          "    add one that produces it: warps/test.scripted",
+          HasSubstr("7:5: nobody reads the correspondences of 'filters'")));
 }
 
 TEST_F(Wiring, NamesPassesForAPipelineWithoutOne) {
