@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A disk of two megabytes that can be filled up to a few bytes, where this user may mount one."""
+"""A disk of 32 megabytes that can be filled up to a few bytes, where this user may mount one."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 class SmallDisk:
     """A file system in memory at the folder; use as a context."""
 
-    SIZE_KiB = 2048
+    SIZE_KiB = 32 * 1024
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -31,7 +31,7 @@ class SmallDisk:
         """Takes all room but so many bytes, in whole pages."""
         with open(self.folder / "filler", "wb", buffering=0) as filler:
             try:
-                while filler.write(b"x" * 4096) == 4096:
+                while filler.write(b"x" * 65536) > 0:
                     pass
             except OSError:
                 pass
