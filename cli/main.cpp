@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <weft/core/quote.hpp>
 #include <weft/core/suggest.hpp>
 #include <weft/core/version.hpp>
 
@@ -13,7 +14,8 @@ namespace weft::cli {
 
 void print_error(const Error& error) {
   const std::string line =
-      fmt::format("error: {}{}{}\n", error.where, error.where.empty() ? "" : ": ", error.message);
+      fmt::format("error: {}{}{}\n", escaped(error.where), error.where.empty() ? "" : ": ",
+                  error.message);
   std::fputs(line.c_str(), stderr);  // nobody is left to be told that this failed
 }
 

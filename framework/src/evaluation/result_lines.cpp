@@ -90,8 +90,8 @@ class LinesReader {
     if (!line) return line.error();
     try {
       if (auto taken = take(place, line->object); !taken) return taken;
-    } catch (const json::exception& damage) {
-      return Error{Errc::invalid_data, damage.what(), {}};
+    } catch (const json::exception&) {
+      return Error{Errc::invalid_data, "it lacks a member, or one is of another type", {}};
     }
     faults_.unchecked += line->checked ? 0 : 1;
     return {};

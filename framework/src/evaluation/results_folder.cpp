@@ -6,13 +6,14 @@
 
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <thread>
 #include <utility>
+#include <weft/core/quote.hpp>
 #include <weft/core/whole_file.hpp>
 #include <weft/evaluation/results_folder.hpp>
 
 #include "cell_line.hpp"
+#include "json_file.hpp"
 #include "result_lines.hpp"
 
 namespace weft::evaluation {
@@ -48,25 +49,25 @@ bool is_fresh(const std::string& path) {
 
 Result<void> check_schema(const std::string& path, const std::string& plan) {
   const std::string file = path + "/manifest.json";
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) {
+  const auto manifest = read_json_object(file);
+  if (!manifest && manifest.error().code == Errc::not_found) {
     if (is_fresh(path)) return {};
     return Error{Errc::invalid_value,
                  "is neither empty nor a results folder; choose another with --out", path};
   }
-  const json manifest = json::parse(stream, nullptr, false);
-  const std::string schema =
-      manifest.is_object() ? manifest.value("schema", std::string()) : std::string();
-  const std::string of = manifest.is_object() ? manifest.value("plan", plan) : plan;
+  if (!manifest) return manifest.error();
+  const std::string schema = text_in(*manifest, "schema");
+  const std::string of = manifest->contains("plan") ? text_in(*manifest, "plan") : plan;
   if (schema == kFolderSchema && of == plan) return {};
   if (schema == kFolderSchema) {
     return Error{Errc::invalid_value,
-                 "holds the results of the plan '" + of + "', and this plan is '" + plan +
-                     "'; choose another folder with --out, or give the plan its name back",
+                 "holds the results of the plan " + quote(of) + ", and this plan is " +
+                     quote(plan) +
+                     "; choose another folder with --out, or give the plan its name back",
                  path};
   }
   return Error{Errc::invalid_value,
-               "has the schema '" + schema + "', this program writes '" + kFolderSchema +
+               "has the schema " + quote(schema) + ", this program writes '" + kFolderSchema +
                    "'; choose another folder with --out",
                file};
 }

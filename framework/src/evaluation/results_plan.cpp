@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fstream>
+#include <weft/core/quote.hpp>
 
 #include "cell_line.hpp"
+#include "json_file.hpp"
 #include "results_json.hpp"
 
 namespace weft::evaluation {
@@ -22,23 +23,19 @@ std::vector<std::string> names_of(const json& values) {
 }
 
 Result<json> read_json(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) {
-    return Error{Errc::not_found,
-                 "there is no such file; a results folder is what `weft ablate` writes", file};
-  }
-  json content = json::parse(stream, nullptr, false);
-  if (!content.is_object()) return Error{Errc::invalid_data, "is not a JSON object", file};
-  return content;
+  auto content = read_json_object(file);
+  if (content || content.error().code != Errc::not_found) return content;
+  return Error{Errc::not_found,
+               "there is no such file; a results folder is what `weft ablate` writes", file};
 }
 
 Result<void> read_manifest(const std::string& file, Results& results) {
   const auto manifest = read_json(file);
   if (!manifest) return manifest.error();
-  const std::string schema = manifest->value("schema", "");
+  const std::string schema = text_in(*manifest, "schema");
   if (schema != kFolderSchema) {
     return Error{Errc::incompatible,
-                 "the schema is '" + schema + "', this program reads '" + kFolderSchema + "'",
+                 "the schema is " + quote(schema) + ", this program reads '" + kFolderSchema + "'",
                  file};
   }
   results.version = manifest->value("weft", "");
@@ -144,8 +141,9 @@ Result<Results> read_results_plan(const std::string& folder) {
           "the key of cell " + std::to_string(cell.index) + " is not made of 32 hexadecimal digits",
           file};
     }
-  } catch (const json::exception& damage) {
-    return Error{Errc::invalid_data, damage.what(), file};
+  } catch (const json::exception&) {
+    return Error{Errc::invalid_data,
+                 "a member is missing or is of another type than docs/results.md says", file};
   }
   return results;
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a run says of itself beside the records of its frames.
 #include <algorithm>
-#include <fstream>
-#include <nlohmann/json.hpp>
+#include <sstream>
 #include <weft/evaluation/run_reader.hpp>
 
+#include "json_file.hpp"
 #include "run_damage.hpp"
 
 namespace weft::evaluation {
@@ -46,8 +46,9 @@ std::variant<FrameLine, std::string> parse_line(const json& object) {
 
 Result<void> RunReader::read_lines() {
   const std::string file = folder_ + "/frames.jsonl";
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) return Error{Errc::io, "cannot be read", file};
+  const auto content = read_text_file(file, kMostJsonBytes);
+  if (!content) return Error{Errc::io, "cannot be read: " + content.error().message, file};
+  std::istringstream stream(*content);
   std::string text;
   for (std::size_t number = 1; std::getline(stream, text); ++number) {
     const bool cut = stream.eof();  // a whole line ends with a line break
@@ -65,7 +66,6 @@ Result<void> RunReader::read_lines() {
     }
     lines_.push_back(std::get<FrameLine>(std::move(line)));
   }
-  if (stream.bad()) return Error{Errc::io, "cannot be read to its end", file};
   std::sort(lines_.begin(), lines_.end(),
             [](const FrameLine& a, const FrameLine& b) { return a.frame < b.frame; });
   const auto twice =
@@ -82,15 +82,16 @@ Result<void> RunReader::read_lines() {
 
 Result<void> RunReader::read_manifest() {
   const std::string file = folder_ + "/manifest.json";
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) return {};  // a folder made by another program need not have one
-  const json manifest = json::parse(stream, nullptr, false);
-  if (!manifest.is_object()) return damaged_run(file, "is no JSON object");
-  const json end = manifest.value("end", json());  // runs of older programs say nothing of it
+  const auto manifest = read_json_object(file);
+  // A folder made by another program need not have one.
+  if (!manifest && manifest.error().code == Errc::not_found) return {};
+  if (!manifest) return damaged_run(file, manifest.error().message);
+  const json end = manifest->value("end", json());  // runs of older programs say nothing of it
   if (end == "end.json") {
     if (auto read = read_end(folder_ + "/end.json"); !read) return read;
   }
-  const json components = manifest.value("components", json::array());
+  const json components = manifest->value("components", json());
+  if (!components.is_array()) return damaged_run(file, "has no list 'components'");
   has_solver_ = std::any_of(components.begin(), components.end(), [](const json& component) {
     const json id = component.is_object() ? component.value("id", json()) : json();
     return id.is_string() && id.get<std::string>().starts_with("solvers/");
@@ -105,11 +106,13 @@ Result<void> RunReader::read_manifest() {
 
 /// Nothing may be missing of a run that came to its end.
 Result<void> RunReader::read_end(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  interrupted_ = interrupted_ || !stream;
-  if (!stream) return {};
-  const json end = json::parse(stream, nullptr, false);
-  const json frames = end.is_object() ? end.value("frames", json()) : json();
+  const auto end = read_json_object(file);
+  if (!end && end.error().code == Errc::not_found) {
+    interrupted_ = true;
+    return {};
+  }
+  if (!end) return damaged_run(file, end.error().message);
+  const json frames = end->value("frames", json());
   if (!frames.is_number_unsigned())
     return damaged_run(file, "does not say how many frames there are");
   const std::string lines = folder_ + "/frames.jsonl";
@@ -118,7 +121,7 @@ Result<void> RunReader::read_end(const std::string& file) {
                                   std::to_string(frames.get<std::uint64_t>()) + " frames");
   }
   if (cut_) return damaged_run(lines, "has a last line that is cut off");
-  interrupted_ = end.value("stopped", json()) == json(true);
+  interrupted_ = end->value("stopped", json()) == json(true);
   return {};
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <weft/core/quote.hpp>
 #include <weft/host/component_checks.hpp>
 #include <weft/host/plugin_error.hpp>
 
@@ -66,7 +67,7 @@ std::vector<ComponentChecks::Mistake> ComponentChecks::mistakes_of(const Compone
   }
   std::vector<Mistake> mistakes;
   const auto note = [](void* context, const char* parameter, const char* message) {
-    static_cast<std::vector<Mistake>*>(context)->push_back({parameter, message});
+    static_cast<std::vector<Mistake>*>(context)->push_back({parameter, escaped(message)});
   };
   status = static_cast<const weft_check*>(extension)->check(self, &mistakes, note, &error);
   (*table)->destroy(self);

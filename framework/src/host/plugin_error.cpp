@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <string.h>
 
+#include <weft/core/quote.hpp>
 #include <weft/host/plugin_error.hpp>
 
 namespace weft::host {
 namespace {
 
-/// A text that its writer may have forgotten to end.
+/// A text that its writer may have forgotten to end, and that may quote a file.
 template <std::size_t Size>
 std::string text_in(const char (&buffer)[Size]) {
-  return {buffer, strnlen(buffer, Size - 1)};
+  return escaped({buffer, strnlen(buffer, Size - 1)});
 }
 
 }  // namespace

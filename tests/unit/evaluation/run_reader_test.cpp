@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <weft/evaluation/metrics.hpp>
 #include <weft/evaluation/metrics_report.hpp>
 #include <weft/evaluation/run_reader.hpp>
@@ -97,6 +98,17 @@ TEST(RunReader, NoticesALineThatIsMissing) {
   EXPECT_THAT(failure(last).message, HasSubstr("has 2 lines of 3 frames"));
   last.write_text("end.json", R"({"frames": 2, "failed": 0, "stopped": false})");
   EXPECT_FALSE(evaluate_run(last.folder())->interrupted);
+}
+
+TEST(RunReader, NoticesAManifestThatIsAFolderOrLacksItsComponents) {
+  TestRun run;
+  run.solved(1.0, TestRun::truth("mdh"));
+  run.write_text("manifest.json", R"({"componets": []})");
+  EXPECT_THAT(failure(run).message, HasSubstr("has no list 'components'"));
+  std::filesystem::remove(run.folder() + "/manifest.json");
+  std::filesystem::create_directory(run.folder() + "/manifest.json");
+  EXPECT_THAT(failure(run).message, HasSubstr("it is a folder; the run folder is damaged"));
+  EXPECT_THAT(failure(run).where, EndsWith("manifest.json"));
 }
 
 TEST(RunReader, NoticesALastLineThatIsCutOffInARunThatCameToItsEnd) {
