@@ -81,8 +81,10 @@ TEST_F(ComponentChecks, AskTheSameComponentWithTheSameValuesOnce) {
   };
   host::ComponentChecks checks;
   for (const int frames : {1, 2, 1, 1, 2}) {
-    const auto checked =
-        check_pipeline(write(text_with(frames)), registry_, path("run"), {}, {}, &checks);
+    const std::string pipeline = write(text_with(frames));
+    const auto paths = host::PathRules::of_process({}, path("run"));
+    const auto checked = check_pipeline(pipeline, read_document(pipeline, {}, paths), registry_,
+                                        path("run"), &checks);
     EXPECT_TRUE(checked.second.ok()) << checked.second.text();
   }
   EXPECT_EQ(testing::read_lines(file).size(), 2U);
