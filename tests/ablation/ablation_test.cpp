@@ -234,24 +234,26 @@ TEST_F(Ablation, TakesResultsOfRebuiltComponentsOnlyWhenTold) {
 }
 
 TEST_F(Ablation, SaysWhichNumberAnAxisSweeps) {
-  Grid grid = expand(
-      "axes:\n"
-      "  every: {set: filters.every, values: [2, 3, 4]}\n"
-      "  named: {set: filters.every, values: {few: 7, some: 5, many: 4}}\n"
-      "  mixed: {values: {none: {}, a: {set: {filters.every: 2}},\n"
-      "    b: {set: {filters.every: 3}}, c: {set: {filters.every: 4}},\n"
-      "    else: {set: {filters.use: filters/test.scripted, filters.every: 9}}}}\n"
-      "  pair: {set: filters.every, values: [2, 3]}\n"
-      "data: {all: {}}\n");
-  run(grid, "out", 1, {}, 0.0);
-  const json axes = json::parse(weft::testing::read_text(path("out/plan.json")))["axes"];
-  EXPECT_EQ(axes[0]["swept"], "every");
-  EXPECT_EQ(axes[0]["numbers"], json({2.0, 3.0, 4.0}));
-  EXPECT_EQ(axes[1]["swept"], "filters.every");
-  EXPECT_EQ(axes[1]["numbers"], json({7.0, 5.0, 4.0}));
-  EXPECT_EQ(axes[2]["swept"], "filters.every");
-  EXPECT_EQ(axes[2]["numbers"], json({nullptr, 2.0, 3.0, 4.0, nullptr}));
-  EXPECT_FALSE(axes[3].contains("swept")) << "two numbers are no curve";
+  const auto swept_by = [&](const std::string& axis, const std::string& name = "one") {
+    Grid grid = expand("axes: {" + name + ": " + axis + "}\ndata: {all: {}}\n");
+    const std::string folder = "out" + std::to_string(axis.size());
+    run(grid, folder, 1, {}, 0.0);
+    return json::parse(weft::testing::read_text(path(folder + "/plan.json")))["axes"][0];
+  };
+  const json listed = swept_by("{set: filters.every, values: [2, 3, 4]}", "every");
+  EXPECT_EQ(listed["swept"], "every");
+  EXPECT_EQ(listed["numbers"], json({2.0, 3.0, 4.0}));
+  const json named = swept_by("{set: filters.every, values: {few: 7, some: 5, many: 4}}");
+  EXPECT_EQ(named["swept"], "filters.every");
+  EXPECT_EQ(named["numbers"], json({7.0, 5.0, 4.0}));
+  const json mixed = swept_by(
+      "{values: {none: {}, a: {set: {filters.every: 2}}, b: {set: {filters.every: 3}}, "
+      "c: {set: {filters.every: 4}}, "
+      "else: {set: {filters.use: filters/test.scripted, filters.every: 9}}}}");
+  EXPECT_EQ(mixed["swept"], "filters.every");
+  EXPECT_EQ(mixed["numbers"], json({nullptr, 2.0, 3.0, 4.0, nullptr}));
+  EXPECT_FALSE(swept_by("{set: filters.every, values: [2, 3]}").contains("swept"))
+      << "two numbers are no curve";
 }
 
 TEST_F(Ablation, SaysWhichNumbersTheFamiliesOfAnAxisSweep) {

@@ -20,6 +20,13 @@ inline Result<nlohmann::json> read_json_object(const std::string& file) {
   return content;
 }
 
+/// What the library says of a member that is missing or of another type, without its own name.
+inline std::string reason_of(const nlohmann::json::exception& mistake) {
+  const std::string text = mistake.what();
+  const std::size_t end = text.find("] ");
+  return end == std::string::npos ? text : text.substr(end + 2);
+}
+
 /// The text under a key; empty where there is none.
 inline std::string text_in(const nlohmann::json& object, const char* key) {
   const auto found = object.find(key);

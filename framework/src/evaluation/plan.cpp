@@ -323,7 +323,8 @@ std::pair<Plan, ConfigReport> read_plan(const std::string& file) {
     return {std::move(plan), std::move(report)};
   }
   report.problems = std::move(document->problems);
-  PlanReader(plan, report.problems).read(document->root);
+  const bool unreadable = document->root.kind == yaml::Kind::null && !report.ok();
+  if (!unreadable) PlanReader(plan, report.problems).read(document->root);
   report.sort();
   return {std::move(plan), std::move(report)};
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <vector>
@@ -11,9 +12,13 @@ namespace weft::evaluation {
 /// Reads values of a plan strictly; every mistake goes to one list.
 class PlanValues {
  public:
-  explicit PlanValues(std::vector<yaml::Problem>& problems) : problems_(problems) {}
+  explicit PlanValues(std::vector<yaml::Problem>& problems)
+      : problems_(problems), of_text_(problems) {}
 
+  /// Where the text itself was refused, what else is wrong there only follows.
   void problem(yaml::Position at, std::string message) {
+    const auto here = [&](const yaml::Problem& other) { return other.at == at; };
+    if (std::any_of(of_text_.begin(), of_text_.end(), here)) return;
     problems_.push_back({at, std::move(message)});
   }
 
@@ -58,6 +63,7 @@ class PlanValues {
                  std::vector<std::uint64_t>& seeds);
 
   std::vector<yaml::Problem>& problems_;
+  std::vector<yaml::Problem> of_text_;  ///< mistakes of YAML
 };
 
 /// All metrics that a plan names.

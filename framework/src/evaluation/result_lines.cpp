@@ -10,6 +10,7 @@
 #include <weft/host/content_hash.hpp>
 
 #include "cell_line.hpp"
+#include "json_file.hpp"
 
 namespace weft::evaluation {
 namespace {
@@ -90,8 +91,8 @@ class LinesReader {
     if (!line) return line.error();
     try {
       if (auto taken = take(place, line->object); !taken) return taken;
-    } catch (const json::exception&) {
-      return Error{Errc::invalid_data, "it lacks a member, or one is of another type", {}};
+    } catch (const json::exception& mistake) {
+      return Error{Errc::invalid_data, reason_of(mistake), {}};
     }
     faults_.unchecked += line->checked ? 0 : 1;
     return {};

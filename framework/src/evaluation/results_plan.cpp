@@ -141,9 +141,8 @@ Result<Results> read_results_plan(const std::string& folder) {
           "the key of cell " + std::to_string(cell.index) + " is not made of 32 hexadecimal digits",
           file};
     }
-  } catch (const json::exception&) {
-    return Error{Errc::invalid_data,
-                 "a member is missing or is of another type than docs/results.md says", file};
+  } catch (const json::exception& mistake) {
+    return Error{Errc::invalid_data, reason_of(mistake), file};
   }
   return results;
 }

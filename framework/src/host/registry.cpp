@@ -218,7 +218,10 @@ const Installed* Registry::find(std::string_view id) const {
 
 std::string Registry::nearest_of_role(std::string_view id, const std::string& role) const {
   std::vector<std::string> ids, names;
+  const std::string_view given = id.substr(0, id.find('/'));
   for (const Installed& entry : installed_) {
+    // Another role is no misspelling of this one.
+    if (entry.component.role() == given && given != role) return {};
     if (entry.component.role() != role) continue;
     ids.push_back(entry.component.id);
     names.push_back(entry.component.id.substr(role.size() + 1));

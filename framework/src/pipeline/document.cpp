@@ -132,7 +132,7 @@ class Reader {
       std::set<std::string> known;
       const std::vector<std::string> names = names_of_stages(*list);
       for (std::size_t i = 0; i < names.size(); ++i) {
-        if (known.insert(names[i]).second) continue;
+        if (names[i].empty() || known.insert(names[i]).second) continue;
         const yaml::Node* as = list->items[i].find("as");
         problem(as != nullptr ? as->at : list->items[i].at,
                 "the name " + quote(names[i]) + " is used twice");
