@@ -217,15 +217,17 @@ const Installed* Registry::find(std::string_view id) const {
 }
 
 std::string Registry::nearest_of_role(std::string_view id, const std::string& role) const {
-  std::vector<std::string> ids, names;
   const std::string_view given = id.substr(0, id.find('/'));
+  const std::string same = role + std::string(id.substr(given.size()));
+  bool another = false;  // a role that is no misspelling of this one
+  std::vector<std::string> ids, names;
   for (const Installed& entry : installed_) {
-    // Another role is no misspelling of this one.
-    if (entry.component.role() == given && given != role) return {};
+    another = another || (entry.component.role() == given && given != role);
     if (entry.component.role() != role) continue;
     ids.push_back(entry.component.id);
     names.push_back(entry.component.id.substr(role.size() + 1));
   }
+  if (another) return std::find(ids.begin(), ids.end(), same) != ids.end() ? same : "";
   std::string near = nearest(id, ids);
   if (!near.empty()) return near;
   near = nearest(id.substr(id.find('/') + 1), names);  // npos + 1 is 0

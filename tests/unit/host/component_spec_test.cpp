@@ -185,7 +185,7 @@ TEST_F(ComponentSpecTest, NestedComponentsAreCheckedToo) {
   expect_problem("{warp: {use: warps/zoo_shift, params: {shift_px: far}}}", "'shift_px' must be");
   expect_problem("{warp: {use: warps/zoo_shft}}", "did you mean 'warps/zoo_shift'?");
   expect_problem("{warp: {use: filters/zoo_strict}}",
-                 "2:22: 'warp' must be one of warps/..., not filters/zoo_strict");
+                 "2:22: 'warp' must be one of warps/..., not 'filters/zoo_strict'");
   expect_problem("{warp: {params: {}}}", "'warp' lacks the key 'use'");
   expect_problem("{warp: warps/zoo_shift}",
                  "'warp' must be a component, such as {use: warps/zoo_shift}");
