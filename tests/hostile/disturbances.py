@@ -30,7 +30,8 @@ from program import Answer, Program
 from small_disk import SmallDisk, can_mount
 from victims import Ablation, Run
 
-SIZES = [0, 1, 100, 400, 1000, 2000, 3000, *range(4096, 19 * 4096, 4096)]  # 25 of them, in bytes
+# [bytes] 25 of them. What the program says goes into a file too, which must hold its message.
+SIZES = [600, 700, 800, 900, 1000, 2000, 3000, *range(4096, 19 * 4096, 4096)]
 SIGNALS = {"child killed": disturbing.kill_child, "parent killed": disturbing.kill_parent,
            "group killed": disturbing.kill_group, "interrupted": disturbing.interrupt,
            "interrupted twice": disturbing.interrupt_twice,

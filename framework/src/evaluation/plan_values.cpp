@@ -43,9 +43,10 @@ bool PlanValues::is_map(const yaml::Node& node, const std::string& what,
 }
 
 std::string PlanValues::text(const yaml::Node& node, const std::string& what) {
-  if (node.kind == yaml::Kind::scalar && !node.scalar.empty()) return node.scalar;
-  problem(node.at, what + " must be a text");
-  return {};
+  const bool is_text = node.kind == yaml::Kind::scalar && !node.scalar.empty();
+  if (!is_text) problem(node.at, what + " must be a text");
+  // A text with NUL was refused where it stands.
+  return is_text && node.scalar.find('\0') == std::string::npos ? node.scalar : std::string();
 }
 
 std::vector<std::pair<std::string, yaml::Position>> PlanValues::texts(const yaml::Node& node,

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <weft/core/quote.hpp>
 #include <weft/core/whole_file.hpp>
 #include <weft/data/npz_members.hpp>
 #include <weft/host/npz.hpp>
@@ -86,7 +87,8 @@ struct Assembly {
     }
     const auto found = by_slot.find(member.slot);
     if (found == by_slot.end()) {
-      return zip_failure(file, "lacks the type of '" + member.slot + "'; was it written by Weft?");
+      return zip_failure(file,
+                         "lacks the type of " + quote(member.slot) + "; was it written by Weft?");
     }
     const auto axes = static_cast<std::int32_t>(header->shape.size());
     if (!arrays.insert(name).second) {

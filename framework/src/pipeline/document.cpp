@@ -134,8 +134,8 @@ class Reader {
       for (std::size_t i = 0; i < names.size(); ++i) {
         if (names[i].empty() || known.insert(names[i]).second) continue;
         const yaml::Node* as = list->items[i].find("as");
-        problem(as != nullptr ? as->at : list->items[i].at,
-                "the name " + quote(names[i]) + " is used twice");
+        // A name that is not given is a role's, and no stage may be given one of those.
+        if (as != nullptr) problem(as->at, "the name " + quote(names[i]) + " is used twice");
       }
     }
   }

@@ -75,6 +75,14 @@ class Wiring {
                        [](const FromRule& rule) { return rule.names.empty(); });
   }
 
+  /// Whether `from` names an input that the stage does not have: it may mean any.
+  static bool has_stray_rule(const StageConfig& stage, const std::vector<Demand>& demands) {
+    return std::any_of(stage.from.begin(), stage.from.end(), [&](const FromRule& rule) {
+      return std::none_of(demands.begin(), demands.end(),
+                          [&](const Demand& demand) { return demand.slot == rule.slot; });
+    });
+  }
+
   /// From now on the stage that is being connected may read whatever is made before it.
   void may_read_anything() { open_.before = reader_; }
 
@@ -113,6 +121,7 @@ class Wiring {
       const bool unites = takes_several(stage, demand.slot);
       if (unites && chosen(stage, demand.slot) == nullptr && !has_broken_rule(stage)) {
         if (perhaps_.count(demand.slot) > 0 || stage.component.installed == nullptr) continue;
+        if (has_stray_rule(stage, demands)) continue;
         problems_.push_back({stage.at, nothing_to_unite(graph_, stage, demand.slot)});
         open_.slots.insert(demand.slot);
         continue;

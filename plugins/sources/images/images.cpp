@@ -51,6 +51,7 @@ class Images final : public Source {
     const bool calibrated = mistakes.expect("camera", camera);
     Images found = *this;
     if (!mistakes.expect("path", found.list_frames())) return;
+    mistakes.expect("path", found.check_readable());
     if (calibrated) mistakes.expect("camera", found.check_sizes(*camera));
     mistakes.expect("truth", found.attach_truth());
     mistakes.expect("depth", found.attach_depth());
@@ -64,6 +65,7 @@ class Images final : public Source {
     if (!camera) return camera.error();
     camera_ = *std::move(camera);
     if (auto listed = list_frames(); !listed) return listed.error();
+    if (auto readable = check_readable(); !readable) return readable.error();
     if (auto fit = check_sizes(camera_); !fit) return fit.error();
     if (auto attached = attach_truth(); !attached) return attached.error();
     if (auto attached = attach_depth(); !attached) return attached.error();
@@ -116,10 +118,22 @@ class Images final : public Source {
     return {};
   }
 
+  static constexpr std::size_t kMostTries = 100;  ///< frames, before the rest is believed
+
+  /// A frame that cannot be read is an error of that frame; if none can, the path is wrong.
+  Result<void> check_readable() const {
+    Result<void> first;
+    for (std::size_t i = 0; i < std::min(frames_.size(), kMostTries); ++i) {
+      const auto file = read_image_bytes(frames_[i].path);
+      if (file) return {};
+      if (first) first = file.error();
+    }
+    return first;
+  }
+
   /// A frame of another size than the camera's is an error of that frame; if none has it, the
   /// camera file is that of other images.
   Result<void> check_sizes(const sources::CalibratedCamera& camera) const {
-    constexpr std::size_t kMostTries = 100;
     Result<void> first;
     for (std::size_t i = 0; i < std::min(frames_.size(), kMostTries); ++i) {
       const auto file = read_image_bytes(frames_[i].path);

@@ -92,6 +92,19 @@ TEST(ImagesSource, RefusesASizeThatNoFrameHas) {
   EXPECT_THAT(opened.message, AllOf(HasSubstr("a.png: is 640 x 480 px"), HasSubstr("8 x 6 px")));
 }
 
+TEST(ImagesSource, RefusesAPathOfWhichNothingCanBeRead) {
+  const FrameFolder folder;
+  folder.write_camera();
+  fs::create_directory(folder.path("frames"));
+  ASSERT_EQ(mkfifo(folder.path("frames/a.png").c_str(), 0600), 0);
+  const Outcome opened = images_source(folder).process(kOpen, {});
+  EXPECT_EQ(opened.status, WEFT_ERROR);
+  EXPECT_THAT(opened.message, AllOf(HasSubstr("a.png"), HasSubstr("no regular file")));
+  EXPECT_THAT(mistakes_of("sources/images", "{path: '" + folder.path("frames/*.png") +
+                                                "', camera: '" + folder.path("camera.yaml") + "'}"),
+              ElementsAre(HasSubstr("path: ")));
+}
+
 TEST(ImagesSource, SaysAllMistakesBeforeAnythingRuns) {
   const FrameFolder folder;
   folder.write_frame("frames/a.png");
