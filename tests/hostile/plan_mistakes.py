@@ -75,7 +75,8 @@ def wrong_setting(rng: Random, patch: Map) -> Planted:
     kind = rng.choice([2, 4]) if chosen.find("filters.use") else rng.randrange(5)
     if kind == 0:
         value = rng.choice(one_of("2000", "-1", "many", "1.5", '"3"', "[1]", "1e999", '"\\x1b"'))
-        return Planted("wrong value", put_value(chosen, "filters.every", value))
+        # No axis of the base overrules this one: a value without effect would be harmless.
+        return Planted("wrong value", put_value(chosen, "solvers.refuse", value))
     if kind == 1:
         key = chosen.put("filters." + misspelt(rng, "every", FILTER), 3)
         return Planted("misspelt parameter", key, "every", len("filters."))
