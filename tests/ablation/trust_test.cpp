@@ -224,10 +224,13 @@ TEST_F(Trust, FindsAFileThatWasChangedInItsPlaceWhenDamageIsToBeRetried) {
   const std::string good = text;
   text[text.size() / 2] = '#';
   std::ofstream(yaml) << text;
+  const std::string begun = yaml + ".part.o2j4ge";
+  std::ofstream(begun) << "begun by a process that met a full disk";
   AblationOptions retry;
   retry.retry_damaged = true;
   EXPECT_EQ(run(grid, "out", 1, retry).done, 1U);
   EXPECT_EQ(weft::testing::read_text(yaml), good);
+  EXPECT_FALSE(fs::exists(begun));
   EXPECT_EQ(lines("out").size(), 3U) << "the withdrawn line, the withdrawal, the new line";
 }
 

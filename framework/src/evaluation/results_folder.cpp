@@ -207,12 +207,29 @@ Result<LineWriter> ResultsFolder::lines_file(const char* kind) const {
   return io_error(path_ + "/results", "holds too many files");
 }
 
+namespace {
+
+/// Files that a process which was killed, or met a full disk, had begun to write.
+void remove_begun_files(const std::string& folder) {
+  std::error_code code;
+  std::vector<fs::path> begun;
+  for (const auto& entry : fs::directory_iterator(folder, code)) {
+    if (entry.path().filename().string().find(".part") != std::string::npos) {
+      begun.push_back(entry.path());
+    }
+  }
+  for (const fs::path& file : begun) fs::remove(file, code);
+}
+
+}  // namespace
+
 Result<void> ResultsFolder::keep(const Cell& cell, const CellResult& result, bool timed,
                                  const Measurement& measurement, LineWriter& lines) const {
   const std::string folder = path_ + "/cells/" + cell.identity.key;
   std::error_code code;
   fs::create_directories(folder, code);
   if (code) return io_error(folder, "cannot be created; is the disk full?");
+  remove_begun_files(folder);
   const auto path_of = [&](const std::string& name) { return folder + "/" + name; };
   std::vector<std::string> names{"pipeline.yaml"};
   if (auto written = write_whole(result.pipeline, path_of(names.back())); !written) return written;

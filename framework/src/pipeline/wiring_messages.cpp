@@ -112,7 +112,11 @@ std::string wrong_name(const PipelineConfig& config, const Graph& graph, const S
   for (const LeftOut& gone : config.left_out) {
     if (gone.name == name) return "'" + name + "' is left out by " + line_of(config, gone.at);
   }
-  const std::string near = nearest(name, makers);
+  Words meant = makers;
+  for (const StageConfig& stage : config.stages) {
+    if (stage.component.installed == nullptr) meant.push_back(stage.name);  // it may make anything
+  }
+  const std::string near = nearest(name, meant);
   return "no earlier stage named " + quote(name) + " produces '" + slot + "'" +
          (near.empty() ? "; name it with: as: " + escaped(name, 80)
                        : "; did you mean '" + near + "'?");
