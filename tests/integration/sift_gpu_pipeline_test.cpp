@@ -85,7 +85,8 @@ class GpuPipeline : public ::testing::Test {
   }
 
   static json metrics(const std::string& out) {
-    const Ended done = weft({"eval", path(out), "--json", path("metrics.json"), "--overwrite", "--quiet"});
+    const Ended done =
+        weft({"eval", path(out), "--json", path("metrics.json"), "--overwrite", "--quiet"});
     EXPECT_EQ(done.exit_code, 0) << done.err;
     return json::parse(read_text(path("metrics.json")));
   }
