@@ -21,7 +21,11 @@ class PartsCheck {
  public:
   PartsCheck(const Plan& plan, const host::Registry& registry,
              const std::vector<std::string>& settings, ConfigReport& report)
-      : plan_(plan), registry_(registry), settings_(settings), report_(report) {}
+      : plan_(plan),
+        registry_(registry),
+        settings_(settings),
+        report_(report),
+        base_(read_base(plan.pipeline, paths_)) {}
 
   void check() {
     const std::size_t before = report_.problems.size();
@@ -68,8 +72,9 @@ class PartsCheck {
   void lay(const std::vector<std::size_t>& values, std::size_t data) {
     if (parts_ == kMostParts) return;
     ++parts_;
-    const auto [pipeline, report] = check_pipeline(plan_.pipeline, registry_, plan_.source.folder,
-                                                   settings_, patches_of(values, data));
+    const auto [pipeline, report] = check_pipeline(
+        plan_.pipeline, laid_over(base_, patches_of(values, data), settings_, paths_), registry_,
+        plan_.source.folder, &checks_);
     std::vector<std::string> filters;
     for (const StageConfig& stage : pipeline.config.stages) {
       if (stage.role == "filters") filters.push_back(stage.name);
@@ -130,6 +135,9 @@ class PartsCheck {
   const host::Registry& registry_;
   const std::vector<std::string>& settings_;
   ConfigReport& report_;
+  host::PathRules paths_ = host::PathRules::of_process({}, plan_.source.folder);
+  Document base_;                 ///< the pipeline with what it extends, read once for all parts
+  host::ComponentChecks checks_;  ///< asks a component once, in however many parts it stands
   std::map<std::string, Mistake> mistakes_;  ///< by place and message
   std::set<std::vector<std::string>> filters_;
   std::size_t parts_ = 0;
