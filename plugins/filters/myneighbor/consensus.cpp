@@ -123,10 +123,10 @@ Result<void> Consensus::select_by_neighbours(const Marks& active) {
     if (active[k] != 0) rows.push_back(static_cast<Eigen::Index>(k));
   }
   if (!build_neighbour_sets(rows_of(template_px_, rows), in_template_)) {
-    return no_result("the matches lie on a line in the template");
+    return no_result("the matches lie on a line in the template, to 2e-9 of its length");
   }
   if (!build_neighbour_sets(rows_of(image_px_, rows), in_image_)) {
-    return no_result("the matches lie on a line in the image");
+    return no_result("the matches lie on a line in the image, to 2e-9 of its length");
   }
   const bool authors = options_.mode == Mode::authors_code;
   std::vector<double> factors(rows.size());

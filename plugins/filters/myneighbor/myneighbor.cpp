@@ -21,7 +21,6 @@ class MyNeighbor final : public weft::Filter {
  public:
   static constexpr weft::About kAbout{
       .reference = "Shetab-Bushehri et al. 2023, ROBUSfT, Section V",
-      .licence = "GPL-3.0-or-later",  // CGAL's triangulations
       .needs = "template",
       .reads = "camera"};
 

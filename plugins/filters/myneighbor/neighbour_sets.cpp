@@ -1,58 +1,103 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "neighbour_sets.hpp"
 
-#include <CGAL/Delaunay_triangulation_2.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Triangulation_vertex_base_with_info_2.h>
-
 #include <algorithm>
+#include <boost/polygon/voronoi.hpp>
+#include <cmath>
 #include <numeric>
+#include <optional>
 #include <utility>
 #include <weft/core/stop_check.hpp>
 
 namespace weft::myneighbor {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Vertex = CGAL::Triangulation_vertex_base_with_info_2<std::int32_t, Kernel>;
-using Triangulation =
-    CGAL::Delaunay_triangulation_2<Kernel, CGAL::Triangulation_data_structure_2<Vertex>>;
-using Sites = std::vector<std::pair<Kernel::Point_2, std::int32_t>>;
+using Diagram = boost::polygon::voronoi_diagram<double>;
 using Links = std::vector<std::pair<std::int32_t, std::int32_t>>;
 
-/// The different points, numbered from left to right; fills vertex_of.
-Sites unique_sites(const Points2View& points, std::vector<std::int32_t>& vertex_of) {
-  const auto n = static_cast<std::size_t>(points.rows());
-  std::vector<std::int32_t> order(n);
-  std::iota(order.begin(), order.end(), 0);
-  const auto place = [&](std::int32_t i) { return std::pair(points(i, 0), points(i, 1)); };
-  std::sort(order.begin(), order.end(),
-            [&](std::int32_t a, std::int32_t b) { return place(a) < place(b); });
-  Sites sites;
-  sites.reserve(n);
-  vertex_of.resize(n);
-  for (std::size_t k = 0; k < n; ++k) {
-    const auto [x, y] = place(order[k]);
-    if (k == 0 || place(order[k - 1]) != std::pair(x, y)) {
-      sites.emplace_back(Kernel::Point_2(x, y), static_cast<std::int32_t>(sites.size()));
-    }
-    vertex_of[static_cast<std::size_t>(order[k])] = sites.back().second;
+/// A point in steps of a grid that covers all points. Boost.Polygon is exact on whole numbers of 32
+/// bits, and these have 31 with their sign, so that differences have no more than 32.
+struct Site {
+  std::int32_t x = 0, y = 0;
+
+  auto operator<=>(const Site&) const = default;
+};
+constexpr int kStepBits = 30;
+
+/// The nearest points of the grid, of which the larger half-extent has 2^29 to 2^30 steps, a power
+/// of two each: what is on it, such as whole pixels, stays where it is. None where all points are
+/// in one place.
+std::optional<std::vector<Site>> on_grid(const Points2View& points) {
+  if (points.rows() == 0) return std::nullopt;
+  const Eigen::RowVector2d low = 0.5 * points.colwise().minCoeff();
+  const Eigen::RowVector2d high = 0.5 * points.colwise().maxCoeff();
+  const Eigen::RowVector2d middle = low + high;
+  const double half_extent = (high - low).maxCoeff();
+  if (!(half_extent > 0.0)) return std::nullopt;
+  int exponent = 0;
+  std::frexp(half_extent, &exponent);
+  const auto step = [&](double offset) {
+    return static_cast<std::int32_t>(std::lround(std::ldexp(offset, kStepBits - exponent)));
+  };
+  std::vector<Site> sites(static_cast<std::size_t>(points.rows()));
+  for (std::size_t i = 0; i < sites.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    sites[i] = {step(points(row, 0) - middle.x()), step(points(row, 1) - middle.y())};
   }
   return sites;
 }
 
-/// Pairs of joined vertices in both directions, and each vertex with itself.
-Links links_of(const Triangulation& triangulation, std::size_t vertices) {
-  Links links;
-  links.reserve(7 * vertices);
-  for (const auto& edge : triangulation.finite_edges()) {
-    worked(3);
-    const std::int32_t a = edge.first->vertex(Triangulation::cw(edge.second))->info();
-    const std::int32_t b = edge.first->vertex(Triangulation::ccw(edge.second))->info();
-    links.emplace_back(a, b);
-    links.emplace_back(b, a);
+/// The different sites, from left to right; fills vertex_of.
+std::vector<Site> unique_sites(const std::vector<Site>& sites,
+                               std::vector<std::int32_t>& vertex_of) {
+  std::vector<std::int32_t> order(sites.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto site = [&](std::int32_t i) { return sites[static_cast<std::size_t>(i)]; };
+  std::sort(order.begin(), order.end(),
+            [&](std::int32_t a, std::int32_t b) { return site(a) < site(b); });
+  std::vector<Site> different;
+  different.reserve(sites.size());
+  vertex_of.resize(sites.size());
+  for (const std::int32_t i : order) {
+    if (different.empty() || different.back() != site(i)) different.push_back(site(i));
+    vertex_of[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(different.size()) - 1;
   }
-  for (std::size_t v = 0; v < vertices; ++v) {
+  return different;
+}
+
+/// Whether all sites, sorted, are within two steps of a line: as near as the points of any line are
+/// to it once they are moved to the grid.
+bool on_a_line(const std::vector<Site>& sites) {
+  const auto arm = [](const Site& from, const Site& to) {
+    return Eigen::Vector2d(static_cast<double>(to.x) - from.x, static_cast<double>(to.y) - from.y);
+  };
+  const auto [lowest, highest] = std::minmax_element(
+      sites.begin(), sites.end(), [](const Site& a, const Site& b) { return a.y < b.y; });
+  const Eigen::Vector2d across = arm(sites.front(), sites.back()), up = arm(*lowest, *highest);
+  const bool steep = up.y() > across.x();
+  const Site& end = steep ? *lowest : sites.front();
+  const Eigen::Vector2d line = (steep ? up : across).normalized();
+  return std::all_of(sites.begin(), sites.end(), [&](const Site& site) {
+    const Eigen::Vector2d offset = arm(end, site);
+    return std::abs(line.x() * offset.y() - line.y() * offset.x()) <= 2.0;
+  });
+}
+
+/// Pairs of vertices whose cells of the Voronoi diagram share a side, in both directions, and each
+/// vertex with itself. The diagonals of a square are no pairs: there the cells share a corner.
+Links links_of(const std::vector<Site>& sites) {
+  boost::polygon::default_voronoi_builder builder;
+  for (const Site& site : sites) builder.insert_point(site.x, site.y);
+  Diagram diagram;
+  builder.construct(&diagram);
+  Links links;
+  links.reserve(diagram.num_edges() + sites.size());
+  for (const Diagram::edge_type& edge : diagram.edges()) {
+    worked(2);
+    links.emplace_back(static_cast<std::int32_t>(edge.cell()->source_index()),
+                       static_cast<std::int32_t>(edge.twin()->cell()->source_index()));
+  }
+  for (std::size_t v = 0; v < sites.size(); ++v) {
     links.emplace_back(static_cast<std::int32_t>(v), static_cast<std::int32_t>(v));
   }
   return links;
@@ -66,10 +111,11 @@ void accumulate(std::vector<std::int32_t>& counts) {
 }  // namespace
 
 bool build_neighbour_sets(const Points2View& points, NeighbourSets& sets) {
-  const Sites sites = unique_sites(points, sets.vertex_of);
-  const Triangulation triangulation(sites.begin(), sites.end());
-  if (triangulation.dimension() < 2) return false;
-  const Links links = links_of(triangulation, sites.size());
+  const auto moved = on_grid(points);
+  if (!moved) return false;
+  const std::vector<Site> sites = unique_sites(*moved, sets.vertex_of);
+  if (on_a_line(sites)) return false;
+  const Links links = links_of(sites);
 
   std::vector<std::int32_t> first_link(sites.size() + 1, 0), population(sites.size(), 0);
   for (const auto& link : links) ++first_link[static_cast<std::size_t>(link.first) + 1];

@@ -8,8 +8,9 @@
 
 namespace weft::myneighbor {
 
-/// The 1-ring of each point in the Delaunay triangulation of the different points. Points in one
-/// place share a vertex of the triangulation and are each other's neighbours.
+/// The 1-ring of each point in the Delaunay triangulation of the different points, without the
+/// diagonals of what has four or more corners on one circle, of which a triangulation takes any.
+/// Points in one place share a vertex of the triangulation and are each other's neighbours.
 struct NeighbourSets {
   std::vector<std::int32_t> vertex_of;  ///< [n] vertex of each point
   std::vector<std::int32_t> offsets;    ///< [vertices+1] where each set starts in `items`
@@ -23,8 +24,10 @@ struct NeighbourSets {
   }
 };
 
-/// Fills `sets` for finite points [n,2], with exact predicates: the answer does not depend on the
-/// order of the points, on a grid neither. False, without an answer, when they all lie on a line.
+/// Fills `sets` for finite points [n,2], exactly, once they are moved to the nearest points of a
+/// grid whose step is a power of two and at most 2^-30 of their extent: 2^-20 px for 1024 px. The
+/// answer depends neither on the order of the points nor on how a regular grid of them is turned.
+/// False, without an answer, when they all lie on a line, to two steps.
 bool build_neighbour_sets(const Points2View& points, NeighbourSets& sets);
 
 /// How much of point i's neighbourhood changed: 100 |P xor Q| / |P union Q| without i itself, or

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <cmath>
+#include <limits>
 #include <numeric>
 #include <set>
 #include <weft/core/rng.hpp>
@@ -102,6 +104,37 @@ TEST(NeighbourSets, DoNotDependOnTheOrderOfPointsOfAGrid) {
   }
 }
 
+TEST(NeighbourSets, HaveNoDiagonalsInSquaresHoweverTheyAreTurned) {
+  Points2 grid(100, 2);
+  for (int i = 0; i < 100; ++i) grid.row(i) << 10.0 * (i % 10), 10.0 * (i / 10);
+  const NeighbourSets upright = sets_of(grid);
+  EXPECT_EQ(neighbours(upright, 0), (Set{1, 10}));
+  EXPECT_EQ(neighbours(upright, 55), (Set{45, 54, 56, 65}));
+  Eigen::Matrix2d turn, mirror;
+  turn << 3, 4, -4, 3;
+  mirror << -1, 0, 0, 1;
+  for (const Points2& turned : {Points2(grid * turn), Points2(grid * mirror)}) {
+    const NeighbourSets other = sets_of(turned);
+    for (std::size_t i = 0; i < 100; ++i)
+      EXPECT_EQ(mismatch_factor_percent(upright, other, i), 0.0);
+  }
+}
+
+TEST(NeighbourSets, AreTheSameInAnyUnitOfLength) {
+  Rng rng(7);
+  const Points2 points = random_points(50, rng);
+  const NeighbourSets expected = sets_of(points);
+  for (const int exponent : {-900, -20, 20, 900}) {
+    const NeighbourSets sets = sets_of(std::ldexp(1.0, exponent) * points);
+    EXPECT_EQ(sets.offsets, expected.offsets) << exponent;
+    EXPECT_EQ(sets.items, expected.items) << exponent;
+  }
+  Points2 corners(4, 2);  // as far apart as numbers go
+  const double most = std::numeric_limits<double>::max();
+  corners << -most, -most, most, -most, most, most, -most, 0.5 * most;
+  EXPECT_EQ(neighbours(sets_of(corners), 0), (Set{1, 3}));
+}
+
 TEST(NeighbourSets, HoldTheOtherPointsInTheSamePlace) {
   Rng rng(5);
   const Points2 different = random_points(20, rng);
@@ -125,6 +158,13 @@ TEST(NeighbourSets, DoNotExistForPointsOnALine) {
   EXPECT_FALSE(build_neighbour_sets(Points2::Constant(9, 2, 3.0), sets));
   EXPECT_FALSE(build_neighbour_sets(line.topRows(2), sets));
   EXPECT_FALSE(build_neighbour_sets(Points2(0, 2), sets));
+  for (const double angle : {0.1, 0.8, 1.5, 1.57079, 2.3}) {
+    Points2 turned(50, 2);  // on the line to rounding only
+    for (int i = 0; i < 50; ++i) turned.row(i) << std::cos(angle) * i, 7.3 + std::sin(angle) * i;
+    EXPECT_FALSE(build_neighbour_sets(turned, sets)) << angle;
+    turned.row(20) += 1e-4 * Eigen::RowVector2d(-std::sin(angle), std::cos(angle));
+    EXPECT_TRUE(build_neighbour_sets(turned, sets)) << angle;
+  }
 }
 
 TEST(MismatchFactor, IsZeroUnderASimilarityAndCountsWhatChanged) {
