@@ -6,15 +6,21 @@
 
 namespace weft::cli {
 
-Result<host::RecordPtr> build_template(const host::Registry& registry,
-                                       const std::string& component) {
-  const auto document = yaml::parse(component, "template");
+Result<host::ComponentSpec> resolve_text(const host::Registry& registry, const std::string& text) {
+  const auto document = yaml::parse(text, "component");
   if (!document) return document.error();
   std::vector<yaml::Problem> problems = document->problems;
-  const auto spec =
+  auto spec =
       host::resolve_component(registry, *document->root.find("use"), document->root.find("params"),
                               host::PathRules::of_process({"."}, "."), problems);
   if (!spec) return Error{Errc::not_found, problems.front().message, {}};
+  return *std::move(spec);
+}
+
+Result<host::RecordPtr> build_template(const host::Registry& registry,
+                                       const std::string& component) {
+  const auto spec = resolve_text(registry, component);
+  if (!spec) return spec.error();
   const auto built = build_template(*spec);
   if (!built) return built.error();
   return built->record;

@@ -8,8 +8,12 @@
 
 namespace weft::cli {
 
-/// The template that a plugin makes of `component`, YAML such as {use: templates/frex_sheet}.
-/// Relative paths stand in the working folder. The record lives as long as it is held.
+/// The component that `text` describes, YAML such as {use: templates/frex_sheet}. Relative paths
+/// stand in the working folder.
+Result<host::ComponentSpec> resolve_text(const host::Registry& registry, const std::string& text);
+
+/// The template that a plugin makes of `component`, as above. The record lives as long as it is
+/// held.
 Result<host::RecordPtr> build_template(const host::Registry& registry,
                                        const std::string& component);
 

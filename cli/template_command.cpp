@@ -12,8 +12,8 @@
 #include "json_text.hpp"
 #include "new_file.hpp"
 #include "template_builder.hpp"
-#include "template_drawing.hpp"
 #include "template_figures.hpp"
+#include "template_picture.hpp"
 
 namespace weft::cli {
 namespace {
@@ -54,13 +54,8 @@ std::string to_obj(const Template& templ) {
   return text;
 }
 
-Result<void> write_file(const fs::path& path, const std::string& content) {
-  if (!content.empty()) return write_whole(content, path);
-  return Error{Errc::io, "cannot be drawn: Cairo is out of memory or the picture too large",
-               path.string()};
-}
-
-Result<void> write_folder(const Template& templ, const fs::path& folder) {
+Result<void> write_folder(const host::Registry& registry, const host::Record& record,
+                          const Template& templ, const fs::path& folder) {
   std::error_code code;
   if (fs::exists(folder, code) && !(fs::is_directory(folder, code) && fs::is_empty(folder, code))) {
     return Error{Errc::io, "exists and is not an empty folder; choose another with --out",
@@ -70,11 +65,14 @@ Result<void> write_folder(const Template& templ, const fs::path& folder) {
   if (code) return Error{Errc::io, "cannot be created: " + code.message(), folder.string()};
   const std::pair<const char*, std::string> files[] = {
       {"template.obj", to_obj(templ)},
-      {"template.mtl", "newmtl texture\nKd 1 1 1\nillum 1\nmap_Kd texture.png\n"},
-      {"texture.png", draw_texture(templ)},
-      {"drawing.png", draw_template(templ)}};
+      {"template.mtl", "newmtl texture\nKd 1 1 1\nillum 1\nmap_Kd texture.png\n"}};
   for (const auto& [name, content] : files) {
-    if (auto written = write_file(folder / name, content); !written) return written;
+    if (auto written = write_whole(content, folder / name); !written) return written;
+  }
+  for (const auto& [name, picture] :
+       {std::pair{"texture.png", Picture::texture}, std::pair{"drawing.png", Picture::mesh}}) {
+    const auto drawn = write_picture(registry, record, picture, (folder / name).string());
+    if (!drawn) return drawn;
   }
   return {};
 }
@@ -136,12 +134,13 @@ void run(const TemplateOptions& options, Context& context) {
   if (!templ) return print_error(templ.error());
   context.exit_code = kInputOutput;
   if (!options.out.empty()) {
-    if (auto written = write_folder(*templ, options.out); !written) {
+    if (auto written = write_folder(registry, *built->record, *templ, options.out); !written) {
       return print_error(written.error());
     }
   }
   if (!options.png.empty()) {
-    if (auto written = write_file(options.png, draw_template(*templ)); !written) {
+    if (auto written = write_picture(registry, *built->record, Picture::mesh, options.png);
+        !written) {
       return print_error(written.error());
     }
   }

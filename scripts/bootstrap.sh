@@ -14,7 +14,7 @@ packages=(
   libeigen3-dev libboost-dev libboost-filesystem-dev libyaml-cpp-dev libcgal-dev
   libembree-dev libcli11-dev libfmt-dev nlohmann-json3-dev libxxhash-dev libzip-dev libsqlite3-dev
   ocl-icd-opencl-dev opencl-headers opencl-clhpp-headers pocl-opencl-icd
-  libcairo2-dev python3
+  python3
 )
 if [[ ${1:-} == --tests ]]; then
   packages+=(clang-format clang-tidy gcovr chromium)

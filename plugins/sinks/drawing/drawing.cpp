@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <opencv2/imgcodecs.hpp>
+#include <string_view>
+#include <vector>
+#include <weft/core/whole_file.hpp>
+#include <weft/sdk/sink.hpp>
+
+#include "picture.hpp"
+
+namespace weft::drawing {
+namespace {
+
+enum class Content { mesh, texture };
+
+/// A picture of the template, which is the same in all frames.
+class Drawing final : public Sink {
+ public:
+  static constexpr About kAbout{.needs = "template"};
+
+  explicit Drawing(Params& p) {
+    p.output_path("path", path_, "PNG file");
+    p.choice("content", content_, {{"mesh", Content::mesh}, {"texture", Content::texture}},
+             "the mesh over the texture, with the object where it is not flat; or the texture");
+  }
+
+  Result<void> open(const Call&) override {
+    is_written_ = false;
+    return {};
+  }
+
+  Result<void> write(const SinkInput& in) override {
+    if (is_written_) return {};
+    std::vector<std::uint8_t> png;
+    const cv::Mat picture =
+        content_ == Content::mesh ? draw_mesh(*in.templ) : texture_of(*in.templ);
+    const std::vector<int> small{cv::IMWRITE_PNG_COMPRESSION, 6, cv::IMWRITE_PNG_STRATEGY,
+                                 cv::IMWRITE_PNG_STRATEGY_DEFAULT};
+    if (!cv::imencode(".png", picture, png, small)) {
+      return Error{Errc::unsupported, "the picture of the template is too large for PNG", path_};
+    }
+    const std::string_view bytes(reinterpret_cast<const char*>(png.data()), png.size());
+    if (auto written = write_whole(bytes, path_); !written) return written;
+    is_written_ = true;
+    return {};
+  }
+
+  Result<void> finish(const Call&) override { return {}; }
+
+ private:
+  std::string path_ = "template.png";
+  Content content_ = Content::mesh;
+  bool is_written_ = false;
+};
+
+}  // namespace
+}  // namespace weft::drawing
+
+using weft::drawing::Drawing;
+WEFT_PLUGIN(Drawing, "sinks/drawing", "1.0.0", "A picture of the template and its mesh.")
