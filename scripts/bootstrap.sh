@@ -1,24 +1,47 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Installs the Debian 12 packages that Weft needs and that are missing, and builds the script of the
-# reports' pages with npm. demo.sh calls it, and test.sh with --tests, which adds what tests need.
+# reports' pages with npm; see --help. demo.sh calls it, and test.sh with --tests.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+usage() {
+  cat <<'TEXT'
+usage: scripts/bootstrap.sh [--tests] [--without-contrib] [--without-opencl | --without-pocl]
+
+  --tests            also what tests need: clang-format, clang-tidy, gcovr, chromium
+  --without-contrib  not libopencv-contrib-dev (148 MB, and VTK): templates/frex_sheet and
+                     sources/frex_video are then left out of the build
+  --without-opencl   neither OpenCL nor pocl: detectors/sift_gpu and matchers/gpu are left out
+  --without-pocl     not pocl (190 MB), OpenCL on the processor: for machines whose OpenCL devices
+                     have drivers of their own
+TEXT
+}
 
 packages=(
   g++ cmake ninja-build ccache git binutils pkg-config
   libgtest-dev libgmock-dev libbenchmark-dev
   libopencv-core-dev libopencv-imgproc-dev libopencv-features2d-dev libopencv-flann-dev
   libopencv-calib3d-dev libopencv-imgcodecs-dev libopencv-videoio-dev libopencv-video-dev
-  libopencv-contrib-dev
   libeigen3-dev libboost-dev libboost-filesystem-dev libyaml-cpp-dev libcgal-dev
   libembree-dev libcli11-dev libfmt-dev nlohmann-json3-dev libxxhash-dev libzip-dev libsqlite3-dev
-  ocl-icd-opencl-dev opencl-headers opencl-clhpp-headers pocl-opencl-icd
   python3
 )
-if [[ ${1:-} == --tests ]]; then
-  packages+=(clang-format clang-tidy gcovr chromium)
-fi
+contrib=(libopencv-contrib-dev)
+opencl=(ocl-icd-opencl-dev opencl-headers opencl-clhpp-headers)
+pocl=(pocl-opencl-icd)
+tests=()
+for argument in "$@"; do
+  case $argument in
+    --tests) tests=(clang-format clang-tidy gcovr chromium) ;;
+    --without-contrib) contrib=() ;;
+    --without-opencl) opencl=() pocl=() ;;
+    --without-pocl) pocl=() ;;
+    -h | --help) usage; exit 0 ;;
+    *) echo "bootstrap.sh: unknown argument '$argument'; see --help" >&2; exit 2 ;;
+  esac
+done
+packages+=("${contrib[@]}" "${opencl[@]}" "${pocl[@]}" "${tests[@]}")
 
 # npm comes with Node where that is not Debian's.
 command -v npm >/dev/null || packages+=(npm)

@@ -6,11 +6,13 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # shellcheck source=scripts/common.sh
 source scripts/common.sh
 
-if (($#)); then
-  echo "usage: scripts/demo.sh (no arguments): installs packages, builds, runs pipelines/demo.yaml"
-  [[ $1 == -h || $1 == --help ]] && exit 0
+for argument in "$@"; do
+  [[ $argument == --without-* ]] && continue
+  echo "usage: scripts/demo.sh [--without-...]: installs packages (scripts/bootstrap.sh --help says"
+  echo "which can be left out), builds, runs pipelines/demo.yaml"
+  [[ $argument == -h || $argument == --help ]] && exit 0
   exit 2
-fi
+done
 
 fail() {
   echo >&2
@@ -19,7 +21,7 @@ fail() {
 }
 
 echo "1/4 Packages"
-scripts/bootstrap.sh || fail "packages could not be installed; the list is in scripts/bootstrap.sh"
+scripts/bootstrap.sh "$@" || fail "packages could not be installed; the list is in scripts/bootstrap.sh"
 
 echo "2/4 Build (the first time takes minutes)"
 weft_logged build/release/configure.log cmake --preset release \

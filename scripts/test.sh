@@ -8,7 +8,7 @@ source scripts/common.sh
 
 usage() {
   cat <<'TEXT'
-usage: scripts/test.sh [--long] [--jobs N]
+usage: scripts/test.sh [--long] [--jobs N] [--without-...]
 
 Installs missing packages, then configures, builds and tests the presets release and asan with the
 tests labelled `quick`. Exits 1 if anything failed.
@@ -16,6 +16,8 @@ tests labelled `quick`. Exits 1 if anything failed.
   --long    also: the tests labelled `long` in both presets, the quick tests in the presets tsan and
             coverage (which prints the share of lines that they run), clang-format over all tracked
             sources, clang-tidy, and the benchmarks of the stages (build/benchmarks.log)
+  --without-contrib, --without-opencl, --without-pocl
+            install less, see scripts/bootstrap.sh --help; what is not there is not tested
   --jobs N  compile and test N at a time (default: cores + 1, at most one for each 3 GiB of memory)
   --help    this text
 
@@ -26,10 +28,12 @@ TEXT
 }
 
 long=0
+without=()
 jobs=$(weft_jobs)
 while (($#)); do
   case $1 in
     --long) long=1 ;;
+    --without-*) without+=("$1") ;;
     --jobs)
       jobs=${2:-}
       [[ $jobs =~ ^[1-9][0-9]*$ ]] || { echo "test.sh: --jobs needs a number, not '$jobs'" >&2; exit 2; }
@@ -153,7 +157,7 @@ coverage() {
 what="quick tests"
 ((long == 0)) || what="quick and long tests"
 echo "Weft: $what, $jobs jobs, data: ${WEFT_DATA:-none}"
-step bootstrap build/bootstrap.log scripts/bootstrap.sh --tests || exit 1
+step bootstrap build/bootstrap.log scripts/bootstrap.sh --tests "${without[@]}" || exit 1
 build_and_test release
 build_and_test asan
 if ((long)); then

@@ -1,0 +1,30 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Configures the tree as on a machine without OpenCL and without OpenCV's module aruco: all but the
+# plugins that need them is there to be built, with its tests, and what is not is named.
+set -eu
+
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+
+fail() {
+  echo "optional_parts_test: $1" >&2
+  exit 1
+}
+
+cmake -S "$1" -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE=Release \
+  -DCMAKE_DISABLE_FIND_PACKAGE_OpenCL=ON -DWEFT_OPENCV_ARUCO_INCLUDE= >"$folder/said" \
+  || fail "configuring failed"
+ninja -C "$folder" -t targets all >"$folder/targets"
+(cd "$folder" && ctest -N) >"$folder/tests"
+
+for plugin in detectors/sift_gpu templates/frex_sheet sources/frex_video; do
+  name=$(echo "$plugin" | tr / _)
+  grep -q "Left out: $plugin needs .*Debian: " "$folder/said" || fail "nothing says that $plugin is left out"
+  ! grep -q "$name" "$folder/targets" || fail "$name is still to be built"
+done
+! grep -qE 'sift_gpu|frex_video|frex_sheet|: notice$|documented_commands' "$folder/tests" \
+  || fail "a test is left that cannot pass"
+for name in filters_myneighbor_test sources_frex_test template_test sinks_drawing_test; do
+  grep -q ": $name\$" "$folder/tests" || fail "$name is lost, too"
+done
