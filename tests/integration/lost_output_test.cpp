@@ -108,7 +108,7 @@ TEST_F(LostOutput, ThatNobodyNeedsIsNoError) {
 
 TEST_F(LostOutput, OfAFileThatGrowsTooLargeIsNamedWithItsReason) {
   const std::string file = write(overlay(40, "path: overlay.avi"));
-  const Ended ended = limited(24, {"run", file, "--out", "run", "--quiet"});
+  const Ended ended = limited(48, {"run", file, "--out", "run", "--quiet"});
   EXPECT_EQ(ended.exit_code, 3) << ended.out << ended.err;
   EXPECT_EQ(ended.signal, 0);
   EXPECT_EQ(ended.err, "error: sinks/overlay: the video " + path("run/overlay.avi") +

@@ -5,28 +5,25 @@
 #include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <weft/core/stop_check.hpp>
+
+#include "fixed_point.hpp"
+#include "palette.hpp"
 
 namespace weft::overlay {
 namespace {
 
-constexpr int kShift = 4;            // positions are given to OpenCV in 1/16 px
 constexpr double kFarAway_px = 1e6;  // beyond this the fixed-point numbers of OpenCV overflow
-constexpr double kHaloOpacity = 0.25;
-constexpr double kUnseenOpacity = 0.5;  // relative to the others
-constexpr double kDash_px = 6.0;        // drawn, and as much left out
+// Relative to the border.
+constexpr double kHaloOpacity = 0.4, kInnerOpacity = 0.55, kUnseenOpacity = 0.45;
+constexpr double kDash_px = 6.0;  // drawn, and as much left out
 
 bool drawable(const cv::Point2d& p) {
   return std::abs(p.x) < kFarAway_px && std::abs(p.y) < kFarAway_px;  // false for NaN
 }
 
-cv::Point fixed_point(const cv::Point2d& p) {
-  constexpr double kScale = 1 << kShift;
-  return {static_cast<int>(std::lround(p.x * kScale)), static_cast<int>(std::lround(p.y * kScale))};
-}
-
 struct Segment {
   cv::Point2d from, to;
-  bool border;
 };
 
 /// Appends the dashes of a segment: one at either end, and gaps as long as they are. They are thin,
@@ -38,7 +35,7 @@ void add_dashes(const Segment& segment, std::vector<Segment>& dashes) {
   const int pieces = 2 * static_cast<int>(0.5 * wanted) + 1;
   for (int piece = 0; piece < pieces; piece += 2) {
     dashes.push_back({segment.from + way * (static_cast<double>(piece) / pieces),
-                      segment.from + way * (static_cast<double>(piece + 1) / pieces), false});
+                      segment.from + way * (static_cast<double>(piece + 1) / pieces)});
   }
 }
 
@@ -55,8 +52,8 @@ void draw_segments(cv::Mat& canvas, const std::vector<Segment>& segments, const 
   if (segments.empty()) return;
   blend(canvas, opacity, [&](cv::Mat& layer) {
     for (const Segment& segment : segments) {
-      cv::line(layer, fixed_point(segment.from), fixed_point(segment.to), colour,
-               width_px + (segment.border ? 1 : 0), cv::LINE_AA, kShift);
+      cv::line(layer, fixed_point(segment.from), fixed_point(segment.to), colour, width_px,
+               cv::LINE_AA, kShift);
     }
   });
 }
@@ -71,25 +68,46 @@ bool turns_away(const Points2View& px, const FacesView& faces, std::int32_t face
 
 }  // namespace
 
-MeshStyle style_of(ShapeState state, int line_width_px) {
-  switch (state) {
+MeshStyle style_of(const Shape& shape, int line_width_px) {
+  const cv::Scalar colour = colour_of_confidence(shape.confidence);
+  switch (shape.shape_state()) {
     case ShapeState::estimated:
-      return {{96, 222, 64}, 0.9, line_width_px};
     case ShapeState::weak:
-      return {{32, 176, 255}, 0.9, line_width_px};
+      return {colour, 1.0, line_width_px};
     case ShapeState::predicted:
-      return {{64, 64, 240}, 0.6, line_width_px};
+      return {colour, 0.7, line_width_px};
     case ShapeState::none:
     case ShapeState::lost:
       break;
   }
-  return {{64, 64, 240}, 0.3, line_width_px};
+  return {colour, 0.4, line_width_px};
+}
+
+std::vector<std::uint8_t> drawn_edges(const Points3View& rest_m, const MeshTopology& topology) {
+  constexpr double kTolerance = 1e-3;  // of the edge
+  std::vector<std::uint8_t> drawn(static_cast<std::size_t>(topology.edges.rows()), 1);
+  Eigen::Index pair = 0;  // they follow the edges that have two faces
+  for (Eigen::Index e = 0; e < topology.edges.rows(); ++e) {
+    worked_in_loop(e, 3);
+    if (topology.edge_faces(e, 1) < 0) continue;
+    const Eigen::RowVector3d a = rest_m.row(topology.edges(e, 0));
+    const Eigen::RowVector3d b = rest_m.row(topology.edges(e, 1));
+    const Eigen::RowVector3d c = rest_m.row(topology.bending_pairs(pair, 0));
+    const Eigen::RowVector3d d = rest_m.row(topology.bending_pairs(pair, 1));
+    ++pair;
+    // The diagonals of a rectangle halve each other and are equally long.
+    const double length_m = (a - b).norm();
+    const bool halves = (a + b - c - d).norm() < kTolerance * length_m &&
+                        std::abs(length_m - (c - d).norm()) < kTolerance * length_m;
+    drawn[static_cast<std::size_t>(e)] = halves ? 0 : 1;
+  }
+  return drawn;
 }
 
 void draw_mesh(cv::Mat& canvas, const Points2View& vertices_px, const FacesView& faces,
-               const MeshTopology& topology, std::span<const std::uint8_t> visible,
-               const MeshStyle& style) {
-  std::vector<Segment> seen, unseen;
+               const MeshTopology& topology, const std::vector<std::uint8_t>& drawn,
+               std::span<const std::uint8_t> visible, const MeshStyle& style) {
+  std::vector<Segment> inner, border, unseen;
   const auto is_unseen = [&](Eigen::Index e) {
     if (!visible.empty()) {
       return visible[static_cast<std::size_t>(topology.edges(e, 0))] == 0 &&
@@ -100,25 +118,33 @@ void draw_mesh(cv::Mat& canvas, const Points2View& vertices_px, const FacesView&
            (other < 0 || turns_away(vertices_px, faces, other));
   };
   for (Eigen::Index e = 0; e < topology.edges.rows(); ++e) {
+    worked_in_loop(e, 30);
     const auto point = [&](int end) {
       const auto row = vertices_px.row(topology.edges(e, end));
       return cv::Point2d(row.x(), row.y());
     };
-    const Segment segment{point(0), point(1), topology.edge_faces(e, 1) < 0};
+    const Segment segment{point(0), point(1)};
+    if (drawn[static_cast<std::size_t>(e)] == 0) continue;
     if (!drawable(segment.from) || !drawable(segment.to)) continue;
     if (is_unseen(e)) {
       add_dashes(segment, unseen);
     } else {
-      seen.push_back(segment);
+      (topology.edge_faces(e, 1) < 0 ? border : inner).push_back(segment);
     }
   }
-  draw_segments(canvas, unseen, style.colour, style.opacity * kUnseenOpacity, style.line_width_px);
-  draw_segments(canvas, seen, {0, 0, 0}, style.opacity * kHaloOpacity, style.line_width_px + 2);
-  draw_segments(canvas, seen, style.colour, style.opacity, style.line_width_px);
+  const int width_px = style.line_width_px;
+  const auto draw = [&](const std::vector<Segment>& segments, const cv::Scalar& colour,
+                        double opacity, int more_px) {
+    draw_segments(canvas, segments, colour, style.opacity * opacity, width_px + more_px);
+  };
+  draw(unseen, style.colour, kUnseenOpacity, 0);
+  draw(inner, style.colour, kInnerOpacity, 0);
+  draw(border, kPaper, kHaloOpacity, 2);
+  draw(border, style.colour, 1.0, 0);
 }
 
 void draw_points(cv::Mat& canvas, const std::vector<cv::Point2d>& points_px) {
-  constexpr double kOpacity = 0.75, kRadius_px = 1.4;
+  constexpr double kOpacity = 0.6, kRadius_px = 1.1;
   constexpr int kCorners = 12;  // cv::circle draws circles as small as these as diamonds
   const cv::Scalar colour(255, 196, 64);
   blend(canvas, kOpacity, [&](cv::Mat& layer) {
@@ -133,24 +159,6 @@ void draw_points(cv::Mat& canvas, const std::vector<cv::Point2d>& points_px) {
       cv::fillConvexPoly(layer, corners.data(), kCorners, colour, cv::LINE_AA, kShift);
     }
   });
-}
-
-void draw_caption(cv::Mat& canvas, const std::string& text, const cv::Scalar& colour) {
-  constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
-  const double scale = std::clamp(canvas.rows / 1000.0, 0.3, 2.0);
-  const int thickness = scale < 1.0 ? 1 : 2;
-  int below_baseline = 0;
-  const cv::Size size = cv::getTextSize(text, kFont, scale, thickness, &below_baseline);
-  const int margin = size.height / 2 + 1;
-  const cv::Rect band(0, canvas.rows - size.height - below_baseline - 2 * margin,
-                      size.width + 3 * margin, size.height + below_baseline + 2 * margin);
-  const cv::Rect visible = band & cv::Rect({}, canvas.size());
-  if (visible.empty()) return;
-  constexpr double kBandBrightness = 0.35;
-  cv::Mat region = canvas(visible);
-  region.convertTo(region, -1, kBandBrightness);
-  const cv::Point baseline(margin + margin / 2, canvas.rows - margin - below_baseline);
-  cv::putText(canvas, text, baseline, kFont, scale, colour, thickness, cv::LINE_AA);
 }
 
 }  // namespace weft::overlay

@@ -3,7 +3,6 @@
 
 #include <opencv2/core.hpp>
 #include <span>
-#include <string>
 #include <vector>
 #include <weft/data/shape.hpp>
 #include <weft/geometry/mesh_topology.hpp>
@@ -15,24 +14,25 @@ namespace weft::overlay {
 struct MeshStyle {
   cv::Scalar colour;      ///< BGR
   double opacity = 1.0;   ///< [] 0 to 1
-  int line_width_px = 1;  ///< [] px; the border of the mesh is drawn one pixel wider
+  int line_width_px = 1;  ///< [] px
 };
 
-/// Green for `estimated`, amber for `weak`, dimmed red for `predicted` and `lost`.
-MeshStyle style_of(ShapeState state, int line_width_px);
+/// The colour of the confidence; a shape that was not measured in this frame is fainter.
+MeshStyle style_of(const Shape& shape, int line_width_px);
 
-/// Draws the edges of a mesh, anti-aliased, at sub-pixel positions `vertices_px` [V,2]. Edges that
-/// are not seen are fainter and dashed: those of which `visible` [V] says so of both ends or, where
-/// it is empty, whose faces all turn away from the camera. Edges with a vertex that is not finite
-/// (it is not in front of the camera) or far outside are left out.
+/// [E] 1 for the edges that become lines: all but those that halve a rectangle of the rest shape.
+std::vector<std::uint8_t> drawn_edges(const Points3View& rest_m, const MeshTopology& topology);
+
+/// Draws the edges of a mesh that `drawn` [E] tells, anti-aliased, at sub-pixel positions
+/// `vertices_px` [V,2]; those inside are fainter than the border. Edges that are not seen are
+/// fainter still and dashed: those of which `visible` [V] says so of both ends or, where it is
+/// empty, whose faces all turn away from the camera. Edges with a vertex that is not finite (it is
+/// not in front of the camera) or far outside are left out.
 void draw_mesh(cv::Mat& canvas, const Points2View& vertices_px, const FacesView& faces,
-               const MeshTopology& topology, std::span<const std::uint8_t> visible,
-               const MeshStyle& style);
+               const MeshTopology& topology, const std::vector<std::uint8_t>& drawn,
+               std::span<const std::uint8_t> visible, const MeshStyle& style);
 
 /// Draws a small dot at each of `points_px` [N,2].
 void draw_points(cv::Mat& canvas, const std::vector<cv::Point2d>& points_px);
-
-/// Writes one line of text on a dark band at the lower left.
-void draw_caption(cv::Mat& canvas, const std::string& text, const cv::Scalar& colour);
 
 }  // namespace weft::overlay

@@ -8,7 +8,9 @@
 #include <weft/geometry/camera_model.hpp>
 #include <weft/sdk/sink.hpp>
 
+#include "caption.hpp"
 #include "drawing.hpp"
+#include "side_view.hpp"
 #include "video_file.hpp"
 
 namespace weft::overlay {
@@ -16,7 +18,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A video of the frames with the estimated mesh drawn over them.
+enum class View { side, image };
+enum class Format { png, jpg };
+
+/// A video of the frames with the estimated mesh drawn over them, beside them the mesh from the
+/// side, and below what is known of it in words.
 class Overlay final : public Sink {
  public:
   static constexpr About kAbout{.needs = "image camera template",
@@ -26,12 +32,19 @@ class Overlay final : public Sink {
     p.output_path("path", path_, "video file, .avi or .mkv");
     p.read("fps", fps_, "1/s", {0.1, 1000.0}, "frames a second of the video");
     p.read("stills_every", stills_every_, "frames", {0, 1'000'000},
-           "also keep every n-th frame as PNG; 0: none");
+           "also keep every n-th frame as an image file; 0: none");
+    p.choice("stills_format", stills_format_, {{"png", Format::png}, {"jpg", Format::jpg}},
+             "png: without losses; jpg: smaller");
     p.output_path("stills", stills_path_, "folder of these; named like the video by default");
     p.read("stills_width_px", stills_width_px_, "px", {0, 10'000},
-           "width of these; 0: that of the frames");
+           "width of these; 0: that of the video");
     p.read("draw_matches", draw_matches_, "draw the kept matches as dots");
-    p.read("line_width_px", line_width_px_, "px", {1, 20}, "width of the mesh's lines");
+    p.read("line_width_px", line_width_px_, "px", {0, 20},
+           "width of the mesh's lines; 0: by the size of the image");
+    p.choice("view", view_, {{"side", View::side}, {"image", View::image}},
+             "side: beside the image the mesh from the side; image: the image alone");
+    p.read("turn_frames", turn_frames_, "frames", {0, 1'000'000},
+           "in which the view from the side swings to and fro; 0: it stands still");
   }
 
   void check(Mistakes& mistakes) const { mistakes.expect("path", VideoFile::check_format(path_)); }
@@ -41,10 +54,17 @@ class Overlay final : public Sink {
     if (!topology) return topology.error();
     topology_ = *std::move(topology);
     frame_size_ = {static_cast<int>(in.camera.width_px), static_cast<int>(in.camera.height_px)};
+    drawn_ = drawn_edges(in.templ.vertices_m.matrix<3>(), topology_);
+    canvas_size_ = {frame_size_.width, frame_size_.height + caption_height_px(frame_size_)};
+    if (view_ == View::image) return {};
+    const int side_px = std::min(frame_size_.width, frame_size_.height);
+    const cv::Size panel(side_px + side_px % 2, frame_size_.height);
+    canvas_size_.width += panel.width;
+    side_view_ = SideView(in.templ, topology_, drawn_, panel, turn_frames_);
     return {};
   }
 
-  Result<void> open(const Call&) override { return video_.open(path_, fps_, frame_size_); }
+  Result<void> open(const Call&) override { return video_.open(path_, fps_, canvas_size_); }
 
   Result<void> write(const SinkInput& in) override {
     if (!video_.is_open()) return Error{Errc::io, "the video " + path_ + " is not open", {}};
@@ -56,8 +76,13 @@ class Overlay final : public Sink {
                        text_of(frame_size_) + " px, as the camera",
                    {}};
     }
-    cv::Mat canvas = to_canvas(pixels, size);
-    if (auto drawn = draw(in, canvas); !drawn) return drawn.error();
+    if (in.shape && in.shape->vertices_m.rows() != in.templ->vertices_m.rows()) {
+      return Error{Errc::invalid_data,
+                   "the shape has " + std::to_string(in.shape->vertices_m.rows()) +
+                       " vertices, the template " + std::to_string(in.templ->vertices_m.rows()),
+                   {}};
+    }
+    const cv::Mat canvas = picture_of(in);
     if (auto written = video_.write(canvas); !written) return written.error();
     if (stills_every_ > 0 && in.call.frame() % static_cast<std::uint64_t>(stills_every_) == 0) {
       return write_still(canvas, in.call.frame());
@@ -72,38 +97,60 @@ class Overlay final : public Sink {
     return std::to_string(size.width) + " x " + std::to_string(size.height);
   }
 
-  static cv::Mat to_canvas(const Array<std::uint8_t>& pixels, cv::Size size) {
-    const bool grey = pixels.ndim() == 2;
-    const cv::Mat image(size, grey ? CV_8UC1 : CV_8UC3, const_cast<std::uint8_t*>(pixels.data()),
-                        static_cast<std::size_t>(pixels.row_stride()));
-    cv::Mat canvas;
-    if (grey) {
-      cv::cvtColor(image, canvas, cv::COLOR_GRAY2BGR);
+  cv::Mat picture_of(const SinkInput& in) const {
+    cv::Mat canvas(canvas_size_, CV_8UC3);
+    const cv::Rect image({}, frame_size_);
+    cv::Mat frame = canvas(image);
+    copy_pixels(in.image->pixels, frame);
+    draw_over(in, frame);
+    const Caption caption = caption_of(in);
+    draw_caption(canvas.rowRange(frame_size_.height, canvas.rows), caption);
+    if (view_ == View::image) return canvas;
+    const cv::Mat panel =
+        canvas(cv::Range(0, frame_size_.height), cv::Range(frame_size_.width, canvas.cols));
+    if (in.shape) {
+      side_view_.draw(panel, *in.shape, measured_in(in), in.call.frame());
     } else {
-      image.copyTo(canvas);
+      side_view_.draw_nothing(panel, "no shape has been found yet", in.call.frame());
     }
     return canvas;
   }
 
-  Result<void> draw(const SinkInput& in, cv::Mat& canvas) const {
-    if (draw_matches_ && in.correspondences) draw_points(canvas, kept_points(*in.correspondences));
-    cv::Scalar caption_colour(220, 220, 220);
-    if (in.shape) {
-      const Shape& shape = *in.shape;
-      if (shape.vertices_m.rows() != in.templ->vertices_m.rows()) {
-        return Error{Errc::invalid_data,
-                     "the shape has " + std::to_string(shape.vertices_m.rows()) +
-                         " vertices, the template " + std::to_string(in.templ->vertices_m.rows()),
-                     {}};
-      }
-      const Pinhole pinhole{in.camera->fx, in.camera->fy, in.camera->cx, in.camera->cy};
-      const MeshStyle style = style_of(shape.shape_state(), line_width_px_);
-      draw_mesh(canvas, project_points(pinhole, shape.vertices_m.matrix<3>()),
-                in.templ->faces.matrix<3>(), topology_, visible_in(in), style);
-      caption_colour = style.colour;
+  static void copy_pixels(const Array<std::uint8_t>& pixels, cv::Mat& frame) {
+    const bool grey = pixels.ndim() == 2;
+    const cv::Mat image(frame.size(), grey ? CV_8UC1 : CV_8UC3,
+                        const_cast<std::uint8_t*>(pixels.data()),
+                        static_cast<std::size_t>(pixels.row_stride()));
+    if (grey) {
+      cv::cvtColor(image, frame, cv::COLOR_GRAY2BGR);
+    } else {
+      image.copyTo(frame);
     }
-    draw_caption(canvas, caption(in), caption_colour);
-    return {};
+  }
+
+  void draw_over(const SinkInput& in, cv::Mat& frame) const {
+    if (draw_matches_ && in.correspondences) draw_points(frame, kept_points(*in.correspondences));
+    if (!in.shape) return;
+    constexpr int kHeightOfOneLine_px = 900;
+    const int width_px = line_width_px_ > 0 ? line_width_px_ : 1 + frame.rows / kHeightOfOneLine_px;
+    const Pinhole pinhole{in.camera->fx, in.camera->fy, in.camera->cx, in.camera->cy};
+    draw_mesh(frame, project_points(pinhole, in.shape->vertices_m.matrix<3>()),
+              in.templ->faces.matrix<3>(), topology_, drawn_, visible_in(in),
+              style_of(*in.shape, width_px));
+  }
+
+  /// [V] 1 where the surface was seen and measured in this frame, as far as is known.
+  static std::vector<double> measured_in(const SinkInput& in) {
+    const Shape& shape = *in.shape;
+    const bool is_new =
+        shape.shape_state() == ShapeState::estimated || shape.shape_state() == ShapeState::weak;
+    const auto visible = visible_in(in);
+    std::vector<double> measured(static_cast<std::size_t>(shape.vertices_m.rows()), 0.0);
+    for (std::size_t v = 0; is_new && v < measured.size(); ++v) {
+      const bool is_seen = visible.empty() || visible[v] != 0;
+      measured[v] = is_seen && shape.source(static_cast<std::int64_t>(v)) != 0 ? 1.0 : 0.0;
+    }
+    return measured;
   }
 
   /// [V] what is said of this very shape; empty where nothing is.
@@ -120,27 +167,6 @@ class Overlay final : public Sink {
     return points;
   }
 
-  /// "009   estimated   143 matches   0.27 s"
-  static std::string caption(const SinkInput& in) {
-    constexpr const char* kGap = "   ";
-    std::string text = in.image->stem.empty() ? std::to_string(in.call.frame()) : in.image->stem;
-    text += kGap;
-    text += in.shape ? to_string(in.shape->shape_state()) : "no shape";
-    if (in.shape && in.shape->age_frames > 0) {
-      text += " for " + std::to_string(in.shape->age_frames) +
-              (in.shape->age_frames == 1 ? " frame" : " frames");
-    }
-    if (in.correspondences) {
-      text += kGap + std::to_string(kept_points(*in.correspondences).size()) + " matches";
-    }
-    if (in.time) {
-      char seconds[32];
-      std::snprintf(seconds, sizeof seconds, "%.2f s", in.time->t_s);
-      text += kGap + std::string(seconds);
-    }
-    return text;
-  }
-
   cv::Mat still_of(const cv::Mat& canvas) const {
     if (stills_width_px_ == 0 || stills_width_px_ >= canvas.cols) return canvas;
     cv::Mat still;
@@ -150,12 +176,13 @@ class Overlay final : public Sink {
   }
 
   Result<void> write_still(const cv::Mat& canvas, std::uint64_t frame) const {
+    const std::string extension = stills_format_ == Format::png ? ".png" : ".jpg";
     char name[32];
-    std::snprintf(name, sizeof name, "%06llu.png", static_cast<unsigned long long>(frame));
-    const fs::path path = fs::path(stills_path_) / name;
+    std::snprintf(name, sizeof name, "%06llu", static_cast<unsigned long long>(frame));
+    const fs::path path = fs::path(stills_path_) / (name + extension);
     std::vector<std::uint8_t> bytes;
-    if (!cv::imencode(".png", still_of(canvas), bytes)) {
-      return Error{Errc::unsupported, "OpenCV cannot write the frame as PNG", {}};
+    if (!cv::imencode(extension, still_of(canvas), bytes)) {
+      return Error{Errc::unsupported, "OpenCV cannot write the frame as " + extension, {}};
     }
     std::error_code status;
     fs::create_directories(path.parent_path(), status);  // writing says why it cannot
@@ -165,13 +192,18 @@ class Overlay final : public Sink {
   std::string path_ = "overlay.avi";
   double fps_ = 30.0;
   int stills_every_ = 0;
+  Format stills_format_ = Format::png;
   std::string stills_path_ = "{path}";
   int stills_width_px_ = 0;
-  bool draw_matches_ = true;
-  int line_width_px_ = 1;
+  bool draw_matches_ = false;
+  int line_width_px_ = 0;
+  View view_ = View::side;
+  int turn_frames_ = 360;
 
   MeshTopology topology_;
-  cv::Size frame_size_;
+  std::vector<std::uint8_t> drawn_;  ///< [E] edges that become lines
+  cv::Size frame_size_, canvas_size_;
+  SideView side_view_;
   VideoFile video_;
 };
 
@@ -180,4 +212,4 @@ class Overlay final : public Sink {
 
 using weft::overlay::Overlay;
 WEFT_PLUGIN(Overlay, "sinks/overlay", "1.0.0",
-            "Writes a video of the frames with the mesh and the kept matches drawn over them.")
+            "Writes a video of the frames with the mesh over them, and of the mesh from the side.")

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
@@ -147,18 +148,19 @@ TEST_F(OverlaySink, FailsToFinishAVideoThatLacksFrames) {
 
 TEST_F(OverlaySink, DrawsEdgesWhereTheCameraSeesThem) {
   const cv::Mat picture = still(inputs());
-  ASSERT_EQ(picture.size(), cv::Size(kWidth, kHeight));
   // The border of the square: x from 60 to 100, y from 40 to 80.
   for (int along = 45; along <= 75; along += 5) {
     for (const cv::Point& p : {cv::Point(60, along), cv::Point(100, along),
                                cv::Point(along + 20, 40), cv::Point(along + 20, 80)}) {
       const cv::Vec3b colour = picture.at<cv::Vec3b>(p);
-      EXPECT_GT(colour[1], colour[2] + 60) << p;
-      EXPECT_GT(colour[1], colour[0] + 60) << p;
+      EXPECT_GT(colour[0], colour[2] + 60) << p;
+      EXPECT_GT(colour[0], colour[1] + 30) << p;
     }
   }
   EXPECT_EQ(picture.at<cv::Vec3b>(20, 20), cv::Vec3b(kGrey, kGrey, kGrey));
-  EXPECT_EQ(picture.at<cv::Vec3b>(50, 82), cv::Vec3b(kGrey, kGrey, kGrey)) << "inside a face";
+  for (int x = 64; x <= 96; x += 4) {
+    EXPECT_EQ(picture.at<cv::Vec3b>(60, x), cv::Vec3b(kGrey, kGrey, kGrey)) << "inside, " << x;
+  }
 }
 
 TEST_F(OverlaySink, DrawsBetweenPixels) {
@@ -178,17 +180,69 @@ TEST_F(OverlaySink, DrawsBetweenPixels) {
   EXPECT_NEAR(centre_of_left_edge() - before, 0.25, 0.15);
 }
 
-TEST_F(OverlaySink, ShowsTheStateByColour) {
-  const auto colour_of = [&](ShapeState state) {
-    shape_.state = static_cast<std::int32_t>(state);
+TEST_F(OverlaySink, ColoursTheMeshByTheConfidence) {
+  const auto colour_of = [&](double confidence) {
+    shape_.confidence = confidence;
     return still(inputs()).at<cv::Vec3b>(40, 75);
   };
-  const cv::Vec3b estimated = colour_of(ShapeState::estimated), weak = colour_of(ShapeState::weak);
-  const cv::Vec3b predicted = colour_of(ShapeState::predicted), lost = colour_of(ShapeState::lost);
-  EXPECT_TRUE(estimated[1] > estimated[2] && estimated[1] > estimated[0]) << "green";
-  EXPECT_TRUE(weak[2] > weak[1] && weak[1] > weak[0]) << "amber";
-  EXPECT_TRUE(predicted[2] > predicted[1] + 50 && predicted[2] > predicted[0] + 50) << "red";
-  EXPECT_TRUE(lost[2] > lost[1] && lost[2] < predicted[2]) << "fainter red";
+  const cv::Vec3b none = colour_of(0.0), half = colour_of(0.5), full = colour_of(1.0);
+  EXPECT_TRUE(none[2] > none[1] + 60 && none[2] > none[0] + 60) << "orange";
+  EXPECT_TRUE(half[2] > half[0] + 60 && half[1] > half[0] + 60) << "yellow";
+  EXPECT_TRUE(full[0] > full[1] + 30 && full[0] > full[2] + 60) << "blue";
+}
+
+TEST_F(OverlaySink, DrawsAShapeThatWasNotMeasuredFainter) {
+  shape_.confidence = 0.0;
+  const auto strength_of = [&](ShapeState state) {
+    shape_.state = static_cast<std::int32_t>(state);
+    return still(inputs()).at<cv::Vec3b>(40, 75)[2] - kGrey;
+  };
+  const int weak = strength_of(ShapeState::weak), predicted = strength_of(ShapeState::predicted);
+  EXPECT_EQ(strength_of(ShapeState::estimated), weak);
+  EXPECT_GT(weak, predicted + 10);
+  EXPECT_GT(predicted, strength_of(ShapeState::lost) + 10);
+}
+
+TEST_F(OverlaySink, AllPicturesHaveOneSizeWhateverTheyShow) {
+  // Beside the image a square, or a panel of its width if it is upright; below a strip.
+  const cv::Mat whole = still(inputs());
+  EXPECT_EQ(whole.cols, kWidth + kHeight);
+  EXPECT_GT(whole.rows, kHeight);
+  EXPECT_EQ(still(inputs(false)).size(), whole.size());
+  EXPECT_EQ(still(inputs(), ", view: image").size(), cv::Size(kWidth, whole.rows));
+  std::swap(camera_.width_px, camera_.height_px);
+  image_.pixels = weft::Array<std::uint8_t>({kWidth, kHeight});
+  const cv::Mat upright = still(inputs());
+  EXPECT_EQ(upright.cols, 2 * kHeight);
+  EXPECT_EQ(upright.rows - kWidth, whole.rows - kHeight);
+}
+
+TEST_F(OverlaySink, SwingsAroundTheMeshByTheNumberOfTheFrameAlone) {
+  PluginUnderTest plugin("sinks/overlay", "{path: '" + (folder_ / "s.avi").string() +
+                                              "', stills_every: 1, turn_frames: 40}");
+  ASSERT_EQ(open(plugin).status, WEFT_OK);
+  const auto panel_of = [&](std::uint64_t frame) {
+    EXPECT_EQ(plugin.process(kWrite, inputs(), frame).status, WEFT_OK);
+    char name[16];
+    std::snprintf(name, sizeof name, "%06d.png", static_cast<int>(frame));
+    const cv::Mat picture = cv::imread((folder_ / "s" / name).string());
+    return cv::Mat(picture, cv::Range(0, kHeight), cv::Range(kWidth, picture.cols)).clone();
+  };
+  const cv::Mat first = panel_of(3), later = panel_of(13), again = panel_of(43);
+  EXPECT_GT(cv::norm(first, later, cv::NORM_L1), 1000.0);
+  EXPECT_EQ(cv::norm(first, again, cv::NORM_L1), 0.0);
+}
+
+TEST_F(OverlaySink, FadesWhatWasNotMeasuredInTheViewFromTheSide) {
+  std::fill_n(templ_.texture.data(), templ_.texture.size(), std::uint8_t{40});
+  const auto darkness = [&] {
+    const cv::Mat picture = still(inputs());
+    return 255.0 - cv::mean(picture(cv::Rect(kWidth + 40, 40, 40, 30)))[0];
+  };
+  std::fill_n(shape_.source.data(), 4, std::uint8_t{1});
+  const double measured = darkness();
+  std::fill_n(shape_.source.data(), 4, std::uint8_t{0});
+  EXPECT_LT(darkness(), 0.75 * measured);
 }
 
 TEST_F(OverlaySink, DashesEdgesThatTheCameraDoesNotSee) {
@@ -214,13 +268,17 @@ TEST_F(OverlaySink, DashesEdgesThatTheCameraDoesNotSee) {
   EXPECT_LT(untouched(picture, 80), 28);
 }
 
-TEST_F(OverlaySink, WithoutAShapeOnlyTheCaptionIsDrawn) {
+TEST_F(OverlaySink, WithoutAShapeTheImageStaysAsItIs) {
   const cv::Mat picture = still(inputs(false));
-  cv::Mat changed;
-  cv::inRange(picture, cv::Scalar::all(kGrey), cv::Scalar::all(kGrey), changed);
-  const cv::Rect caption = cv::boundingRect(255 - changed);
-  EXPECT_FALSE(caption.empty());
-  EXPECT_GT(caption.y, kHeight * 3 / 4);
+  const cv::Mat image(kHeight, kWidth, CV_8UC3, cv::Scalar::all(kGrey));
+  EXPECT_EQ(cv::norm(picture(cv::Rect(0, 0, kWidth, kHeight)), image, cv::NORM_L1), 0.0);
+  // Words below it and beside it.
+  for (const cv::Rect& place : {cv::Rect(0, kHeight, kWidth, picture.rows - kHeight),
+                                cv::Rect(kWidth, kHeight / 3, kHeight, kHeight / 4)}) {
+    double darkest = 0.0;
+    cv::minMaxLoc(picture(place).clone().reshape(1), &darkest, nullptr);
+    EXPECT_LT(darkest, 220.0);
+  }
 }
 
 TEST_F(OverlaySink, DrawsKeptMatchesOnly) {
@@ -239,9 +297,9 @@ TEST_F(OverlaySink, DrawsKeptMatchesOnly) {
   auto list = inputs();
   list.push_back(input("correspondences", matches));
   const cv::Vec3b background(kGrey, kGrey, kGrey);
-  EXPECT_NE(still(list).at<cv::Vec3b>(30, 20), background);
-  EXPECT_EQ(still(list).at<cv::Vec3b>(30, 140), background);
-  EXPECT_EQ(still(list, ", draw_matches: false").at<cv::Vec3b>(30, 20), background);
+  EXPECT_NE(still(list, ", draw_matches: true").at<cv::Vec3b>(30, 20), background);
+  EXPECT_EQ(still(list, ", draw_matches: true").at<cv::Vec3b>(30, 140), background);
+  EXPECT_EQ(still(list).at<cv::Vec3b>(30, 20), background);
 }
 
 TEST_F(OverlaySink, SurvivesVerticesThatCannotBeSeen) {
@@ -293,6 +351,14 @@ TEST_F(OverlaySink, PutsStillsIntoAFolderOfChoice) {
   ASSERT_EQ(plugin.process(kWrite, inputs(), 0).status, WEFT_OK);
   EXPECT_TRUE(fs::exists(folder_ / "chosen" / "000000.png"));
   EXPECT_FALSE(fs::exists(folder_ / "view"));
+}
+
+TEST_F(OverlaySink, KeepsStillsAsJpegWhenAskedTo) {
+  auto plugin = sink(", stills_every: 1, stills_format: jpg");
+  ASSERT_EQ(open(plugin).status, WEFT_OK);
+  ASSERT_EQ(plugin.process(kWrite, inputs(), 0).status, WEFT_OK);
+  EXPECT_FALSE(fs::exists(folder_ / "view" / "000000.png"));
+  EXPECT_EQ(cv::imread((folder_ / "view" / "000000.jpg").string()).size(), still(inputs()).size());
 }
 
 TEST_F(OverlaySink, MakesStillsSmallerButNeverLarger) {
