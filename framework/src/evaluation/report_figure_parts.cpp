@@ -109,8 +109,8 @@ std::string worst_part(const Results& results, const Figures& figures) {
   if (figures.worst_frames.empty()) return "";
   std::string text =
       "<p>The frames with the largest errors of each combination. Lines: the estimated mesh over "
-      "the image, green where it was estimated in this frame, amber where that is weak, red where "
-      "it is only predicted. Blue dots: the matches that were kept. A click on a command copies "
+      "the image, blue where its confidence is 1, yellow at 0.5 and orange at 0, fainter where it "
+      "is only predicted. Blue dots: the matches that were kept. A click on a command copies "
       "it.</p>\n<div class=\"thumbnails\">\n";
   for (const ShownFrame& frame : figures.worst_frames) {
     const PlanCell& cell = results.cells[frame.cell];

@@ -52,7 +52,9 @@ Result<host::Instance*> open_sink(const host::ComponentSpec& spec, host::Lane& l
 std::optional<host::ComponentSpec> overlay(const host::Registry& registry,
                                            const std::string& folder) {
   const auto component = yaml::parse(
-      "{use: sinks/overlay, params: {path: worst.avi, stills_every: 1, stills_width_px: 320}}", "");
+      "{use: sinks/overlay, params: {path: worst.avi, view: image, draw_matches: true, "
+      "stills_every: 1, stills_width_px: 320}}",
+      "");
   std::vector<yaml::Problem> problems;
   return host::resolve_component(registry, *component->root.find("use"),
                                  component->root.find("params"),
