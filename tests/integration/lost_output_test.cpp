@@ -142,7 +142,7 @@ TEST_F(LostOutput, OfTheRunFolderItselfNamesTheFile) {
 TEST_F(LostOutput, NeverTakesWhatAPipelineReads) {
   ASSERT_EQ(weft({"run", write(overlay(3, "path: film.avi")), "--out", "film"}).exit_code, 0);
   const std::string film = path("film/film.avi"), before = read_text(film);
-  write("fx: 100\nfy: 100\ncx: 79.5\ncy: 59.5\nwidth: 160\nheight: 120\ndistortion: null\n",
+  write("fx: 100\nfy: 100\ncx: 139.5\ncy: 68.5\nwidth: 280\nheight: 138\ndistortion: null\n",
         "camera.yaml");
   const std::string text =
       "weft: 1\nsource: {use: sources/video, params: {path: film/film.avi, camera: camera.yaml}}\n"
