@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "frame_files.hpp"
+#include "common/frame_files.hpp"
 
 namespace weft::images {
 namespace {
@@ -40,10 +40,10 @@ Result<void> DepthFiles::open(const std::vector<std::string>& stems) {
                      "', so that 'depth' is ambiguous: narrow 'path' or rename one",
                  {}};
   }
-  const auto paths = matching_files(pattern_);
+  const auto paths = sources::matching_files(pattern_);
   if (!paths) return Error{paths.error().code, "depth: " + paths.error().message, {}};
   for (const std::string& path : *paths) {
-    const std::string stem = stem_of(path);
+    const std::string stem = sources::stem_of(path);
     if (frames.count(stem) == 0) {
       return Error{Errc::invalid_data,
                    path + ": belongs to no frame: no image has the stem '" + stem + "'",

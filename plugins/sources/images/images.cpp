@@ -6,11 +6,10 @@
 #include <weft/sdk/source.hpp>
 
 #include "common/calibrated_camera.hpp"
+#include "common/frame_files.hpp"
+#include "common/truth_files.hpp"
 #include "depth_files.hpp"
-#include "frame_files.hpp"
 #include "image_file.hpp"
-#include "truth_archive.hpp"
-#include "truth_file.hpp"
 
 namespace weft::images {
 namespace {
@@ -19,12 +18,7 @@ namespace {
 struct Frame {
   std::string path;
   std::string stem;
-  std::optional<GroundTruth> truth;  ///< of a CSV file
-  std::string truth_path;
-  std::string kind;   ///< what follows the stem in the name of the truth file
   std::string apart;  ///< why it is reported apart, if it is
-
-  bool has_archive() const { return truth_path.ends_with(".npz"); }
 };
 
 /// Image files of a calibrated camera, in bytewise order of their paths.
@@ -40,7 +34,7 @@ class Images final : public Source {
                  Need::required);
     p.input_path("truth", truth_path_,
                  "CSV files of true points or npz files of truth records; STEM_KIND.csv or .npz "
-                 "belongs to the frame STEM");
+                 "belongs to the frame STEM, the longest that fits");
     p.labels("apart", apart_, "frames that are reported apart: stem and reason");
     depth_.declare(p);
     p.read("fps", fps_, "1/s", {1e-3, 1e6}, "frames a second; gives each frame its time");
@@ -100,10 +94,10 @@ class Images final : public Source {
 
  private:
   Result<void> list_frames() {
-    auto paths = matching_files(path_);
+    auto paths = sources::matching_files(path_);
     if (!paths) return paths.error();
     for (std::string& path : *paths) {
-      std::string stem = stem_of(path);
+      std::string stem = sources::stem_of(path);
       const auto [twin, is_new] = frame_of_.try_emplace(stem, frames_.size());
       // Stems are the names by which truth and `apart` refer to frames.
       if (!is_new && !(truth_path_.empty() && apart_.empty())) {
@@ -113,7 +107,7 @@ class Images final : public Source {
                          "'path' or rename one",
                      {}};
       }
-      frames_.push_back({std::move(path), std::move(stem), {}, {}, {}, {}});
+      frames_.push_back({std::move(path), std::move(stem), {}});
     }
     return {};
   }
@@ -147,49 +141,20 @@ class Images final : public Source {
     return first;
   }
 
-  Result<void> attach_depth() {
+  std::vector<std::string> stems() const {
     std::vector<std::string> stems;
     for (const Frame& frame : frames_) stems.push_back(frame.stem);
-    return depth_.open(stems);
+    return stems;
   }
 
-  Result<void> attach_truth() {
-    if (truth_path_.empty()) return {};
-    auto paths = matching_files(truth_path_);
-    if (!paths) return Error{paths.error().code, "truth: " + paths.error().message, {}};
-    for (const std::string& path : *paths) {
-      const std::string stem = stem_of(path);
-      const std::size_t end = stem.find('_');
-      Frame* frame = find(stem.substr(0, end));
-      if (frame == nullptr) {
-        return Error{Errc::invalid_data,
-                     path + ": belongs to no frame: no image has the stem '" + stem.substr(0, end) +
-                         "', which is the name up to the first '_'",
-                     {}};
-      }
-      if (!frame->truth_path.empty()) {
-        return Error{Errc::invalid_data,
-                     path + ": belongs to the frame '" + frame->stem + "', which already has " +
-                         frame->truth_path + ": remove one",
-                     {}};
-      }
-      frame->truth_path = path;
-      frame->kind = end == stem.npos ? "" : stem.substr(end + 1);
-      if (frame->has_archive()) continue;
-      auto truth = read_truth_file(path);
-      if (!truth) return truth.error();
-      frame->truth = *std::move(truth);
-    }
-    return {};
-  }
+  Result<void> attach_depth() { return depth_.open(stems()); }
+  Result<void> attach_truth() { return truth_.open(truth_path_, stems()); }
 
   Result<void> mark_apart() {
     for (const auto& [stem, reason] : apart_) {
       Frame* frame = find(stem);
       if (frame == nullptr) {
-        std::vector<std::string> stems;
-        for (const Frame& known : frames_) stems.push_back(known.stem);
-        const std::string meant = nearest(stem, stems);
+        const std::string meant = nearest(stem, stems());
         return Error{Errc::not_found,
                      "'apart' names the frame '" + stem + "', but no image has this stem" +
                          (meant.empty() ? "" : "; did you mean '" + meant + "'?"),
@@ -200,20 +165,9 @@ class Images final : public Source {
     return {};
   }
 
-  /// Archives may hold much, so that they are read with their frames.
   Result<std::optional<GroundTruth>> truth_of(const Frame& frame) {
-    std::optional<GroundTruth> truth = frame.truth;
-    if (frame.has_archive()) {
-      auto archive = TruthArchive::read(frame.truth_path);
-      if (!archive) return archive.error();
-      archive_.emplace(*std::move(archive));
-      auto read = archive_->truth();
-      if (!read) return read.error();
-      truth = *std::move(read);
-    }
-    if (!truth) return truth;
-    if (!frame.kind.empty()) truth->kind = frame.kind;
-    if (!frame.apart.empty()) truth->apart = frame.apart;
+    auto truth = truth_.read(frame.stem);
+    if (truth && *truth && !frame.apart.empty()) (*truth)->apart = frame.apart;
     return truth;
   }
 
@@ -231,7 +185,7 @@ class Images final : public Source {
   sources::CalibratedCamera camera_;
   DepthFiles depth_;
   std::vector<Frame> frames_;
-  std::optional<TruthArchive> archive_;          ///< from which the last frame's truth borrows
+  sources::TruthFiles truth_;
   std::map<std::string, std::size_t> frame_of_;  // index of each stem
 };
 

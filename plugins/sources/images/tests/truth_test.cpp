@@ -113,6 +113,39 @@ TEST(Truth, RefusesTablesOfTheWrongForm) {
   EXPECT_THAT(refusal_of("Z_mm," + kHeader + kRow), HasSubstr("'Z_mm' is given twice"));
 }
 
+TEST(Truth, BelongsToTheFrameWhoseStemHasUnderscores) {
+  const FrameFolder folder;
+  folder.write_camera();
+  for (const char* stem : {"a", "a_b", "frame_0001"}) {
+    folder.write_frame(std::string("frames/") + stem + ".png");
+  }
+  folder.write("gt/a_c.csv", kHeader + kRow);
+  folder.write("gt/a_b_mdh_301.csv", kHeader + kRow);
+  folder.write("gt/frame_0001.csv", kHeader + kRow);
+  auto source = source_with_truth(folder);
+  const Outcome opened = source.process(kOpen, {});
+  ASSERT_EQ(opened.status, WEFT_OK) << opened.message;
+  const char* const kinds[] = {"c", "mdh_301", ""};
+  for (std::uint64_t frame = 0; frame < 3; ++frame) {
+    const auto truth = source.process(kRead, {}, frame).get<GroundTruth>();
+    ASSERT_TRUE(truth.has_value()) << frame;
+    EXPECT_EQ(truth->kind, kinds[frame]);
+  }
+}
+
+TEST(Truth, BelongsToTheFrameOfTheLongestStemThatItsNameBeginsWith) {
+  const FrameFolder folder;
+  folder.write_camera();
+  for (const char* stem : {"a", "a_b"}) folder.write_frame(std::string("frames/") + stem + ".png");
+  folder.write("gt/a_b.csv", kHeader + kRow);
+  folder.write("gt/a_bc.csv", kHeader + kRow);
+  auto source = source_with_truth(folder);
+  const Outcome opened = source.process(kOpen, {});
+  ASSERT_EQ(opened.status, WEFT_OK) << opened.message;
+  EXPECT_EQ(source.process(kRead, {}, 0).get<GroundTruth>()->kind, "bc");
+  EXPECT_EQ(source.process(kRead, {}, 1).get<GroundTruth>()->kind, "");
+}
+
 TEST(Truth, RefusesAFileWithoutAFrame) {
   const FrameFolder folder;
   fill(folder);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "truth_archive.hpp"
+#include "common/npz_file.hpp"
 
 #include <zip.h>
 
@@ -7,13 +7,12 @@
 #include <filesystem>
 #include <memory>
 #include <utility>
-#include <vector>
-#include <weft/data/codec.hpp>
+#include <weft/core/quote.hpp>
+#include <weft/core/stop_check.hpp>
+#include <weft/data/npz_members.hpp>
 
-namespace weft::images {
+namespace weft::sources {
 namespace {
-
-constexpr const char* kSlot = "ground_truth";
 
 struct Discard {
   void operator()(zip_t* archive) const { zip_discard(archive); }
@@ -31,6 +30,7 @@ bool read_bytes(zip_t* archive, zip_uint64_t index, std::string& bytes, std::uin
   std::array<char, 1U << 16U> piece;
   zip_int64_t got = 0;
   while ((got = zip_fread(stream.get(), piece.data(), piece.size())) > 0) {
+    worked(1000);
     if (static_cast<std::uint64_t>(got) > room) return false;
     room -= static_cast<std::uint64_t>(got);
     bytes.append(piece.data(), static_cast<std::size_t>(got));
@@ -40,10 +40,8 @@ bool read_bytes(zip_t* archive, zip_uint64_t index, std::string& bytes, std::uin
 
 }  // namespace
 
-TruthArchive::TruthArchive(std::string path, NpzRecord record)
-    : path_(std::move(path)), record_(std::move(record)) {}
-
-Result<TruthArchive> TruthArchive::read(const std::string& path) {
+Result<std::vector<ArchiveMember>> read_npz_file(const std::string& path,
+                                                 bool (*wanted)(std::string_view name)) {
   const auto fail = [&](const char* what) { return Error{Errc::io, path + ": " + what, {}}; };
   std::error_code failure;
   if (!std::filesystem::is_regular_file(path, failure)) return fail("is no file that can be read");
@@ -51,30 +49,23 @@ Result<TruthArchive> TruthArchive::read(const std::string& path) {
   int code = 0;
   const std::unique_ptr<zip_t, Discard> archive(zip_open(path.c_str(), ZIP_RDONLY, &code));
   if (!archive) return fail("cannot be read as an npz file");
-  std::vector<NpzMember> members;
+  std::vector<ArchiveMember> members;
   const zip_int64_t count = zip_get_num_entries(archive.get(), 0);
   if (count > kMostNpzMembers) return fail("has too many members");
   for (zip_int64_t i = 0; i < count; ++i) {
     const auto index = static_cast<zip_uint64_t>(i);
     const char* name = zip_get_name(archive.get(), index, 0);
-    auto member = NpzMember::of_path(name != nullptr ? name : "");
-    if (!member || member->slot != kSlot) continue;
-    if (!read_bytes(archive.get(), index, member->bytes, room)) {
-      return Error{Errc::invalid_data,
-                   path + ": is damaged, or holds far more than its size, at " + member->path(),
-                   {}};
+    ArchiveMember member{name != nullptr ? name : "", {}};
+    if (!wanted(member.name)) continue;
+    if (!read_bytes(archive.get(), index, member.bytes, room)) {
+      return Error{
+          Errc::invalid_data,
+          path + ": is damaged, or holds far more than its size, at " + escaped(member.name, 80),
+          {}};
     }
-    members.push_back(*std::move(member));
+    members.push_back(std::move(member));
   }
-  auto record = NpzRecord::create(std::move(members), kSlot);
-  if (!record) return Error{record.error().code, path + ": " + record.error().message, {}};
-  return TruthArchive(path, *std::move(record));
+  return members;
 }
 
-Result<GroundTruth> TruthArchive::truth() const {
-  auto truth = record_.with_view([](const auto& view) { return read_record<GroundTruth>(view); });
-  if (!truth) return Error{truth.error().code, path_ + ": " + truth.error().message, {}};
-  return truth;
-}
-
-}  // namespace weft::images
+}  // namespace weft::sources

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "frame_files.hpp"
+#include "common/frame_files.hpp"
 
 #include <fnmatch.h>
 
@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <iterator>
 
-namespace weft::images {
+namespace weft::sources {
 namespace {
 
 namespace fs = std::filesystem;
@@ -74,4 +74,4 @@ Result<std::vector<std::string>> matching_files(const std::string& pattern) {
 
 std::string stem_of(const std::string& path) { return fs::path(path).stem().string(); }
 
-}  // namespace weft::images
+}  // namespace weft::sources

@@ -5,7 +5,7 @@
 #include <weft/core/result.hpp>
 #include <weft/data/ground_truth.hpp>
 
-namespace weft::images {
+namespace weft::sources {
 
 /// Reads the true points of one frame from a CSV file whose first line names its columns, in any
 /// order: point_id, template_x_mm, template_y_mm, u_px, v_px, X_mm, Y_mm, Z_mm (camera frame).
@@ -14,4 +14,4 @@ namespace weft::images {
 /// everything that is no finite number.
 Result<GroundTruth> read_truth_file(const std::string& path);
 
-}  // namespace weft::images
+}  // namespace weft::sources

@@ -6,7 +6,7 @@
 #include <weft/data/ground_truth.hpp>
 #include <weft/data/npz_members.hpp>
 
-namespace weft::images {
+namespace weft::sources {
 
 /// The record `ground_truth` of one frame from an npz file, as sinks/dataset and run folders hold
 /// it.
@@ -25,4 +25,4 @@ class TruthArchive {
   NpzRecord record_;
 };
 
-}  // namespace weft::images
+}  // namespace weft::sources

@@ -5,7 +5,7 @@
 #include <vector>
 #include <weft/core/result.hpp>
 
-namespace weft::images {
+namespace weft::sources {
 
 /// What matches `pattern`, sorted bytewise. * ? and [ ] work in the file name and in folders, never
 /// across a '/', and do not match a leading dot; a part of the path that exists as it stands is no
@@ -16,4 +16,4 @@ Result<std::vector<std::string>> matching_files(const std::string& pattern);
 /// "gt/009_mdh301.csv" -> "009_mdh301".
 std::string stem_of(const std::string& path);
 
-}  // namespace weft::images
+}  // namespace weft::sources

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "truth_file.hpp"
+#include "common/truth_file.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include <vector>
 #include <weft/core/text_file.hpp>
 
-namespace weft::images {
+namespace weft::sources {
 namespace {
 
 constexpr std::array<const char*, 8> kColumns{"point_id", "template_x_mm", "template_y_mm", "u_px",
@@ -150,4 +150,4 @@ class TruthReader {
 
 Result<GroundTruth> read_truth_file(const std::string& path) { return TruthReader(path).read(); }
 
-}  // namespace weft::images
+}  // namespace weft::sources
