@@ -92,6 +92,7 @@ class PatternMatcher final : public weft::Matcher {
   explicit PatternMatcher(weft::Params& p) : script_(p) {
     p.read("count", count_, "", {0, 10'000}, "matches");
     p.read("bad_face", bad_face_, "give a face that the template does not have");
+    p.read("places_only", places_only_, "leave the faces to the host");
     p.choice("pattern", pattern_,
              {{"grid", Pattern::grid},
               {"collinear", Pattern::collinear},
@@ -122,6 +123,9 @@ class PatternMatcher final : public weft::Matcher {
       }
       for (int k = 0; k < 3; ++k) matches.barycentrics(i, k) = at.weights(k);
       matches.face(i) = bad_face_ ? 1'000'000 : at.face;
+      if (!places_only_) continue;
+      for (int k = 0; k < 3; ++k) matches.barycentrics(i, k) = 0.0;
+      matches.face(i) = -1;
     }
     return script_.answer(in.call, std::move(matches));
   }
@@ -141,7 +145,7 @@ class PatternMatcher final : public weft::Matcher {
 
   Script script_;
   int count_ = 24;
-  bool bad_face_ = false;
+  bool bad_face_ = false, places_only_ = false;
   Pattern pattern_ = Pattern::grid;
   double image_scale_ = kScale;
   double image_shift_px_ = kShift_px;

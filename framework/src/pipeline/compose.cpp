@@ -75,6 +75,61 @@ Result<RecordPtr> locate_on_template(const Record& keypoints, const Record& temp
   return RecordPtr(std::move(located));
 }
 
+Result<const FaceLocator*> MatchPlacer::locator() {
+  if (!locator_) {
+    const auto sheet = view_as<Template>(*template_);
+    if (!sheet) return sheet.error();
+    auto made = FaceLocator::create(sheet->flat_px.matrix<2>(), sheet->faces.matrix<3>());
+    if (!made) return made.error();
+    locator_ = *std::move(made);
+  }
+  return &*locator_;
+}
+
+Result<Points2> MatchPlacer::texels_of(const Correspondences& matches) const {
+  if (!matches.template_xy_m.present()) return Points2(matches.template_px.matrix<2>());
+  const auto sheet = view_as<Template>(*template_);
+  if (!sheet) return sheet.error();
+  if (!sheet->m_per_px.present()) {
+    return Error{Errc::invalid_data,
+                 "matches are in metres on a template that has no m_per_px: give template_px",
+                 {}};
+  }
+  const Eigen::Array2d m_per_px = sheet->m_per_px.matrix<1>();
+  Points2 texels = matches.template_xy_m.matrix<2>();
+  texels.array().rowwise() /= m_per_px.transpose();
+  return texels;
+}
+
+Result<RecordPtr> MatchPlacer::place(RecordPtr record) {
+  if (record->type() != Correspondences::kType) return record;
+  const auto matches = view_as<Correspondences>(*record);
+  if (!matches) return matches.error();
+  const std::int64_t count = matches->count();
+  bool complete = !matches->template_xy_m.present();
+  for (std::int64_t n = 0; n < count; ++n) complete = complete && matches->face(n) != -1;
+  if (complete) return record;
+  const auto texels = texels_of(*matches);
+  if (!texels) return texels.error();
+  const auto mesh = locator();
+  if (!mesh) return mesh.error();
+  auto placed = share_except(*record, {"template_px", "template_xy_m", "face", "barycentrics"});
+  const std::int64_t shape[] = {count, 2}, weights_shape[] = {count, 3};
+  auto* px = static_cast<double*>(placed->allocate("template_px", WEFT_F64, 2, shape));
+  auto* face = static_cast<std::int32_t*>(placed->allocate("face", WEFT_I32, 1, shape));
+  auto* weights =
+      static_cast<double*>(placed->allocate("barycentrics", WEFT_F64, 2, weights_shape));
+  for (std::int64_t n = 0; n < count; ++n) {
+    const Eigen::Vector2d texel = texels->row(n);
+    FaceLocation at{matches->face(n), matches->barycentrics.matrix<3>().row(n), true};
+    if (at.face == -1) at = (*mesh)->locate(texel);
+    std::copy_n(texel.data(), 2, px + 2 * n);
+    std::copy_n(at.weights.data(), 3, weights + 3 * n);
+    face[n] = at.face;
+  }
+  return RecordPtr(std::move(placed));
+}
+
 RecordPtr aged_shape(const Record& shape, std::int64_t age, int lost_after) {
   auto aged = share_except(shape, {"state", "age", "confidence", "covariance_m2"});
   auto* state = static_cast<std::int32_t*>(aged->allocate("state", WEFT_I32, 0, nullptr));

@@ -33,6 +33,7 @@ Executor::Executor(const PipelineConfig& config, const Graph& graph, host::Lane&
       lane_(lane),
       template_(std::move(templ)),
       camera_(std::move(camera)),
+      placer_(template_),
       sharing_(std::move(sharing)),
       history_(graph) {}
 
@@ -240,10 +241,13 @@ Result<std::vector<RecordPtr>> Executor::outputs_of(const Stage& stage, const Ou
 }
 
 Result<void> Executor::store(const Stage& stage, const Outcome& outcome, FrameResult& result) {
-  const auto made = outputs_of(stage, outcome, result);
+  auto made = outputs_of(stage, outcome, result);
   if (!made) return made.error();
-  for (const RecordPtr& record : *made) {
+  for (RecordPtr& record : *made) {
     if (record == nullptr) continue;
+    auto placed = placer_.place(record);
+    if (!placed) return placed.error();
+    record = *std::move(placed);
     if (auto fits = check_fits(*record, *template_, *camera_); !fits) return fits;
   }
   for (std::size_t i = 0; i < made->size(); ++i) {

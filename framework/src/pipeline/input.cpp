@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <chrono>
+#include <weft/data/correspondences.hpp>
 #include <weft/pipeline/checks.hpp>
 #include <weft/pipeline/input.hpp>
 #include <weft/pipeline/methods.hpp>
@@ -52,14 +54,39 @@ Result<void> PipelineInput::build_template() {
   auto built = output_of(lane_->call(**builder, 0, {}, host::kOfflineFrame), "template");
   if (!built) return built.error();
   template_ = *std::move(built);
+  placer_.emplace(template_);
   return blame(check_template(*template_), templ);
+}
+
+Result<RecordPtr> PipelineInput::completed(const RecordPtr& record) {
+  auto placed = placer_->place(record);
+  if (!placed) return placed;
+  if (auto fits = check_fits(**placed, *template_, *camera_); !fits) return fits.error();
+  if (*placed == record) return placed;
+  const auto matches = host::view_as<Correspondences>(**placed);
+  if (matches->count() == 0) return placed;
+  const std::int32_t* face = matches->face.data();
+  if (std::any_of(face, face + matches->count(), [](std::int32_t f) { return f >= 0; })) {
+    return placed;
+  }
+  const auto number = [](double px) { return std::to_string(px); };
+  return Error{Errc::invalid_data,
+               "none of the " + std::to_string(matches->count()) +
+                   " matches lies on the template, the first is at (" +
+                   number(matches->template_px(0, 0)) + ", " + number(matches->template_px(0, 1)) +
+                   ") px of its texture: check their units",
+               {}};
 }
 
 Outcome PipelineInput::read_checked(std::uint64_t index) {
   Outcome read = lane_->call(*source_, kReadFrame, {}, index);
-  for (const auto& [slot, record] : read.outputs) {
-    const auto fits = blame(check_fits(*record, *template_, *camera_), *config_->source);
-    if (!fits) return {WEFT_ERROR, fits.error(), {}};
+  for (auto& [slot, record] : read.outputs) {
+    auto fits = completed(record);
+    if (!fits) {
+      const std::string& source = config_->source->component.component().id;
+      return {WEFT_ERROR, {fits.error().code, fits.error().message, source}, {}};
+    }
+    record = *std::move(fits);
   }
   return read;
 }

@@ -180,6 +180,22 @@ TEST_F(Execution, RefusesMatchesOnFacesThatDoNotExist) {
               EndsWith("the face of match 0 has the index 1000000, the template has 40"));
 }
 
+TEST_F(Execution, GivesMatchesOfWhichAMatcherSaysThePlaceTheirFaces) {
+  const auto run_of = [&](const std::string& params, const std::string& out) {
+    const std::string stage = "  - {use: matchers/test.pattern, params: " + params + "}\n";
+    return run(head("{frames: 1}") + "stages:\n" + stage, out);
+  };
+  const Ran with = run_of("{}", "with"), without = run_of("{places_only: true}", "without");
+  const auto said = value<Correspondences>(with, 0, Correspondences::kType).value();
+  const auto found = value<Correspondences>(without, 0, Correspondences::kType).value();
+  ASSERT_EQ(found.count(), 24);
+  for (std::int64_t n = 0; n < found.count(); ++n) {
+    EXPECT_GE(found.face(n), 0);
+    EXPECT_EQ(found.face(n), said.face(n));
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(found.barycentrics(n, k), said.barycentrics(n, k));
+  }
+}
+
 TEST_F(Execution, RefusesFramesThatDoNotFitTheCameraOrTheTemplate) {
   const Ran size = run(chain({{"sources", "{wrong_size_at: [1]}"}}), "size");
   EXPECT_EQ(size.status(1, "sources"),

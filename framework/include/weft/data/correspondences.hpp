@@ -7,13 +7,19 @@ namespace weft {
 
 /// Matches between the template's texture and the image. Filters mark matches, they never drop or
 /// reorder them: `kept` is 1 for all until a filter speaks.
+///
+/// Who knows only where a match is on the template says -1 for its face, and may give template_xy_m
+/// with any template_px. The host completes what sources and matchers give before anybody reads it:
+/// template_px of template_xy_m, and face and barycentrics where the face is -1. A match beyond the
+/// mesh (by more than half of its mean edge) stays at -1: it is on no face, takes part where only
+/// its pixels count, and is left out and counted where its place on the surface does.
 struct Correspondences {
   static constexpr const char* kType = "correspondences/1";
   Array<double> template_px;              ///< [N,2] px of the texture
   Array<double> image_px;                 ///< [N,2] px
   Array<std::int32_t> template_keypoint;  ///< [N] index, -1 for none
   Array<std::int32_t> image_keypoint;     ///< [N] index, -1 for none
-  Array<std::int32_t> face;               ///< [N] face of the template, -1 for none
+  Array<std::int32_t> face;               ///< [N] face of the template, -1: beyond it or not known
   Array<double> barycentrics;             ///< [N,3] weights in that face, sum 1
   Array<double> distance;                 ///< [N] between the descriptors
   Array<double> ratio;                    ///< [N] to the second nearest distance
@@ -22,6 +28,7 @@ struct Correspondences {
   Array<std::uint8_t> kept;               ///< [N] 1 unless a filter rejected it
   Array<double> score;                    ///< [N] larger is more trusted; 1 before any filter
   Array<double> confidence;               ///< [] that what is kept is the object, by the filters
+  Array<double> template_xy_m;  ///< [N,2] m, m_per_px * (u,v); the host makes template_px of it
 
   std::int64_t count() const { return template_px.rows(); }
 
@@ -33,7 +40,8 @@ struct Correspondences {
           Field{"template_keypoint", "N", "index", "template keypoint, -1 for none", true});
     visit(self.image_keypoint,
           Field{"image_keypoint", "N", "index", "image keypoint, -1 for none", true});
-    visit(self.face, Field{"face", "N", "index", "face of the template, -1 for none"});
+    visit(self.face,
+          Field{"face", "N", "index", "face of the template, -1: beyond it or not known"});
     visit(self.barycentrics, Field{"barycentrics", "N,3", "", "weights in that face, sum 1"});
     visit(self.distance, Field{"distance", "N", "", "between the descriptors", true});
     visit(self.ratio, Field{"ratio", "N", "", "to the second nearest distance", true});
@@ -44,6 +52,8 @@ struct Correspondences {
     visit(self.score, Field{"score", "N", "", "larger is more trusted"});
     visit(self.confidence,
           Field{"confidence", "", "0 to 1", "least that a filter said of what it kept", true});
+    visit(self.template_xy_m, Field{"template_xy_m", "N,2", "m",
+                                    "m_per_px * (u,v); the host makes template_px of it", true});
   }
 };
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 #include <weft/host/lane.hpp>
+#include <weft/pipeline/compose.hpp>
 #include <weft/pipeline/frame_result.hpp>
 #include <weft/pipeline/history.hpp>
 #include <weft/pipeline/stage_memo.hpp>
@@ -56,6 +57,7 @@ class Executor {
   host::Lane& lane_;
   host::RecordPtr template_;
   host::RecordPtr camera_;
+  MatchPlacer placer_;
   Points vertices_;  ///< where warps are sampled
   Sharing sharing_;
   std::vector<Stage> stages_;

@@ -24,7 +24,7 @@ class PipelineInput {
   };
 
   /// One frame, or nothing where a source of unknown length has come to its end. What the source
-  /// gave must fit the template and the camera.
+  /// gave must fit the template and the camera; its matches are completed, see Correspondences.
   std::optional<Frame> read(std::uint64_t index);
 
  private:
@@ -32,12 +32,14 @@ class PipelineInput {
   Result<void> open_source();
   Result<void> build_template();
   host::Outcome read_checked(std::uint64_t index);
+  Result<host::RecordPtr> completed(const host::RecordPtr& record);
 
   const PipelineConfig* config_;
   host::Lane* lane_;
   host::Instance* source_ = nullptr;
   host::RecordPtr camera_;
   host::RecordPtr template_;
+  std::optional<MatchPlacer> placer_;
   std::int64_t frames_ = -1;
 };
 
