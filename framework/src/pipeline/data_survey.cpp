@@ -65,6 +65,7 @@ void add_truth(const GroundTruth& given, DataSurvey& survey) {
   truth.has["depth_m"] += given.depth_m.present();
   truth.has["uv_m"] += given.uv_m.present();
   truth.has["match_xy_px"] += given.match_xy_px.present();
+  truth.has["match_label"] += given.match_label.present();
   add_points(given, survey.camera, truth);
   if (given.depth_m.present()) add_depth(given.depth_m, truth);
 }

@@ -230,6 +230,27 @@ TEST(MatchLabels, FollowTheSourcesOwnTruthForItsOwnMatchesOnly) {
   EXPECT_EQ(labels(), (std::vector<std::int8_t>{1, 1, 1}));
 }
 
+TEST(MatchLabels, AreThoseThatTheSourceGaveWhereItKnowsNoTrueImage) {
+  const Bent bent;
+  Rng rng(kMapSeed);
+  auto drawn = testing::draw_matches(bent.templ, bent.camera, bent.sheet, {4}, rng);
+  GroundTruth truth{Array<double>({0, 2}), Array<double>({0, 3}), "labels", ""};
+  truth.match_label = Array<std::int8_t>({4});
+  const std::int8_t given[] = {0, 1, -1, 1};
+  std::copy_n(given, 4, truth.match_label.data());
+  const auto labels = [&] {
+    return label_matches(drawn.matches, map_of(truth), bent.templ, testing::pinhole(bent.camera),
+                         2.0);
+  };
+  EXPECT_EQ(labels(), (std::vector<std::int8_t>{0, 1, -1, 1}));
+  Points2 true_px = Points2::Constant(4, 2, std::numeric_limits<double>::quiet_NaN());
+  true_px.row(0) = drawn.matches.image_px.matrix<2>().row(0);
+  truth.match_xy_px = make_array<double>(true_px);
+  EXPECT_EQ(labels(), (std::vector<std::int8_t>{1, 1, -1, 1})) << "a true image says more";
+  drawn.matches.image_keypoint = Array<std::int32_t>({4});  // a matcher made these
+  EXPECT_EQ(labels(), std::vector<std::int8_t>(4, kUnknownMatch));
+}
+
 TEST(MatchLabels, AreUnknownForATemplateWithoutScale) {
   const Bent bent;
   Rng rng(kMapSeed);

@@ -18,6 +18,8 @@ struct GroundTruth {
   Array<float> depth_m = {};         ///< [H,W] m along the optical axis, 0 where it is not known
   Array<float> uv_m = {};  ///< [H,W,2] m, template point seen at the pixel, NaN where none is
   Array<double> match_xy_px = {};  ///< [N,2] px, true image of the source's matches, or NaN
+  Array<std::int8_t> match_label =
+      {};  ///< [N] of the source's matches: 1 correct, 0 mismatch, -1 unknown
   Diagnostics diag = {};
 
   std::int64_t count() const { return template_xy_m.rows(); }
@@ -35,6 +37,9 @@ struct GroundTruth {
     visit(self.uv_m, Field{"uv_m", "H,W,2", "m", "template point seen at the pixel", true, true});
     visit(self.match_xy_px,
           Field{"match_xy_px", "N,2", "px", "true image of the source's matches", true, true});
+    visit(self.match_label,
+          Field{"match_label", "N", "-1, 0 or 1",
+                "of the source's matches: correct 1, mismatch 0, unknown -1", true});
     visit(self.diag, Field{"diag.*", "*", "", "evidence", true});
   }
 };

@@ -74,11 +74,17 @@ class TruthMap {
   /// True images of the source's own matches [N,2] px, NaN where unknown; empty without any.
   const Points2& match_xy_px() const { return match_xy_px_; }
 
+  /// What is said of the source's own matches, [N]: 1 correct, 0 mismatch, else unknown; or empty.
+  const std::vector<std::int8_t>& match_labels() const { return match_labels_; }
+
  private:
   explicit TruthMap(const GroundTruth& truth)
       : points_(truth.template_xy_m.matrix<2>(), truth.points_m.matrix<3>()),
         visible_(truth.visible.data(), truth.visible.data() + truth.visible.rows()) {
     if (truth.match_xy_px.present()) match_xy_px_ = truth.match_xy_px.matrix<2>();
+    for (std::int64_t n = 0; n < truth.match_label.rows(); ++n) {
+      match_labels_.push_back(truth.match_label(n));
+    }
   }
 
   bool hidden(std::int32_t face) const {
@@ -94,6 +100,7 @@ class TruthMap {
   std::vector<std::uint8_t> visible_;  ///< [T] or empty
   std::optional<FaceLocator> locator_;
   Points2 match_xy_px_;
+  std::vector<std::int8_t> match_labels_;
 };
 
 }  // namespace weft
