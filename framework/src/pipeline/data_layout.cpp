@@ -76,16 +76,31 @@ Result<DataLayout> layout_of_yaml(const fs::path& file) {
   return DataLayout{"sequence", file.parent_path().string(), *source, {}};
 }
 
+/// Matches in files of their own, by the pattern or the file that names them.
+Result<DataLayout> layout_of_matches(const fs::path& folder, const std::string& files,
+                                     const std::string& given_camera) {
+  auto camera = camera_beside(folder, given_camera);
+  if (!camera) return camera.error();
+  return DataLayout{
+      "matches", folder.string(),
+      source_node("sources/matches", {{"path", files},
+                                      {"camera", *camera},
+                                      {"truth", pattern_in(folder / "gt", {".npz", ".csv"})}}),
+      first_of(folder, {"template/texture.png", "texture.png"})};
+}
+
 Result<DataLayout> layout_of_images(const fs::path& folder, const std::string& given_camera) {
   const std::vector<std::string> kImages{".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff"};
   std::string images;
   for (const char* part : {"frames", "rgb", "color", "colour", "."}) {
     if (images.empty()) images = pattern_in((folder / part).lexically_normal(), kImages);
   }
+  const std::string matches = pattern_in(folder / "matches", {".npz", ".csv"});
+  if (images.empty() && !matches.empty()) return layout_of_matches(folder, matches, given_camera);
   if (images.empty()) {
     return missing(folder,
                    "holds no sequence.yaml and no images, neither itself nor in frames/, rgb/, "
-                   "color/ or colour/");
+                   "color/ or colour/, and no matches/");
   }
   auto camera = camera_beside(folder, given_camera);
   if (!camera) return camera.error();
@@ -110,6 +125,9 @@ Result<DataLayout> find_data_layout(const std::string& path, const std::string& 
   }
   if (!fs::is_regular_file(place, code)) return missing(place, "does not exist");
   if (place.extension() == ".yaml" || place.extension() == ".yml") return layout_of_yaml(place);
+  if (place.extension() == ".csv" || place.extension() == ".npz") {
+    return layout_of_matches(place.parent_path(), place.string(), camera);
+  }
   auto file = camera_beside(place.parent_path(), camera);
   if (!file) return file.error();
   return DataLayout{"video",

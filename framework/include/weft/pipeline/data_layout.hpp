@@ -8,7 +8,7 @@ namespace weft {
 
 /// How the data at a path are read.
 struct DataLayout {
-  std::string kind;     ///< "sequence", "frames", "frames with depth" or "video"
+  std::string kind;     ///< "sequence", "frames", "frames with depth", "matches" or "video"
   std::string folder;   ///< where relative paths of `source` stand; absolute
   yaml::Node source;    ///< {use, params} of the source that reads them
   std::string texture;  ///< [] path of the template's texture, or empty
@@ -18,8 +18,9 @@ struct DataLayout {
 ///   a sequence: a folder with sequence.yaml, or a YAML file, whose `source` is taken;
 ///   images: a folder of them, or one with frames/, rgb/, color/ or colour/; truth is gt/*.npz or
 ///     gt/*.csv, depth images are in depth/, the texture is template/texture.png or texture.png;
+///   matches: a folder with matches/*.npz or matches/*.csv and no images, or such a file;
 ///   a video: any other file.
-/// The camera file of images and videos is `camera`, where it is given, else camera.yaml,
+/// The camera file of images, matches and videos is `camera`, where it is given, else camera.yaml,
 /// camera.yml, camera.json or K.json beside them. Fails with not_found and what was looked for.
 Result<DataLayout> find_data_layout(const std::string& path, const std::string& camera = {});
 
