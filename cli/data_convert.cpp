@@ -18,6 +18,8 @@ struct ConvertOptions {
   int columns = 10, rows = 7;
   std::vector<std::string> settings;
   bool quiet = false;
+  std::string matches, stage;
+  double tolerance_px = 2.0, fps = 30.0;
 };
 
 /// The pipeline that reads the data and writes the sequence.
@@ -50,6 +52,19 @@ Result<std::string> pipeline_text(const ConvertOptions& options) {
 }
 
 void convert(const ConvertOptions& options, Context& context) {
+  if (!options.matches.empty()) {
+    return convert_matches(
+        {options.path, options.folder, options.matches, options.stage, options.camera,
+         options.texture, options.width_m, options.height_m, options.columns, options.rows,
+         options.fps, options.tolerance_px, options.settings},
+        context);
+  }
+  if (!(options.width_m > 0.0)) {
+    print_error({Errc::invalid_value, "give the width of what the texture shows with --width-m",
+                 options.path});
+    context.exit_code = kBadConfiguration;
+    return;
+  }
   const auto text = pipeline_text(options);
   if (!text) {
     print_error(text.error());
@@ -66,8 +81,11 @@ void convert(const ConvertOptions& options, Context& context) {
 
 void add_data_convert(CLI::App& data, Context& context) {
   const auto options = std::make_shared<ConvertOptions>();
-  CLI::App* command = data.add_subcommand(
-      "convert", "Import a folder of images (with depth or true points) or a video as a sequence");
+  CLI::App* command =
+      data.add_subcommand("convert",
+                          "Import a folder of images (with depth or true points) or a video as a "
+                          "sequence, or write the "
+                          "matches of a run, a sequence or a set of files as CSV or npz files");
   command
       ->add_option("PATH", options->path, "Folder or video; `weft data info` shows how it is read")
       ->required();
@@ -76,7 +94,7 @@ void add_data_convert(CLI::App& data, Context& context) {
                       "Camera file, where none lies beside the images");
   command->add_option("--texture", options->texture,
                       "Texture of the template (default: template/texture.png or texture.png)");
-  command->add_option("--width-m", options->width_m, "Width of what the texture shows")->required();
+  command->add_option("--width-m", options->width_m, "Width of what the texture shows");
   command->add_option("--height-m", options->height_m, "Its height; 0: texels are square")
       ->capture_default_str();
   command->add_option("--columns", options->columns, "Vertices along the width")
@@ -88,6 +106,21 @@ void add_data_convert(CLI::App& data, Context& context) {
           "PATH=VALUE, such as source.depth_unit_m=0.0002 or template.texel_origin=centre; "
           "may be repeated")
       ->allow_extra_args(false);
+  command
+      ->add_option("--matches", options->matches,
+                   "Write matches, in this form, instead of images: csv or npz")
+      ->check(CLI::IsMember({"csv", "npz"}));
+  command->add_option("--stage", options->stage,
+                      "Stage of a run folder whose matches are taken, or STAGE.FILTER for what a "
+                      "filter left of them");
+  command
+      ->add_option("--match-tolerance-px", options->tolerance_px,
+                   "A match of a run is correct when nearer to its true image")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--fps", options->fps, "Frames a second of the matches")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   command->add_flag("--quiet", options->quiet, "No progress");
   command->callback([&context, options] { convert(*options, context); });
 }
