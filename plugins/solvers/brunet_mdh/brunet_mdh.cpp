@@ -10,7 +10,6 @@
 #include <weft/sdk/solver.hpp>
 
 #include "bending_fill.hpp"
-#include "common/agreement.hpp"
 #include "confidence.hpp"
 #include "depth_admm.hpp"
 #include "depth_problem.hpp"
@@ -18,8 +17,6 @@
 namespace weft::brunet_mdh {
 namespace {
 
-constexpr std::size_t kFewPoints = 8;
-constexpr double kGoodCoverage = 0.25;
 /// Depths beyond this multiple of the median guess mean that the distances gave way altogether.
 constexpr double kRunaway = 10.0;
 
@@ -186,7 +183,6 @@ class BrunetMdh final : public Solver {
     const auto placed = fill_.place(*surface_, positions_m);
     if (!placed) return placed.error();
     if (!placed->allFinite()) return no_result("the depths are not finite");
-    const double coverage = in.sightlines->coverage;
     Shape shape;
     shape.vertices_m = make_array<double>(*placed);
     shape.source = Array<std::uint8_t>({placed->rows()});
@@ -197,16 +193,13 @@ class BrunetMdh final : public Solver {
       for (const std::int32_t v : held.vertices) shape.source(v) = 1;
     }
     const double strain = mean(strains(problem_.edges, positions_m.topRows(rays.rows())));
-    const solvers::Agreement agreement = agreement_with(in, *placed);
+    const ShapeEvidence evidence =
+        shape_evidence(in.templ, in.camera, *placed, in.correspondences, in.sightlines);
     shape.confidence =
-        confidence(strain, agreement.agreeing) * solvers::confidence_of_filters(in.correspondences);
-    const bool sure = depths.converged && behind == 0 && rays.rows() >= Eigen::Index{kFewPoints} &&
-                      coverage > kGoodCoverage;
-    shape.state = static_cast<std::int32_t>(sure ? ShapeState::estimated : ShapeState::weak);
+        confidence(strain, evidence.agreeing) * confidence_of_filters(in.correspondences);
+    if (!depths.converged || behind > 0) shape.state = static_cast<std::int32_t>(ShapeState::weak);
     explain(depths, behind, shape.diag);
     shape.diag.set("strain", strain);
-    shape.diag.set("agreeing_matches", agreement.agreeing);
-    shape.diag.set("kept_matches", agreement.kept);
     if (!depths.converged) {
       return degenerate(std::move(shape), "not converged in " + std::to_string(depths.iterations) +
                                               " iterations: raise max_iterations");
@@ -216,13 +209,6 @@ class BrunetMdh final : public Solver {
                         std::to_string(behind) + " points came to lie behind the camera");
     }
     return shape;
-  }
-
-  solvers::Agreement agreement_with(const SolverInput& in, const Points3& vertices_m) const {
-    const Pinhole camera{in.camera.fx, in.camera.fy, in.camera.cx, in.camera.cy};
-    return in.correspondences
-               ? solvers::agreement(*in.correspondences, surface_->faces(), camera, vertices_m)
-               : solvers::agreement(*in.sightlines, surface_->faces(), camera, vertices_m);
   }
 
   void explain(const DepthResult& depths, int behind, Diagnostics& diag) const {

@@ -3,8 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-
-#include "common/agreement.hpp"
+#include <weft/geometry/shape_evidence.hpp>
 
 namespace weft::brunet_mdh {
 namespace {
@@ -16,7 +15,7 @@ constexpr double kFewestMatches = 4.0;  // three agree with some affine map what
 double confidence(double strain, int agreeing_matches) {
   const double logit =
       -17.02 - 2.711 * std::log(strain + 1e-3) + 1.524 * std::log(1.0 + agreeing_matches);
-  return std::min(1.0, agreeing_matches / kFewestMatches) * solvers::logistic(logit);
+  return std::min(1.0, agreeing_matches / kFewestMatches) * logistic(logit);
 }
 
 }  // namespace weft::brunet_mdh

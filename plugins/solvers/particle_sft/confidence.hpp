@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "common/agreement.hpp"
+#include <weft/geometry/shape_evidence.hpp>
+
 #include "fit.hpp"
 
 namespace weft::particle_sft {
 
 /// The probability that the mean error of what the camera sees is below 2 % of the template's
 /// diagonal: a logistic fitted to shapes of which the truth is known, see README.md.
-double confidence(const Fit& fit, const solvers::Agreement& agreement);
+double confidence(const Fit& fit, const ShapeEvidence& evidence);
 
 }  // namespace weft::particle_sft

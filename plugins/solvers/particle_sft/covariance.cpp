@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <numeric>
 #include <weft/core/stop_check.hpp>
+#include <weft/geometry/surface_distance.hpp>
 
 namespace weft::particle_sft {
 namespace {
@@ -32,15 +33,18 @@ std::vector<std::int32_t> along_longest_axis(const Points3& rest_m) {
 
 }  // namespace
 
-HoldingNoise holding_noise(double residual_px, std::size_t sightlines, int agreeing_matches) {
-  constexpr double kLeastPx = 0.1, kNoiseOfResidual = 6.0, kShared = 0.5;
+HoldingNoise holding_noise(double residual_px, std::size_t sightlines, int agreeing_matches,
+                           double diagonal_m) {
+  constexpr double kLeastPx = 0.1, kNoiseOfResidual = 6.0, kShared = 0.5, kUnseenBend = 2.0;
   const double sharing = static_cast<double>(sightlines) / std::max(1, agreeing_matches);
   return {std::hypot(kLeastPx, kNoiseOfResidual * residual_px) * std::sqrt(1.0 + kShared * sharing),
-          0.0015, 0.05};
+          0.0015, 0.05, kUnseenBend / diagonal_m};
 }
 
 Result<void> ShapeCovariance::build(const MeshModel& mesh) {
   hinges_ = mesh.hinges();
+  rest_m_ = mesh.rest_m();
+  neighbours_ = mesh.neighbours();
   const std::vector<std::int32_t> order = along_longest_axis(mesh.rest_m());
   place_.resize(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) {
@@ -76,16 +80,7 @@ bool ShapeCovariance::compute(const ParticleSystem& system, const Pinhole& camer
   for (Eigen::Index i = 0; i < size_; ++i) at(i, i) = 1.0 / (kPriorM * kPriorM);
   add_rays(system, camera, vertices_m, noise.ray_px);
   add_edges(system.stretch, vertices_m, noise.strain);
-  const double stiffness = 1.0 / (noise.bend_rad * noise.bend_rad);
-  for (const BendingHinge& hinge : hinges_) {
-    for (std::size_t r = 0; r < 4; ++r) {
-      for (std::size_t c = 0; c < 4; ++c) {
-        add_block(hinge.vertex[r], hinge.vertex[c],
-                  stiffness * hinge.coefficient_per_m[r] * hinge.coefficient_per_m[c] *
-                      Eigen::Matrix3d::Identity());
-      }
-    }
-  }
+  add_bends(system, noise);
   for (const KnownSurfacePoint& known : system.spheres) {
     const double trust = std::pow(std::max(known.radius_m, kLeastRadiusM), -2);
     for (std::size_t r = 0; r < 3; ++r) {
@@ -138,6 +133,48 @@ void ShapeCovariance::add_edges(const std::vector<DistanceConstraint>& edges,
     add_block(edge.j, edge.j, block);
     add_block(edge.i, edge.j, -block);
     add_block(edge.j, edge.i, -block);
+  }
+}
+
+/// Of each vertex, in m along the edges at rest; infinite where no path leads to what is seen.
+/// Empty where all vertices are seen.
+std::vector<double> ShapeCovariance::distances_to_seen_m(const ParticleSystem& system) const {
+  std::vector<std::uint8_t> seen(place_.size(), 0);
+  for (const RayConstraint& ray : system.rays) {
+    for (const std::int32_t v : ray.vertices) seen[static_cast<std::size_t>(v)] = 1;
+  }
+  for (const KnownSurfacePoint& known : system.spheres) {
+    for (const std::int32_t v : known.vertices) seen[static_cast<std::size_t>(v)] = 1;
+  }
+  std::vector<PathStart> starts;
+  for (std::size_t v = 0; v < seen.size(); ++v) {
+    if (seen[v] != 0) starts.push_back({static_cast<std::int32_t>(v), 0.0});
+  }
+  if (starts.size() == seen.size()) return {};
+  return path_lengths_m(rest_m_, neighbours_, starts);
+}
+
+void ShapeCovariance::add_bends(const ParticleSystem& system, const HoldingNoise& noise) {
+  const std::vector<double> from_seen_m =
+      noise.bend_per_m > 0.0 ? distances_to_seen_m(system) : std::vector<double>{};
+  for (const BendingHinge& hinge : hinges_) {
+    double variance = noise.bend_rad * noise.bend_rad;
+    if (!from_seen_m.empty()) {
+      double furthest_m = 0.0;
+      for (const std::int32_t v : hinge.vertex) {
+        furthest_m = std::max(furthest_m, from_seen_m[static_cast<std::size_t>(v)]);
+      }
+      const double width_m =
+          (1.0 / hinge.coefficient_per_m[2] + 1.0 / hinge.coefficient_per_m[3]) / 3.0;
+      variance += 3.0 * noise.bend_per_m * noise.bend_per_m * width_m * furthest_m;
+    }
+    for (std::size_t r = 0; r < 4; ++r) {
+      for (std::size_t c = 0; c < 4; ++c) {
+        add_block(hinge.vertex[r], hinge.vertex[c],
+                  hinge.coefficient_per_m[r] * hinge.coefficient_per_m[c] / variance *
+                      Eigen::Matrix3d::Identity());
+      }
+    }
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "frame_constraints.hpp"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <weft/geometry/check_sightlines.hpp>
@@ -10,6 +11,19 @@
 #include "known_spheres.hpp"
 
 namespace weft::particle_sft {
+namespace {
+
+/// Where the matches are wired, too few of them mean that the object is lost.
+Result<void> check_match_count(const SolverInput& in) {
+  if (!in.correspondences) return {};
+  const Array<std::uint8_t>& kept = in.correspondences->kept;
+  const auto count = kept.rows() - std::count(kept.data(), kept.data() + kept.rows(), 0);
+  if (count >= kFewestMatches) return {};
+  return no_result("lost: " + std::to_string(count) + " matches of at least " +
+                   std::to_string(kFewestMatches));
+}
+
+}  // namespace
 
 Result<void> FrameConstraints::read(const SolverInput& in, const MeshModel& mesh,
                                     const FrameOptions& options) {
@@ -22,7 +36,7 @@ Result<void> FrameConstraints::read(const SolverInput& in, const MeshModel& mesh
     return no_result("too few sightlines: " + std::to_string(system.rays.size()) + " of at least " +
                      std::to_string(options.min_sightlines));
   }
-  if (auto enough = count_matches(in); !enough) return enough;
+  if (auto enough = check_match_count(in); !enough) return enough;
   hidden.clear();
   if (in.visibility && options.continue_hidden_bend) {
     auto part = hidden_part(*in.visibility, system.rays, mesh.neighbours());
@@ -30,6 +44,7 @@ Result<void> FrameConstraints::read(const SolverInput& in, const MeshModel& mesh
     hidden = *std::move(part);
     if (!mesh.is_flat()) add_unmeasured(system.rays, mesh.vertex_count(), hidden);
   }
+  if (options.continue_uncovered_bend) add_uncovered(system.rays, mesh, hidden);
   system.spheres.clear();
   inconsistent_pairs = 0;
   if (!in.known_points) return {};
@@ -38,19 +53,6 @@ Result<void> FrameConstraints::read(const SolverInput& in, const MeshModel& mesh
   system.spheres = *std::move(spheres);
   inconsistent_pairs = make_consistent(mesh, system.spheres);
   return {};
-}
-
-/// Where the matches are wired, too few of them mean that the object is lost.
-Result<void> FrameConstraints::count_matches(const SolverInput& in) {
-  matches = kManyMatches;
-  if (!in.correspondences) return {};
-  matches = 0;
-  for (std::int64_t i = 0; i < in.correspondences->count(); ++i) {
-    matches += in.correspondences->kept(i) != 0 ? 1 : 0;
-  }
-  if (matches >= kFewMatches) return {};
-  return no_result("lost: " + std::to_string(matches) + " matches of at least " +
-                   std::to_string(kFewMatches));
 }
 
 }  // namespace weft::particle_sft

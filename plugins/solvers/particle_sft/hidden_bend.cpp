@@ -7,15 +7,18 @@
 #include <cstddef>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
+#include <weft/core/stop_check.hpp>
 #include <weft/geometry/mesh_bending.hpp>
 
 namespace weft::particle_sft {
 namespace {
 
-constexpr double kReachInEdges = 3.0;
+constexpr double kReachInEdges = 3.0, kReachInDiagonals = 0.24;  // the larger one
+constexpr double kTearingStrain = 0.3;
 constexpr int kSharpness = 4;          // squarings: 0.1 for edges that are 30 degrees apart
 constexpr double kLeastWeight = 1.0;   // as of one edge next to the rim
 constexpr double kLeastSpread = 1e-3;  // squared reaches; a line needs edges that are apart
@@ -127,6 +130,36 @@ void add_unmeasured(const std::vector<RayConstraint>& rays, Eigen::Index vertex_
   for (std::size_t v = 0; v < hidden.size(); ++v) hidden[v] |= unmeasured[v];
 }
 
+void add_uncovered(const std::vector<RayConstraint>& rays, const MeshModel& mesh,
+                   std::vector<std::uint8_t>& hidden) {
+  std::vector<std::uint8_t> measured(static_cast<std::size_t>(mesh.vertex_count()), 0);
+  for (const RayConstraint& seen : rays) {
+    for (const std::int32_t v : seen.vertices) measured[static_cast<std::size_t>(v)] = 1;
+  }
+  const auto touches_measured = [&](std::int32_t v) {
+    const auto around = mesh.neighbours()[v];
+    return std::any_of(around.begin(), around.end(),
+                       [&](std::int32_t next) { return has(measured, next); });
+  };
+  std::vector<std::uint8_t> visited = measured;
+  std::vector<std::int32_t> part;
+  for (const std::int32_t start : mesh.border()) {
+    part.clear();
+    const auto reach = [&](std::int32_t v) {
+      if (has(visited, v)) return;
+      visited[static_cast<std::size_t>(v)] = 1;
+      part.push_back(v);
+    };
+    reach(start);
+    for (std::size_t k = 0; k < part.size(); ++k) {
+      for (const std::int32_t next : mesh.neighbours()[part[k]]) reach(next);
+    }
+    if (std::all_of(part.begin(), part.end(), touches_measured)) continue;
+    hidden.resize(measured.size(), 0);
+    for (const std::int32_t v : part) hidden[static_cast<std::size_t>(v)] = 1;
+  }
+}
+
 Result<void> BendContinuation::build(const Template& templ) {
   const Points3 rest_m = templ.vertices_m.matrix<3>();
   const Points2 flat_px = templ.flat_px.matrix<2>();
@@ -151,11 +184,13 @@ Result<void> BendContinuation::build(const Template& templ) {
     hinge.place_px = 0.5 * (flat_a + flat_b);
     hinge.across = Eigen::Vector2d(flat_edge.y(), -flat_edge.x()).normalized();
     length_px += flat_edge.norm();
+    hinge.edge_m = edge.norm();
     hinge.rest_rad = angle_rad(hinge, rest_m);
     hinges_.push_back(hinge);
   }
-  reach_px_ =
-      kReachInEdges * length_px / static_cast<double>(std::max<std::size_t>(1, hinges_.size()));
+  const double edge_px = length_px / static_cast<double>(std::max<std::size_t>(1, hinges_.size()));
+  const double diagonal_px = (flat_px.colwise().maxCoeff() - flat_px.colwise().minCoeff()).norm();
+  reach_px_ = std::max(kReachInEdges * edge_px, kReachInDiagonals * diagonal_px);
   return {};
 }
 
@@ -241,6 +276,45 @@ void BendContinuation::lay_out(const std::vector<double>& angles_rad,
   }
 }
 
+std::vector<std::uint8_t> BendContinuation::parts_kept_whole(
+    const std::vector<std::uint8_t>& hidden, const Points3& shape_m) const {
+  std::vector<std::int32_t> part(hidden.size());
+  std::iota(part.begin(), part.end(), 0);
+  const auto root = [&](std::int32_t v) {
+    while (part[static_cast<std::size_t>(v)] != v) {
+      std::int32_t& next = part[static_cast<std::size_t>(v)];
+      v = next = part[static_cast<std::size_t>(next)];
+    }
+    return v;
+  };
+  std::vector<double> strain(hidden.size(), 0.0);
+  const auto each_hidden_edge = [&](const auto& visit) {
+    for (const Hinge& hinge : hinges_) {
+      worked_in_loop(&hinge - hinges_.data());
+      for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
+        const std::int32_t apex = hinge.vertex[2 + side];
+        const double along_m = hinge.along_m[side], height_m = hinge.height_m[side];
+        visit(hinge.vertex[0], apex, std::hypot(along_m, height_m));
+        visit(hinge.vertex[1], apex, std::hypot(hinge.edge_m - along_m, height_m));
+      }
+    }
+  };
+  each_hidden_edge([&](std::int32_t i, std::int32_t j, double /*length_m*/) {
+    if (has(hidden, i) && has(hidden, j)) part[static_cast<std::size_t>(root(i))] = root(j);
+  });
+  each_hidden_edge([&](std::int32_t i, std::int32_t j, double length_m) {
+    if (!has(hidden, i) && !has(hidden, j)) return;
+    double& most = strain[static_cast<std::size_t>(root(has(hidden, i) ? i : j))];
+    most = std::max(most, std::abs((shape_m.row(i) - shape_m.row(j)).norm() / length_m - 1.0));
+  });
+  std::vector<std::uint8_t> kept = hidden;
+  for (std::size_t v = 0; v < hidden.size(); ++v) {
+    const auto of_part = static_cast<std::size_t>(root(static_cast<std::int32_t>(v)));
+    if (!(strain[of_part] < kTearingStrain)) kept[v] = 0;
+  }
+  return kept;
+}
+
 HiddenBend BendContinuation::continued(const Points3View& shape_m,
                                        const std::vector<std::uint8_t>& hidden,
                                        const std::vector<DistanceConstraint>& bending) const {
@@ -250,10 +324,15 @@ HiddenBend BendContinuation::continued(const Points3View& shape_m,
   std::vector<std::uint8_t> placed;
   for (const std::uint8_t one : hidden) placed.push_back(one == 0 ? 1 : 0);
   lay_out(angles_rad, std::move(placed), result.shape_m);
+  const std::vector<std::uint8_t> kept = parts_kept_whole(hidden, result.shape_m);
+  for (std::size_t v = 0; v < hidden.size(); ++v) {
+    const auto row = static_cast<Eigen::Index>(v);
+    if (kept[v] == 0) result.shape_m.row(row) = shape_m.row(row);
+  }
   std::map<std::pair<std::int32_t, std::int32_t>, double> lengths_m;
   for (std::size_t h = 0; h < hinges_.size(); ++h) {
     const Hinge& hinge = hinges_[h];
-    if (!touches(hinge, hidden)) continue;
+    if (!touches(hinge, kept)) continue;
     const double along_m = hinge.along_m[1] - hinge.along_m[0];
     const double flat_m = hinge.height_m[0] + hinge.height_m[1] * std::cos(angles_rad[h]);
     const double up_m = hinge.height_m[1] * std::sin(angles_rad[h]);

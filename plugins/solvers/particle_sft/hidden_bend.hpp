@@ -11,6 +11,7 @@
 #include <weft/geometry/mesh_adjacency.hpp>
 #include <weft/geometry/types.hpp>
 
+#include "mesh_model.hpp"
 #include "relaxation.hpp"
 
 namespace weft::particle_sft {
@@ -27,9 +28,15 @@ Result<std::vector<std::uint8_t>> hidden_part(const Visibility& visibility,
 void add_unmeasured(const std::vector<RayConstraint>& rays, Eigen::Index vertex_count,
                     std::vector<std::uint8_t>& hidden);
 
+/// Adds the parts without a ray that reach the border of the mesh and are wider than one ring of
+/// vertices: what the rays surround, or are next to, is held well enough by the distances.
+void add_uncovered(const std::vector<RayConstraint>& rays, const MeshModel& mesh,
+                   std::vector<std::uint8_t>& hidden);
+
 /// What a hidden part is taken to look like.
 struct HiddenBend {
-  Points3 shape_m;  ///< [V,3] m, camera frame: the hidden part unrolled from the seen one
+  Points3 shape_m;  ///< [V,3] m, camera frame: the hidden part unrolled from the seen one, unless
+                    ///< that tears it
   std::vector<DistanceConstraint> bending;  ///< those given, longer or shorter where hidden
 };
 
@@ -44,6 +51,9 @@ struct HiddenBend {
 /// distance, in the texture; but no more than their mean, and of its sign or 0. So edges of one
 /// direction follow edges of that direction, and a cylinder goes on exactly. The hidden vertices
 /// are then laid out ring by ring, each at the mean of the places that the edges next to it give.
+///
+/// A hidden part with seen ones on several sides, as in a fold, is laid out from all of them. Where
+/// that tears it, the bend does not go on but turns back out of sight: this part stays as it was.
 class BendContinuation {
  public:
   /// Fails on a mesh that cannot be used.
@@ -61,6 +71,7 @@ class BendContinuation {
     std::array<std::int32_t, 4> vertex{};  ///< [4] a, b, c, d
     std::array<double, 2> along_m{};       ///< [2] m, of c and d from a along the edge, at rest
     std::array<double, 2> height_m{};      ///< [2] m, of c and d over the edge, at rest
+    double edge_m = 0.0;                   ///< [] m, from a to b, at rest
     double rest_rad = 0.0;                 ///< [] rad, positive where the front is hollow
     Eigen::Vector2d place_px, across;      ///< middle of the edge, unit normal to it, texture
     double width_m() const { return (height_m[0] + height_m[1]) / 3.0; }
@@ -74,6 +85,9 @@ class BendContinuation {
                                        const std::vector<std::uint8_t>& hidden) const;
   void lay_out(const std::vector<double>& angles_rad, std::vector<std::uint8_t> placed,
                Points3& shape_m) const;
+  /// Of the hidden parts, those whose edges a layout keeps: [V] 1 for their vertices.
+  std::vector<std::uint8_t> parts_kept_whole(const std::vector<std::uint8_t>& hidden,
+                                             const Points3& shape_m) const;
 
   std::vector<Hinge> hinges_;
   double reach_px_ = 0.0;  ///< px, of the texture

@@ -46,6 +46,11 @@ Result<void> MeshModel::build(const Template& templ, double smoothing) {
   stretch_ = by_colour(*stretch, rest_m_.rows());
   bending_ = by_colour(*bending, rest_m_.rows());
   neighbours_ = vertex_neighbours(topology->edges, rest_m_.rows());
+  border_.clear();
+  for (Eigen::Index e = 0; e < topology->edges.rows(); ++e) {
+    if (topology->edge_faces(e, 1) >= 0) continue;
+    border_.insert(border_.end(), {topology->edges(e, 0), topology->edges(e, 1)});
+  }
   flat_ = coplanar(rest_m_);
   hinges_ = bending_hinges(rest_m_, faces_, *topology);
   smooths_ = smoothing > 0.0;

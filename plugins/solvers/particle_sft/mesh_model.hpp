@@ -32,8 +32,12 @@ class MeshModel {
   const Faces& faces() const { return faces_; }
   const std::vector<DistanceConstraint>& stretch() const { return stretch_; }  ///< edges
   const std::vector<DistanceConstraint>& bending() const { return bending_; }
-  const IndexLists& neighbours() const { return neighbours_; }  ///< of each vertex
-  const Points3& rest_m() const { return rest_m_; }             ///< [V,3] m
+  const IndexLists& neighbours() const { return neighbours_; }         ///< of each vertex
+  const std::vector<std::int32_t>& border() const { return border_; }  ///< vertices, in any order
+  double diagonal_m() const {  ///< of the bounding box at rest
+    return (rest_m_.colwise().maxCoeff() - rest_m_.colwise().minCoeff()).norm();
+  }
+  const Points3& rest_m() const { return rest_m_; }  ///< [V,3] m
   const std::vector<BendingHinge>& hinges() const { return hinges_; }
 
   /// The shape [V,3] nearest to `rough_m` that bends less: the minimum of |X - rough|^2 + smoothing
@@ -49,6 +53,7 @@ class MeshModel {
   Points3 rest_m_;
   Faces faces_;
   IndexLists neighbours_;
+  std::vector<std::int32_t> border_;
   bool flat_ = true;
   std::vector<DistanceConstraint> stretch_, bending_;
   std::vector<BendingHinge> hinges_;

@@ -20,10 +20,7 @@
 namespace weft::particle_sft {
 namespace {
 
-// With less than this a shape is weak ...
-constexpr int kManySightlines = 8;
-constexpr double kGoodCoverage = 0.25;
-// ... and with more than this it is lost.
+// A shape that is further from its rays is lost.
 constexpr double kLostResidualPx = 6.0;
 // An object that jumped by this share of its size is found anew.
 constexpr double kJump = 0.25;
@@ -58,6 +55,9 @@ class ParticleSft final : public Solver {
     p.read(
         "continue_hidden_bend", frame_options_.continue_hidden_bend,
         "go on with the bend of the seen part where a visibility says that the surface is hidden");
+    p.read("continue_uncovered_bend", frame_options_.continue_uncovered_bend,
+           "go on with it too where the surface may be seen, but nothing was recognised up to its "
+           "border");
     p.read("covariance", wants_covariance_, "say how uncertain each vertex is");
   }
 
@@ -174,14 +174,11 @@ class ParticleSft final : public Solver {
       return no_result("lost: the median point is " + std::to_string(best.fit.residual_px) +
                        " px from its ray");
     }
-    const bool sure = frame_.matches >= kManyMatches && in.sightlines->coverage > kGoodCoverage &&
-                      best.good() && frame_.system.rays.size() >= std::size_t{kManySightlines};
-    const solvers::Agreement agreement = agreement_with(in, best.vertices_m);
+    const ShapeEvidence evidence =
+        shape_evidence(in.templ, in.camera, best.vertices_m, in.correspondences, in.sightlines);
     Shape shape;
     shape.vertices_m = make_array<double>(best.vertices_m);
-    shape.state = static_cast<std::int32_t>(sure ? ShapeState::estimated : ShapeState::weak);
-    shape.confidence =
-        confidence(best.fit, agreement) * solvers::confidence_of_filters(in.correspondences);
+    shape.confidence = confidence(best.fit, evidence) * confidence_of_filters(in.correspondences);
     shape.source = Array<std::uint8_t>({mesh_.vertex_count()});
     for (const RayConstraint& seen : frame_.system.rays) {
       for (const std::int32_t v : seen.vertices) shape.source(v) = 1;
@@ -190,26 +187,18 @@ class ParticleSft final : public Solver {
       for (const std::int32_t v : held.vertices) shape.source(v) = 1;
     }
     if (wants_covariance_) {
-      const HoldingNoise noise =
-          holding_noise(best.fit.residual_px, frame_.system.rays.size(), agreement.agreeing);
+      const HoldingNoise noise = holding_noise(best.fit.residual_px, frame_.system.rays.size(),
+                                               evidence.agreeing, mesh_.diagonal_m());
       shape.covariance_m2 = Array<double>({mesh_.vertex_count(), 3, 3});
       const bool known = covariance_.compute(frame_.system, pinhole(in), best.vertices_m, noise,
                                              shape.covariance_m2.data());
       if (!known) shape.covariance_m2 = {};
     }
     explain(best, tried, shape.diag);
-    shape.diag.set("agreeing_matches", agreement.agreeing);
-    shape.diag.set("kept_matches", agreement.kept);
     if (frame_.inconsistent_pairs == 0) return shape;
     return degenerate(std::move(shape),
                       std::to_string(frame_.inconsistent_pairs) +
                           " pairs of known points are further apart than the surface allows");
-  }
-
-  solvers::Agreement agreement_with(const SolverInput& in, const Points3& vertices_m) const {
-    return in.correspondences
-               ? solvers::agreement(*in.correspondences, mesh_.faces(), pinhole(in), vertices_m)
-               : solvers::agreement(*in.sightlines, mesh_.faces(), pinhole(in), vertices_m);
   }
 
   void explain(const Candidate& best, std::size_t tried, Diagnostics& diag) const {

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <utility>
+#include <weft/geometry/shape_evidence.hpp>
 #include <weft/sdk/export.hpp>
 #include <weft/sdk/nested.hpp>
 #include <weft/sdk/role.hpp>
 
 namespace weft {
 
-/// Role `solvers`: the 3D shape of the template's mesh in the camera frame, in metres. States that
-/// a solver may give: estimated and weak. SolverInput is in weft/sdk/nested.hpp.
+/// Role `solvers`: the 3D shape of the template's mesh in the camera frame, in metres, and its
+/// confidence. SolverInput is in weft/sdk/nested.hpp. Whether a shape is `estimated` or `weak` is
+/// told here by one rule for all solvers, state_of() in weft/geometry/shape_evidence.hpp; what a
+/// solver calls weak itself stays so. The evidence is in `diag.agreeing_matches`,
+/// `diag.kept_matches` and `diag.agreeing_coverage`.
 class Solver : public Prepared {
  public:
   virtual Result<Shape> solve(const SolverInput& in) = 0;
@@ -18,7 +23,21 @@ class Solver : public Prepared {
   }
 
   std::int32_t process(ProcessCall& call) {
-    return call.run<SolverInput>("shape", [&](const auto& in) { return solve(in); });
+    return call.run<SolverInput>("shape", [&](const auto& in) { return judged(in, solve(in)); });
+  }
+
+ private:
+  static Result<Shape> judged(const SolverInput& in, Result<Shape> solved) {
+    if (!solved || solved->vertices_m.rows() != in.templ.vertices_m.rows()) return solved;
+    const ShapeEvidence evidence = shape_evidence(
+        in.templ, in.camera, solved->vertices_m.matrix<3>(), in.correspondences, in.sightlines);
+    if (solved->shape_state() == ShapeState::estimated) {
+      solved->state = static_cast<std::int32_t>(state_of(evidence, solved->confidence));
+    }
+    solved->diag.set("agreeing_matches", evidence.agreeing);
+    solved->diag.set("kept_matches", evidence.kept);
+    solved->diag.set("agreeing_coverage", evidence.coverage);
+    return solved;
   }
 };
 

@@ -65,12 +65,12 @@ TEST(Confidence, IsOfTheSightlinesWhereNoMatchesAreWired) {
 
 TEST(Confidence, FallsWithEachSignOfTrouble) {
   const Fit good{0.1, 0.001, 1.0, false};
-  const solvers::Agreement many{300, 290};
+  const ShapeEvidence many{300, 290, 1.0, 30};
   const double best = confidence(good, many);
   EXPECT_GT(best, confidence({1.0, 0.001, 1.0, false}, many));
   EXPECT_GT(best, confidence({0.1, 0.01, 1.0, false}, many));
-  EXPECT_GT(best, confidence(good, {300, 100}));
-  EXPECT_GT(best, confidence(good, {30, 29}));
+  EXPECT_GT(best, confidence(good, {300, 100, 1.0, 30}));
+  EXPECT_GT(best, confidence(good, {300, 290, 0.3, 30}));
 }
 
 TEST(Covariances, AreThereUnlessTheyAreTurnedOff) {

@@ -108,6 +108,37 @@ TEST(ShapeCovariance, IsTheDiagonalOfTheDenseInverse) {
   }
 }
 
+/// At the end of a strip of 0.4 m that is seen up to a column.
+double std_at_end_m(int seen_columns, double bend_per_m) {
+  testing::SheetSpec strip{41, 3, 0.4, 0.02, 800, 40};
+  Scene scene;
+  scene.templ = testing::make_template(strip);
+  scene.truth_m =
+      testing::bent_vertices(scene.templ, testing::make_cylinder(strip, 1e9, 0.0, {0.6}));
+  scene.seen.clear();
+  for (std::int32_t v = 0; v < 41 * 3; ++v) {
+    if (v % 41 < seen_columns) scene.seen.push_back(v);
+  }
+  scene.look();
+  const Held held(std::move(scene));
+  ShapeCovariance covariance;
+  EXPECT_TRUE(covariance.build(held.mesh));
+  std::vector<double> values(static_cast<std::size_t>(9 * held.mesh.vertex_count()));
+  EXPECT_TRUE(covariance.compute(held.system, held.camera, held.scene.truth_m,
+                                 {0.05, 0.002, 1e-4, bend_per_m}, values.data()));
+  return major_std_m(Eigen::Map<const Eigen::Matrix3d>(&values[9 * (41 + 40)]));
+}
+
+TEST(ShapeCovariance, GrowsBeyondWhatIsSeenAsIfTheBendErredAllTheWay) {
+  const auto of_the_bend_m = [](int seen_columns, double bend_per_m) {
+    return std::sqrt(std::pow(std_at_end_m(seen_columns, bend_per_m), 2) -
+                     std::pow(std_at_end_m(seen_columns, 0.0), 2));
+  };
+  // Twice the length, four times the error; edges that erred each by itself would give 2.8.
+  EXPECT_NEAR(of_the_bend_m(21, 0.1) / of_the_bend_m(31, 0.1), 4.0, 0.4);
+  EXPECT_NEAR(of_the_bend_m(21, 0.1) / of_the_bend_m(21, 0.05), 2.0, 0.1);
+}
+
 TEST(ShapeCovariance, IsTheScatterOfShapesSolvedFromRepeatedNoise) {
   constexpr int kTrials = 4000;
   const Held held(partly_seen());

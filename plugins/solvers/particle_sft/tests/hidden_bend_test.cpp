@@ -137,6 +137,48 @@ TEST(HiddenBend, LeavesAShapeOfWhichNothingIsSeen) {
   EXPECT_EQ(scene.continuation.continued(shape_m, scene.hidden, scene.bending).shape_m, shape_m);
 }
 
+TEST(HiddenBend, IsNotContinuedIntoAFoldThatItWouldTear) {
+  RolledSheet scene;
+  // Both ends are seen where a bump of the middle columns brings them; the middle is out of sight.
+  const auto folded = [&](double rise_m) {
+    Points3 shape_m = scene.templ.vertices_m.matrix<3>();
+    for (Eigen::Index v = 0; v < shape_m.rows(); ++v) {
+      const double column = static_cast<double>(v % kColumns);
+      const double bump = std::max(0.0, 1.0 - std::abs(column - 6.0) / 3.0);
+      shape_m(v, 2) += rise_m * bump;
+      if (column > 6.0) shape_m(v, 0) -= 0.04;
+    }
+    return shape_m;
+  };
+  for (int v = 0; v < kColumns * kRows; ++v) {
+    scene.hidden[static_cast<std::size_t>(v)] = v % kColumns >= 4 && v % kColumns <= 8 ? 1 : 0;
+  }
+  const Points3 shape_m = folded(0.03);
+  const HiddenBend bend = scene.continuation.continued(shape_m, scene.hidden, scene.bending);
+  EXPECT_EQ(bend.shape_m, shape_m);
+  for (std::size_t i = 0; i < scene.bending.size(); ++i) {
+    EXPECT_EQ(bend.bending[i].rest_length_m, scene.bending[i].rest_length_m);
+  }
+}
+
+TEST(HiddenBend, TakesPartsWithoutARayThatReachTheBorderForUncovered) {
+  const RolledSheet scene;
+  MeshModel mesh;
+  ASSERT_TRUE(mesh.build(scene.templ, 0.0));
+  const auto is_ringed = [](std::int32_t v) { return v == 4 * kColumns + 4; };
+  const auto is_corner = [](std::int32_t v) { return v % kColumns >= 10 && v / kColumns >= 6; };
+  std::vector<RayConstraint> rays;
+  for (std::int32_t v = 0; v < kColumns * kRows; ++v) {
+    if (!is_ringed(v) && !is_corner(v)) rays.push_back({{v, v, v}, {1, 0, 0}, {0, 0, 1}, 1.0});
+  }
+  std::vector<std::uint8_t> uncovered;
+  add_uncovered(rays, mesh, uncovered);
+  ASSERT_EQ(uncovered.size(), static_cast<std::size_t>(kColumns * kRows));
+  for (std::int32_t v = 0; v < kColumns * kRows; ++v) {
+    EXPECT_EQ(uncovered[static_cast<std::size_t>(v)] != 0, is_corner(v)) << v;
+  }
+}
+
 TEST(HiddenBend, TakesTheUnmeasuredVerticesBesideAHiddenOneAsHidden) {
   const RolledSheet scene;
   Visibility seen = scene.visibility();
@@ -172,8 +214,8 @@ TEST(HiddenBend, BringsASolverNearerToWhatItCannotSee) {
     if (seen) scene.seen.push_back(v);
   }
   scene.look();
-  testing::PluginUnderTest plugin(kId);
-  const testing::Outcome without = scene.run(plugin);
+  testing::PluginUnderTest plugin(kId), flat(kId, "{continue_uncovered_bend: false}");
+  const testing::Outcome without = scene.run(flat);
   ASSERT_EQ(without.status, WEFT_OK) << without.message;
   const Shape first = without.get<Shape>().value();
   const testing::Outcome with = plugin.process(
@@ -190,6 +232,9 @@ TEST(HiddenBend, BringsASolverNearerToWhatItCannotSee) {
     return sum;
   };
   EXPECT_LT(hidden_error_m(with.get<Shape>().value()), 0.5 * hidden_error_m(first));
+  const testing::Outcome uncovered = scene.run(plugin);  // in sight, but nothing was recognised
+  ASSERT_EQ(uncovered.status, WEFT_OK) << uncovered.message;
+  EXPECT_LT(hidden_error_m(uncovered.get<Shape>().value()), 0.5 * hidden_error_m(first));
 }
 
 /// Marks every vertex as seen.
@@ -276,7 +321,8 @@ struct OpenedHalfCylinder {
 TEST(HiddenBend, LaysOutTheSidesOfACurvedTemplateOnWhichNothingIsRecognised) {
   const OpenedHalfCylinder object;
   EXPECT_GT(object.side_error_m(object.sides_bent_back()), 0.02);
-  testing::PluginUnderTest without(kId, "{continue_hidden_bend: false}");
+  testing::PluginUnderTest without(kId,
+                                   "{continue_hidden_bend: false, continue_uncovered_bend: false}");
   EXPECT_GT(object.side_error_m(without), 0.01) << "distances alone keep the opposite bend";
   testing::PluginUnderTest with(kId);
   EXPECT_LT(object.side_error_m(with), 2e-3);

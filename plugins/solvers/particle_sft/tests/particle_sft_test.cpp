@@ -22,16 +22,12 @@ Points3 vertices_of(const Shape& shape) { return shape.vertices_m.matrix<3>(); }
 
 double start_of(const Shape& shape) { return shape.diag.value("start", -1.0); }
 
-Correspondences matches_kept(std::int64_t count) {
-  Correspondences matches;
-  matches.template_px = Array<double>({100, 2});
-  matches.image_px = Array<double>({100, 2});
-  matches.face = Array<std::int32_t>({100});
-  matches.barycentrics = Array<double>({100, 3});
-  matches.kept = Array<std::uint8_t>({100});
-  matches.score = Array<double>({100});
-  std::fill_n(matches.kept.data(), count, std::uint8_t{1});
-  return matches;
+/// Correct matches without noise.
+Correspondences matches_of(const Scene& scene, int count) {
+  std::cout << "seed " << kSeed << "\n";
+  Rng rng(kSeed);
+  return testing::draw_matches(scene.templ, scene.camera, scene.truth_m, {count, 1.0, 0.0}, rng)
+      .matches;
 }
 
 TEST(ParticleSft, TheReferenceTableFromTheConvexStart) {
@@ -256,21 +252,30 @@ TEST(ParticleSft, LittleEvidenceMakesAWeakShape) {
   Scene scene = Scene::bent(0.25);
   const Shape previous = shape_of(scene.truth_m);
   PluginUnderTest plugin(kId);
-  const Correspondences some = matches_kept(20), many = matches_kept(40);
+  const Correspondences some = matches_of(scene, 20), many = matches_of(scene, 142);
   EXPECT_EQ(solved(scene.run(plugin, &previous, nullptr, &many)).shape_state(),
             ShapeState::estimated);
   EXPECT_EQ(solved(scene.run(plugin, &previous, nullptr, &some)).shape_state(), ShapeState::weak);
-  scene.lines.coverage = 0.2;
-  const Shape covered = solved(scene.run(plugin, &previous));
-  EXPECT_EQ(covered.shape_state(), ShapeState::weak);
   scene.seen = {0, 1, 2, 10, 11, 12};
   scene.look();
   EXPECT_EQ(solved(scene.run(plugin, &previous)).shape_state(), ShapeState::weak);
 }
 
+TEST(ParticleSft, AShapeThatThreeOf142MatchesSupportIsWeak) {
+  const Scene scene = Scene::bent(0.25);
+  const Shape previous = shape_of(scene.truth_m);
+  Correspondences matches = matches_of(scene, 142);
+  for (std::int64_t i = 3; i < matches.count(); ++i) matches.image_px(i, 1) += 25.0;
+  PluginUnderTest plugin(kId);
+  const Outcome out = scene.run(plugin, &previous, nullptr, &matches);
+  const Shape shape = out.get<Shape>().value();
+  EXPECT_EQ(shape.diag.value("agreeing_matches", -1.0), 3.0);
+  EXPECT_EQ(shape.shape_state(), ShapeState::weak);
+}
+
 TEST(ParticleSft, TooLittleEvidenceIsNoResult) {
   Scene scene = Scene::bent(0.25);
-  const Correspondences few = matches_kept(9);
+  const Correspondences few = matches_of(scene, 9);
   PluginUnderTest plugin(kId);
   EXPECT_EQ(scene.run(plugin, nullptr, nullptr, &few).status, WEFT_NO_RESULT);
   scene.seen = {0, 1};
