@@ -25,6 +25,11 @@ class Progress final : public RunObserver {
   void frame_done(const FrameResult& frame) override {
     ++done_;
     ++states_[to_string(frame.state)];
+    if (frame.state == ShapeState::estimated || frame.state == ShapeState::weak) {
+      if (const auto shape = host::view_as<Shape>(*frame.shape)) {
+        confidences_.push_back(shape->confidence);
+      }
+    }
     for (const StageReport& report : frame.stages) {
       if (stages_.count(report.stage) == 0) order_.push_back(report.stage);
       Stage& stage = stages_[report.stage];
@@ -70,6 +75,10 @@ class Progress final : public RunObserver {
       const auto found = states_.find(state);
       if (found != states_.end()) fmt::print("{} {}  ", found->second, state);
     }
+    if (!confidences_.empty()) {
+      fmt::print("confidence {:.2f} in the median, {:.2f} at least", median(confidences_),
+                 percentile(confidences_, 0.0));
+    }
     fmt::print("\n");
     for (const std::string& name : order_) {
       const std::string& error = stages_.at(name).first_error;
@@ -101,6 +110,7 @@ class Progress final : public RunObserver {
   std::vector<std::string> order_;
   std::map<std::string, Stage> stages_;
   std::map<std::string, int> states_;
+  std::vector<double> confidences_;  ///< [] of what was measured
 };
 
 /// runs/<pipeline>, or the first of runs/<pipeline>-2, -3 ... that does not exist.

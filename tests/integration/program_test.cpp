@@ -57,7 +57,8 @@ TEST_F(Program, PrintsTimesAndStatesOfARun) {
   const Ended ended = run(chain({{"solvers", "{no_result_at: [1]}"}}));
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
   EXPECT_THAT(ended.out, HasSubstr("ms p50"));
-  EXPECT_THAT(ended.out, HasSubstr("shapes: 2 estimated  1 predicted"));
+  EXPECT_THAT(ended.out, HasSubstr("shapes: 2 estimated  1 predicted  "
+                                   "confidence 1.00 in the median, 1.00 at least"));
   EXPECT_THAT(ended.out, HasSubstr("3 frames, 0 failed: " + path("run")));
   EXPECT_EQ(ended.err, "");
 }
