@@ -15,12 +15,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
 
-from program import Answer, Program
+from program import PATIENCE_S, Answer, Program
 from small_disk import SmallDisk
 from victims import Ablation, Run
-
-PATIENCE_S = 20.0
-
 
 @dataclass
 class Disturbed:

@@ -13,6 +13,8 @@ from pathlib import Path
 
 PLACE = re.compile(r"^(?P<file>[^\n:]+):(?P<line>\d+):(?P<column>\d+): (?P<message>.*)$", re.M)
 SUGGESTION = re.compile(r"did you mean '([^']*)'\?")
+# A program that has not ended by then hangs, sanitized and on a machine that has much else to do.
+PATIENCE_S = 120.0
 RAW = ("what()", "yaml-cpp", "std::", "cv::", "[json.exception", "OpenCV(", "terminate called",
        "bad_alloc", "basic_string", "vector::_M", "AddressSanitizer", "runtime error:")
 
@@ -64,8 +66,8 @@ class Answer:
 class Program:
     """The program under test and where its plugins are."""
 
-    def __init__(self, weft: str, plugins: list[str], timeout_s: float = 10.0) -> None:
-        self.weft, self.timeout_s = str(Path(weft).resolve()), timeout_s
+    def __init__(self, weft: str, plugins: list[str]) -> None:
+        self.weft = str(Path(weft).resolve())
         self.options = [word for folder in plugins
                         for word in ("--plugin-path", str(Path(folder).resolve()))]
 
@@ -81,7 +83,7 @@ class Program:
                                  start_new_session=True)
         hung = False
         try:
-            out, err = child.communicate(timeout=self.timeout_s)
+            out, err = child.communicate(timeout=PATIENCE_S)
         except subprocess.TimeoutExpired:
             hung = True
             os.killpg(child.pid, signal.SIGKILL)

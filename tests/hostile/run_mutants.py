@@ -33,7 +33,9 @@ class RunFolders:
         with tempfile.TemporaryDirectory(prefix="weft-run-") as name:
             folder = Path(name)
             (folder / "pipeline.yaml").write_text(PIPELINE)
-            program.ask(folder, "run", "pipeline.yaml", "--out", "run", "--quiet")
+            made = program.ask(folder, "run", "pipeline.yaml", "--out", "run", "--quiet")
+            if made.hung or made.code != 0:
+                raise RuntimeError(f"the run to spoil was not made: exit {made.code}, {made.text}")
             run = folder / "run"
             self.files = {f"run/{file.relative_to(run)}": file.read_bytes()
                           for file in sorted(run.rglob("*")) if file.is_file()}
