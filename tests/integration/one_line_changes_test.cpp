@@ -121,7 +121,7 @@ TEST_F(OneLineChanges, WorkThatWouldBeLostIsRefusedWithTheFix) {
                                            "  - use: matchers/descriptor\n"));
   EXPECT_EQ(two.exit_code, 2);
   EXPECT_EQ(two.err, path("pipeline.yaml") +
-                         ":12:5: nobody reads the correspondences of 'matchers', because "
+                         ":13:5: nobody reads the correspondences of 'matchers', because "
                          "'matchers#2' makes new ones; name it with as: NAME and take what it "
                          "makes with from: {correspondences: NAME}, or leave it out\n");
   const Ended merged = weft("check", replaced(demo_, "  - use: matchers/descriptor\n",
@@ -130,7 +130,7 @@ TEST_F(OneLineChanges, WorkThatWouldBeLostIsRefusedWithTheFix) {
                                               "  - use: matchers/descriptor\n"
                                               "  - use: matchers/merge\n"));
   EXPECT_EQ(merged.exit_code, 2);
-  EXPECT_THAT(merged.err, AllOf(HasSubstr(":15:5: matchers/merge unites several"),
+  EXPECT_THAT(merged.err, AllOf(HasSubstr(":16:5: matchers/merge unites several"),
                                 HasSubstr("from: {correspondences: [matchers, matchers#2]}")));
   // A filter that an extending file adds without saying where stands at the end.
   const Ended late = weft("check", "weft: 1\nextends: " WEFT_PIPELINES
