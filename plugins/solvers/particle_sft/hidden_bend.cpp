@@ -48,6 +48,16 @@ bool has(const std::vector<std::uint8_t>& marked, std::int32_t vertex) {
   return marked[static_cast<std::size_t>(vertex)] != 0;
 }
 
+/// [V] 1 for the vertices that a ray holds.
+std::vector<std::uint8_t> measured_by(const std::vector<RayConstraint>& rays,
+                                      Eigen::Index vertex_count) {
+  std::vector<std::uint8_t> measured(static_cast<std::size_t>(vertex_count), 0);
+  for (const RayConstraint& seen : rays) {
+    for (const std::int32_t v : seen.vertices) measured[static_cast<std::size_t>(v)] = 1;
+  }
+  return measured;
+}
+
 /// How far the surface is bent across an edge that is seen.
 struct SeenBend {
   Eigen::Vector2d place_px, across;  ///< texture
@@ -98,10 +108,8 @@ Result<std::vector<std::uint8_t>> hidden_part(const Visibility& visibility,
                      ": use one template throughout",
                  {}};
   }
-  std::vector<std::uint8_t> measured(static_cast<std::size_t>(count), 0), hidden = measured;
-  for (const RayConstraint& seen : rays) {
-    for (const std::int32_t v : seen.vertices) measured[static_cast<std::size_t>(v)] = 1;
-  }
+  const std::vector<std::uint8_t> measured = measured_by(rays, count);
+  std::vector<std::uint8_t> hidden(measured.size(), 0);
   std::vector<std::int32_t> front;
   const auto hide = [&](std::int32_t v) {
     if (has(measured, v) || has(hidden, v)) return;
@@ -122,20 +130,16 @@ Result<std::vector<std::uint8_t>> hidden_part(const Visibility& visibility,
 
 void add_unmeasured(const std::vector<RayConstraint>& rays, Eigen::Index vertex_count,
                     std::vector<std::uint8_t>& hidden) {
-  hidden.resize(static_cast<std::size_t>(vertex_count), 0);
-  std::vector<std::uint8_t> unmeasured(hidden.size(), 1);
-  for (const RayConstraint& seen : rays) {
-    for (const std::int32_t v : seen.vertices) unmeasured[static_cast<std::size_t>(v)] = 0;
+  const std::vector<std::uint8_t> measured = measured_by(rays, vertex_count);
+  hidden.resize(measured.size(), 0);
+  for (std::size_t v = 0; v < hidden.size(); ++v) {
+    if (measured[v] == 0) hidden[v] = 1;
   }
-  for (std::size_t v = 0; v < hidden.size(); ++v) hidden[v] |= unmeasured[v];
 }
 
 void add_uncovered(const std::vector<RayConstraint>& rays, const MeshModel& mesh,
                    std::vector<std::uint8_t>& hidden) {
-  std::vector<std::uint8_t> measured(static_cast<std::size_t>(mesh.vertex_count()), 0);
-  for (const RayConstraint& seen : rays) {
-    for (const std::int32_t v : seen.vertices) measured[static_cast<std::size_t>(v)] = 1;
-  }
+  const std::vector<std::uint8_t> measured = measured_by(rays, mesh.vertex_count());
   const auto touches_measured = [&](std::int32_t v) {
     const auto around = mesh.neighbours()[v];
     return std::any_of(around.begin(), around.end(),
