@@ -12,11 +12,11 @@ fail() {
   exit 1
 }
 
-cmake -S "$1" -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE=Release \
+cmake -S "$1" -B "$folder/build" -G Ninja -DCMAKE_BUILD_TYPE=Release \
   -DCMAKE_DISABLE_FIND_PACKAGE_OpenCL=ON -DWEFT_OPENCV_ARUCO_INCLUDE= >"$folder/said" \
   || fail "configuring failed"
-ninja -C "$folder" -t targets all >"$folder/targets"
-(cd "$folder" && ctest -N) >"$folder/tests"
+ninja -C "$folder/build" -t targets all >"$folder/targets"
+(cd "$folder/build" && ctest -N) >"$folder/tests"
 
 for plugin in detectors/sift_gpu templates/frex_sheet sources/frex_video; do
   name=$(echo "$plugin" | tr / _)
