@@ -22,6 +22,7 @@ struct Candidate {
   Points3 vertices_m;
   RelaxationResult relaxation;
   Fit fit;
+  Eigen::Index torn_vertices = 0;  ///< that no ray holds and the bend of the others cannot reach
 
   bool usable() const {
     return relaxation.stop != Stop::not_finite && !fit.mirrored && std::isfinite(fit.energy);

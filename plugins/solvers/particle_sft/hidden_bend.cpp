@@ -19,6 +19,7 @@ namespace {
 
 constexpr double kReachInEdges = 3.0, kReachInDiagonals = 0.24;  // the larger one
 constexpr double kTearingStrain = 0.3;
+constexpr double kTornShare = 0.1;     // of the edges of a part; a noisy rim strains a few
 constexpr int kSharpness = 4;          // squarings: 0.1 for edges that are 30 degrees apart
 constexpr double kLeastWeight = 1.0;   // as of one edge next to the rim
 constexpr double kLeastSpread = 1e-3;  // squared reaches; a line needs edges that are apart
@@ -291,7 +292,7 @@ std::vector<std::uint8_t> BendContinuation::parts_kept_whole(
     }
     return v;
   };
-  std::vector<double> strain(hidden.size(), 0.0);
+  std::vector<int> edges(hidden.size(), 0), torn(hidden.size(), 0);
   const auto each_hidden_edge = [&](const auto& visit) {
     for (const Hinge& hinge : hinges_) {
       worked_in_loop(&hinge - hinges_.data());
@@ -308,13 +309,15 @@ std::vector<std::uint8_t> BendContinuation::parts_kept_whole(
   });
   each_hidden_edge([&](std::int32_t i, std::int32_t j, double length_m) {
     if (!has(hidden, i) && !has(hidden, j)) return;
-    double& most = strain[static_cast<std::size_t>(root(has(hidden, i) ? i : j))];
-    most = std::max(most, std::abs((shape_m.row(i) - shape_m.row(j)).norm() / length_m - 1.0));
+    const auto of_part = static_cast<std::size_t>(root(has(hidden, i) ? i : j));
+    const double strain = std::abs((shape_m.row(i) - shape_m.row(j)).norm() / length_m - 1.0);
+    ++edges[of_part];
+    if (!(strain < kTearingStrain)) ++torn[of_part];
   });
   std::vector<std::uint8_t> kept = hidden;
   for (std::size_t v = 0; v < hidden.size(); ++v) {
     const auto of_part = static_cast<std::size_t>(root(static_cast<std::int32_t>(v)));
-    if (!(strain[of_part] < kTearingStrain)) kept[v] = 0;
+    if (torn[of_part] > kTornShare * edges[of_part]) kept[v] = 0;
   }
   return kept;
 }
@@ -331,7 +334,9 @@ HiddenBend BendContinuation::continued(const Points3View& shape_m,
   const std::vector<std::uint8_t> kept = parts_kept_whole(hidden, result.shape_m);
   for (std::size_t v = 0; v < hidden.size(); ++v) {
     const auto row = static_cast<Eigen::Index>(v);
-    if (kept[v] == 0) result.shape_m.row(row) = shape_m.row(row);
+    if (kept[v] != 0) continue;
+    result.shape_m.row(row) = shape_m.row(row);
+    if (has(hidden, static_cast<std::int32_t>(v))) ++result.torn_vertices;
   }
   std::map<std::pair<std::int32_t, std::int32_t>, double> lengths_m;
   for (std::size_t h = 0; h < hinges_.size(); ++h) {

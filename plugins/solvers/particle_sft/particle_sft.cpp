@@ -24,6 +24,8 @@ namespace {
 constexpr double kLostResidualPx = 6.0;
 // An object that jumped by this share of its size is found anew.
 constexpr double kJump = 0.25;
+// Of the vertices: where so many are a guess that contradicts itself, the shape is weak.
+constexpr double kUnknownShare = 0.1;
 
 /// Particle-SfT: the vertices as particles between their sightlines and the distances at rest.
 class ParticleSft final : public Solver {
@@ -156,8 +158,9 @@ class ParticleSft final : public Solver {
       return Error{Errc::cancelled, "cancelled", {}};
     }
     if (!frame_.hidden.empty()) {  // distances alone do not tell a bend from its opposite
-      candidate.vertices_m =
-          continuation_.continued(candidate.vertices_m, frame_.hidden, {}).shape_m;
+      HiddenBend bend = continuation_.continued(candidate.vertices_m, frame_.hidden, {});
+      candidate.vertices_m = std::move(bend.shape_m);
+      candidate.torn_vertices = bend.torn_vertices;
     }
     std::vector<double> depths_m;
     for (const RayConstraint& seen : frame_.system.rays) {
@@ -195,10 +198,20 @@ class ParticleSft final : public Solver {
       if (!known) shape.covariance_m2 = {};
     }
     explain(best, tried, shape.diag);
-    if (frame_.inconsistent_pairs == 0) return shape;
-    return degenerate(std::move(shape),
-                      std::to_string(frame_.inconsistent_pairs) +
-                          " pairs of known points are further apart than the surface allows");
+    if (frame_.inconsistent_pairs > 0) {
+      return degenerate(std::move(shape),
+                        std::to_string(frame_.inconsistent_pairs) +
+                            " pairs of known points are further apart than the surface allows");
+    }
+    const auto torn = static_cast<double>(best.torn_vertices);
+    if (torn > kUnknownShare * static_cast<double>(mesh_.vertex_count())) {
+      return degenerate(
+          std::move(shape),
+          "of " + std::to_string(best.torn_vertices) + " of " +
+              std::to_string(mesh_.vertex_count()) +
+              " vertices nothing is seen, and the bend around them cannot go on there");
+    }
+    return shape;
   }
 
   void explain(const Candidate& best, std::size_t tried, Diagnostics& diag) const {
@@ -211,6 +224,7 @@ class ParticleSft final : public Solver {
     diag.set("start", static_cast<double>(best.start));
     diag.set("starts_tried", static_cast<double>(tried));
     diag.set("inconsistent_known_points", frame_.inconsistent_pairs);
+    diag.set("torn_vertices", static_cast<double>(best.torn_vertices));
   }
 
   static Pinhole pinhole(const SolverInput& in) {
@@ -235,5 +249,5 @@ class ParticleSft final : public Solver {
 }  // namespace weft::particle_sft
 
 using weft::particle_sft::ParticleSft;
-WEFT_PLUGIN(ParticleSft, "solvers/particle_sft", "1.2.1",
+WEFT_PLUGIN(ParticleSft, "solvers/particle_sft", "1.3.0",
             "Shape from sightlines by position based dynamics, tracked from frame to frame.")

@@ -156,6 +156,7 @@ TEST(HiddenBend, IsNotContinuedIntoAFoldThatItWouldTear) {
   const Points3 shape_m = folded(0.03);
   const HiddenBend bend = scene.continuation.continued(shape_m, scene.hidden, scene.bending);
   EXPECT_EQ(bend.shape_m, shape_m);
+  EXPECT_EQ(bend.torn_vertices, 5 * kRows);
   for (std::size_t i = 0; i < scene.bending.size(); ++i) {
     EXPECT_EQ(bend.bending[i].rest_length_m, scene.bending[i].rest_length_m);
   }
