@@ -69,6 +69,8 @@ class OutlineTemplate final : public TemplateBuilder {
     if (auto legal = check_spacing(outline, spacing_px, m_per_px); !legal) return legal.error();
     auto mesh = fill_outline(resampled(outline, spacing_px), spacing_px, smoothing_rounds_);
     if (!mesh) return in_photo(mesh.error());
+    if (auto whole = check_whole(outline, *mesh, spacing_px); !whole)
+      return in_photo(whole.error());
     Template templ = assemble(*mesh, m_per_px);
     templates::store(*texture, templ);
     if (!touches_border(texture->mask)) return templ;
@@ -79,6 +81,8 @@ class OutlineTemplate final : public TemplateBuilder {
 
  private:
   static constexpr double kMostVertices = 2e5;
+  // Whole objects need 1 to 2 times the vertices of a lattice, and a triangle has three.
+  static constexpr double kMostRefined = 3.0, kLeastMesh = 12.0;
 
   Error in_photo(Error error) const {
     error.message.insert(0, photo_path_ + ": ");
@@ -127,8 +131,29 @@ class OutlineTemplate final : public TemplateBuilder {
     return std::sqrt(2.0 * outline.area_px2() / (std::sqrt(3.0) * vertices_));
   }
 
+  /// In a lattice of equilateral triangles.
+  static double vertices_that_fill(const Outline& outline, double spacing_px) {
+    return 2.0 * outline.area_px2() / (std::sqrt(3.0) * spacing_px * spacing_px);
+  }
+
+  /// Shreds between holes are narrower than the edges, and refined until they are not.
+  static Result<void> check_whole(const Outline& outline, const PlaneMesh& mesh,
+                                  double spacing_px) {
+    const double expected = vertices_that_fill(outline, spacing_px);
+    const Eigen::Index made = mesh.flat_px.rows();
+    if (static_cast<double>(made) <= kMostRefined * expected + kLeastMesh) return {};
+    return Error{Errc::invalid_data,
+                 "the object falls apart: " + std::to_string(made) +
+                     " vertices were needed where " + std::to_string(std::lround(expected)) +
+                     " fill its area, for it is narrower than the mesh's edges between its " +
+                     std::to_string(outline.holes.size()) +
+                     " holes and at its border: smallest_hole: 1 fills the holes; or give another "
+                     "'threshold', a 'mask', or a finer 'spacing_mm'",
+                 {}};
+  }
+
   Result<void> check_spacing(const Outline& outline, double spacing_px, double m_per_px) const {
-    const double vertices = 2.0 * outline.area_px2() / (std::sqrt(3.0) * spacing_px * spacing_px);
+    const double vertices = vertices_that_fill(outline, spacing_px);
     const std::string parameter = spacing_mm_ > 0.0 ? "'spacing_mm'" : "'vertices'";
     if (vertices < kMostVertices && spacing_px >= 1.0) return {};
     return Error{Errc::invalid_value,
@@ -165,5 +190,5 @@ class OutlineTemplate final : public TemplateBuilder {
 }  // namespace weft::outline
 
 using weft::outline::OutlineTemplate;
-WEFT_PLUGIN(OutlineTemplate, "templates/outline", "1.0.0",
+WEFT_PLUGIN(OutlineTemplate, "templates/outline", "1.0.1",
             "A flat object of any outline, from one photograph on a plain background.")

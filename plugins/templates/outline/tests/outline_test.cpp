@@ -145,6 +145,28 @@ TEST_F(OutlineTemplate, SaysThatAnObjectMayBeCutOff) {
   EXPECT_TRUE(outcome.get<Template>());
 }
 
+TEST_F(OutlineTemplate, RefusesAnObjectThatFallsApart) {
+  cv::Mat photo = ellipse();
+  for (int x = 120; x < 290; x += 12) {
+    for (int y = 100; y < 190; y += 12) {  // what is printed as light as the table
+      cv::rectangle(photo, {x, y, 9, 9}, cv::Scalar(238, 236, 240), cv::FILLED);
+    }
+  }
+  const std::string path = write("print.png", photo);
+  const Outcome outcome = build(path, "length_m: 0.3, smallest_hole: 0");
+  EXPECT_EQ(outcome.status, WEFT_ERROR);
+  EXPECT_THAT(outcome.message, HasSubstr("print.png: the object falls apart: "));
+  EXPECT_THAT(outcome.message, HasSubstr("smallest_hole: 1 fills the holes"));
+  EXPECT_LT(built(path, "length_m: 0.3, smallest_hole: 1").vertices_m.rows(), 200);
+}
+
+TEST_F(OutlineTemplate, ABeltOfOneRowOfFacesIsWhole) {
+  cv::Mat photo(120, 700, CV_8UC3, cv::Scalar(238, 236, 240));
+  cv::rectangle(photo, {50, 50, 600, 12}, cv::Scalar(160, 70, 30), cv::FILLED);
+  const Template templ = built(write("belt.png", photo), "length_m: 0.6, spacing_mm: 14");
+  EXPECT_GT(templ.faces.rows(), 80);
+}
+
 TEST_F(OutlineTemplate, SaysWhatToChangeWhenThereIsNoOutline) {
   const cv::Mat table(300, 420, CV_8UC3, cv::Scalar(238, 236, 240));
   const std::string empty = write("table.png", table), photo = write("p.png", ellipse());
