@@ -22,10 +22,10 @@ using nlohmann::ordered_json;
 
 /// What pipelines/demo.yaml uses, the pipeline that a new user runs first.
 constexpr const char* kDemoPlugins[] = {
-    "sources/synthetic",    "templates/rectangular", "detectors/sift",
-    "matchers/descriptor",  "filters/myneighbor",    "warps/bbs",
-    "passes/salient_cells", "solvers/particle_sft",  "solvers/brunet_mdh",
-    "sinks/overlay",        "sinks/meshes"};
+    "sources/synthetic",     "templates/rectangular", "detectors/sift",
+    "matchers/descriptor",   "filters/aem",           "warps/bbs",
+    "passes/salient_cells",  "solvers/particle_sft",  "solvers/brunet_mdh",
+    "passes/self_occlusion", "sinks/overlay",         "sinks/meshes"};
 
 ordered_json folders_json(const host::Registry& registry) {
   ordered_json folders = ordered_json::array();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a composer changes in pipelines/demo.yaml, line by line, with the program as users run it.
+// What a composer changes in the pipelines, line by line, with the program as users run it.
 #include <gmock/gmock.h>
 #include <stdlib.h>
 
@@ -23,6 +23,8 @@ using testing::Ended;
 using ::testing::HasSubstr;
 
 constexpr int kFrames = 6;
+constexpr const char* kMatcher =
+    "  - use: matchers/descriptor\n    params: {direction: image_to_template}\n";
 
 std::string read_text(const std::string& file) {
   std::ifstream stream(file, std::ios::binary);
@@ -33,7 +35,7 @@ std::string read_text(const std::string& file) {
 std::string replaced(std::string text, const std::string& part, const std::string& by) {
   const std::size_t at = text.find(part);
   if (at == text.npos || text.find(part, at + 1) != text.npos) {
-    throw std::runtime_error("the demo does not have exactly one: " + part);
+    throw std::runtime_error("there is not exactly one: " + part);
   }
   return text.replace(at, part.size(), by);
 }
@@ -83,12 +85,15 @@ class OneLineChanges : public ::testing::Test {
   }
 
   const std::string demo_ = read_text(WEFT_PIPELINES "/demo.yaml");
+  const std::string robusft_ = read_text(WEFT_PIPELINES "/robusft.yaml");
 
  private:
   fs::path folder_;
 };
 
 TEST_F(OneLineChanges, TheDemoAsItStandsIsSolved) { expect_solved(demo_, 0.7); }
+
+TEST_F(OneLineChanges, ThePapersPipelineIsSolved) { expect_solved(robusft_, 0.7); }
 
 TEST_F(OneLineChanges, OrbTakesThePlaceOfSift) {
   expect_solved(replaced(demo_, "detectors/sift", "detectors/orb"), 1.5);
@@ -99,7 +104,7 @@ TEST_F(OneLineChanges, AkazeTakesThePlaceOfSift) {
 }
 
 TEST_F(OneLineChanges, TheMatchesOfTwoDetectorsAreMerged) {
-  expect_solved(replaced(demo_, "  - use: matchers/descriptor\n",
+  expect_solved(replaced(demo_, kMatcher,
                          "  - {use: matchers/descriptor, as: sift}\n"
                          "  - use: detectors/orb\n"
                          "  - {use: matchers/descriptor, as: orb}\n"
@@ -111,26 +116,26 @@ TEST_F(OneLineChanges, ASolverRunsTwice) {
   const std::string solver =
       "  - use: solvers/particle_sft\n"
       "    params: {start: {use: solvers/brunet_mdh}}\n";
-  expect_solved(replaced(demo_, solver, solver + solver), 0.7);
+  expect_solved(replaced(robusft_, solver, solver + solver), 0.7);
 }
 
 TEST_F(OneLineChanges, WorkThatWouldBeLostIsRefusedWithTheFix) {
-  const Ended two = weft("check", replaced(demo_, "  - use: matchers/descriptor\n",
+  const Ended two = weft("check", replaced(demo_, kMatcher,
                                            "  - use: matchers/descriptor\n"
                                            "  - use: detectors/orb\n"
                                            "  - use: matchers/descriptor\n"));
   EXPECT_EQ(two.exit_code, 2);
   EXPECT_EQ(two.err, path("pipeline.yaml") +
-                         ":13:5: nobody reads the correspondences of 'matchers', because "
+                         ":15:5: nobody reads the correspondences of 'matchers', because "
                          "'matchers#2' makes new ones; name it with as: NAME and take what it "
                          "makes with from: {correspondences: NAME}, or leave it out\n");
-  const Ended merged = weft("check", replaced(demo_, "  - use: matchers/descriptor\n",
+  const Ended merged = weft("check", replaced(demo_, kMatcher,
                                               "  - use: matchers/descriptor\n"
                                               "  - use: detectors/orb\n"
                                               "  - use: matchers/descriptor\n"
                                               "  - use: matchers/merge\n"));
   EXPECT_EQ(merged.exit_code, 2);
-  EXPECT_THAT(merged.err, AllOf(HasSubstr(":16:5: matchers/merge unites several"),
+  EXPECT_THAT(merged.err, AllOf(HasSubstr(":18:5: matchers/merge unites several"),
                                 HasSubstr("from: {correspondences: [matchers, matchers#2]}")));
   // A filter that an extending file adds without saying where stands at the end.
   const Ended late = weft("check", "weft: 1\nextends: " WEFT_PIPELINES

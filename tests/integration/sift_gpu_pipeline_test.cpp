@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// pipelines/robusft_gpu.yaml beside the demo, with the program as users run it.
+// pipelines/robusft_gpu.yaml beside robusft.yaml, with the program as users run it.
 #include <gmock/gmock.h>
 #include <stdlib.h>
 
@@ -24,7 +24,8 @@ using testing::Ended;
 using ::testing::HasSubstr;
 
 constexpr std::size_t kFrames = 3;
-const std::string kDemo = WEFT_PIPELINES "/demo.yaml", kGpu = WEFT_PIPELINES "/robusft_gpu.yaml";
+const std::string kProcessor = WEFT_PIPELINES "/robusft.yaml",
+                  kGpu = WEFT_PIPELINES "/robusft_gpu.yaml";
 
 std::string read_text(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
@@ -114,23 +115,24 @@ class GpuPipeline : public ::testing::Test {
 const std::vector<std::string> kNoDriver{"OCL_ICD_VENDORS=/nonexistent"};
 
 TEST_F(GpuPipeline, MatchesAndRecoversAsWellAsTheDemo) {
-  ASSERT_EQ(run(kDemo, "demo").exit_code, 0);
-  const json demo = metrics("demo"), gpu = metrics("gpu");
+  ASSERT_EQ(run(kProcessor, "processor").exit_code, 0);
+  const json processor = metrics("processor"), gpu = metrics("gpu");
   ASSERT_EQ(gpu.at("frames").size(), kFrames);
   for (std::size_t i = 0; i < kFrames; ++i) {
     const auto correct = [&](const json& of) {
       return of.at("frames").at(i).at("filters").at("filters").at("correct").get<double>();
     };
-    std::printf("frame %zu: %g correct matches of the demo, %g of the device\n", i, correct(demo),
-                correct(gpu));
-    EXPECT_GT(correct(demo), 100.0);
-    EXPECT_GE(correct(gpu), 0.95 * correct(demo)) << "frame " << i;
+    std::printf("frame %zu: %g correct matches of the processor, %g of the device\n", i,
+                correct(processor), correct(gpu));
+    EXPECT_GT(correct(processor), 100.0);
+    EXPECT_GE(correct(gpu), 0.95 * correct(processor)) << "frame " << i;
   }
   const auto mean_mm = [](const json& of) {
     return of.at("all").at("error_solved").at("mean_mm").get<double>();
   };
-  std::printf("mean %.3f mm of the demo, %.3f mm of the device\n", mean_mm(demo), mean_mm(gpu));
-  EXPECT_LE(mean_mm(gpu), 1.05 * mean_mm(demo));
+  std::printf("mean %.3f mm of the processor, %.3f mm of the device\n", mean_mm(processor),
+              mean_mm(gpu));
+  EXPECT_LE(mean_mm(gpu), 1.05 * mean_mm(processor));
 }
 
 TEST_F(GpuPipeline, DescriptorsReachTheHostOnlyForThoseWhoReadThemThere) {

@@ -62,9 +62,11 @@ class Variants : public testing::PipelineTest {
     return folder;
   }
 
-  /// Runs the beginning of the demo with the plugins of these folders before all others.
+  /// Runs the beginning of the paper's pipeline with the plugins of these folders before all
+  /// others.
   std::string run(const std::string& name, const std::vector<std::string>& folders) const {
-    const std::string file = write("weft: 1\nextends: " WEFT_DEMO "\nwithout: [overlay, meshes]\n");
+    const std::string file =
+        write("weft: 1\nextends: " WEFT_ROBUSFT "\nwithout: [overlay, meshes]\n");
     std::vector<std::string> words;
     for (const std::string& folder : folders) {
       words.insert(words.end(), {"--plugin-path", folder});
