@@ -139,13 +139,8 @@ void ShapeCovariance::add_edges(const std::vector<DistanceConstraint>& edges,
 /// Of each vertex, in m along the edges at rest; infinite where no path leads to what is seen.
 /// Empty where all vertices are seen.
 std::vector<double> ShapeCovariance::distances_to_seen_m(const ParticleSystem& system) const {
-  std::vector<std::uint8_t> seen(place_.size(), 0);
-  for (const RayConstraint& ray : system.rays) {
-    for (const std::int32_t v : ray.vertices) seen[static_cast<std::size_t>(v)] = 1;
-  }
-  for (const KnownSurfacePoint& known : system.spheres) {
-    for (const std::int32_t v : known.vertices) seen[static_cast<std::size_t>(v)] = 1;
-  }
+  const std::vector<std::uint8_t> seen =
+      held_vertices(system.rays, system.spheres, static_cast<Eigen::Index>(place_.size()));
   std::vector<PathStart> starts;
   for (std::size_t v = 0; v < seen.size(); ++v) {
     if (seen[v] != 0) starts.push_back({static_cast<std::int32_t>(v), 0.0});

@@ -49,16 +49,6 @@ bool has(const std::vector<std::uint8_t>& marked, std::int32_t vertex) {
   return marked[static_cast<std::size_t>(vertex)] != 0;
 }
 
-/// [V] 1 for the vertices that a ray holds.
-std::vector<std::uint8_t> measured_by(const std::vector<RayConstraint>& rays,
-                                      Eigen::Index vertex_count) {
-  std::vector<std::uint8_t> measured(static_cast<std::size_t>(vertex_count), 0);
-  for (const RayConstraint& seen : rays) {
-    for (const std::int32_t v : seen.vertices) measured[static_cast<std::size_t>(v)] = 1;
-  }
-  return measured;
-}
-
 /// How far the surface is bent across an edge that is seen.
 struct SeenBend {
   Eigen::Vector2d place_px, across;  ///< texture
@@ -109,7 +99,7 @@ Result<std::vector<std::uint8_t>> hidden_part(const Visibility& visibility,
                      ": use one template throughout",
                  {}};
   }
-  const std::vector<std::uint8_t> measured = measured_by(rays, count);
+  const std::vector<std::uint8_t> measured = held_vertices(rays, {}, count);
   std::vector<std::uint8_t> hidden(measured.size(), 0);
   std::vector<std::int32_t> front;
   const auto hide = [&](std::int32_t v) {
@@ -131,7 +121,7 @@ Result<std::vector<std::uint8_t>> hidden_part(const Visibility& visibility,
 
 void add_unmeasured(const std::vector<RayConstraint>& rays, Eigen::Index vertex_count,
                     std::vector<std::uint8_t>& hidden) {
-  const std::vector<std::uint8_t> measured = measured_by(rays, vertex_count);
+  const std::vector<std::uint8_t> measured = held_vertices(rays, {}, vertex_count);
   hidden.resize(measured.size(), 0);
   for (std::size_t v = 0; v < hidden.size(); ++v) {
     if (measured[v] == 0) hidden[v] = 1;
@@ -140,7 +130,7 @@ void add_unmeasured(const std::vector<RayConstraint>& rays, Eigen::Index vertex_
 
 void add_uncovered(const std::vector<RayConstraint>& rays, const MeshModel& mesh,
                    std::vector<std::uint8_t>& hidden) {
-  const std::vector<std::uint8_t> measured = measured_by(rays, mesh.vertex_count());
+  const std::vector<std::uint8_t> measured = held_vertices(rays, {}, mesh.vertex_count());
   const auto touches_measured = [&](std::int32_t v) {
     const auto around = mesh.neighbours()[v];
     return std::any_of(around.begin(), around.end(),

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -182,13 +183,10 @@ class ParticleSft final : public Solver {
     Shape shape;
     shape.vertices_m = make_array<double>(best.vertices_m);
     shape.confidence = confidence(best.fit, evidence) * confidence_of_filters(in.correspondences);
+    const std::vector<std::uint8_t> held =
+        held_vertices(frame_.system.rays, frame_.system.spheres, mesh_.vertex_count());
     shape.source = Array<std::uint8_t>({mesh_.vertex_count()});
-    for (const RayConstraint& seen : frame_.system.rays) {
-      for (const std::int32_t v : seen.vertices) shape.source(v) = 1;
-    }
-    for (const KnownSurfacePoint& held : frame_.system.spheres) {
-      for (const std::int32_t v : held.vertices) shape.source(v) = 1;
-    }
+    std::copy(held.begin(), held.end(), shape.source.data());
     if (wants_covariance_) {
       const HoldingNoise noise = holding_noise(best.fit.residual_px, frame_.system.rays.size(),
                                                evidence.agreeing, mesh_.diagonal_m());

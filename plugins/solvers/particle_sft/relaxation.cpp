@@ -88,6 +88,20 @@ void bring_into_sphere(const KnownSurfacePoint& sphere, double* y) {
 
 }  // namespace
 
+std::vector<std::uint8_t> held_vertices(const std::vector<RayConstraint>& rays,
+                                        const std::vector<KnownSurfacePoint>& known,
+                                        Eigen::Index vertex_count) {
+  std::vector<std::uint8_t> held(static_cast<std::size_t>(vertex_count), 0);
+  const auto mark = [&](const auto& points) {
+    for (const auto& point : points) {
+      for (const std::int32_t v : point.vertices) held[static_cast<std::size_t>(v)] = 1;
+    }
+  };
+  mark(rays);
+  mark(known);
+  return held;
+}
+
 void Relaxation::load(const ParticleSystem& system) {
   const auto pack = [](const std::vector<DistanceConstraint>& from, std::vector<Spring>& to) {
     to.clear();
