@@ -323,10 +323,10 @@ HiddenBend BendContinuation::continued(const Points3View& shape_m,
   lay_out(angles_rad, std::move(placed), result.shape_m);
   const std::vector<std::uint8_t> kept = parts_kept_whole(hidden, result.shape_m);
   for (std::size_t v = 0; v < hidden.size(); ++v) {
+    if (kept[v] == hidden[v]) continue;
     const auto row = static_cast<Eigen::Index>(v);
-    if (kept[v] != 0) continue;
     result.shape_m.row(row) = shape_m.row(row);
-    if (has(hidden, static_cast<std::int32_t>(v))) ++result.torn_vertices;
+    ++result.torn_vertices;
   }
   std::map<std::pair<std::int32_t, std::int32_t>, double> lengths_m;
   for (std::size_t h = 0; h < hinges_.size(); ++h) {
