@@ -78,8 +78,8 @@ class Neighbourhoods {
   Eigen::RowVector2d foretell(const Eigen::RowVector2d& at, const Points2& p, const Points2& q,
                               const RobustAffine& map) const {
     if (with_splines_ && p.rows() >= kFewestForSpline) {
-      const auto spline = ThinPlateSpline<2>::fit(p, q, kSmoothing);
-      if (spline) return (*spline)(at.transpose()).transpose();
+      const auto fitted = fit_thin_plate(p, q, Eigen::VectorXd::Constant(p.rows(), kSmoothing));
+      if (fitted) return fitted->spline(at);
     }
     return map(at);
   }

@@ -18,20 +18,20 @@ Result<SheetWarp> fit_warp(const MarkerSheet& sheet, std::vector<SeenMarker> mar
                        " agree, but " + std::to_string(least) + " are needed");
     }
     const auto count = static_cast<Eigen::Index>(markers.size());
-    Points2 sites_mm(count, 2);
-    Eigen::MatrixX2d images_px(count, 2);
+    Points2 sites_mm(count, 2), images_px(count, 2);
     for (Eigen::Index i = 0; i < count; ++i) {
       const SeenMarker& seen = markers[static_cast<std::size_t>(i)];
       sites_mm.row(i) = sheet.markers[seen.marker].centre_mm().transpose();
       images_px.row(i) = seen.centre_px.transpose();
     }
-    auto spline = ThinPlateSpline<2>::fit(sites_mm, images_px, kLambda);
-    if (!spline) return spline.error();
-    const Eigen::VectorXd distances_px = spline->leave_one_out().rowwise().norm();
+    auto fitted =
+        fit_thin_plate(sites_mm, images_px, Eigen::VectorXd::Constant(count, kLambda), true);
+    if (!fitted) return fitted.error();
+    const Eigen::VectorXd distances_px = fitted->left_out.rowwise().norm();
     Eigen::Index worst = 0;
     if (distances_px.maxCoeff(&worst) <= max_distance_px) {
       const double median_px = median({distances_px.data(), static_cast<std::size_t>(count)});
-      return SheetWarp{*std::move(spline), std::move(markers), median_px};
+      return SheetWarp{std::move(fitted->spline), std::move(markers), median_px};
     }
     markers.erase(markers.begin() + worst);
   }

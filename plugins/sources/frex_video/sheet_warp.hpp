@@ -11,7 +11,7 @@ namespace weft::frex_video {
 
 /// The map from the flat sheet to the image, and the markers that agree with it.
 struct SheetWarp {
-  ThinPlateSpline<2> image_px;      ///< of a point of the sheet in mm
+  ThinPlateSpline image_px;         ///< of a point of the sheet in mm
   std::vector<SeenMarker> markers;  ///< that it passes through
   double leave_one_out_px = 0.0;    ///< median distance of a marker from the warp of the others
 };

@@ -14,27 +14,14 @@ namespace {
 
 constexpr double kNearestCentre = 1e-6;  // in scales: where second derivatives stop growing
 constexpr double kSamePlace_px = 1e-6;
-constexpr double kFlat = 1e-9;    // extent across a line over that along it
-constexpr double kTiny = 1e-300;  // keeps the logarithm of 0 finite
 constexpr float kTinyFloat = 1e-30F;
 constexpr double kGridConditioning = 1e-8;  // added to the kernel between centres
 constexpr double kRidge = 1e-8;             // of the mean diagonal element
 
 using Vector = Eigen::VectorXd;
 
-Eigen::MatrixXd kernels(const PointColumns& a, const PointColumns& b) {
-  Eigen::MatrixXd values(a.rows(), b.rows());
-  for (Eigen::Index k = 0; k < b.rows(); ++k) {
-    worked(2 * a.rows());
-    auto r2 = values.col(k).array();
-    r2 = (a.col(0).array() - b(k, 0)).square() + (a.col(1).array() - b(k, 1)).square();
-    r2 *= r2.max(kTiny).log();
-  }
-  return values;
-}
-
-/// The same with logarithms in single precision, which take a third of the time: the values are off
-/// by less than 1e-6, where the noise of matches is 1e-3 in the same unit.
+/// thin_plate_kernels with logarithms in single precision, which take a third of the time: the
+/// values are off by less than 1e-6, where the noise of matches is 1e-3 in the same unit.
 Eigen::MatrixXd quick_kernels(const PointColumns& a, const PointColumns& b) {
   Eigen::MatrixXd values(a.rows(), b.rows());
   Eigen::ArrayXf log(a.rows());
@@ -54,67 +41,13 @@ Eigen::MatrixXd quick_kernels(const PointColumns& a, const PointColumns& b) {
 Eigen::MatrixXd cardinal_splines(const PointColumns& centres) {
   const Eigen::Index l = centres.rows();
   Eigen::MatrixXd bordered = Eigen::MatrixXd::Zero(l + 3, l + 3);
-  bordered.topLeftCorner(l, l) = kernels(centres, centres);
+  bordered.topLeftCorner(l, l) = thin_plate_kernels(centres, centres);
   bordered.diagonal().head(l).array() += kGridConditioning;
   bordered.col(l).head(l).setOnes();
   bordered.block(0, l + 1, l, 2) = centres;
   bordered.bottomLeftCorner(3, l) = bordered.topRightCorner(l, 3).transpose();
   return Eigen::PartialPivLU<Eigen::MatrixXd>(bordered).inverse().leftCols(l);
 }
-
-/// Three reflections whose product Q^T turns [1 o] into three rows: the last columns of Q span what
-/// is orthogonal to affine maps.
-class AffineComplement {
- public:
-  explicit AffineComplement(const PointColumns& points) : vectors_(points.rows(), 3) {
-    const Eigen::Index n = points.rows();
-    Eigen::MatrixXd rest(n, 3);
-    rest << Vector::Ones(n), points;
-    for (Eigen::Index k = 0; k < 3; ++k) {
-      auto v = vectors_.col(k);
-      v.head(k).setZero();
-      v.tail(n - k) = rest.col(k).tail(n - k);
-      v[k] += std::copysign(v.norm(), v[k]);
-      v.normalize();
-      reflect(k, rest);
-    }
-    corner_ = rest.topRows<3>();
-  }
-
-  /// Whether the points are on a line.
-  bool flat() const {
-    const Eigen::Array3d sizes = corner_.diagonal().cwiseAbs();
-    return !(sizes.minCoeff() > kFlat * sizes.maxCoeff());
-  }
-  const Eigen::Matrix3d& corner() const { return corner_; }  ///< upper triangle: Q^T [1 o]
-
-  /// Q^T x and Q x, in place.
-  void forward(Eigen::MatrixXd& x) const {
-    for (Eigen::Index k = 0; k < 3; ++k) reflect(k, x);
-  }
-  void backward(Eigen::MatrixXd& x) const {
-    for (Eigen::Index k = 2; k >= 0; --k) reflect(k, x);
-  }
-  /// Q^T M Q of a symmetric matrix, in place.
-  void both_sides(Eigen::MatrixXd& m) const {
-    for (Eigen::Index k = 0; k < 3; ++k) {
-      const auto v = vectors_.col(k);
-      const Vector u = m * v;
-      const Vector w = 2.0 * (u - v.dot(u) * v);
-      m.noalias() -= v * w.transpose();
-      m.noalias() -= w * v.transpose();
-    }
-  }
-
- private:
-  void reflect(Eigen::Index k, Eigen::MatrixXd& x) const {
-    const Eigen::RowVectorXd along = 2.0 * vectors_.col(k).transpose() * x;
-    x.noalias() -= vectors_.col(k) * along;
-  }
-
-  Eigen::MatrixXd vectors_;
-  Eigen::Matrix3d corner_;
-};
 
 /// Matches in one place made one.
 struct Places {
@@ -161,65 +94,41 @@ PointColumns of_matches(const Samples& samples, const Places& places, const Poin
 
 }  // namespace
 
-warps::WarpAt ThinPlate::at(const Eigen::RowVector2d& point_px, std::int64_t order) const {
-  const Eigen::RowVector2d q = (point_px - centre_px) / scale_px;
+warps::WarpAt evaluate(const ThinPlateSpline& spline, const Eigen::RowVector2d& point_px,
+                       std::int64_t order) {
+  const PointColumns& centres = spline.centres;
+  const auto& affine = spline.affine;
+  const Eigen::RowVector2d q = (point_px - spline.centre) / spline.scale;
   const Eigen::ArrayXd u = q.x() - centres.col(0).array(), v = q.y() - centres.col(1).array();
   const Eigen::ArrayXd r2 = u.square() + v.square();
   const Eigen::ArrayXd far2 = r2.max(kNearestCentre * kNearestCentre), log = far2.log();
   const auto weigh = [&](const Eigen::ArrayXd& by) -> Eigen::Vector2d {
-    return coefficients.transpose() * by.matrix();
+    return spline.coefficients.transpose() * by.matrix();
   };
   warps::WarpAt here;
   here.value_px = (affine.row(0) + q * affine.bottomRows<2>()).transpose() + weigh(r2 * log);
   if (order < 1) return here;
   const Eigen::ArrayXd slope = 2.0 * (log + 1.0);
   here.jacobian << weigh(slope * u), weigh(slope * v);
-  here.jacobian = (here.jacobian + affine.bottomRows<2>().transpose()) / scale_px;
+  here.jacobian = (here.jacobian + affine.bottomRows<2>().transpose()) / spline.scale;
   if (order < 2) return here;
   here.hessian << weigh(slope + 4.0 * u.square() / far2), weigh(4.0 * u * v / far2),
       weigh(slope + 4.0 * v.square() / far2);
-  here.hessian /= scale_px * scale_px;
+  here.hessian /= spline.scale * spline.scale;
   return here;
 }
 
 std::optional<Fitted> fit_at_matches(const Samples& samples, double lambda, bool leave_one_out) {
   const Places places = merged(samples);
-  const Eigen::Index n = places.points_px.rows(), inner = n - 3;
-  Fitted fitted;
-  ThinPlate& plate = fitted.spline;
-  plate.centre_px = places.points_px.colwise().mean();
-  plate.scale_px =
-      std::sqrt((places.points_px.rowwise() - plate.centre_px).rowwise().squaredNorm().mean());
-  if (inner < 0 || !(plate.scale_px > 0.0)) return std::nullopt;
-  plate.centres = (places.points_px.rowwise() - plate.centre_px) / plate.scale_px;
-  const AffineComplement complement(plate.centres);
-  if (complement.flat()) return std::nullopt;
   const Vector slack =
       lambda * static_cast<double>(samples.points_px.rows()) * places.weights.cwiseInverse();
-  Eigen::MatrixXd m = kernels(plate.centres, plate.centres);
-  m.diagonal() += slack;
-  complement.both_sides(m);
-  const Eigen::LLT<Eigen::MatrixXd> solver(m.bottomRightCorner(inner, inner));
-  if (solver.info() != Eigen::Success) return std::nullopt;
-  Eigen::MatrixXd values = places.values_px;
-  complement.forward(values);
-  Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(n, 2);
-  coefficients.bottomRows(inner) = solver.solve(values.bottomRows(inner));
-  plate.affine = complement.corner().triangularView<Eigen::Upper>().solve(
-      values.topRows<3>() - m.topRightCorner(3, inner) * coefficients.bottomRows(inner));
-  complement.backward(coefficients);
-  plate.coefficients = coefficients;
-  const PointColumns inside = slack.asDiagonal() * coefficients;
+  auto found = fit_thin_plate(places.points_px, places.values_px, slack, leave_one_out);
+  if (!found) return std::nullopt;
+  Fitted fitted;
+  fitted.spline = std::move(found->spline);
+  const PointColumns inside = slack.asDiagonal() * fitted.spline.coefficients;
   fitted.residuals_px = of_matches(samples, places, inside);
-  if (!leave_one_out) return fitted;
-  // What a value differs from the others' spline is its coefficient over its entry on the diagonal
-  // of Q (Q^T M Q)^-1 Q^T, restricted to what is orthogonal to affine maps.
-  Eigen::MatrixXd turned = Eigen::MatrixXd::Identity(n, n);
-  complement.forward(turned);
-  const Eigen::MatrixXd half = solver.matrixL().solve(turned.bottomRows(inner));
-  const Vector diagonal = half.colwise().squaredNorm().transpose();
-  const PointColumns left_out = (coefficients.array().colwise() / diagonal.array()).matrix();
-  fitted.left_out_px = of_matches(samples, places, left_out);
+  if (leave_one_out) fitted.left_out_px = of_matches(samples, places, found->left_out);
   return fitted;
 }
 
@@ -227,14 +136,14 @@ void GridFit::set_grid(const warps::Box& box, int columns, int rows) {
   if (box == box_ && columns == columns_ && rows == rows_) return;
   columns_ = 0;  // until all is made
   const double width = box.u1 - box.u0, height = box.v1 - box.v0;
-  plate_.centre_px << 0.5 * (box.u0 + box.u1), 0.5 * (box.v0 + box.v1);
-  plate_.scale_px = std::sqrt((width * width + height * height) / 12.0);
+  plate_.centre << 0.5 * (box.u0 + box.u1), 0.5 * (box.v0 + box.v1);
+  plate_.scale = std::sqrt((width * width + height * height) / 12.0);
   plate_.centres.resize(Eigen::Index{columns} * rows, 2);
   for (int i = 0; i < columns; ++i) {
     for (int j = 0; j < rows; ++j) {
       plate_.centres.row(Eigen::Index{i} * rows + j)
-          << width * (i / (columns - 1.0) - 0.5) / plate_.scale_px,
-          height * (j / (rows - 1.0) - 0.5) / plate_.scale_px;
+          << width * (i / (columns - 1.0) - 0.5) / plate_.scale,
+          height * (j / (rows - 1.0) - 0.5) / plate_.scale;
     }
   }
   cardinal_ = cardinal_splines(plate_.centres);
@@ -252,7 +161,7 @@ std::optional<Fitted> GridFit::fit(const Samples& samples, double lambda, bool l
   for (Eigen::Index k = 0; k < n; ++k) {
     rest_px.row(k) = samples.values_px.row(k) - affine(samples.points_px.row(k));
   }
-  const PointColumns q = (samples.points_px.rowwise() - plate_.centre_px) / plate_.scale_px;
+  const PointColumns q = (samples.points_px.rowwise() - plate_.centre) / plate_.scale;
   design_.resize(n, l + 3);
   design_.leftCols(l) = quick_kernels(q, plate_.centres);
   design_.col(l).setOnes();
@@ -274,8 +183,8 @@ std::optional<Fitted> GridFit::fit(const Samples& samples, double lambda, bool l
   fitted.spline = plate_;
   fitted.spline.coefficients = coefficients.topRows(l);
   fitted.spline.affine = coefficients.bottomRows<3>();
-  fitted.spline.affine.row(0) += affine(plate_.centre_px);
-  fitted.spline.affine.bottomRows<2>() += plate_.scale_px * affine.slope;
+  fitted.spline.affine.row(0) += affine(plate_.centre);
+  fitted.spline.affine.bottomRows<2>() += plate_.scale * affine.slope;
   fitted.residuals_px = rest_px - design_ * coefficients;
   if (!leave_one_out) return fitted;
   // Each value's weight in its own place, the affine fit apart.

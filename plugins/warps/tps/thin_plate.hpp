@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 #include <vector>
-#include <weft/geometry/types.hpp>
+#include <weft/geometry/thin_plate_spline.hpp>
 
 #include "common/affine_fit.hpp"
 #include "common/fit_data.hpp"
@@ -13,22 +13,10 @@
 
 namespace weft::tps {
 
-/// Points side by side in memory, for arithmetic on many at once.
-using PointColumns = Eigen::Matrix<double, Eigen::Dynamic, 2>;
-
-/// A thin-plate spline (Duchon 1976; Bookstein 1989), in q = (p - centre) / scale:
-///   W(p) = [1 q] affine + sum_k phi(|q - o_k|) c_k,  phi(r) = r^2 log r^2.
-struct ThinPlate {
-  Eigen::RowVector2d centre_px = Eigen::RowVector2d::Zero();
-  double scale_px = 1.0;
-  PointColumns centres;       ///< [l,2] o_k, normalised
-  PointColumns coefficients;  ///< [l,2] c_k, px
-  Eigen::Matrix<double, 3, 2> affine = Eigen::Matrix<double, 3, 2>::Zero();
-
-  /// Value, and derivatives up to `order`. The second ones are infinite at a centre: they are those
-  /// at a distance of 1e-6 scales from it.
-  warps::WarpAt at(const Eigen::RowVector2d& point_px, std::int64_t order) const;
-};
+/// Value of a spline, and derivatives up to `order`. The second ones are infinite at a centre: they
+/// are those at a distance of 1e-6 scales from it.
+warps::WarpAt evaluate(const ThinPlateSpline& spline, const Eigen::RowVector2d& point_px,
+                       std::int64_t order);
 
 /// What is fitted: min sum_k w_k |W(p_k) - y_k|^2 + lambda n (bending energy / 16 pi), the energy
 /// in normalised coordinates. Lambda has no unit and means the same for any number n of matches.
@@ -39,7 +27,7 @@ struct Samples {
 
 /// A fit and how far it is from the values.
 struct Fitted {
-  ThinPlate spline;
+  ThinPlateSpline spline;
   PointColumns residuals_px;  ///< [n,2] value minus that of the spline
   PointColumns left_out_px;   ///< [n,2] value minus that of the spline through the others, if asked
 };
@@ -60,7 +48,7 @@ class GridFit {
  private:
   warps::Box box_{0.0, 0.0, 0.0, 0.0};
   int columns_ = 0, rows_ = 0;
-  ThinPlate plate_;           ///< centre, scale and centres
+  ThinPlateSpline plate_;     ///< centre, scale and centres
   Eigen::MatrixXd cardinal_;  ///< [l+3,l] coefficients and affine part of the values at the centres
   Eigen::MatrixXd design_, weighted_, moments_, normal_;
 };

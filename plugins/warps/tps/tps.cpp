@@ -15,8 +15,8 @@ namespace {
 
 using weft::Errc;
 using weft::Error;
+using weft::ThinPlateSpline;
 using weft::tps::Fitted;
-using weft::tps::ThinPlate;
 
 enum class Centres { grid, matches };
 enum class Smoothing { fixed, leave_one_out };
@@ -55,7 +55,8 @@ class Tps final : public weft::WarpModel {
   std::optional<Fitted> search();
   double foretold_px2(double log_lambda);
   Fitted affine_only(const weft::warps::AffineFit& affine) const;
-  weft::Warp make_warp(const ThinPlate& spline, const weft::warps::Box& box, double rms_px) const;
+  weft::Warp make_warp(const ThinPlateSpline& spline, const weft::warps::Box& box,
+                       double rms_px) const;
 
   Centres centres_ = Centres::grid;
   int grid_u_ = 8;
@@ -111,7 +112,7 @@ std::optional<Fitted> Tps::search() {
 /// The affine map or what fewer matches determine of it, where they determine no more.
 Fitted Tps::affine_only(const weft::warps::AffineFit& affine) const {
   Fitted fitted;
-  fitted.spline.centre_px = affine.centre_px.transpose();
+  fitted.spline.centre = affine.centre_px.transpose();
   fitted.spline.affine << affine.offset_px, affine.slope;
   fitted.residuals_px.resize(data_.points_px().rows(), 2);
   for (Eigen::Index k = 0; k < fitted.residuals_px.rows(); ++k) {
@@ -147,23 +148,22 @@ weft::Result<weft::Warp> Tps::fit(const weft::FitInput& in) {
   return warp;
 }
 
-weft::Warp Tps::make_warp(const ThinPlate& spline, const weft::warps::Box& box,
+weft::Warp Tps::make_warp(const ThinPlateSpline& spline, const weft::warps::Box& box,
                           double rms_px) const {
   weft::Warp warp;
   warp.producer = "warps/tps";
   warp.domain_px = weft::make_array<double>(Eigen::Vector4d(box.u0, box.u1, box.v0, box.v1));
-  warp.model.entries = {
-      {"model.frame", weft::make_array<double>(Eigen::Vector3d(
-                          spline.centre_px.x(), spline.centre_px.y(), spline.scale_px))},
-      {"model.centres", weft::make_array<double>(spline.centres)},
-      {"model.coefficients", weft::make_array<double>(spline.coefficients)},
-      {"model.affine", weft::make_array<double>(spline.affine)}};
+  warp.model.entries = {{"model.frame", weft::make_array<double>(Eigen::Vector3d(
+                                            spline.centre.x(), spline.centre.y(), spline.scale))},
+                        {"model.centres", weft::make_array<double>(spline.centres)},
+                        {"model.coefficients", weft::make_array<double>(spline.coefficients)},
+                        {"model.affine", weft::make_array<double>(spline.affine)}};
   std::vector<double> determinants;
   for (int a = 0; a < kFoldingSteps; ++a) {
     for (int b = 0; b < kFoldingSteps; ++b) {
       const Eigen::RowVector2d point(box.u0 + (a + 0.5) / kFoldingSteps * (box.u1 - box.u0),
                                      box.v0 + (b + 0.5) / kFoldingSteps * (box.v1 - box.v0));
-      determinants.push_back(spline.at(point, 1).jacobian.determinant());
+      determinants.push_back(weft::tps::evaluate(spline, point, 1).jacobian.determinant());
     }
   }
   warp.diag.set("matches", static_cast<double>(data_.count()));
@@ -196,9 +196,9 @@ weft::Result<weft::WarpSamples> Tps::evaluate(const weft::EvaluateInput& in) {
                      in.warp.producer + "'",
                  {}};
   }
-  ThinPlate spline;
-  spline.centre_px << *frame->row(0), *frame->row(1);
-  spline.scale_px = *frame->row(2);
+  ThinPlateSpline spline;
+  spline.centre << *frame->row(0), *frame->row(1);
+  spline.scale = *frame->row(2);
   spline.centres = centres->matrix<2>();
   spline.coefficients = coefficients->matrix<2>();
   spline.affine = affine->matrix<2>();
@@ -209,7 +209,7 @@ weft::Result<weft::WarpSamples> Tps::evaluate(const weft::EvaluateInput& in) {
   for (std::int64_t i = 0; i < in.points.xy_px.rows(); ++i) {
     const Eigen::RowVector2d point = in.points.xy_px.matrix<2>().row(i);
     weft::worked(2 * centres->rows());
-    weft::warps::WarpAt at = spline.at(point, in.points.order);
+    weft::warps::WarpAt at = weft::tps::evaluate(spline, point, in.points.order);
     at.inside = box.contains(point.x(), point.y());
     weft::warps::set_sample(*samples, i, at);
   }

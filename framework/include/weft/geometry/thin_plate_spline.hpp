@@ -1,100 +1,170 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 #include <weft/core/result.hpp>
+#include <weft/core/stop_check.hpp>
 #include <weft/geometry/types.hpp>
 
 namespace weft {
 
-/// Smoothing thin-plate spline from the plane to R^Dimension (Duchon 1976; Bookstein 1989):
-///   f(p) = a0 + A p + sum_k c_k phi(|p - o_k|),  phi(r) = r^2 log r^2,
-/// the minimum of sum_k |f(o_k) - y_k|^2 + lambda * (bending energy / 16 pi) over sites that were
-/// shifted to zero mean and scaled to unit RMS radius, so that lambda has no unit. With
-/// M = K + lambda I: M c + [1 p] a = y, [1 p]^T c = 0.
-template <int Dimension>
-class ThinPlateSpline {
+/// Points side by side in memory, for arithmetic on many at once: [N,2].
+using PointColumns = Eigen::Matrix<double, Eigen::Dynamic, 2>;
+
+/// A thin-plate spline from the plane to the plane (Duchon 1976; Bookstein 1989), in
+/// q = (p - centre) / scale:
+///   f(p) = [1 q] affine + sum_k phi(|q - o_k|) c_k,  phi(r) = r^2 log r^2.
+struct ThinPlateSpline {
+  Eigen::RowVector2d centre = Eigen::RowVector2d::Zero();
+  double scale = 1.0;
+  PointColumns centres;       ///< [n,2] o_k, normalised
+  PointColumns coefficients;  ///< [n,2] c_k, in the unit of the values
+  Eigen::Matrix<double, 3, 2> affine = Eigen::Matrix<double, 3, 2>::Zero();
+
+  Eigen::RowVector2d operator()(const Eigen::RowVector2d& point) const {
+    const Eigen::RowVector2d q = (point - centre) / scale;
+    const Eigen::ArrayXd r2 = (centres.rowwise() - q).rowwise().squaredNorm();
+    const Eigen::VectorXd weights = r2 * r2.max(1e-300).log();
+    return affine.row(0) + q * affine.bottomRows<2>() + weights.transpose() * coefficients;
+  }
+};
+
+/// A spline and, where that was asked, what the others foretell.
+struct ThinPlateFit {
+  ThinPlateSpline spline;
+  PointColumns left_out;  ///< [n,2] value minus that of the spline through the others
+};
+
+/// phi between each of a [n,2] and each of b [m,2].
+inline Eigen::MatrixXd thin_plate_kernels(const PointColumns& a, const PointColumns& b) {
+  constexpr double kTiny = 1e-300;  // keeps the logarithm of 0 finite
+  Eigen::MatrixXd values(a.rows(), b.rows());
+  for (Eigen::Index k = 0; k < b.rows(); ++k) {
+    worked(2 * a.rows());
+    auto r2 = values.col(k).array();
+    r2 = (a.col(0).array() - b(k, 0)).square() + (a.col(1).array() - b(k, 1)).square();
+    r2 *= r2.max(kTiny).log();
+  }
+  return values;
+}
+
+namespace detail {
+
+/// Three reflections whose product Q^T turns [1 o] into three rows: the last columns of Q span what
+/// is orthogonal to affine maps.
+class AffineComplement {
  public:
-  using Values = Eigen::Matrix<double, Eigen::Dynamic, Dimension>;
-  using Value = Eigen::Matrix<double, Dimension, 1>;
-
-  /// `values` [N,Dimension] at `sites` [N,2]; lambda 0 interpolates. no_result for fewer than 4
-  /// sites, for sites on a line and, with lambda 0, for a site that is given twice.
-  static Result<ThinPlateSpline> fit(const Points2View& sites, const Values& values,
-                                     double lambda) {
-    if (!sites.allFinite() || !values.allFinite() || sites.rows() != values.rows()) {
-      return Error{Errc::invalid_data, "a spline needs as many finite values as finite sites", {}};
+  explicit AffineComplement(const PointColumns& points) : vectors_(points.rows(), 3) {
+    const Eigen::Index n = points.rows();
+    Eigen::MatrixXd rest(n, 3);
+    rest << Eigen::VectorXd::Ones(n), points;
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      auto v = vectors_.col(k);
+      v.head(k).setZero();
+      v.tail(n - k) = rest.col(k).tail(n - k);
+      v[k] += std::copysign(v.norm(), v[k]);
+      v.normalize();
+      reflect(k, rest);
     }
-    if (sites.rows() < 4) return no_result("a thin-plate spline needs at least 4 sites");
-    ThinPlateSpline spline;
-    spline.mean_ = sites.colwise().mean();
-    spline.scale_ = std::sqrt((sites.rowwise() - spline.mean_).rowwise().squaredNorm().mean());
-    if (!(spline.scale_ > 0.0)) return no_result("all sites of the spline coincide");
-    spline.sites_ = (sites.rowwise() - spline.mean_) / spline.scale_;
-    if (!spline.solve(values, lambda)) {
-      return no_result("the sites of the spline lie on a line, or one is given twice");
-    }
-    return spline;
+    corner_ = rest.topRows<3>();
   }
 
-  Value operator()(const Eigen::Vector2d& point) const {
-    const Eigen::RowVector2d p = (point.transpose() - mean_) / scale_;
-    Value value = (affine_.row(0) + p * affine_.template bottomRows<2>()).transpose();
-    for (Eigen::Index k = 0; k < sites_.rows(); ++k) {
-      value += kernel((p - sites_.row(k)).squaredNorm()) * coefficients_.row(k).transpose();
-    }
-    return value;
+  /// Whether the points are on a line.
+  bool flat() const {
+    constexpr double kFlat = 1e-9;  // extent across a line over that along it
+    const Eigen::Array3d sizes = corner_.diagonal().cwiseAbs();
+    return !(sizes.minCoeff() > kFlat * sizes.maxCoeff());
   }
+  const Eigen::Matrix3d& corner() const { return corner_; }  ///< upper triangle: Q^T [1 o]
 
-  /// By how much each value [N,Dimension] differs from that of the spline through the others.
-  const Values& leave_one_out() const { return leave_one_out_; }
+  /// Q^T x and Q x, in place.
+  void forward(Eigen::MatrixXd& x) const {
+    for (Eigen::Index k = 0; k < 3; ++k) reflect(k, x);
+  }
+  void backward(Eigen::MatrixXd& x) const {
+    for (Eigen::Index k = 2; k >= 0; --k) reflect(k, x);
+  }
+  /// Q^T M Q of a symmetric matrix, in place.
+  void both_sides(Eigen::MatrixXd& m) const {
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      const auto v = vectors_.col(k);
+      const Eigen::VectorXd u = m * v;
+      const Eigen::VectorXd w = 2.0 * (u - v.dot(u) * v);
+      m.noalias() -= v * w.transpose();
+      m.noalias() -= w * v.transpose();
+    }
+  }
 
  private:
-  static double kernel(double r2) { return r2 > 0.0 ? r2 * std::log(r2) : 0.0; }
-
-  /// With P = [1 p] and s of M's size, the inverse of [M sP; sP^T 0] is [B C; C^T D]: coefficients
-  /// and affine part are B and s C^T times the values, and what a value differs from the spline
-  /// through the others is its coefficient over its entry on B's diagonal.
-  bool solve(const Values& values, double lambda) {
-    const Eigen::Index n = sites_.rows();
-    const double border = std::max(1.0, lambda);
-    Eigen::MatrixXd bordered = Eigen::MatrixXd::Zero(n + 3, n + 3);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      for (Eigen::Index k = 0; k < n; ++k) {
-        bordered(i, k) = kernel((sites_.row(i) - sites_.row(k)).squaredNorm());
-      }
-      bordered(i, i) += lambda;
-      for (Eigen::Index k = 0; k < 3; ++k) {
-        bordered(i, n + k) = bordered(n + k, i) = border * (k == 0 ? 1.0 : sites_(i, k - 1));
-      }
-    }
-    const Eigen::PartialPivLU<Eigen::MatrixXd> lu(bordered);
-    // rcond() takes exact singularity for the best of conditions.
-    const Eigen::VectorXd pivots = lu.matrixLU().diagonal().cwiseAbs();
-    if (!(pivots.minCoeff() > 1e-15 * pivots.maxCoeff() && lu.rcond() > 1e-15)) return false;
-    const Eigen::MatrixXd inverse = lu.inverse();
-    coefficients_.resize(n, Dimension);
-    leave_one_out_.resize(n, Dimension);
-    for (int d = 0; d < Dimension; ++d) {
-      coefficients_.col(d).noalias() = inverse.topLeftCorner(n, n) * values.col(d);
-      affine_.col(d).noalias() = border * (inverse.bottomLeftCorner(3, n) * values.col(d));
-    }
-    for (Eigen::Index i = 0; i < n; ++i) {
-      leave_one_out_.row(i) = coefficients_.row(i) / inverse(i, i);
-    }
-    return true;
+  void reflect(Eigen::Index k, Eigen::MatrixXd& x) const {
+    const Eigen::RowVectorXd along = 2.0 * vectors_.col(k).transpose() * x;
+    x.noalias() -= vectors_.col(k) * along;
   }
 
-  Eigen::RowVector2d mean_ = Eigen::RowVector2d::Zero();
-  double scale_ = 1.0;
-  Points2 sites_;  ///< normalised
-  Values coefficients_;
-  Eigen::Matrix<double, 3, Dimension> affine_;
-  Values leave_one_out_;
+  Eigen::MatrixXd vectors_;
+  Eigen::Matrix3d corner_;
 };
+
+}  // namespace detail
+
+/// The spline with a centre at each site [n,2] that minimises
+///   sum_k |f(o_k) - y_k|^2 / slack_k + (bending energy / 16 pi)
+/// over sites shifted to zero mean and scaled to unit RMS radius, so that slack has no unit; 0
+/// interpolates. n^3 operations. no_result for fewer than 3 sites, for sites on a line and, with a
+/// slack of 0, for a site that is given twice.
+inline Result<ThinPlateFit> fit_thin_plate(const Points2View& sites, const Points2View& values,
+                                           const Eigen::VectorXd& slack,
+                                           bool leave_one_out = false) {
+  if (!sites.allFinite() || !values.allFinite() || sites.rows() != values.rows()) {
+    return Error{Errc::invalid_data, "a spline needs as many finite values as finite sites", {}};
+  }
+  const Eigen::Index n = sites.rows(), inner = n - 3;
+  if (n < 3) return no_result("a thin-plate spline needs at least 3 sites");
+  ThinPlateFit fitted;
+  ThinPlateSpline& spline = fitted.spline;
+  spline.centre = sites.colwise().mean();
+  spline.scale = std::sqrt((sites.rowwise() - spline.centre).rowwise().squaredNorm().mean());
+  if (!(spline.scale > 0.0)) return no_result("all sites of the spline coincide");
+  spline.centres = (sites.rowwise() - spline.centre) / spline.scale;
+  const detail::AffineComplement complement(spline.centres);
+  const auto undetermined = [] {
+    return no_result("the sites of the spline lie on a line, or one is given twice");
+  };
+  if (complement.flat()) return undetermined();
+  if (inner == 0) {
+    Eigen::Matrix3d places;
+    places << Eigen::Vector3d::Ones(), spline.centres;
+    spline.affine = places.partialPivLu().solve(values);
+    spline.coefficients = fitted.left_out = PointColumns::Zero(n, 2);
+    return fitted;
+  }
+  Eigen::MatrixXd m = thin_plate_kernels(spline.centres, spline.centres);
+  m.diagonal() += slack;
+  complement.both_sides(m);
+  const Eigen::LLT<Eigen::MatrixXd> solver(m.bottomRightCorner(inner, inner));
+  if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-15)) return undetermined();
+  Eigen::MatrixXd turned_values = values;
+  complement.forward(turned_values);
+  Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(n, 2);
+  coefficients.bottomRows(inner) = solver.solve(turned_values.bottomRows(inner));
+  spline.affine = complement.corner().triangularView<Eigen::Upper>().solve(
+      turned_values.topRows<3>() - m.topRightCorner(3, inner) * coefficients.bottomRows(inner));
+  complement.backward(coefficients);
+  spline.coefficients = coefficients;
+  if (!leave_one_out) return fitted;
+  // What a value differs from the others' spline is its coefficient over its entry on the diagonal
+  // of Q (Q^T M Q)^-1 Q^T, restricted to what is orthogonal to affine maps.
+  Eigen::MatrixXd turned = Eigen::MatrixXd::Identity(n, n);
+  complement.forward(turned);
+  const Eigen::MatrixXd half = solver.matrixL().solve(turned.bottomRows(inner));
+  const Eigen::VectorXd diagonal = half.colwise().squaredNorm().transpose();
+  fitted.left_out = (coefficients.array().colwise() / diagonal.array()).matrix();
+  return fitted;
+}
 
 }  // namespace weft

@@ -37,7 +37,7 @@ TEST(ThinPlate, GoesThroughEveryValueWithoutSmoothing) {
   const auto fitted = fit_at_matches(data.samples(), 0.0);
   ASSERT_TRUE(fitted);
   for (Eigen::Index k = 0; k < 120; ++k) {
-    const Eigen::Vector2d value_px = fitted->spline.at(data.points_px.row(k), 0).value_px;
+    const Eigen::Vector2d value_px = evaluate(fitted->spline, data.points_px.row(k), 0).value_px;
     EXPECT_LT((value_px - data.values_px.row(k).transpose()).norm(), 1e-8);
   }
 }
@@ -52,10 +52,10 @@ TEST(ThinPlate, HasNoBendingInAnAffineMapWhateverTheSmoothing) {
       ASSERT_TRUE(fitted) << lambda;
       EXPECT_LT(fitted->spline.coefficients.cwiseAbs().maxCoeff(), 1e-7) << lambda;
       const Eigen::RowVector2d place(-100.0, 700.0);
-      EXPECT_LT(
-          (fitted->spline.at(place, 0).value_px.transpose() - testing::affine(place.x(), place.y()))
-              .norm(),
-          1e-6);
+      EXPECT_LT((evaluate(fitted->spline, place, 0).value_px.transpose() -
+                 testing::affine(place.x(), place.y()))
+                    .norm(),
+                1e-6);
     }
   }
 }
@@ -66,7 +66,7 @@ TEST(ThinPlate, HasCoefficientsThatLeaveAffineMapsAlone) {
   grid.set_grid(kBox, 10, 8);
   for (const auto& fitted :
        {fit_at_matches(data.samples(), 1e-4), grid.fit(data.samples(), 1e-4)}) {
-    const ThinPlate& spline = fitted->spline;
+    const ThinPlateSpline& spline = fitted->spline;
     EXPECT_LT(spline.coefficients.colwise().sum().norm(), 1e-7);
     EXPECT_LT((spline.centres.transpose() * spline.coefficients).norm(), 1e-7);
   }
@@ -79,14 +79,15 @@ TEST(ThinPlate, BecomesTheAffineFitWithMuchSmoothing) {
   grid.set_grid(kBox, 10, 8);
   const Eigen::RowVector2d place(333.0, 222.0);
   for (const auto& fitted : {fit_at_matches(data.samples(), 1e9), grid.fit(data.samples(), 1e9)}) {
-    EXPECT_LT((fitted->spline.at(place, 0).value_px.transpose() - affine(place)).norm(), 1e-3);
+    EXPECT_LT((evaluate(fitted->spline, place, 0).value_px.transpose() - affine(place)).norm(),
+              1e-3);
   }
 }
 
 /// Second derivatives integrated over a large plane against the closed form of the energy.
 TEST(ThinPlate, HasTheBendingEnergyThatTheSmoothingWeighs) {
   Rng rng(5);
-  ThinPlate spline;
+  ThinPlateSpline spline;
   spline.centres.resize(6, 2);
   spline.coefficients.resize(6, 2);
   for (int k = 0; k < 6; ++k) {
@@ -102,7 +103,7 @@ TEST(ThinPlate, HasTheBendingEnergyThatTheSmoothingWeighs) {
   double integral = 0.0;
   for (double u = -kReach + 0.5 * kStep; u < kReach; u += kStep) {
     for (double v = -kReach + 0.5 * kStep; v < kReach; v += kStep) {
-      const auto h = spline.at({u, v}, 2).hessian;
+      const auto h = evaluate(spline, {u, v}, 2).hessian;
       integral += (h.col(0).squaredNorm() + 2.0 * h.col(1).squaredNorm() + h.col(2).squaredNorm()) *
                   kStep * kStep;
     }
@@ -139,15 +140,15 @@ TEST(ThinPlate, ForetellsEachValueAsAFitWithoutItWould) {
     others.weights.resize(29);
     // Lambda counts matches, and bending in units of the extent, which the one left out changes
     // too.
-    const double scale_px = fit_at_matches(others.samples(), kLambda)->spline.scale_px;
-    const double smaller = fitted->spline.scale_px / scale_px;
+    const double scale_px = fit_at_matches(others.samples(), kLambda)->spline.scale;
+    const double smaller = fitted->spline.scale / scale_px;
     const auto without =
         fit_at_matches(others.samples(), kLambda * 30.0 / 29.0 * smaller * smaller);
     const Eigen::RowVector2d expected =
         data.values_px.row(out) -
-        without->spline.at(data.points_px.row(out), 0).value_px.transpose();
+        evaluate(without->spline, data.points_px.row(out), 0).value_px.transpose();
     EXPECT_LT((fitted->left_out_px.row(out) - expected).norm(), 1e-5) << out;
-    const Eigen::Vector2d value_px = fitted->spline.at(data.points_px.row(out), 0).value_px;
+    const Eigen::Vector2d value_px = evaluate(fitted->spline, data.points_px.row(out), 0).value_px;
     EXPECT_LT(
         (fitted->residuals_px.row(out) - (data.values_px.row(out) - value_px.transpose())).norm(),
         1e-6);
@@ -161,7 +162,8 @@ TEST(ThinPlate, TakesMatchesInOnePlaceForTheirMean) {
   ASSERT_TRUE(fitted);
   EXPECT_EQ(fitted->spline.centres.rows(), 19);
   const Eigen::RowVector2d mean = 0.5 * (data.values_px.row(0) + data.values_px.row(1));
-  EXPECT_LT((fitted->spline.at(data.points_px.row(0), 0).value_px.transpose() - mean).norm(), 1e-6);
+  EXPECT_LT((evaluate(fitted->spline, data.points_px.row(0), 0).value_px.transpose() - mean).norm(),
+            1e-6);
 }
 
 TEST(ThinPlate, IsNotDeterminedByPlacesOnALine) {
@@ -180,7 +182,9 @@ TEST(ThinPlate, OnAGridComesCloseToTheExactOne) {
   double sum_px = 0.0;
   for (int i = 0; i < 100; ++i) {
     const Eigen::RowVector2d place(rng.uniform(0.0, 959.0), rng.uniform(0.0, 574.0));
-    sum_px += (exact->spline.at(place, 0).value_px - fast->spline.at(place, 0).value_px).norm();
+    sum_px +=
+        (evaluate(exact->spline, place, 0).value_px - evaluate(fast->spline, place, 0).value_px)
+            .norm();
   }
   EXPECT_LT(sum_px / 100.0, 0.4);
 }
