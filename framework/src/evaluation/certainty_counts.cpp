@@ -35,4 +35,14 @@ void CertaintyCounts::add(const CertaintyCounts& other) {
   vertices += other.vertices;
 }
 
+double CertaintyCounts::confidence() const {
+  double mean = kUnknown;
+  std::int64_t counted = 0;
+  for (const ConfidenceBin& bin : bins) {
+    mean = joined(mean, counted, bin.said, bin.frames);
+    counted += bin.frames;
+  }
+  return mean;
+}
+
 }  // namespace weft::evaluation

@@ -117,8 +117,7 @@ Result<void> measure_certainty(const RunReader& reader, const ShapeMeter& meter,
   certainty.confidence = shape.confidence;
   certainty.seen_mm = mean(seen_mm.empty() ? all_mm : seen_mm);
   certainty.right = certainty.seen_mm < kRightShare * kMmPerM * meter.diagonal_m();
-  certainty.silently_wrong = mean(all_mm) > kWrongMm && frame.state == ShapeState::estimated &&
-                             shape.confidence >= kSureConfidence;
+  certainty.silently_wrong = mean(all_mm) > kWrongMm && frame.state == ShapeState::estimated;
   const auto places = TruthMap::create(truth);
   if (!places) return places.error();
   count_deviations(shape, reader.sheet(), *places, certainty);

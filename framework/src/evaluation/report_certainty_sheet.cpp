@@ -7,8 +7,8 @@ namespace {
 constexpr const char* kCertaintyNote =
     "Of all solved frames with an error. Brier score: mean of (confidence - right)^2, 0 is "
     "perfect. Right: the mean error of what the camera sees is below 2 % of the template's "
-    "diagonal. Silently wrong: estimated, a confidence of at least 0.75, and a mean error above "
-    "20 mm. Within: vertices whose error along the major axis of their covariance is at most so "
+    "diagonal. Silently wrong: estimated, and a mean error above 20 mm. Within: vertices whose "
+    "error along the major axis of their covariance is at most so "
     "many standard deviations; of normal errors 68.3, 95.4 and 99.7 %.";
 
 }  // namespace
@@ -17,8 +17,10 @@ TextTable certainty_sheet(const Results& results, const ReportTables& tables) {
   TextTable table{"confidence", "Confidence", kCertaintyNote, {}, {}};
   for (const PlanAxis& axis : results.axes) table.columns.push_back({axis.name, axis.name});
   for (const TextColumn& column :
-       {TextColumn{"frames", "frames", true}, TextColumn{"Brier score", "brier", true},
-        TextColumn{"right", "right", true}, TextColumn{"silently wrong", "silently_wrong", true},
+       {TextColumn{"frames", "frames", true},
+        TextColumn{"mean confidence", "mean_confidence", true},
+        TextColumn{"Brier score", "brier", true}, TextColumn{"right", "right", true},
+        TextColumn{"silently wrong", "silently_wrong", true},
         TextColumn{"within 1 std, %", "within_1_std_percent", true},
         TextColumn{"2 std", "within_2_std_percent", true},
         TextColumn{"3 std", "within_3_std_percent", true}}) {
@@ -30,6 +32,7 @@ TextTable certainty_sheet(const Results& results, const ReportTables& tables) {
     TextRow row;
     for (const std::string& value : combination.values) row.cells.push_back(text_cell(value));
     row.cells.push_back(count_cell(certainty.frames));
+    row.cells.push_back(number_cell(certainty.confidence(), 2));
     row.cells.push_back(number_cell(certainty.brier(), 3));
     row.cells.push_back(count_cell(certainty.right));
     row.cells.push_back(count_cell(certainty.silently_wrong));

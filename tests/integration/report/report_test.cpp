@@ -246,9 +246,12 @@ TEST(Report, SaysOfEachCombinationHowSureItWasAndWhetherItWasRight) {
   FakeResults fake({});
   EXPECT_THAT(written(fake), HasSubstr("Silently wrong"));
   const std::string csv = fake.read("report/confidence.csv");
-  EXPECT_THAT(csv, HasSubstr("filter,alpha,frames,brier,right,silently_wrong,within_1_std_percent,"
-                             "within_2_std_percent,within_3_std_percent\n"));
-  EXPECT_THAT(csv, HasSubstr("\nsteady,0.1,160,0.0125,160,0,66.6666667,95.2380952,100\n"));
+  EXPECT_THAT(
+      csv,
+      HasSubstr(
+          "filter,alpha,frames,mean_confidence,brier,right,silently_wrong,within_1_std_percent,"
+          "within_2_std_percent,within_3_std_percent\n"));
+  EXPECT_THAT(csv, HasSubstr("\nsteady,0.1,160,0.9,0.0125,160,0,66.6666667,95.2380952,100\n"));
   // Two seeds of eight sequences, 40 frames of them wrong, two missing.
   EXPECT_THAT(csv, HasSubstr("\nshaky,0.1,158,0."));
   EXPECT_THAT(csv, HasSubstr(",118,8,66.6666667,95.2380952,100\n"));

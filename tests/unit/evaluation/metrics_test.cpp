@@ -31,6 +31,15 @@ TEST(Metrics, AShapeMovedBy3MmIsWrongBy3MmAtEachPoint) {
   EXPECT_NEAR(metrics.all.solved_error.mean_mm, 3.0, kExact);
 }
 
+TEST(Metrics, AWrongShapeThatIsCalledEstimatedIsSilentlyWrongHoweverUnsureItIs) {
+  TestRun run;
+  run.say(0.6);
+  run.solved(21.0, TestRun::truth("mdh"));
+  run.solved(19.0, TestRun::truth("mdh"));
+  run.add(ShapeState::weak, run.shifted(21.0), TestRun::truth("mdh"));
+  EXPECT_EQ(evaluated(run).certainty.silently_wrong, 1);
+}
+
 TEST(Metrics, ErrorsAreEuclidean) {
   TestRun run;
   Points3 vertices_m = run.vertices();

@@ -92,6 +92,7 @@ class TestRun {
       Shape shape;
       shape.vertices_m = make_array<double>(*vertices_m);
       shape.state = static_cast<std::int32_t>(state);
+      shape.confidence = confidence_;
       shape.source = Array<std::uint8_t>({vertices_m->rows()});
       records.emplace_back("shape", host::Record::copy_of(shape));
     }
@@ -103,6 +104,9 @@ class TestRun {
                 to_string(state) + "\", \"age\": 0, \"failed\": " + (failed ? "true" : "false") +
                 ", \"stages\": [], \"ms\": {}}\n");
   }
+
+  /// The confidence of the frames from now on.
+  void say(double confidence) { confidence_ = confidence; }
 
   void solved(double z_mm, const std::optional<GroundTruth>& truth) {
     add(ShapeState::estimated, shifted(z_mm), truth);
@@ -134,6 +138,7 @@ class TestRun {
   std::string folder_;
   Template templ_;
   int count_ = 0;
+  double confidence_ = 1.0;
 };
 
 inline RunMetrics evaluated(const TestRun& run, Alignment alignment = Alignment::none) {

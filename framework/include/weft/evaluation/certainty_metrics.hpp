@@ -18,10 +18,8 @@ namespace weft::evaluation {
 /// What a confidence is about: a mean error of what is seen below this share of the template's
 /// diagonal.
 inline constexpr double kRightShare = 0.02;
-/// A frame is silently wrong when its mean error is above this, its state `estimated` and its
-/// confidence at least kSureConfidence.
+/// A frame is silently wrong when its mean error is above this and its state `estimated`.
 inline constexpr double kWrongMm = 20.0;
-inline constexpr double kSureConfidence = 0.75;
 
 /// What a solved frame said of its own error, beside the truth.
 struct FrameCertainty {

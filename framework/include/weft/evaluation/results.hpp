@@ -64,6 +64,8 @@ struct CertaintyCounts {
 
   /// Adds up what two runs counted.
   void add(const CertaintyCounts& other);
+  /// Mean over the frames that told one.
+  double confidence() const;
   double brier() const { return frames > 0 ? squares / static_cast<double>(frames) : kUnknown; }
 };
 
