@@ -34,7 +34,7 @@ class Progress final : public RunObserver {
       if (stages_.count(report.stage) == 0) order_.push_back(report.stage);
       Stage& stage = stages_[report.stage];
       ++stage.statuses[static_cast<std::size_t>(report.status)];
-      if (report.status != StageStatus::skipped) stage.ms.push_back(report.ms);
+      if (report.status != StageStatus::skipped) stage.spent(report.took);
       const bool first_error = stage.first_error.empty();
       if (report.status == StageStatus::error && first_error) {
         stage.first_error =
@@ -54,8 +54,8 @@ class Progress final : public RunObserver {
 
   void print_table() const {
     clear_bar();
-    fmt::print("{:<16}{:>7}{:>12}{:>11}{:>9}{:>7}{:>9}{:>9}\n", "stage", "ok", "degenerate",
-               "no_result", "skipped", "error", "ms p50", "ms p95");
+    fmt::print("{:<16}{:>7}{:>12}{:>11}{:>9}{:>7}{:>9}{:>9}{:>9}\n", "stage", "ok", "degenerate",
+               "no_result", "skipped", "error", "ms p50", "ms p95", "cpu p50");
     for (const std::string& name : order_) {
       const Stage& stage = stages_.at(name);
       const auto count = [&](StageStatus status) {
@@ -65,9 +65,10 @@ class Progress final : public RunObserver {
                  count(StageStatus::degenerate), count(StageStatus::no_result),
                  count(StageStatus::skipped), count(StageStatus::error));
       if (stage.ms.empty()) {
-        fmt::print("{:>9}{:>9}\n", "-", "-");
+        fmt::print("{:>9}{:>9}{:>9}\n", "-", "-", "-");
       } else {
-        fmt::print("{:>9.2f}{:>9.2f}\n", percentile(stage.ms, 50.0), percentile(stage.ms, 95.0));
+        fmt::print("{:>9.2f}{:>9.2f}{:>9.2f}\n", percentile(stage.ms, 50.0),
+                   percentile(stage.ms, 95.0), percentile(stage.processor_ms, 50.0));
       }
     }
     fmt::print("shapes: ");
@@ -89,8 +90,13 @@ class Progress final : public RunObserver {
  private:
   struct Stage {
     std::array<int, 5> statuses{};
-    std::vector<double> ms;
+    std::vector<double> ms, processor_ms;  ///< one a frame in which it was not skipped
     std::string first_error;
+
+    void spent(const host::Spent& took) {
+      ms.push_back(took.ms);
+      processor_ms.push_back(took.processor_ms);
+    }
   };
 
   void draw_bar(const FrameResult& frame) const {

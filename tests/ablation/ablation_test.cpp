@@ -290,6 +290,7 @@ TEST_F(Ablation, KeepsTimesOfCellsThatRanAlone) {
     EXPECT_EQ(stages[0].at("stage"), "detectors");
     EXPECT_EQ(stages[0].at("frames"), 2);
     EXPECT_GT(stages[0].at("p95_ms"), 0.0);
+    EXPECT_GT(stages[0].at("mean_processor_ms"), 0.0);
     EXPECT_EQ(all[i].at("metrics"), all[i + 2].at("metrics"));
   }
   run(grid, "out", 1, {true, false, {}});

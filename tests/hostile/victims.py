@@ -132,7 +132,7 @@ class Run:
                  if not name.startswith("line ")}
         for name, data in self.finished(folder).items():
             if name.startswith("line "):
-                found[name] = re.sub(r'"ms":(\{[^}]*\}|[\d.e-]+)', "", data.decode())
+                found[name] = re.sub(r'"(?:processor_)?ms":(\{[^}]*\}|[\d.e-]+)', "", data.decode())
         lines = folder / self.out / "lines.txt"
         found["lines.txt"] = lines.read_text() if lines.exists() else "absent"
         return found

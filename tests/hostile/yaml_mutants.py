@@ -77,7 +77,7 @@ def run_text(program: Program, folder: Path, name: str) -> str:
     out = folder / f"run-{name}"
     if ran.code not in (0, 1) or not (out / "pipeline.yaml").exists():
         return f"{name}: run ends with {ran.code}: {ran.err}"
-    lines = re.sub(r'"ms":(\{[^}]*\}|[\d.e-]+)', "", (out / "frames.jsonl").read_text())
+    lines = re.sub(r'"(?:processor_)?ms":(\{[^}]*\}|[\d.e-]+)', "", (out / "frames.jsonl").read_text())
     config = (out / "pipeline.yaml").read_text().replace(str(out), "")
     config = re.sub(r"[+-]?[\d.]+([eE][+-]?\d+)?", lambda found: as_number(found[0]), config)
     arrays = [file.read_bytes().hex() for file in sorted(out.glob("frames/*.npz"))]

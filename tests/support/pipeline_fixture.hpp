@@ -71,7 +71,7 @@ struct Ran : RunObserver {
   void frame_done(const FrameResult& frame) override { frames.push_back(frame); }
 
   const StageReport& report(std::size_t frame, const std::string& stage) const {
-    static const StageReport kNone{"no such stage", StageStatus::skipped, "", 0.0, {}, false};
+    static const StageReport kNone{"no such stage", StageStatus::skipped, "", {}, {}, false};
     if (frame >= frames.size()) return kNone;
     for (const StageReport& each : frames[frame].stages) {
       if (each.stage == stage) return each;

@@ -25,7 +25,7 @@ ReplyMessage honest() {
                     0,
                     0,
                     {array("kept", WEFT_U8, 0), array("score", WEFT_F64, 64)}}};
-  reply.timings = {{"filters/warp", "fit", 0, 1.0, WEFT_OK}};
+  reply.timings = {{"filters/warp", "fit", 0, 1.0, 1.0, WEFT_OK}};
   return reply;
 }
 

@@ -64,7 +64,7 @@ class Member {
     if (!evaluator) return fail(text_of(evaluator.error()));
     executor_ = *std::move(executor);
     evaluator_.emplace(*std::move(evaluator));
-    for (const std::string& stage : cell_.stages) result_.timings.push_back({stage, {}});
+    for (const std::string& stage : cell_.stages) result_.timings.push_back({stage, {}, {}});
   }
 
   /// Runs and measures a frame, unless the cell has ended.
@@ -119,7 +119,10 @@ class Member {
 
   void take(const StageReport& report, std::size_t stage) {
     if (report.shared) return;
-    if (report.status != StageStatus::skipped) result_.timings[stage].ms.push_back(report.ms);
+    if (report.status != StageStatus::skipped) {
+      result_.timings[stage].ms.push_back(report.took.ms);
+      result_.timings[stage].processor_ms.push_back(report.took.processor_ms);
+    }
     std::vector<std::string>& executed = result_.executed;
     if (std::find(executed.begin(), executed.end(), report.stage) == executed.end()) {
       executed.push_back(report.stage);

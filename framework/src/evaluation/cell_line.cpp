@@ -38,7 +38,8 @@ ordered_json timing_json(const CellResult& result, bool timed) {
                       {"frames", timing.ms.size()},
                       {"mean_ms", mean(timing.ms)},
                       {"p50_ms", percentile(timing.ms, 50.0)},
-                      {"p95_ms", percentile(timing.ms, 95.0)}});
+                      {"p95_ms", percentile(timing.ms, 95.0)},
+                      {"mean_processor_ms", mean(timing.processor_ms)}});
   }
   const std::int64_t frames = result.metrics ? result.metrics->counts.frames : 0;
   return {{"frames", frames}, {"stages", std::move(stages)}};

@@ -211,6 +211,7 @@ TextTable times_sheet(const Results& results, const ReportTables& tables) {
   table.columns.push_back({"stage", "stage"});
   table.columns.push_back({"mean, ms a frame", "mean_ms", true});
   table.columns.push_back({"median, ms", "median_ms", true});
+  table.columns.push_back({"processor, ms a frame", "mean_processor_ms", true});
   for (std::size_t i = 0; i < tables.combinations.size(); ++i) {
     for (const StageTime& time : tables.combinations[i].times) {
       TextRow row;
@@ -218,6 +219,7 @@ TextTable times_sheet(const Results& results, const ReportTables& tables) {
       row.cells.push_back(text_cell(time.stage));
       row.cells.push_back(number_cell(time.mean_ms, 2));
       row.cells.push_back(number_cell(time.median_ms, 2));
+      row.cells.push_back(number_cell(time.mean_processor_ms, 2));
       table.rows.push_back(std::move(row));
     }
   }

@@ -103,7 +103,7 @@ struct FilterMeans {
 };
 
 struct TimeMeans {
-  MeansBySequence mean_ms, median_ms;
+  MeansBySequence mean_ms, median_ms, mean_processor_ms;
 };
 
 /// The element for a stage, made at the end when it is the first of its stage.
@@ -126,8 +126,10 @@ void fill_stages(const Results& results, Combination& row) {
       of_stage(filters, rates.stage).add(cell.sequence, rates);
     }
     for (const StageTime& time : record.times) {
-      of_stage(times, time.stage).mean_ms.add(cell.sequence, time.mean_ms);
-      of_stage(times, time.stage).median_ms.add(cell.sequence, time.median_ms);
+      TimeMeans& means = of_stage(times, time.stage);
+      means.mean_ms.add(cell.sequence, time.mean_ms);
+      means.median_ms.add(cell.sequence, time.median_ms);
+      means.mean_processor_ms.add(cell.sequence, time.mean_processor_ms);
     }
   }
   for (auto& [stage, means] : filters) {
@@ -135,7 +137,8 @@ void fill_stages(const Results& results, Combination& row) {
     row.filters.push_back(means.finish());
   }
   for (const auto& [stage, means] : times) {
-    row.times.push_back({stage, means.mean_ms.value(), means.median_ms.value()});
+    row.times.push_back(
+        {stage, means.mean_ms.value(), means.median_ms.value(), means.mean_processor_ms.value()});
   }
 }
 

@@ -90,8 +90,8 @@ void read_metrics(const json& metrics, const std::set<std::string>& wanted, Cell
 void read_times(const json& timing, CellRecord& record) {
   if (timing.value("cached", false) || !timing.contains("stages")) return;
   for (const json& stage : timing.at("stages")) {
-    record.times.push_back(
-        {stage.at("stage"), number_of(stage, "mean_ms"), number_of(stage, "p50_ms")});
+    record.times.push_back({stage.at("stage"), number_of(stage, "mean_ms"),
+                            number_of(stage, "p50_ms"), number_of(stage, "mean_processor_ms")});
   }
 }
 

@@ -85,6 +85,7 @@ struct Callbacks {
     ReachableInputs& reachable = scope.reached.emplace_back();
     const auto readable = reachable.reach(views, scope.instance.device_memory, *call);
     scope.downloaded_bytes += outcome.downloaded_bytes + reachable.downloaded_bytes();
+    scope.worker_processor_ms += outcome.worker_processor_ms;
     if (!readable) return report(readable.error(), error);
     *outputs = readable->data();
     *output_count = readable->size();

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <chrono>
 #include <weft/host/plugin_error.hpp>
 #include <weft/sdk/roles.hpp>
 
@@ -154,7 +153,7 @@ Outcome Lane::enter(Instance& instance, int method, std::span<const weft_record>
   Scope scope{*this, instance, &methods[static_cast<std::size_t>(method)], depth, frame};
   const weft_call call = make_call(instance, scope, method, frame);
   weft_error error{};
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   ReachableInputs reachable;
   const auto readable = reachable.reach(inputs, instance.device_memory, call);
   scope.downloaded_bytes = reachable.downloaded_bytes();
@@ -169,13 +168,14 @@ Outcome Lane::enter(Instance& instance, int method, std::span<const weft_record>
   } else {
     status = report(readable.error(), &error);
   }
-  const std::chrono::duration<double, std::milli> elapsed =
-      std::chrono::steady_clock::now() - start;
+  Spent took = watch.spent();
+  took.processor_ms += scope.worker_processor_ms;
   Outcome outcome = finish(instance, scope, inputs, status, error);
   outcome.downloaded_bytes = scope.downloaded_bytes;
+  outcome.worker_processor_ms = scope.worker_processor_ms;
   timings_.push_back({instance.name(),
-                      elapsed.count(),
-                      start,
+                      took,
+                      watch.start(),
                       scope.method->name,
                       frame,
                       outcome.status,

@@ -58,6 +58,7 @@ struct Lane::Scope {
   std::deque<std::vector<weft_record>> views{};  ///< of those records
   std::deque<ReachableInputs> reached{};         ///< behind those of them that had to be fetched
   std::uint64_t downloaded_bytes = 0;            ///< for this call and those nested in it
+  double worker_processor_ms = 0.0;              ///< likewise
   std::string refusal{};                         ///< why the host refused an array, if it says
 
   /// Whether the role's method may produce this.

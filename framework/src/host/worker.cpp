@@ -138,7 +138,8 @@ Result<Worker::Answer> Worker::process(int method, std::uint64_t frame,
   const CallMessage call{component_.handle, frame, method, *std::move(placed), loans_->returned()};
   const auto reply = converse(MessageKind::process, pack(call), isolation_.deadline);
   if (!reply) return reply.error();
-  Answer answer{reply->status, error_in(*reply), {}, reply->timings, reply->downloaded_bytes};
+  Answer answer{reply->status,  error_in(*reply),        {},
+                reply->timings, reply->downloaded_bytes, reply->processor_ms};
   for (const PlacedRecord& output : reply->outputs) {
     auto record = adopt(output);
     if (!record) return fail(record.error().message).error();

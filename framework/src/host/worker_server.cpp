@@ -72,7 +72,8 @@ class Server {
 
  private:
   static ReplyMessage reply_of(const Error& error, std::int32_t status = WEFT_ERROR) {
-    return {status, static_cast<std::int32_t>(error.code), error.message, error.where, {}, {}, 0};
+    return {status, static_cast<std::int32_t>(error.code), error.message, error.where, {}, {}, 0,
+            0.0};
   }
 
   void log(const std::string& component, int level, const std::string& text) {
@@ -94,6 +95,7 @@ class Server {
   }
 
   ReplyMessage process(const CallMessage& call) {
+    const Stopwatch watch;
     for (const std::uint64_t offset : call.returned) lent_.erase(offset);
     std::deque<std::vector<weft_array>> arrays;
     const Outcome outcome = lane_.call(*instances_.at(call.handle), call.method,
@@ -103,8 +105,8 @@ class Server {
     if (!timings.empty()) timings.pop_back();  // the call itself, which the host measures
     for (const Timing& timing : timings) {
       const std::chrono::nanoseconds start = timing.start.time_since_epoch();
-      reply.timings.push_back({timing.component, timing.method, start.count(), timing.ms,
-                               timing.status, timing.downloaded_bytes});
+      reply.timings.push_back({timing.component, timing.method, start.count(), timing.took.ms,
+                               timing.took.processor_ms, timing.status, timing.downloaded_bytes});
     }
     reply.downloaded_bytes = outcome.downloaded_bytes;
     std::vector<RecordPtr> here;  // devices are this process's
@@ -116,6 +118,7 @@ class Server {
     for (std::size_t i = 0; i < here.size(); ++i) {
       reply.outputs.push_back(lend(outcome.outputs[i].first, here[i]));
     }
+    reply.processor_ms = watch.spent().processor_ms;
     return reply;
   }
 

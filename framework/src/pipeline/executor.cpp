@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <chrono>
 #include <weft/pipeline/checks.hpp>
 #include <weft/pipeline/compose.hpp>
 #include <weft/pipeline/executor.hpp>
@@ -17,11 +16,6 @@ Result<host::Instance*> instantiate(host::Lane& lane, const StageConfig& stage,
                                     const host::ComponentSpec& component) {
   return stage.isolation ? lane.instantiate_apart(component, stage.name, *stage.isolation)
                          : lane.instantiate(component, stage.name);
-}
-
-double since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-      .count();
 }
 
 }  // namespace
@@ -184,9 +178,9 @@ StageReport Executor::run_stage(Stage& stage, FrameResult& result) {
 StageReport Executor::execute(Stage& stage, FrameResult& result) {
   std::vector<weft_record> inputs;
   const std::string cause = gather(*stage.node, result, inputs);
-  StageReport report{stage.config->name, StageStatus::skipped, cause, 0.0, {}, false};
+  StageReport report{stage.config->name, StageStatus::skipped, cause, {}, {}, false};
   if (cause.empty()) {
-    const auto start = std::chrono::steady_clock::now();
+    const host::Stopwatch watch;
     Outcome outcome = lane_.is_cancelled()
                           ? Outcome{WEFT_CANCELLED, {Errc::cancelled, "was not begun", {}}, {}}
                           : lane_.call(*stage.made.instance, 0, inputs, result.index);
@@ -199,7 +193,7 @@ StageReport Executor::execute(Stage& stage, FrameResult& result) {
         outcome = {none ? WEFT_NO_RESULT : WEFT_ERROR, {error.code, error.message, id}, {}};
       }
     }
-    report = report_of(stage.config->name, outcome, since(start));
+    report = report_of(stage.config->name, outcome, watch.spent());
     for (const int output : stage.node->outputs) {
       const RecordPtr& record = result.values[static_cast<std::size_t>(output)];
       if (record != nullptr && record != stage.made.template_keypoints)

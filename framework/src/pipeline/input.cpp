@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <chrono>
 #include <weft/data/correspondences.hpp>
 #include <weft/pipeline/checks.hpp>
 #include <weft/pipeline/input.hpp>
@@ -92,11 +91,11 @@ Outcome PipelineInput::read_checked(std::uint64_t index) {
 }
 
 std::optional<PipelineInput::Frame> PipelineInput::read(std::uint64_t index) {
-  const auto start = std::chrono::steady_clock::now();
+  const host::Stopwatch watch;
   Outcome read = read_checked(index);
-  const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
+  const host::Spent took = watch.spent();
   if (frames_ < 0 && read.status == WEFT_NO_RESULT) return std::nullopt;
-  Frame frame{{index, {}, {}}, report_of(config_->source->name, read, ms.count())};
+  Frame frame{{index, {}, {}}, report_of(config_->source->name, read, took)};
   for (const auto& [slot, record] : read.outputs) add_numbers(*record, frame.report);
   if (!read.usable()) frame.input.failure = read.error.message;
   frame.input.records = std::move(read.outputs);

@@ -110,7 +110,7 @@ Replayed Replay::run(const StageCall& call, int repeat) {
   Replayed replayed;
   for (int i = 0; i < repeat; ++i) {
     replayed.outcome = in_host_memory(lane_.call(*instance_, 0, inputs, call.frame));
-    replayed.ms.push_back(lane_.take_timings().back().ms);
+    replayed.ms.push_back(lane_.take_timings().back().took.ms);
     if (replayed.differences.empty()) {
       replayed.differences = differences(call.outcome, replayed.outcome);
     }

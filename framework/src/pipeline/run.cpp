@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <chrono>
 #include <set>
 #include <weft/pipeline/dump.hpp>
 #include <weft/pipeline/input.hpp>
@@ -196,11 +195,10 @@ class Run {
   StageReport write(const Sink& sink, const FrameResult& result) {
     std::vector<weft_record> inputs;
     const std::string cause = gather(*sink.node, result, inputs);
-    if (!cause.empty()) return {sink.config->name, StageStatus::skipped, cause, 0.0, {}, false};
-    const auto start = std::chrono::steady_clock::now();
+    if (!cause.empty()) return {sink.config->name, StageStatus::skipped, cause, {}, {}, false};
+    const host::Stopwatch watch;
     const Outcome outcome = lane_.call(*sink.instance, kWriteFrame, inputs, result.index);
-    const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
-    return report_of(sink.config->name, outcome, ms.count());
+    return report_of(sink.config->name, outcome, watch.spent());
   }
 
   /// Finishes sinks and trace; the first error counts.

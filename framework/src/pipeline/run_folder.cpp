@@ -90,15 +90,26 @@ ordered_json number_json(double value) {
   return value;
 }
 
+double rounded(double value, double parts) { return std::round(value * parts) / parts; }
+
 ordered_json stage_json(const StageReport& report) {
   ordered_json object{{"stage", report.stage}, {"status", to_string(report.status)}};
   if (!report.reason.empty()) object["reason"] = report.reason;
-  object["ms"] = std::round(report.ms * 1000.0) / 1000.0;
+  object["ms"] = rounded(report.took.ms, 1000.0);
+  object["processor_ms"] = rounded(report.took.processor_ms, 1000.0);
   for (const auto& [name, value] : report.numbers) object[name] = number_json(value);
   return object;
 }
 
-double rounded(double value, double parts) { return std::round(value * parts) / parts; }
+/// The sum over a component's calls, for each that was called.
+ordered_json time_by_component(const std::vector<host::Timing>& timings,
+                               double host::Spent::*part) {
+  std::map<std::string, double> sums;
+  for (const host::Timing& timing : timings) sums[timing.component] += timing.took.*part;
+  ordered_json times = ordered_json::object();
+  for (const auto& [component, sum] : sums) times[component] = rounded(sum, 1000.0);
+  return times;
+}
 
 /// How sure the shape is of itself, as a whole and at each vertex.
 void add_certainty(const host::RecordPtr& record, ordered_json& line) {
@@ -262,10 +273,6 @@ Result<void> RunFolder::add(const Graph& graph, const FrameResult& frame,
   }
   ordered_json stages = ordered_json::array();
   for (const StageReport& report : frame.stages) stages.push_back(stage_json(report));
-  ordered_json times = ordered_json::object();
-  std::map<std::string, double> sums;
-  for (const host::Timing& timing : frame.timings) sums[timing.component] += timing.ms;
-  for (const auto& [component, ms] : sums) times[component] = std::round(ms * 1000.0) / 1000.0;
   ordered_json line{{"frame", frame.index},
                     {"stem", frame.stem},
                     {"state", to_string(frame.state)},
@@ -274,7 +281,8 @@ Result<void> RunFolder::add(const Graph& graph, const FrameResult& frame,
   line["failed"] = frame.failed();
   line["records"] = records.size();
   line["stages"] = std::move(stages);
-  line["ms"] = std::move(times);
+  line["ms"] = time_by_component(frame.timings, &host::Spent::ms);
+  line["processor_ms"] = time_by_component(frame.timings, &host::Spent::processor_ms);
   errno = 0;
   frames_ << dump(line) << std::endl;
   if (frames_) return {};

@@ -15,8 +15,9 @@ using nlohmann::ordered_json;
 /// Whole nanoseconds, so that no rounding moves a call out of its parent.
 std::chrono::nanoseconds length_of(const Timing& call) {
   constexpr double kLongest_ms = 1e12;
-  const bool legal = call.ms >= 0.0 && call.ms < kLongest_ms;  // a worker may say anything
-  return std::chrono::nanoseconds(legal ? std::llround(call.ms * 1e6) : 0);
+  const bool legal =
+      call.took.ms >= 0.0 && call.took.ms < kLongest_ms;  // a worker may say anything
+  return std::chrono::nanoseconds(legal ? std::llround(call.took.ms * 1e6) : 0);
 }
 
 double to_us(std::chrono::nanoseconds time) { return static_cast<double>(time.count()) / 1000.0; }

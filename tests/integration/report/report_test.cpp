@@ -222,8 +222,12 @@ TEST(Report, ShowsTimesOnlyOfAPassThatTookThem) {
   FakeResults timed(alone);
   const ReportTables tables = tables_of(read(timed));
   ASSERT_EQ(named(tables, "steady · 0.1").times.size(), 2U);
-  EXPECT_NEAR(named(tables, "steady · 0.1").times[1].mean_ms, 1.5, 1e-12);
+  const std::vector<StageTime>& times = named(tables, "steady · 0.1").times;
+  EXPECT_NEAR(times[1].mean_ms, 1.5, 1e-12);
+  EXPECT_NEAR(times[1].mean_processor_ms, 2.75, 1e-12);
+  EXPECT_TRUE(std::isnan(times[0].mean_processor_ms));
   EXPECT_THAT(written(timed), HasSubstr("detectors"));
+  EXPECT_THAT(timed.read("report/times.csv"), HasSubstr("filters,1.5,1.25,2.75\n"));
 }
 
 TEST(Report, WritesTablesAsCsvAndMarkdown) {

@@ -88,10 +88,20 @@ TEST_F(LaneTest, TimesEveryCallNestedOnesFirst) {
   std::vector<std::string> names;
   for (const Timing& timing : lane_.take_timings()) {
     names.push_back(timing.component);
-    EXPECT_GE(timing.ms, 0.0);
+    EXPECT_GE(timing.took.ms, 0.0);
   }
   EXPECT_THAT(names, ::testing::ElementsAre("filters/warp", "filters/warp", "filters"));
   EXPECT_TRUE(lane_.take_timings().empty());
+}
+
+TEST_F(LaneTest, CountsProcessorTimeOfAllThreadsAndNoneOfWaiting) {
+  filter(instantiate("filters/zoo_busy", "{threads: 3, each_ms: 10}"));
+  filter(instantiate("filters/zoo_busy", "{threads: 0, sleep_ms: 40}"));
+  const std::vector<Timing> timings = lane_.take_timings();
+  ASSERT_EQ(timings.size(), 2U);
+  EXPECT_GE(timings[0].took.processor_ms, 30.0);
+  EXPECT_GE(timings[1].took.ms, 40.0);
+  EXPECT_LT(timings[1].took.processor_ms, 40.0);
 }
 
 TEST_F(LaneTest, AFlaggedResultKeepsItsOutputsAndItsReason) {

@@ -151,6 +151,15 @@ TEST_F(WorkerTest, GivesTheSameBytesTimingsAndDrawsAsInThisProcess) {
   }
 }
 
+TEST_F(WorkerTest, WhatAWorkerComputedCountsAsProcessorTimeOfTheCall) {
+  const Outcome outcome = filter(apart("filters/zoo_busy", "{threads: 2, each_ms: 10}"));
+  ASSERT_EQ(outcome.status, WEFT_OK) << outcome.error.message;
+  EXPECT_GE(outcome.worker_processor_ms, 20.0);
+  const std::vector<Timing> timings = lane_->take_timings();
+  ASSERT_EQ(timings.size(), 1U);
+  EXPECT_GE(timings[0].took.processor_ms, outcome.worker_processor_ms);
+}
+
 TEST_F(WorkerTest, ParametersOfEveryTypeArrive) {
   const zoo::TemporaryFolder folder;
   zoo::write_file(folder / "table", "");

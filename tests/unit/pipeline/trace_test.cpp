@@ -132,7 +132,7 @@ class TraceFile : public testing::PipelineTest {
   }
   static host::Timing call(const std::string& component, int start_us, double ms,
                            const std::string& worker = {}) {
-    return {component, ms, Time(microseconds(start_us)), "run", 0, WEFT_OK, worker};
+    return {component, {ms, 0.0}, Time(microseconds(start_us)), "run", 0, WEFT_OK, worker};
   }
 };
 

@@ -14,7 +14,7 @@ namespace weft::evaluation {
 /// How long the calls of a stage took, of frames in which it was not skipped.
 struct StageTiming {
   std::string stage;
-  std::vector<double> ms;  ///< one for each frame
+  std::vector<double> ms, processor_ms;  ///< one for each frame, see host::Spent
 };
 
 /// What a cell came to.

@@ -50,8 +50,9 @@ struct FilterRates {
 /// Time of a stage for a frame, of a pass with --timing.
 struct StageTime {
   std::string stage;
-  double mean_ms = kUnknown;    ///< [] ms
-  double median_ms = kUnknown;  ///< [] ms
+  double mean_ms = kUnknown;            ///< [] ms
+  double median_ms = kUnknown;          ///< [] ms
+  double mean_processor_ms = kUnknown;  ///< [] ms; NaN in results of older programs
 };
 
 /// What solved frames said of their own error, and what came true; see CertaintyMetrics.

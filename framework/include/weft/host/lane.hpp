@@ -12,6 +12,7 @@
 #include <weft/host/component_spec.hpp>
 #include <weft/host/isolation.hpp>
 #include <weft/host/record.hpp>
+#include <weft/host/stopwatch.hpp>
 #include <weft/sdk/role.hpp>
 
 namespace weft::host {
@@ -22,6 +23,7 @@ struct Outcome {
   Error error;  ///< for degenerate its message is the reason
   std::vector<std::pair<std::string, RecordPtr>> outputs;  ///< by slot
   std::uint64_t downloaded_bytes = 0;  ///< fetched from device memory for it and those nested in it
+  double worker_processor_ms = 0.0;    ///< [] ms that workers spent on it and those nested in it
 
   bool usable() const { return status == WEFT_OK || status == WEFT_DEGENERATE; }
   RecordPtr find(std::string_view slot) const;
@@ -33,7 +35,7 @@ inline constexpr std::uint64_t kOfflineFrame = ~std::uint64_t{0};
 /// One call of a component, nested ones included in its time.
 struct Timing {
   std::string component;  ///< "filters", "filters/warp": stage name and nested path
-  double ms = 0.0;
+  Spent took;
   std::chrono::steady_clock::time_point start{};
   std::string method;  ///< as its role calls it: "fit", "evaluate"
   std::uint64_t frame = kOfflineFrame;

@@ -38,6 +38,7 @@ class Worker {
     std::vector<std::pair<std::string, std::shared_ptr<Record>>> outputs;  ///< by slot, unchecked
     std::vector<PlacedTiming> timings;                                     ///< nested components
     std::uint64_t downloaded_bytes = 0;                                    ///< see host::Outcome
+    double processor_ms = 0.0;                                             ///< [] ms spent there
   };
 
   Worker(Isolation isolation, Workplace workplace, CreateMessage component);

@@ -93,15 +93,15 @@ struct LogMessage {
 
 struct PlacedTiming {
   std::string component, method;
-  std::int64_t start_ns = 0;  ///< [ns] of the steady clock, which is the machine's
-  double ms = 0.0;
+  std::int64_t start_ns = 0;            ///< [ns] of the steady clock, which is the machine's
+  double ms = 0.0, processor_ms = 0.0;  ///< see Spent
   std::int32_t status = WEFT_OK;
   std::uint64_t downloaded_bytes = 0;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit(self.component), visit(self.method), visit(self.start_ns), visit(self.ms);
-    visit(self.status), visit(self.downloaded_bytes);
+    visit(self.processor_ms), visit(self.status), visit(self.downloaded_bytes);
   }
 };
 
@@ -112,11 +112,13 @@ struct ReplyMessage {
   std::vector<PlacedRecord> outputs;
   std::vector<PlacedTiming> timings;  ///< of the components nested in the one called
   std::uint64_t downloaded_bytes = 0;
+  double processor_ms = 0.0;  ///< [] ms that this process spent on the call
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit(self.status), visit(self.code), visit(self.message), visit(self.where);
     visit(self.outputs), visit(self.timings), visit(self.downloaded_bytes);
+    visit(self.processor_ms);
   }
 };
 

@@ -21,7 +21,7 @@ struct StageReport {
   std::string stage;
   StageStatus status = StageStatus::ok;
   std::string reason;  ///< of anything but ok; for skipped the first cause
-  double ms = 0.0;     ///< [ms] nested components included
+  host::Spent took;    ///< nested components included
   std::vector<std::pair<std::string, double>> numbers;  ///< counts and scalar diagnostics
   bool shared = false;          ///< taken from another pipeline, see StageMemo
   Errc code = Errc::no_result;  ///< of an error
@@ -60,9 +60,9 @@ struct FrameResult {
   std::vector<std::string> causes;      ///< one for each value: why it is absent, if it is
   host::RecordPtr shape;                ///< solved or predicted; null before the first one
   ShapeState state = ShapeState::none;
-  std::int64_t age_frames = 0;        ///< [frames] since the shape was measured
-  std::vector<host::Timing> timings;  ///< of nested components too
-  std::vector<StageCall> calls;       ///< of the stages of Executor::keep_calls_of
+  std::int64_t age_frames = 0;                        ///< [frames] since the shape was measured
+  std::vector<host::Timing> timings;                  ///< of nested components too
+  std::vector<StageCall> calls;                       ///< of the stages of Executor::keep_calls_of
 
   /// A frame is failed when a stage, the source or a sink had an error; no_result is none.
   bool failed() const;
@@ -75,7 +75,7 @@ std::string gather(const Node& node, const FrameResult& result, std::vector<weft
 /// component calls evidence.
 void add_numbers(const host::Record& record, StageReport& report);
 
-/// Status, reason and time of a call as a report.
-StageReport report_of(const std::string& stage, const host::Outcome& outcome, double ms);
+/// Status, reason and time of a call as a report; `here` is what this process spent on it.
+StageReport report_of(const std::string& stage, const host::Outcome& outcome, host::Spent here);
 
 }  // namespace weft

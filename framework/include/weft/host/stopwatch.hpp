@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+
+namespace weft::host {
+
+/// What something took. Processor time counts all threads of the processes that worked for it, so
+/// it is larger than the time on the wall where several of them ran at once, and smaller where they
+/// waited: for a disk, a device, or a core that others had.
+struct Spent {
+  double ms = 0.0;            ///< [] ms on the wall
+  double processor_ms = 0.0;  ///< [] ms of processor time
+};
+
+/// Measures what is spent from its making on.
+class Stopwatch {
+ public:
+  Stopwatch();
+
+  std::chrono::steady_clock::time_point start() const { return start_; }
+
+  /// Of the processor that of this process alone.
+  Spent spent() const;
+
+ private:
+  std::chrono::steady_clock::time_point start_;
+  double processor_start_ms_;
+};
+
+}  // namespace weft::host
