@@ -9,6 +9,7 @@
 #include <weft/pipeline/trace.hpp>
 
 #include "output_paths.hpp"
+#include "setup_monitor.hpp"
 
 namespace weft {
 namespace {
@@ -111,6 +112,11 @@ class Run {
     summary_.cancelled = cancel_.load();
     summary_.stopped = summary_.stopped || summary_.cancelled;
     summary_.warnings = warnings_.take();
+    if (monitor_) {
+      for (RunWarning& warning : monitor_->warnings()) {
+        summary_.warnings.push_back(std::move(warning));
+      }
+    }
     if (folder_ && summary_.cancelled && summary_.frames == 0) {
       trace_.reset();
       folder_->withdraw();
@@ -133,6 +139,10 @@ class Run {
     need(Dump::check_names(config_, dumped_));
     input_.emplace(need(PipelineInput::open(config_, lane_)));
     executor_ = need(Executor::create(config_, graph_, lane_, input_->templ(), input_->camera()));
+    // A mesh that is no surface has no lengths to judge by: such a run is not watched.
+    if (auto made = SetupMonitor::create(input_->templ(), input_->camera())) {
+      monitor_.emplace(*std::move(made));
+    }
     stop_if_cancelled();
     // Not before: a run that cannot start leaves no folder behind.
     if (!folder_path_.empty()) open_folder();
@@ -176,6 +186,7 @@ class Run {
     FrameResult result = executor_->process(read->input);
     result.stages.insert(result.stages.begin(), read->report);
     if (result.failed() && cancel_.load()) return false;  // cut short: this is no result
+    if (monitor_) monitor_->add(graph_, result);
     lane_.watch(nullptr);  // a frame that is there is written by all sinks, or by none
     for (const Sink& sink : sinks_) result.stages.push_back(write(sink, result));
     watch();
@@ -237,6 +248,7 @@ class Run {
   std::optional<Dump> dump_;
   std::optional<PipelineInput> input_;
   std::unique_ptr<Executor> executor_;
+  std::optional<SetupMonitor> monitor_;
   std::vector<Sink> sinks_;
   RunSummary summary_;
 };

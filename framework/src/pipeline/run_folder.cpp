@@ -281,6 +281,8 @@ Result<void> RunFolder::add(const Graph& graph, const FrameResult& frame,
   line["failed"] = frame.failed();
   line["records"] = records.size();
   line["stages"] = std::move(stages);
+  for (const auto& [name, value] : frame.setup) line["setup"][name] = rounded(value, 1e4);
+  if (!frame.warnings.empty()) line["warnings"] = frame.warnings;
   line["ms"] = time_by_component(frame.timings, &host::Spent::ms);
   line["processor_ms"] = time_by_component(frame.timings, &host::Spent::processor_ms);
   errno = 0;

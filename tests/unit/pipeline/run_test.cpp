@@ -334,6 +334,23 @@ TEST_F(Runs, CountTheFramesInWhichAComponentWarns) {
   EXPECT_EQ(ran.summary->warnings[1].frames, 3);
 }
 
+TEST_F(Runs, WarnOfASetUpAgainstWhichTheirFramesSpeak) {
+  const Ran ran =
+      run(chain({{"sources", "{frames: 6}"}, {"solvers", "{no_result_at: [0, 1, 2, 3, 4, 5]}"}}));
+  ASSERT_TRUE(ran.summary);
+  ASSERT_EQ(ran.summary->warnings.size(), 1U);
+  EXPECT_EQ(ran.summary->warnings[0].component, "setup");
+  EXPECT_THAT(ran.summary->warnings[0].text, HasSubstr("recognised in 0 of 6 frames"));
+  EXPECT_EQ(ran.summary->warnings[0].frames, 6);
+  const auto lines = read_lines(ran.folder + "/frames.jsonl");
+  ASSERT_EQ(lines.size(), 6U);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const json frame = json::parse(lines[i]);
+    EXPECT_TRUE(frame["setup"].contains("coherent_rejects"));
+    EXPECT_EQ(frame.contains("warnings"), i == 4) << "told once, as soon as it is found out";
+  }
+}
+
 TEST_F(Runs, EndASourceOfUnknownLengthWhereItSaysSo) {
   const Ran ran = run(chain({{"sources", "{unknown_count: true, frames: 4, error_at: [1]}"}}));
   ASSERT_TRUE(ran.summary);

@@ -63,6 +63,8 @@ struct FrameResult {
   std::int64_t age_frames = 0;                        ///< [frames] since the shape was measured
   std::vector<host::Timing> timings;                  ///< of nested components too
   std::vector<StageCall> calls;                       ///< of the stages of Executor::keep_calls_of
+  std::vector<std::pair<std::string, double>> setup;  ///< what it says of the run's set-up
+  std::vector<std::string> warnings;                  ///< of the set-up, found out by now
 
   /// A frame is failed when a stage, the source or a sink had an error; no_result is none.
   bool failed() const;

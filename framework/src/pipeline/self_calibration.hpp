@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/SparseCholesky>
+#include <memory>
+#include <optional>
+#include <vector>
+#include <weft/data/camera.hpp>
+#include <weft/data/correspondences.hpp>
+#include <weft/data/template.hpp>
+#include <weft/geometry/distance_constraints.hpp>
+#include <weft/geometry/mesh_bending.hpp>
+
+namespace weft {
+
+/// By what a set-up may deviate from what is said of it: the focal lengths are fx exp(focal -
+/// aspect) and fy exp(focal + aspect), the lens moves a point at radius r, in normalised
+/// coordinates, to r (1 + lens r^2), the principal point is off by (fx centre_x, fy centre_y), and
+/// lengths on the template are 1 + keystone_x x + keystone_y y + barrel (x^2 + y^2) times as long,
+/// x and y from -1 to 1 over the texture. The last three are there because no template is exact to
+/// a per cent, and a keystone looks like the perspective of a flat sheet, a barrel like a lens.
+enum Part : std::uint8_t {
+  kFocal,
+  kAspect,
+  kLens,
+  kCentreX,
+  kCentreY,
+  kKeystoneX,
+  kKeystoneY,
+  kBarrel
+};
+inline constexpr int kParts = 8;
+using PartVector = Eigen::Matrix<double, kParts, 1>;
+using PartMatrix = Eigen::Matrix<double, kParts, kParts>;
+
+/// What frames say of the deviation; frames add up.
+struct CameraEvidence {
+  PartMatrix information = PartMatrix::Zero();  ///< inverse covariance of the deviation
+  PartVector weighted = PartVector::Zero();     ///< information times deviation
+
+  void add(const CameraEvidence& other) {
+    information += other.information;
+    weighted += other.weighted;
+  }
+};
+
+/// What is believed of a deviation before any frame is seen: 0, give or take these.
+inline PartVector prior_std() {
+  return (PartVector() << 0.7, 0.3, 0.5, 0.1, 0.1, 0.01, 0.01, 0.01).finished();
+}
+
+/// The likeliest deviation and its covariance.
+struct CameraDeviation {
+  PartVector mean = PartVector::Zero();
+  PartMatrix covariance = PartMatrix::Zero();
+
+  PartVector stds() const { return covariance.diagonal().cwiseSqrt(); }
+
+  static CameraDeviation of(const CameraEvidence& evidence);
+};
+
+/// Calibrates the camera from a surface whose lengths are known (bundle adjustment of a single
+/// frame): minimises, over vertices and camera at once,
+///
+///     sum_matches rho(|projection - pixel| / noise) + sum_edges ((|d| - l0) / (strain l0))^2
+///       + sum_hinges (bend - bend at rest)^2 / (0.3 rad)^2
+///
+/// by Gauss-Newton from the shape of a solver, noise and strain being those of the matches and
+/// edges (0.5 px and 0.002 at least), and takes the vertices out of the normal equations (Schur
+/// complement). A flat sheet that is seen frontally says nothing of the focal length, a cloth that
+/// stretches next to nothing, and then the information says so.
+class SelfCalibration {
+ public:
+  /// Error where the template's mesh is no surface.
+  static Result<SelfCalibration> of(const Template& templ);
+
+  /// `vertices_m` [V,3] m, camera frame. Nothing where fewer than 30 kept matches lie on the mesh,
+  /// or where no such camera explains them.
+  std::optional<CameraEvidence> look(const Camera& camera, const Points3View& vertices_m,
+                                     const Correspondences& matches);
+
+ private:
+  struct Observation {
+    std::int32_t face;
+    Eigen::Vector3d weights;   ///< barycentric
+    Eigen::Vector2d pixel_px;  ///< where it is seen
+  };
+  struct State {
+    Points3 vertices_m;
+    PartVector deviation;
+    double noise_px, strain;
+  };
+  struct Equations;
+
+  bool measure_noise(const Camera& camera, State& state) const;
+  void add_matches(const Camera& camera, const State& state, Equations& equations);
+  void add_edges(const State& state, Equations& equations) const;
+  void add_hinges(const State& state, Equations& equations) const;
+  Eigen::Vector3d bend_off(const State& state, std::size_t hinge) const;
+  double edge_over_m(const State& state, std::size_t e) const;
+  /// What is minimised, with noise and strain as they are; infinite behind the camera.
+  double cost(const Camera& camera, const State& state) const;
+  /// Largest change of a part, in standard deviations, 0 where nothing is better; nothing where the
+  /// equations cannot be solved.
+  std::optional<double> step(const Camera& camera, State& state, CameraEvidence& evidence);
+
+  Faces faces_;
+  std::vector<DistanceConstraint> edges_;
+  Points3 edge_places_;  ///< [E,3] x, y, x^2 + y^2 of the middle of each edge
+  std::vector<BendingHinge> hinges_;
+  std::vector<double> rest_bend_rad_;  ///< of each hinge
+  std::vector<Observation> observations_;
+  std::vector<Eigen::Matrix<double, 9, 9>> face_blocks_;
+  using Factor = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;
+  std::unique_ptr<Factor> factor_ = std::make_unique<Factor>();  // it cannot be moved
+  bool analysed_ = false;  ///< the pattern is that of the mesh
+};
+
+}  // namespace weft

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "setup_monitor.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <iostream>
+
+#include "bent_sheets.hpp"
+
+namespace weft {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::SeenSheet;
+
+/// Frames by hand: a shape, and the matches that it was made from.
+class SetupMonitorTest : public ::testing::Test {
+ protected:
+  static constexpr std::uint64_t kSeed = 2033;
+
+  SetupMonitorTest() {
+    std::cout << "seed " << kSeed << "\n";
+    graph_.values.push_back({.slot = "correspondences", .stage = 0, .name = "filters"});
+  }
+
+  SetupMonitor watch(const Camera& given) const {
+    return *SetupMonitor::create(host::Record::copy_of(templ_), host::Record::copy_of(given));
+  }
+
+  FrameResult frame(const Correspondences& matches, const Points3* vertices_m) {
+    FrameResult result;
+    result.index = next_++;
+    result.values = {host::Record::copy_of(matches)};
+    if (vertices_m == nullptr) return result;
+    Shape shape;
+    shape.vertices_m = Array<double>({vertices_m->rows(), 3});
+    shape.vertices_m.matrix<3>() = *vertices_m;
+    shape.source = Array<std::uint8_t>({vertices_m->rows()});
+    result.shape = host::Record::copy_of(shape);
+    result.state = ShapeState::estimated;
+    return result;
+  }
+
+  FrameResult sheet_frame(const Camera& given, double k1 = 0.0) {
+    const SeenSheet seen =
+        testing::see_bent_sheet(templ_, real_, given, k1, static_cast<int>(next_ % 6), rng_);
+    return frame(seen.matches, &seen.vertices_m);
+  }
+
+  /// What each frame warned of for the first time: "", or the texts, each with a line break.
+  std::vector<std::string> told_by(SetupMonitor& monitor, std::vector<FrameResult>& frames) {
+    std::vector<std::string> told;
+    for (FrameResult& frame : frames) {
+      monitor.add(graph_, frame);
+      std::string& text = told.emplace_back();
+      for (const std::string& warning : frame.warnings) text += warning + "\n";
+    }
+    return told;
+  }
+
+  std::vector<FrameResult> sheet_frames(int count, const Camera& given, double k1 = 0.0) {
+    std::vector<FrameResult> frames;
+    for (int i = 0; i < count; ++i) frames.push_back(sheet_frame(given, k1));
+    return frames;
+  }
+
+  Graph graph_;
+  Template templ_ = testing::make_template(testing::kBentSpec);
+  Camera real_ = testing::make_camera();
+  Rng rng_{kSeed};
+  std::uint64_t next_ = 0;
+};
+
+TEST_F(SetupMonitorTest, SaysNothingOfASetUpThatIsRight) {
+  SetupMonitor monitor = watch(real_);
+  std::vector<FrameResult> frames = sheet_frames(12, real_);
+  EXPECT_THAT(told_by(monitor, frames), ::testing::Each(IsEmpty()));
+  EXPECT_THAT(monitor.warnings(), IsEmpty());
+}
+
+TEST_F(SetupMonitorTest, TellsAWrongFocalLengthOnceInAFrameAndAtTheEndWithItsFigures) {
+  Camera given = real_;
+  given.fx *= 1.25;
+  given.fy *= 1.25;
+  SetupMonitor monitor = watch(given);
+  std::vector<FrameResult> frames = sheet_frames(6, given);
+  const std::vector<std::string> told = told_by(monitor, frames);
+  EXPECT_THAT(told[1], IsEmpty()) << "two frames are too few";
+  EXPECT_THAT(told[2], HasSubstr("the focal length seems to be 0.8"));
+  for (std::size_t i = 3; i < 6; ++i) EXPECT_THAT(told[i], IsEmpty());
+  ASSERT_EQ(monitor.warnings().size(), 1U);
+  EXPECT_EQ(monitor.warnings()[0].component, "setup");
+  EXPECT_EQ(monitor.warnings()[0].frames, 6);
+  EXPECT_THAT(monitor.warnings()[0].text, HasSubstr("times the one given, 1025 px"));
+  for (const FrameResult& frame : frames) {
+    ASSERT_FALSE(frame.setup.empty());
+    EXPECT_EQ(frame.setup[0].first, "focal_factor");
+    EXPECT_EQ(frame.setup[1].first, "focal_std");
+    EXPECT_NEAR(frame.setup[0].second, 0.8, 3.0 * frame.setup[1].second);
+    EXPECT_LT(frame.setup[1].second, 0.15);
+  }
+}
+
+/// What a template is not is the same in all frames of an object that keeps still.
+TEST_F(SetupMonitorTest, TakesFramesThatLookAlikeForOne) {
+  Camera given = real_;
+  given.fx *= 1.25;
+  given.fy *= 1.25;
+  SetupMonitor monitor = watch(given);
+  std::vector<FrameResult> frames;
+  for (int i = 0; i < 8; ++i) {
+    const SeenSheet seen = testing::see_bent_sheet(templ_, real_, given, 0.0, 1, rng_);
+    frames.push_back(frame(seen.matches, &seen.vertices_m));
+  }
+  EXPECT_THAT(told_by(monitor, frames), ::testing::Each(IsEmpty()));
+}
+
+TEST_F(SetupMonitorTest, TellsWrongProportionsAndALensThatBendsLines) {
+  Camera given = real_;
+  given.fx *= 1.1;
+  SetupMonitor flattened = watch(given);
+  std::vector<FrameResult> frames = sheet_frames(6, given);
+  told_by(flattened, frames);
+  ASSERT_EQ(flattened.warnings().size(), 1U);
+  EXPECT_THAT(flattened.warnings()[0].text, HasSubstr("fx seems to be 0.9"));
+
+  next_ = 0;
+  SetupMonitor bent = watch(real_);
+  frames = sheet_frames(6, real_, -0.3);
+  told_by(bent, frames);
+  ASSERT_EQ(bent.warnings().size(), 1U);
+  EXPECT_THAT(bent.warnings()[0].text, HasSubstr("the lens seems to bend straight lines"));
+}
+
+TEST_F(SetupMonitorTest, TellsAPrincipalPointThatIsOff) {
+  Camera given = real_;
+  given.cx += 60.0;
+  SetupMonitor monitor = watch(given);
+  std::vector<FrameResult> frames = sheet_frames(6, given);
+  told_by(monitor, frames);
+  ASSERT_EQ(monitor.warnings().size(), 1U);
+  EXPECT_THAT(monitor.warnings()[0].text, HasSubstr("px left of and "));
+}
+
+/// The filter refuses such matches, so that no set that is filtered is there.
+TEST_F(SetupMonitorTest, CountsFramesWhoseFilterHadNoResult) {
+  graph_.values.push_back({.slot = "correspondences", .stage = 1, .name = "filters"});
+  SetupMonitor monitor = watch(real_);
+  std::vector<FrameResult> frames;
+  for (int i = 0; i < 6; ++i) {
+    const SeenSheet seen = testing::see_bent_sheet(templ_, real_, real_, 0.0, i, rng_);
+    frames.push_back(frame(seen.matches, nullptr));
+    frames.back().values.push_back(nullptr);
+  }
+  told_by(monitor, frames);
+  ASSERT_EQ(monitor.warnings().size(), 1U);
+  EXPECT_THAT(monitor.warnings()[0].text, HasSubstr("recognised in 0 of 6 frames"));
+}
+
+TEST_F(SetupMonitorTest, TellsThatTheTextureIsNotThatOfTheObject) {
+  SetupMonitor monitor = watch(real_);
+  std::vector<FrameResult> frames;
+  for (int i = 0; i < 6; ++i) {
+    SeenSheet seen = testing::see_bent_sheet(templ_, real_, real_, 0.0, i, rng_);
+    for (std::int64_t m = 8; m < seen.matches.count(); ++m) seen.matches.kept(m) = 0;
+    for (std::int64_t m = 0; m < seen.matches.count(); ++m) {
+      seen.matches.image_px(m, 0) = 640.0 * rng_.uniform();
+    }
+    frames.push_back(frame(seen.matches, nullptr));
+  }
+  const std::vector<std::string> told = told_by(monitor, frames);
+  EXPECT_THAT(told[3], IsEmpty());
+  EXPECT_THAT(told[4], HasSubstr("the texture was recognised in 0 of 5 frames"));
+  ASSERT_EQ(monitor.warnings().size(), 1U);
+}
+
+TEST_F(SetupMonitorTest, TellsThatAnObjectIsTooFastToBeFollowed) {
+  SetupMonitor monitor = watch(real_);
+  std::vector<FrameResult> frames;
+  for (int i = 0; i < 7; ++i) {
+    SeenSheet seen = testing::see_bent_sheet(templ_, real_, real_, 0.0, 1, rng_);
+    seen.vertices_m.col(0).array() += 0.12 * i;
+    frames.push_back(frame(seen.matches, &seen.vertices_m));
+  }
+  told_by(monitor, frames);
+  ASSERT_EQ(monitor.warnings().size(), 1U);
+  EXPECT_THAT(monitor.warnings()[0].text, HasSubstr("take more frames a second"));
+}
+
+TEST_F(SetupMonitorTest, TellsThatASecondPrintIsInViewOrThatAPartIsElsewhere) {
+  for (const bool elsewhere : {false, true}) {
+    next_ = 0;
+    SetupMonitor monitor = watch(real_);
+    std::vector<FrameResult> frames;
+    for (int i = 0; i < 5; ++i) {
+      SeenSheet seen = testing::see_bent_sheet(templ_, real_, real_, 0.0, i, rng_);
+      for (std::int64_t m = 0; m < seen.matches.count(); ++m) {
+        const bool away = elsewhere ? seen.matches.template_px(m, 0) < 480.0 : m % 2 == 0;
+        seen.matches.kept(m) = away ? 0 : 1;
+        if (away) seen.matches.image_px(m, 1) += 300.0;
+      }
+      frames.push_back(frame(seen.matches, &seen.vertices_m));
+    }
+    told_by(monitor, frames);
+    ASSERT_EQ(monitor.warnings().size(), 1U);
+    EXPECT_THAT(monitor.warnings()[0].text,
+                HasSubstr(elsewhere ? "lie elsewhere" : "second print"));
+  }
+}
+
+TEST_F(SetupMonitorTest, LooksLessAndLessOften) {
+  SetupMonitor monitor = watch(real_);
+  std::vector<std::uint64_t> looked;
+  std::vector<FrameResult> frames = sheet_frames(30, real_);
+  told_by(monitor, frames);
+  for (const FrameResult& frame : frames) {
+    if (!frame.setup.empty()) looked.push_back(frame.index);
+  }
+  EXPECT_THAT(looked, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 15, 18, 22, 27));
+}
+
+}  // namespace
+}  // namespace weft
