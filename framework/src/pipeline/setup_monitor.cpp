@@ -90,7 +90,8 @@ void SetupMonitor::add(const Graph& graph, FrameResult& frame) {
   count_jumps(frame.state == ShapeState::estimated && shape ? &*shape : nullptr, frame.index);
   if (const host::RecordPtr record = last_matches(graph, frame)) {
     const auto matches = host::view_as<Correspondences>(*record);
-    count_recognised(frame.state, shape ? &*shape : nullptr, *matches);
+    const bool solves = graph.latest("shape") >= 0;
+    if (solves) count_recognised(frame.state, shape ? &*shape : nullptr, *matches);
     if (is_due(frame.index)) {
       if (shape) look_at_camera(*shape, *matches, frame);
       look_at_rejects(*matches, frame);

@@ -24,6 +24,7 @@ class SetupMonitorTest : public ::testing::Test {
   SetupMonitorTest() {
     std::cout << "seed " << kSeed << "\n";
     graph_.values.push_back({.slot = "correspondences", .stage = 0, .name = "filters"});
+    graph_.values.push_back({.slot = "shape", .stage = 2, .name = "solvers"});
   }
 
   SetupMonitor watch(const Camera& given) const {
@@ -33,7 +34,7 @@ class SetupMonitorTest : public ::testing::Test {
   FrameResult frame(const Correspondences& matches, const Points3* vertices_m) {
     FrameResult result;
     result.index = next_++;
-    result.values = {host::Record::copy_of(matches)};
+    result.values = {host::Record::copy_of(matches), nullptr};
     if (vertices_m == nullptr) return result;
     Shape shape;
     shape.vertices_m = Array<double>({vertices_m->rows(), 3});
@@ -158,6 +159,18 @@ TEST_F(SetupMonitorTest, CountsFramesWhoseFilterHadNoResult) {
   told_by(monitor, frames);
   ASSERT_EQ(monitor.warnings().size(), 1U);
   EXPECT_THAT(monitor.warnings()[0].text, HasSubstr("recognised in 0 of 6 frames"));
+}
+
+TEST_F(SetupMonitorTest, MissesNoShapeWhereNothingSolves) {
+  graph_.values.pop_back();
+  SetupMonitor monitor = watch(real_);
+  std::vector<FrameResult> frames;
+  for (int i = 0; i < 6; ++i) {
+    const SeenSheet seen = testing::see_bent_sheet(templ_, real_, real_, 0.0, i, rng_);
+    frames.push_back(frame(seen.matches, nullptr));
+    frames.back().values.pop_back();
+  }
+  EXPECT_THAT(told_by(monitor, frames), ::testing::Each(IsEmpty()));
 }
 
 TEST_F(SetupMonitorTest, TellsThatTheTextureIsNotThatOfTheObject) {
