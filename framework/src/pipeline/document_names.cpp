@@ -13,7 +13,7 @@ std::string role_meant(std::string_view id) {
     for (const Role& role : all_roles()) names.push_back(role.name);
     return names;
   }();
-  const std::string role(id.substr(0, id.find('/')));
+  std::string role(id.substr(0, id.find('/')));
   if (std::find(kRoles.begin(), kRoles.end(), role) != kRoles.end()) return role;
   const std::string near = nearest(role, kRoles);
   return near.empty() ? role : near;

@@ -290,8 +290,9 @@ std::optional<double> SelfCalibration::step(const Camera& camera, State& state,
   const Eigen::VectorXd move = -(alone + by_parts * change);
   const Eigen::Map<const Points3> move_m(move.data(), state.vertices_m.rows(), 3);
   const double before = cost(camera, state);
-  double share = std::min(1.0, kLongestStep / std::max(largest, 1e-12));
-  for (int halved = 0; halved < kMostHalvings; ++halved, share *= 0.5) {
+  const double longest = std::min(1.0, kLongestStep / std::max(largest, 1e-12));
+  for (int halved = 0; halved < kMostHalvings; ++halved) {
+    const double share = std::ldexp(longest, -halved);
     State next = state;
     next.vertices_m += share * move_m;
     next.deviation += share * change;
