@@ -40,13 +40,13 @@ ordered_json slots_json(const std::vector<RoleSlot>& slots) {
 }  // namespace
 
 std::vector<std::string> role_lines(const host::ComponentManifest& component) {
-  std::vector<std::string> lines;
+  std::vector<std::string> methods;
   for (const RoleMethod& method : methods_of(component)) {
     const std::string takes = slot_names(" takes ", method.inputs);
     const std::string makes = slot_names(" makes ", method.outputs);
-    lines.push_back(method.name + takes + (takes.empty() || makes.empty() ? "" : ";") + makes);
+    methods.push_back(method.name + takes + (takes.empty() || makes.empty() ? "" : ";") + makes);
   }
-  return lines;
+  return methods;
 }
 
 ordered_json role_json(const host::ComponentManifest& component) {

@@ -71,7 +71,7 @@ Result<void> write_folder(const host::Registry& registry, const host::Record& re
   }
   for (const auto& [name, picture] :
        {std::pair{"texture.png", Picture::texture}, std::pair{"drawing.png", Picture::mesh}}) {
-    const auto drawn = write_picture(registry, record, picture, (folder / name).string());
+    auto drawn = write_picture(registry, record, picture, (folder / name).string());
     if (!drawn) return drawn;
   }
   return {};
@@ -180,16 +180,16 @@ void add_template_command(CLI::App& app, Context& context) {
   CLI::App* parent = app.add_subcommand("template", "Build a template, draw and measure it");
   parent->require_subcommand(1);
   const auto made = std::make_shared<TemplateOptions>();
-  CLI::App* make = add_command(
+  CLI::App* maker = add_command(
       *parent, "make", "Write mesh (OBJ), texture and drawing of a template into a folder", made);
-  make->add_option("--out", made->out, "Folder, new or empty")->option_text("FOLDER")->required();
-  make->callback([&context, made] { run(*made, context); });
+  maker->add_option("--out", made->out, "Folder, new or empty")->option_text("FOLDER")->required();
+  maker->callback([&context, made] { run(*made, context); });
   const auto shown = std::make_shared<TemplateOptions>();
-  CLI::App* show = add_command(*parent, "show", "Print the figures of a template", shown);
-  show->add_option("--png", shown->png, "Draw the mesh over the texture, and a curved object")
+  CLI::App* viewer = add_command(*parent, "show", "Print the figures of a template", shown);
+  viewer->add_option("--png", shown->png, "Draw the mesh over the texture, and a curved object")
       ->option_text("FILE");
-  add_overwrite(*show, shown->overwrite);
-  show->callback([&context, shown] { run(*shown, context); });
+  add_overwrite(*viewer, shown->overwrite);
+  viewer->callback([&context, shown] { run(*shown, context); });
 }
 
 }  // namespace weft::cli

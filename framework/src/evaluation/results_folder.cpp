@@ -186,7 +186,7 @@ Result<void> ResultsFolder::withdraw(const std::vector<Damage>& lines) const {
   auto writer = lines_file("withdrawn");
   if (!writer) return writer.error();
   for (const Damage& line : lines) {
-    const auto written = writer->append(withdrawal_line(line.file, line.line, line.what));
+    auto written = writer->append(withdrawal_line(line.file, line.line, line.what));
     if (!written) return written;
   }
   return {};

@@ -180,7 +180,7 @@ cv::Mat draw_mesh(const Template& templ) {
   const auto height = static_cast<double>(templ.texture.dim(0));
   const double largest = std::max(width, height);
   const double scale = std::clamp(largest, kLeastPanel_px, kPanel_px) / largest;
-  const cv::Mat texture = texture_panel(templ, scale);
+  cv::Mat texture = texture_panel(templ, scale);
   if (coplanar(templ.vertices_m.matrix<3>())) return texture;
   const int side_px =
       std::max(texture.rows, static_cast<int>(scale * std::max(height, 0.6 * width)));

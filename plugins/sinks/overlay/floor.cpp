@@ -86,8 +86,8 @@ void draw_floor(cv::Mat& canvas, const Orbit& orbit, double floor_m, double radi
   const Eigen::Vector3d middle_m = orbit.middle_m();
   for (const bool along_z : {false, true}) {
     const double offset_m = along_z ? middle_m.x() : middle_m.z();
-    const double first = std::ceil((offset_m - floor.reach_m) / step_m);
-    for (double i = first; i * step_m < offset_m + floor.reach_m; i += 1.0) {
+    const auto first = static_cast<int>(std::ceil((offset_m - floor.reach_m) / step_m));
+    for (int i = first; i * step_m < offset_m + floor.reach_m; ++i) {
       floor.line(i * step_m - offset_m, along_z, width_px);
     }
   }

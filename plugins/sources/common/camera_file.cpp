@@ -76,8 +76,9 @@ double shown_share(const CameraFile& file) {
   const Camera& camera = file.camera;
   int shown = 0;
   for (int i = 0; i < kProbes * kProbes; ++i) {
-    const double x_px = (i % kProbes + 0.5) / kProbes * static_cast<double>(camera.width_px) - 0.5;
-    const double y_px = (i / kProbes + 0.5) / kProbes * static_cast<double>(camera.height_px) - 0.5;
+    const int column = i % kProbes, row = i / kProbes;
+    const double x_px = (column + 0.5) / kProbes * static_cast<double>(camera.width_px) - 0.5;
+    const double y_px = (row + 0.5) / kProbes * static_cast<double>(camera.height_px) - 0.5;
     const Eigen::Vector2d seen =
         distorted(file, {(x_px - camera.cx) / camera.fx, (y_px - camera.cy) / camera.fy});
     shown += camera.shows(camera.fx * seen.x() + camera.cx, camera.fy * seen.y() + camera.cy);
