@@ -140,7 +140,7 @@ class Run {
     input_.emplace(need(PipelineInput::open(config_, lane_)));
     executor_ = need(Executor::create(config_, graph_, lane_, input_->templ(), input_->camera()));
     // A mesh that is no surface has no lengths to judge by: such a run is not watched.
-    if (auto made = SetupMonitor::create(input_->templ(), input_->camera())) {
+    if (auto made = SetupMonitor::create(*input_->templ(), input_->camera())) {
       monitor_.emplace(*std::move(made));
     }
     stop_if_cancelled();

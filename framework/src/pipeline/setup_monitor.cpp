@@ -68,12 +68,12 @@ bool is_measured(const FrameResult& frame) {
 
 }  // namespace
 
-Result<SetupMonitor> SetupMonitor::create(host::RecordPtr templ, host::RecordPtr camera) {
-  const auto sheet = host::view_as<Template>(*templ);
+Result<SetupMonitor> SetupMonitor::create(const host::Record& templ, host::RecordPtr camera) {
+  const auto sheet = host::view_as<Template>(templ);
   if (!sheet) return sheet.error();
   auto calibration = SelfCalibration::of(*sheet);
   if (!calibration) return calibration.error();
-  return SetupMonitor(std::move(templ), std::move(camera), *std::move(calibration));
+  return SetupMonitor(std::move(camera), *std::move(calibration));
 }
 
 bool SetupMonitor::is_due(std::uint64_t frame) {
@@ -88,15 +88,14 @@ void SetupMonitor::add(const Graph& graph, FrameResult& frame) {
   const auto shape = is_measured(frame) ? host::view_as<Shape>(*frame.shape)
                                         : Result<Shape>(no_result("not measured"));
   count_jumps(frame.state == ShapeState::estimated && shape ? &*shape : nullptr, frame.index);
-  if (const host::RecordPtr record = last_matches(graph, frame)) {
-    const auto matches = host::view_as<Correspondences>(*record);
-    const bool solves = graph.latest("shape") >= 0;
-    if (solves) count_recognised(frame.state, shape ? &*shape : nullptr, *matches);
-    if (is_due(frame.index)) {
-      if (shape) look_at_camera(*shape, *matches, frame);
-      look_at_rejects(*matches, frame);
-    }
-  }
+  const host::RecordPtr record = last_matches(graph, frame);
+  if (record == nullptr) return;
+  const auto matches = host::view_as<Correspondences>(*record);
+  const bool solves = graph.latest("shape") >= 0;
+  if (solves) count_recognised(frame.state, shape ? &*shape : nullptr, *matches);
+  if (!is_due(frame.index)) return;
+  if (shape) look_at_camera(*shape, *matches, frame);
+  look_at_rejects(*matches, frame);
   for (Finding& found : findings()) {
     if (std::find(told_.begin(), told_.end(), found.kind) != told_.end()) continue;
     told_.push_back(found.kind);

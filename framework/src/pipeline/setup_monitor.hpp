@@ -16,7 +16,7 @@ namespace weft {
 /// finds out are warnings; it changes no shape.
 class SetupMonitor {
  public:
-  static Result<SetupMonitor> create(host::RecordPtr templ, host::RecordPtr camera);
+  static Result<SetupMonitor> create(const host::Record& templ, host::RecordPtr camera);
 
   /// Looks closely at some frames: the first eight, then whenever a quarter more have gone by. What
   /// it sees is added to the frame's `setup`, and what it has found out by then to its `warnings`.
@@ -36,10 +36,8 @@ class SetupMonitor {
     std::uint64_t frame;
   };
 
-  SetupMonitor(host::RecordPtr templ, host::RecordPtr camera, SelfCalibration calibration)
-      : template_(std::move(templ)),
-        camera_(std::move(camera)),
-        calibration_(std::move(calibration)) {}
+  SetupMonitor(host::RecordPtr camera, SelfCalibration calibration)
+      : camera_(std::move(camera)), calibration_(std::move(calibration)) {}
 
   bool is_due(std::uint64_t frame);
   /// Whether the shape is unlike those that the camera was judged by; then it is one of them.
@@ -55,7 +53,7 @@ class SetupMonitor {
   void judge_recognition(std::vector<Finding>& findings) const;
   void judge_jumps(std::vector<Finding>& findings) const;
 
-  host::RecordPtr template_, camera_;
+  host::RecordPtr camera_;
   SelfCalibration calibration_;
   std::uint64_t looks_ = 0, next_look_ = 0;
   std::vector<std::string> told_;  ///< kinds of findings

@@ -28,7 +28,7 @@ class SetupMonitorTest : public ::testing::Test {
   }
 
   SetupMonitor watch(const Camera& given) const {
-    return *SetupMonitor::create(host::Record::copy_of(templ_), host::Record::copy_of(given));
+    return *SetupMonitor::create(*host::Record::copy_of(templ_), host::Record::copy_of(given));
   }
 
   FrameResult frame(const Correspondences& matches, const Points3* vertices_m) {
