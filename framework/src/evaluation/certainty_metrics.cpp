@@ -8,6 +8,28 @@
 #include "units.hpp"
 
 namespace weft::evaluation {
+namespace {
+
+constexpr double kHalfInterval = 1.96;  // standard deviations, of 95 % of normal errors
+
+/// Mean over frames of the share that is inside; frames without vertices do not count.
+class MeanShare {
+ public:
+  void add(std::int64_t inside, std::int64_t vertices) {
+    if (vertices == 0) return;
+    ++frames_;
+    shares_ += static_cast<double>(inside) / static_cast<double>(vertices);
+  }
+  double percent() const {
+    return frames_ == 0 ? kUnknown : kPercent * shares_ / static_cast<double>(frames_);
+  }
+
+ private:
+  std::int64_t frames_ = 0;
+  double shares_ = 0.0;
+};
+
+}  // namespace
 
 void count_deviations(const Shape& shape, const Template& sheet, const TruthMap& truth,
                       FrameCertainty& certainty) {
@@ -24,6 +46,10 @@ void count_deviations(const Shape& shape, const Template& sheet, const TruthMap&
     for (std::size_t k = 0; k < certainty.within.size(); ++k) {
       certainty.within[k] += along_m <= static_cast<double>(k + 1) * axis.std_m ? 1 : 0;
     }
+    if (!shape.source.present()) continue;
+    IntervalCounts& counts = shape.source(v) == 0 ? certainty.filled_in : certainty.measured;
+    ++counts.vertices;
+    counts.inside += along_m <= kHalfInterval * axis.std_m ? 1 : 0;
   }
 }
 
@@ -32,8 +58,13 @@ CertaintyMetrics summarise_certainty(const std::vector<FrameCertainty>& frames) 
   std::array<std::int64_t, 3> within{};
   std::array<double, 10> said{}, came_true{};
   double squares = 0.0;
+  MeanShare all, measured, filled_in;
   for (const FrameCertainty& frame : frames) {
     metrics.vertices += frame.vertices;
+    all.add(frame.measured.inside + frame.filled_in.inside,
+            frame.measured.vertices + frame.filled_in.vertices);
+    measured.add(frame.measured.inside, frame.measured.vertices);
+    filled_in.add(frame.filled_in.inside, frame.filled_in.vertices);
     for (std::size_t k = 0; k < within.size(); ++k) within[k] += frame.within[k];
     if (!std::isfinite(frame.confidence)) continue;
     const double right = frame.right ? 1.0 : 0.0;
@@ -57,6 +88,9 @@ CertaintyMetrics summarise_certainty(const std::vector<FrameCertainty>& frames) 
     metrics.within_percent[k] =
         kPercent * static_cast<double>(within[k]) / static_cast<double>(metrics.vertices);
   }
+  metrics.in_interval_percent = all.percent();
+  metrics.measured_in_interval_percent = measured.percent();
+  metrics.filled_in_interval_percent = filled_in.percent();
   return metrics;
 }
 

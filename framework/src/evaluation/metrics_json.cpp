@@ -155,7 +155,10 @@ ordered_json certainty_json(const CertaintyMetrics& certainty) {
           {"vertices", certainty.vertices},
           {"within_1_std_percent", certainty.within_percent[0]},
           {"within_2_std_percent", certainty.within_percent[1]},
-          {"within_3_std_percent", certainty.within_percent[2]}};
+          {"within_3_std_percent", certainty.within_percent[2]},
+          {"in_interval_percent", certainty.in_interval_percent},
+          {"measured_in_interval_percent", certainty.measured_in_interval_percent},
+          {"filled_in_interval_percent", certainty.filled_in_interval_percent}};
 }
 
 ordered_json jitter_json(const Jitter& jitter) {

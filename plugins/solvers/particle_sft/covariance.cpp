@@ -8,12 +8,11 @@
 #include <cstdlib>
 #include <numeric>
 #include <weft/core/stop_check.hpp>
-#include <weft/geometry/surface_distance.hpp>
 
 namespace weft::particle_sft {
 namespace {
 
-constexpr double kPriorM = 0.1;
+constexpr double kPriorM = 0.3;
 constexpr double kMiB = 1024.0 * 1024.0, kMostBytes = 1024.0 * kMiB;  // 38,000 vertices of a square
 constexpr double kLeastRadiusM = 5e-4;  // a known point that is held exactly is known this well
 
@@ -31,20 +30,48 @@ std::vector<std::int32_t> along_longest_axis(const Points3& rest_m) {
   return order;
 }
 
+double width_m(const BendingHinge& hinge) {
+  return (1.0 / hinge.coefficient_per_m[2] + 1.0 / hinge.coefficient_per_m[3]) / 3.0;
+}
+
+double bend_rad(const BendingHinge& hinge, const Points3& vertices_m) {
+  Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+  for (std::size_t k = 0; k < 4; ++k) {
+    sum += hinge.coefficient_per_m[k] * vertices_m.row(hinge.vertex[k]);
+  }
+  return sum.norm();
+}
+
+bool all_seen(const BendingHinge& hinge, const std::vector<std::uint8_t>& seen) {
+  return std::all_of(hinge.vertex.begin(), hinge.vertex.end(),
+                     [&](std::int32_t v) { return seen[static_cast<std::size_t>(v)] != 0; });
+}
+
 }  // namespace
 
-HoldingNoise holding_noise(double residual_px, std::size_t sightlines, int agreeing_matches,
-                           double diagonal_m) {
-  constexpr double kLeastPx = 0.1, kNoiseOfResidual = 6.0, kShared = 0.5, kUnseenBend = 2.0;
-  const double sharing = static_cast<double>(sightlines) / std::max(1, agreeing_matches);
-  return {std::hypot(kLeastPx, kNoiseOfResidual * residual_px) * std::sqrt(1.0 + kShared * sharing),
-          0.0015, 0.05, kUnseenBend / diagonal_m};
+HoldingNoise holding_noise(const ShapeSigns& signs) {
+  constexpr double kLeastPx = 0.1, kNoiseOfResidual = 6.0, kShared = 0.5, kCommon = 0.9;
+  constexpr double kUnseenBend = 0.23, kUnseenOfSeen = 2.0;
+  const double sharing =
+      static_cast<double>(signs.sightlines) / std::max(1, signs.agreeing_matches);
+  HoldingNoise noise;
+  noise.ray_px = std::hypot(kLeastPx, kNoiseOfResidual * signs.residual_px) *
+                 std::sqrt(1.0 + kShared * sharing);
+  noise.strain = 0.0015;
+  noise.bend_rad = 0.05;
+  noise.common_strain = kCommon * signs.strain;
+  noise.unseen_strain = 0.03;
+  noise.unseen_bend =
+      kUnseenBend * std::hypot(1.0, kUnseenOfSeen * signs.curvature_per_m * signs.diagonal_m);
+  return noise;
 }
 
 Result<void> ShapeCovariance::build(const MeshModel& mesh) {
   hinges_ = mesh.hinges();
-  rest_m_ = mesh.rest_m();
-  neighbours_ = mesh.neighbours();
+  rest_bends_rad_.clear();
+  for (const BendingHinge& hinge : hinges_) {
+    rest_bends_rad_.push_back(bend_rad(hinge, mesh.rest_m()));
+  }
   const std::vector<std::int32_t> order = along_longest_axis(mesh.rest_m());
   place_.resize(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) {
@@ -70,17 +97,31 @@ Result<void> ShapeCovariance::build(const MeshModel& mesh) {
   }
   band_.resize(static_cast<std::size_t>(size_ + (size_ - 1) * below_));
   column_.resize(below_);
+  shared_.resize(size_);
   return {};
 }
 
-bool ShapeCovariance::compute(const ParticleSystem& system, const Pinhole& camera,
-                              const Points3& vertices_m, const HoldingNoise& noise,
-                              double* covariance_m2) {
+double ShapeCovariance::curvature_per_m(const Points3& vertices_m,
+                                        const std::vector<std::uint8_t>& seen) const {
+  double squares = 0.0;
+  std::size_t count = 0;
+  for (std::size_t h = 0; h < hinges_.size(); ++h) {
+    if (!all_seen(hinges_[h], seen)) continue;
+    const double turn_rad = bend_rad(hinges_[h], vertices_m) - rest_bends_rad_[h];
+    squares += std::pow(turn_rad / width_m(hinges_[h]), 2);
+    ++count;
+  }
+  return count == 0 ? 0.0 : std::sqrt(squares / static_cast<double>(count));
+}
+
+bool ShapeCovariance::compute(const ParticleSystem& system, const std::vector<std::uint8_t>& seen,
+                              const Pinhole& camera, const Points3& vertices_m,
+                              const HoldingNoise& noise, double* covariance_m2) {
   std::fill(band_.begin(), band_.end(), 0.0);
   for (Eigen::Index i = 0; i < size_; ++i) at(i, i) = 1.0 / (kPriorM * kPriorM);
   add_rays(system, camera, vertices_m, noise.ray_px);
-  add_edges(system.stretch, vertices_m, noise.strain);
-  add_bends(system, noise);
+  add_edges(system, seen, vertices_m, noise);
+  add_bends(seen, noise);
   for (const KnownSurfacePoint& known : system.spheres) {
     const double trust = std::pow(std::max(known.radius_m, kLeastRadiusM), -2);
     for (std::size_t r = 0; r < 3; ++r) {
@@ -91,11 +132,14 @@ bool ShapeCovariance::compute(const ParticleSystem& system, const Pinhole& camer
     }
   }
   if (!factorise()) return false;
+  const double shared = noise.common_strain > 0.0 ? share_of_common(noise.common_strain) : 0.0;
+  if (!(shared >= 0.0) || !std::isfinite(shared)) return false;
   invert();
   for (const Eigen::Index from : place_) {
     for (Eigen::Index r = 0; r < 3; ++r) {
       for (Eigen::Index c = 0; c < 3; ++c) {
-        *covariance_m2++ = at(from + std::max(r, c), from + std::min(r, c));
+        *covariance_m2++ = at(from + std::max(r, c), from + std::min(r, c)) +
+                           shared * shared_[from + r] * shared_[from + c];
       }
     }
   }
@@ -122,46 +166,36 @@ void ShapeCovariance::add_rays(const ParticleSystem& system, const Pinhole& came
   }
 }
 
-void ShapeCovariance::add_edges(const std::vector<DistanceConstraint>& edges,
-                                const Points3& vertices_m, double strain) {
-  for (const DistanceConstraint& edge : edges) {
+void ShapeCovariance::add_edges(const ParticleSystem& system, const std::vector<std::uint8_t>& seen,
+                                const Points3& vertices_m, const HoldingNoise& noise) {
+  shared_.setZero();
+  edge_weights_ = 0.0;
+  const double known = std::pow(noise.strain, -2);
+  const double unknown =
+      1.0 / (noise.strain * noise.strain + noise.unseen_strain * noise.unseen_strain);
+  for (const DistanceConstraint& edge : system.stretch) {
     const Eigen::Vector3d along =
-        (vertices_m.row(edge.j) - vertices_m.row(edge.i)).transpose().normalized();
-    const Eigen::Matrix3d block =
-        std::pow(strain * edge.rest_length_m, -2) * along * along.transpose();
+        (vertices_m.row(edge.j) - vertices_m.row(edge.i)).transpose().normalized() /
+        edge.rest_length_m;
+    const bool is_seen =
+        seen[static_cast<std::size_t>(edge.i)] != 0 && seen[static_cast<std::size_t>(edge.j)] != 0;
+    const double weight = is_seen ? known : unknown;
+    const Eigen::Matrix3d block = weight * along * along.transpose();
     add_block(edge.i, edge.i, block);
     add_block(edge.j, edge.j, block);
     add_block(edge.i, edge.j, -block);
     add_block(edge.j, edge.i, -block);
+    shared_.segment<3>(place_[static_cast<std::size_t>(edge.i)]) += weight * along;
+    shared_.segment<3>(place_[static_cast<std::size_t>(edge.j)]) -= weight * along;
+    edge_weights_ += weight;
   }
 }
 
-/// Of each vertex, in m along the edges at rest; infinite where no path leads to what is seen.
-/// Empty where all vertices are seen.
-std::vector<double> ShapeCovariance::distances_to_seen_m(const ParticleSystem& system) const {
-  const std::vector<std::uint8_t> seen =
-      held_vertices(system.rays, system.spheres, static_cast<Eigen::Index>(place_.size()));
-  std::vector<PathStart> starts;
-  for (std::size_t v = 0; v < seen.size(); ++v) {
-    if (seen[v] != 0) starts.push_back({static_cast<std::int32_t>(v), 0.0});
-  }
-  if (starts.size() == seen.size()) return {};
-  return path_lengths_m(rest_m_, neighbours_, starts);
-}
-
-void ShapeCovariance::add_bends(const ParticleSystem& system, const HoldingNoise& noise) {
-  const std::vector<double> from_seen_m =
-      noise.bend_per_m > 0.0 ? distances_to_seen_m(system) : std::vector<double>{};
+void ShapeCovariance::add_bends(const std::vector<std::uint8_t>& seen, const HoldingNoise& noise) {
   for (const BendingHinge& hinge : hinges_) {
     double variance = noise.bend_rad * noise.bend_rad;
-    if (!from_seen_m.empty()) {
-      double furthest_m = 0.0;
-      for (const std::int32_t v : hinge.vertex) {
-        furthest_m = std::max(furthest_m, from_seen_m[static_cast<std::size_t>(v)]);
-      }
-      const double width_m =
-          (1.0 / hinge.coefficient_per_m[2] + 1.0 / hinge.coefficient_per_m[3]) / 3.0;
-      variance += 3.0 * noise.bend_per_m * noise.bend_per_m * width_m * furthest_m;
+    if (!all_seen(hinge, seen)) {
+      variance += 3.0 * noise.unseen_bend * noise.unseen_bend / hinge.weight;
     }
     for (std::size_t r = 0; r < 4; ++r) {
       for (std::size_t c = 0; c < 4; ++c) {
@@ -200,6 +234,29 @@ bool ShapeCovariance::factorise() {
     column /= pivot;
   }
   return true;
+}
+
+/// Replaces the column h of the common strain by g = H^-1 h; returns the variance of that strain,
+/// v = 1 / (h_ee - h^T g): the inverse of H with its border is H^-1 + v g g^T.
+double ShapeCovariance::share_of_common(double common_strain) {
+  double left = edge_weights_ + 1.0 / (common_strain * common_strain);
+  for (Eigen::Index j = 0; j < size_; ++j) {  // y = L^-1 h, left = h_ee - y^T D^-1 y
+    const Eigen::Index below = std::min(below_, size_ - 1 - j);
+    left -= shared_[j] * shared_[j] * at(j, j);
+    if (below > 0) {
+      shared_.segment(j + 1, below) -=
+          shared_[j] * Eigen::Map<const Eigen::VectorXd>(&at(j + 1, j), below);
+    }
+  }
+  for (Eigen::Index j = size_ - 1; j >= 0; --j) {
+    const Eigen::Index below = std::min(below_, size_ - 1 - j);
+    shared_[j] *= at(j, j);
+    if (below > 0) {
+      shared_[j] -= shared_.segment(j + 1, below)
+                        .dot(Eigen::Map<const Eigen::VectorXd>(&at(j + 1, j), below));
+    }
+  }
+  return 1.0 / left;
 }
 
 /// From the last row: Z = H^-1 has Z_ij = [i = j] / D_j - sum_k L_kj Z_ik, k > j, i >= j.

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 #include <weft/geometry/camera_model.hpp>
 
@@ -13,51 +14,67 @@ namespace weft::particle_sft {
 
 /// Standard deviations of what holds a shape in place.
 struct HoldingNoise {
-  double ray_px = 0.0;      ///< [] px, of a sightline of trust 1
-  double strain = 0.0;      ///< [] of an edge
-  double bend_rad = 0.0;    ///< [] rad, of the angle across an edge
-  double bend_per_m = 0.0;  ///< [] 1/m, of the curvature where nothing is seen
+  double ray_px = 0.0;         ///< [] px, of a sightline of trust 1
+  double strain = 0.0;         ///< [] of an edge between seen vertices
+  double bend_rad = 0.0;       ///< [] rad, of the angle across an edge
+  double common_strain = 0.0;  ///< [] of a strain that all edges share; 0: there is none
+  double unseen_strain = 0.0;  ///< [] of an edge of which an end is not seen, beside `strain`
+  double unseen_bend = 0.0;    ///< [] rad, of an unseen square that bends, whatever its size
 };
 
-/// Of a shape whose sightlines are off by this, in the median, and which so many matches explain.
-/// Sightlines come from a warp: their errors go together, the more so the fewer matches there are.
-/// The constants are fitted to shapes of which the truth is known, see README.md. `diagonal_m` is
-/// that of the template at rest: large sheets bend less sharply than small ones.
-HoldingNoise holding_noise(double residual_px, std::size_t sightlines, int agreeing_matches,
-                           double diagonal_m);
+/// What a solver knows of the error of its shape.
+struct ShapeSigns {
+  double residual_px = 0.0;    ///< [] px, of the sightlines, median
+  double strain = 0.0;         ///< [] of the edges, mean
+  std::size_t sightlines = 0;  ///< []
+  int agreeing_matches = 0;    ///< [] sightlines come from a warp: with few matches they err alike
+  double curvature_per_m = 0.0;  ///< [] 1/m, see ShapeCovariance::curvature_per_m
+  double diagonal_m = 0.0;       ///< [] m, of the template at rest
+};
+
+/// The constants are fitted to shapes of which the truth is known, see README.md.
+HoldingNoise holding_noise(const ShapeSigns& signs);
 
 /// How uncertain each vertex of a solved shape is: the diagonal blocks [3,3] of H^-1, where H is
-/// the Gauss-Newton matrix, at the solution, of
+/// the Gauss-Newton matrix, at the solution, in the vertices X and a strain e that all edges share,
+/// of
 ///   sum_i trust_i |(I - r_i r_i^T) X(i)|^2 / (ray_px Z_i / f)^2      sightlines
-///   + sum_edges (|d| / l0 - 1)^2 / strain^2                          edges
+///   + sum_edges (|d| / l0 - 1 - e)^2 / strain^2 + e^2 / common_strain^2
 ///   + sum_hinges |sum_k c_k X_k|^2 / bend_rad^2                      bends
-///   + sum_p |X(p) - p|^2 / radius_p^2 + sum_v |X_v - x_v|^2 / (0.1 m)^2   known points, and a
+///   + sum_p |X(p) - p|^2 / radius_p^2 + sum_v |X_v - x_v|^2 / (0.3 m)^2   known points, and a
 ///   prior.
 /// Bending pairs, whose distances say nothing to first order of motion across a flat sheet, are
-/// there as bends. Away from what is seen the bend is a guess that is off by one curvature all the
-/// way: for an edge that is d from the nearest ray or known point along the surface and w wide,
-/// bend_rad^2 is bend_rad^2 + 3 bend_per_m^2 w d, with which the end of a strip of length s is off
-/// by bend_per_m s^2 / 2, as if all its edges erred together. H is a band in the order of the
-/// vertices along the template's longest axis; of its inverse only the band is computed (Erisman
-/// and Tinney, CACM 18, 1975).
+/// there as bends. The edges of a mesh cut across the bends of a surface, all of them: too long a
+/// template is seen too far away. Where a vertex of a hinge is not seen, its bend errs by
+/// 3 unseen_bend^2 / w more, w its weight in the bending energy: the curvature there is white
+/// noise, whatever the mesh. The direction of an unseen edge is not known well enough to say what
+/// lengthens it, hence unseen_strain.
+///
+/// H is a band in the order of the vertices along the template's longest axis, bordered by e; of
+/// its inverse only the band is computed (Erisman and Tinney, CACM 18, 1975).
 class ShapeCovariance {
  public:
   Result<void> build(const MeshModel& mesh);
 
-  /// Writes `covariance_m2` [V,9], row by row; false where H is not positive definite. From the
-  /// second call for a mesh on it allocates only where vertices are unseen.
-  bool compute(const ParticleSystem& system, const Pinhole& camera, const Points3& vertices_m,
-               const HoldingNoise& noise, double* covariance_m2);
+  /// 1/m, root mean square over the hinges between seen vertices, against the rest shape; 0 where
+  /// there is none. `seen` [V] is 1 for vertices that a sightline or a known point holds.
+  double curvature_per_m(const Points3& vertices_m, const std::vector<std::uint8_t>& seen) const;
+
+  /// Writes `covariance_m2` [V,9], row by row; false where H is not positive definite. Allocates
+  /// nothing from the second call for a mesh on.
+  bool compute(const ParticleSystem& system, const std::vector<std::uint8_t>& seen,
+               const Pinhole& camera, const Points3& vertices_m, const HoldingNoise& noise,
+               double* covariance_m2);
 
  private:
   void add_rays(const ParticleSystem& system, const Pinhole& camera, const Points3& vertices_m,
                 double ray_px);
-  void add_edges(const std::vector<DistanceConstraint>& edges, const Points3& vertices_m,
-                 double strain);
-  void add_bends(const ParticleSystem& system, const HoldingNoise& noise);
-  std::vector<double> distances_to_seen_m(const ParticleSystem& system) const;
+  void add_edges(const ParticleSystem& system, const std::vector<std::uint8_t>& seen,
+                 const Points3& vertices_m, const HoldingNoise& noise);
+  void add_bends(const std::vector<std::uint8_t>& seen, const HoldingNoise& noise);
   void add_block(std::int32_t row, std::int32_t column, const Eigen::Matrix3d& block);
   bool factorise();
+  double share_of_common(double common_strain);
   void invert();
   double& at(Eigen::Index row, Eigen::Index column) { return band_[row + column * below_]; }
   auto window(Eigen::Index from, Eigen::Index size) {
@@ -67,11 +84,12 @@ class ShapeCovariance {
 
   std::vector<Eigen::Index> place_;  ///< [V] first row of a vertex in H
   std::vector<BendingHinge> hinges_;
-  Points3 rest_m_;                     ///< [V,3] m
-  IndexLists neighbours_;              ///< of each vertex
-  Eigen::Index size_ = 0, below_ = 0;  ///< rows of H, and of a column below its diagonal
-  std::vector<double> band_;           ///< lower half: H, then its factor, then its inverse
+  std::vector<double> rest_bends_rad_;  ///< of the hinges
+  Eigen::Index size_ = 0, below_ = 0;   ///< rows of H, and of a column below its diagonal
+  std::vector<double> band_;            ///< lower half: H, then its factor, then its inverse
   Eigen::VectorXd column_;
+  Eigen::VectorXd shared_;     ///< [3V] column of e in H, then H^-1 times it
+  double edge_weights_ = 0.0;  ///< of the edges, on the diagonal of e in H
 };
 
 }  // namespace weft::particle_sft

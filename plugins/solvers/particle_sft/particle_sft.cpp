@@ -188,11 +188,12 @@ class ParticleSft final : public Solver {
     shape.source = Array<std::uint8_t>({mesh_.vertex_count()});
     std::copy(held.begin(), held.end(), shape.source.data());
     if (wants_covariance_) {
-      const HoldingNoise noise = holding_noise(best.fit.residual_px, frame_.system.rays.size(),
-                                               evidence.agreeing, mesh_.diagonal_m());
+      const HoldingNoise noise = holding_noise(
+          {best.fit.residual_px, best.fit.strain, frame_.system.rays.size(), evidence.agreeing,
+           covariance_.curvature_per_m(best.vertices_m, held), mesh_.diagonal_m()});
       shape.covariance_m2 = Array<double>({mesh_.vertex_count(), 3, 3});
-      const bool known = covariance_.compute(frame_.system, pinhole(in), best.vertices_m, noise,
-                                             shape.covariance_m2.data());
+      const bool known = covariance_.compute(frame_.system, held, pinhole(in), best.vertices_m,
+                                             noise, shape.covariance_m2.data());
       if (!known) shape.covariance_m2 = {};
     }
     explain(best, tried, shape.diag);
@@ -247,5 +248,5 @@ class ParticleSft final : public Solver {
 }  // namespace weft::particle_sft
 
 using weft::particle_sft::ParticleSft;
-WEFT_PLUGIN(ParticleSft, "solvers/particle_sft", "1.3.0",
+WEFT_PLUGIN(ParticleSft, "solvers/particle_sft", "1.4.0",
             "Shape from sightlines by position based dynamics, tracked from frame to frame.")

@@ -51,6 +51,19 @@ TEST(CertaintyMetrics, AreUnknownWithoutFrames) {
   EXPECT_TRUE(std::isnan(metrics.within_percent[0]));
 }
 
+TEST(CertaintyMetrics, AverageTheSharesInTheirIntervalByFrame) {
+  FrameCertainty many, few, bare;
+  many.measured = {100, 100};
+  many.filled_in = {10, 2};
+  few.measured = {4, 1};
+  bare.vertices = 3;  // a shape that does not say what it measured
+  const CertaintyMetrics metrics = summarise_certainty({many, few, bare});
+  EXPECT_NEAR(metrics.measured_in_interval_percent, (100.0 + 25.0) / 2.0, 1e-12);
+  EXPECT_NEAR(metrics.filled_in_interval_percent, 20.0, 1e-12);
+  EXPECT_NEAR(metrics.in_interval_percent, (100.0 * 102.0 / 110.0 + 25.0) / 2.0, 1e-12);
+  EXPECT_TRUE(std::isnan(summarise_certainty({bare}).in_interval_percent));
+}
+
 /// A sheet whose vertices are off by normal errors of the standard deviations that it says, times
 /// `factor`.
 FrameCertainty sheet_with_errors(double factor) {
@@ -67,11 +80,13 @@ FrameCertainty sheet_with_errors(double factor) {
   truth.points_m = Array<double>({rest_m.rows(), 3});
   truth.faces = sheet.faces;
   Shape shape;
+  shape.source = Array<std::uint8_t>({rest_m.rows()});
   shape.vertices_m = Array<double>({rest_m.rows(), 3});
   shape.covariance_m2 = Array<double>({rest_m.rows(), 3, 3});
   const Eigen::Vector3d axis = Eigen::Vector3d(0.3, -0.2, 1.0).normalized();
   for (std::int64_t v = 0; v < rest_m.rows(); ++v) {
     const double std_m = rng.uniform(0.001, 0.01);
+    shape.source(v) = v % 3 == 0 ? 0 : 1;
     const Eigen::Vector3d place_m = rest_m.row(v).transpose() + Eigen::Vector3d(0, 0, 0.6);
     for (std::int64_t k = 0; k < 2; ++k) {
       truth.template_xy_m(v, k) = sheet.flat_px(v, k) * sheet.m_per_px(k);
@@ -94,6 +109,8 @@ TEST(CertaintyMetrics, FindTheSharesOfNormalErrors) {
   EXPECT_NEAR(metrics.within_percent[0], 68.3, 4.0);  // 1.4 is the standard deviation of 1200 draws
   EXPECT_NEAR(metrics.within_percent[1], 95.4, 2.0);
   EXPECT_NEAR(metrics.within_percent[2], 99.7, 0.6);
+  EXPECT_NEAR(metrics.measured_in_interval_percent, 95.0, 2.5);
+  EXPECT_NEAR(metrics.filled_in_interval_percent, 95.0, 3.5);
 }
 
 TEST(CertaintyMetrics, FindThatDeviationsAreTooSmall) {

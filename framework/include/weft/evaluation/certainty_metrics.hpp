@@ -21,6 +21,12 @@ inline constexpr double kRightShare = 0.02;
 /// A frame is silently wrong when its mean error is above this and its state `estimated`.
 inline constexpr double kWrongMm = 20.0;
 
+/// Vertices of a frame and how many of them are within their 95 % interval, 1.96 standard
+/// deviations to both sides.
+struct IntervalCounts {
+  std::int64_t vertices = 0, inside = 0;
+};
+
 /// What a solved frame said of its own error, beside the truth.
 struct FrameCertainty {
   double confidence = kUnknown;  ///< [] a frame without one is judged by its vertices alone
@@ -30,6 +36,7 @@ struct FrameCertainty {
   bool silently_wrong = false;   ///< see kWrongMm
   std::int64_t vertices = 0;     ///< [] with a covariance and a known place
   std::array<std::int64_t, 3> within{};  ///< [] of them within 1, 2 and 3 standard deviations
+  IntervalCounts measured, filled_in;    ///< of them, by the shape's `source`
 };
 
 struct ConfidenceBin {
@@ -47,6 +54,9 @@ struct CertaintyMetrics {
   std::array<ConfidenceBin, 10> bins{};  ///< equal parts of [0, 1]
   std::int64_t vertices = 0;
   std::array<double, 3> within_percent{kUnknown, kUnknown, kUnknown};
+  double in_interval_percent = kUnknown;  ///< [] mean over frames of what is in its 95 % interval
+  double measured_in_interval_percent = kUnknown;  ///< [] the same of measured vertices
+  double filled_in_interval_percent = kUnknown;    ///< [] and of those that the prior filled in
 };
 
 /// Counts vertices by their standardised error: that along the major axis of their covariance over

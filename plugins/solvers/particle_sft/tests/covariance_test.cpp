@@ -14,8 +14,8 @@
 namespace weft::particle_sft {
 namespace {
 
-constexpr HoldingNoise kNoise{0.5, 0.002, 0.02};
-constexpr double kPriorM = 0.1;
+constexpr HoldingNoise kNoise{0.5, 0.002, 0.02, 0.003, 0.01, 0.2};
+constexpr double kPriorM = 0.3;
 
 struct Held {
   Scene scene;
@@ -28,11 +28,21 @@ struct Held {
     camera = testing::pinhole(scene.camera);
   }
 
-  std::vector<Eigen::Matrix3d> blocks() const {
+  std::vector<std::uint8_t> seen() const {
+    return held_vertices(system.rays, system.spheres, mesh.vertex_count());
+  }
+
+  std::vector<double> covariances_m2(ShapeCovariance& covariance,
+                                     const HoldingNoise& noise = kNoise) const {
+    std::vector<double> values(static_cast<std::size_t>(9 * mesh.vertex_count()));
+    EXPECT_TRUE(covariance.compute(system, seen(), camera, scene.truth_m, noise, values.data()));
+    return values;
+  }
+
+  std::vector<Eigen::Matrix3d> blocks(const HoldingNoise& noise = kNoise) const {
     ShapeCovariance covariance;
     if (!covariance.build(mesh)) throw std::runtime_error("the mesh is too large");
-    std::vector<double> values(static_cast<std::size_t>(9 * mesh.vertex_count()));
-    EXPECT_TRUE(covariance.compute(system, camera, scene.truth_m, kNoise, values.data()));
+    const std::vector<double> values = covariances_m2(covariance, noise);
     std::vector<Eigen::Matrix3d> result;
     for (std::size_t v = 0; v < values.size(); v += 9) {
       result.emplace_back(Eigen::Map<const Eigen::Matrix3d>(&values[v]));
@@ -40,11 +50,12 @@ struct Held {
     return result;
   }
 
-  /// Everything that holds the shape, as rows of J / sigma: sum of squares of J dx.
+  /// Everything that holds the shape, as rows of J / sigma: sum of squares of J (dx, e).
   Eigen::MatrixXd weighted_jacobian() const {
     const Points3& x = scene.truth_m;
+    const std::vector<std::uint8_t> is_seen = seen();
     std::vector<Eigen::RowVectorXd> rows;
-    const auto zero = [&] { return Eigen::RowVectorXd(Eigen::RowVectorXd::Zero(x.size())); };
+    const auto zero = [&] { return Eigen::RowVectorXd(Eigen::RowVectorXd::Zero(x.size() + 1)); };
     for (const RayConstraint& seen : system.rays) {
       const Eigen::Vector3d ray(seen.ray[0], seen.ray[1], seen.ray[2]);
       const double depth_m = seen_point_m(seen, x).z();
@@ -61,14 +72,23 @@ struct Held {
     for (const DistanceConstraint& edge : system.stretch) {
       rows.push_back(zero());
       const Eigen::RowVector3d along = (x.row(edge.j) - x.row(edge.i)).normalized();
-      rows.back().segment<3>(3 * edge.i) = -along / (kNoise.strain * edge.rest_length_m);
-      rows.back().segment<3>(3 * edge.j) = along / (kNoise.strain * edge.rest_length_m);
+      const bool known = is_seen[edge.i] != 0 && is_seen[edge.j] != 0;
+      const double strain = known ? kNoise.strain : std::hypot(kNoise.strain, kNoise.unseen_strain);
+      rows.back().segment<3>(3 * edge.i) = -along / (strain * edge.rest_length_m);
+      rows.back().segment<3>(3 * edge.j) = along / (strain * edge.rest_length_m);
+      rows.back()[x.size()] = -1.0 / strain;
     }
+    rows.push_back(zero());
+    rows.back()[x.size()] = 1.0 / kNoise.common_strain;
     for (const BendingHinge& hinge : mesh.hinges()) {
+      bool known = true;
+      for (const std::int32_t v : hinge.vertex) known = known && is_seen[v] != 0;
+      const double unseen_rad = known ? 0.0 : kNoise.unseen_bend * std::sqrt(3.0 / hinge.weight);
+      const double bend_rad = std::hypot(kNoise.bend_rad, unseen_rad);
       for (int r = 0; r < 3; ++r) {
         rows.push_back(zero());
         for (std::size_t k = 0; k < 4; ++k) {
-          rows.back()[3 * hinge.vertex[k] + r] = hinge.coefficient_per_m[k] / kNoise.bend_rad;
+          rows.back()[3 * hinge.vertex[k] + r] = hinge.coefficient_per_m[k] / bend_rad;
         }
       }
     }
@@ -76,7 +96,7 @@ struct Held {
       rows.push_back(zero());
       rows.back()[i] = 1.0 / kPriorM;
     }
-    Eigen::MatrixXd jacobian(static_cast<Eigen::Index>(rows.size()), x.size());
+    Eigen::MatrixXd jacobian(static_cast<Eigen::Index>(rows.size()), x.size() + 1);
     for (std::size_t r = 0; r < rows.size(); ++r) {
       jacobian.row(static_cast<Eigen::Index>(r)) = rows[r];
     }
@@ -108,35 +128,83 @@ TEST(ShapeCovariance, IsTheDiagonalOfTheDenseInverse) {
   }
 }
 
-/// At the end of a strip of 0.4 m that is seen up to a column.
-double std_at_end_m(int seen_columns, double bend_per_m) {
-  testing::SheetSpec strip{41, 3, 0.4, 0.02, 800, 40};
+/// At the end of a strip of 400 x 20 mm that is seen up to a column, of rows of squares.
+double std_at_end_m(int seen_columns, int cells, double unseen_bend) {
+  const int columns = 20 * cells + 1;
+  testing::SheetSpec strip{columns, cells + 1, 0.4, 0.02, 800, 40};
   Scene scene;
   scene.templ = testing::make_template(strip);
   scene.truth_m =
       testing::bent_vertices(scene.templ, testing::make_cylinder(strip, 1e9, 0.0, {0.6}));
   scene.seen.clear();
-  for (std::int32_t v = 0; v < 41 * 3; ++v) {
-    if (v % 41 < seen_columns) scene.seen.push_back(v);
+  for (std::int32_t v = 0; v < columns * (cells + 1); ++v) {
+    if (v % columns < seen_columns) scene.seen.push_back(v);
   }
   scene.look();
   const Held held(std::move(scene));
-  ShapeCovariance covariance;
-  EXPECT_TRUE(covariance.build(held.mesh));
-  std::vector<double> values(static_cast<std::size_t>(9 * held.mesh.vertex_count()));
-  EXPECT_TRUE(covariance.compute(held.system, held.camera, held.scene.truth_m,
-                                 {0.05, 0.002, 1e-4, bend_per_m}, values.data()));
-  return major_std_m(Eigen::Map<const Eigen::Matrix3d>(&values[9 * (41 + 40)]));
+  HoldingNoise noise{0.05, 0.002, 1e-4};
+  noise.unseen_bend = unseen_bend;
+  return major_std_m(held.blocks(noise)[static_cast<std::size_t>(columns) - 1]);
 }
 
-TEST(ShapeCovariance, GrowsBeyondWhatIsSeenAsIfTheBendErredAllTheWay) {
-  const auto of_the_bend_m = [](int seen_columns, double bend_per_m) {
-    return std::sqrt(std::pow(std_at_end_m(seen_columns, bend_per_m), 2) -
-                     std::pow(std_at_end_m(seen_columns, 0.0), 2));
+TEST(ShapeCovariance, GrowsBeyondWhatIsSeenAsIfTheSurfaceTurnedAtRandom) {
+  const auto of_the_bend_m = [](int seen_columns, int cells, double unseen_bend) {
+    return std::sqrt(std::pow(std_at_end_m(seen_columns, cells, unseen_bend), 2) -
+                     std::pow(std_at_end_m(seen_columns, cells, 0.0), 2));
   };
-  // Twice the length, four times the error; edges that erred each by itself would give 2.8.
-  EXPECT_NEAR(of_the_bend_m(21, 0.1) / of_the_bend_m(31, 0.1), 4.0, 0.4);
-  EXPECT_NEAR(of_the_bend_m(21, 0.1) / of_the_bend_m(21, 0.05), 2.0, 0.1);
+  // White noise of the curvature, integrated twice: u sqrt(s^3 / (3 width)) at the length s, which
+  // begins half a square before the last vertex that is seen. Whatever the mesh.
+  const auto expected_m = [](double length_m) {
+    return 0.005 * std::sqrt(std::pow(length_m, 3) / (3.0 * 0.02));
+  };
+  const double coarse = of_the_bend_m(21, 2, 0.005) / expected_m(0.205);
+  const double fine = of_the_bend_m(41, 4, 0.005) / expected_m(0.2025);
+  EXPECT_NEAR(coarse, 1.0, 0.15);
+  EXPECT_NEAR(fine / coarse, 1.0, 0.02);
+  EXPECT_NEAR(of_the_bend_m(21, 2, 0.005) / of_the_bend_m(31, 2, 0.005), std::pow(2.0, 1.5), 0.3);
+  EXPECT_NEAR(of_the_bend_m(21, 2, 0.005) / of_the_bend_m(21, 2, 0.0025), 2.0, 0.1);
+}
+
+TEST(ShapeCovariance, LetsTheDistanceErrByWhatTheEdgesShare) {
+  const Held held(Scene::bent(0.25));
+  HoldingNoise alone = kNoise, shared = kNoise;
+  alone.common_strain = 0.0;
+  shared.common_strain = 0.002;
+  const std::vector<Eigen::Matrix3d> without = held.blocks(alone), with = held.blocks(shared);
+  for (Eigen::Index v = 0; v < held.scene.truth_m.rows(); ++v) {
+    const Eigen::Vector3d place_m = held.scene.truth_m.row(v).transpose();
+    const Eigen::Vector3d ray = place_m.normalized();
+    const auto at = static_cast<std::size_t>(v);
+    const double more_m2 = ray.dot((with[at] - without[at]) * ray);
+    EXPECT_NEAR(std::sqrt(more_m2) / (0.002 * place_m.norm()), 1.0, 0.05) << v;
+  }
+}
+
+TEST(ShapeCovariance, DoesNotReadADirectionOffAnEdgeThatIsNotSeen) {
+  // A corner of a flat sheet is not seen, and was placed 3 mm out of its plane.
+  Scene scene = Scene::flat();
+  scene.truth_m(59, 2) += 0.003;
+  std::erase(scene.seen, 59);
+  scene.look();
+  const Held held(scene);
+  const HoldingNoise trusting{0.05, 0.002, 0.02, 0.0, 0.0, 1.0};
+  HoldingNoise honest = trusting;
+  honest.unseen_strain = 0.03;
+  EXPECT_GT(major_std_m(held.blocks(honest)[59]), 2.0 * major_std_m(held.blocks(trusting)[59]));
+}
+
+TEST(ShapeCovariance, TellsTheCurvatureOfWhatIsSeen) {
+  const Scene bent = Scene::bent(0.25);
+  const Held held(bent);
+  ShapeCovariance covariance;
+  ASSERT_TRUE(covariance.build(held.mesh));
+  // Of the hinges along, across and askew to the axis of a cylinder of radius 0.25 m, about half.
+  const double per_m = covariance.curvature_per_m(bent.truth_m, held.seen());
+  EXPECT_GT(per_m, 1.0);
+  EXPECT_LT(per_m, 4.0);
+  const std::vector<std::uint8_t> nothing(static_cast<std::size_t>(bent.truth_m.rows()), 0);
+  EXPECT_EQ(covariance.curvature_per_m(bent.truth_m, nothing), 0.0);
+  EXPECT_LT(covariance.curvature_per_m(Scene::flat().truth_m, held.seen()), 1e-3);
 }
 
 TEST(ShapeCovariance, IsTheScatterOfShapesSolvedFromRepeatedNoise) {
@@ -146,7 +214,7 @@ TEST(ShapeCovariance, IsTheScatterOfShapesSolvedFromRepeatedNoise) {
   const Eigen::LLT<Eigen::MatrixXd> solver(jacobian.transpose() * jacobian);
   std::cout << "seed " << kSeed << "\n";
   Rng rng(kSeed);
-  const Eigen::Index n = jacobian.cols();
+  const Eigen::Index n = jacobian.cols() - 1;
   std::vector<Eigen::Matrix3d> scatter(60, Eigen::Matrix3d::Zero());
   Eigen::VectorXd noise(jacobian.rows());
   for (int trial = 0; trial < kTrials; ++trial) {
@@ -192,11 +260,8 @@ TEST(ShapeCovariance, DoesNotDependOnWhatWasComputedBefore) {
   ShapeCovariance used, fresh;
   ASSERT_TRUE(used.build(held.mesh));
   ASSERT_TRUE(fresh.build(held.mesh));
-  std::vector<double> first(540), second(540);
-  ASSERT_TRUE(used.compute(other.system, other.camera, other.scene.truth_m, kNoise, first.data()));
-  ASSERT_TRUE(used.compute(held.system, held.camera, held.scene.truth_m, kNoise, first.data()));
-  ASSERT_TRUE(fresh.compute(held.system, held.camera, held.scene.truth_m, kNoise, second.data()));
-  EXPECT_EQ(first, second);
+  other.covariances_m2(used);
+  EXPECT_EQ(held.covariances_m2(used), held.covariances_m2(fresh));
 }
 
 TEST(ShapeCovariance, SaysWhatAMeshNeedsThatIsTooFineForIt) {
