@@ -6,6 +6,10 @@ A code block after the line `<!-- quote: PATH -->` must be the text of that file
 `<!-- quote: PATH from: TEXT -->` the text from the first line that begins with TEXT on, and with
 `... to: TEXT -->` up to the first later line that begins with it, that line included. Paths start at
 the root. Links to files of the repository must exist, with the heading that they name.
+
+Names in backticks must exist: `weft/core/x.hpp` as a header, `docs/x.md` and the like as a file of the
+root or beside the page, `filters/x` as a component, `a_name` with an underscore in some source. Capitals
+(`frames/NNNNNN.npz`) stand for something, and what ends in a number (`plain_101`) is data.
 """
 
 import pathlib
@@ -16,17 +20,28 @@ import sys
 QUOTE = re.compile(r"<!-- quote: (\S+)(?: from: (.*?))?(?: to: (.*?))? -->")
 LINK = re.compile(r"\]\(([^)#\s]*)(?:#([^)\s]+))?\)")
 FENCE = re.compile(r"^\s*(```|~~~)")
+SPAN = re.compile(r"`([^`]+)`")
+PATH = re.compile(r"[\w.\-]+(?:/[\w.\-]+)+/?")
+NAME = re.compile(r"(?<![\w/.\-])[A-Za-z]\w*_\w+(?![\w/\-])")
+WORD = re.compile(r"\w+")
+# Names of other programs and libraries, of what a reader is to write, and of what npm builds.
+FOREIGN = {"CCACHE_DEPEND", "basic_filebuf", "my_test", "snake_case", "use_registers", "use_stacks",
+           "web/dist/report.js"}
+
+
+def tracked(root, pattern):
+    """Files that match, from the root: the tracked ones, or all where the root is no repository."""
+    try:
+        listed = subprocess.run(
+            ["git", "-C", str(root), "ls-files", "-co", "--exclude-standard", pattern],
+            check=True, capture_output=True, text=True).stdout.split("\n")
+        return sorted(name for name in set(listed) if name and (root / name).is_file())
+    except (subprocess.CalledProcessError, FileNotFoundError):
+        return sorted(str(f.relative_to(root)) for f in root.rglob(pattern) if f.is_file())
 
 
 def pages(root):
-    """The tracked pages, or all of them where the root is no repository."""
-    try:
-        listed = subprocess.run(
-            ["git", "-C", str(root), "ls-files", "-co", "--exclude-standard", "*.md"],
-            check=True, capture_output=True, text=True).stdout.split("\n")
-        return [root / name for name in listed if name and (root / name).exists()]
-    except (subprocess.CalledProcessError, FileNotFoundError):
-        return sorted(root.rglob("*.md"))
+    return [root / name for name in tracked(root, "*.md")]
 
 
 def excerpt(root, quote):
@@ -95,10 +110,69 @@ def check_links(root, page, lines):
                     yield number, f"{target or 'the page'} has no heading '#{anchor}'"
 
 
+class Names:
+    """What exists under the root: files, folders, components and the words of the sources."""
+
+    def __init__(self, root):
+        self.files = set(tracked(root, "*"))
+        self.folders = {str(folder) for file in self.files for folder in pathlib.Path(file).parents}
+        self.words = set()
+        for file in self.files:
+            if not file.endswith(".md") and not (root / file).is_symlink():
+                text = (root / file).read_bytes().decode("utf-8", "replace")
+                self.words.update(WORD.findall(text) if "\0" not in text else [])
+        roles = {f.split("/")[1] for f in self.files if re.match("plugins/[^/]+/[^/]+/", f)}
+        component = re.compile(rf'"((?:{"|".join(sorted(roles)) or "-"})/[a-z0-9_.]+)"')
+        self.roles = roles
+        self.components = {
+            name for file in self.files if file.endswith((".cpp", ".hpp"))
+            for name in component.findall((root / file).read_text(encoding="utf-8"))}
+
+    def has_path(self, path, folder):
+        path = path.removeprefix("./").rstrip("/")
+        known = self.files | self.folders
+        first = path.split("/")[0]
+        if path in FOREIGN:
+            return True
+        if first == "weft":
+            return f"framework/include/{path}" in known
+        if first in self.roles:
+            return path in self.components or "." in path
+        if first in self.folders:
+            return path in known or str(folder / path) in known
+        return True
+
+    def has_word(self, word):
+        if word in self.words or word in FOREIGN or re.search(r"_(\d+|[A-Z]{3,})(_|$)", word):
+            return True
+        if min(map(len, word.split("_"))) < 2:  # a symbol of a formula
+            return True
+        test = re.fullmatch(r"([a-z]+)_(\w+?)(_long)?_test", word)
+        return test is not None and f"plugins/{test[1]}/{test[2]}" in self.folders
+
+
+def check_names(names, page, lines):
+    inside = False
+    for number, line in enumerate(lines, 1):
+        inside ^= bool(FENCE.match(line))
+        if inside:
+            continue
+        for span in SPAN.findall(line):
+            if PATH.fullmatch(span) and not re.search(r"[A-Z]{3,}(?!\w*\.md)", span):
+                if not names.has_path(span, page.parent):
+                    yield number, f"there is no {span}"
+                continue
+            for word in NAME.findall(span):
+                if not names.has_word(word):
+                    yield number, f"no source has the name {word}"
+
+
 def problems(root):
+    names = Names(root)
     for page in pages(root):
         lines = page.read_text(encoding="utf-8").splitlines()
-        for number, message in [*check_quotes(root, lines), *check_links(root, page, lines)]:
+        for number, message in [*check_quotes(root, lines), *check_links(root, page, lines),
+                                *check_names(names, page.relative_to(root), lines)]:
             yield f"{page.relative_to(root)}:{number}: {message}"
 
 

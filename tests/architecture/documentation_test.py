@@ -53,6 +53,24 @@ class Documentation(unittest.TestCase):
     def test_leaves_code_alone(self):
         self.assertEqual(self.found("```\n[a](b.cpp)\n```\nand `[a](b.cpp)`\n"), [])
 
+    def test_finds_names_that_do_not_exist(self):
+        plugin = self.root / "plugins" / "filters" / "near" / "near.cpp"
+        header = self.root / "framework" / "include" / "weft" / "core" / "rng.hpp"
+        for file in (plugin, header):
+            file.parent.mkdir(parents=True)
+        plugin.write_text('WEFT_PLUGIN(Near, "filters/near");  p.read("min_matches", n);\n')
+        header.write_text("int f();\n")
+        self.assertEqual(self.found(
+            "`filters/near` reads `min_matches` (`weft/core/rng.hpp`), tested by"
+            " `filters_near_test`; `frames/NNNNNN.npz` of `plain_101`, `filters/acme.near`,"
+            " `plugins/filters/near/near.cpp`, s_i as `s_i`.\n"), [])
+        for name, message in (("filters/far", "there is no filters/far"),
+                              ("weft/core/rgn.hpp", "there is no weft/core/rgn.hpp"),
+                              ("plugins/filters/far", "there is no plugins/filters/far"),
+                              ("max_matches: 3", "no source has the name max_matches"),
+                              ("filters_far_test", "no source has the name filters_far_test")):
+            self.assertEqual(self.found(f"see\n`{name}`\n"), [f"page.md:2: {message}"])
+
 
 if __name__ == "__main__":
     unittest.main()
