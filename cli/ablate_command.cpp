@@ -8,6 +8,7 @@
 #include <memory>
 #include <weft/core/shell_word.hpp>
 #include <weft/evaluation/ablation.hpp>
+#include <weft/evaluation/expectations.hpp>
 #include <weft/evaluation/results_index.hpp>
 
 #include "commands.hpp"
@@ -82,38 +83,38 @@ std::string command_of(const AblateOptions& options, const Context& context) {
   return command;
 }
 
-void print_failures(const evaluation::Grid& grid, const evaluation::AblationState& state) {
+void print_failures(const evaluation::Results& results) {
   constexpr std::size_t kMost = 10;
   std::size_t shown = 0;
-  for (const evaluation::Cell& cell : grid.cells()) {
-    const auto stored = state.stored.find(cell.identity.key);
-    if (stored == state.stored.end() || !stored->second.failed || shown++ >= kMost) continue;
+  for (const evaluation::PlanCell& cell : results.plan.cells) {
+    const evaluation::CellRecord& record = results.record(cell);
+    if (!record.failed() || shown++ >= kMost) continue;
     std::string name;
-    for (const evaluation::Axis& axis : grid.plan().axes) {
-      name += axis.name + "=" + grid.value_of(cell, axis.name) + ", ";
+    for (std::size_t i = 0; i < cell.values.size(); ++i) {
+      name += results.plan.axes[i].name + "=" + cell.values[i] + ", ";
     }
-    fmt::print("failed: {}sequence={}, seed={}: {}\n", name, grid.value_of(cell, "sequence"),
-               cell.seed, stored->second.reason);
+    fmt::print("failed: {}sequence={}, seed={}: {}\n", name, cell.sequence, cell.seed,
+               record.reason);
   }
   if (shown > kMost) fmt::print("failed: {} more cells\n", shown - kMost);
 }
 
-bool print_verdicts(const evaluation::Grid& grid, const evaluation::AblationState& state) {
+bool print_expectations(const evaluation::Results& results) {
   bool all_met = true;
-  for (const evaluation::Verdict& verdict : evaluation::judge(grid, state)) {
-    const evaluation::Expectation& expected = *verdict.expectation;
+  for (const evaluation::PlanExpectation& expected : results.plan.expectations) {
+    const evaluation::ExpectationOutcome outcome = evaluation::judge(results, expected);
     std::string where, bounds;
     for (const auto& [name, value] : expected.where) {
       where += (where.empty() ? "" : ", ") + name + "=" + value;
     }
-    if (expected.at_least) bounds += fmt::format(" at least {:g}", *expected.at_least);
-    if (expected.at_most) bounds += fmt::format(" at most {:g}", *expected.at_most);
-    const std::string figure = verdict.why_not.empty() ? fmt::format("mean {:.6g} of {} cells",
-                                                                     verdict.mean, verdict.cells)
-                                                       : verdict.why_not;
-    fmt::print("{}: {} [{}]{}: {}\n", verdict.met ? "met" : "MISSED", expected.metric, where,
+    if (!std::isnan(expected.at_least)) bounds += fmt::format(" at least {:g}", expected.at_least);
+    if (!std::isnan(expected.at_most)) bounds += fmt::format(" at most {:g}", expected.at_most);
+    const std::string figure = outcome.why_not.empty() ? fmt::format("mean {:.6g} of {} cells",
+                                                                     outcome.mean, outcome.cells)
+                                                       : outcome.why_not;
+    fmt::print("{}: {} [{}]{}: {}\n", outcome.met ? "met" : "MISSED", expected.metric, where,
                bounds, figure);
-    all_met = all_met && verdict.met;
+    all_met = all_met && outcome.met;
   }
   return all_met;
 }
@@ -126,16 +127,17 @@ void print_state(const evaluation::AblationState& state) {
       state.cells, state.keys, state.done, state.failed, damaged, state.left, state.stages,
       state.stages_executed, state.stages - state.stages_executed);
   for (const std::string& reason : state.reasons) fmt::print("left: {}\n", reason);
-  const std::size_t shown = std::min(kMost, state.damages.size());
+  const evaluation::CellRecords& records = state.results.records;
+  const std::size_t shown = std::min(kMost, records.damaged.size());
   for (std::size_t i = 0; i < shown; ++i) {
-    fmt::print("damaged: {}: {}\n", state.damages[i].where, state.damages[i].what);
+    fmt::print("damaged: {}: {}\n", records.damaged[i].where, records.damaged[i].what);
   }
-  if (state.damages.size() > shown) {
-    fmt::print("damaged: {} more results\n", state.damages.size() - shown);
+  if (records.damaged.size() > shown) {
+    fmt::print("damaged: {} more results\n", records.damaged.size() - shown);
   }
-  if (state.unchecked > 0) {
+  if (records.unchecked > 0) {
     fmt::print("unchecked: {} results of an older program, whose lines have no check\n",
-               state.unchecked);
+               records.unchecked);
   }
 }
 
@@ -168,7 +170,7 @@ Result<evaluation::AblationState> execute(evaluation::Grid& grid,
       grid, folder, *engine, how, [&](double share) { line.show(share); }, interrupted);
   line.clear();
   if (!state) return state;
-  if (auto index = evaluation::write_index(grid, *state, folder.path()); !index) {
+  if (auto index = evaluation::write_index(state->results, folder.path()); !index) {
     return index.error();
   }
   return state;
@@ -193,14 +195,15 @@ void ablate(AblateOptions options, Context& context) {
   }
   const auto state = execute(*grid, *folder, options, context);
   if (!state) return fail(state.error());
-  if (!options.quiet) fmt::print("{}", evaluation::summary_table(*grid, *state));
-  print_failures(*grid, *state);
+  if (!options.quiet) fmt::print("{}", evaluation::summary_table(state->results));
+  print_failures(state->results);
   print_state(*state);
-  const bool whole = state->left == 0 && state->damages.empty();
-  const bool met = !whole || print_verdicts(*grid, *state);
+  const bool is_undamaged = state->results.records.damaged.empty();
+  const bool whole = state->left == 0 && is_undamaged;
+  const bool met = !whole || print_expectations(state->results);
   fmt::print("{}{}{}\n", options.folder,
              state->left > 0 ? " (not finished; run again to go on)" : "",
-             state->damages.empty() ? "" : " (damaged results; run again with --retry damaged)");
+             is_undamaged ? "" : " (damaged results; run again with --retry damaged)");
   if (!whole || state->failed > 0 || !met) context.exit_code = kFramesFailed;
 }
 

@@ -67,6 +67,19 @@ class AblationTest : public weft::testing::PipelineTest {
     return all;
   }
 
+  static const CellRecord& cell(const Grid& grid, const AblationState& state, std::size_t index) {
+    return state.results.records.cells.at(grid.cells()[index].identity.key);
+  }
+
+  /// What the folder "out" has of a cell.
+  json line_of(const Grid& grid, std::size_t index) const {
+    const std::vector<json> all = lines("out");
+    const auto found = std::find_if(all.begin(), all.end(), [&](const json& line) {
+      return line.at("key") == grid.cells()[index].identity.key;
+    });
+    return found == all.end() ? json() : *found;
+  }
+
   /// A line with its check made anew after a change.
   static std::string checked_again(std::string line) {
     constexpr std::size_t kCheck = sizeof(",\"check\":\"\"}") - 1 + 32;

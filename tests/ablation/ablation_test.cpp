@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <weft/evaluation/expectations.hpp>
+
 #include "ablation_fixture.hpp"
 #include "support/child.hpp"
 
@@ -50,8 +52,10 @@ TEST_F(Ablation, GivesWhatTheSamePipelineGivesByItself) {
     const auto alone = evaluate_run(path(key));
     ASSERT_TRUE(alone) << alone.error().message;
     json expected = json::parse(to_json(*alone));
-    expected.erase("frames");
-    EXPECT_EQ(json::parse(state.stored.at(key).metrics), expected) << index;
+    expected["frames"] = json::array();
+    json stored = line_of(grid, index).at("metrics");
+    stored["frames"] = json::array();
+    EXPECT_EQ(stored, expected) << index;
   }
 }
 
@@ -105,15 +109,13 @@ TEST_F(Ablation, RecordsCellsThatFail) {
   const AblationState state = run(grid, "out");
   EXPECT_EQ(state.done, 1U);
   EXPECT_EQ(state.failed, 3U);
-  const auto reason = [&](std::size_t cell) {
-    return state.stored.at(grid.cells()[cell].identity.key).reason;
-  };
+  const auto reason = [&](std::size_t index) { return cell(grid, state, index).reason; };
   EXPECT_EQ(reason(1), "solvers/test.scripted: refuses as scripted");
   EXPECT_THAT(reason(2), StartsWith("every frame had an error; the first: frame 0, solvers: "));
   EXPECT_EQ(reason(3),
             "1 of 2 frames had an error, more than max_failed (0); the first: frame 0, solvers: "
             "solvers/test.scripted: scripted error");
-  EXPECT_EQ(state.stored.at(grid.cells()[1].identity.key).metrics, "null");
+  EXPECT_TRUE(line_of(grid, 1).at("metrics").is_null());
 }
 
 TEST_F(Ablation, RecordsDataThatCannotBeRead) {
@@ -122,9 +124,8 @@ TEST_F(Ablation, RecordsDataThatCannotBeRead) {
       "{source.frames: 0}}}\n");
   const AblationState state = run(grid, "out", 2);
   EXPECT_EQ(state.done, 1U);
-  EXPECT_EQ(state.stored.at(grid.cells()[1].identity.key).reason,
-            "sources/test.scripted: refuses as scripted");
-  EXPECT_EQ(state.stored.at(grid.cells()[2].identity.key).reason, "the source has no frames");
+  EXPECT_EQ(cell(grid, state, 1).reason, "sources/test.scripted: refuses as scripted");
+  EXPECT_EQ(cell(grid, state, 2).reason, "the source has no frames");
 }
 
 TEST_F(Ablation, SurvivesComponentsThatTakeTheirProcessWithThem) {
@@ -141,9 +142,7 @@ TEST_F(Ablation, SurvivesComponentsThatTakeTheirProcessWithThem) {
   const AblationState state = run(grid, "out");
   EXPECT_EQ(state.done, 1U);
   EXPECT_EQ(state.failed, 4U);
-  const auto reason = [&](std::size_t cell) {
-    return state.stored.at(grid.cells()[cell].identity.key).reason;
-  };
+  const auto reason = [&](std::size_t index) { return cell(grid, state, index).reason; };
   EXPECT_EQ(reason(1), "its process died of signal 11 (Segmentation fault)");
   EXPECT_EQ(reason(2), "its process died of signal 6 (Aborted)");
   EXPECT_EQ(reason(3), "it ended its process with exit code 7");
@@ -169,8 +168,7 @@ TEST_F(Ablation, LeavesOutALineThatWasCutOff) {
   const std::size_t whole = lines("out").size();
   const std::string file = path("out/results/cached-000001.jsonl");
   fs::resize_file(file, fs::file_size(file) - 5);
-  const auto folder = ResultsFolder::open(path("out"), "plan");
-  const auto stored = folder->read();
+  const auto stored = read_cell_records(path("out"), {});
   ASSERT_TRUE(stored);
   EXPECT_EQ(stored->cells.size(), whole - 1);
   EXPECT_TRUE(stored->damaged.empty()) << "a process was killed: nothing is wrong with that";
@@ -318,15 +316,18 @@ TEST_F(Ablation, JudgesWhatThePlanExpects) {
       "  - {metric: counts.frames, at_most: 1.5}\n"
       "  - {metric: jitter.mean_mm, at_most: 1}\n");
   const AblationState state = run(grid, "out");
-  const std::vector<Verdict> verdicts = judge(grid, state);
-  ASSERT_EQ(verdicts.size(), 3U);
-  EXPECT_TRUE(verdicts[0].met);
-  EXPECT_EQ(verdicts[0].cells, 1U);
-  EXPECT_FALSE(verdicts[1].met);
-  EXPECT_EQ(verdicts[1].cells, 2U);
-  EXPECT_EQ(verdicts[1].mean, 2.0);
-  EXPECT_FALSE(verdicts[2].met);
-  EXPECT_EQ(verdicts[2].why_not, "a cell has no such figure") << "two frames have no jitter";
+  std::vector<ExpectationOutcome> outcomes;
+  for (const PlanExpectation& expected : state.results.plan.expectations) {
+    outcomes.push_back(judge(state.results, expected));
+  }
+  ASSERT_EQ(outcomes.size(), 3U);
+  EXPECT_TRUE(outcomes[0].met);
+  EXPECT_EQ(outcomes[0].cells, 1);
+  EXPECT_FALSE(outcomes[1].met);
+  EXPECT_EQ(outcomes[1].cells, 2);
+  EXPECT_EQ(outcomes[1].mean, 2.0);
+  EXPECT_FALSE(outcomes[2].met);
+  EXPECT_EQ(outcomes[2].why_not, "a cell has no such figure") << "two frames have no jitter";
 }
 
 class AblateCommand : public AblationTest {

@@ -17,10 +17,6 @@ using ::testing::StartsWith;
 
 class Trust : public AblationTest {
  protected:
-  const StoredCell& cell(const Grid& grid, const AblationState& state, std::size_t index) const {
-    return state.stored.at(grid.cells()[index].identity.key);
-  }
-
   std::string file() const { return path("out/results/cached-000001.jsonl"); }
 
   void change_line(std::size_t number, const std::function<void(std::string&)>& change) const {
@@ -49,14 +45,15 @@ TEST_F(Trust, ACellFailsWhereARunOfItsPipelineWould) {
   EXPECT_THAT(
       cell(grid, state, 0).reason,
       StartsWith("2 of 4 frames had an error, more than max_failed (0); the first: frame 1"));
-  EXPECT_FALSE(cell(grid, state, 1).failed);
+  EXPECT_TRUE(cell(grid, state, 1).done());
   EXPECT_THAT(cell(grid, state, 2).reason, EndsWith("(on_error: stop)"));
-  EXPECT_EQ(json::parse(cell(grid, state, 2).metrics).at("counts").at("frames"), 2);
-  EXPECT_FALSE(judge(grid, state)[0].met) << "a cell that failed meets nothing";
+  EXPECT_EQ(line_of(grid, 2).at("metrics").at("counts").at("frames"), 2);
+  EXPECT_FALSE(judge(state.results, state.results.plan.expectations[0]).met)
+      << "a cell that failed meets nothing, whatever was measured of it";
   const auto results = read_results(path("out"));
   ASSERT_TRUE(results);
-  EXPECT_EQ(results->record(results->cells[0]).outcome, CellOutcome::failed);
-  EXPECT_FALSE(evaluation::check(*results, results->expectations[0]).met)
+  EXPECT_EQ(results->record(results->plan.cells[0]).outcome, CellOutcome::failed);
+  EXPECT_FALSE(judge(*results, results->plan.expectations[0]).met)
       << "and the report says the same";
 }
 
@@ -73,11 +70,11 @@ TEST_F(Trust, AnOldLineWithFramesInErrorIsAFailure) {
   });
   const AblationState state = *state_of(grid, *ResultsFolder::look(path("out"), "plan"), {});
   EXPECT_EQ(state.failed, 1U);
-  EXPECT_EQ(state.unchecked, 1U);
+  EXPECT_EQ(state.results.records.unchecked, 1U);
   EXPECT_EQ(cell(grid, state, 0).reason, "1 of 2 frames had an error, more than max_failed (0)");
   const auto results = read_results(path("out"));
   ASSERT_TRUE(results);
-  EXPECT_EQ(results->record(results->cells[0]).reason, cell(grid, state, 0).reason);
+  EXPECT_EQ(results->record(results->plan.cells[0]).reason, cell(grid, state, 0).reason);
 }
 
 TEST_F(Trust, ACellWhoseDataChangedWhileItRanHasNoResult) {
@@ -147,15 +144,15 @@ TEST_F(Trust, RunsFailedCellsAgainWhenTold) {
   EXPECT_EQ(weft({"ablate", plan, "--out", path("out")}).exit_code, 1);
   EXPECT_EQ(lines("out").size(), 2U) << "a failure is a result";
   EXPECT_EQ(weft({"ablate", plan, "--out", path("out"), "--retry", "failed"}).exit_code, 1);
-  const auto stored = ResultsFolder::look(path("out"), "plan")->read();
+  const auto stored = read_cell_records(path("out"), {});
   ASSERT_TRUE(stored);
   EXPECT_EQ(stored->cells.size(), 2U);
   std::map<std::string, int> files;
-  for (const auto& [key, known] : stored->cells) ++files[known.file];
+  for (const auto& [key, known] : stored->cells) ++files[known.place.file];
   EXPECT_EQ(files,
             (std::map<std::string, int>{{"cached-000001.jsonl", 1}, {"cached-000002.jsonl", 1}}));
   EXPECT_TRUE(fs::exists(path("out/results/withdrawn-000001.jsonl")));
-  EXPECT_EQ(read_results(path("out"))->records.size(), 2U);
+  EXPECT_EQ(read_results(path("out"))->records.cells.size(), 2U);
 }
 
 TEST_F(Trust, AResultThatWasWithdrawnIsMissingUntilItsCellRanAgain) {
@@ -166,7 +163,7 @@ TEST_F(Trust, AResultThatWasWithdrawnIsMissingUntilItsCellRanAgain) {
   const AblationState stopped = run(grid, "out", 1, retry, -1.0);  // killed before its first cell
   EXPECT_EQ(stopped.left, 1U);
   EXPECT_EQ(run(grid, "out").failed, 1U) << "an ordinary run goes on";
-  EXPECT_EQ(read_results(path("out"))->records.size(), 1U);
+  EXPECT_EQ(read_results(path("out"))->records.cells.size(), 1U);
 }
 
 TEST_F(Trust, NamesEachLineThatWasChangedAndRunsItsCellAgainWhenTold) {
@@ -177,11 +174,11 @@ TEST_F(Trust, NamesEachLineThatWasChangedAndRunsItsCellAgainWhenTold) {
   for (std::size_t at = 0; at < size; at += kStep) {
     const auto flip = [&](std::string& line) { line[at] = static_cast<char>(line[at] ^ 1); };
     change_line(1, flip);
-    const auto stored = ResultsFolder::look(path("out"), "plan")->read();
+    const auto stored = read_cell_records(path("out"), {});
     ASSERT_TRUE(stored) << at << ": " << stored.error().message;
     ASSERT_EQ(stored->damaged.size(), 1U) << at;
     EXPECT_EQ(stored->damaged.at(0).where, file() + ":2") << at;
-    EXPECT_EQ(read_results(path("out"))->damaged.size(), stored->damaged.size());
+    EXPECT_EQ(read_results(path("out"))->records.damaged.size(), stored->damaged.size());
     change_line(1, flip);
   }
   ASSERT_EQ(weft({"ablate", plan, "--out", path("out"), "--status"}).exit_code, 0);
@@ -205,15 +202,15 @@ TEST_F(Trust, NoticesWhatIsMissingOfACellsFolder) {
   AblationState state = run(grid, "out");
   EXPECT_EQ(state.damaged, 2U);
   std::string said;
-  for (const Damage& damage : state.damages) said += damage.what + "\n";
+  for (const Damage& damage : state.results.records.damaged) said += damage.what + "\n";
   EXPECT_THAT(said, HasSubstr("shapes.npz has "));
   EXPECT_THAT(said, HasSubstr("pipeline.yaml is missing"));
-  EXPECT_EQ(read_results(path("out"))->damaged.size(), 2U);
+  EXPECT_EQ(read_results(path("out"))->records.damaged.size(), 2U);
   AblationOptions retry;
   retry.retry_damaged = true;
   state = run(grid, "out", 1, retry);
   EXPECT_EQ(state.done, 2U);
-  EXPECT_TRUE(state.damages.empty());
+  EXPECT_TRUE(state.results.records.damaged.empty());
 }
 
 TEST_F(Trust, FindsAFileThatWasChangedInItsPlaceWhenDamageIsToBeRetried) {
@@ -242,11 +239,11 @@ TEST_F(Trust, AKeyThatIsNoneIsDamageAndNeverAPath) {
     line.replace(line.find(key), key.size(), crafted);
     line = checked_again(line);
   });
-  const auto stored = ResultsFolder::look(path("out"), "plan")->read();
+  const auto stored = read_cell_records(path("out"), {});
   ASSERT_TRUE(stored);
   ASSERT_EQ(stored->damaged.size(), 1U);
   EXPECT_THAT(stored->damaged[0].what, HasSubstr("32 hexadecimal digits"));
-  EXPECT_TRUE(read_results(path("out"))->records.empty());
+  EXPECT_TRUE(read_results(path("out"))->records.cells.empty());
   std::string plan = weft::testing::read_text(path("out/plan.json"));
   plan.replace(plan.find(key), key.size(), crafted);
   std::ofstream(path("out/plan.json")) << plan;

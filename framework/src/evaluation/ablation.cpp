@@ -6,12 +6,12 @@
 namespace weft::evaluation {
 namespace {
 
-bool is_finished(const std::map<std::string, StoredCell>& stored, const Cell& cell, bool timed) {
+bool is_finished(const std::map<std::string, CellRecord>& stored, const Cell& cell, bool timed) {
   const auto found = stored.find(cell.identity.key);
   return found != stored.end() && (found->second.timed || !timed);
 }
 
-void adopt_rebuilt(Grid& grid, const std::map<std::string, StoredCell>& stored) {
+void adopt_rebuilt(Grid& grid, const std::map<std::string, CellRecord>& stored) {
   std::map<std::string, std::string> keys;  // by rebuilt key
   for (const auto& [key, cell] : stored) keys.emplace(cell.rebuilt_key, key);
   for (std::size_t i = 0; i < grid.cells().size(); ++i) {
@@ -22,7 +22,7 @@ void adopt_rebuilt(Grid& grid, const std::map<std::string, StoredCell>& stored) 
 }
 
 /// Keys of which there is nothing but a damaged result.
-std::set<std::string> damaged_keys(const StoredCells& stored) {
+std::set<std::string> damaged_keys(const CellRecords& stored) {
   std::set<std::string> keys;
   for (const Damage& damage : stored.damaged) {
     if (!damage.key.empty() && stored.cells.count(damage.key) == 0) keys.insert(damage.key);
@@ -31,7 +31,7 @@ std::set<std::string> damaged_keys(const StoredCells& stored) {
 }
 
 /// Cells without a result, each key once, those that read the same frames together.
-std::vector<std::vector<const Cell*>> pending(const Grid& grid, const StoredCells& stored,
+std::vector<std::vector<const Cell*>> pending(const Grid& grid, const CellRecords& stored,
                                               bool timed) {
   std::vector<std::vector<const Cell*>> groups;
   std::map<std::string, std::size_t> group_of;
@@ -47,25 +47,26 @@ std::vector<std::vector<const Cell*>> pending(const Grid& grid, const StoredCell
 }
 
 /// The lines of the grid's cells that failed.
-std::vector<Damage> failed_lines(const Grid& grid, const StoredCells& stored) {
+std::vector<Damage> failed_lines(const Grid& grid, const CellRecords& stored) {
   std::vector<Damage> lines;
   std::set<std::string> keys;
   for (const Cell& cell : grid.cells()) {
     const auto found = stored.cells.find(cell.identity.key);
-    if (found == stored.cells.end() || !found->second.failed) continue;
+    if (found == stored.cells.end() || !found->second.failed()) continue;
     if (!keys.insert(found->first).second) continue;
-    const StoredCell& failed = found->second;
-    lines.push_back({{}, "it failed: " + failed.reason, failed.key, failed.file, failed.line});
+    const CellRecord& failed = found->second;
+    lines.push_back(
+        {{}, "it failed: " + failed.reason, failed.key, failed.place.file, failed.place.number});
   }
   return lines;
 }
 
 /// What the folder has, without what is to be tried again. A key may have several lines: behind
 /// one that is withdrawn another may stand.
-Result<StoredCells> read_and_withdraw(Grid& grid, const ResultsFolder& folder,
+Result<CellRecords> read_and_withdraw(Grid& grid, const ResultsFolder& folder,
                                       const AblationOptions& options) {
   for (;;) {
-    auto stored = folder.read(options.retry_damaged);
+    auto stored = read_cell_records(folder.path(), {{}, false, options.retry_damaged});
     if (!stored) return stored;
     if (options.accept_rebuilt) adopt_rebuilt(grid, stored->cells);
     std::vector<Damage> lines;
@@ -78,28 +79,27 @@ Result<StoredCells> read_and_withdraw(Grid& grid, const ResultsFolder& folder,
   }
 }
 
-AblationState state_from(const Grid& grid, StoredCells stored, bool timed) {
+AblationState state_from(const Grid& grid, PlanRecord plan, CellRecords records, bool timed) {
   AblationState state;
-  const std::set<std::string> damaged = damaged_keys(stored);
+  const std::set<std::string> damaged = damaged_keys(records);
   std::set<std::string> keys;
   for (const Cell& cell : grid.cells()) {
     ++state.cells;
     const bool is_new = keys.insert(cell.identity.key).second;
-    if (!is_finished(stored.cells, cell, timed)) {
+    if (!is_finished(records.cells, cell, timed)) {
       ++(damaged.count(cell.identity.key) > 0 ? state.damaged : state.left);
       continue;
     }
-    const StoredCell& result = stored.cells.at(cell.identity.key);
-    ++(result.failed ? state.failed : state.done);
-    const bool crashed = result.failed && result.executed.empty();
+    const CellRecord& record = records.cells.at(cell.identity.key);
+    ++(record.failed() ? state.failed : state.done);
+    const bool crashed = record.failed() && record.executed.empty();
     if (!is_new || crashed) continue;
     state.stages += cell.stages.size();
-    state.stages_executed += result.executed.size();
+    state.stages_executed += record.executed.size();
   }
   state.keys = keys.size();
-  state.stored = std::move(stored.cells);
-  state.damages = std::move(stored.damaged);
-  state.unchecked = stored.unchecked;
+  state.results.plan = std::move(plan);
+  state.results.take(std::move(records));
   return state;
 }
 
@@ -107,10 +107,14 @@ AblationState state_from(const Grid& grid, StoredCells stored, bool timed) {
 
 Result<AblationState> state_of(Grid& grid, const ResultsFolder& folder,
                                const AblationOptions& options) {
-  auto stored = folder.read();
-  if (!stored) return stored.error();
-  if (options.accept_rebuilt) adopt_rebuilt(grid, stored->cells);
-  return state_from(grid, *std::move(stored), options.timed);
+  PlanRecord plan = grid.record(options.command);
+  auto records = read_cell_records(folder.path(), {plan.metrics(), false, false});
+  if (!records) return records.error();
+  if (options.accept_rebuilt) {
+    adopt_rebuilt(grid, records->cells);
+    plan = grid.record(options.command);
+  }
+  return state_from(grid, std::move(plan), *std::move(records), options.timed);
 }
 
 Result<AblationState> run_ablation(Grid& grid, const ResultsFolder& folder, Engine& engine,

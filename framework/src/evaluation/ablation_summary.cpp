@@ -6,39 +6,10 @@
 #include <weft/core/statistics.hpp>
 #include <weft/evaluation/ablation.hpp>
 
-#include "cell_figures.hpp"
-
 namespace weft::evaluation {
 namespace {
 
 constexpr std::size_t kMostCombinations = 40;
-
-Verdict judge_one(const Grid& grid, const Expectation& expectation, CellFigures& figures) {
-  Verdict verdict{&expectation, false, 0, kUnknown, {}};
-  std::vector<double> values;
-  const auto spoil = [&](const std::string& reason) {
-    if (verdict.why_not.empty()) verdict.why_not = reason;
-  };
-  for (const Cell& cell : grid.cells()) {
-    if (!grid.selects(expectation.where, cell)) continue;
-    ++verdict.cells;
-    const StoredCell* stored = figures.find(cell);
-    if (stored == nullptr || stored->failed) {
-      spoil(stored == nullptr ? "a cell is not finished" : "a cell failed: " + stored->reason);
-      continue;
-    }
-    const auto value = figures.at(*stored, expectation.metric);
-    if (!value) spoil(value.error().message);
-    if (value && std::isnan(*value)) spoil("a cell has no such figure");
-    if (value) values.push_back(*value);
-  }
-  if (verdict.cells == 0) spoil("no cell is selected");
-  if (!verdict.why_not.empty()) return verdict;
-  verdict.mean = mean(values);
-  verdict.met = (!expectation.at_most || verdict.mean <= *expectation.at_most) &&
-                (!expectation.at_least || verdict.mean >= *expectation.at_least);
-  return verdict;
-}
 
 using Row = std::vector<std::string>;
 
@@ -61,18 +32,19 @@ std::string aligned(const std::vector<Row>& rows, std::size_t text_columns) {
 }
 
 /// Number of cells, failures, and a mean for each metric.
-Row figures_of(const Grid& grid, const Selection& where, const std::vector<std::string>& metrics,
-               CellFigures& figures) {
+Row figures_of(const Results& results, const Selection& where,
+               const std::vector<std::string>& metrics) {
   std::vector<std::vector<double>> values(metrics.size());
   std::size_t count = 0, failed = 0;
-  for (const Cell& cell : grid.cells()) {
-    const StoredCell* stored = grid.selects(where, cell) ? figures.find(cell) : nullptr;
-    if (stored == nullptr) continue;
+  for (const PlanCell& cell : results.plan.cells) {
+    if (!results.plan.selects(where, cell)) continue;
+    const CellRecord& record = results.record(cell);
+    if (!record.done() && !record.failed()) continue;
     ++count;
-    failed += stored->failed ? 1 : 0;
-    for (std::size_t i = 0; i < metrics.size() && !stored->failed; ++i) {
-      const auto value = figures.at(*stored, metrics[i]);
-      if (value && std::isfinite(*value)) values[i].push_back(*value);
+    failed += record.failed() ? 1 : 0;
+    for (std::size_t i = 0; i < metrics.size(); ++i) {
+      const double value = record.figure(metrics[i]);
+      if (std::isfinite(value)) values[i].push_back(value);
     }
   }
   Row row{std::to_string(count), std::to_string(failed)};
@@ -82,11 +54,11 @@ Row figures_of(const Grid& grid, const Selection& where, const std::vector<std::
   return row;
 }
 
-void add_combinations(const Plan& plan, std::size_t axis, Selection& where,
+void add_combinations(const PlanRecord& plan, std::size_t axis, Selection& where,
                       std::vector<Selection>& all) {
   if (axis == plan.axes.size()) return all.push_back(where);
-  for (const NamedPatch& value : plan.axes[axis].values) {
-    where.emplace_back(plan.axes[axis].name, value.name);
+  for (const std::string& value : plan.axes[axis].values) {
+    where.emplace_back(plan.axes[axis].name, value);
     add_combinations(plan, axis + 1, where, all);
     where.pop_back();
   }
@@ -94,30 +66,21 @@ void add_combinations(const Plan& plan, std::size_t axis, Selection& where,
 
 }  // namespace
 
-std::vector<Verdict> judge(const Grid& grid, const AblationState& state) {
-  CellFigures figures(state);
-  std::vector<Verdict> verdicts;
-  for (const Expectation& each : grid.plan().expect) {
-    verdicts.push_back(judge_one(grid, each, figures));
-  }
-  return verdicts;
-}
-
-std::string summary_table(const Grid& grid, const AblationState& state) {
-  const Plan& plan = grid.plan();
-  const std::vector<std::string> metrics = shown_metrics(plan);
+std::string summary_table(const Results& results) {
+  const PlanRecord& plan = results.plan;
+  const std::vector<std::string> metrics = plan.shown_metrics();
   std::size_t combinations = 1;
-  for (const Axis& axis : plan.axes) combinations *= axis.values.size();
+  for (const PlanAxis& axis : plan.axes) combinations *= axis.values.size();
   const bool whole = combinations <= kMostCombinations;
   std::vector<Selection> selections;
   Row head;
   if (whole) {
     Selection none;
     add_combinations(plan, 0, none, selections);
-    for (const Axis& axis : plan.axes) head.push_back(axis.name);
+    for (const PlanAxis& axis : plan.axes) head.push_back(axis.name);
   } else {
-    for (const Axis& axis : plan.axes) {
-      for (const NamedPatch& value : axis.values) selections.push_back({{axis.name, value.name}});
+    for (const PlanAxis& axis : plan.axes) {
+      for (const std::string& value : axis.values) selections.push_back({{axis.name, value}});
     }
     head = {"axis", "value"};
   }
@@ -125,14 +88,13 @@ std::string summary_table(const Grid& grid, const AblationState& state) {
   head.insert(head.end(), {"cells", "failed"});
   head.insert(head.end(), metrics.begin(), metrics.end());
   std::vector<Row> rows{head};
-  CellFigures figures(state);
   for (const Selection& where : selections) {
     Row& row = rows.emplace_back();
     for (const auto& [name, value] : where) {
       if (!whole) row.push_back(name);
       row.push_back(value);
     }
-    const Row numbers = figures_of(grid, where, metrics, figures);
+    const Row numbers = figures_of(results, where, metrics);
     row.insert(row.end(), numbers.begin(), numbers.end());
   }
   return aligned(rows, text_columns);

@@ -160,21 +160,4 @@ std::vector<CellFile> files_of_line(const json& line) {
   return files;
 }
 
-Result<StoredCell> stored_cell(const json& line) {
-  try {
-    StoredCell cell;
-    cell.key = line.at("key");
-    cell.rebuilt_key = line.at("rebuilt_key");
-    cell.reason = failure_of(line);
-    cell.failed = !cell.reason.empty();
-    cell.timed = !line.at("timing").value("cached", false);
-    cell.metrics = line.at("metrics").dump();
-    cell.executed = line.at("machine").at("executed").get<std::vector<std::string>>();
-    cell.files = files_of_line(line);
-    return cell;
-  } catch (const json::exception&) {
-    return Error{Errc::invalid_data, "it is no line of a cell", {}};
-  }
-}
-
 }  // namespace weft::evaluation

@@ -42,14 +42,7 @@ std::string failure_of(const nlohmann::json& line);
 /// "29 of 39 frames had an error, more than max_failed (0)".
 std::string too_many_failed(std::int64_t failed, std::int64_t frames, int max_failed);
 
-/// What a line of a cell says.
-Result<StoredCell> stored_cell(const nlohmann::json& line);
-
 /// The files that a line says to be in the folder of its cell.
 std::vector<CellFile> files_of_line(const nlohmann::json& line);
-
-std::string manifest_text(const Grid& grid, bool accept_rebuilt);
-
-std::string plan_text(const Grid& grid, const std::string& command);
 
 }  // namespace weft::evaluation

@@ -196,10 +196,4 @@ std::string Grid::value_of(const Cell& cell, const std::string& name) const {
   return {};
 }
 
-bool Grid::selects(const Selection& where, const Cell& cell) const {
-  return std::all_of(where.begin(), where.end(), [&](const auto& condition) {
-    return value_of(cell, condition.first) == condition.second;
-  });
-}
-
 }  // namespace weft::evaluation

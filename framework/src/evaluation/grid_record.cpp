@@ -1,123 +1,62 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <weft/core/version.hpp>
-#include <weft/evaluation/metrics.hpp>
+#include <weft/evaluation/grid.hpp>
 
 #include "axis_sweep.hpp"
-#include "cell_line.hpp"
 
 namespace weft::evaluation {
 namespace {
 
-using nlohmann::ordered_json;
-
-/// Text of any bytes as JSON: what is no UTF-8 is replaced.
-std::string plan_dump(const ordered_json& value, int indent) {
-  return value.dump(indent, ' ', false, ordered_json::error_handler_t::replace) + "\n";
-}
-
-ordered_json measurement_json(const Measurement& measurement) {
-  return {{"alignment", to_string(measurement.options.alignment)},
-          {"match_tolerance_px", measurement.options.match_tolerance_px},
-          {"frames", measurement.frames}};
-}
-
-/// All values of the cell by name.
-ordered_json selection_json(const Selection& where) {
-  ordered_json values = ordered_json::object();
-  for (const auto& [name, value] : where) values[name] = value;
-  return values;
-}
-
-ordered_json cells_json(const Grid& grid) {
-  ordered_json cells = ordered_json::array();
-  for (const Cell& cell : grid.cells()) {
-    ordered_json axes = ordered_json::object();
-    for (const Axis& axis : grid.plan().axes) axes[axis.name] = grid.value_of(cell, axis.name);
-    cells.push_back({{"cell", cells.size()},
-                     {"axes", std::move(axes)},
-                     {"sequence", grid.value_of(cell, "sequence")},
-                     {"seed", cell.seed},
-                     {"key", cell.identity.key},
-                     {"group", cell.identity.group}});
-  }
-  return cells;
-}
-
-ordered_json expectation_json(const Expectation& expectation) {
-  ordered_json entry{{"where", selection_json(expectation.where)}, {"metric", expectation.metric}};
-  if (expectation.at_most) entry["at_most"] = *expectation.at_most;
-  if (expectation.at_least) entry["at_least"] = *expectation.at_least;
-  return entry;
-}
-
-ordered_json comparison_json(const PlannedComparison& comparison) {
-  ordered_json entry{
-      {"axis", comparison.axis}, {"reference", nullptr}, {"metric", comparison.metric}};
-  if (comparison.reference) entry["reference"] = *comparison.reference;
-  return entry;
-}
-
-ordered_json names_json(const std::vector<NamedPatch>& patches) {
-  ordered_json names = ordered_json::array();
+std::vector<std::string> names_of(const std::vector<NamedPatch>& patches) {
+  std::vector<std::string> names;
   for (const NamedPatch& patch : patches) names.push_back(patch.name);
   return names;
 }
 
-ordered_json axis_json(const Axis& axis) {
-  ordered_json object{{"name", axis.name}, {"values", names_json(axis.values)}};
-  if (const auto sweep = sweep_of(axis)) {
-    object["swept"] = sweep->name;
-    object["numbers"] = sweep->numbers;
-    if (!sweep->families.empty()) object["families"] = sweep->families;
+PlanAxis axis_record(const Axis& axis) {
+  PlanAxis record{axis.name, names_of(axis.values), {}, {}, {}};
+  if (auto sweep = sweep_of(axis)) {
+    record.swept = std::move(sweep->name);
+    record.numbers = std::move(sweep->numbers);
+    record.families = std::move(sweep->families);
   }
-  return object;
+  return record;
 }
 
 }  // namespace
 
-std::string manifest_text(const Grid& grid, bool accept_rebuilt) {
-  return plan_dump({{"schema", kFolderSchema},
-                    {"weft", kVersion},
-                    {"plan", grid.plan().name},
-                    {"metrics", measurement_json(grid.plan().measurement)},
-                    {"accept_rebuilt", accept_rebuilt}},
-                   2);
-}
-
-std::string plan_text(const Grid& grid, const std::string& command) {
-  const Plan& plan = grid.plan();
-  ordered_json axes = ordered_json::array(), data = ordered_json::array();
-  ordered_json sequences = ordered_json::array(), show = ordered_json::array();
-  for (const Axis& axis : plan.axes) {
-    axes.push_back(axis_json(axis));
+PlanRecord Grid::record(const std::string& command) const {
+  PlanRecord record;
+  record.name = plan_.name;
+  record.file = plan_.source.name;
+  record.command = command;
+  record.data_use = plan_.reporting ? "reporting" : "tuning";
+  for (const Axis& axis : plan_.axes) record.axes.push_back(axis_record(axis));
+  for (const PlannedData& each : plan_.data) {
+    record.data.push_back({each.name, names_of(each.sequences)});
+    for (const NamedPatch& sequence : each.sequences) record.sequences.push_back(sequence.name);
   }
-  for (const PlannedData& each : plan.data) {
-    data.push_back({{"name", each.name}, {"sequences", names_json(each.sequences)}});
-    for (const NamedPatch& sequence : each.sequences) sequences.push_back(sequence.name);
+  record.seeds = plan_.seeds;
+  for (const auto& [metric, at] : plan_.show) record.show.push_back(metric);
+  for (const PlannedComparison& each : plan_.comparisons) {
+    record.comparisons.push_back({each.axis, each.metric, each.reference.value_or("")});
   }
-  std::vector<std::uint64_t> seeds = plan.seeds;
-  for (const Cell& cell : grid.cells()) {
+  for (const Expectation& each : plan_.expect) {
+    record.expectations.push_back({each.where, each.metric, each.at_least.value_or(kUnknown),
+                                   each.at_most.value_or(kUnknown)});
+  }
+  for (const Cell& cell : cells_) {
+    std::vector<std::uint64_t>& seeds = record.seeds;
     if (std::find(seeds.begin(), seeds.end(), cell.seed) == seeds.end()) seeds.push_back(cell.seed);
+    PlanCell& entry = record.cells.emplace_back();
+    entry.index = static_cast<std::int64_t>(record.cells.size()) - 1;
+    for (const Axis& axis : plan_.axes) entry.values.push_back(value_of(cell, axis.name));
+    entry.sequence = value_of(cell, "sequence");
+    entry.seed = cell.seed;
+    entry.key = cell.identity.key;
+    entry.group = cell.identity.group;
   }
-  for (const auto& [metric, at] : plan.show) show.push_back(metric);
-  ordered_json comparisons = ordered_json::array(), expect = ordered_json::array();
-  for (const PlannedComparison& each : plan.comparisons)
-    comparisons.push_back(comparison_json(each));
-  for (const Expectation& each : plan.expect) expect.push_back(expectation_json(each));
-  return plan_dump({{"name", plan.name},
-                    {"file", plan.source.name},
-                    {"command", command},
-                    {"data_use", plan.reporting ? "reporting" : "tuning"},
-                    {"axes", std::move(axes)},
-                    {"sequences", std::move(sequences)},
-                    {"data", std::move(data)},
-                    {"seeds", std::move(seeds)},
-                    {"show", std::move(show)},
-                    {"cells", cells_json(grid)},
-                    {"comparisons", std::move(comparisons)},
-                    {"expect", std::move(expect)}},
-                   1);
+  return record;
 }
 
 }  // namespace weft::evaluation

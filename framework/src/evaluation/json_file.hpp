@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <weft/core/text_file.hpp>
+#include <weft/evaluation/unknown.hpp>
 
 namespace weft::evaluation {
 
@@ -25,6 +26,12 @@ inline std::string reason_of(const nlohmann::json::exception& mistake) {
   const std::string text = mistake.what();
   const std::size_t end = text.find("] ");
   return end == std::string::npos ? text : text.substr(end + 2);
+}
+
+/// A number of an object, or NaN where there is null or nothing.
+inline double number_of(const nlohmann::json& object, const char* key) {
+  const auto found = object.find(key);
+  return found == object.end() || found->is_null() ? kUnknown : found->get<double>();
 }
 
 /// The text under a key; empty where there is none.

@@ -11,6 +11,7 @@
 #include <list>
 #include <map>
 #include <optional>
+#include <weft/evaluation/cell_record.hpp>
 #include <weft/evaluation/engine.hpp>
 
 #include "local_child.hpp"
@@ -164,7 +165,7 @@ class LocalRun {
   }
 
   Result<void> leave_out_finished(Task& task) {
-    const auto stored = order_.folder.read();
+    const auto stored = read_cell_records(order_.folder.path(), {});
     if (!stored) return stored.error();
     const auto finished = [&](const Cell* cell) {
       const auto found = stored->cells.find(cell->identity.key);

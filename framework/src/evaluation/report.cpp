@@ -43,9 +43,9 @@ std::string markdown_code(const std::string& text) {
 
 /// What stands before the tables: what was run, and what came of it.
 std::string markdown_head(const Results& results, const ReportTables& tables) {
-  std::string text = "# " + markdown_escaped(results.name) + "\n\nMade by Weft " +
-                     markdown_escaped(results.version) + " with " + markdown_code(results.command) +
-                     ".\n\n";
+  std::string text = "# " + markdown_escaped(results.plan.name) + "\n\nMade by Weft " +
+                     markdown_escaped(results.version) + " with " +
+                     markdown_code(results.plan.command) + ".\n\n";
   for (const auto& [name, value] : facts_of(results, tables)) {
     text += "- " + markdown_escaped(name) + ": " + markdown_escaped(value) + "\n";
   }

@@ -29,7 +29,7 @@ std::string command_of(const Results& results, const PlanCell& cell) {
 }
 
 std::string ablate_command(const Results& results, const std::string& option) {
-  return results.command + " --out " + shell_word(results.folder) + option;
+  return results.plan.command + " --out " + shell_word(results.folder) + option;
 }
 
 }  // namespace weft::evaluation

@@ -17,7 +17,7 @@ constexpr std::size_t kMostPoints = 256;  ///< of a drawn distribution
 std::vector<double> sorted_errors(const Results& results, const Combination& combination) {
   std::vector<double> errors;
   for (const std::size_t index : combination.cells) {
-    for (const FrameError& error : results.record(results.cells[index]).errors) {
+    for (const FrameError& error : results.record(results.plan.cells[index]).errors) {
       if (std::isfinite(error.mean_mm)) errors.push_back(error.mean_mm);
     }
   }
@@ -55,7 +55,7 @@ Curve distribution_of(const Results& results, const Combination& combination) {
 Curve error_over_frames(const Results& results, const Combination& combination) {
   std::map<std::uint64_t, std::map<std::string, std::vector<double>>> by_frame;
   for (const std::size_t index : combination.cells) {
-    const PlanCell& cell = results.cells[index];
+    const PlanCell& cell = results.plan.cells[index];
     for (const FrameError& error : results.record(cell).errors) {
       auto& values = by_frame[error.frame];
       if (std::isfinite(error.mean_mm)) values[cell.sequence].push_back(error.mean_mm);

@@ -20,7 +20,7 @@ std::string figure(const std::string& id, const std::string& caption) {
 }
 
 std::string sweep_figure(const Results& results, const Sweep& sweep, std::size_t index) {
-  const std::string axis = html_escaped(results.axes[sweep.axis].swept);
+  const std::string axis = html_escaped(results.plan.axes[sweep.axis].swept);
   const std::string title = sweep.stage.empty()
                                 ? "Along " + axis
                                 : "ROC of " + html_escaped(sweep.stage) + " over " + axis;
@@ -113,7 +113,7 @@ std::string worst_part(const Results& results, const Figures& figures) {
       "is only predicted. Blue dots: the matches that were kept. A click on a command copies "
       "it.</p>\n<div class=\"thumbnails\">\n";
   for (const ShownFrame& frame : figures.worst_frames) {
-    const PlanCell& cell = results.cells[frame.cell];
+    const PlanCell& cell = results.plan.cells[frame.cell];
     const TextCell error = number_cell(frame.mean_mm, 3);
     std::string values;
     for (const std::string& value : cell.values) values += html_escaped(value) + " · ";

@@ -38,10 +38,11 @@ std::string place_of(const PlanCell& cell) {
 std::vector<std::size_t> ranked_cells(const Results& results, const Combination& combination) {
   std::vector<std::size_t> cells;
   for (const std::size_t cell : combination.cells) {
-    if (std::isfinite(results.record(results.cells[cell]).mean_mm)) cells.push_back(cell);
+    if (std::isfinite(results.record(results.plan.cells[cell]).mean_mm)) cells.push_back(cell);
   }
   std::stable_sort(cells.begin(), cells.end(), [&](std::size_t a, std::size_t b) {
-    return results.record(results.cells[a]).mean_mm < results.record(results.cells[b]).mean_mm;
+    return results.record(results.plan.cells[a]).mean_mm <
+           results.record(results.plan.cells[b]).mean_mm;
   });
   return cells;
 }
@@ -55,7 +56,7 @@ Result<void> add_cells(const Results& results, const Combination& combination,
       {"median", ranked[ranked.size() / 2]}, {"worst", ranked.back()}, {"best", ranked.front()}};
   std::set<std::string> keys;
   for (const auto& [rank, index] : choices) {
-    const PlanCell& cell = results.cells[index];
+    const PlanCell& cell = results.plan.cells[index];
     if (!keys.insert(cell.key).second) continue;
     auto view = read_cell_view(cell_folder(results, cell), {});
     if (!view) return view.error();
@@ -86,7 +87,7 @@ std::vector<ShownFrame> worst_of(const Results& results, const Combination& comb
                                  std::set<std::string>& keys) {
   std::vector<ShownFrame> frames;
   for (const std::size_t c : combination.cells) {
-    const PlanCell& cell = results.cells[c];
+    const PlanCell& cell = results.plan.cells[c];
     if (!keys.insert(cell.key).second) continue;
     for (Thumbnail& picture : read_thumbnails(cell_folder(results, cell))) {
       const double mean_mm = error_of(results.record(cell), picture.frame);

@@ -72,7 +72,7 @@ ordered_json sweep_json(const Results& results, const Sweep& sweep) {
                       {"auc", curve.auc_percent},
                       {"partial_auc", curve.partial_auc_percent}});
   }
-  return {{"axis", results.axes[sweep.axis].swept},
+  return {{"axis", results.plan.axes[sweep.axis].swept},
           {"roc", !sweep.stage.empty()},
           {"measures", sweep.measures},
           {"others", std::move(others)},
@@ -83,7 +83,7 @@ ordered_json sweep_json(const Results& results, const Sweep& sweep) {
 ordered_json scores_json(const Results& results, const ReportTables& tables,
                          const std::string& stage) {
   ordered_json axes = ordered_json::array(), combinations = ordered_json::array();
-  for (const PlanAxis& axis : results.axes) {
+  for (const PlanAxis& axis : results.plan.axes) {
     axes.push_back({{"name", axis.name}, {"values", axis.values}});
   }
   for (const Combination& combination : tables.combinations) {
@@ -99,7 +99,7 @@ ordered_json scores_json(const Results& results, const ReportTables& tables,
 }
 
 ordered_json cell_json(const Results& results, const ShownCell& shown) {
-  const PlanCell& cell = results.cells[shown.cell];
+  const PlanCell& cell = results.plan.cells[shown.cell];
   const CellRecord& record = results.record(cell);
   ordered_json frames = ordered_json::array();
   for (const ViewFrame& frame : shown.view.frames) {

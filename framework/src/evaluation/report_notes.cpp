@@ -43,7 +43,7 @@ Counts count_cells(const ReportTables& tables) {
 
 std::size_t distinct_keys(const Results& results) {
   std::set<std::string> keys;
-  for (const PlanCell& cell : results.cells) keys.insert(cell.key);
+  for (const PlanCell& cell : results.plan.cells) keys.insert(cell.key);
   return keys.size();
 }
 
@@ -154,31 +154,32 @@ std::vector<std::string> notices_of(const Results& results, const ReportTables& 
   if (counts.failed > 0) {
     notices.push_back(
         fmt::format("{} of {} cells failed: they enter no mean, but their frames count as failed.",
-                    counts.failed, results.cells.size()));
+                    counts.failed, results.plan.cells.size()));
   }
   if (counts.missing > 0) {
     notices.push_back(
         fmt::format("{} of {} cells have not been run yet: the figures are of what is there.",
-                    counts.missing, results.cells.size()));
+                    counts.missing, results.plan.cells.size()));
   }
-  if (!results.damaged.empty()) {
+  if (!results.records.damaged.empty()) {
     constexpr std::size_t kMost = 5;
     std::vector<std::string> places;
-    for (const Damage& damage : results.damaged) {
+    for (const Damage& damage : results.records.damaged) {
       if (places.size() < kMost) places.push_back(damage.where + " (" + damage.what + ")");
     }
     notices.push_back(fmt::format("{} left out: {}{}. To run these cells again: {}",
-                                  counted(results.damaged.size(), "damaged result"), listed(places),
-                                  results.damaged.size() > kMost ? ", ..." : "",
+                                  counted(results.records.damaged.size(), "damaged result"),
+                                  listed(places),
+                                  results.records.damaged.size() > kMost ? ", ..." : "",
                                   ablate_command(results, " --retry damaged")));
   }
-  if (results.unchecked > 0) {
+  if (results.records.unchecked > 0) {
     notices.push_back(fmt::format(
         "{} of an older program: their lines have no check, so that a change in them would not be "
         "noticed.",
-        counted(results.unchecked, "result")));
+        counted(results.records.unchecked, "result")));
   }
-  if (results.data_use == "tuning") {
+  if (results.plan.data_use == "tuning") {
     notices.emplace_back(
         "The sequences of this plan are for tuning: its figures are not for publication.");
   }
@@ -204,7 +205,7 @@ std::vector<std::string> verdicts_of(const ReportTables& tables) {
   }
   if (tables.expectations.empty()) return verdicts;
   const auto met = std::count_if(tables.expectations.begin(), tables.expectations.end(),
-                                 [](const ExpectationRow& row) { return row.met; });
+                                 [](const ExpectationOutcome& outcome) { return outcome.met; });
   verdicts.push_back(fmt::format("Expectations: {} of {} met.", met, tables.expectations.size()));
   return verdicts;
 }
@@ -213,14 +214,15 @@ std::vector<std::pair<std::string, std::string>> facts_of(const Results& results
                                                           const ReportTables& tables) {
   const Counts counts = count_cells(tables);
   std::vector<std::pair<std::string, std::string>> facts;
-  for (const PlanAxis& axis : results.axes) facts.emplace_back(axis.name, listed(axis.values));
-  facts.emplace_back(counted(results.sequences.size(), "sequence"), listed(results.sequences));
-  facts.emplace_back(counted(results.seeds.size(), "seed"), listed(results.seeds));
-  facts.emplace_back("data for", data_use_text(results.data_use));
+  for (const PlanAxis& axis : results.plan.axes) facts.emplace_back(axis.name, listed(axis.values));
+  facts.emplace_back(counted(results.plan.sequences.size(), "sequence"),
+                     listed(results.plan.sequences));
+  facts.emplace_back(counted(results.plan.seeds.size(), "seed"), listed(results.plan.seeds));
+  facts.emplace_back("data for", data_use_text(results.plan.data_use));
   facts.emplace_back(
       "cells", fmt::format("{} planned: {} done, {} failed, {} not run; {} with settings or data "
                            "of their own",
-                           results.cells.size(), counts.done, counts.failed, counts.missing,
+                           results.plan.cells.size(), counts.done, counts.failed, counts.missing,
                            distinct_keys(results)));
   if (!results.processors.empty()) facts.emplace_back("processor", listed(results.processors));
   return facts;

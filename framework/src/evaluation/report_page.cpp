@@ -21,7 +21,7 @@ std::string header(const Results& results) {
   return fmt::format(
       "<header><button type=\"button\" id=\"theme\" hidden>Light / dark</button>\n"
       "<h1>{}</h1>\n<p class=\"muted\">Report of an ablation, made by Weft {}.</p></header>\n",
-      html_escaped(results.name), html_escaped(results.version));
+      html_escaped(results.plan.name), html_escaped(results.version));
 }
 
 std::string footer(const Results& results, const PageAssets& assets) {
@@ -77,7 +77,7 @@ std::string page_html(const Results& results, const ReportTables& tables, const 
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<meta name=\"color-scheme\" content=\"light dark\">\n<title>{}</title>\n"
       "<link rel=\"icon\" href=\"data:,\">\n<style>\n",
-      html_escaped(results.name));
+      html_escaped(results.plan.name));
   page += assets.style + "</style></head>\n<body>\n" + header(results);
   if (!scripted) {
     page +=

@@ -17,7 +17,8 @@ TextTable roc_sheet(const Results& results, const ReportTables& tables) {
   for (const Sweep& sweep : sweeps_of(results, tables)) {
     if (sweep.stage.empty()) continue;
     if (table.columns.empty()) {
-      for (const PlanAxis& axis : results.axes) table.columns.push_back({axis.name, axis.name});
+      for (const PlanAxis& axis : results.plan.axes)
+        table.columns.push_back({axis.name, axis.name});
       for (const TextColumn& column :
            {TextColumn{"stage", "stage"}, TextColumn{"threshold", "threshold"},
             TextColumn{"AUC, %", "auc_percent", true},
@@ -26,7 +27,7 @@ TextTable roc_sheet(const Results& results, const ReportTables& tables) {
         table.columns.push_back(column);
       }
     }
-    const PlanAxis& swept = results.axes[sweep.axis];
+    const PlanAxis& swept = results.plan.axes[sweep.axis];
     for (const SweepCurve& curve : sweep.curves) {
       std::vector<std::string> values = curve.others;
       if (swept.families.empty()) {

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kBetterColumn = 5;  ///< of comparisons
 
 void add_axes(const Results& results, TextTable& table) {
-  for (const PlanAxis& axis : results.axes) table.columns.push_back({axis.name, axis.name});
+  for (const PlanAxis& axis : results.plan.axes) table.columns.push_back({axis.name, axis.name});
 }
 
 /// The values of a combination; the first leads to what reproduces it.
@@ -47,7 +47,7 @@ TextRow combination_row(const Results& results, const ReportTables& tables, std:
   add_values(tables, index, row);
   if (tables.has_error) add_error(combination, row);
   for (const std::size_t metric : shown_metrics(results, tables)) {
-    const bool length = unit_of(results.show[metric]) == "mm";
+    const bool length = unit_of(results.plan.show[metric]) == "mm";
     row.cells.push_back(number_cell(combination.shown[metric], length ? 3 : 2));
   }
   row.cells.push_back(share_cell(combination.solved, combination.frames));
@@ -89,8 +89,8 @@ TextRow comparison_row(const PlanComparison& plan, const PairComparison& pair) {
 
 std::vector<std::size_t> shown_metrics(const Results& results, const ReportTables& tables) {
   std::vector<std::size_t> metrics;
-  for (std::size_t m = 0; m < results.show.size(); ++m) {
-    if (!tables.has_error || results.show[m] != kErrorMetric) metrics.push_back(m);
+  for (std::size_t m = 0; m < results.plan.show.size(); ++m) {
+    if (!tables.has_error || results.plan.show[m] != kErrorMetric) metrics.push_back(m);
   }
   return metrics;
 }
@@ -106,7 +106,7 @@ TextTable combinations_sheet(const Results& results, const ReportTables& tables)
     }
   }
   for (const std::size_t metric : shown_metrics(results, tables)) {
-    table.columns.push_back({results.show[metric], results.show[metric], true});
+    table.columns.push_back({results.plan.show[metric], results.plan.show[metric], true});
   }
   for (const TextColumn& column :
        {TextColumn{"frames solved", "frames_solved", true, "frames"},
@@ -165,14 +165,18 @@ TextTable expectations_sheet(const Results& results, const ReportTables& tables)
                    {"met", "met"}},
                   {}};
   for (std::size_t i = 0; i < tables.expectations.size(); ++i) {
-    const PlanExpectation& plan = results.expectations[i];
-    const ExpectationRow& row = tables.expectations[i];
+    const PlanExpectation& plan = results.plan.expectations[i];
+    const ExpectationOutcome& outcome = tables.expectations[i];
+    std::string where;
+    for (const auto& [name, value] : plan.where) {
+      where += (where.empty() ? "" : ", ") + name + ": " + value;
+    }
     table.rows.push_back(
-        {{text_cell(row.where), text_cell(plan.metric), number_cell(plan.at_least, 3),
-          number_cell(plan.at_most, 3), number_cell(row.measured, 3), count_cell(row.cells),
-          count_cell(row.without), text_cell(row.met ? "yes" : "no")},
+        {{text_cell(where), text_cell(plan.metric), number_cell(plan.at_least, 3),
+          number_cell(plan.at_most, 3), number_cell(outcome.mean, 3), count_cell(outcome.cells),
+          count_cell(outcome.without), text_cell(outcome.met ? "yes" : "no")},
          -1,
-         !row.met});
+         !outcome.met});
   }
   return table;
 }
@@ -239,7 +243,7 @@ TextTable cells_sheet(const Results& results, const std::vector<std::size_t>& ce
     table.columns.push_back(column);
   }
   for (const std::size_t index : cells) {
-    const PlanCell& cell = results.cells[index];
+    const PlanCell& cell = results.plan.cells[index];
     const CellRecord& record = results.record(cell);
     const SequenceSize size = results.size(cell);
     TextRow row{{count_cell(cell.index)}, -1, record.outcome == CellOutcome::failed};
@@ -258,7 +262,7 @@ TextTable cells_sheet(const Results& results, const std::vector<std::size_t>& ce
 }
 
 std::vector<TextTable> all_sheets(const Results& results, const ReportTables& tables) {
-  std::vector<std::size_t> every(results.cells.size());
+  std::vector<std::size_t> every(results.plan.cells.size());
   std::iota(every.begin(), every.end(), 0);
   std::vector<TextTable> sheets;
   for (TextTable& table :

@@ -24,9 +24,9 @@ class Repeats {
 };
 
 std::size_t axis_index(const Results& results, const std::string& name) {
-  const auto axis = std::find_if(results.axes.begin(), results.axes.end(),
+  const auto axis = std::find_if(results.plan.axes.begin(), results.plan.axes.end(),
                                  [&](const PlanAxis& one) { return one.name == name; });
-  return static_cast<std::size_t>(axis - results.axes.begin());
+  return static_cast<std::size_t>(axis - results.plan.axes.begin());
 }
 
 }  // namespace
@@ -47,7 +47,7 @@ std::vector<Observation> observations_of(const Results& results, const PlanCompa
   const std::size_t axis = axis_index(results, plan.axis);
   Repeats repeats;
   std::vector<Observation> observations;
-  for (const PlanCell& cell : results.cells) {
+  for (const PlanCell& cell : results.plan.cells) {
     const CellRecord& record = results.record(cell);
     if (record.outcome == CellOutcome::missing) continue;
     Observation one{cell.sequence, 0, repeats.number_of(cell, axis), cell.values[axis]};
@@ -70,7 +70,7 @@ std::vector<Observation> observations_of(const Results& results, const PlanCompa
 }
 
 Result<ComparisonTable> compare(const Results& results, const PlanComparison& plan) {
-  if (axis_index(results, plan.axis) == results.axes.size()) {
+  if (axis_index(results, plan.axis) == results.plan.axes.size()) {
     return Error{Errc::not_found,
                  "a comparison names the axis '" + plan.axis + "', which the plan does not have",
                  results.folder + "/plan.json"};

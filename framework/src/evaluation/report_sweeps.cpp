@@ -21,7 +21,7 @@ std::vector<Family> families_along(const Results& results, const ReportTables& t
   std::map<std::vector<std::string>, std::size_t> places;
   for (std::size_t i = 0; i < tables.combinations.size(); ++i) {
     std::vector<std::string> others = tables.combinations[i].values;
-    const PlanAxis& swept = results.axes[axis];
+    const PlanAxis& swept = results.plan.axes[axis];
     const auto place_on_axis = static_cast<std::size_t>(
         std::find(swept.values.begin(), swept.values.end(), others[axis]) - swept.values.begin());
     const double value =
@@ -122,7 +122,7 @@ Sweep response_along(const ReportTables& tables, std::size_t axis,
 }  // namespace
 
 std::vector<PlanAxis> other_axes(const Results& results, const Sweep& sweep) {
-  std::vector<PlanAxis> others = results.axes;
+  std::vector<PlanAxis> others = results.plan.axes;
   PlanAxis& own = others[sweep.axis];
   if (own.families.empty()) {
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(sweep.axis));
@@ -138,8 +138,8 @@ std::vector<PlanAxis> other_axes(const Results& results, const Sweep& sweep) {
 
 std::vector<Sweep> sweeps_of(const Results& results, const ReportTables& tables) {
   std::vector<Sweep> sweeps;
-  for (std::size_t axis = 0; axis < results.axes.size(); ++axis) {
-    if (results.axes[axis].swept.empty()) continue;
+  for (std::size_t axis = 0; axis < results.plan.axes.size(); ++axis) {
+    if (results.plan.axes[axis].swept.empty()) continue;
     const std::vector<Family> families = families_along(results, tables, axis);
     for (const std::string& stage : tables.filter_stages) {
       Sweep roc{axis, stage, {"FPR, %", "TPR, %"}, {}};

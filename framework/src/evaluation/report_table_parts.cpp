@@ -22,7 +22,7 @@ std::string fact(const std::string& name, const std::string& value) {
 std::string failures_of(const Results& results, const Combination& combination) {
   std::map<std::string, std::int64_t> reasons;
   for (const std::size_t index : combination.cells) {
-    const CellRecord& record = results.record(results.cells[index]);
+    const CellRecord& record = results.record(results.plan.cells[index]);
     if (record.outcome == CellOutcome::failed) ++reasons[record.reason];
   }
   std::string text;
@@ -80,7 +80,8 @@ std::string compared_part(const Results& results, const ReportTables& tables) {
   for (const auto& [name, value] : facts_of(results, tables)) {
     text += fact(name, html_escaped(value));
   }
-  text += fact("command", "<code class=\"command\">" + html_escaped(results.command) + "</code>");
+  text +=
+      fact("command", "<code class=\"command\">" + html_escaped(results.plan.command) + "</code>");
   return text + "</dl>\n";
 }
 
@@ -144,12 +145,12 @@ std::string reproduce_part(const Results& results, const ReportTables& tables) {
       "settings, "
       "the builds of its components and its data; cells with the same key were run once.</p>\n"
       "<p>The whole plan again: <code class=\"command\">" +
-      html_escaped(results.command) + "</code></p>\n";
+      html_escaped(results.plan.command) + "</code></p>\n";
   for (std::size_t i = 0; i < tables.combinations.size(); ++i) {
     const Combination& combination = tables.combinations[i];
     TextTable cells = cells_sheet(results, combination.cells);
     cells.note.clear();
-    const PlanCell& first = results.cells[combination.cells.front()];
+    const PlanCell& first = results.plan.cells[combination.cells.front()];
     text += fmt::format("<details><summary>{}</summary><div id=\"{}\">\n{}",
                         html_escaped(combination.name), anchor_of(i),
                         failures_of(results, combination));

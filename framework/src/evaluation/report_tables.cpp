@@ -31,10 +31,10 @@ std::string joined_name(const Results& results, const std::vector<std::string>& 
   std::string name, all;
   for (std::size_t a = 0; a < values.size(); ++a) {
     all += (all.empty() ? "" : " · ") + values[a];
-    if (results.axes[a].values.size() > 1) name += (name.empty() ? "" : " · ") + values[a];
+    if (results.plan.axes[a].values.size() > 1) name += (name.empty() ? "" : " · ") + values[a];
   }
   if (!name.empty()) return name;
-  return all.empty() ? results.name : all;
+  return all.empty() ? results.plan.name : all;
 }
 
 void take_worst(Combination& row, const PlanCell& cell, const CellRecord& record) {
@@ -46,9 +46,9 @@ void take_worst(Combination& row, const PlanCell& cell, const CellRecord& record
 
 void fill(const Results& results, Combination& row) {
   MeansBySequence error;
-  std::vector<MeansBySequence> shown(results.show.size());
+  std::vector<MeansBySequence> shown(results.plan.show.size());
   for (const std::size_t index : row.cells) {
-    const PlanCell& cell = results.cells[index];
+    const PlanCell& cell = results.plan.cells[index];
     const CellRecord& record = results.record(cell);
     row.done += record.outcome == CellOutcome::done ? 1 : 0;
     row.failed += record.outcome == CellOutcome::failed ? 1 : 0;
@@ -61,7 +61,7 @@ void fill(const Results& results, Combination& row) {
     row.uses_truth = row.uses_truth || !record.truth_users.empty();
     error.add(cell.sequence, record.mean_mm);
     for (std::size_t m = 0; m < shown.size(); ++m) {
-      shown[m].add(cell.sequence, record.figure(results.show[m]));
+      shown[m].add(cell.sequence, record.figure(results.plan.show[m]));
     }
     take_worst(row, cell, record);
   }
@@ -119,7 +119,7 @@ void fill_stages(const Results& results, Combination& row) {
   std::vector<std::pair<std::string, FilterMeans>> filters;
   std::vector<std::pair<std::string, TimeMeans>> times;
   for (const std::size_t index : row.cells) {
-    const PlanCell& cell = results.cells[index];
+    const PlanCell& cell = results.plan.cells[index];
     const CellRecord& record = results.record(cell);
     row.certainty.add(record.certainty);
     for (const FilterRates& rates : record.filters) {
@@ -147,8 +147,8 @@ void fill_stages(const Results& results, Combination& row) {
 std::vector<Combination> combinations_of(const Results& results) {
   std::vector<Combination> rows;
   std::map<std::vector<std::string>, std::size_t> places;
-  for (std::size_t c = 0; c < results.cells.size(); ++c) {
-    const PlanCell& cell = results.cells[c];
+  for (std::size_t c = 0; c < results.plan.cells.size(); ++c) {
+    const PlanCell& cell = results.plan.cells[c];
     const auto [place, fresh] = places.try_emplace(cell.values, rows.size());
     if (fresh) {
       rows.emplace_back();
@@ -167,6 +167,14 @@ const FilterRates* Combination::filter(const std::string& stage) const {
   return nullptr;
 }
 
+std::string unit_of(const std::string& metric) {
+  for (const auto& [ending, unit] : {std::pair{"_mm", "mm"}, std::pair{"_px", "px"},
+                                     std::pair{"_percent", "%"}, std::pair{"_ms", "ms"}}) {
+    if (metric.ends_with(ending)) return unit;
+  }
+  return "";
+}
+
 Result<ReportTables> make_tables(const Results& results) {
   ReportTables tables;
   tables.combinations = combinations_of(results);
@@ -182,10 +190,10 @@ Result<ReportTables> make_tables(const Results& results) {
       }
     }
   }
-  for (const PlanExpectation& expectation : results.expectations) {
-    tables.expectations.push_back(check(results, expectation));
+  for (const PlanExpectation& expectation : results.plan.expectations) {
+    tables.expectations.push_back(judge(results, expectation));
   }
-  for (const PlanComparison& plan : results.comparisons) {
+  for (const PlanComparison& plan : results.plan.comparisons) {
     auto table = compare(results, plan);
     if (!table) return table.error();
     tables.comparisons.push_back({plan, unit_of(plan.metric), *std::move(table)});

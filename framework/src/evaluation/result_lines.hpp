@@ -5,17 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
-#include <weft/evaluation/results_folder.hpp>
+#include <weft/evaluation/cell_record.hpp>
 
 /// The lines in results/ of a results folder, read the same way by all that read them.
 namespace weft::evaluation {
-
-/// Where a line stands.
-struct LinePlace {
-  std::string file;          ///< name, without folders
-  int number = 0;            ///< from 1
-  std::uint64_t offset = 0;  ///< [bytes]
-};
 
 using TakeLine = std::function<Result<void>(const LinePlace&, const nlohmann::json&)>;
 

@@ -9,6 +9,7 @@
 #include <thread>
 #include <utility>
 #include <weft/core/quote.hpp>
+#include <weft/core/version.hpp>
 #include <weft/core/whole_file.hpp>
 #include <weft/evaluation/results_folder.hpp>
 
@@ -87,6 +88,20 @@ Result<int> lock_folder(const std::string& path) {
   return Error{Errc::invalid_value, "is in use by another `weft ablate`", path};
 }
 
+std::string manifest_text(const Grid& grid, bool accept_rebuilt) {
+  const Measurement& measurement = grid.plan().measurement;
+  const nlohmann::ordered_json manifest{
+      {"schema", kFolderSchema},
+      {"weft", kVersion},
+      {"plan", grid.plan().name},
+      {"metrics",
+       {{"alignment", to_string(measurement.options.alignment)},
+        {"match_tolerance_px", measurement.options.match_tolerance_px},
+        {"frames", measurement.frames}}},
+      {"accept_rebuilt", accept_rebuilt}};
+  return manifest.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
 }  // namespace
 
 LineWriter::LineWriter(LineWriter&& other) noexcept
@@ -149,36 +164,7 @@ Result<void> ResultsFolder::describe(const Grid& grid, const std::string& comman
                                      bool accept_rebuilt) const {
   auto manifest = write_whole(manifest_text(grid, accept_rebuilt), path_ + "/manifest.json");
   if (!manifest) return manifest;
-  return write_whole(plan_text(grid, command), path_ + "/plan.json");
-}
-
-Result<StoredCells> ResultsFolder::read(bool content) const {
-  StoredCells stored;
-  auto faults = read_result_lines(path_, false, [&](const LinePlace& place, const json& line) {
-    auto cell = stored_cell(line);
-    if (!cell) return Result<void>(cell.error());
-    cell->file = place.file;
-    cell->line = place.number;
-    cell->offset = place.offset;
-    std::string key = cell->key;
-    stored.cells.emplace(std::move(key), *std::move(cell));
-    return Result<void>();
-  });
-  if (!faults) return faults.error();
-  stored.damaged = std::move(faults->damaged);
-  stored.unchecked = faults->unchecked;
-  for (auto cell = stored.cells.begin(); cell != stored.cells.end();) {
-    const StoredCell& known = cell->second;
-    const std::string folder = path_ + "/cells/" + known.key;
-    std::string fault = fault_of_files(folder, known.files, content);
-    if (fault.empty()) {
-      ++cell;
-      continue;
-    }
-    stored.damaged.push_back({folder, std::move(fault), known.key, known.file, known.line});
-    cell = stored.cells.erase(cell);
-  }
-  return stored;
+  return write_whole(to_json(grid.record(command)), path_ + "/plan.json");
 }
 
 Result<void> ResultsFolder::withdraw(const std::vector<Damage>& lines) const {

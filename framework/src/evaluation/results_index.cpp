@@ -6,8 +6,6 @@
 #include <memory>
 #include <weft/evaluation/results_index.hpp>
 
-#include "cell_figures.hpp"
-
 namespace weft::evaluation {
 namespace {
 
@@ -58,30 +56,28 @@ class Insert {
   bool ok_ = true;
 };
 
-bool fill(sqlite3* database, const Grid& grid, const AblationState& state) {
+bool fill(sqlite3* database, const Results& results) {
   Insert cells(database, "INSERT INTO cells VALUES (?, ?, ?, ?, ?, ?, ?)");
   Insert axes(database, "INSERT INTO axes VALUES (?, ?, ?)");
   Insert figures(database, "INSERT INTO figures VALUES (?, ?, ?)");
-  CellFigures known(state);
+  const PlanRecord& plan = results.plan;
   bool ok = true;
-  std::int64_t index = -1;
-  for (const Cell& cell : grid.cells()) {
-    const StoredCell* stored = known.find(cell);
-    cells << ++index << grid.value_of(cell, "sequence") << static_cast<std::int64_t>(cell.seed)
-          << cell.identity.key;
-    if (stored != nullptr) {
-      cells << std::string(stored->failed ? "failed" : "done") << stored->file
-            << static_cast<std::int64_t>(stored->offset);
+  for (const PlanCell& cell : plan.cells) {
+    const CellRecord& record = results.record(cell);
+    cells << cell.index << cell.sequence << static_cast<std::int64_t>(cell.seed) << cell.key;
+    if (record.outcome != CellOutcome::missing) {
+      cells << std::string(to_string(record.outcome)) << record.place.file
+            << static_cast<std::int64_t>(record.place.offset);
     }
     ok = cells.run() && ok;
-    for (const Axis& axis : grid.plan().axes) {
-      axes << index << axis.name << grid.value_of(cell, axis.name);
+    for (std::size_t i = 0; i < plan.axes.size(); ++i) {
+      axes << cell.index << plan.axes[i].name << cell.values[i];
       ok = axes.run() && ok;
     }
-    for (const std::string& metric : shown_metrics(grid.plan())) {
-      const auto value = stored != nullptr ? known.at(*stored, metric) : Result<double>(kUnknown);
-      if (!value || !std::isfinite(*value)) continue;
-      figures << index << metric << *value;
+    for (const std::string& metric : plan.shown_metrics()) {
+      const double value = record.figure(metric);
+      if (!std::isfinite(value)) continue;
+      figures << cell.index << metric << value;
       ok = figures.run() && ok;
     }
   }
@@ -90,7 +86,7 @@ bool fill(sqlite3* database, const Grid& grid, const AblationState& state) {
 
 }  // namespace
 
-Result<void> write_index(const Grid& grid, const AblationState& state, const std::string& folder) {
+Result<void> write_index(const Results& results, const std::string& folder) {
   const std::string file = folder + "/index.sqlite", part = file + ".part";
   std::error_code code;
   fs::remove(part, code);
@@ -101,7 +97,7 @@ Result<void> write_index(const Grid& grid, const AblationState& state, const std
     return sqlite3_exec(opened, text, nullptr, nullptr, nullptr) == SQLITE_OK;
   };
   const bool written =
-      status == SQLITE_OK && execute(kTables) && fill(opened, grid, state) && execute("COMMIT");
+      status == SQLITE_OK && execute(kTables) && fill(opened, results) && execute("COMMIT");
   if (written) fs::rename(part, file, code);
   if (written && !code) return {};
   return Error{Errc::io, "cannot be written; is the disk full?", file};

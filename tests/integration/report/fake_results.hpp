@@ -140,7 +140,10 @@ class FakeResults {
     }
     line["machine"] = {{"processor", "A <fine> one"}};
     append("results/" + std::to_string(cell["cell"].get<int>() % 2) + ".jsonl", line.dump() + "\n");
-    if (choice_.shapes && !broken) write_folder(cell);
+    const std::string folder = folder_ + "/cells/" + cell["key"].get<std::string>();
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder + "/pipeline.yaml") << "weft: 1\n# " << folder << "\n";
+    if (choice_.shapes && !broken) write_shapes(folder);
   }
 
   static RunMetrics metrics_of(const nlohmann::json& cell) {
@@ -206,9 +209,7 @@ class FakeResults {
   }
 
   /// A sheet that waves in time; the estimate stands off the truth by a multiple of the error.
-  void write_folder(const nlohmann::json& cell) const {
-    const std::string folder = folder_ + "/cells/" + cell["key"].get<std::string>();
-    std::filesystem::create_directories(folder);
+  static void write_shapes(const std::string& folder) {
     const Template sheet = testing::make_template({9, 7, 0.3, 0.2, 150, 100});
     host::NamedRecords records{{"template", host::Record::copy_of(sheet)}};
     for (int t = 0; t < kFrames; ++t) {
@@ -240,7 +241,6 @@ class FakeResults {
     }
     cv::Mat picture(120, 160, CV_8UC3, cv::Scalar(90, 100, 110));
     cv::rectangle(picture, {30, 25}, {130, 95}, cv::Scalar(200, 210, 220), cv::FILLED);
-    std::ofstream(folder + "/pipeline.yaml") << "weft: 1\n# " << folder << "\n";
     cv::imwrite(folder + "/worst_000009.png", picture);
   }
 

@@ -78,7 +78,7 @@ TEST(Report, CountsASequenceOnceHoweverManyOfItsSeedsAreThere) {
   Results results = read(fake);
   const Combination before = named(tables_of(results), "steady · 0.1");
   // One seed of the last sequence fails, so that the other stands for the sequence.
-  CellRecord& last = results.records[results.cells[before.cells.back()].key];
+  CellRecord& last = results.records.cells[results.plan.cells[before.cells.back()].key];
   last = CellRecord();
   last.outcome = CellOutcome::failed;
   const Combination after = named(tables_of(results), "steady · 0.1");
@@ -91,15 +91,15 @@ TEST(Report, LeavesNoCellOutThatHasNotBeenRun) {
   const FakeResults fake({});
   Results results = read(fake);
   const Combination row = combinations_of(results).front();
-  results.records.erase(results.cells[row.cells.front()].key);
+  results.records.cells.erase(results.plan.cells[row.cells.front()].key);
   EXPECT_EQ(tables_of(results).combinations.front().missing, 1);
 }
 
 TEST(Report, SharesALineBetweenCellsOfOneKey) {
   const FakeResults fake({});
   Results results = read(fake);
-  results.cells[1].key = results.cells[0].key;
-  results.cells[1].seed = 2;
+  results.plan.cells[1].key = results.plan.cells[0].key;
+  results.plan.cells[1].seed = 2;
   EXPECT_EQ(tables_of(results).combinations.front().done, 16);
 }
 
@@ -158,9 +158,9 @@ TEST(Report, LeavesDamagedLinesOutAndNamesThem) {
     FakeResults fake({});
     fake.append("results/a.jsonl", line + "\n");
     const Results results = read(fake);
-    ASSERT_EQ(results.damaged.size(), 1U) << line;
-    EXPECT_THAT(results.damaged[0].where, ::testing::EndsWith("results/a.jsonl:1"));
-    EXPECT_THAT(results.damaged[0].what, HasSubstr(what));
+    ASSERT_EQ(results.records.damaged.size(), 1U) << line;
+    EXPECT_THAT(results.records.damaged[0].where, ::testing::EndsWith("results/a.jsonl:1"));
+    EXPECT_THAT(results.records.damaged[0].what, HasSubstr(what));
     written(fake);
     EXPECT_THAT(fake.read("report/tables.md"), HasSubstr("results/a.jsonl:1"));
     EXPECT_THAT(fake.read("report/tables.md"), HasSubstr("--retry damaged"));
@@ -210,7 +210,7 @@ TEST(Report, ReadsFiguresThatThePlanNames) {
   EXPECT_FALSE(tables.expectations[1].met) << "the broken filter has no such figure";
   EXPECT_EQ(tables.expectations[1].without, 16);
   EXPECT_FALSE(tables.expectations[2].met);
-  EXPECT_NEAR(tables.expectations[2].measured, 2.045, 1e-9);
+  EXPECT_NEAR(tables.expectations[2].mean, 2.045, 1e-9);
 }
 
 TEST(Report, ShowsTimesOnlyOfAPassThatTookThem) {

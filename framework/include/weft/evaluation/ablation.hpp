@@ -2,10 +2,10 @@
 #pragma once
 
 #include <atomic>
-#include <map>
 #include <string>
 #include <vector>
 #include <weft/evaluation/engine.hpp>
+#include <weft/evaluation/results.hpp>
 
 namespace weft::evaluation {
 
@@ -22,13 +22,11 @@ struct AblationState {
   std::size_t cells = 0;
   std::size_t keys = 0;  ///< distinct ones
   std::size_t done = 0, failed = 0, left = 0;
-  std::size_t damaged = 0;                   ///< cells whose only results cannot be trusted
-  std::size_t stages = 0;                    ///< stages of the distinct keys that are finished
-  std::size_t stages_executed = 0;           ///< of these, executed; the others were shared
-  std::map<std::string, StoredCell> stored;  ///< by key
-  std::vector<std::string> reasons;          ///< why cells were left
-  std::vector<Damage> damages;               ///< of cells of other plans too
-  std::size_t unchecked = 0;                 ///< lines without a check, of older programs
+  std::size_t damaged = 0;           ///< cells whose only results cannot be trusted
+  std::size_t stages = 0;            ///< stages of the distinct keys that are finished
+  std::size_t stages_executed = 0;   ///< of these, executed; the others were shared
+  std::vector<std::string> reasons;  ///< why cells were left
+  Results results;                   ///< of cells of other plans too, without errors by frame
 };
 
 /// What the folder has of the grid's cells. Results that are accepted give their cells their keys.
@@ -41,18 +39,8 @@ Result<AblationState> run_ablation(Grid& grid, const ResultsFolder& folder, Engi
                                    const AblationOptions& options, const Engine::Progress& progress,
                                    const std::atomic<bool>& cancel);
 
-/// What became of an expectation.
-struct Verdict {
-  const Expectation* expectation = nullptr;
-  bool met = false;
-  std::size_t cells = 0;  ///< [] selected
-  double mean = kUnknown;
-  std::string why_not;  ///< without a mean
-};
-std::vector<Verdict> judge(const Grid& grid, const AblationState& state);
-
 /// Means of the metrics that the plan shows over the cells of each combination of axis values, or
 /// of each single value where there are many combinations. UTF-8, ends with a line break.
-std::string summary_table(const Grid& grid, const AblationState& state);
+std::string summary_table(const Results& results);
 
 }  // namespace weft::evaluation

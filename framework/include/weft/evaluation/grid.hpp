@@ -53,7 +53,8 @@ class Grid {
   /// Takes the result of another key for this cell's.
   void adopt(std::size_t cell, const std::string& key) { cells_[cell].identity.key = key; }
 
-  bool selects(const Selection& where, const Cell& cell) const;
+  /// What a results folder keeps of the plan. `command` repeats the ablation.
+  PlanRecord record(const std::string& command) const;
 
  private:
   friend class GridBuilder;

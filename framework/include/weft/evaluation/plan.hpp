@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 #include <weft/evaluation/metrics.hpp>
+#include <weft/evaluation/plan_record.hpp>
 #include <weft/pipeline/config.hpp>
 
 namespace weft::evaluation {
@@ -31,9 +32,6 @@ struct PlannedData {
   std::string name;
   std::vector<NamedPatch> sequences;
 };
-
-/// Which cells: names of axes, `data`, `sequence` or `seed`, each with a value as the plan has it.
-using Selection = std::vector<std::pair<std::string, std::string>>;
 
 /// A bound on the mean of a metric over the cells that are selected.
 struct Expectation {

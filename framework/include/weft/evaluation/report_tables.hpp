@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 #include <weft/evaluation/comparison.hpp>
-#include <weft/evaluation/results.hpp>
+#include <weft/evaluation/expectations.hpp>
 
 /// The tables of a report. Sequences count the same: a figure of a combination is the mean over its
 /// sequences of the mean over the seeds of a sequence.
@@ -20,7 +20,7 @@ struct FilterSummary {
 struct Combination {
   std::string name;                 ///< its values on the axes that have several
   std::vector<std::string> values;  ///< one for each axis
-  std::vector<std::size_t> cells;   ///< indices into Results::cells
+  std::vector<std::size_t> cells;   ///< indices into PlanRecord::cells
   double mean_mm = kUnknown;        ///< [] mm, over sequences
   Interval interval_mm;             ///< [] mm, 95 % of the mean, by sequence
   double worst_mm = kUnknown;       ///< [] mm, largest mean error of a frame
@@ -34,7 +34,7 @@ struct Combination {
   std::vector<FilterSummary> filters = {};  ///< in the order of the stages
   CertaintyCounts certainty = {};           ///< over its cells, all frames alike
   std::vector<StageTime> times = {};        ///< empty without a pass with --timing
-  std::vector<double> shown = {};  ///< one for each metric of Results::show, over sequences
+  std::vector<double> shown = {};  ///< one for each metric of PlanRecord::show, over sequences
 
   /// The rates of a stage, or nullptr.
   const FilterRates* filter(const std::string& stage) const;
@@ -47,28 +47,17 @@ struct ComparisonResult {
   ComparisonTable table;
 };
 
-/// An expectation of the plan against the mean over the cells that it selects.
-struct ExpectationRow {
-  std::string where;
-  double measured = kUnknown;
-  std::int64_t cells = 0, without = 0;  ///< [] selected; of them without such a figure
-  bool met = false;
-};
-
 struct ReportTables {
   std::vector<Combination> combinations;  ///< in the plan's order
   std::vector<std::string> filter_stages;
-  std::vector<ComparisonResult> comparisons;  ///< one for each of the plan
-  std::vector<ExpectationRow> expectations;   ///< one for each of the plan
-  bool has_error = false;                     ///< some combination has a 3D error
-  bool has_times = false;                     ///< some combination has times
+  std::vector<ComparisonResult> comparisons;     ///< one for each of the plan
+  std::vector<ExpectationOutcome> expectations;  ///< one for each of the plan
+  bool has_error = false;                        ///< some combination has a 3D error
+  bool has_times = false;                        ///< some combination has times
 };
 
 /// The combinations of a plan with nothing but names and cells.
 std::vector<Combination> combinations_of(const Results& results);
-
-/// What became of an expectation; a selected cell without the figure is one more way to miss it.
-ExpectationRow check(const Results& results, const PlanExpectation& expectation);
 
 /// The unit that the name of a metric ends with: "mm", "px", "%", "ms" or nothing.
 std::string unit_of(const std::string& metric);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <map>
 #include <string>
 #include <vector>
 #include <weft/evaluation/cell_group.hpp>
@@ -9,27 +8,6 @@
 #include <weft/evaluation/grid.hpp>
 
 namespace weft::evaluation {
-
-/// What the line of a cell says, as far as an ablation wants to know it again.
-struct StoredCell {
-  std::string key, rebuilt_key;
-  bool failed = false;
-  bool timed = false;  ///< the line has times
-  std::string reason;
-  std::string metrics;                ///< as JSON, without its frames; "null" where there are none
-  std::vector<std::string> executed;  ///< stages that the cell ran itself
-  std::vector<CellFile> files;        ///< of its folder; none in lines of older programs
-  std::string file;
-  int line = 0;              ///< from 1
-  std::uint64_t offset = 0;  ///< [bytes] where the line begins
-};
-
-/// All that a folder has.
-struct StoredCells {
-  std::map<std::string, StoredCell> cells;  ///< finished ones, by key
-  std::vector<Damage> damaged;
-  std::size_t unchecked = 0;  ///< lines without a check, of older programs
-};
 
 /// A file of lines that one process writes.
 class LineWriter {
@@ -68,10 +46,6 @@ class ResultsFolder {
 
   /// Writes manifest.json and plan.json. `command` repeats the ablation.
   Result<void> describe(const Grid& grid, const std::string& command, bool accept_rebuilt) const;
-
-  /// All finished cells. A line that was cut off is none. Folders of cells are compared with their
-  /// lines by the sizes of files, with `content` by their hashes too.
-  Result<StoredCells> read(bool content = false) const;
 
   /// Takes results back: their lines count no more, for any reader, and their cells have none.
   Result<void> withdraw(const std::vector<Damage>& lines) const;

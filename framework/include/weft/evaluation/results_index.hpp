@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <weft/evaluation/ablation.hpp>
+#include <weft/evaluation/results.hpp>
 
 namespace weft::evaluation {
 
@@ -10,6 +10,6 @@ namespace weft::evaluation {
 /// what follows are null where it is not finished), `axes` a row for each cell and axis (cell,
 /// axis, value), `figures` a row for each cell and metric that the plan shows (cell, metric,
 /// value).
-Result<void> write_index(const Grid& grid, const AblationState& state, const std::string& folder);
+Result<void> write_index(const Results& results, const std::string& folder);
 
 }  // namespace weft::evaluation
