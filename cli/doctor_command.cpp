@@ -8,6 +8,7 @@
 #include <weft/core/version.hpp>
 #include <weft/host/processor.hpp>
 #include <weft/host/shared_memory.hpp>
+#include <weft/host/source_revision.hpp>
 
 #include "commands.hpp"
 #include "json_text.hpp"
@@ -109,6 +110,7 @@ ordered_json examine(const host::Registry& registry) {
   ordered_json report{
       {"usable", true},
       {"weft", kVersion},
+      {"git", host::source_revision()},
       {"abi", host::abi_version()},
       {"system", fmt::format("{} {}", system.sysname, system.release)},
       {"libraries", loaded_libraries()},
@@ -214,7 +216,7 @@ void add_doctor_command(CLI::App& app, Context& context) {
       "  0  the plugins of the demo pipeline are usable\n"
       "  1  some are not");
   command->add_flag("--json", *json,
-                    "Print JSON: {usable, weft, abi, system, libraries, processor: {name, "
+                    "Print JSON: {usable, weft, git, abi, system, libraries, processor: {name, "
                     "features}, memory_available_bytes, temporary: {path, writable, free_bytes}, "
                     "isolation: {usable, reason}, devices: {cameras: [{device, name, "
                     "accessible}], opencl_drivers, nvidia, of_plugins: [{plugins, devices, "

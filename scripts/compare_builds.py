@@ -43,6 +43,9 @@ VOLATILE = {"ms", "processor_ms", "machine", "build_id", "library", "libraries",
             "check", "key", "rebuilt_key", "stages_keys", "command", "run", "files"}
 
 
+REVISION = re.compile(r" \([0-9a-f]{12,40}(\+changes)?\)")  # behind the version, in reports
+
+
 def without_volatile(value):
     if isinstance(value, dict):
         return {k: without_volatile(v) for k, v in value.items() if k not in VOLATILE}
@@ -129,7 +132,7 @@ class Side:
             for file in sorted((out / "cells" / cell["key"]).glob("*")):
                 found[f"cells' *{file.suffix}"].append(self.content(file))
         found["plan.json"] = [self.neutral(canonical(json.dumps(plan)))]
-        page = (out / "report.html").read_text()
+        page = REVISION.sub("", (out / "report.html").read_text())
         for key in sorted(lines, key=len, reverse=True):
             page = page.replace(key, "KEY")
         found["report.html"] = [self.neutral(page)]

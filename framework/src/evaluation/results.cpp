@@ -29,6 +29,9 @@ Result<void> read_manifest(const std::string& file, Results& results) {
   }
   try {
     results.version = manifest->value("weft", "");
+    if (const std::string git = text_in(*manifest, "git"); !git.empty()) {
+      results.version += " (" + git + ")";
+    }
     results.accept_rebuilt = manifest->value("accept_rebuilt", false);
     if (const auto metrics = manifest->find("metrics"); metrics != manifest->end()) {
       results.alignment = metrics->value("alignment", results.alignment);

@@ -11,6 +11,7 @@
 #include <weft/core/quote.hpp>
 #include <weft/core/version.hpp>
 #include <weft/core/whole_file.hpp>
+#include <weft/host/source_revision.hpp>
 #include <weft/evaluation/results_folder.hpp>
 
 #include "cell_line.hpp"
@@ -93,6 +94,7 @@ std::string manifest_text(const Grid& grid, bool accept_rebuilt) {
   const nlohmann::ordered_json manifest{
       {"schema", kFolderSchema},
       {"weft", kVersion},
+      {"git", host::source_revision()},
       {"plan", grid.plan().name},
       {"metrics",
        {{"alignment", to_string(measurement.options.alignment)},

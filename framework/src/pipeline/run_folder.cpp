@@ -14,6 +14,7 @@
 #include <weft/core/whole_file.hpp>
 #include <weft/geometry/vertex_spread.hpp>
 #include <weft/host/processor.hpp>
+#include <weft/host/source_revision.hpp>
 #include <weft/pipeline/match_depths.hpp>
 #include <weft/pipeline/run_folder.hpp>
 
@@ -66,6 +67,7 @@ ordered_json provenance(const PipelineConfig& config) {
     }
   }
   return {{"weft", kVersion},
+          {"git", host::source_revision()},
           {"pipeline", config.file},
           {"sources", source_names(config.sources)},
           {"seed", config.seed},

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <weft/host/npz.hpp>
 #include <weft/pipeline/run_folder.hpp>
 
@@ -144,6 +145,9 @@ TEST_F(Runs, WritesTheEffectiveConfigurationAndTheProvenance) {
   EXPECT_EQ(effective_yaml(again), read_text(ran.folder + "/pipeline.yaml"));
   const json manifest = json::parse(read_text(ran.folder + "/manifest.json"));
   EXPECT_EQ(manifest["seed"], 9);
+  const std::string git = manifest["git"];  // empty where the sources are no repository
+  EXPECT_TRUE(git.empty() || std::regex_match(git, std::regex("[0-9a-f]{12,40}(\\+changes)?")))
+      << git;
   ASSERT_EQ(manifest["components"].size(), 9U);
   EXPECT_EQ(manifest["components"][7]["id"], "solvers/test.scripted");
   EXPECT_EQ(manifest["components"][7]["build_id"].get<std::string>().size(), 40U);

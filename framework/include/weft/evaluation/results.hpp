@@ -19,7 +19,7 @@ struct SequenceSize {
 
 struct Results {
   std::string folder;
-  std::string version;          ///< of weft
+  std::string version;          ///< of weft, with its commit
   bool accept_rebuilt = false;  ///< results of differently built components may stand side by side
   std::string alignment = "none";        ///< that every error was measured with
   double match_tolerance_px = kUnknown;  ///< [] px, up to which a match is correct
