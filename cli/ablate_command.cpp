@@ -141,20 +141,6 @@ void print_state(const evaluation::AblationState& state) {
   }
 }
 
-/// The grid, checked; exits 2 with all mistakes otherwise.
-std::optional<evaluation::Grid> load_grid(const AblateOptions& options,
-                                          const host::Registry& registry, Context& context) {
-  auto [plan, report] = evaluation::load_plan(options.plan, registry, options.settings);
-  if (report.ok()) {
-    auto [grid, mistakes] = evaluation::Grid::expand(std::move(plan), registry, options.settings);
-    if (mistakes.ok()) return std::move(grid);
-    report = std::move(mistakes);
-  }
-  fmt::print(stderr, "{}", report.text());
-  context.exit_code = kBadConfiguration;
-  return std::nullopt;
-}
-
 Result<evaluation::AblationState> execute(evaluation::Grid& grid,
                                           const evaluation::ResultsFolder& folder,
                                           const AblateOptions& options, const Context& context) {
@@ -182,10 +168,14 @@ void ablate(AblateOptions options, Context& context) {
     context.exit_code = error.code == Errc::invalid_value ? kBadConfiguration : kInputOutput;
   };
   const auto registry = context.registry();
-  auto grid = load_grid(options, registry, context);
-  if (!grid) return;
-  if (options.folder.empty()) options.folder = "ablations/" + grid->plan().name;
-  const std::string& plan = grid->plan().name;
+  auto [grid, report] = evaluation::load_grid(options.plan, registry, options.settings);
+  if (!report.ok()) {
+    fmt::print(stderr, "{}", report.text());
+    context.exit_code = kBadConfiguration;
+    return;
+  }
+  const std::string& plan = grid.plan().name;
+  if (options.folder.empty()) options.folder = "ablations/" + plan;
   const auto folder = options.status ? evaluation::ResultsFolder::look(options.folder, plan)
                                      : evaluation::ResultsFolder::open(options.folder, plan);
   if (!folder) {
@@ -193,7 +183,7 @@ void ablate(AblateOptions options, Context& context) {
     context.exit_code = kBadConfiguration;
     return;
   }
-  const auto state = execute(*grid, *folder, options, context);
+  const auto state = execute(grid, *folder, options, context);
   if (!state) return fail(state.error());
   if (!options.quiet) fmt::print("{}", evaluation::summary_table(state->results));
   print_failures(state->results);

@@ -9,6 +9,7 @@
 
 #include "commands.hpp"
 #include "interruption.hpp"
+#include "run_settings.hpp"
 
 namespace weft::cli {
 namespace {
@@ -119,14 +120,6 @@ class Progress final : public RunObserver {
   std::vector<double> confidences_;  ///< [] of what was measured
 };
 
-/// runs/<pipeline>, or the first of runs/<pipeline>-2, -3 ... that does not exist.
-std::string free_folder(const std::string& pipeline) {
-  const std::string base = "runs/" + fs::path(pipeline).stem().string();
-  std::string folder = base;
-  for (int i = 2; fs::exists(folder); ++i) folder = base + "-" + std::to_string(i);
-  return folder;
-}
-
 void run(const std::string& file, std::string folder, const std::vector<std::string>& settings,
          const std::vector<std::string>& dumped, bool quiet, Context& context) {
   const std::atomic<bool>& interrupted = watch_for_interruption();
@@ -165,29 +158,6 @@ void run(const std::string& file, std::string folder, const std::vector<std::str
   if (gave_up || summary->failed > pipeline.config.max_failed) context.exit_code = kFramesFailed;
 }
 
-void check(const std::string& file, const std::vector<std::string>& settings, Context& context) {
-  const auto registry = context.registry();
-  const auto [pipeline, report] =
-      check_pipeline(file, registry, fs::absolute(free_folder(file)).string(), settings);
-  if (report.ok()) {
-    fmt::print("{}: ok, {} stages, {} sinks\n", file, pipeline.config.stages.size(),
-               pipeline.config.sinks.size());
-    return;
-  }
-  fmt::print(stderr, "{}", report.text());
-  context.exit_code = kBadConfiguration;
-}
-
-void add_settings(CLI::App& command, std::vector<std::string>& settings) {
-  command
-      .add_option(
-          "--set", settings,
-          "PATH=VALUE over the file, such as filters.alpha_s=0.2, detectors.use=detectors/orb "
-          "or seed=7; may be repeated")
-      ->option_text("PATH=VALUE")
-      ->allow_extra_args(false);
-}
-
 }  // namespace
 
 void add_run_command(CLI::App& app, Context& context) {
@@ -224,20 +194,6 @@ void add_run_command(CLI::App& app, Context& context) {
     run(options->pipeline, options->folder, options->settings, options->dumped, options->quiet,
         context);
   });
-}
-
-void add_check_command(CLI::App& app, Context& context) {
-  const auto pipeline = std::make_shared<std::string>();
-  const auto settings = std::make_shared<std::vector<std::string>>();
-  CLI::App* command =
-      app.add_subcommand("check", "Check a pipeline without running it; lists all mistakes");
-  command->add_option("PIPELINE", *pipeline, "Pipeline file (YAML)")->type_name("")->required();
-  add_settings(*command, *settings);
-  command->footer(
-      "Exit codes:\n"
-      "  0  the pipeline can be run\n"
-      "  2  the command line or the pipeline is wrong");
-  command->callback([&context, pipeline, settings] { check(*pipeline, *settings, context); });
 }
 
 }  // namespace weft::cli

@@ -352,6 +352,23 @@ TEST_F(AblateCommand, RunsAPlanAndPrintsATable) {
   EXPECT_EQ(ablate({plan, "--out", path("out"), "--status"}).exit_code, 0);
 }
 
+TEST_F(AblateCommand, IsNotNeededToCheckAPlan) {
+  const std::string axis = "axes: {every: {set: filters.every, values: [2, 3]}}\n";
+  const auto check = [&](const std::string& file) {
+    return weft::testing::Child({WEFT_PROGRAM, "--plugin-path", WEFT_TEST_PLUGINS, "check", file},
+                                path("printed"))
+        .wait();
+  };
+  const auto sound = check(
+      write_plan(axis + "data: {all: {}, twice: {seeds: 1-2, seed_setting: source.frames}}\n"));
+  EXPECT_EQ(sound.exit_code, 0) << sound.err;
+  EXPECT_THAT(sound.out, HasSubstr(": ok, a plan of 6 cells\n"));
+  const auto broken = check(write_plan(axis + "dta: {all: {}}\n"));
+  EXPECT_EQ(broken.exit_code, 2);
+  EXPECT_THAT(broken.err, HasSubstr("did you mean 'data'?"));
+  EXPECT_FALSE(fs::exists(path("out")));
+}
+
 TEST_F(AblateCommand, FailsWhenAnExpectationIsMissed) {
   const std::string plan =
       write_plan("data: {all: {}}\nexpect: [{metric: counts.frames, at_least: 3}]\n");

@@ -111,7 +111,7 @@ TEST_F(Program, SuggestsTheCommandThatIsMeant) {
             "error: no command 'frobnicate'; there are: run, check, eval, ablate, data, plugins, "
             "replay, doctor, records, report, template\n");
   EXPECT_THAT(refusal({"check", "x.yaml", "y.yaml"}), HasSubstr("y.yaml"));
-  EXPECT_THAT(refusal({"--frob", "check"}), HasSubstr("PIPELINE is required"));
+  EXPECT_THAT(refusal({"--frob", "check"}), HasSubstr("FILE is required"));
 }
 
 TEST_F(Program, HelpsWithTypesAndExitCodes) {
@@ -129,7 +129,9 @@ TEST_F(Program, HelpsWithTypesAndExitCodes) {
   EXPECT_THAT(run, HasSubstr("--out FOLDER "));
   EXPECT_THAT(run, Not(HasSubstr(" ...")));
   EXPECT_THAT(run, HasSubstr("Exit codes:\n  0  done, or interrupted; at most max_failed"));
-  EXPECT_THAT(help({"check"}), HasSubstr("Exit codes:\n  0  the pipeline can be run\n  2  "));
+  EXPECT_THAT(
+      help({"check"}),
+      HasSubstr("Exit codes:\n  0  the pipeline, or every cell of the plan, can be run\n  2  "));
   const std::string eval = help({"eval"});
   EXPECT_THAT(eval, HasSubstr("--alignment none|scale|rigid|all (default: none)"));
   EXPECT_THAT(eval, HasSubstr("one after another, into metrics.json, metrics_scale.json and "));

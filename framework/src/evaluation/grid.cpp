@@ -6,6 +6,7 @@
 
 #include "grid_parts.hpp"
 #include "metric_path.hpp"
+#include "plan_parts.hpp"
 
 namespace weft::evaluation {
 
@@ -125,10 +126,7 @@ class GridBuilder {
 
   void check_metrics() {
     if (!report_.problems.empty()) return;  // the stages are not known then
-    for (const auto& [metric, at] : grid_.plan_.show) check_metric(metric, at);
-    for (const PlannedComparison& each : grid_.plan_.comparisons)
-      check_metric(each.metric, each.metric_at);
-    for (const Expectation& each : grid_.plan_.expect) check_metric(each.metric, each.metric_at);
+    for (const auto& [metric, at] : metrics_of(grid_.plan_)) check_metric(metric, at);
   }
 
   void check_metric(const std::string& metric, yaml::Position at) {
@@ -194,6 +192,13 @@ std::string Grid::value_of(const Cell& cell, const std::string& name) const {
     if (plan_.axes[axis].name == name) return plan_.axes[axis].values[cell.values[axis]].name;
   }
   return {};
+}
+
+std::pair<Grid, ConfigReport> load_grid(const std::string& file, const host::Registry& registry,
+                                        const std::vector<std::string>& settings) {
+  auto [plan, report] = load_plan(file, registry, settings);
+  if (!report.ok()) return {Grid(), std::move(report)};
+  return Grid::expand(std::move(plan), registry, settings);
 }
 
 }  // namespace weft::evaluation

@@ -39,11 +39,10 @@ PlanRecord Grid::record(const std::string& command) const {
   record.seeds = plan_.seeds;
   for (const auto& [metric, at] : plan_.show) record.show.push_back(metric);
   for (const PlannedComparison& each : plan_.comparisons) {
-    record.comparisons.push_back({each.axis, each.metric, each.reference.value_or("")});
+    record.comparisons.push_back(each.comparison);
   }
-  for (const Expectation& each : plan_.expect) {
-    record.expectations.push_back({each.where, each.metric, each.at_least.value_or(kUnknown),
-                                   each.at_most.value_or(kUnknown)});
+  for (const PlannedExpectation& each : plan_.expect) {
+    record.expectations.push_back(each.expectation);
   }
   for (const Cell& cell : cells_) {
     std::vector<std::uint64_t>& seeds = record.seeds;

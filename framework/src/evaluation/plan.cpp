@@ -177,7 +177,8 @@ class PlanReader {
 
   void read_comparison(const yaml::Node& node) {
     if (!values_.is_map(node, "a comparison", {"axis", "reference", "metric"})) return;
-    PlannedComparison comparison;
+    PlanComparison comparison;
+    yaml::Position metric_at;
     if (values_.has(node, "axis", "a comparison")) {
       const yaml::Node& axis = *node.find("axis");
       comparison.axis = values_.text(axis, "'axis'");
@@ -185,40 +186,43 @@ class PlanReader {
       if (const yaml::Node* reference = node.find("reference"); reference != nullptr && known) {
         comparison.reference = values_.text(*reference, "'reference'");
         if (broken_.count(comparison.axis) == 0) {
-          check_choice("value of the axis", *comparison.reference, reference->at,
+          check_choice("value of the axis", comparison.reference, reference->at,
                        names(known->values));
         }
       }
     }
     if (values_.has(node, "metric", "a comparison")) {
       comparison.metric = values_.text(*node.find("metric"), "'metric'");
-      comparison.metric_at = node.find("metric")->at;
+      metric_at = node.find("metric")->at;
       if (comparison.metric == kErrorMetric && !plan_.measurement.frames) {
-        values_.problem(comparison.metric_at,
+        values_.problem(metric_at,
                         "the 3D error is compared frame by frame, but 'metrics' keeps no 'frames'");
       }
     }
-    plan_.comparisons.push_back(std::move(comparison));
+    plan_.comparisons.push_back({std::move(comparison), metric_at});
   }
 
   void read_expectation(const yaml::Node& node) {
     if (!values_.is_map(node, "an expectation", {"where", "metric", "at_most", "at_least"})) return;
-    Expectation expectation;
+    PlanExpectation expectation;
+    yaml::Position metric_at;
     if (const yaml::Node* where = node.find("where")) read_selection(*where, expectation.where);
     if (values_.has(node, "metric", "an expectation")) {
       expectation.metric = values_.text(*node.find("metric"), "'metric'");
-      expectation.metric_at = node.find("metric")->at;
+      metric_at = node.find("metric")->at;
     }
     const auto bound = [&](const char* key) {
       const yaml::Node* value = node.find(key);
-      return value != nullptr ? values_.number(*value, std::string("'") + key + "'") : std::nullopt;
+      const auto number =
+          value != nullptr ? values_.number(*value, std::string("'") + key + "'") : std::nullopt;
+      return number.value_or(kUnknown);
     };
     expectation.at_most = bound("at_most");
     expectation.at_least = bound("at_least");
     if (node.find("at_most") == nullptr && node.find("at_least") == nullptr) {
       values_.problem(node.at, "an expectation needs 'at_most' or 'at_least'");
     }
-    plan_.expect.push_back(std::move(expectation));
+    plan_.expect.push_back({std::move(expectation), metric_at});
   }
 
   void read_selection(const yaml::Node& where, Selection& selection) {
@@ -300,10 +304,20 @@ class PlanReader {
 std::vector<std::pair<std::string, yaml::Position>> metrics_of(const Plan& plan) {
   auto metrics = plan.show;
   for (const PlannedComparison& each : plan.comparisons) {
-    metrics.emplace_back(each.metric, each.metric_at);
+    metrics.emplace_back(each.comparison.metric, each.metric_at);
   }
-  for (const Expectation& each : plan.expect) metrics.emplace_back(each.metric, each.metric_at);
+  for (const PlannedExpectation& each : plan.expect) {
+    metrics.emplace_back(each.expectation.metric, each.metric_at);
+  }
   return metrics;
+}
+
+bool is_plan(const std::string& file) {
+  const auto text = yaml::read_text(file);
+  const auto document = text ? yaml::parse(*text, file) : Result<yaml::Document>(text.error());
+  if (!document || document->root.kind != yaml::Kind::map) return false;
+  const auto has = [&](const char* key) { return document->root.find(key) != nullptr; };
+  return has("pipeline") || has("axes") || has("data");
 }
 
 std::pair<Plan, ConfigReport> read_plan(const std::string& file) {

@@ -71,4 +71,8 @@ class Grid {
   std::shared_ptr<Identifier> identifier_ = std::make_shared<Identifier>();
 };
 
+/// Reads, checks and expands a plan; use the grid only when the report is ok.
+std::pair<Grid, ConfigReport> load_grid(const std::string& file, const host::Registry& registry,
+                                        const std::vector<std::string>& settings);
+
 }  // namespace weft::evaluation

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,19 +32,13 @@ struct PlannedData {
   std::vector<NamedPatch> sequences;
 };
 
-/// A bound on the mean of a metric over the cells that are selected.
-struct Expectation {
-  Selection where;
-  std::string metric;  ///< path in to_json(RunMetrics)
-  std::optional<double> at_most, at_least;
+/// What the plan expects and compares, and where it names the metric.
+struct PlannedExpectation {
+  PlanExpectation expectation;
   yaml::Position metric_at;
 };
-
-/// What the report is to compare: the values of an axis, with a reference or each with each.
 struct PlannedComparison {
-  std::string axis;
-  std::optional<std::string> reference;
-  std::string metric;
+  PlanComparison comparison;
   yaml::Position metric_at;
 };
 
@@ -67,8 +60,12 @@ struct Plan {
   Measurement measurement;
   std::vector<std::pair<std::string, yaml::Position>> show;  ///< metrics of the table
   std::vector<PlannedComparison> comparisons;
-  std::vector<Expectation> expect;
+  std::vector<PlannedExpectation> expect;
 };
+
+/// Whether a file is a plan rather than a pipeline: it says which pipeline, axes or data. False
+/// where it cannot be read.
+bool is_plan(const std::string& file);
 
 /// Reads a plan and checks all of it that needs no plugin. Use the plan only when the report is ok;
 /// otherwise it holds what is sound.
