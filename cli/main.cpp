@@ -32,10 +32,9 @@ std::string wrong_command(const CLI::App& app) {
   }
   const std::vector<std::string> unknown = app.remaining();
   if (known.empty() || unknown.empty() || unknown.front().starts_with("-")) return {};
-  const std::string near = weft::nearest(unknown.front(), known);
-  return fmt::format("no command '{}'; {}", unknown.front(),
-                     near.empty() ? fmt::format("there are: {}", fmt::join(known, ", "))
-                                  : fmt::format("did you mean '{}'?", near));
+  const std::string all = fmt::format("; there are: {}", fmt::join(known, ", "));
+  return fmt::format("no command '{}'{}", unknown.front(),
+                     weft::did_you_mean(unknown.front(), known, all));
 }
 
 /// The exit code of the command that the arguments give.

@@ -31,12 +31,11 @@ std::vector<std::string> names_in(const json& place) {
 
 Error no_such(const std::string& path, const std::string& word, const json& place) {
   const std::vector<std::string> names = names_in(place);
-  const std::string near = nearest(word, names);
-  std::string choice = near.empty() ? "" : "; did you mean '" + near + "'?";
-  for (const std::string& name : names) {
-    if (near.empty()) choice += (&name == &names.front() ? "; there are: " : ", ") + name;
-  }
-  return {Errc::not_found, "the metric '" + path + "': there is no '" + word + "'" + choice, {}};
+  std::string all;
+  for (const std::string& name : names) all += (all.empty() ? "; there are: " : ", ") + name;
+  return {Errc::not_found,
+          "the metric '" + path + "': there is no '" + word + "'" + did_you_mean(word, names, all),
+          {}};
 }
 
 /// Goes into a list, by the name of an entry or because there is one only; true where `word` was

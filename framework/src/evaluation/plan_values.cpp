@@ -34,10 +34,8 @@ bool PlanValues::is_map(const yaml::Node& node, const std::string& what,
   }
   for (const yaml::Entry& entry : node.entries) {
     if (std::find(keys.begin(), keys.end(), entry.key) != keys.end()) continue;
-    const std::string near = nearest(entry.key, keys);
     problem(entry.at, what + " has no key " + quote(entry.key) +
-                          (near.empty() ? "; it may have: " + joined(keys)
-                                        : "; did you mean '" + near + "'?"));
+                          did_you_mean(entry.key, keys, "; it may have: " + joined(keys)));
   }
   return true;
 }
@@ -131,10 +129,8 @@ bool PlanValues::has(const yaml::Node& map, const char* key, const std::string& 
 
 void PlanValues::unknown(yaml::Position at, const std::string& what, const std::string& word,
                          const std::vector<std::string>& known) {
-  const std::string near = nearest(word, known);
   const std::string others = known.empty() ? "" : "; there are: " + joined(known);
-  problem(at, "there is no " + what + " " + quote(word) +
-                  (near.empty() ? others : "; did you mean '" + near + "'?"));
+  problem(at, "there is no " + what + " " + quote(word) + did_you_mean(word, known, others));
 }
 
 }  // namespace weft::evaluation

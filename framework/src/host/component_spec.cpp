@@ -81,8 +81,7 @@ class Binder {
     }
     yaml::correct_keys(params, names, [&](const yaml::Entry& entry, const std::string& near) {
       problem(entry.at, id + " has no parameter " + quote(entry.key) +
-                            (near.empty() ? "; see: weft plugins show " + id
-                                          : "; did you mean '" + near + "'?"));
+                            meant(near, "; see: weft plugins show " + id));
     });
   }
 
@@ -256,10 +255,9 @@ class Binder {
       return false;
     }
     if (use.kind != yaml::Kind::scalar || use.scalar.starts_with(parameter.role + "/")) return true;
-    const std::string near = registry_.nearest_of_role(use.scalar, parameter.role);
     problem(use.at, "'" + parameter.name + "' must be one of " + parameter.role + "/..., not " +
                         quote(use.scalar) +
-                        (near.empty() ? std::string() : "; did you mean '" + near + "'?"));
+                        meant(registry_.nearest_of_role(use.scalar, parameter.role)));
     return false;
   }
 

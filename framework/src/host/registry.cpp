@@ -248,9 +248,8 @@ std::string Registry::explain_missing(std::string_view id) const {
   }
   std::vector<std::string> ids;
   for (const Installed& entry : installed_) ids.push_back(entry.component.id);
-  const std::string near = nearest(id, ids);
   return "no plugin " + quote(id) + " is installed" +
-         (near.empty() ? "; see: weft plugins list" : "; did you mean '" + near + "'?");
+         did_you_mean(id, ids, "; see: weft plugins list");
 }
 
 }  // namespace weft::host

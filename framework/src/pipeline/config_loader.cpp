@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 #include <weft/core/quote.hpp>
+#include <weft/core/suggest.hpp>
 #include <weft/host/yaml_keys.hpp>
 
 #include "wiring.hpp"
@@ -60,8 +61,7 @@ class Loader {
   yaml::Node with_keys_of(yaml::Node node, const std::string& what, const Words& keys) {
     yaml::correct_keys(node, keys, [&](const yaml::Entry& entry, const std::string& near) {
       problem(entry.at, what + " has no key " + quote(entry.key) +
-                            (near.empty() ? "; it may have: " + joined(keys)
-                                          : "; did you mean '" + near + "'?"));
+                            meant(near, "; it may have: " + joined(keys)));
     });
     return node;
   }

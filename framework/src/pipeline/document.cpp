@@ -255,9 +255,8 @@ class Reader {
         problem(name.at, "'without' must be a list of names of stages and sinks");
         continue;
       }
-      const std::string near = nearest(name.scalar, known);
       problem(name.at, "the extended file has no stage or sink " + quote(name.scalar) +
-                           (near.empty() ? "" : "; did you mean '" + near + "'?"));
+                           did_you_mean(name.scalar, known));
     }
   }
 

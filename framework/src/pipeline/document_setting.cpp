@@ -216,8 +216,7 @@ class Overlay {
         for (std::string& each : names_of_stages(*stages)) known.push_back(std::move(each));
       }
     }
-    const std::string near = nearest(name, known);
-    return near.empty() ? "" : "; did you mean '" + near + "'?";
+    return did_you_mean(name, known);
   }
 
   const yaml::Node& root_;

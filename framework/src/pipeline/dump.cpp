@@ -146,11 +146,10 @@ Result<void> Dump::check_names(const PipelineConfig& config,
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     std::string list;
     for (const std::string& each : known) list += (list.empty() ? "" : ", ") + each;
-    const std::string near = nearest(name, known);
-    return Error{Errc::not_found,
-                 "no stage is called '" + name + "'; " +
-                     (near.empty() ? "there are: " + list : "did you mean '" + near + "'?"),
-                 "--dump"};
+    return Error{
+        Errc::not_found,
+        "no stage is called '" + name + "'" + did_you_mean(name, known, "; there are: " + list),
+        "--dump"};
   }
   return {};
 }

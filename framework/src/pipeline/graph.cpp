@@ -150,9 +150,8 @@ class Wiring {
       if (rule.slot == "template_keypoints") {
         problems_.push_back({rule.at, "'from' chooses both kinds of keypoints with: keypoints"});
       } else if (!read) {
-        const std::string near = nearest(rule.slot, slots);
         problems_.push_back({rule.at, reader + " does not read " + quote(rule.slot) +
-                                          (near.empty() ? "" : "; did you mean '" + near + "'?")});
+                                          did_you_mean(rule.slot, slots)});
       } else if (rule.names.size() > 1 && !takes_several(stage, rule.slot)) {
         problems_.push_back({rule.at, reader + " takes one '" + rule.slot + "' only"});
       }

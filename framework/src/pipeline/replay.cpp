@@ -140,11 +140,8 @@ Result<std::string> find_dump(const std::string& records, const std::string& sta
                  records};
   }
   if (has_dump(root / stage)) return (root / stage).string();
-  const std::string near = nearest(stage, stages);
   return Error{Errc::not_found,
-               "the stage '" + stage + "' was not dumped" +
-                   (near.empty() ? "" : "; did you mean '" + near + "'?"),
-               records};
+               "the stage '" + stage + "' was not dumped" + did_you_mean(stage, stages), records};
 }
 
 }  // namespace weft

@@ -116,10 +116,8 @@ std::string wrong_name(const PipelineConfig& config, const Graph& graph, const S
   for (const StageConfig& stage : config.stages) {
     if (stage.component.installed == nullptr) meant.push_back(stage.name);  // it may make anything
   }
-  const std::string near = nearest(name, meant);
   return "no earlier stage named " + quote(name) + " produces '" + slot + "'" +
-         (near.empty() ? "; name it with: as: " + escaped(name, 80)
-                       : "; did you mean '" + near + "'?");
+         did_you_mean(name, meant, "; name it with: as: " + escaped(name, 80));
 }
 
 std::string nothing_to_unite(const Graph& graph, const StageConfig& reader,

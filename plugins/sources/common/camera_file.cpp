@@ -122,10 +122,8 @@ class Reader {
       const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
       if (!keys.insert(key).second) fail(entry.first, "'" + key + "' is given twice: remove one");
       if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-      const std::string meant = nearest(key, known);
       fail(entry.first, "a camera file has no key '" + key + "'" +
-                            (meant.empty() ? "; notes belong under 'comment'"
-                                           : "; did you mean '" + meant + "'?"));
+                            did_you_mean(key, known, "; notes belong under 'comment'"));
     }
   }
 

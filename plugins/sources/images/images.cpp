@@ -154,10 +154,9 @@ class Images final : public Source {
     for (const auto& [stem, reason] : apart_) {
       Frame* frame = find(stem);
       if (frame == nullptr) {
-        const std::string meant = nearest(stem, stems());
         return Error{Errc::not_found,
                      "'apart' names the frame '" + stem + "', but no image has this stem" +
-                         (meant.empty() ? "" : "; did you mean '" + meant + "'?"),
+                         did_you_mean(stem, stems()),
                      {}};
       }
       frame->apart = reason;

@@ -36,9 +36,8 @@ std::optional<Field> field_named(const std::string& name) {
 }
 
 std::string unknown_field(const std::string& name) {
-  const std::string near = nearest(name, {kNames.begin(), kNames.end()});
   return "'" + name + "' is unknown" +
-         (near.empty() ? ": remove or rename it" : "; did you mean '" + near + "'?");
+         did_you_mean(name, {kNames.begin(), kNames.end()}, ": remove or rename it");
 }
 
 std::optional<RowMistake> check_fields(const std::vector<Field>& fields) {

@@ -60,9 +60,8 @@ std::optional<Column> column_named(std::string_view name) {
 }
 
 std::string unknown_column(const std::string& name) {
-  const std::string meant = nearest(name, {kNames.begin(), kNames.end()});
   return "the column " + quote(name) + " is unknown" +
-         (meant.empty() ? ": remove or rename it" : "; did you mean '" + meant + "'?");
+         did_you_mean(name, {kNames.begin(), kNames.end()}, ": remove or rename it");
 }
 
 std::optional<std::string> mistake_in(Column column, double value) {

@@ -48,5 +48,11 @@ TEST(Suggest, AllowsAboutAThirdOfTheLength) {
   EXPECT_EQ(nearest("abXXXXghi", {"abcdefghi"}), "");
 }
 
+TEST(DidYouMean, EndsASentenceWithWhatIsNearOrWithWhatElseThereIs) {
+  EXPECT_EQ(did_you_mean("alpah", {"beta", "alpha"}), "; did you mean 'alpha'?");
+  EXPECT_EQ(did_you_mean("zzz", {"beta", "alpha"}), "");
+  EXPECT_EQ(did_you_mean("zzz", {"beta"}, "; there is: beta"), "; there is: beta");
+}
+
 }  // namespace
 }  // namespace weft

@@ -66,4 +66,16 @@ inline std::string nearest(std::string_view word, const std::vector<std::string>
   return best;
 }
 
+/// "; did you mean 'NEAR'?", or `otherwise` where nothing is near: the end of a message about a word
+/// that is unknown.
+inline std::string meant(const std::string& near, const std::string& otherwise = {}) {
+  return near.empty() ? otherwise : "; did you mean '" + near + "'?";
+}
+
+/// The same for the candidate that is nearest.
+inline std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates,
+                                const std::string& otherwise = {}) {
+  return meant(nearest(word, candidates), otherwise);
+}
+
 }  // namespace weft
