@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <tuple>
 #include <utility>
 #include <weft/core/stop_check.hpp>
 
@@ -20,7 +21,8 @@ using Links = std::vector<std::pair<std::int32_t, std::int32_t>>;
 struct Site {
   std::int32_t x = 0, y = 0;
 
-  auto operator<=>(const Site&) const = default;
+  bool operator==(const Site&) const = default;
+  bool operator<(const Site& other) const { return std::tie(x, y) < std::tie(other.x, other.y); }
 };
 constexpr int kStepBits = 30;
 
