@@ -5,7 +5,8 @@
 set(revision "")
 find_program(GIT git)
 if(GIT)
-  execute_process(COMMAND ${GIT} -C ${SOURCE} describe --always --abbrev=12 --dirty=+changes
+  execute_process(COMMAND ${GIT} -C ${SOURCE} describe --always --exclude=* --abbrev=12
+      --dirty=+changes
     OUTPUT_VARIABLE revision OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
 endif()
 set(text "// SPDX-License-Identifier: Apache-2.0

@@ -11,8 +11,8 @@
 #include <weft/core/quote.hpp>
 #include <weft/core/version.hpp>
 #include <weft/core/whole_file.hpp>
-#include <weft/host/source_revision.hpp>
 #include <weft/evaluation/results_folder.hpp>
+#include <weft/host/source_revision.hpp>
 
 #include "cell_line.hpp"
 #include "json_file.hpp"

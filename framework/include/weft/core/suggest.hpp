@@ -66,8 +66,8 @@ inline std::string nearest(std::string_view word, const std::vector<std::string>
   return best;
 }
 
-/// "; did you mean 'NEAR'?", or `otherwise` where nothing is near: the end of a message about a word
-/// that is unknown.
+/// "; did you mean 'NEAR'?", or `otherwise` where nothing is near: the end of a message about a
+/// word that is unknown.
 inline std::string meant(const std::string& near, const std::string& otherwise = {}) {
   return near.empty() ? otherwise : "; did you mean '" + near + "'?";
 }
