@@ -40,7 +40,7 @@ JOBS = [
 
 # Of any JSON: what depends on the machine, the moment or the binaries.
 VOLATILE = {"ms", "processor_ms", "machine", "build_id", "library", "libraries", "git", "timing",
-            "check", "key", "rebuilt_key", "stages_keys", "command", "run", "files"}
+            "check", "key", "rebuilt_key", "command", "run", "files"}
 
 
 REVISION = re.compile(r" \([0-9a-f]{12,40}(\+changes)?\)")  # behind the version, in reports

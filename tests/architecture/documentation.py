@@ -82,22 +82,25 @@ def check_quotes(root, lines):
             yield number, f"the code block differs from {quote.group(1)}"
 
 
+def outside_code(lines):
+    """The numbered lines that stand in no code block."""
+    inside = False
+    for number, line in enumerate(lines, 1):
+        inside ^= bool(FENCE.match(line))
+        if not inside:
+            yield number, line
+
+
 def anchors(lines):
     """Headings as links name them."""
-    inside = False
-    for line in lines:
-        inside ^= bool(FENCE.match(line))
-        if not inside and line.startswith("#"):
+    for _, line in outside_code(lines):
+        if line.startswith("#"):
             text = re.sub(r"[^\w\- ]", "", line.lstrip("#").strip().lower())
             yield text.replace(" ", "-")
 
 
 def check_links(root, page, lines):
-    inside = False
-    for number, line in enumerate(lines, 1):
-        inside ^= bool(FENCE.match(line))
-        if inside:
-            continue
+    for number, line in outside_code(lines):
         for target, anchor in LINK.findall(re.sub(r"`[^`]*`", "", line)):
             if re.match(r"[a-z]+:", target):
                 continue
@@ -152,11 +155,7 @@ class Names:
 
 
 def check_names(names, page, lines):
-    inside = False
-    for number, line in enumerate(lines, 1):
-        inside ^= bool(FENCE.match(line))
-        if inside:
-            continue
+    for number, line in outside_code(lines):
         for span in SPAN.findall(line):
             if PATH.fullmatch(span) and not re.search(r"[A-Z]{3,}(?!\w*\.md)", span):
                 if not names.has_path(span, page.parent):

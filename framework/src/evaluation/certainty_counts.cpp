@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <weft/evaluation/results.hpp>
+#include <weft/evaluation/cell_record.hpp>
 
 namespace weft::evaluation {
 namespace {
