@@ -4,7 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
-#include <weft/host/registry.hpp>
+
+#include "host/loading/registry.hpp"
 
 namespace weft::cli {
 
@@ -34,6 +35,7 @@ void add_data_command(CLI::App& app, Context& context);
 void add_doctor_command(CLI::App& app, Context& context);
 void add_ablate_command(CLI::App& app, Context& context);
 void add_records_command(CLI::App& app, Context& context);
+void add_metrics_command(CLI::App& app, Context& context);
 void add_report_command(CLI::App& app, Context& context);
 void add_template_command(CLI::App& app, Context& context);
 

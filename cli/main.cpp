@@ -7,8 +7,8 @@
 #include <weft/core/suggest.hpp>
 #include <weft/core/version.hpp>
 
-#include "commands.hpp"
-#include "standard_output.hpp"
+#include "cli/commands.hpp"
+#include "cli/output/standard_output.hpp"
 
 namespace weft::cli {
 
@@ -58,6 +58,7 @@ int run_command(int argc, char** argv) {
   weft::cli::add_replay_command(app, context);
   weft::cli::add_doctor_command(app, context);
   weft::cli::add_records_command(app, context);
+  weft::cli::add_metrics_command(app, context);
   weft::cli::add_report_command(app, context);
   weft::cli::add_template_command(app, context);
   try {

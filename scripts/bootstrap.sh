@@ -9,7 +9,7 @@ usage() {
   cat <<'TEXT'
 usage: scripts/bootstrap.sh [--tests] [--without-contrib] [--without-opencl | --without-pocl]
 
-  --tests            also what tests need: clang-format, clang-tidy, codespell, gcovr,
+  --tests            also what tests need: clang, clang-format, clang-tidy, codespell, gcovr,
                      chromium
   --without-contrib  not libopencv-contrib-dev (148 MB, and VTK): templates/frex_sheet and
                      sources/frex_video are then left out of the build
@@ -34,7 +34,7 @@ pocl=(pocl-opencl-icd)
 tests=()
 for argument in "$@"; do
   case $argument in
-    --tests) tests=(clang-format clang-tidy codespell gcovr chromium) ;;
+    --tests) tests=(clang clang-format clang-tidy codespell gcovr chromium) ;;
     --without-contrib) contrib=() ;;
     --without-opencl) opencl=() pocl=() ;;
     --without-pocl) pocl=() ;;

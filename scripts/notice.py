@@ -88,7 +88,7 @@ web/package-lock.json fixes. Their full list and texts stand at the end of each 
 
 
 class Built(NamedTuple):
-    """What was built; a room is PROGRAM, a plugin's library or a role's common folder."""
+    """What was built; a room is PROGRAM, a plugin's library or a folder of shared code."""
 
     licences: dict[str, dict[str, str]]  # component -> licence, of each plugin's library
     headers: dict[str, set[str]]  # absolute paths, of each room
@@ -109,8 +109,8 @@ def room_of(made: str) -> str | None:
         return None
     if role is None:
         return PROGRAM
-    if name == "common":
-        return f"plugins/{role}/common"
+    if "common" in (role, name):
+        return f"plugins/{role}/{name}"
     return f"{role}_{name}" if program.endswith("_objects") else None
 
 
@@ -251,7 +251,7 @@ def not_built(build: Path):
     for folder in sorted((ROOT / "plugins").glob("*/*/CMakeLists.txt")):
         role, name = folder.parts[-3:-1]
         plugin = build / f"lib/weft/plugins/{role}_{name}.plugin.yaml"
-        if name != "common" and not plugin.exists():
+        if "common" not in (role, name) and not plugin.exists():
             yield f"{role}/{name} is not built: build all plugins first"
 
 

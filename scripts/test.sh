@@ -8,14 +8,21 @@ source scripts/common.sh
 
 usage() {
   cat <<'TEXT'
-usage: scripts/test.sh [--long] [--jobs N] [--without-...]
+usage: scripts/test.sh [--ci [--since REV] | --long [--all]] [--jobs N] [--without-...]
 
-Installs missing packages, then configures, builds and tests the presets release and asan with the
-tests labelled `quick`. Exits 1 if anything failed.
+Installs missing packages, builds the preset release and runs its tests labelled `quick`. Exits 1 if
+anything failed.
 
-  --long    also: the tests labelled `long` in both presets, the quick tests in the presets tsan and
-            coverage (which prints the share of lines that they run), clang-format over all tracked
-            sources, clang-tidy, and the benchmarks of the stages (build/benchmarks.log)
+  --ci      also: the same with the preset asan, clang-format over all tracked sources, each installed
+            header compiled alone by GCC and by Clang and abi.h as C99, clang-tidy over what changed
+  --since REV
+            what changed since REV (default: since the branch left main, on main since the commit
+            before); scripts/tidy.py says more
+  --long    all of --ci, with clang-tidy over everything, and: the tests labelled `long` in both
+            presets, the quick tests in the presets tsan and coverage (which prints the share of lines
+            that they run), and the benchmarks of the stages (build/benchmarks.log). What the preset
+            tsan and clang-tidy passed before and is unchanged since is skipped
+  --all     skip nothing of that
   --without-contrib, --without-opencl, --without-pocl
             install less, see scripts/bootstrap.sh --help; what is not there is not tested
   --jobs N  compile and test N at a time (default: cores + 1, at most one for each 3 GiB of memory)
@@ -23,27 +30,45 @@ tests labelled `quick`. Exits 1 if anything failed.
 
 Tests on recorded data look for it in $WEFT_DATA. Where that is unset and ../shared/data exists, it
 is set to that folder; where there is none, those tests are skipped and listed at the end.
-Logs: build/<preset>/{configure,build,test-quick,test-long}.log
+Logs: build/<preset>/{configure,build,test-quick,test-long}.log, build/*.log
 TEXT
 }
 
+refuse() {
+  echo "test.sh: $1" >&2
+  exit 2
+}
+
+ci=0
 long=0
+all=0
+since=
 without=()
 jobs=$(weft_jobs)
 while (($#)); do
   case $1 in
+    --ci) ci=1 ;;
     --long) long=1 ;;
+    --all) all=1 ;;
     --without-*) without+=("$1") ;;
+    --since)
+      since=${2:-}
+      git rev-parse --verify --quiet "$since^{commit}" >/dev/null \
+        || refuse "--since needs a commit of this clone, not '$since'"
+      shift
+      ;;
     --jobs)
       jobs=${2:-}
-      [[ $jobs =~ ^[1-9][0-9]*$ ]] || { echo "test.sh: --jobs needs a number, not '$jobs'" >&2; exit 2; }
+      [[ $jobs =~ ^[1-9][0-9]*$ ]] || refuse "--jobs needs a number, not '$jobs'"
       shift
       ;;
     -h | --help) usage; exit 0 ;;
-    *) echo "test.sh: unknown argument '$1'; see --help" >&2; exit 2 ;;
+    *) refuse "unknown argument '$1'; see --help" ;;
   esac
   shift
 done
+((long || all == 0)) || refuse "--all goes with --long"
+[[ -z $since ]] || ((ci && long == 0)) || refuse "--since goes with --ci"
 
 if [[ -z ${WEFT_DATA+set} && -d ../shared/data ]]; then
   WEFT_DATA=$(cd ../shared/data && pwd)
@@ -58,20 +83,24 @@ failures=0
 # note RESULT SECONDS NAME [DETAIL]
 note() { summary+=("$(printf '%-8s %5s s  %s%s' "$1" "$2" "$3" "${4:+ ($4)}")"); }
 
-# step NAME LOG COMMAND...: runs, times and records it; its status is that of the command.
+# step NAME LOG COMMAND...: runs, times and records it; its status is that of the command. The last
+# line of the log may tell more of what succeeded: `summary: RESULT: DETAIL`.
 step() {
-  local name=$1 log=$2 start=$SECONDS detail
+  local name=$1 log=$2 start=$SECONDS result=ok detail
   shift 2
   printf '%-16s ... ' "$name"
-  if weft_logged "$log" "$@"; then
-    detail=$(grep -oE '[0-9]+% tests passed.*|No tests were found.*' "$log" | tail -n 1 || true)
-    echo "ok, $((SECONDS - start)) s${detail:+, $detail}"
-    note ok $((SECONDS - start)) "$name" "$detail"
-    return 0
+  if ! weft_logged "$log" "$@"; then
+    failures=$((failures + 1))
+    note FAILED $((SECONDS - start)) "$name" "$log"
+    return 1
   fi
-  failures=$((failures + 1))
-  note FAILED $((SECONDS - start)) "$name" "$log"
-  return 1
+  detail=$(grep -oE '[0-9]+% tests passed.*|No tests were found.*' "$log" | tail -n 1 || true)
+  if [[ $(tail -n 1 "$log") =~ ^summary:\ ([^:]+):\ (.*)$ ]]; then
+    result=${BASH_REMATCH[1]}
+    detail=${BASH_REMATCH[2]}
+  fi
+  echo "$result, $((SECONDS - start)) s${detail:+, $detail}"
+  note "$result" $((SECONDS - start)) "$name" "$detail"
 }
 
 build() {
@@ -120,14 +149,35 @@ check_format() {
     && git ls-files -z -- '*.h' '*.hpp' '*.c' '*.cpp' | xargs -0 -r clang-format --dry-run --Werror
 }
 
-# Tests are left out: GoogleTest's macros are what would be reported. The files are seen in the
-# batches in which they are compiled. Clang 14 does not know all of GCC's warnings and parameters, and
-# misses captures that only instances of a generic lambda use.
+check_headers() {
+  cmake --build --preset release -j "$jobs" --target headers_alone
+}
+
 check_tidy() {
-  run-clang-tidy -quiet -p build/release -j "$jobs" -checks=-bugprone-suspicious-include \
-    -extra-arg=-Wno-unknown-warning-option -extra-arg=-Wno-unused-lambda-capture \
-    -extra-arg=-Wno-unused-command-line-argument \
-    "^(?!.*_test(_headers)?\\.dir/)$PWD/build/release/(cli|framework|plugins)/" 2>/dev/null
+  local which=()
+  if ((long == 0)); then
+    which=(--changed ${since:+--since "$since"})
+  elif ((all)); then
+    which=(--all)
+  fi
+  scripts/tidy.py --jobs "$jobs" "${which[@]}"
+}
+
+# ThreadSanitizer, unless all that is behind it has passed before.
+build_and_test_tsan() {
+  local sources passed detail before=$failures
+  sources=$(scripts/green.py sources tsan) || sources=
+  if ((all == 0)) && passed=$(scripts/green.py since tsan "$sources"); then
+    detail="unchanged since its green run of $passed, sources ${sources:0:12}"
+    printf '%-16s ... skipped, %s\n' tsan "$detail"
+    note skipped 0 tsan "$detail"
+    return 0
+  fi
+  printf '%-16s ... due, sources %s\n' tsan "${sources:0:12}"
+  build_and_test tsan
+  if [[ -n $sources ]] && ((failures == before)); then
+    scripts/green.py record tsan "$sources"
+  fi
 }
 
 # Line coverage of what is installed, tests not counted. A plugin built elsewhere, as one test does,
@@ -156,15 +206,20 @@ coverage() {
 }
 
 what="quick tests"
-((long == 0)) || what="quick and long tests"
+((ci == 0)) || what="quick tests and checks"
+((long == 0)) || what="quick and long tests, checks"
 echo "Weft: $what, $jobs jobs, data: ${WEFT_DATA:-none}"
 step bootstrap build/bootstrap.log scripts/bootstrap.sh --tests "${without[@]}" || exit 1
 build_and_test release
-build_and_test asan
-if ((long)); then
-  build_and_test tsan
+if ((ci || long)); then
+  build_and_test asan
   step clang-format build/format.log check_format || true
+  step headers build/headers.log check_headers || true
+  build clang || true
   step clang-tidy build/tidy.log check_tidy || true
+fi
+if ((long)); then
+  build_and_test_tsan
   step benchmarks build/benchmarks.log run_benchmarks || true
   coverage
 fi

@@ -10,7 +10,7 @@ if(GIT)
     OUTPUT_VARIABLE revision OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
 endif()
 set(text "// SPDX-License-Identifier: Apache-2.0
-#include <weft/host/source_revision.hpp>
+#include <pipeline/runs/source_revision.hpp>
 
 namespace weft::host {
 

@@ -1,18 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # weft_add_plugin(role/name SOURCES a.cpp ... [LINK library ...]
-#                 [TESTS a_test.cpp ...] [LONG_TESTS b_test.cpp ...] [FOLDER folder])
+#                 [TESTS a_test.cpp ...] [LONG_TESTS b_test.cpp ...] [FOLDER folder]
+#                 [CONTRACT argument ...] [BROKEN])
 #
 # Builds <role>_<name>.so, which exports nothing but `weft_library`, and beside it the manifest
 # <role>_<name>.plugin.yaml; both in FOLDER where it is given, else in this tree's plugin folder or
 # another tree's build folder. The same function serves this tree and, after find_package(weft), any
 # other. Tests are built where GTest and weft_testing exist; they are linked with the plugin's
 # objects, so that they can test its parts as well as call it through the contract.
+#
+# Where weft_contract exists, each component of the library is held to the contract of its role, by
+# the test <role>_<name>_contract. CONTRACT gives what it needs for that, as weft_contract reads it:
+#   "{texture: FILE, width_m: 0.2}"   parameters, such as those that are required
+#   deviates "with 0 matches"         a check that fails, as the component's page says
+#   skipped "a film is needed"        why it cannot be checked; told, and no success
+#   role/name                         what follows is about this component, not about the first one
+# BROKEN is a plugin for tests of the host, which breaks the contract on purpose or when it is told
+# to: it is not held to it.
 
 set(WEFT_PLUGIN_CMAKE_DIR ${CMAKE_CURRENT_LIST_DIR})
 
 function(weft_add_plugin id)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "FOLDER" "SOURCES;LINK;TESTS;LONG_TESTS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "BROKEN" "FOLDER"
+    "SOURCES;LINK;TESTS;LONG_TESTS;CONTRACT")
   if(NOT id MATCHES "^[a-z][a-z0-9_]*/([a-z][a-z0-9_]*\\.)?[a-z][a-z0-9_]*$")
     message(FATAL_ERROR "weft_add_plugin: '${id}' is not of the form role/name or role/vendor.name")
   endif()
@@ -66,6 +77,17 @@ function(weft_add_plugin id)
     weft_add_plugin_test(${name} ${name}_test quick "${arg_TESTS}")
     weft_add_plugin_test(${name} ${name}_long_test long "${arg_LONG_TESTS}")
   endif()
+  # Sanitizers see the plugin's own tests.
+  if(TARGET weft_contract AND WEFT_BUILD_TESTS AND NOT arg_BROKEN AND NOT WEFT_SANITIZE)
+    weft_add_contract_test(${name}_contract ${manifest} "${arg_CONTRACT}")
+  endif()
+endfunction()
+
+# A component that lacks a device is skipped, with the reason.
+function(weft_add_contract_test test manifest arguments)
+  add_test(NAME ${test} COMMAND weft_contract ${manifest} ${arguments})
+  set_tests_properties(${test} PROPERTIES LABELS quick SKIP_RETURN_CODE 77
+    ENVIRONMENT "WEFT_PLUGIN_PATH=${PROJECT_BINARY_DIR}/lib/weft/plugins")
 endfunction()
 
 function(weft_add_plugin_test name test label sources)

@@ -7,10 +7,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <weft/evaluation/ablation.hpp>
-#include <weft/evaluation/metrics_report.hpp>
-#include <weft/host/content_hash.hpp>
 
+#include "ablation/ablation.hpp"
+#include "host/records/content_hash.hpp"
+#include "metrics/forms/metrics_report.hpp"
 #include "support/pipeline_fixture.hpp"
 
 namespace weft::evaluation {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <weft/evaluation/expectations.hpp>
-
 #include "ablation_fixture.hpp"
+#include "results/expectations.hpp"
 #include "support/child.hpp"
 
 namespace weft::evaluation {

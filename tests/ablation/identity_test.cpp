@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
-#include <weft/evaluation/cell_identity.hpp>
-
+#include "ablation/plan/cell_identity.hpp"
 #include "support/pipeline_fixture.hpp"
 
 namespace weft::evaluation {

@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
-#include <weft/evaluation/grid.hpp>
 
+#include "ablation/plan/grid.hpp"
 #include "support/pipeline_fixture.hpp"
 
 namespace weft::evaluation {
@@ -12,6 +12,8 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::StartsWith;
+
+const Helpers kHelpers{.frames_source = "sources/images", .picture_sink = {}};
 
 /// Plans with mistakes. Their first comments are what is expected, a line for each mistake:
 /// `# line:column: beginning of the message`, after the name of another file where it is not the
@@ -28,7 +30,7 @@ std::vector<std::string> wrong_plans() {
 
 /// The mistakes of a plan as the program prints them, without folders.
 std::vector<std::string> mistakes(const std::string& file, const host::Registry& registry) {
-  auto [plan, report] = load_plan(file, registry, {});
+  auto [plan, report] = load_plan(file, registry, {}, kHelpers);
   if (report.ok()) report = Grid::expand(std::move(plan), registry, {}).second;
   std::vector<std::string> lines;
   for (const yaml::Problem& problem : report.problems) {
@@ -131,7 +133,8 @@ TEST_F(PlanTest, TakesAFolderForASequence) {
     fs::create_directories(path(std::string("set/") + name + "/gt"));
     std::ofstream(path(std::string("set/") + name + "/camera.yaml")) << "fx: 1\n";
   }
-  const auto [plan, report] = read_plan(write_plan("data: {recorded: {folders: set/*}}\n"));
+  const auto [plan, report] =
+      read_plan(write_plan("data: {recorded: {folders: set/*}}\n"), kHelpers);
   ASSERT_TRUE(report.ok()) << report.text();
   ASSERT_EQ(plan.data.front().sequences.size(), 2U);
   EXPECT_EQ(plan.data.front().sequences[0].name, "a");

@@ -2,9 +2,9 @@
 // What becomes a result, and how far a stored one is believed.
 
 #include <functional>
-#include <weft/evaluation/report_tables.hpp>
 
 #include "ablation_fixture.hpp"
+#include "report/tables.hpp"
 #include "support/child.hpp"
 
 namespace weft::evaluation {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks who includes whom, who prints, and the first lines of sources.
+"""Checks who includes whom, who prints, the size of rooms, and the first lines of sources.
 
 Usage: include_rules.py ROOT
 
@@ -17,29 +17,59 @@ CODE = {".h", ".hpp", ".c", ".cpp"}
 SCRIPTS = {".py", ".sh", ".cmake"}
 ROOMS = ("framework", "cli", "plugins", "tests", "docs", "scripts", ".ci")
 
-# A layer may include itself and these.
-LAYERS = {
+# A room may include itself and these; `host` alone stands for all rooms that begin with `host/`.
+# The first ones are installed, in framework/include/weft; the others hold headers beside sources.
+INSTALLED = {
     "core": "",
     "data": "core",
     "geometry": "core data",
+    "generators": "core data geometry",
+    "truth": "core data geometry",
     "sdk": "core data geometry",
-    "testing": "core data geometry sdk host",
-    "host": "core data geometry sdk",
-    "pipeline": "core data geometry sdk host",
-    "evaluation": "core data geometry sdk host pipeline",
-    "cli": "core data geometry sdk host pipeline evaluation",
+    "testing": "core data geometry generators sdk",
 }
-PLUGIN_LAYERS = ("core", "data", "geometry", "sdk")
+INTERNAL = {
+    "yaml": "core",
+    "describe": "core",
+    "roles": "core sdk",
+    "host/records": "core data",
+    "host/loading": "core yaml describe roles host/records",
+    "host/workers": "core host/records host/loading",
+    "host/calling": "core roles host/records host/loading host/workers",
+    "host/serving": "core host/workers host/calling",
+    "pipeline/configuration": "core yaml roles host/loading host/workers",
+    "pipeline/graph": "core roles pipeline/configuration",
+    "pipeline/execution": "core data geometry roles host/records host/calling pipeline/graph",
+    "pipeline/monitor": "core data geometry pipeline/execution",
+    "pipeline/runs": "core data geometry roles host/loading pipeline/configuration pipeline/graph "
+    "pipeline/execution pipeline/monitor",
+    "pipeline/survey": "core data geometry sdk yaml roles host/loading host/calling "
+    "pipeline/execution",
+    "printing": "core data generators",
+    "statistics": "core",
+    "metrics/runs": "core data roles host/records pipeline/execution statistics",
+    "metrics": "core data geometry truth statistics metrics/runs",
+    "metrics/forms": "core metrics",
+    "results": "core data geometry host/records statistics metrics",
+    "ablation/plan": "core yaml roles host/records host/loading pipeline/configuration pipeline/runs "
+    "statistics metrics results",
+    "ablation": "core data roles host/records host/loading host/calling pipeline/execution "
+    "pipeline/runs metrics results ablation/plan",
+    "report/text": "core",
+    "report": "core statistics metrics results report/text",
+    "cli": "core data geometry generators truth sdk yaml describe roles host pipeline printing "
+    "metrics results ablation report",
+}
+LAYERS = INSTALLED | INTERNAL
+PLUGIN_LAYERS = ("core", "data", "geometry", "generators", "truth", "sdk")
 
 # abi.h is not a layer: these path prefixes may name it. data/array.hpp owns the dtypes and the
 # array layout, which are the contract's.
 ABI_READERS = (
     "framework/include/weft/core/params",
-    "framework/src/core/params",
     "framework/include/weft/data/array.hpp",
     "framework/include/weft/sdk/",
-    "framework/src/sdk/",
-    "framework/include/weft/host/",
+    "framework/src/describe/",
     "framework/src/host/",
 )
 
@@ -50,22 +80,22 @@ LIBRARIES = (
         "yaml-cpp",
         r"yaml-cpp/",
         (
-            "framework/src/host/",
-            "framework/src/pipeline/",
-            "framework/src/evaluation/",
+            "framework/src/yaml/",
             "plugins/sources/",
         ),
     ),
     ("Boost.DLL", r"boost/dll", ("framework/src/host/",)),
-    ("Boost", r"boost/", ("framework/src/", "framework/cli/", "cli/", "plugins/")),
+    ("Boost", r"boost/", ("framework/src/", "cli/", "plugins/")),
     ("CGAL", r"CGAL/", ("plugins/",)),
     ("Embree", r"embree\d*/", ("plugins/",)),
     ("Ceres", r"ceres/", ("plugins/",)),
     ("OpenCL", r"(CL|OpenCL)/", ("plugins/",)),
     ("OpenCV", r"opencv2/", ("plugins/",) + TESTING),
 )
-# Programs besides `weft` itself that may write to stdout and stderr: the one that writes manifests.
-PRINTERS = ("framework/src/sdk/describe_main.cpp", "framework/src/host/describe_main.cpp")
+MOST_SOURCES = 25
+MOST_HEADER_LINES = 200
+# Programs besides `weft` itself that may write to stdout and stderr.
+PRINTERS = ("framework/src/describe/main.cpp", "framework/src/testing/contract_main.cpp")
 PRINTING = re.compile(
     r"\bstd\s*::\s*w?(?:cout|cerr|clog)\b"
     r"|\b(?:stdout|stderr)\b"
@@ -113,18 +143,44 @@ def line_of(text: str, offset: int) -> int:
 
 
 def scope_of(path: str) -> str:
-    """Layer, `abi`, `plugin:role/name` or `free` (tests, docs, scripts) of a path."""
+    """Room, `abi`, `plugin:role/name` or `free` (tests, docs, scripts) of a path."""
     parts = PurePosixPath(path).parts
-    if path.startswith("framework/include/weft/") or path.startswith("framework/src/"):
-        inner = parts[3:] if parts[1] == "include" else parts[2:]
-        if inner == ("abi.h",):
+    for start, rooms in (("framework/include/weft/", INSTALLED), ("framework/src/", INTERNAL)):
+        if not path.startswith(start):
+            continue
+        inner = path[len(start) :]
+        if inner == "abi.h":
             return "abi"
-        return inner[0] if len(inner) > 1 and inner[0] in LAYERS else "nowhere"
-    if path.startswith("framework/cli/") or path.startswith("cli/"):
+        room = str(PurePosixPath(inner).parent)
+        return room if room in rooms or room == "testing" else "nowhere"
+    if parts[0] == "cli":
         return "cli"
     if parts[0] == "plugins":
         return f"plugin:{parts[1]}/{parts[2]}" if len(parts) > 3 else "nowhere"
     return "free"
+
+
+def may_include(room: str) -> set[str]:
+    """The rooms whose headers a room may include, besides its own."""
+    allowed = set()
+    for word in LAYERS[room].split():
+        allowed |= {each for each in LAYERS if each == word or each.startswith(word + "/")}
+    return allowed - {room}
+
+
+def lists_of(room: str) -> list[str]:
+    """The two lists that the README of a room holds: whom it may include, and who it."""
+    users = sorted(each for each in LAYERS if each != room and room in may_include(each))
+    users += ["plugins"] if room in PLUGIN_LAYERS else []
+    users = ["tests"] if room == "testing" else users
+
+    def line(what: str, rooms: list[str], none: str) -> str:
+        return f"{what}: {', '.join(f'`{r}`' if r in LAYERS else r for r in rooms) or none}."
+
+    return [
+        line("May include", sorted(may_include(room)), "nothing of ours"),
+        line("Included by", users, "nothing"),
+    ]
 
 
 def is_test(path: str) -> bool:
@@ -169,11 +225,40 @@ class Tree:
             if Path(path).suffix not in CODE or scope_of(path) == "free":
                 continue
             if scope_of(path) == "nowhere":
-                found.append(Violation(path, 1, "stands in no layer and in no plugin's folder"))
+                found.append(Violation(path, 1, "stands in no room and in no plugin's folder"))
                 continue
             found += self._check_includes(path, blank(text, ("comment",)))
             found += self._check_printing(path, blank(text, ("comment", "text")))
         return found
+
+    def check_rooms(self) -> Iterator[Violation]:
+        """Each room says what it is, and no folder has more than a reader takes in at once."""
+        sources = [f for f in self.files if Path(f).suffix in CODE]
+        folders = {str(PurePosixPath(f).parent) for f in sources}
+        for folder in sorted(folders):
+            count = sum(str(PurePosixPath(f).parent) == folder for f in sources)
+            if count > MOST_SOURCES:
+                yield Violation(folder, 1, f"has {count} sources, more than {MOST_SOURCES}")
+        for path in sources:
+            if path.endswith(".hpp") and not is_test(path):
+                lines = (self.root / path).read_text(encoding="utf-8").count("\n")
+                if lines > MOST_HEADER_LINES:
+                    yield Violation(path, lines, f"a header of more than {MOST_HEADER_LINES} lines")
+        rooms = {scope_of(f): str(PurePosixPath(f).parent) for f in sources}
+        for room in sorted(set(rooms) & set(LAYERS)):
+            yield from self._check_readme(room, "cli" if room == "cli" else rooms[room])
+
+    def _check_readme(self, room: str, folder: str) -> Iterator[Violation]:
+        start = "framework/include/weft/" if room in INSTALLED else "framework/src/"
+        page = f"{folder if room == 'cli' else start + room}/README.md"
+        if not (self.root / page).is_file():
+            yield Violation(page, 1, "is missing: what lives there, whom it may include, who it")
+            return
+        text = (self.root / page).read_text(encoding="utf-8")
+        paragraphs = {" ".join(part.split()) for part in text.split("\n\n")}
+        for line in lists_of(room):
+            if line not in paragraphs:
+                yield Violation(page, 1, f"must say '{line}'")
 
     def _check_head(self, path: str, text: str) -> Iterator[Violation]:
         lines = text.split("\n")
@@ -191,7 +276,8 @@ class Tree:
             line = line_of(code, match.start(1))
             targets = self._targets(path, name, quoted)
             if targets:
-                rule = self._rule_for_ours(path, name, targets)
+                rule = self._rule_for_spelling(path, name, targets, quoted)
+                rule = rule or self._rule_for_ours(path, name, targets)
             else:
                 rule = self._rule_for_library(path, name)
             if rule:
@@ -206,6 +292,15 @@ class Tree:
             if ".." in PurePosixPath(name).parts or beside in self.ours:
                 return [beside]
         return [f for f in self.ours if f == name or f.endswith("/" + name)]
+
+    def _rule_for_spelling(self, path: str, name: str, targets: list[str], quoted: bool) -> str:
+        """Headers of rooms are named by their rooms, wherever the includer stands."""
+        if not path.startswith(("framework/src/", "cli/")):
+            return ""
+        if quoted and name.startswith("weft/"):
+            return f"include {name} as <{name}>"
+        spelt = {"framework/include/" + name, "framework/src/" + name, name}
+        return "" if spelt & set(targets) else f"include {name} as ROOM/{PurePosixPath(name).name}"
 
     def _rule_for_ours(self, path: str, name: str, targets: list[str]) -> str:
         rules = [self._rule_for_target(path, name, scope_of(target)) for target in targets]
@@ -222,14 +317,16 @@ class Tree:
             return f"abi.h must not include {name}: it includes nothing of this tree"
         if scope.startswith("plugin:"):
             return self._rule_for_plugin(path, name, target)
-        allowed = LAYERS[scope].split()
-        if target in allowed:
+        allowed = may_include(scope)
+        if target in allowed or (path.startswith("framework/src/testing/") and target in LAYERS):
             return ""
         what = f"{scope} must not include {name} ({target})"
-        return f"{what}; it may include {', '.join([scope] + allowed)}"
+        return f"{what}; it may include {', '.join([scope] + sorted(allowed))}"
 
     def _rule_for_plugin(self, path: str, name: str, target: str) -> str:
         if target in PLUGIN_LAYERS or (target == "testing" and is_test(path)):
+            return ""
+        if target.startswith("plugin:common/"):
             return ""
         if target in {f"plugin:{role}/common" for role in self._roles_of(path)}:
             return ""
@@ -274,7 +371,7 @@ def main(arguments: list[str]) -> int:
         print("usage: include_rules.py ROOT (the folder that holds framework/)", file=sys.stderr)
         return 2
     tree = Tree(Path(arguments[0]))
-    violations = tree.check()
+    violations = tree.check() + list(tree.check_rooms())
     for violation in violations:
         print(violation)
     print(f"{len(violations)} violations in {len(tree.files)} files")

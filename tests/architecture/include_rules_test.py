@@ -8,11 +8,14 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import include_rules
+
 SCRIPT = Path(__file__).resolve().parent / "include_rules.py"
 SPDX = "// SPDX-License-Identifier: Apache-2.0\n"
 HPP = SPDX + "#pragma once\n"
 
 INCLUDE = "framework/include/weft/"
+ROOMS = "framework/src/"
 CLEAN = {
     "CMakeLists.txt": "# SPDX-License-Identifier: Apache-2.0\n",
     "scripts/test.sh": "#!/bin/sh\n# SPDX-License-Identifier: Apache-2.0\n",
@@ -23,18 +26,29 @@ CLEAN = {
     INCLUDE + "geometry/mesh.hpp": HPP + "#include <Eigen/Core>\n#include <weft/data/image.hpp>\n",
     INCLUDE + "sdk/filter.hpp": HPP + "#include <weft/abi.h>\n#include <weft/geometry/mesh.hpp>\n",
     INCLUDE + "testing/contract.hpp": HPP + "#include <gtest/gtest.h>\n#include <weft/sdk/filter.hpp>\n",
-    INCLUDE + "host/registry.hpp": HPP + '#include "weft/sdk/filter.hpp"\n',
-    INCLUDE + "pipeline/graph.hpp": HPP + "#include <weft/host/registry.hpp>\n",
-    INCLUDE + "evaluation/metrics.hpp": HPP + "#include <weft/pipeline/graph.hpp>\n",
-    "framework/src/host/reader.hpp": HPP,
-    "framework/src/host/library.cpp": SPDX
-    + '#include "reader.hpp"\n#include <boost/dll.hpp>\n#include <yaml-cpp/yaml.h>\n'
+    ROOMS + "yaml/yaml.hpp": HPP,
+    ROOMS + "yaml/yaml.cpp": SPDX + '#include "yaml/yaml.hpp"\n#include <yaml-cpp/yaml.h>\n',
+    ROOMS + "host/loading/registry.hpp": HPP + '#include "yaml/yaml.hpp"\n#include <weft/abi.h>\n',
+    ROOMS + "host/loading/library.cpp": SPDX
+    + '#include "host/loading/registry.hpp"\n#include <boost/dll.hpp>\n'
     + 'const char* help = "std::cout << 1";  // printf("x")\n'
     + "int n = std::snprintf(buffer, 9, format);\ndup2(fd, STDERR_FILENO);\n",
-    "framework/src/host/describe_main.cpp": SPDX + "int main() { std::puts(text); }\n",
-    "framework/src/testing/synthetic.cpp": SPDX + "#include <opencv2/core.hpp>\n",
+    ROOMS + "host/calling/lane.hpp": HPP + '#include "host/loading/registry.hpp"\n',
+    ROOMS + "pipeline/configuration/config.hpp": HPP + '#include "host/loading/registry.hpp"\n',
+    ROOMS + "pipeline/graph/graph.hpp": HPP + '#include "pipeline/configuration/config.hpp"\n',
+    ROOMS + "pipeline/execution/executor.hpp": HPP + '#include "pipeline/graph/graph.hpp"\n',
+    ROOMS + "pipeline/runs/run.hpp": HPP + '#include "pipeline/execution/executor.hpp"\n',
+    ROOMS + "statistics/friedman.hpp": HPP + "#include <weft/core/result.hpp>\n",
+    ROOMS + "metrics/metrics.hpp": HPP + '#include "statistics/friedman.hpp"\n',
+    ROOMS + "results/cell_record.hpp": HPP + '#include "metrics/metrics.hpp"\n',
+    ROOMS + "ablation/plan/plan.hpp": HPP + '#include "results/cell_record.hpp"\n',
+    ROOMS + "ablation/ablation.hpp": HPP + '#include "ablation/plan/plan.hpp"\n',
+    ROOMS + "report/report.hpp": HPP + '#include "results/cell_record.hpp"\n',
+    ROOMS + "describe/main.cpp": SPDX + "int main() { std::puts(text); }\n",
+    ROOMS + "testing/synthetic.cpp": SPDX
+    + '#include <opencv2/core.hpp>\n#include "host/calling/lane.hpp"\n',
     "cli/main.cpp": SPDX
-    + "#include <weft/evaluation/metrics.hpp>\nint main() { std::cout << 1; }\n",
+    + '#include "report/report.hpp"\nint main() { std::cout << 1; }\n',
     "plugins/filters/near/near.hpp": HPP,
     "plugins/filters/near/near.cpp": SPDX
     + '#include "near.hpp"\n#include <CGAL/Delaunay.h>\n#include <weft/sdk/filter.hpp>\n',
@@ -44,12 +58,14 @@ CLEAN = {
     "plugins/sources/common/lens.hpp": HPP + "#include <weft/data/image.hpp>\n",
     "plugins/sources/images/camera.cpp": SPDX
     + '#include "common/lens.hpp"\n#include <yaml-cpp/yaml.h>\n',
+    "plugins/common/scene/rays.hpp": HPP + "#include <embree3/rtcore.h>\n",
+    "plugins/passes/sight/sight.cpp": SPDX + '#include "common/scene/rays.hpp"\n',
     "plugins/sources/images/camera.hpp": HPP,
     "plugins/detectors/pair/pair.cpp": SPDX
     + '#include "common/lens.hpp"\n#include <weft/sdk/source.hpp>\n'
     + 'WEFT_LIBRARY(WEFT_COMPONENT(Pair, "detectors/pair", "1", ""),\n'
     + '             WEFT_COMPONENT(Other,\n "sources/pair", "1", ""))\n',
-    "tests/unit/host/registry_test.cpp": SPDX + "#include <weft/host/registry.hpp>\n",
+    "tests/unit/host/registry_test.cpp": SPDX + '#include "host/loading/registry.hpp"\n',
 }
 
 # File, text appended to it (or its whole text if it is new), words that the rule must contain.
@@ -59,44 +75,104 @@ MISTAKES = {
     "core on data": (INCLUDE + "core/result.hpp", "#include <weft/data/image.hpp>", "core must not"),
     "data on geometry": (INCLUDE + "data/image.hpp", "#include <weft/geometry/mesh.hpp>", "data must"),
     "geometry on sdk": (INCLUDE + "geometry/mesh.hpp", "#include <weft/sdk/filter.hpp>", "geometry"),
-    "sdk on host": (INCLUDE + "sdk/filter.hpp", "#include <weft/host/registry.hpp>", "sdk must not"),
+    "sdk on a room": (INCLUDE + "sdk/filter.hpp", '#include "host/calling/lane.hpp"', "sdk must not"),
     "sdk on testing": (INCLUDE + "sdk/filter.hpp", "#include <weft/testing/contract.hpp>", "sdk must"),
-    "testing on pipeline": (
+    "an installed test header on a room": (
         INCLUDE + "testing/contract.hpp",
-        "#include <weft/pipeline/graph.hpp>",
+        '#include "host/calling/lane.hpp"',
         "testing must not",
     ),
-    "host on pipeline": (INCLUDE + "host/registry.hpp", "#include <weft/pipeline/graph.hpp>", "host"),
-    "host on testing": (INCLUDE + "host/registry.hpp", "#include <weft/testing/contract.hpp>", "host"),
-    "pipeline on evaluation": (
-        "framework/src/pipeline/graph.cpp",
-        SPDX + '#include "weft/evaluation/metrics.hpp"',
-        "pipeline must not",
+    "yaml on host": (ROOMS + "yaml/yaml.cpp", '#include "host/calling/lane.hpp"', "yaml must not"),
+    "loading on calling": (
+        ROOMS + "host/loading/library.cpp",
+        '#include "host/calling/lane.hpp"',
+        "host/loading must not",
     ),
-    "evaluation on the program": (
-        "framework/src/evaluation/metrics.cpp",
-        SPDX + '#include "../../../cli/main.cpp"',
-        "evaluation must not",
+    "host on pipeline": (
+        ROOMS + "host/calling/lane.hpp",
+        '#include "pipeline/graph/graph.hpp"',
+        "host/calling must not",
     ),
-    "private header of a higher layer": (
-        "framework/src/core/result.cpp",
-        SPDX + '#include "host/reader.hpp"',
+    "configuration on the graph": (
+        ROOMS + "pipeline/configuration/config.hpp",
+        '#include "pipeline/graph/graph.hpp"',
+        "pipeline/configuration must not",
+    ),
+    "graph on execution": (
+        ROOMS + "pipeline/graph/graph.hpp",
+        '#include "pipeline/execution/executor.hpp"',
+        "pipeline/graph must not",
+    ),
+    "pipeline on metrics": (
+        ROOMS + "pipeline/runs/run.hpp",
+        '#include "metrics/metrics.hpp"',
+        "pipeline/runs must not",
+    ),
+    "statistics on metrics": (
+        ROOMS + "statistics/friedman.hpp",
+        '#include "metrics/metrics.hpp"',
+        "statistics must not",
+    ),
+    "metrics on results": (
+        ROOMS + "metrics/metrics.hpp",
+        '#include "results/cell_record.hpp"',
+        "metrics must not",
+    ),
+    "results on ablation": (
+        ROOMS + "results/cell_record.hpp",
+        '#include "ablation/ablation.hpp"',
+        "results must not",
+    ),
+    "a plan on its engine": (
+        ROOMS + "ablation/plan/plan.hpp",
+        '#include "ablation/ablation.hpp"',
+        "ablation/plan must not",
+    ),
+    "ablation on report": (
+        ROOMS + "ablation/ablation.hpp",
+        '#include "report/report.hpp"',
+        "ablation must not",
+    ),
+    "report on ablation": (
+        ROOMS + "report/report.hpp",
+        '#include "ablation/ablation.hpp"',
+        "report must not",
+    ),
+    "report on the program": (
+        ROOMS + "report/report.hpp",
+        '#include "cli/main.cpp"',
+        "report must not",
+    ),
+    "an installed header on a room, by path": (
+        INCLUDE + "core/result.hpp",
+        '#include "../../../src/yaml/yaml.hpp"',
         "core must not",
     ),
+    "installed header in quotes": (
+        ROOMS + "yaml/yaml.cpp",
+        '#include "weft/core/result.hpp"',
+        "as <weft/core/result.hpp>",
+    ),
+    "header of a room without its room": (
+        ROOMS + "host/loading/library.cpp",
+        '#include "registry.hpp"',
+        "ROOM/registry.hpp",
+    ),
     "spaced include": (INCLUDE + "core/result.hpp", "#  include  <weft/sdk/filter.hpp>", "core must"),
-    "file outside the layers": (INCLUDE + "weft.hpp", HPP, "stands in no layer"),
-    "file outside the plugins": ("plugins/filters/shared.hpp", HPP, "stands in no layer"),
+    "file outside the rooms": (INCLUDE + "weft.hpp", HPP, "stands in no room"),
+    "file in a room that is not planned": (ROOMS + "host/new/lane.hpp", HPP, "stands in no room"),
+    "file outside the plugins": ("plugins/filters/shared.hpp", HPP, "stands in no room"),
     "abi.h on core": (INCLUDE + "abi.h", "#include <weft/core/result.hpp>", "abi.h must not"),
     "data on abi.h": (INCLUDE + "data/image.hpp", "#include <weft/abi.h>", "must not include weft/abi"),
-    "pipeline on abi.h": (INCLUDE + "pipeline/graph.hpp", "#include <weft/abi.h>", "must not include"),
+    "pipeline on abi.h": (ROOMS + "pipeline/graph/graph.hpp", "#include <weft/abi.h>", "must not include"),
     "plugin on abi.h": (NEAR, "#include <weft/abi.h>", "must not include weft/abi.h"),
-    "plugin on host": (NEAR, "#include <weft/host/registry.hpp>", "a plugin must not"),
-    "plugin on pipeline": (NEAR, "#include <weft/pipeline/graph.hpp>", "a plugin must not"),
-    "plugin on evaluation": (NEAR, "#include <weft/evaluation/metrics.hpp>", "a plugin must not"),
+    "plugin on host": (NEAR, '#include "host/loading/registry.hpp"', "a plugin must not"),
+    "plugin on pipeline": (NEAR, '#include "pipeline/graph/graph.hpp"', "a plugin must not"),
+    "plugin on metrics": (NEAR, '#include "metrics/metrics.hpp"', "a plugin must not"),
     "plugin on testing": (NEAR, "#include <weft/testing/contract.hpp>", "only the tests of a plugin"),
     "plugin on GoogleTest": (NEAR, "#include <gtest/gtest.h>", "GoogleTest"),
-    "plugin on a private header": (NEAR, '#include "../../../framework/src/host/reader.hpp"', "(host)"),
-    "plugin test on host": (NEAR_TEST, "#include <weft/host/registry.hpp>", "a plugin must not"),
+    "plugin on a room, by path": (NEAR, '#include "../../../framework/src/yaml/yaml.hpp"', "(yaml)"),
+    "plugin test on host": (NEAR_TEST, '#include "host/loading/registry.hpp"', "a plugin must not"),
     "plugin on plugin, by path": (NEAR, '#include "../../sources/images/camera.hpp"', "another plugin"),
     "plugin on plugin, by folder": (NEAR, "#include <sources/images/camera.hpp>", "another plugin"),
     "plugin on plugin, by name": (NEAR, '#include "camera.hpp"', "another plugin"),
@@ -106,24 +182,29 @@ MISTAKES = {
         '#include "images/camera.hpp"',
         "another plugin",
     ),
+    "shared code on a plugin": (
+        "plugins/common/scene/rays.hpp",
+        '#include "near.hpp"',
+        "another plugin",
+    ),
     "plugin on a missing plugin": (NEAR, '#include "../far/far.hpp"', "another plugin"),
     "yaml-cpp in sdk": (INCLUDE + "sdk/filter.hpp", "#include <yaml-cpp/yaml.h>", "yaml-cpp"),
-    "yaml-cpp in an installed header": (
-        INCLUDE + "host/registry.hpp",
+    "yaml-cpp in host": (
+        ROOMS + "host/loading/registry.hpp",
         "#include <yaml-cpp/yaml.h>",
         "yaml-cpp",
     ),
     "yaml-cpp in a filter": (NEAR, "#include <yaml-cpp/yaml.h>", "yaml-cpp"),
     "Boost.DLL in pipeline": (
-        "framework/src/pipeline/graph.cpp",
+        ROOMS + "pipeline/graph/graph.cpp",
         SPDX + "#include <boost/dll/shared_library.hpp>",
         "Boost.DLL",
     ),
-    "Boost in an installed header": (INCLUDE + "host/registry.hpp", "#include <boost/any.hpp>", "Boost"),
+    "Boost in an installed header": (INCLUDE + "core/result.hpp", "#include <boost/any.hpp>", "Boost"),
     "CGAL in geometry": (INCLUDE + "geometry/mesh.hpp", "#include <CGAL/Origin.h>", "CGAL"),
-    "Embree in host": ("framework/src/host/library.cpp", "#include <embree3/rtcore.h>", "Embree"),
-    "Ceres in evaluation": (
-        "framework/src/evaluation/fit.cpp",
+    "Embree in host": (ROOMS + "host/loading/library.cpp", "#include <embree3/rtcore.h>", "Embree"),
+    "Ceres in metrics": (
+        ROOMS + "metrics/fit.cpp",
         SPDX + "#include <ceres/ceres.h>",
         "Ceres",
     ),
@@ -131,7 +212,7 @@ MISTAKES = {
     "OpenCV in data": (INCLUDE + "data/image.hpp", "#include <opencv2/core.hpp>", "OpenCV"),
     "OpenCV in the program": ("cli/main.cpp", "#include <opencv2/core.hpp>", "OpenCV"),
     "fmt in geometry": (INCLUDE + "geometry/mesh.hpp", "#include <fmt/core.h>", "Eigen only"),
-    "cout in host": ("framework/src/host/library.cpp", "void f() { std::cout << 1; }", "cout"),
+    "cout in host": (ROOMS + "host/loading/library.cpp", "void f() { std::cout << 1; }", "cout"),
     "cerr in a plugin": (NEAR, "void f() { std :: cerr << 1; }", "cerr"),
     "printf in a plugin": (NEAR, 'void f() { printf("x"); }', "printf"),
     "puts in an installed header": (INCLUDE + "core/result.hpp", "inline int f = std::puts(s);", "puts"),
@@ -140,12 +221,22 @@ MISTAKES = {
     "print after a raw string": (NEAR, 'auto s = R"(")"; auto n = puts(s); // "', "puts"),
     "no licence": (NEAR.replace("near.cpp", "far.cpp"), "int n;", "SPDX"),
     "no licence in a script": ("scripts/x.py", "#!/usr/bin/env python3\n\n", "SPDX"),
+    
+    "a long header": (ROOMS + "yaml/long.hpp", HPP + "\n" * 199, "more than 200 lines"),
     "no pragma": (INCLUDE + "core/rng.hpp", SPDX + "int n;", "#pragma once"),
 }
 
 
 def write(root: Path, files: dict[str, str]) -> None:
-    for name, text in files.items():
+    """Writes the files, and a README for each of their rooms that is not among them."""
+    pages = {}
+    for name in files:
+        room = include_rules.scope_of(name)
+        if room in include_rules.LAYERS:
+            folder = "cli/" if room == "cli" else (
+                INCLUDE if room in include_rules.INSTALLED else ROOMS) + room + "/"
+            pages[folder + "README.md"] = "\n\n".join(include_rules.lists_of(room)) + "\n"
+    for name, text in {**pages, **files}.items():
         path = root / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
@@ -185,6 +276,24 @@ class IncludeRules(unittest.TestCase):
             write(Path(folder), {**CLEAN, NEAR: text, "plugins/filters/near/bad.hpp": "int n;\n"})
             result = run(folder)
             self.assertIn("4 violations", result.stdout)
+
+    def test_names_a_folder_with_too_many_sources_and_a_room_without_a_page(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            many = {f"plugins/filters/near/part_{i}.hpp": HPP for i in range(24)}
+            write(Path(folder), {**CLEAN, **many})
+            (Path(folder) / ROOMS / "yaml" / "README.md").unlink()
+            result = run(folder)
+            self.assertIn("plugins/filters/near:1: has 26 sources", result.stdout)
+            self.assertIn(ROOMS + "yaml/README.md:1: is missing", result.stdout)
+            self.assertIn("2 violations", result.stdout)
+
+    def test_names_what_the_page_of_a_room_says_wrong(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            page = ROOMS + "yaml/README.md"
+            write(Path(folder), {**CLEAN, page: "May include: `data`.\n"})
+            result = run(folder)
+            self.assertIn(f"{page}:1: must say 'May include: `core`.'", result.stdout)
+            self.assertIn(f"{page}:1: must say 'Included by: ", result.stdout)
 
     def test_ignores_commented_includes_and_build_folders(self) -> None:
         with tempfile.TemporaryDirectory() as folder:

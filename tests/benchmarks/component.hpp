@@ -5,9 +5,10 @@
 #include <string>
 #include <weft/data/camera.hpp>
 #include <weft/data/template.hpp>
-#include <weft/host/lane.hpp>
-#include <weft/host/npz.hpp>
 #include <weft/testing/plugin_under_test.hpp>
+
+#include "host/calling/lane.hpp"
+#include "host/records/npz.hpp"
 
 namespace weft::bench {
 

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <span>
 #include <stdexcept>
+#include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
 
 #include "scenes.hpp"
@@ -86,7 +87,7 @@ void sift(benchmark::State& state) {
 void matching(benchmark::State& state) {
   const auto count = static_cast<int>(state.range(0));
   const Keypoints templ = descriptors(count, 1), image = descriptors_seen(templ, count, 2);
-  const std::vector<float> places(2 * static_cast<std::size_t>(count), 0.0F);
+  const std::vector<float> places(2 * to_index(count), 0.0F);
   sift_gpu::Search search(device());
   search.load_queries(templ.descriptors, true, never);
   for (auto each : state) {

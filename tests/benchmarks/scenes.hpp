@@ -5,8 +5,9 @@
 #include <weft/data/keypoints.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/data/sightlines.hpp>
-#include <weft/host/record.hpp>
 #include <weft/testing/synthetic.hpp>
+
+#include "host/records/record.hpp"
 
 namespace weft::bench {
 

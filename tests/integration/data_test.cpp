@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <map>
 #include <weft/data/ground_truth.hpp>
-#include <weft/host/npz.hpp>
 
+#include "host/records/npz.hpp"
 #include "support/child.hpp"
 #include "support/pipeline_fixture.hpp"
 

@@ -7,13 +7,16 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <weft/evaluation/metrics.hpp>
-#include <weft/evaluation/run_reader.hpp>
-#include <weft/pipeline/data_survey.hpp>
-#include <weft/pipeline/run.hpp>
+
+#include "metrics/metrics.hpp"
+#include "metrics/runs/run_reader.hpp"
+#include "pipeline/runs/run.hpp"
+#include "pipeline/survey/data_survey.hpp"
 
 namespace weft {
 namespace {
+
+const FileSources kSources{"sources/images", "sources/matches", "sources/video"};
 
 namespace fs = std::filesystem;
 using evaluation::RunMetrics;
@@ -125,7 +128,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, DepthCamera,
 TEST_F(Evidence, ASurveySaysWhatAFolderWithDepthHolds) {
   write_frame({640, 480}, 800.0, 0.5);
   cv::imwrite(path("frames/b.png"), cv::Mat(480, 640, CV_8UC3));
-  const auto layout = find_data_layout(folder_.string());
+  const auto layout = find_data_layout(folder_.string(), kSources);
   ASSERT_TRUE(layout) << layout.error().message;
   EXPECT_EQ(layout->kind, "frames with depth");
   const std::atomic<bool> cancel{false};
@@ -148,7 +151,7 @@ TEST_F(Evidence, ASurveyCountsFramesThatCannotBeRead) {
   write_frame({640, 480}, 800.0, 0.5);
   std::ofstream(path("frames/b.png")) << "no image";
   const std::atomic<bool> cancel{false};
-  const auto survey = survey_data(*find_data_layout(folder_.string()), registry_, cancel);
+  const auto survey = survey_data(*find_data_layout(folder_.string(), kSources), registry_, cancel);
   ASSERT_TRUE(survey) << survey.error().message;
   ASSERT_EQ(survey->failures.size(), 1U);
   EXPECT_THAT(survey->failures.front(), HasSubstr("frame 1: "));
@@ -158,7 +161,8 @@ TEST_F(Evidence, ASurveyTakesTheSourceOfAPipelineFile) {
   std::ofstream(path("trials.yaml")) << "source: {use: sources/match_trials, params: {trials: 3, "
                                         "matches: 20}}\n";
   const std::atomic<bool> cancel{false};
-  const auto survey = survey_data(*find_data_layout(path("trials.yaml")), registry_, cancel);
+  const auto survey =
+      survey_data(*find_data_layout(path("trials.yaml"), kSources), registry_, cancel);
   ASSERT_TRUE(survey) << survey.error().message;
   EXPECT_EQ(survey->matches, 60);
   EXPECT_EQ(survey->grey + survey->colour, 0);
@@ -166,13 +170,15 @@ TEST_F(Evidence, ASurveyTakesTheSourceOfAPipelineFile) {
 }
 
 TEST_F(Evidence, ALayoutThatIsNotThereSaysWhatWasLookedFor) {
-  EXPECT_THAT(find_data_layout(path("none")).error().message, HasSubstr("does not exist"));
-  EXPECT_THAT(find_data_layout(folder_.string()).error().message, HasSubstr("no images"));
+  EXPECT_THAT(find_data_layout(path("none"), kSources).error().message,
+              HasSubstr("does not exist"));
+  EXPECT_THAT(find_data_layout(folder_.string(), kSources).error().message, HasSubstr("no images"));
   write_frame({640, 480}, 800.0, 0.5);
   fs::remove(folder_ / "camera.yaml");
-  EXPECT_THAT(find_data_layout(folder_.string()).error().message, HasSubstr("--camera"));
+  EXPECT_THAT(find_data_layout(folder_.string(), kSources).error().message, HasSubstr("--camera"));
   std::ofstream(path("empty.yaml")) << "weft: 1\n";
-  EXPECT_THAT(find_data_layout(path("empty.yaml")).error().message, HasSubstr("no source"));
+  EXPECT_THAT(find_data_layout(path("empty.yaml"), kSources).error().message,
+              HasSubstr("no source"));
 }
 
 }  // namespace

@@ -4,10 +4,11 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <weft/core/index.hpp>
 #include <weft/data/correspondences.hpp>
 #include <weft/data/ground_truth.hpp>
-#include <weft/host/npz.hpp>
 
+#include "host/records/npz.hpp"
 #include "support/child.hpp"
 #include "support/pipeline_fixture.hpp"
 
@@ -57,7 +58,7 @@ class MatchSets : public PipelineTest {
       const weft_array* found = find_array(view, array);
       if (found == nullptr) return {};
       return {static_cast<const char*>(found->data),
-              static_cast<std::size_t>(host::array_bytes(found->dtype, found->ndim, found->shape))};
+              to_index(host::array_bytes(found->dtype, found->ndim, found->shape))};
     }
     return {};
   }

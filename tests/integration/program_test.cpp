@@ -4,8 +4,8 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <thread>
-#include <weft/host/npz.hpp>
 
+#include "host/records/npz.hpp"
 #include "support/child.hpp"
 #include "support/pipeline_fixture.hpp"
 
@@ -109,7 +109,7 @@ TEST_F(Program, SuggestsTheCommandThatIsMeant) {
   EXPECT_EQ(refusal({"plugins", "shwo"}), "error: no command 'shwo'; did you mean 'show'?\n");
   EXPECT_EQ(refusal({"frobnicate"}),
             "error: no command 'frobnicate'; there are: run, check, eval, ablate, data, plugins, "
-            "replay, doctor, records, report, template\n");
+            "replay, doctor, records, metrics, report, template\n");
   EXPECT_THAT(refusal({"check", "x.yaml", "y.yaml"}), HasSubstr("y.yaml"));
   EXPECT_THAT(refusal({"--frob", "check"}), HasSubstr("FILE is required"));
 }

@@ -10,8 +10,9 @@
 #include <set>
 #include <string>
 #include <vector>
-#include <weft/evaluation/metrics.hpp>
-#include <weft/pipeline/run.hpp>
+
+#include "metrics/metrics.hpp"
+#include "pipeline/runs/run.hpp"
 
 namespace weft {
 namespace {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <numeric>
+#include <weft/core/index.hpp>
 #include <weft/sdk/device.hpp>
 
 #include "matches.hpp"
@@ -49,7 +50,7 @@ class DeviceDetector final : public weft::Detector {
     auto found = grid_.detect(in);
     if (!found) return found;
     const std::int64_t count = found->count();
-    std::vector<float> numbers(static_cast<std::size_t>(4 * count));
+    std::vector<float> numbers(weft::to_index(4 * count));
     std::iota(numbers.begin(), numbers.end(), 1.0F);
     if (has(nan_there_, in.call)) numbers.back() = std::numeric_limits<float>::quiet_NaN();
     found->descriptors = weft::on_device<float>(
@@ -83,7 +84,7 @@ class DescriptorReader final : public weft::Matcher {
     bool all_there = true;
     for (const weft::Keypoints& points : {*in.keypoints, *in.template_keypoints}) {
       const weft::Array<float>& descriptors = points.descriptors;
-      std::vector<float> expected(static_cast<std::size_t>(descriptors.size())), found;
+      std::vector<float> expected(weft::to_index(descriptors.size())), found;
       std::iota(expected.begin(), expected.end(), 1.0F);
       if (const auto there = weft::device_contents<RemoteNumbers>(descriptors)) {
         found = there->numbers();

@@ -12,7 +12,8 @@
 #include <string>
 #include <utility>
 #include <vector>
-#include <weft/pipeline/run.hpp>
+
+#include "pipeline/runs/run.hpp"
 
 namespace weft::testing {
 

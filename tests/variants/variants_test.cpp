@@ -10,9 +10,9 @@
 #include <weft/data/correspondences.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/geometry/types.hpp>
-#include <weft/host/npz.hpp>
-#include <weft/host/registry.hpp>
 
+#include "host/loading/registry.hpp"
+#include "host/records/npz.hpp"
 #include "support/child.hpp"
 #include "support/pipeline_fixture.hpp"
 

@@ -70,7 +70,7 @@ class Deadly final : public weft::Filter {
     if (deed_ == Deed::log) in.call.log_warning("so far so good");
     if (deed_ == Deed::large) mask.diag.set("large", weft::Array<double>({5'000'000}));
     while (deed_ == Deed::obey) {
-      if (in.call.cancelled()) return weft::Error{weft::Errc::cancelled, "as you wish", {}};
+      if (in.call.cancelled()) return weft::Error{weft::Errc::cancelled, "as you wish"};
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     return mask;

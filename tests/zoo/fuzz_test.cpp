@@ -10,9 +10,9 @@
 #include <cstring>
 #include <iostream>
 #include <weft/core/rng.hpp>
-#include <weft/host/build_id.hpp>
-#include <weft/host/describe.hpp>
 
+#include "describe/build_id.hpp"
+#include "describe/describe.hpp"
 #include "zoo.hpp"
 
 namespace weft::zoo {

@@ -117,7 +117,7 @@ class Shift final : public weft::WarpModel {
 
   weft::Result<weft::WarpSamples> evaluate(const weft::EvaluateInput& in) override {
     const weft::Array<double>* shift = in.warp.model.find("model.shift_px");
-    if (shift == nullptr) return weft::Error{weft::Errc::invalid_data, "not my warp", {}};
+    if (shift == nullptr) return weft::Error{weft::Errc::invalid_data, "not my warp"};
     const std::int64_t count = std::max<std::int64_t>(in.points.xy_px.rows() + extra_samples_, 0);
     weft::WarpSamples samples;
     samples.xy_px = weft::Array<double>({count, 2});

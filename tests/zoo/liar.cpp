@@ -2,10 +2,10 @@
 // A worker program whose answers to calls are damaged, each in another way.
 #include <cstdlib>
 #include <weft/core/rng.hpp>
-#include <weft/host/shared_memory.hpp>
-#include <weft/host/worker_codec.hpp>
 
-#include "worker_channel.hpp"
+#include "host/records/shared_memory.hpp"
+#include "host/workers/channel.hpp"
+#include "host/workers/codec.hpp"
 
 namespace {
 

@@ -8,8 +8,9 @@
 #include <sstream>
 #include <string>
 #include <vector>
-#include <weft/host/component_spec.hpp>
-#include <weft/host/lane.hpp>
+
+#include "host/calling/lane.hpp"
+#include "host/loading/component_spec.hpp"
 
 namespace weft::zoo {
 

@@ -2,51 +2,70 @@
 #include <stdexcept>
 #include <weft/testing/plugin_under_test.hpp>
 
+#include "host/calling/lane.hpp"
+
 namespace weft::testing {
+
+struct PluginUnderTest::Host {
+  explicit Host(std::uint64_t run_seed)
+      : registry(host::Registry::scan(host::search_path({}))), lane(run_seed, {}) {}
+
+  Outcome keep(host::Outcome outcome) {
+    for (const auto& [slot, record] : outcome.outputs) kept.push_back(record);
+    return {outcome.status, outcome.error.code, outcome.error.message, outcome.error.where,
+            std::move(outcome.outputs)};
+  }
+
+  host::Registry registry;
+  host::Lane lane;
+  std::optional<host::ComponentSpec> spec;
+  host::Instance* instance = nullptr;
+  std::vector<HeldRecord> kept;
+};
+
 PluginUnderTest::PluginUnderTest(const std::string& id, const std::string& params,
                                  std::uint64_t run_seed)
-    : registry_(host::Registry::scan(host::search_path({}))), lane_(run_seed, {}) {
+    : host_(std::make_unique<Host>(run_seed)) {
   const auto document = yaml::parse("use: " + id + "\nparams: " + params + "\n", "params");
   if (!document) throw std::runtime_error(document.error().where + ": " + document.error().message);
   std::vector<yaml::Problem> problems = document->problems;
   if (problems.empty()) {
-    spec_ = host::resolve_component(registry_, *document->root.find("use"),
-                                    document->root.find("params"),
-                                    host::PathRules::of_process({"/"}, "/tmp"), problems);
+    host_->spec = host::resolve_component(host_->registry, *document->root.find("use"),
+                                          document->root.find("params"),
+                                          host::PathRules::of_process({"/"}, "/tmp"), problems);
   }
   if (!problems.empty()) throw std::runtime_error(problems.front().message);
-  const auto instance = lane_.instantiate(*spec_, "test");
+  const auto instance = host_->lane.instantiate(*host_->spec, "test");
   if (!instance) throw std::runtime_error(instance.error().message);
-  instance_ = *instance;
+  host_->instance = *instance;
 }
 
 PluginUnderTest::~PluginUnderTest() = default;
 
-Outcome PluginUnderTest::keep(host::Outcome outcome) {
-  for (const auto& [slot, record] : outcome.outputs) kept_.push_back(record);
-  return {outcome.status, outcome.error.code, outcome.error.message, outcome.error.where,
-          std::move(outcome.outputs)};
+std::atomic<bool>& PluginUnderTest::cancel() { return host_->lane.cancel(); }
+
+void PluginUnderTest::watch(std::function<bool()> cancelled) {
+  host_->lane.watch(std::move(cancelled));
 }
 
 void PluginUnderTest::forget() {
-  kept_.clear();
-  lane_.take_timings();
+  host_->kept.clear();
+  host_->lane.take_timings();
 }
 
 Result<void> PluginUnderTest::prepare(const Template& templ, const Camera& camera) {
-  return lane_.prepare(*instance_, *input("template", templ).record,
-                       *input("camera", camera).record);
+  return host_->lane.prepare(*host_->instance, *hold(templ), *hold(camera));
 }
 
 Outcome PluginUnderTest::process(int method, const std::vector<Input>& inputs,
                                  std::uint64_t frame) {
   std::vector<weft_record> views;
   for (const Input& given : inputs) views.push_back(given.record->view(given.slot.c_str()));
-  return keep(lane_.call(*instance_, method, views, frame));
+  return host_->keep(host_->lane.call(*host_->instance, method, views, frame));
 }
 
 Outcome PluginUnderTest::evaluate(const Warp& warp, const Points& points) {
-  return keep(lane_.evaluate(*input("warp", warp).record, points, 0));
+  return host_->keep(host_->lane.evaluate(*hold(warp), points, 0));
 }
 
 }  // namespace weft::testing

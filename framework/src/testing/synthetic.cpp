@@ -5,9 +5,9 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <weft/generators/random_matches.hpp>
 #include <weft/geometry/barycentric.hpp>
 #include <weft/geometry/face_locator.hpp>
-#include <weft/geometry/random_matches.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
 #include <weft/testing/synthetic.hpp>
 

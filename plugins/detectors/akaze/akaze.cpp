@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <opencv2/features2d.hpp>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/sdk/detector.hpp>
 
 #include "common/answer.hpp"
@@ -39,7 +40,7 @@ class Akaze final : public Detector {
 
   Result<Keypoints> detect(const DetectorInput& in) override {
     if (auto valid = detectors::check(in); !valid) return valid.error();
-    if (in.call.cancelled()) return Error{Errc::cancelled, "cancelled", {}};
+    if (in.call.cancelled()) return Error{Errc::cancelled, "cancelled"};
     const cv::Mat grey = detectors::grey_image(in.image.pixels, grey_);
     std::vector<cv::KeyPoint> found;
     cv::Mat described;
@@ -53,7 +54,7 @@ class Akaze final : public Detector {
     cv::Mat descriptors(0, kDescriptorBytes, CV_8U);
     const auto* mask = in.region ? &in.region->mask : nullptr;
     for (const int i : detectors::selection(found, grey.size(), mask, max_keypoints_, buckets_)) {
-      keypoints.push_back(found[static_cast<std::size_t>(i)]);
+      keypoints.push_back(found[to_index(i)]);
       descriptors.push_back(described.row(i));
     }
     return detectors::answer(keypoints, descriptors, kSigmaPerSize);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <weft/core/index.hpp>
 
 namespace weft::detectors {
 namespace {
@@ -28,7 +29,7 @@ Result<Keypoints> answer(const std::vector<cv::KeyPoint>& keypoints, const cv::M
   result.response = Array<double>({count});
   result.octave = Array<std::int32_t>({count});
   for (std::int64_t i = 0; i < count; ++i) {
-    const cv::KeyPoint& keypoint = keypoints[static_cast<std::size_t>(i)];
+    const cv::KeyPoint& keypoint = keypoints[to_index(i)];
     result.xy_px(i, 0) = static_cast<double>(keypoint.pt.x);
     result.xy_px(i, 1) = static_cast<double>(keypoint.pt.y);
     result.scale_px(i) = static_cast<double>(keypoint.size) * scale_per_size;

@@ -3,6 +3,7 @@
 
 #include <opencv2/imgproc.hpp>
 #include <string>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
 namespace weft::detectors {
@@ -17,14 +18,13 @@ std::string size_text(const Array<std::uint8_t>& image) {
 Result<void> check(const DetectorInput& in) {
   const Array<std::uint8_t>& pixels = in.image.pixels;
   if (pixels.size() == 0) {
-    return Error{Errc::invalid_data, "the image is empty; give at least one pixel", {}};
+    return Error{Errc::invalid_data, "the image is empty; give at least one pixel"};
   }
   if (in.region &&
       (in.region->mask.dim(0) != pixels.dim(0) || in.region->mask.dim(1) != pixels.dim(1))) {
-    return Error{Errc::invalid_data,
-                 "the region is " + size_text(in.region->mask) + " and the image " +
-                     size_text(pixels) + "; give a mask of the image's size",
-                 {}};
+    return Error{Errc::invalid_data, "the region is " + size_text(in.region->mask) +
+                                         " and the image " + size_text(pixels) +
+                                         "; give a mask of the image's size"};
   }
   return {};
 }
@@ -36,7 +36,7 @@ cv::Mat grey_image(const Array<std::uint8_t>& pixels, cv::Mat& buffer) {
   cv::Mat view;
   if (pixels.row_stride() >= pixels.row_elements()) {
     view = cv::Mat(height, width, type, const_cast<std::uint8_t*>(pixels.data()),
-                   static_cast<std::size_t>(pixels.row_stride()));
+                   to_index(pixels.row_stride()));
   } else {
     view.create(height, width, type);
     for (int y = 0; y < height; ++y) {

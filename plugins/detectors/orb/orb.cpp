@@ -3,6 +3,7 @@
 #include <cmath>
 #include <opencv2/features2d.hpp>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/sdk/detector.hpp>
 
 #include "common/answer.hpp"
@@ -43,7 +44,7 @@ class Orb final : public Detector {
 
   Result<Keypoints> detect(const DetectorInput& in) override {
     if (auto valid = detectors::check(in); !valid) return valid.error();
-    if (in.call.cancelled()) return Error{Errc::cancelled, "cancelled", {}};
+    if (in.call.cancelled()) return Error{Errc::cancelled, "cancelled"};
     const cv::Mat grey = detectors::grey_image(in.image.pixels, grey_);
     std::vector<cv::KeyPoint> selected;
     cv::Mat descriptors(0, kDescriptorBytes, CV_8U);
@@ -107,21 +108,21 @@ class Orb final : public Detector {
   /// corners, would leave nothing to those at which an image and a larger texture look alike.
   std::vector<cv::KeyPoint> select(const std::vector<cv::KeyPoint>& found, cv::Size image,
                                    const Array<std::uint8_t>* mask) const {
-    std::vector<std::vector<cv::KeyPoint>> levels(static_cast<std::size_t>(levels_));
+    std::vector<std::vector<cv::KeyPoint>> levels(to_index(levels_));
     std::vector<cv::KeyPoint> selected, placed;
     for (const cv::KeyPoint& keypoint : found) {
-      levels[static_cast<std::size_t>(keypoint.octave)].push_back(keypoint);
+      levels[to_index(keypoint.octave)].push_back(keypoint);
     }
     int left = max_keypoints_;
     for (int level = levels_ - 1; level >= 0; --level) {  // what a level leaves goes to finer ones
-      const auto& candidates = levels[static_cast<std::size_t>(level)];
+      const auto& candidates = levels[to_index(level)];
       placed = candidates;
       for (cv::KeyPoint& keypoint : placed) keypoint.pt = place(keypoint, image);
       const int share =
           max_keypoints_ == 0 ? 0 : static_cast<int>(std::ceil(left * share_of(level)));
       if (max_keypoints_ > 0 && share == 0) break;
       for (const int i : detectors::selection(placed, image, mask, share, buckets_)) {
-        selected.push_back(candidates[static_cast<std::size_t>(i)]);
+        selected.push_back(candidates[to_index(i)]);
         --left;
       }
     }
@@ -138,7 +139,7 @@ class Orb final : public Detector {
     std::vector<cv::KeyPoint> ordered;
     cv::Mat rows(0, kDescriptorBytes, CV_8U);
     for (const int i : detectors::canonical_order(keypoints)) {
-      ordered.push_back(keypoints[static_cast<std::size_t>(i)]);
+      ordered.push_back(keypoints[to_index(i)]);
       rows.push_back(descriptors.row(i));
     }
     return detectors::answer(ordered, rows, kBlurPx / kPatchPx);

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <opencv2/features2d.hpp>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/sdk/detector.hpp>
 
 #include "common/answer.hpp"
@@ -54,7 +55,7 @@ class Sift final : public Detector {
 
   Result<Keypoints> detect(const DetectorInput& in) override {
     if (auto valid = detectors::check(in); !valid) return valid.error();
-    if (in.call.cancelled()) return Error{Errc::cancelled, "cancelled", {}};
+    if (in.call.cancelled()) return Error{Errc::cancelled, "cancelled"};
     if (detector_ == nullptr) make_detector();
     const cv::Mat grey = detectors::grey_image(in.image.pixels, grey_);
     return answer(select(grey, in.region ? &in.region->mask : nullptr));
@@ -82,7 +83,7 @@ class Sift final : public Detector {
 
     Found selected;
     for (const int i : order) {
-      selected.keypoints.push_back(found.keypoints[static_cast<std::size_t>(i)]);
+      selected.keypoints.push_back(found.keypoints[to_index(i)]);
     }
     if (describe_all) {
       selected.descriptors.create(static_cast<int>(order.size()), kDescriptorLength, CV_32F);

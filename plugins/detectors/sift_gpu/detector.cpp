@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <vector>
+#include <weft/core/index.hpp>
 
 #include "common/answer.hpp"
 #include "common/grey_image.hpp"
@@ -62,8 +63,7 @@ Result<void> SiftGpu::make_session(const std::shared_ptr<Device>& device,
                      mebibytes(device->memory_bytes()) + ", at most " +
                      mebibytes(device->largest_buffer_bytes()) +
                      " in one piece; set upsample: false, give smaller images or choose another "
-                     "device",
-                 {}};
+                     "device"};
   }
   session_ = std::make_unique<Session>(device, width, height, channels, settings_);
   return {};
@@ -96,8 +96,8 @@ Result<Keypoints> SiftGpu::answer(const DetectorInput& in, const CancelledCheck&
   std::vector<Spot> selected;
   std::vector<cv::KeyPoint> selected_keypoints;
   for (const int i : order) {
-    selected.push_back(spots[static_cast<std::size_t>(i)]);
-    selected_keypoints.push_back(keypoints[static_cast<std::size_t>(i)]);
+    selected.push_back(spots[to_index(i)]);
+    selected_keypoints.push_back(keypoints[to_index(i)]);
   }
   // A blob of Gaussian profile answers strongest between the two blurs whose difference was
   // taken.
@@ -129,7 +129,7 @@ Result<Keypoints> SiftGpu::detect(const DetectorInput& in) {
     return error_of(failure, doing);
   } catch (const Cancelled&) {
     let_go();
-    return Error{Errc::cancelled, "cancelled while " + doing, {}};
+    return Error{Errc::cancelled, "cancelled while " + doing};
   }
 }
 

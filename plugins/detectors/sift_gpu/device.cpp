@@ -125,14 +125,12 @@ Result<cl::Device> choose(const std::string& wanted) {
     return Error{Errc::not_found,
                  "there is no OpenCL device; install the driver of the GPU (its package has "
                  "'opencl-icd' in its name), or pocl-opencl-icd to compute on the processor" +
-                     failures,
-                 {}};
+                     failures};
   }
   if (wanted.empty()) return devices.front();
   if (lower(wanted) == "gpu") {
     if (is_gpu(devices.front())) return devices.front();
-    return Error{
-        Errc::not_found, "no OpenCL device is a GPU; there are: " + list(descriptions()), {}};
+    return Error{Errc::not_found, "no OpenCL device is a GPU; there are: " + list(descriptions())};
   }
   for (std::size_t i = 0; i < devices.size(); ++i) {
     if (std::to_string(i) == wanted) return devices[i];
@@ -146,11 +144,9 @@ Result<cl::Device> choose(const std::string& wanted) {
     if (lower(names).find(lower(wanted)) != std::string::npos) return device;
   }
   const std::string near = nearest(lower(wanted), words_of(devices));
-  return Error{Errc::not_found,
-               "no OpenCL device is '" + wanted + "'; " +
-                   (near.empty() ? "" : "did you mean '" + near + "'? ") +
-                   "there are: " + list(descriptions()),
-               {}};
+  return Error{Errc::not_found, "no OpenCL device is '" + wanted + "'; " +
+                                    (near.empty() ? "" : "did you mean '" + near + "'? ") +
+                                    "there are: " + list(descriptions())};
 }
 
 Error error_of(const cl::Error& failure, const std::string& doing) {
@@ -183,7 +179,7 @@ Result<std::shared_ptr<Device>> Device::open(const std::string& wanted) {
     if (failure.err() != CL_BUILD_PROGRAM_FAILURE) return error_of(failure, "opening " + name);
     std::string log;
     for (const auto& entry : failure.getBuildLog()) log += entry.second;
-    return Error{Errc::unsupported, "the kernels do not compile on " + name + ": " + log, {}};
+    return Error{Errc::unsupported, "the kernels do not compile on " + name + ": " + log};
   } catch (const cl::Error& failure) {
     return error_of(failure, name.empty() ? "looking for OpenCL devices" : "opening " + name);
   }

@@ -29,7 +29,7 @@ Result<void> KeptDescriptors::download(std::span<std::byte> to,
     if (device_->is_retired()) error.message += ": lost with their device; start the run again";
     return error;
   } catch (const Cancelled&) {
-    return Error{Errc::cancelled, "cancelled while " + doing, {}};
+    return Error{Errc::cancelled, "cancelled while " + doing};
   }
 }
 

@@ -2,6 +2,7 @@
 #include "matcher.hpp"
 
 #include <cmath>
+#include <weft/core/index.hpp>
 
 namespace weft::sift_gpu {
 
@@ -28,7 +29,7 @@ std::vector<matchers::Neighbours> GpuMatcher::search(const matchers::Sides& side
     const Pair& pair = pairs[i];
     const auto query = static_cast<int>(i);
     if (pair.best < 0 || pair.second < 0) continue;
-    if (matching_.mutual() && best_queries[static_cast<std::size_t>(pair.best)] != query) continue;
+    if (matching_.mutual() && best_queries[to_index(pair.best)] != query) continue;
     neighbours.push_back({query, pair.best, std::sqrt(static_cast<double>(pair.best_square)),
                           std::sqrt(static_cast<double>(pair.second_square))});
   }
@@ -44,10 +45,8 @@ Result<Correspondences> GpuMatcher::match(const MatcherInput& in) {
     return device_.flagged(in.call, fallback_.match(in.call, sides->image, sides->templ));
   }
   if (sides->templ.metric != "l2") {
-    return Error{Errc::unsupported,
-                 "matchers/gpu compares descriptors of metric l2, not " + sides->templ.metric +
-                     "; use matchers/descriptor",
-                 {}};
+    return Error{Errc::unsupported, "matchers/gpu compares descriptors of metric l2, not " +
+                                        sides->templ.metric + "; use matchers/descriptor"};
   }
   abandoned_.bury();
   const std::string doing = "matching " + std::to_string(sides->queries.count()) + " x " +
@@ -66,7 +65,7 @@ Result<Correspondences> GpuMatcher::match(const MatcherInput& in) {
     return error_of(failure, doing);
   } catch (const Cancelled&) {
     abandoned_.keep(std::move(search_));
-    return Error{Errc::cancelled, "cancelled while " + doing, {}};
+    return Error{Errc::cancelled, "cancelled while " + doing};
   }
 }
 

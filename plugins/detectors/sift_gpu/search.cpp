@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <weft/core/index.hpp>
 
 namespace weft::sift_gpu {
 namespace {
@@ -41,8 +42,8 @@ const cl::Buffer& Search::reserve(GrowingBuffer& place, std::uint64_t bytes) {
 }
 
 void Search::send(const Array<float>& descriptors, const cl::Buffer& to) {
-  const std::size_t row_bytes = sizeof(float) * static_cast<std::size_t>(descriptors.dim(1));
-  queue_.write(to, static_cast<std::size_t>(descriptors.rows()) * row_bytes, [&](std::byte* at) {
+  const std::size_t row_bytes = sizeof(float) * to_index(descriptors.dim(1));
+  queue_.write(to, to_index(descriptors.rows()) * row_bytes, [&](std::byte* at) {
     for (std::int64_t i = 0; i < descriptors.rows(); ++i, at += row_bytes) {
       std::memcpy(at, descriptors.row(i), row_bytes);
     }
@@ -68,7 +69,7 @@ void Search::load(Loaded& side, const Array<float>& descriptors, bool root,
                   side.count * side.length, rows);
   } else {
     Array<float> here({side.count, side.length});
-    const std::span<float> numbers(here.data(), static_cast<std::size_t>(here.size()));
+    const std::span<float> numbers(here.data(), to_index(here.size()));
     const auto fetched = kept->download(std::as_writable_bytes(numbers), cancelled);
     if (!fetched) throw OutOfReach{fetched.error()};
     send(here, rows);
@@ -103,8 +104,8 @@ Search::Found Search::run(std::span<const float> places, const Options& options,
       kBlockBytes / row_bytes / kTileSide * kTileSide, kTileSide, 1U << 20U));
   const int block = std::min(rows_held, tiles(queries) * kTileSide);
   Found found;
-  found.pairs.resize(static_cast<std::size_t>(queries));
-  if (options.mutual) found.best_queries.resize(static_cast<std::size_t>(trains));
+  found.pairs.resize(to_index(queries));
+  if (options.mutual) found.best_queries.resize(to_index(trains));
   reserve(squares_, static_cast<std::uint64_t>(block) * row_bytes);
   reserve(pairs_, sizeof(Pair) * found.pairs.size());
   reserve(least_, row_bytes);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 #include <tuple>
+#include <weft/core/index.hpp>
 
 namespace weft::sift_gpu {
 namespace {
@@ -84,13 +85,12 @@ bool Session::fits(const Device& device, int width, int height, int channels) co
 }
 
 void Session::upload(const Array<std::uint8_t>& pixels) {
-  const auto row_bytes = static_cast<std::size_t>(plan_.image_width * channels_);
-  queue_.write(image_, static_cast<std::size_t>(plan_.image_height) * row_bytes,
-               [&](std::byte* to) {
-                 for (std::int64_t y = 0; y < pixels.rows(); ++y, to += row_bytes) {
-                   std::memcpy(to, pixels.row(y), row_bytes);
-                 }
-               });
+  const auto row_bytes = to_index(plan_.image_width * channels_);
+  queue_.write(image_, to_index(plan_.image_height) * row_bytes, [&](std::byte* to) {
+    for (std::int64_t y = 0; y < pixels.rows(); ++y, to += row_bytes) {
+      std::memcpy(to, pixels.row(y), row_bytes);
+    }
+  });
 }
 
 void Session::blur(std::uint64_t from_offset, const Octave& octave, const Blur& gaussian,
@@ -123,7 +123,7 @@ void Session::build_pyramid() {
     }
     for (int layer = 1; layer < plan_.layers(); ++layer) {
       const std::uint64_t to = octave.offset + static_cast<std::uint64_t>(layer) * size;
-      blur(to - size, octave, plan_.blurs[static_cast<std::size_t>(layer)], to);
+      blur(to - size, octave, plan_.blurs[to_index(layer)], to);
     }
     before = &octave;
   }
@@ -178,7 +178,7 @@ std::vector<Spot> Session::find(const Array<std::uint8_t>& pixels,
     launch_orientations(extrema);
     count = read_count(cancelled);
   }
-  std::vector<Spot> spots(static_cast<std::size_t>(count));
+  std::vector<Spot> spots(to_index(count));
   if (count > 0)
     queue_.read(keypoints_found_, sizeof(Spot) * spots.size(), spots.data(), cancelled);
   // Neighbours can be refined to the same extremum.
@@ -218,7 +218,7 @@ std::shared_ptr<const KeptDescriptors> Session::describe(const std::vector<Spot>
 
 std::vector<float> Session::octave(std::size_t index) {
   const Octave& octave = plan_.octaves.at(index);
-  std::vector<float> values(static_cast<std::size_t>(plan_.layers()) * layer_size(octave));
+  std::vector<float> values(to_index(plan_.layers()) * layer_size(octave));
   queue_.read(
       pyramid_, sizeof(float) * values.size(), values.data(), [] { return false; },
       sizeof(float) * octave.offset);

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <string>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
 #include "common/candidates.hpp"
@@ -56,7 +57,7 @@ class AdaLam final : public weft::Filter {
     const auto candidates = weft::filters::candidates_of(in.correspondences);
     if (!candidates) return candidates.error();
     const std::size_t n = candidates->count();
-    if (n <= static_cast<std::size_t>(min_inliers_)) {
+    if (n <= weft::to_index(min_inliers_)) {
       return weft::no_result("too few matches for neighbourhoods: " + std::to_string(n) + " of " +
                              std::to_string(min_inliers_ + 1));
     }
@@ -69,7 +70,7 @@ class AdaLam final : public weft::Filter {
     const std::vector<std::size_t> seeds = seeds_of(*candidates, evidence);
     std::size_t accepted = 0;
     for (const std::size_t seed : seeds) {
-      if (in.call.cancelled()) return weft::Error{weft::Errc::cancelled, "cancelled", {}};
+      if (in.call.cancelled()) return weft::Error{weft::Errc::cancelled, "cancelled"};
       accepted += grow(*candidates, evidence, seed, keep, confidence) ? 1 : 0;
     }
     for (double& each : confidence) each /= each + settings_.min_confidence;
@@ -121,7 +122,7 @@ class AdaLam final : public weft::Filter {
       for (Eigen::Index j = i + 1; j < p.rows() && p(j, 0) - p(i, 0) < template_radius_px_; ++j) {
         weft::worked_in_loop(j);
         if ((p.row(i) - p.row(j)).squaredNorm() >= radius2_px2) continue;
-        const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
+        const auto a = weft::to_index(i), b = weft::to_index(j);
         beaten[evidence.rank[a] < evidence.rank[b] ? b : a] = 1;
       }
     }
@@ -172,7 +173,7 @@ class AdaLam final : public weft::Filter {
   bool grow(const Candidates& candidates, const Evidence& evidence, std::size_t seed,
             std::vector<std::uint8_t>& keep, std::vector<double>& confidence) const {
     const std::vector<std::size_t> members = members_of(candidates, evidence, seed);
-    if (members.size() < static_cast<std::size_t>(min_inliers_)) return false;
+    if (members.size() < weft::to_index(min_inliers_)) return false;
     weft::adalam::Neighbourhood around;
     const auto at = static_cast<Eigen::Index>(seed);
     for (const std::size_t member : members) {

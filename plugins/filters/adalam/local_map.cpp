@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
 namespace weft::adalam {
@@ -56,7 +57,7 @@ class Judge {
     const double per_rank = min_confidence_ * static_cast<double>(m);
     for (const double residual2 : residual2_) {
       const double rank = std::ceil(residual2 * per_rank);
-      if (rank <= static_cast<double>(m)) ++ranks_[static_cast<std::size_t>(rank)];
+      if (rank <= static_cast<double>(m)) ++ranks_[to_index(rank)];
     }
     std::size_t count = ranks_[0], best = 0;
     for (std::size_t k = 1; k <= m; ++k) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
 namespace weft::aem {
@@ -33,13 +34,13 @@ class SeedSearch {
             2.0 * std::sqrt(matches.image_area_px2 / (matches.width_px * matches.height_px))) {
     const int n = static_cast<int>(rows.size());
     for (const int k : rng.sample(n, std::min(n, kScored))) {
-      scored_.push_back(rows[static_cast<std::size_t>(k)]);
+      scored_.push_back(rows[to_index(k)]);
     }
     for (Eigen::ArrayXf* axis : {&px_, &py_, &qx_, &qy_}) {
       axis->resize(static_cast<Eigen::Index>(scored_.size()));
     }
     for (Eigen::Index k = 0; k < px_.size(); ++k) {
-      const Eigen::Index i = scored_[static_cast<std::size_t>(k)];
+      const Eigen::Index i = scored_[to_index(k)];
       px_[k] = static_cast<float>(matches.template_px(i, 0));
       py_[k] = static_cast<float>(matches.template_px(i, 1));
       qx_[k] = static_cast<float>(matches.image_px(i, 0));
@@ -50,7 +51,7 @@ class SeedSearch {
   Seeds run(int most_draws) {
     const int most_similarities = matches_.oriented() ? static_cast<int>(scored_.size()) : 0;
     for (int k = 0; k < std::min(most_similarities, wanted_draws(1)); ++k) {
-      consider(similarity(scored_[static_cast<std::size_t>(k)]), kWiderForOne);
+      consider(similarity(scored_[to_index(k)]), kWiderForOne);
     }
     Seeds seeds;
     while (seeds.draws < std::min(most_draws, wanted_draws(3))) {
@@ -64,9 +65,7 @@ class SeedSearch {
 
  private:
   /// Uniform but for a bias of n / 2^32.
-  Eigen::Index draw() {
-    return rows_[static_cast<std::size_t>((rows_.size() * rng_.next_u32()) >> 32U)];
-  }
+  Eigen::Index draw() { return rows_[to_index((rows_.size() * rng_.next_u32()) >> 32U)]; }
 
   std::optional<Affine> triple(Eigen::Index i, Eigen::Index j, Eigen::Index k) const {
     Eigen::Matrix2d from, to;

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 #include <utility>
+#include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
 #include <weft/core/stop_check.hpp>
 
@@ -71,7 +72,7 @@ Start start_from(const Matches& matches, const Seed& seed) {
 }
 
 Annealing::Grid::Grid(const Matches& matches, const SplineDomain& domain) : spline(domain) {
-  sites.reserve(static_cast<std::size_t>(matches.count()));
+  sites.reserve(to_index(matches.count()));
   for (Eigen::Index i = 0; i < matches.count(); ++i) {
     sites.push_back(spline.site(matches.template_px.row(i).transpose()));
   }
@@ -84,7 +85,7 @@ Annealing::Annealing(const Matches& matches, const AnnealingOptions& options)
               domain_for(matches, options.margin_px, options.control_long, options.control_short)),
       fine_(matches, domain_for(matches, options.margin_px, options.fine_control_long,
                                 options.fine_control_short)),
-      all_(static_cast<std::size_t>(matches.count())) {
+      all_(to_index(matches.count())) {
   std::iota(all_.begin(), all_.end(), Eigen::Index{0});
 }
 
@@ -165,7 +166,7 @@ double Annealing::typical_scale(const Start& start, const State& state) const {
   std::vector<double> area_ratio;
   for (Eigen::Index k = 0; k < state.probability.size(); ++k) {
     if (state.probability[k] < 0.5) continue;
-    const Eigen::Index i = state.rows[static_cast<std::size_t>(k)];
+    const Eigen::Index i = state.rows[to_index(k)];
     area_ratio.push_back((start.slope(i) + state.grid.slope(i)).determinant());
   }
   if (area_ratio.empty()) return 0.0;
@@ -175,32 +176,32 @@ double Annealing::typical_scale(const Start& start, const State& state) const {
 void Annealing::finish(const Start& start, Solution& solution) {
   State state{fine_, matches_.image_px - start.image_px, solution.sigma_px, solution.share,
               solution.rounds};
-  Lonely lonely{matches_.count()};
+  Isolated isolated{matches_.count()};
   for (int round = 0; round < options_.last_rounds; ++round) {
-    look_again(start, lonely, state, solution);
+    look_again(start, isolated, state, solution);
   }
   solution.bias = biases(start, fine_, all_);
   conclude(state, solution);
-  lonely = find_lonely(matches_, solution.logit, solution.share);
-  if (lonely.is.any()) {
-    look_again(start, lonely, state, solution);
+  isolated = find_isolated(matches_, solution.logit, solution.share);
+  if (isolated.is.any()) {
+    look_again(start, isolated, state, solution);
     conclude(state, solution);
-    solution.logit += lonely.shift;
+    solution.logit += isolated.shift;
   }
   for (Eigen::Index i = 0; i < matches_.count(); ++i) {
     const double residual2 = solution.residual_px.row(i).squaredNorm() / square(state.sigma_px);
-    if (!lonely.is[i] && solution.logit[i] > kSure) continue;
+    if (!isolated.is[i] && solution.logit[i] > kSure) continue;
     if (residual2 > square(kFarSigmas)) continue;
-    const double inflation = 1.0 + fine_.spline.leverage(fine_.sites[static_cast<std::size_t>(i)]);
+    const double inflation = 1.0 + fine_.spline.leverage(fine_.sites[to_index(i)]);
     solution.logit[i] += 0.5 * residual2 * (1.0 - 1.0 / inflation) - std::log(inflation);
   }
 }
 
-/// A round on all matches near the warp, of which lonely ones have no say.
-void Annealing::look_again(const Start& start, const Lonely& lonely, State& state,
+/// A round on all matches near the warp, of which isolated ones have no say.
+void Annealing::look_again(const Start& start, const Isolated& isolated, State& state,
                            Solution& solution) const {
   gather(solution.residual_px, options_.most_finished, state);
-  state.bias = lonely.is(state.rows).select(kNoSay, solution.bias(state.rows));
+  state.bias = isolated.is(state.rows).select(kNoSay, solution.bias(state.rows));
   improve(start, state);
   solution.residual_px = residuals_px(state);
 }
@@ -215,12 +216,12 @@ void Annealing::gather(const Points2& residual_px, Eigen::Index most, State& sta
   }
   const auto count = static_cast<Eigen::Index>(near.size());
   const Eigen::Index taken = std::min(most, count);
-  state.rows.resize(static_cast<std::size_t>(taken));
+  state.rows.resize(to_index(taken));
   state.residual2_px2.resize(taken);
   state.thinning = taken > 0 ? static_cast<double>(count) / static_cast<double>(taken) : 1.0;
   for (Eigen::Index k = 0; k < taken; ++k) {
-    const Eigen::Index i = near[static_cast<std::size_t>(k * count / taken)];
-    state.rows[static_cast<std::size_t>(k)] = i;
+    const Eigen::Index i = near[to_index(k * count / taken)];
+    state.rows[to_index(k)] = i;
     state.residual2_px2[k] = residual_px.row(i).squaredNorm();
   }
 }
@@ -246,13 +247,13 @@ void Annealing::improve(const Start& start, State& state) const {
   for (Eigen::Index k = 0; k < state.probability.size(); ++k) {
     if (state.probability[k] < kLeastProbability) continue;
     worked(40);
-    const Eigen::Index i = state.rows[static_cast<std::size_t>(k)];
-    state.grid.spline.add(state.grid.sites[static_cast<std::size_t>(i)], state.probability[k],
+    const Eigen::Index i = state.rows[to_index(k)];
+    state.grid.spline.add(state.grid.sites[to_index(i)], state.probability[k],
                           state.target_px.row(i).transpose());
   }
   state.grid.spline.solve();
   for (Eigen::Index k = 0; k < state.probability.size(); ++k) {
-    const Eigen::Index i = state.rows[static_cast<std::size_t>(k)];
+    const Eigen::Index i = state.rows[to_index(k)];
     state.residual2_px2[k] =
         (state.grid.displacement_px(i) - state.target_px.row(i).transpose()).squaredNorm();
   }
@@ -282,7 +283,7 @@ Eigen::ArrayXd Annealing::biases(const Start& start, const Grid& grid,
   Eigen::ArrayXd bias = Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(rows.size()));
   if (!matches_.oriented()) return bias;
   for (Eigen::Index k = 0; k < bias.size(); ++k) {
-    const Eigen::Index i = rows[static_cast<std::size_t>(k)];
+    const Eigen::Index i = rows[to_index(k)];
     bias[k] = orientation_log_odds(matches_.log_scale[i], matches_.turn_rad[i],
                                    start.slope(i) + grid.slope(i));
   }

@@ -3,10 +3,11 @@
 
 #include <Eigen/Core>
 #include <vector>
+#include <weft/core/index.hpp>
 
 #include "affine_seeds.hpp"
 #include "displacement_spline.hpp"
-#include "lonely.hpp"
+#include "isolated.hpp"
 #include "matches.hpp"
 
 namespace weft::aem {
@@ -19,7 +20,7 @@ struct Start {
   double sigma_px = 1.0;                ///< how far off it may be
 
   const Eigen::Matrix2d& slope(Eigen::Index i) const {
-    return slopes[slopes.size() == 1 ? 0 : static_cast<std::size_t>(i)];
+    return slopes[slopes.size() == 1 ? 0 : to_index(i)];
   }
 };
 
@@ -70,12 +71,8 @@ class Annealing {
     std::vector<DisplacementSpline::Site> sites;
 
     Grid(const Matches& matches, const SplineDomain& domain);
-    Eigen::Vector2d displacement_px(Eigen::Index i) const {
-      return spline(sites[static_cast<std::size_t>(i)]);
-    }
-    Eigen::Matrix2d slope(Eigen::Index i) const {
-      return spline.slope(sites[static_cast<std::size_t>(i)]);
-    }
+    Eigen::Vector2d displacement_px(Eigen::Index i) const { return spline(sites[to_index(i)]); }
+    Eigen::Matrix2d slope(Eigen::Index i) const { return spline.slope(sites[to_index(i)]); }
   };
   struct State;
 
@@ -83,7 +80,8 @@ class Annealing {
   Points2 residuals_px(const State& state) const;
   void gather_again(const Start& start, State& state) const;
   void improve(const Start& start, State& state) const;
-  void look_again(const Start& start, const Lonely& lonely, State& state, Solution& solution) const;
+  void look_again(const Start& start, const Isolated& isolated, State& state,
+                  Solution& solution) const;
   void sharpen(const Start& start, State& state, Solution& best);
   Solution solution_of(const Start& start, const State& state) const;
   double typical_scale(const Start& start, const State& state) const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "displacement_spline.hpp"
 
+#include <weft/core/index.hpp>
 #include <weft/geometry/bspline_bending.hpp>
 
 namespace weft::aem {
@@ -8,7 +9,7 @@ namespace {
 
 constexpr double kRidge = 1e-9;  // of the largest diagonal element
 
-std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
+std::size_t at(Eigen::Index i) { return to_index(i); }
 
 /// The dense matrix of the bending energy for one output dimension.
 Eigen::MatrixXd dense_bending(const SplineDomain& domain) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "matches.hpp"
 
+#include <weft/core/index.hpp>
+
 namespace weft::aem {
 namespace {
 
@@ -10,7 +12,7 @@ void add_orientation(const Correspondences& correspondences, const filters::Cand
   const Eigen::Index n = matches.count();
   Eigen::ArrayXd log_scale(n), turn_rad(n);
   for (Eigen::Index k = 0; k < n; ++k) {
-    const std::int64_t i = candidates.matches[static_cast<std::size_t>(k)];
+    const std::int64_t i = candidates.matches[to_index(k)];
     log_scale[k] = std::log(correspondences.scale_ratio(i));
     turn_rad[k] = correspondences.angle_difference_rad(i);
   }

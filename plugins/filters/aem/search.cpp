@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 #include <vector>
+#include <weft/core/index.hpp>
 
 namespace weft::aem {
 namespace {
@@ -39,7 +40,7 @@ class ObjectSearch {
 
  private:
   std::vector<Eigen::Index> all() const {
-    std::vector<Eigen::Index> rows(static_cast<std::size_t>(matches_.count()));
+    std::vector<Eigen::Index> rows(to_index(matches_.count()));
     for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<Eigen::Index>(i);
     return rows;
   }

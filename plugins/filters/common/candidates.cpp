@@ -7,6 +7,7 @@
 #include <numbers>
 #include <string>
 #include <tuple>
+#include <weft/core/index.hpp>
 
 namespace weft::filters {
 namespace {
@@ -42,8 +43,7 @@ Result<Candidates> candidates_of(const Correspondences& correspondences) {
     for (const double coordinate : places_of(correspondences, i)) {
       if (std::isfinite(coordinate)) continue;
       return Error{Errc::invalid_data,
-                   "match " + std::to_string(i) + " has a coordinate that is not finite",
-                   {}};
+                   "match " + std::to_string(i) + " has a coordinate that is not finite"};
     }
     rows.push_back(i);
   }
@@ -61,7 +61,7 @@ Result<Candidates> candidates_of(const Correspondences& correspondences) {
   found.template_px.resize(count, 2);
   found.image_px.resize(count, 2);
   for (Eigen::Index k = 0; k < count; ++k) {
-    const Places places = places_of(correspondences, found.matches[static_cast<std::size_t>(k)]);
+    const Places places = places_of(correspondences, found.matches[to_index(k)]);
     found.template_px.row(k) << places[0], places[1];
     found.image_px.row(k) << places[2], places[3];
   }
@@ -90,7 +90,7 @@ InlierMask mask_of(const Correspondences& correspondences, const Candidates& can
 
 Result<PictureSizes> sizes_of(const FilterInput& in) {
   if (!in.templ || !in.camera) {
-    return Error{Errc::invalid_data, "template and camera are needed: connect both", {}};
+    return Error{Errc::invalid_data, "template and camera are needed: connect both"};
   }
   PictureSizes sizes;
   sizes.template_px << static_cast<double>(in.templ->texture.dim(1)),

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
 namespace weft::filters {
@@ -33,7 +34,7 @@ int index_of(Key key) {
 }
 
 /// The least of some keys, which it spends, ascending; kNobody where there are too few. Each pass
-/// keeps four and hands the others on. No step is a branch, which no processor could foretell.
+/// keeps four and hands the others on. No step is a branch, which no processor could predict.
 void keep_least(std::span<Key> keys, std::span<Key> least) {
   for (std::size_t done = 0; done < least.size(); done += 4) {
     Key a = kNobody, b = kNobody, c = kNobody, d = kNobody;
@@ -115,11 +116,10 @@ class Buckets {
     columns_ = 1 + static_cast<int>((high_[0] - low_[0]) / side_);
     rows_ = 1 + static_cast<int>((high_[1] - low_[1]) / side_);
     const auto cell_of = [&](int i) {
-      return static_cast<std::size_t>(cell_along(points(i, 1), 1, rows_)) *
-                 static_cast<std::size_t>(columns_) +
-             static_cast<std::size_t>(cell_along(points(i, 0), 0, columns_));
+      return to_index(cell_along(points(i, 1), 1, rows_)) * to_index(columns_) +
+             to_index(cell_along(points(i, 0), 0, columns_));
     };
-    start_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) + 1, 0);
+    start_.assign(to_index(columns_) * to_index(rows_) + 1, 0);
     for (const int i : among) ++start_[cell_of(i) + 1];
     for (std::size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];
     std::vector<std::size_t> next(start_.begin(), start_.end() - 1);
@@ -148,15 +148,14 @@ class Buckets {
   std::size_t gather(const Eigen::RowVector2d& from, int self, const Block& block, float bound2) {
     std::size_t count = 0;
     for (int y = block.top; y <= block.bottom; ++y) {
-      const std::size_t first = static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_);
-      const std::size_t end = start_[first + static_cast<std::size_t>(block.right) + 1];
-      for (std::size_t e = start_[first + static_cast<std::size_t>(block.left)]; e < end; ++e) {
+      const std::size_t first = to_index(y) * to_index(columns_);
+      const std::size_t end = start_[first + to_index(block.right) + 1];
+      for (std::size_t e = start_[first + to_index(block.left)]; e < end; ++e) {
         const Entry& entry = entries_[e];
         const double dx = entry.x - from.x(), dy = entry.y - from.y();
         const auto distance2 = static_cast<float>(std::min(kFarthest, dx * dx + dy * dy));
         found_[count] = key_of(distance2, entry.index);  // written over by the next if too far
-        count += static_cast<std::size_t>(distance2 < bound2) &
-                 static_cast<std::size_t>(entry.index != self);
+        count += to_index(distance2 < bound2) & to_index(entry.index != self);
       }
     }
     return count;
@@ -176,7 +175,7 @@ Nearest nearest_of(const Points2& points, const std::vector<int>& among, int cou
   Nearest nearest = Nearest::Constant(points.rows(), count, -1);
   if (among.empty() || count == 0) return nearest;
   Buckets buckets(points, among);
-  std::vector<Key> keys(static_cast<std::size_t>(count));
+  std::vector<Key> keys(to_index(count));
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
     worked(30 + 10 * count);
     buckets.search(points.row(i), static_cast<int>(i), keys);

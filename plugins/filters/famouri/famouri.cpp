@@ -6,6 +6,7 @@
 #include <numeric>
 #include <string>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
 #include <weft/core/stop_check.hpp>
 
@@ -24,13 +25,13 @@ constexpr double kFlat = 1e-9;  // pivot ratio below which neighbours are on a l
 constexpr int kFewestForAffine = 4;
 
 /// What the neighbours say of a match.
-struct Foretold {
+struct Predicted {
   double residual = std::numeric_limits<double>::infinity();  ///< [] in spacings of neighbours
   double oriented = 0.0;  ///< [] share of triangles that keep their orientation
 };
 
 /// Keeps the matches that have the same neighbours in both images and that a local affine map of
-/// these foretells.
+/// these predicts.
 class Famouri final : public weft::Filter {
  public:
   static constexpr weft::About kAbout{
@@ -40,7 +41,7 @@ class Famouri final : public weft::Filter {
     p.read("neighbours", neighbours_, "", {4, 100}, "nearest neighbours of a match");
     p.read("tau1", tau1_, "", {0, 1}, "share of neighbours that must be the same in both images");
     p.read("tau2", tau2_, "", {0, 100},
-           "kept within this of what neighbours foretell, in spacings of these in the image");
+           "kept within this of what neighbours predict, in spacings of these in the image");
     p.read("least_oriented", least_oriented_, "", {0, 1},
            "share of triangles with two neighbours that must keep their orientation");
   }
@@ -49,12 +50,12 @@ class Famouri final : public weft::Filter {
     const auto candidates = weft::filters::candidates_of(in.correspondences);
     if (!candidates) return candidates.error();
     const std::size_t n = candidates->count();
-    if (n <= static_cast<std::size_t>(neighbours_)) {
+    if (n <= weft::to_index(neighbours_)) {
       return weft::no_result("too few matches for neighbourhoods: " + std::to_string(n) + " of " +
                              std::to_string(neighbours_ + 1));
     }
     const std::vector<int> survivors = with_common_neighbours(*candidates);
-    const bool enough = survivors.size() > static_cast<std::size_t>(kFewestForAffine);
+    const bool enough = survivors.size() > weft::to_index(kFewestForAffine);
     std::vector<std::uint8_t> keep(n, 0);
     std::vector<double> score(n, 0.0);
     if (enough) {
@@ -62,11 +63,11 @@ class Famouri final : public weft::Filter {
           weft::filters::nearest_of(candidates->template_px, survivors, neighbours_);
       for (const int i : survivors) {
         weft::worked(20 * neighbours_ + neighbours_ * neighbours_);
-        const Foretold foretold = foretell(*candidates, near, i);
-        const auto k = static_cast<std::size_t>(i);
-        const bool oriented = foretold.oriented >= least_oriented_;
-        keep[k] = oriented && foretold.residual < tau2_ ? 1 : 0;
-        score[k] = oriented && tau2_ > 0.0 ? tau2_ / (tau2_ + foretold.residual) : 0.0;
+        const Predicted predicted = predict(*candidates, near, i);
+        const auto k = weft::to_index(i);
+        const bool oriented = predicted.oriented >= least_oriented_;
+        keep[k] = oriented && predicted.residual < tau2_ ? 1 : 0;
+        score[k] = oriented && tau2_ > 0.0 ? tau2_ / (tau2_ + predicted.residual) : 0.0;
       }
     }
     InlierMask mask = weft::filters::mask_of(in.correspondences, *candidates, keep, score);
@@ -103,7 +104,7 @@ class Famouri final : public weft::Filter {
   }
 
   /// The affine map of the neighbours, the nearer the weightier, at the match.
-  static Foretold foretell(const weft::filters::Candidates& candidates, const Nearest& near,
+  static Predicted predict(const weft::filters::Candidates& candidates, const Nearest& near,
                            int i) {
     const Points2 &p = candidates.template_px, &q = candidates.image_px;
     std::vector<int> others;
@@ -113,10 +114,10 @@ class Famouri final : public weft::Filter {
       distances_px.push_back((p.row(others.back()) - p.row(i)).norm());
       spacings_px.push_back((q.row(others.back()) - q.row(i)).norm());
     }
-    Foretold foretold;
-    if (others.size() < static_cast<std::size_t>(kFewestForAffine)) return foretold;
+    Predicted predicted;
+    if (others.size() < weft::to_index(kFewestForAffine)) return predicted;
     const double h_px = weft::median(distances_px), spacing_px = weft::median(spacings_px);
-    if (!(h_px > 0.0) || !(spacing_px > 0.0)) return foretold;
+    if (!(h_px > 0.0) || !(spacing_px > 0.0)) return predicted;
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Eigen::Matrix<double, 3, 2> moments = Eigen::Matrix<double, 3, 2>::Zero();
     for (std::size_t k = 0; k < others.size(); ++k) {
@@ -128,11 +129,11 @@ class Famouri final : public weft::Filter {
     }
     const Eigen::LDLT<Eigen::Matrix3d> solver(normal);
     const auto pivots = solver.vectorD();
-    if (!(pivots.minCoeff() > kFlat * pivots.maxCoeff())) return foretold;
+    if (!(pivots.minCoeff() > kFlat * pivots.maxCoeff())) return predicted;
     const Eigen::Matrix<double, 3, 2> map = solver.solve(moments);
-    foretold.residual = map.row(0).norm() / spacing_px;
-    foretold.oriented = oriented_share(p, q, i, others);
-    return foretold;
+    predicted.residual = map.row(0).norm() / spacing_px;
+    predicted.oriented = oriented_share(p, q, i, others);
+    return predicted;
   }
 
   static double oriented_share(const Points2& p, const Points2& q, int i,
@@ -160,4 +161,4 @@ class Famouri final : public weft::Filter {
 }  // namespace
 
 WEFT_PLUGIN(Famouri, "filters/famouri", "1.0.0",
-            "Rejects matches that their nearest neighbours do not foretell.")
+            "Rejects matches that their nearest neighbours do not predict.")

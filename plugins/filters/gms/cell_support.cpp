@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <utility>
+#include <weft/core/index.hpp>
 
 namespace weft::gms {
 namespace {
@@ -44,10 +45,10 @@ class Flows {
       if (from[i] != kNowhere && to[i] != kNowhere) moves.emplace_back(from[i], to[i]);
     }
     std::sort(moves.begin(), moves.end());
-    first_.assign(static_cast<std::size_t>(cells) + 1, 0);
-    matches_.assign(static_cast<std::size_t>(cells), 0);
+    first_.assign(to_index(cells) + 1, 0);
+    matches_.assign(to_index(cells), 0);
     for (std::size_t i = 0; i < moves.size(); ++i) {
-      const auto cell = static_cast<std::size_t>(moves[i].first);
+      const auto cell = to_index(moves[i].first);
       ++matches_[cell];
       if (i > 0 && moves[i] == moves[i - 1]) {
         ++counts_.back();
@@ -60,7 +61,7 @@ class Flows {
     for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
   }
 
-  int matches_in(int a) const { return a == kNowhere ? 0 : matches_[static_cast<std::size_t>(a)]; }
+  int matches_in(int a) const { return a == kNowhere ? 0 : matches_[to_index(a)]; }
 
   int between(int a, int b) const {
     if (a == kNowhere || b == kNowhere) return 0;
@@ -82,8 +83,8 @@ class Flows {
   }
 
  private:
-  std::size_t begin_of(int a) const { return first_[static_cast<std::size_t>(a)]; }
-  std::size_t end_of(int a) const { return first_[static_cast<std::size_t>(a) + 1]; }
+  std::size_t begin_of(int a) const { return first_[to_index(a)]; }
+  std::size_t end_of(int a) const { return first_[to_index(a) + 1]; }
 
   std::vector<std::size_t> first_;  // of each cell's targets
   std::vector<int> to_, counts_;    // targets, ascending within a cell
@@ -102,7 +103,7 @@ std::vector<double> support_of(const Points2& in_template, const Points2& in_ima
     to.push_back(image_grid.cell_of(in_image(i, 0), in_image(i, 1)));
   }
   const Flows flows(from, to, layout.cells * layout.cells);
-  std::vector<int> target(static_cast<std::size_t>(layout.cells * layout.cells), kNowhere);
+  std::vector<int> target(to_index(layout.cells * layout.cells), kNowhere);
   std::vector<double> support(target.size(), 0.0);
   for (int a = 0; a < layout.cells * layout.cells; ++a) {
     const int b = flows.main_target(a);
@@ -110,21 +111,19 @@ std::vector<double> support_of(const Points2& in_template, const Points2& in_ima
     int supporting = flows.between(a, b), present = flows.matches_in(a), cells = 1;
     for (std::size_t k = 0; k < kAround; ++k) {
       const int beside_a = grid.beside(a, kRing[k]);
-      const int beside_b =
-          image_grid.beside(b, kRing[(k + static_cast<std::size_t>(layout.turn)) % kAround]);
+      const int beside_b = image_grid.beside(b, kRing[(k + to_index(layout.turn)) % kAround]);
       if (beside_a == kNowhere || beside_b == kNowhere) continue;
       ++cells;
       present += flows.matches_in(beside_a);
       supporting += flows.between(beside_a, beside_b);
     }
-    target[static_cast<std::size_t>(a)] = b;
-    support[static_cast<std::size_t>(a)] =
-        supporting / std::sqrt(static_cast<double>(present) / cells);
+    target[to_index(a)] = b;
+    support[to_index(a)] = supporting / std::sqrt(static_cast<double>(present) / cells);
   }
   std::vector<double> of_match(from.size(), 0.0);
   for (std::size_t i = 0; i < from.size(); ++i) {
     if (from[i] == kNowhere || to[i] == kNowhere) continue;
-    const auto a = static_cast<std::size_t>(from[i]);
+    const auto a = to_index(from[i]);
     if (target[a] == to[i]) of_match[i] = support[a];
   }
   return of_match;

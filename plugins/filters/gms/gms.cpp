@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
 #include "cell_support.hpp"
@@ -54,7 +55,7 @@ class Gms final : public weft::Filter {
     if (!sizes) return sizes.error();
     const auto candidates = weft::filters::candidates_of(in.correspondences);
     if (!candidates) return candidates.error();
-    if (candidates->count() < static_cast<std::size_t>(least_matches_)) {
+    if (candidates->count() < weft::to_index(least_matches_)) {
       return weft::no_result(
           "too few matches for statistics of cells: " + std::to_string(candidates->count()) +
           " of " + std::to_string(least_matches_));
@@ -105,7 +106,7 @@ class Gms final : public weft::Filter {
   /// The largest of four grids, so that no match is judged at the border of its cell alone.
   static std::vector<double> shifted_support(const Points2& p, const Points2& q, int cells,
                                              double scale, int turn) {
-    std::vector<double> largest(static_cast<std::size_t>(p.rows()), 0.0);
+    std::vector<double> largest(weft::to_index(p.rows()), 0.0);
     const int image_cells = std::max(kFewestCells, static_cast<int>(std::lround(cells * scale)));
     for (const bool shifted_u : {false, true}) {
       for (const bool shifted_v : {false, true}) {

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <string>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
 #include "common/candidates.hpp"
@@ -41,7 +42,7 @@ class Lpm final : public weft::Filter {
     const auto candidates = weft::filters::candidates_of(in.correspondences);
     if (!candidates) return candidates.error();
     const std::size_t n = candidates->count();
-    const auto least = static_cast<std::size_t>(neighbours_ + kScaleStep + 1);
+    const auto least = weft::to_index(neighbours_ + kScaleStep + 1);
     if (n < least) {
       return weft::no_result("too few matches for neighbourhoods: " + std::to_string(n) + " of " +
                              std::to_string(least));
@@ -53,7 +54,7 @@ class Lpm final : public weft::Filter {
     std::vector<int> among(n);
     std::iota(among.begin(), among.end(), 0);
     std::vector<double> cost = costs(p, q, among);
-    std::erase_if(among, [&](int i) { return cost[static_cast<std::size_t>(i)] > first_lambda_; });
+    std::erase_if(among, [&](int i) { return cost[weft::to_index(i)] > first_lambda_; });
     const std::size_t first_kept = among.size();
     const bool again = first_kept >= least;
     if (again) cost = costs(p, q, among);
@@ -81,12 +82,12 @@ class Lpm final : public weft::Filter {
     const Nearest in_image = weft::filters::nearest_of(q, among, most);
     const Points2 motion = q - p;
     std::vector<double> cost;
-    std::vector<Rank> rank_in_image(static_cast<std::size_t>(p.rows()));
+    std::vector<Rank> rank_in_image(weft::to_index(p.rows()));
     for (Eigen::Index i = 0; i < p.rows(); ++i) {
       weft::worked(5 * most);
       for (int k = 0; k < most; ++k) {
         const int j = in_image(i, k);
-        if (j >= 0) rank_in_image[static_cast<std::size_t>(j)] = {i, k};
+        if (j >= 0) rank_in_image[weft::to_index(j)] = {i, k};
       }
       cost.push_back(cost_of(i, in_template, rank_in_image, motion));
     }
@@ -104,8 +105,8 @@ class Lpm final : public weft::Filter {
     std::array<int, kScales> alike{}, common{};  // per size
     for (int k = 0; k < in_template.cols(); ++k) {
       const int j = in_template(i, k);
-      if (j < 0 || rank_in_image[static_cast<std::size_t>(j)].of != i) continue;
-      const int farther = std::max(k, rank_in_image[static_cast<std::size_t>(j)].rank);
+      if (j < 0 || rank_in_image[weft::to_index(j)].of != i) continue;
+      const int farther = std::max(k, rank_in_image[weft::to_index(j)].rank);
       const bool agrees = likeness(motion.row(i), motion.row(j)) >= tau_;
       for (std::size_t s = 0; s < kScales; ++s) {
         const int shared = farther < size_of(s) ? 1 : 0;

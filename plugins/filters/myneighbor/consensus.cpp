@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <weft/core/index.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 
 namespace weft::myneighbor {
@@ -71,22 +72,19 @@ double Consensus::object_size_px() const {
 /// The matches that take part. The authors' program also takes those that lie on no face.
 Result<void> Consensus::collect(const FilterInput& in) {
   const Correspondences& matches = in.correspondences;
-  if (!in.templ) return Error{Errc::invalid_data, "the template is absent: connect it", {}};
+  if (!in.templ) return Error{Errc::invalid_data, "the template is absent: connect it"};
   const auto faces = in.templ->faces.matrix<3>();
   if (auto legal = check_face_indices(faces, in.templ->flat_px.rows()); !legal) return legal;
   candidates_.clear();
   for (std::int64_t i = 0; i < matches.count(); ++i) {
     if (matches.kept(i) == 0) continue;
     if (!finite(matches, i)) {
-      return Error{
-          Errc::invalid_data,
-          "match " + std::to_string(i) + " has a coordinate or a weight that is not finite",
-          {}};
+      return Error{Errc::invalid_data, "match " + std::to_string(i) +
+                                           " has a coordinate or a weight that is not finite"};
     }
     if (matches.face(i) >= faces.rows()) {
       return Error{Errc::invalid_data,
-                   "match " + std::to_string(i) + " lies on a face that the template has not",
-                   {}};
+                   "match " + std::to_string(i) + " lies on a face that the template has not"};
     }
     if (matches.face(i) >= 0 || options_.mode == Mode::authors_code) candidates_.push_back(i);
   }
@@ -144,8 +142,8 @@ Result<void> Consensus::select_by_neighbours(const Marks& active) {
   selection_.selected.assign(candidates_.size(), 0);
   mismatch_.assign(candidates_.size(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    selection_.selected[static_cast<std::size_t>(rows[i])] = selected[i];
-    mismatch_[static_cast<std::size_t>(rows[i])] = factors[i];
+    selection_.selected[to_index(rows[i])] = selected[i];
+    mismatch_[to_index(rows[i])] = factors[i];
   }
   return {};
 }

@@ -8,6 +8,7 @@
 #include <optional>
 #include <tuple>
 #include <utility>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
 namespace weft::myneighbor {
@@ -41,7 +42,7 @@ std::optional<std::vector<Site>> on_grid(const Points2View& points) {
   const auto step = [&](double offset) {
     return static_cast<std::int32_t>(std::lround(std::ldexp(offset, kStepBits - exponent)));
   };
-  std::vector<Site> sites(static_cast<std::size_t>(points.rows()));
+  std::vector<Site> sites(to_index(points.rows()));
   for (std::size_t i = 0; i < sites.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     sites[i] = {step(points(row, 0) - middle.x()), step(points(row, 1) - middle.y())};
@@ -54,7 +55,7 @@ std::vector<Site> unique_sites(const std::vector<Site>& sites,
                                std::vector<std::int32_t>& vertex_of) {
   std::vector<std::int32_t> order(sites.size());
   std::iota(order.begin(), order.end(), 0);
-  const auto site = [&](std::int32_t i) { return sites[static_cast<std::size_t>(i)]; };
+  const auto site = [&](std::int32_t i) { return sites[to_index(i)]; };
   std::sort(order.begin(), order.end(),
             [&](std::int32_t a, std::int32_t b) { return site(a) < site(b); });
   std::vector<Site> different;
@@ -62,7 +63,7 @@ std::vector<Site> unique_sites(const std::vector<Site>& sites,
   vertex_of.resize(sites.size());
   for (const std::int32_t i : order) {
     if (different.empty() || different.back() != site(i)) different.push_back(site(i));
-    vertex_of[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(different.size()) - 1;
+    vertex_of[to_index(i)] = static_cast<std::int32_t>(different.size()) - 1;
   }
   return different;
 }
@@ -120,28 +121,28 @@ bool build_neighbour_sets(const Points2View& points, NeighbourSets& sets) {
   const Links links = links_of(sites);
 
   std::vector<std::int32_t> first_link(sites.size() + 1, 0), population(sites.size(), 0);
-  for (const auto& link : links) ++first_link[static_cast<std::size_t>(link.first) + 1];
+  for (const auto& link : links) ++first_link[to_index(link.first) + 1];
   accumulate(first_link);
   std::vector<std::int32_t> targets(links.size()), cursor(first_link);
   for (const auto& [from, to] : links) {
-    targets[static_cast<std::size_t>(cursor[static_cast<std::size_t>(from)]++)] = to;
+    targets[to_index(cursor[to_index(from)]++)] = to;
   }
-  for (const std::int32_t vertex : sets.vertex_of) ++population[static_cast<std::size_t>(vertex)];
+  for (const std::int32_t vertex : sets.vertex_of) ++population[to_index(vertex)];
 
   sets.offsets.assign(sites.size() + 1, 0);
   for (const auto& [from, to] : links) {
-    sets.offsets[static_cast<std::size_t>(from) + 1] += population[static_cast<std::size_t>(to)];
+    sets.offsets[to_index(from) + 1] += population[to_index(to)];
   }
   accumulate(sets.offsets);
-  sets.items.resize(static_cast<std::size_t>(sets.offsets.back()));
+  sets.items.resize(to_index(sets.offsets.back()));
   cursor.assign(sets.offsets.begin(), sets.offsets.end());
   // Points in ascending order go to the sets of all vertices around: each set comes out ascending.
   for (std::size_t i = 0; i < sets.vertex_of.size(); ++i) {
-    const auto vertex = static_cast<std::size_t>(sets.vertex_of[i]);
+    const auto vertex = to_index(sets.vertex_of[i]);
     worked(10);
     for (std::int32_t link = first_link[vertex]; link < first_link[vertex + 1]; ++link) {
-      const auto target = static_cast<std::size_t>(targets[static_cast<std::size_t>(link)]);
-      sets.items[static_cast<std::size_t>(cursor[target]++)] = static_cast<std::int32_t>(i);
+      const auto target = to_index(targets[to_index(link)]);
+      sets.items[to_index(cursor[target]++)] = static_cast<std::int32_t>(i);
     }
   }
   return true;

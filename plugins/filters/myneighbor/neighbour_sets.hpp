@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/geometry/types.hpp>
 
 namespace weft::myneighbor {
@@ -18,9 +19,9 @@ struct NeighbourSets {
 
   /// Point i, the points in the same place, and the points at the neighbouring vertices.
   std::span<const std::int32_t> with_self(std::size_t i) const {
-    const auto vertex = static_cast<std::size_t>(vertex_of[i]);
-    const auto first = static_cast<std::size_t>(offsets[vertex]);
-    return {items.data() + first, static_cast<std::size_t>(offsets[vertex + 1]) - first};
+    const auto vertex = to_index(vertex_of[i]);
+    const auto first = to_index(offsets[vertex]);
+    return {items.data() + first, to_index(offsets[vertex + 1]) - first};
   }
 };
 

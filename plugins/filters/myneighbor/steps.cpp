@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
 #include <weft/core/stop_check.hpp>
 
@@ -91,7 +92,7 @@ void select_small(const std::vector<double>& factors, double scale, std::int64_t
   selection.fallback = true;
   std::vector<double> sorted = factors;
   const double wanted = std::ceil(std::max(8.0, 0.2 * static_cast<double>(factors.size())));
-  const auto last = std::min(static_cast<std::size_t>(wanted), sorted.size()) - 1;
+  const auto last = std::min(to_index(wanted), sorted.size()) - 1;
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(last),
                    sorted.end());
   select_up_to(factors, sorted[last], selection);

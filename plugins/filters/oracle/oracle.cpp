@@ -3,8 +3,9 @@
 #include <cstdint>
 #include <utility>
 #include <vector>
-#include <weft/geometry/match_labels.hpp>
+#include <weft/core/index.hpp>
 #include <weft/sdk/filter.hpp>
+#include <weft/truth/match_labels.hpp>
 
 namespace {
 
@@ -28,8 +29,7 @@ class Oracle final : public weft::Filter {
   weft::Result<InlierMask> filter(const FilterInput& in) override {
     if (!in.templ || !in.camera || !in.ground_truth) {
       return weft::Error{weft::Errc::invalid_data,
-                         "template, camera and ground_truth are needed: connect all three",
-                         {}};
+                         "template, camera and ground_truth are needed: connect all three"};
     }
     const auto truth = weft::TruthMap::create(*in.ground_truth);
     if (!truth) return truth.error();
@@ -44,7 +44,7 @@ class Oracle final : public weft::Filter {
     mask.kept = weft::Array<std::uint8_t>({count});
     mask.score = weft::Array<double>({count});
     for (std::int64_t n = 0; n < count; ++n) {
-      const std::int8_t label = labels[static_cast<std::size_t>(n)];
+      const std::int8_t label = labels[weft::to_index(n)];
       const bool unknown = label == weft::kUnknownMatch;
       mask.kept(n) = label == weft::kCorrectMatch || (unknown && keep_unknown_) ? 1 : 0;
       mask.score(n) = unknown ? 0.5 : static_cast<double>(label);

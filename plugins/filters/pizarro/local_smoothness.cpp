@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 #include <utility>
+#include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/thin_plate_spline.hpp>
@@ -24,7 +25,7 @@ constexpr double kSmoothing = 0.1;       // of the local splines
 constexpr double kLargestRemoval = 0.2;  // share of the matches that a round may remove
 constexpr double kLeastAgreement = 0.5;  // share of the neighbourhoods
 constexpr int kFewestForSpline = 5;
-constexpr int kWider = 3;  // as many neighbours where the nearest foretell nothing
+constexpr int kWider = 3;  // as many neighbours where the nearest predict nothing
 
 /// What a neighbourhood says.
 struct Opinion {
@@ -41,7 +42,7 @@ class Neighbourhoods {
   Opinion opinion(int i, const Eigen::Ref<const Eigen::RowVectorXi>& row) {
     const auto count = static_cast<int>((row.array() >= 0).count());
     Opinion opinion;
-    opinion.agrees.assign(static_cast<std::size_t>(count), 0);
+    opinion.agrees.assign(to_index(count), 0);
     if (count < 3) return opinion;
     Points2 p(count, 2), q(count, 2);
     for (int k = 0; k < count; ++k) {
@@ -60,11 +61,10 @@ class Neighbourhoods {
     if (!(spread_px > 0.0)) return opinion;
     for (int k = 0; k < count; ++k) {
       const double residual_px = ((*map)(p.row(k)) - q.row(k)).norm();
-      opinion.agrees[static_cast<std::size_t>(k)] =
-          residual_px < settings_.theta * spread_px ? 1 : 0;
+      opinion.agrees[to_index(k)] = residual_px < settings_.theta * spread_px ? 1 : 0;
     }
-    const Eigen::RowVector2d foretold = foretell(p_.row(i), near_p, near_q, *map);
-    opinion.residual = (foretold - q_.row(i)).norm() / spread_px;
+    const Eigen::RowVector2d predicted = predict(p_.row(i), near_p, near_q, *map);
+    opinion.residual = (predicted - q_.row(i)).norm() / spread_px;
     return opinion;
   }
 
@@ -75,8 +75,8 @@ class Neighbourhoods {
     return triples_;
   }
 
-  Eigen::RowVector2d foretell(const Eigen::RowVector2d& at, const Points2& p, const Points2& q,
-                              const RobustAffine& map) const {
+  Eigen::RowVector2d predict(const Eigen::RowVector2d& at, const Points2& p, const Points2& q,
+                             const RobustAffine& map) const {
     if (with_splines_ && p.rows() >= kFewestForSpline) {
       const auto fitted = fit_thin_plate(p, q, Eigen::VectorXd::Constant(p.rows(), kSmoothing));
       if (fitted) return fitted->spline(at);
@@ -88,7 +88,7 @@ class Neighbourhoods {
   static double spread(const Points2& places) {
     const Eigen::VectorXd x = places.col(0), y = places.col(1);
     const auto middle = [](const Eigen::VectorXd& values) {
-      return median({values.data(), static_cast<std::size_t>(values.size())});
+      return median({values.data(), to_index(values.size())});
     };
     const Eigen::RowVector2d centre(middle(x), middle(y));
     return middle((places.rowwise() - centre).rowwise().norm());
@@ -106,7 +106,7 @@ class Assembly {
  public:
   Assembly(const Points2& p, const Points2& q, const Settings& settings)
       : p_(p), settings_(settings), neighbourhoods_(p, q, settings, true) {
-    opinions_.resize(static_cast<std::size_t>(p.rows()));
+    opinions_.resize(to_index(p.rows()));
     silent_.resize(opinions_.size());
     nearest_ = Nearest::Constant(p.rows(), settings.neighbours, -2);
   }
@@ -116,7 +116,7 @@ class Assembly {
     const Nearest nearest = filters::nearest_of(p_, among, settings_.neighbours);
     std::vector<int> silent;
     for (const int i : asked) {
-      const auto k = static_cast<std::size_t>(i);
+      const auto k = to_index(i);
       if (nearest.row(i) != nearest_.row(i)) {
         worked(20 * static_cast<std::int64_t>(settings_.triples));
         opinions_[k] = neighbourhoods_.opinion(i, nearest.row(i));
@@ -128,19 +128,19 @@ class Assembly {
     if (!silent.empty()) ask_further(among, silent);
   }
 
-  const Opinion& opinion(int i) const { return opinions_[static_cast<std::size_t>(i)]; }
+  const Opinion& opinion(int i) const { return opinions_[to_index(i)]; }
 
   /// The share of neighbourhoods that each match agrees with; unknown counts one half.
   std::vector<double> agreement(const std::vector<int>& among) const {
     std::vector<double> agreeing(opinions_.size(), 0.0), asked(opinions_.size(), 0.0);
     for (const int i : among) {
-      const auto own = static_cast<std::size_t>(i);
+      const auto own = to_index(i);
       const double residual = opinions_[own].residual;
       asked[own] += 1.0;
       agreeing[own] += std::isnan(residual) ? 0.5 : residual < settings_.theta ? 1.0 : 0.0;
       if (std::isnan(residual)) continue;
       for (std::size_t k = 0; k < opinions_[own].agrees.size(); ++k) {
-        const auto j = static_cast<std::size_t>(nearest_(i, static_cast<Eigen::Index>(k)));
+        const auto j = to_index(nearest_(i, static_cast<Eigen::Index>(k)));
         asked[j] += 1.0;
         agreeing[j] += opinions_[own].agrees[k];
       }
@@ -156,9 +156,9 @@ class Assembly {
     for (const int i : silent) {
       Opinion opinion = neighbourhoods_.opinion(i, wide.row(i));
       worked(50 * static_cast<std::int64_t>(settings_.triples));
-      const auto nearest = static_cast<std::size_t>(settings_.neighbours);
+      const auto nearest = to_index(settings_.neighbours);
       opinion.agrees.resize(std::min(opinion.agrees.size(), nearest));
-      opinions_[static_cast<std::size_t>(i)] = std::move(opinion);
+      opinions_[to_index(i)] = std::move(opinion);
     }
   }
 
@@ -166,7 +166,7 @@ class Assembly {
   const Settings& settings_;
   Neighbourhoods neighbourhoods_;
   std::vector<Opinion> opinions_;
-  std::vector<std::uint8_t> silent_;  ///< [n] whether the nearest neighbours foretell nothing
+  std::vector<std::uint8_t> silent_;  ///< [n] whether the nearest neighbours predict nothing
   Nearest nearest_;
 };
 
@@ -174,13 +174,12 @@ class Assembly {
 bool remove_worst(std::vector<int>& among, const std::vector<double>& agreement) {
   std::vector<int> worst;
   for (const int i : among) {
-    if (agreement[static_cast<std::size_t>(i)] < kLeastAgreement) worst.push_back(i);
+    if (agreement[to_index(i)] < kLeastAgreement) worst.push_back(i);
   }
-  std::stable_sort(worst.begin(), worst.end(), [&](int a, int b) {
-    return agreement[static_cast<std::size_t>(a)] < agreement[static_cast<std::size_t>(b)];
-  });
+  std::stable_sort(worst.begin(), worst.end(),
+                   [&](int a, int b) { return agreement[to_index(a)] < agreement[to_index(b)]; });
   const double most = std::ceil(kLargestRemoval * static_cast<double>(among.size()));
-  worst.resize(std::min(worst.size(), static_cast<std::size_t>(most)));
+  worst.resize(std::min(worst.size(), to_index(most)));
   std::sort(worst.begin(), worst.end());
   std::erase_if(among, [&](int i) { return std::binary_search(worst.begin(), worst.end(), i); });
   return !worst.empty();
@@ -195,7 +194,7 @@ Verdict locally_smooth(const Points2& in_template, const Points2& in_image,
   const bool few = n < kFewestLocal;
   if (few) used.triples = std::numeric_limits<int>::max();
   used.neighbours = few ? n - 1 : settings.neighbours;
-  std::vector<int> all(static_cast<std::size_t>(n));
+  std::vector<int> all(to_index(n));
   std::iota(all.begin(), all.end(), 0);
   Verdict verdict;
   verdict.keep.assign(all.size(), 0);
@@ -209,8 +208,8 @@ Verdict locally_smooth(const Points2& in_template, const Points2& in_image,
   assembly.gather(among, all);
   for (const int i : all) {
     const double residual = assembly.opinion(i).residual;
-    verdict.residual[static_cast<std::size_t>(i)] = residual;
-    verdict.keep[static_cast<std::size_t>(i)] = residual < used.theta ? 1 : 0;
+    verdict.residual[to_index(i)] = residual;
+    verdict.keep[to_index(i)] = residual < used.theta ? 1 : 0;
   }
   return verdict;
 }

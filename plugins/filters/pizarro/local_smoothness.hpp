@@ -11,16 +11,16 @@ inline constexpr int kFewestLocal = 12;  ///< matches below which one affine map
 
 struct Settings {
   double theta = 0.3;   ///< largest residual of a match that agrees
-  int neighbours = 10;  ///< nearest matches in the template that foretell one
+  int neighbours = 10;  ///< nearest matches in the template that predict one
   int triples = 12;     ///< maps tried for each match
   int rounds = 10;      ///< of removal
 };
 
-/// Which matches their neighbours foretell.
+/// Which matches their neighbours predict.
 struct Verdict {
   std::vector<std::uint8_t> keep;  ///< [n]
-  /// [n] Distance from where the neighbours foretell a match, in the spread of these in the image;
-  /// NaN where they foretell nothing.
+  /// [n] Distance from where the neighbours predict a match, in the spread of these in the image;
+  /// NaN where they predict nothing.
   std::vector<double> residual;
   int rounds = 0;
 };

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 #include <vector>
+#include <weft/core/index.hpp>
 
 #include "common/candidates.hpp"
 #include "local_smoothness.hpp"
@@ -19,7 +20,7 @@ using weft::pizarro::Verdict;
 constexpr std::size_t kFewestMatches = 4;
 constexpr int kOcclusionRounds = 2;
 
-/// Keeps the matches that their neighbours foretell, on the part of the sheet that does not hide
+/// Keeps the matches that their neighbours predict, on the part of the sheet that does not hide
 /// behind another.
 class Pizarro final : public weft::Filter {
  public:
@@ -28,9 +29,9 @@ class Pizarro final : public weft::Filter {
 
   explicit Pizarro(weft::Params& p) {
     p.read("theta", settings_.theta, "", {1e-3, 100},
-           "kept within this of what neighbours foretell, in their spread in the image");
+           "kept within this of what neighbours predict, in their spread in the image");
     p.read("neighbours", settings_.neighbours, "", {5, 100},
-           "nearest matches in the template that foretell one");
+           "nearest matches in the template that predict one");
     p.read("triples", settings_.triples, "", {1, 100'000}, "affine maps tried for each match");
     p.read("rounds", settings_.rounds, "", {0, 100}, "of removal of the worst");
     p.read("self_occlusion", self_occlusion_,
@@ -52,7 +53,7 @@ class Pizarro final : public weft::Filter {
     if (std::count(verdict.keep.begin(), verdict.keep.end(), std::uint8_t{1}) == 0) {
       return weft::no_result("no match agrees with its neighbours");
     }
-    const bool few = n < static_cast<std::size_t>(weft::pizarro::kFewestLocal);
+    const bool few = n < weft::to_index(weft::pizarro::kFewestLocal);
     const double hidden_share =
         self_occlusion_ && !few ? reject_hidden(*candidates, sizes->template_px, verdict) : 0.0;
     std::vector<double> score;
@@ -90,7 +91,7 @@ class Pizarro final : public weft::Filter {
       bool changed = false;
       for (const Eigen::Index k : kept) {
         if (!map->at(candidates.template_px(k, 0), candidates.template_px(k, 1))) continue;
-        verdict.keep[static_cast<std::size_t>(k)] = 0;
+        verdict.keep[weft::to_index(k)] = 0;
         changed = true;
       }
       if (!changed) break;
@@ -105,4 +106,4 @@ class Pizarro final : public weft::Filter {
 }  // namespace
 
 WEFT_PLUGIN(Pizarro, "filters/pizarro", "1.1.0",
-            "Rejects matches that local smoothness does not foretell or the sheet hides.")
+            "Rejects matches that local smoothness does not predict or the sheet hides.")

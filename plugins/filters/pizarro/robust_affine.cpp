@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
 #include <weft/core/stop_check.hpp>
 
@@ -22,7 +23,7 @@ std::vector<Triple> spread_triples(int count, int wanted) {
       for (int c = b + 1; c < count; ++c) all.push_back({a, b, c});
     }
   }
-  const auto most = static_cast<std::size_t>(wanted);
+  const auto most = to_index(wanted);
   if (all.size() <= most) return all;
   std::vector<Triple> spread;
   for (std::size_t t = 0; t < most; ++t) spread.push_back(all[t * all.size() / most]);
@@ -31,7 +32,7 @@ std::vector<Triple> spread_triples(int count, int wanted) {
 
 std::optional<RobustAffine> least_median_affine(const Points2& p, const Points2& q,
                                                 std::span<const Triple> triples) {
-  const auto n = static_cast<std::size_t>(p.rows());
+  const auto n = to_index(p.rows());
   const std::size_t middle = n / 2;
   std::vector<double> residuals2(n);
   std::optional<RobustAffine> best;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/bspline_bending.hpp>
@@ -52,11 +53,10 @@ class ShrinkingWarp {
       const SplineSite site = spline_site(domain, p(k, 0), p(k, 1));
       worked(100);
       for (int a = 0; a < 16; ++a) {
-        const double weight = site.weights[static_cast<std::size_t>(a)];
+        const double weight = site.weights[to_index(a)];
         moments_.row(control_of(site, a)) += weight * q.row(k);
         for (int b = 0; b < 16; ++b) {
-          normal_(control_of(site, a), control_of(site, b)) +=
-              weight * site.weights[static_cast<std::size_t>(b)];
+          normal_(control_of(site, a), control_of(site, b)) += weight * site.weights[to_index(b)];
         }
       }
     }
@@ -101,7 +101,7 @@ class ShrinkingWarp {
     const double spread = std::sqrt(std::max(half * half - found.value * found.value, 0.0));
     found.least_stretch = std::sqrt(std::max(half - spread, 0.0));
     for (int a = 0; a < 16; ++a) {
-      const auto k = static_cast<std::size_t>(a);
+      const auto k = to_index(a);
       const double du = place.along_u.weights[k], dv = place.along_v.weights[k];
       found.gradient.row(a) << du * v.y() - dv * u.y(), dv * u.x() - du * v.x();
     }
@@ -182,8 +182,8 @@ void close_gaps(HiddenMap& map) {
         for (int k = 0; k < 9; ++k) {
           const int row = std::clamp(r + k / 3 - 1, 0, map.rows - 1);
           const int column = std::clamp(c + k % 3 - 1, 0, map.columns - 1);
-          if (from[static_cast<std::size_t>(row * map.columns + column)] == value) {
-            to[static_cast<std::size_t>(r * map.columns + c)] = value;
+          if (from[to_index(row * map.columns + column)] == value) {
+            to[to_index(r * map.columns + c)] = value;
           }
         }
       }
@@ -198,8 +198,8 @@ void close_gaps(HiddenMap& map) {
 bool HiddenMap::at(double u_px, double v_px) const {
   const int column = static_cast<int>(std::floor((u_px + 0.5) / cell_px));
   const int row = static_cast<int>(std::floor((v_px + 0.5) / cell_px));
-  return hidden[static_cast<std::size_t>(std::clamp(row, 0, rows - 1) * columns +
-                                         std::clamp(column, 0, columns - 1))] != 0;
+  return hidden[to_index(std::clamp(row, 0, rows - 1) * columns +
+                         std::clamp(column, 0, columns - 1))] != 0;
 }
 
 double HiddenMap::share() const {

@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
 namespace weft::tran {
@@ -61,14 +62,14 @@ std::optional<MatchPlane> plane_of(const MatchPoints& matches,
   MatchPlane plane;
   double count = 0.0;
   for (Eigen::Index i = 0; i < matches.rows(); ++i) {
-    if (chosen[static_cast<std::size_t>(i)] == 0) continue;
+    if (chosen[to_index(i)] == 0) continue;
     plane.origin += matches.row(i);
     count += 1.0;
   }
   plane.origin /= count;
   Eigen::Matrix4d scatter = Eigen::Matrix4d::Zero();
   for (Eigen::Index i = 0; i < matches.rows(); ++i) {
-    if (chosen[static_cast<std::size_t>(i)] == 0) continue;
+    if (chosen[to_index(i)] == 0) continue;
     const Eigen::RowVector4d d = matches.row(i) - plane.origin;
     scatter += d.transpose() * d;
   }

@@ -1,23 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/duplicates.hpp"
 
+#include <weft/core/index.hpp>
+
 #include "common/point_index.hpp"
 
 namespace weft::matchers {
 
 std::vector<char> distinct(const std::vector<PointPair>& pairs, const std::vector<int>& best_first,
                            double template_radius_px, double image_radius_px) {
-  const auto at = [&](int i) -> const PointPair& { return pairs[static_cast<std::size_t>(i)]; };
+  const auto at = [&](int i) -> const PointPair& { return pairs[to_index(i)]; };
   PointIndex template_points;
   template_points.load(static_cast<int>(pairs.size()), [&](int i) { return at(i).template_px; });
   std::vector<char> keep(pairs.size(), 0);
   for (const int i : best_first) {
     bool merged = false;
     template_points.for_each_within(at(i).template_px, template_radius_px, [&](int j) {
-      merged = merged || (keep[static_cast<std::size_t>(j)] != 0 &&
+      merged = merged || (keep[to_index(j)] != 0 &&
                           (at(j).image_px - at(i).image_px).norm() <= image_radius_px);
     });
-    keep[static_cast<std::size_t>(i)] = merged ? 0 : 1;
+    keep[to_index(i)] = merged ? 0 : 1;
   }
   return keep;
 }

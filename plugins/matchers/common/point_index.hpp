@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 #include <vector>
+#include <weft/core/index.hpp>
 
 namespace weft::matchers {
 
@@ -14,8 +15,8 @@ class PointIndex {
   /// `at(i)` is point i as an Eigen::Vector2d.
   template <class At>
   void load(int count, At&& at) {
-    points_.resize(static_cast<std::size_t>(count));
-    for (int i = 0; i < count; ++i) points_[static_cast<std::size_t>(i)] = {at(i), i};
+    points_.resize(to_index(count));
+    for (int i = 0; i < count; ++i) points_[to_index(i)] = {at(i), i};
     std::sort(points_.begin(), points_.end(), [](const Point& a, const Point& b) {
       return a.xy.y() < b.xy.y() || (a.xy.y() == b.xy.y() && a.index < b.index);
     });

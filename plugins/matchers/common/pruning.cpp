@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 #include <tuple>
+#include <weft/core/index.hpp>
 
 #include "common/duplicates.hpp"
 
@@ -32,7 +33,7 @@ void keep_flagged(const std::vector<char>& keep, std::vector<Match>& matches) {
 }  // namespace
 
 void keep_one_per_image_point(std::vector<Match>& matches) {
-  const auto at = [&](int i) -> const Match& { return matches[static_cast<std::size_t>(i)]; };
+  const auto at = [&](int i) -> const Match& { return matches[to_index(i)]; };
   const std::vector<int> order = sorted_indices(matches.size(), [&](int i, int j) {
     const Match &a = at(i), &b = at(j);
     return std::tuple(a.image_px.y(), a.image_px.x(), quality(a)) <
@@ -41,7 +42,7 @@ void keep_one_per_image_point(std::vector<Match>& matches) {
   std::vector<char> keep(matches.size(), 0);
   for (std::size_t k = 0; k < order.size(); ++k) {
     const bool first = k == 0 || at(order[k]).image_px != at(order[k - 1]).image_px;
-    keep[static_cast<std::size_t>(order[k])] = first ? 1 : 0;
+    keep[to_index(order[k])] = first ? 1 : 0;
   }
   keep_flagged(keep, matches);
 }
@@ -49,8 +50,7 @@ void keep_one_per_image_point(std::vector<Match>& matches) {
 void merge_duplicates(double radius_px, std::vector<Match>& matches) {
   if (radius_px == 0.0) return;
   const std::vector<int> order = sorted_indices(matches.size(), [&](int i, int j) {
-    return quality(matches[static_cast<std::size_t>(i)]) <
-           quality(matches[static_cast<std::size_t>(j)]);
+    return quality(matches[to_index(i)]) < quality(matches[to_index(j)]);
   });
   std::vector<PointPair> pairs;
   for (const Match& match : matches) pairs.push_back({match.template_px, match.image_px});

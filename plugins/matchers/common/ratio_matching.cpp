@@ -6,6 +6,7 @@
 #include <numbers>
 #include <string>
 #include <utility>
+#include <weft/core/index.hpp>
 
 #include "common/checks.hpp"
 
@@ -37,7 +38,7 @@ Correspondences correspondences(const std::vector<Match>& matches, const Keypoin
   out.kept = Array<std::uint8_t>({count});
   out.score = Array<double>({count});
   for (std::int64_t n = 0; n < count; ++n) {
-    const Match& match = matches[static_cast<std::size_t>(n)];
+    const Match& match = matches[to_index(n)];
     const int i = match.template_keypoint, j = match.image_keypoint;
     out.template_px.matrix<2>().row(n) = match.template_px.transpose();
     out.image_px.matrix<2>().row(n) = match.image_px.transpose();
@@ -84,8 +85,7 @@ Result<Sides> RatioMatching::sides(const MatcherInput& in) const {
   if (!in.keypoints || !in.template_keypoints) {
     return Error{Errc::invalid_data,
                  "matching needs keypoints of the image and of the template; "
-                 "put a detector before this stage",
-                 {}};
+                 "put a detector before this stage"};
   }
   const Keypoints &image = *in.keypoints, &templ = *in.template_keypoints;
   const Sides sides{templ, image, forward() ? templ : image, forward() ? image : templ};

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <weft/core/index.hpp>
 #include <weft/sdk/matcher.hpp>
 
 #include "common/ratio_matching.hpp"
@@ -27,11 +28,11 @@ class Descriptor final : public Matcher {
     const DistanceRows& distances = load(sides->queries, sides->trains);
     if (!search_.run(distances, sides->trains.xy_px, {matching_.elsewhere_px(), matching_.mutual()},
                      [&] { return in.call.cancelled(); })) {
-      return Error{Errc::cancelled, "cancelled", {}};
+      return Error{Errc::cancelled, "cancelled"};
     }
     neighbours_.clear();
     for (int i = 0; i < distances.queries(); ++i) {
-      const auto [best, second] = search_.nearest()[static_cast<std::size_t>(i)];
+      const auto [best, second] = search_.nearest()[to_index(i)];
       if (best < 0 || second < 0) continue;
       if (matching_.mutual() && search_.best_query(best) != i) continue;
       neighbours_.push_back({i, best, distances.distance(i, best), distances.distance(i, second)});

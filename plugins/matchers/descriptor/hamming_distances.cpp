@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstring>
 #include <limits>
+#include <weft/core/index.hpp>
 
 namespace weft::descriptor {
 namespace {
@@ -37,10 +38,9 @@ void fill_plain(const std::uint64_t* query, const std::uint64_t* trains, int cou
 
 std::vector<std::uint64_t>& pack(const Array<std::uint8_t>& descriptors, int words,
                                  std::vector<std::uint64_t>& packed) {
-  packed.assign(static_cast<std::size_t>(descriptors.dim(0) * words), 0);
+  packed.assign(to_index(descriptors.dim(0) * words), 0);
   for (std::int64_t i = 0; i < descriptors.dim(0); ++i) {
-    std::memcpy(packed.data() + i * words, descriptors.row(i),
-                static_cast<std::size_t>(descriptors.dim(1)));
+    std::memcpy(packed.data() + i * words, descriptors.row(i), to_index(descriptors.dim(1)));
   }
   return packed;
 }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <weft/core/index.hpp>
 
 namespace weft::descriptor {
 namespace {
@@ -98,8 +99,8 @@ L2Distances::L2Distances([[maybe_unused]] bool wide) : fill_(&fill_plain), panel
 
 void L2Distances::Side::load(const Array<float>& descriptors, bool root, int padded_count) {
   const auto length = static_cast<int>(descriptors.dim(1));
-  const auto padded = static_cast<std::size_t>(padded_count);
-  rows.assign(padded * static_cast<std::size_t>(length), 0.0F);
+  const auto padded = to_index(padded_count);
+  rows.assign(padded * to_index(length), 0.0F);
   norms.assign(padded, std::numeric_limits<float>::infinity());
   for (std::int64_t i = 0; i < descriptors.dim(0); ++i) {
     float* row = rows.data() + i * length;
@@ -107,7 +108,7 @@ void L2Distances::Side::load(const Array<float>& descriptors, bool root, int pad
     if (root) take_root(row, length);
     float norm = 0.0F;
     for (int k = 0; k < length; ++k) norm += row[k] * row[k];
-    norms[static_cast<std::size_t>(i)] = norm;
+    norms[to_index(i)] = norm;
   }
 }
 

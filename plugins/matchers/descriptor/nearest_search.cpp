@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <weft/core/index.hpp>
 
 namespace weft::descriptor {
 namespace {
@@ -56,11 +57,11 @@ bool NearestSearch::run(const DistanceRows& distances, const Array<double>& plac
   const auto place = [&](int i) { return Eigen::Vector2d(places(i, 0), places(i, 1)); };
   if (options.elsewhere_px > 0.0) places_.load(distances.trains(), place);
   const int length = distances.row_length();
-  const std::size_t trains = options.mutual ? static_cast<std::size_t>(distances.trains()) : 0;
+  const std::size_t trains = options.mutual ? to_index(distances.trains()) : 0;
   best_query_distance_.assign(trains, kInfinity);
   best_query_.assign(trains, -1);
-  nearest_.assign(static_cast<std::size_t>(distances.queries()), {});
-  rows_.resize(static_cast<std::size_t>(kBlockRows) * static_cast<std::size_t>(length));
+  nearest_.assign(to_index(distances.queries()), {});
+  rows_.resize(to_index(kBlockRows) * to_index(length));
 
   for (int first = 0; first < distances.queries(); first += kBlockRows) {
     if (cancelled()) return false;
@@ -69,7 +70,7 @@ bool NearestSearch::run(const DistanceRows& distances, const Array<double>& plac
     for (int query = first; query < last; ++query) {
       float* row = rows_.data() + static_cast<std::ptrdiff_t>(query - first) * length;
       if (options.mutual) look_back(query, row);
-      Nearest& found = nearest_[static_cast<std::size_t>(query)];
+      Nearest& found = nearest_[to_index(query)];
       found.best = smallest(row, length);
       if (found.best < 0) continue;
       row[found.best] = kInfinity;

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/data/array.hpp>
 
 #include "common/point_index.hpp"
@@ -31,7 +32,7 @@ class NearestSearch {
 
   const std::vector<Nearest>& nearest() const { return nearest_; }
   /// The query nearest to a train, if `mutual` was set.
-  int best_query(int train) const { return best_query_[static_cast<std::size_t>(train)]; }
+  int best_query(int train) const { return best_query_[to_index(train)]; }
 
  private:
   void look_back(int query, const float* row);

@@ -5,6 +5,7 @@
 #include <string>
 #include <tuple>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/sdk/matcher.hpp>
 
 #include "common/duplicates.hpp"
@@ -65,8 +66,7 @@ class Merge final : public Matcher {
       return Error{Errc::invalid_data,
                    "match " + std::to_string(i) + " of input " + std::to_string(input + 1) +
                        " has a place, score or ratio that is NaN or infinite; its matcher must "
-                       "leave such matches out",
-                   {}};
+                       "leave such matches out"};
     }
     return {};
   }
@@ -80,8 +80,7 @@ class Merge final : public Matcher {
     std::vector<int> best_first(matches.size());
     std::iota(best_first.begin(), best_first.end(), 0);
     std::stable_sort(best_first.begin(), best_first.end(), [&](int a, int b) {
-      return quality(matches[static_cast<std::size_t>(a)]) >
-             quality(matches[static_cast<std::size_t>(b)]);
+      return quality(matches[to_index(a)]) > quality(matches[to_index(b)]);
     });
     const std::vector<char> keep =
         matchers::distinct(pairs, best_first, template_radius_px_, image_radius_px_);
@@ -99,7 +98,7 @@ class Merge final : public Matcher {
     const Array<T>& first = matches.front().record->*member;
     Array<T> out = first.ndim() == 1 ? Array<T>({count}) : Array<T>({count, first.dim(1)});
     for (std::int64_t i = 0; i < count; ++i) {
-      const auto& [record, row] = matches[static_cast<std::size_t>(i)];
+      const auto& [record, row] = matches[to_index(i)];
       std::copy_n((record->*member).row(row), out.row_elements(), out.row(i));
     }
     return out;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <string>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/mesh_topology.hpp>
@@ -67,9 +68,9 @@ class SalientCells final : public Pass {
     Sightlines& lines = *out.sightlines;
     lines.coverage = cells->coverage;
     explain(*cells, dropped, lines.diag);
-    const auto count = static_cast<std::size_t>(lines.count());
+    const auto count = to_index(lines.count());
     const std::string number = std::to_string(count);
-    if (count < static_cast<std::size_t>(min_sightlines_)) {
+    if (count < to_index(min_sightlines_)) {
       return no_result("too few sightlines: " + number + " of at least " +
                        std::to_string(min_sightlines_));
     }
@@ -84,15 +85,13 @@ class SalientCells final : public Pass {
  private:
   static Result<void> check(const PassInput& in) {
     if (!in.warp_samples || !in.correspondences) {
-      return Error{Errc::invalid_data, "needs 'warp_samples' and 'correspondences'", {}};
+      return Error{Errc::invalid_data, "needs 'warp_samples' and 'correspondences'"};
     }
     const std::int64_t vertices = in.templ.vertices_m.rows();
     if (in.warp_samples->xy_px.rows() != vertices ||
         (in.visibility && in.visibility->visible.rows() != vertices)) {
-      return Error{Errc::invalid_data,
-                   "warp samples and visibility must be of the " + std::to_string(vertices) +
-                       " vertices of the template",
-                   {}};
+      return Error{Errc::invalid_data, "warp samples and visibility must be of the " +
+                                           std::to_string(vertices) + " vertices of the template"};
     }
     return check_face_indices(in.templ.faces.matrix<3>(), vertices);
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/mesh_validation.hpp>
@@ -31,12 +32,12 @@ bool evaluated(const WarpSamples& warped, std::int64_t vertex) {
 std::vector<double> area_ratios(const Template& templ, const WarpSamples& warped) {
   const Points2 flat_px = templ.flat_px.matrix<2>(), image_px = warped.xy_px.matrix<2>();
   const Faces faces = templ.faces.matrix<3>();
-  std::vector<double> ratios(static_cast<std::size_t>(faces.rows()), std::nan(""));
+  std::vector<double> ratios(to_index(faces.rows()), std::nan(""));
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     worked_in_loop(f, 3);
     if (evaluated(warped, faces(f, 0)) && evaluated(warped, faces(f, 1)) &&
         evaluated(warped, faces(f, 2))) {
-      ratios[static_cast<std::size_t>(f)] =
+      ratios[to_index(f)] =
           signed_area_px2(image_px, faces, f) / signed_area_px2(flat_px, faces, f);
     }
   }
@@ -69,7 +70,7 @@ double salient_area_share(const Template& templ, const std::vector<std::uint8_t>
     worked_in_loop(f, 2);
     const double area = face_area(vertices_m, faces, f);
     all += area;
-    if (salient[static_cast<std::size_t>(f)] != 0) covered += area;
+    if (salient[to_index(f)] != 0) covered += area;
   }
   return all > 0.0 ? covered / all : 0.0;
 }
@@ -82,18 +83,17 @@ Result<Cells> find_cells(const Template& templ, const Correspondences& correspon
                          const WarpSamples& warped, const Rules& rules) {
   const std::int64_t face_count = templ.faces.rows();
   Cells cells;
-  cells.matches.assign(static_cast<std::size_t>(face_count), 0);
+  cells.matches.assign(to_index(face_count), 0);
   for (std::int64_t i = 0; i < correspondences.count(); ++i) {
     const std::int32_t face = correspondences.face(i);
     if (face >= face_count) {
       return Error{Errc::invalid_data,
                    "match " + std::to_string(i) + " lies in face " + std::to_string(face) +
                        ", but the template has " + std::to_string(face_count) +
-                       " faces: give the matches and the template of one pipeline",
-                   {}};
+                       " faces: give the matches and the template of one pipeline"};
     }
     if (correspondences.kept(i) == 0) continue;
-    ++(face < 0 ? cells.matches_without_face : cells.matches[static_cast<std::size_t>(face)]);
+    ++(face < 0 ? cells.matches_without_face : cells.matches[to_index(face)]);
   }
   for (const int matches : cells.matches) {
     cells.salient.push_back(matches >= rules.min_matches_per_cell ? 1 : 0);
@@ -107,14 +107,14 @@ std::vector<SalientVertex> find_vertices(const Template& templ, const Camera& ca
                                          const Cells& cells, const WarpSamples& warped,
                                          const std::optional<Visibility>& visibility,
                                          const Rules& rules, Dropped& dropped) {
-  std::vector<SalientVertex> all(static_cast<std::size_t>(templ.vertices_m.rows()), {-1, 0, 0, 0});
+  std::vector<SalientVertex> all(to_index(templ.vertices_m.rows()), {-1, 0, 0, 0});
   for (std::int32_t f = 0; f < templ.faces.rows(); ++f) {
     worked_in_loop(f);
-    if (cells.salient[static_cast<std::size_t>(f)] == 0) continue;
+    if (cells.salient[to_index(f)] == 0) continue;
     for (int corner = 0; corner < 3; ++corner) {
-      SalientVertex& entry = all[static_cast<std::size_t>(templ.faces(f, corner))];
+      SalientVertex& entry = all[to_index(templ.faces(f, corner))];
       if (entry.vertex < 0) entry = {templ.faces(f, corner), f, corner, 0};
-      entry.matches += cells.matches[static_cast<std::size_t>(f)];
+      entry.matches += cells.matches[to_index(f)];
     }
   }
   std::vector<SalientVertex> chosen;
@@ -147,8 +147,7 @@ std::vector<std::int64_t> find_matches(const Template& templ, const Camera& came
   std::vector<std::int64_t> chosen;
   for (std::int64_t i = 0; i < correspondences.count(); ++i) {
     const std::int32_t face = correspondences.face(i);
-    if (correspondences.kept(i) == 0 || face < 0 ||
-        cells.salient[static_cast<std::size_t>(face)] == 0) {
+    if (correspondences.kept(i) == 0 || face < 0 || cells.salient[to_index(face)] == 0) {
       continue;
     }
     if (!inside(camera, correspondences.image_px(i, 0), correspondences.image_px(i, 1),

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/barycentric.hpp>
 #include <weft/geometry/camera_model.hpp>
@@ -17,7 +18,7 @@ constexpr double kFewestExpected = 4.0 / 3.0;
 
 /// px^2 of a face in the image times the squared cosine of its slant; 0 where it is not in view.
 double exposure_px2(const Scene& scene, const Points2& pixels, Eigen::Index face) {
-  const double cosine = scene.cosines[static_cast<std::size_t>(face)];
+  const double cosine = scene.cosines[to_index(face)];
   const double area_px2 = std::abs(signed_area_px2(pixels, scene.faces, face));
   return cosine > 0.0 && std::isfinite(area_px2) ? cosine * cosine * area_px2 : 0.0;
 }
@@ -36,7 +37,7 @@ bool two_agree(const std::vector<Eigen::Vector2d>& offsets_px, double tolerance_
 template <class Visit>
 void for_neighbours(const Scene& scene, std::size_t vertex, const Visit& visit) {
   for (const std::int32_t face : scene.around[static_cast<Eigen::Index>(vertex)]) {
-    for (int k = 0; k < 3; ++k) visit(static_cast<std::size_t>(scene.faces(face, k)));
+    for (int k = 0; k < 3; ++k) visit(to_index(scene.faces(face, k)));
   }
 }
 
@@ -62,20 +63,19 @@ std::vector<std::size_t> take_part(const Scene& scene, std::size_t start,
 Evidence gather_evidence(const Scene& scene, const Camera& camera, const Correspondences& matches,
                          double tolerance_px) {
   const Pinhole pinhole{camera.fx, camera.fy, camera.cx, camera.cy};
-  const auto vertex_count = static_cast<std::size_t>(scene.vertices_m.rows());
-  std::vector<int> in_face(static_cast<std::size_t>(scene.faces.rows()), 0);
+  const auto vertex_count = to_index(scene.vertices_m.rows());
+  std::vector<int> in_face(to_index(scene.faces.rows()), 0);
   std::vector<std::vector<Eigen::Vector2d>> nearest(vertex_count);
   for (std::int64_t i = 0; i < matches.count(); ++i) {
     const std::int32_t face = matches.face(i);
     if (matches.kept(i) == 0 || face < 0) continue;
-    ++in_face[static_cast<std::size_t>(face)];
+    ++in_face[to_index(face)];
     const Eigen::Vector3d weights = matches.barycentrics.matrix<3>().row(i);
     const Eigen::Vector3d point_m = interpolate(scene.vertices_m, scene.faces, face, weights);
     const Eigen::Vector2d image_px = matches.image_px.matrix<2>().row(i);
     Eigen::Index corner = 0;
     weights.maxCoeff(&corner);
-    nearest[static_cast<std::size_t>(scene.faces(face, corner))].push_back(
-        image_px - project(pinhole, point_m));
+    nearest[to_index(scene.faces(face, corner))].push_back(image_px - project(pinhole, point_m));
   }
   const Points2 pixels = project_points(pinhole, scene.vertices_m);
   std::vector<double> exposure(in_face.size());
@@ -92,8 +92,8 @@ Evidence gather_evidence(const Scene& scene, const Camera& camera, const Corresp
     int found = 0;
     double around_px2 = 0.0;
     for (const std::int32_t face : scene.around[static_cast<Eigen::Index>(v)]) {
-      found += in_face[static_cast<std::size_t>(face)];
-      around_px2 += exposure[static_cast<std::size_t>(face)];
+      found += in_face[to_index(face)];
+      around_px2 += exposure[to_index(face)];
     }
     evidence.confirmed.push_back(two_agree(nearest[v], tolerance_px) ? 1 : 0);
     evidence.around.push_back(found);

@@ -12,7 +12,7 @@
 
 namespace weft::self_occlusion {
 
-/// What the kept matches say of each vertex, whatever the geometry foretells.
+/// What the kept matches say of each vertex, whatever the geometry predicts.
 struct Evidence {
   /// [V] 1 where two matches that are nearest to the vertex agree: what they lack to their places
   /// on the shape differs by less than the tolerance

@@ -2,6 +2,7 @@
 #include "hysteresis.hpp"
 
 #include <cstddef>
+#include <weft/core/index.hpp>
 
 namespace weft::self_occlusion {
 namespace {
@@ -57,7 +58,7 @@ Visibility settle(const Sight& sight, const std::optional<Told>& told,
   result.reason = Array<std::uint8_t>({count});
   int overruled = 0, unconfirmed = 0, visible = 0;
   for (std::int64_t v = 0; v < count; ++v) {
-    const auto i = static_cast<std::size_t>(v);
+    const auto i = to_index(v);
     const Finding found = finding_of(sight, told, i);
     const Verdict verdict = judge(found, previous, v, rules);
     SightReason reason = found.reason;

@@ -7,7 +7,6 @@
 
 #include "evidence.hpp"
 #include "hysteresis.hpp"
-#include "ray_scene.hpp"
 #include "sight.hpp"
 #include "warp_folds.hpp"
 
@@ -66,7 +65,7 @@ class SelfOcclusion final : public Pass {
  private:
   Result<void> prepare_mesh(const Template& templ) {
     if (!scene_) {
-      auto scene = RayScene::create();
+      auto scene = scene::RayCaster::create();
       if (!scene) return scene.error();
       scene_ = *std::move(scene);
     }
@@ -83,11 +82,9 @@ class SelfOcclusion final : public Pass {
     const std::int64_t vertices = in.templ.vertices_m.rows();
     const auto of_template = [&](std::int64_t count, const char* what) -> Result<void> {
       if (count == vertices) return {};
-      return Error{Errc::invalid_data,
-                   std::string(what) + " has " + std::to_string(count) +
-                       " vertices, the template " + std::to_string(vertices) +
-                       ": use one template throughout",
-                   {}};
+      return Error{Errc::invalid_data, std::string(what) + " has " + std::to_string(count) +
+                                           " vertices, the template " + std::to_string(vertices) +
+                                           ": use one template throughout"};
     };
     Result<void> status;
     if (in.shape) status = of_template(in.shape->vertices_m.rows(), "the shape");
@@ -106,8 +103,7 @@ class SelfOcclusion final : public Pass {
       return Error{Errc::invalid_data,
                    "match " + std::to_string(i) + " lies in face " +
                        std::to_string(in.correspondences->face(i)) + " of a template with " +
-                       std::to_string(in.templ.faces.rows()) + ": use one template throughout",
-                   {}};
+                       std::to_string(in.templ.faces.rows()) + ": use one template throughout"};
     }
     return {};
   }
@@ -141,7 +137,7 @@ class SelfOcclusion final : public Pass {
   double match_tolerance_px_ = 3.0;
   std::int64_t longest_age_ = 5;
 
-  std::optional<RayScene> scene_;
+  std::optional<scene::RayCaster> scene_;
   IndexLists around_;
   std::uint64_t mesh_revision_ = 0;
 };

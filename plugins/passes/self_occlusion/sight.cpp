@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/camera_model.hpp>
 
@@ -57,7 +58,7 @@ Ring ring_of(std::span<const std::int32_t> around, const std::vector<double>& co
   if (around.empty()) return ring;
   double sum = 0.0, largest = -1.0;
   for (const std::int32_t face : around) {
-    const auto f = static_cast<std::size_t>(face);
+    const auto f = to_index(face);
     sum += cosines[f];
     largest = std::max(largest, cosines[f]);
     const bool seen = facing_of(cosines[f]) == Facing::towards && face_hidden[f] == 0;
@@ -90,7 +91,7 @@ std::vector<double> facing_cosines(const Points3View& vertices_m, const FacesVie
 }
 
 Sight look(const Points3View& vertices_m, const FacesView& faces, const IndexLists& around,
-           const Camera& camera, RayScene& scene) {
+           const Camera& camera, scene::RayCaster& scene) {
   Sight sight;
   sight.cosines = facing_cosines(vertices_m, faces);
   scene.set_mesh(vertices_m, faces);
@@ -99,7 +100,7 @@ Sight look(const Points3View& vertices_m, const FacesView& faces, const IndexLis
   const auto face_hidden = scene.are_hidden(centroids(vertices_m, faces), slack_m);
   for (Eigen::Index v = 0; v < vertices_m.rows(); ++v) {
     worked_in_loop(v, 5);
-    const bool covered = hidden[static_cast<std::size_t>(v)] != 0;
+    const bool covered = hidden[to_index(v)] != 0;
     const Ring ring = ring_of(around[v], sight.cosines, face_hidden);
     SightReason reason = SightReason::seen;
     if (!in_image(camera, vertices_m.row(v))) {

@@ -8,7 +8,7 @@
 #include <weft/geometry/mesh_adjacency.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "ray_scene.hpp"
+#include "common/scene/ray_caster.hpp"
 
 namespace weft::self_occlusion {
 
@@ -35,6 +35,6 @@ std::vector<double> facing_cosines(const Points3View& vertices_m, const FacesVie
 /// seen if it looks towards the camera and nothing stands before its centroid. `scene` is given
 /// this mesh. `around` lists the faces around each vertex. Vertices must be finite.
 Sight look(const Points3View& vertices_m, const FacesView& faces, const IndexLists& around,
-           const Camera& camera, RayScene& scene);
+           const Camera& camera, scene::RayCaster& scene);
 
 }  // namespace weft::self_occlusion

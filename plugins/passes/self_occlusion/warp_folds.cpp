@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
 #include <weft/core/stop_check.hpp>
 
@@ -77,7 +78,7 @@ Sight look_at_warp(const Template& templ, const WarpSamples& warped, const Index
     const auto faces = around[v];
     int hidden = 0, evaluated = 0;
     for (const std::int32_t face : faces) {
-      const auto f = static_cast<std::size_t>(face);
+      const auto f = to_index(face);
       hidden += folded[f];
       evaluated += std::isfinite(maps[f].determinant) ? 1 : 0;
     }

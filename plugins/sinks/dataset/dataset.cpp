@@ -52,15 +52,12 @@ class Dataset final : public Sink {
       if (fs::exists(folder / part, status) && !fs::is_empty(folder / part, status)) {
         return Error{Errc::io,
                      (folder / part).string() +
-                         " holds files already: choose another 'path', or move them away",
-                     {}};
+                         " holds files already: choose another 'path', or move them away"};
       }
       fs::create_directories(folder / part, status);
       if (status) {
-        return Error{Errc::io,
-                     "the folder " + (folder / part).string() + " cannot be made (" +
-                         status.message() + "): choose another 'path'",
-                     {}};
+        return Error{Errc::io, "the folder " + (folder / part).string() + " cannot be made (" +
+                                   status.message() + "): choose another 'path'"};
       }
     }
     if (auto done = write_whole(camera_text(camera_), folder / "camera.yaml"); !done) return done;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <weft/core/index.hpp>
 #include <weft/core/whole_file.hpp>
 
 namespace weft::dataset {
@@ -39,7 +40,7 @@ Result<void> add(zip_t* archive, const NpzMember& member) {
   const zip_int64_t index = zip_file_add(archive, member.path().c_str(), source, ZIP_FL_ENC_UTF_8);
   if (index < 0) {
     zip_source_free(source);
-    return Error{Errc::io, zip_strerror(archive), {}};
+    return Error{Errc::io, zip_strerror(archive)};
   }
   const auto entry = static_cast<zip_uint64_t>(index);
   zip_set_file_compression(archive, entry, ZIP_CM_STORE, 0);
@@ -53,8 +54,7 @@ Result<void> add(zip_t* archive, const NpzMember& member) {
 Result<void> write_png(const fs::path& path, const Array<std::uint8_t>& pixels) {
   const cv::Mat image(static_cast<int>(pixels.dim(0)), static_cast<int>(pixels.dim(1)),
                       pixels.ndim() == 2 ? CV_8UC1 : CV_8UC3,
-                      const_cast<std::uint8_t*>(pixels.data()),
-                      static_cast<std::size_t>(pixels.row_stride()));
+                      const_cast<std::uint8_t*>(pixels.data()), to_index(pixels.row_stride()));
   std::vector<std::uint8_t> png;
   if (!cv::imencode(".png", image, png)) return cannot_write(path, "the image is no PNG");
   return write_whole({reinterpret_cast<const char*>(png.data()), png.size()}, path);

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/rigid_alignment.hpp>
@@ -45,7 +46,7 @@ cv::Mat pale_texture(const Template& templ) {
   }
   bgr.convertTo(pale, -1, 1.0 - kPaleness, kPaleness * 255.0);
   const cv::Mat mask(texture.size(), CV_8U, const_cast<std::uint8_t*>(templ.mask.data()),
-                     static_cast<std::size_t>(templ.mask.row_stride()));
+                     to_index(templ.mask.row_stride()));
   pale.copyTo(bgr, mask == 0);
   return bgr;
 }
@@ -135,7 +136,7 @@ void draw_face(cv::Mat& fine, const Points3& seen_px, const Faces& faces, Eigen:
   std::array<cv::Point, 3> corners;
   for (int k = 0; k < 3; ++k) {
     const auto corner = seen_px.row(faces(f, k));
-    corners[static_cast<std::size_t>(k)] = fine_point(corner.x(), corner.y());
+    corners[to_index(k)] = fine_point(corner.x(), corner.y());
   }
   cv::fillConvexPoly(fine, corners.data(), 3, colour, cv::LINE_AA, kShift);
   for (std::size_t k = 0; k < 3; ++k) {
@@ -154,7 +155,7 @@ cv::Mat object_panel(const Template& templ, int size_px) {
   const auto depth = [&](Eigen::Index f) {
     return seen_px(faces(f, 0), 2) + seen_px(faces(f, 1), 2) + seen_px(faces(f, 2), 2);
   };
-  std::vector<Eigen::Index> order(static_cast<std::size_t>(faces.rows()));
+  std::vector<Eigen::Index> order(to_index(faces.rows()));
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](Eigen::Index a, Eigen::Index b) { return depth(a) > depth(b); });
@@ -171,8 +172,7 @@ cv::Mat object_panel(const Template& templ, int size_px) {
 cv::Mat texture_of(const Template& templ) {
   return {static_cast<int>(templ.texture.dim(0)), static_cast<int>(templ.texture.dim(1)),
           templ.texture.ndim() == 2 ? CV_8UC1 : CV_8UC3,
-          const_cast<std::uint8_t*>(templ.texture.data()),
-          static_cast<std::size_t>(templ.texture.row_stride())};
+          const_cast<std::uint8_t*>(templ.texture.data()), to_index(templ.texture.row_stride())};
 }
 
 cv::Mat draw_mesh(const Template& templ) {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <weft/core/index.hpp>
 #include <weft/core/whole_file.hpp>
 #include <weft/sdk/sink.hpp>
 
@@ -44,11 +45,10 @@ class Meshes final : public Sink {
     texture_uv_.col(1) = 1.0 - (in.templ.flat_px.matrix<2>().col(1).array() + 0.5) / height;
     const cv::Mat pixels(static_cast<int>(texture.dim(0)), static_cast<int>(texture.dim(1)),
                          texture.ndim() == 2 ? CV_8UC1 : CV_8UC3,
-                         const_cast<std::uint8_t*>(texture.data()),
-                         static_cast<std::size_t>(texture.row_stride()));
+                         const_cast<std::uint8_t*>(texture.data()), to_index(texture.row_stride()));
     std::vector<std::uint8_t> png;
     if (!cv::imencode(".png", pixels, png)) {
-      return Error{Errc::unsupported, "the template's texture cannot be written as PNG", {}};
+      return Error{Errc::unsupported, "the template's texture cannot be written as PNG"};
     }
     texture_png_.assign(png.begin(), png.end());
     return {};
@@ -58,10 +58,8 @@ class Meshes final : public Sink {
     std::error_code status;
     fs::create_directories(path_, status);
     if (status) {
-      return Error{Errc::io,
-                   "the folder " + path_ + " cannot be made (" + status.message() +
-                       "): choose another 'path'",
-                   {}};
+      return Error{Errc::io, "the folder " + path_ + " cannot be made (" + status.message() +
+                                 "): choose another 'path'"};
     }
     if (texture_uv_.rows() == 0) return {};
     const fs::path folder(path_);
@@ -72,14 +70,13 @@ class Meshes final : public Sink {
   Result<void> write(const SinkInput& in) override {
     const Shape& shape = *in.shape;
     if (shape.vertices_m.rows() != vertex_count_) {
-      return Error{Errc::invalid_data,
-                   "the shape has " + std::to_string(shape.vertices_m.rows()) +
-                       " vertices, the template " + std::to_string(vertex_count_),
-                   {}};
+      return Error{Errc::invalid_data, "the shape has " + std::to_string(shape.vertices_m.rows()) +
+                                           " vertices, the template " +
+                                           std::to_string(vertex_count_)};
     }
     const auto vertices = shape.vertices_m.matrix<3>();
     if (!vertices.allFinite()) {
-      return Error{Errc::invalid_data, "the shape has a vertex that is not finite", {}};
+      return Error{Errc::invalid_data, "the shape has a vertex that is not finite"};
     }
     const Mesh mesh{vertices, faces_, description(shape, in.call.frame())};
     if (format_ != Format::obj) {

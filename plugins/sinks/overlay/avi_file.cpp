@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cmath>
 #include <numeric>
+#include <weft/core/index.hpp>
 #include <weft/core/whole_file.hpp>
 
 namespace weft::overlay {
@@ -118,7 +119,7 @@ Result<void> AviFile::write_at(const std::string& bytes, std::uint64_t offset) {
         pwrite(file_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) return failure(count < 0 ? errno : ENOSPC);
-    done += static_cast<std::size_t>(count);
+    done += to_index(count);
   }
   return {};
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
 #include "fixed_point.hpp"
@@ -85,7 +86,7 @@ MeshStyle style_of(const Shape& shape, int line_width_px) {
 
 std::vector<std::uint8_t> drawn_edges(const Points3View& rest_m, const MeshTopology& topology) {
   constexpr double kTolerance = 1e-3;  // of the edge
-  std::vector<std::uint8_t> drawn(static_cast<std::size_t>(topology.edges.rows()), 1);
+  std::vector<std::uint8_t> drawn(to_index(topology.edges.rows()), 1);
   Eigen::Index pair = 0;  // they follow the edges that have two faces
   for (Eigen::Index e = 0; e < topology.edges.rows(); ++e) {
     worked_in_loop(e, 3);
@@ -99,7 +100,7 @@ std::vector<std::uint8_t> drawn_edges(const Points3View& rest_m, const MeshTopol
     const double length_m = (a - b).norm();
     const bool halves = (a + b - c - d).norm() < kTolerance * length_m &&
                         std::abs(length_m - (c - d).norm()) < kTolerance * length_m;
-    drawn[static_cast<std::size_t>(e)] = halves ? 0 : 1;
+    drawn[to_index(e)] = halves ? 0 : 1;
   }
   return drawn;
 }
@@ -110,8 +111,8 @@ void draw_mesh(cv::Mat& canvas, const Points2View& vertices_px, const FacesView&
   std::vector<Segment> inner, border, unseen;
   const auto is_unseen = [&](Eigen::Index e) {
     if (!visible.empty()) {
-      return visible[static_cast<std::size_t>(topology.edges(e, 0))] == 0 &&
-             visible[static_cast<std::size_t>(topology.edges(e, 1))] == 0;
+      return visible[to_index(topology.edges(e, 0))] == 0 &&
+             visible[to_index(topology.edges(e, 1))] == 0;
     }
     const std::int32_t one = topology.edge_faces(e, 0), other = topology.edge_faces(e, 1);
     return turns_away(vertices_px, faces, one) &&
@@ -124,7 +125,7 @@ void draw_mesh(cv::Mat& canvas, const Points2View& vertices_px, const FacesView&
       return cv::Point2d(row.x(), row.y());
     };
     const Segment segment{point(0), point(1)};
-    if (drawn[static_cast<std::size_t>(e)] == 0) continue;
+    if (drawn[to_index(e)] == 0) continue;
     if (!drawable(segment.from) || !drawable(segment.to)) continue;
     if (is_unseen(e)) {
       add_dashes(segment, unseen);
@@ -153,7 +154,7 @@ void draw_points(cv::Mat& canvas, const std::vector<cv::Point2d>& points_px) {
       if (!drawable(point)) continue;
       for (int k = 0; k < kCorners; ++k) {
         const double angle_rad = k * 2.0 * CV_PI / kCorners;
-        corners[static_cast<std::size_t>(k)] =
+        corners[to_index(k)] =
             fixed_point(point + kRadius_px * cv::Point2d(std::cos(angle_rad), std::sin(angle_rad)));
       }
       cv::fillConvexPoly(layer, corners.data(), kCorners, colour, cv::LINE_AA, kShift);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <weft/core/index.hpp>
 #include <weft/core/whole_file.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/sdk/sink.hpp>
@@ -67,20 +68,18 @@ class Overlay final : public Sink {
   Result<void> open(const Call&) override { return video_.open(path_, fps_, canvas_size_); }
 
   Result<void> write(const SinkInput& in) override {
-    if (!video_.is_open()) return Error{Errc::io, "the video " + path_ + " is not open", {}};
+    if (!video_.is_open()) return Error{Errc::io, "the video " + path_ + " is not open"};
     const Array<std::uint8_t>& pixels = in.image->pixels;
     const cv::Size size(static_cast<int>(pixels.dim(1)), static_cast<int>(pixels.dim(0)));
     if (size != frame_size_) {
-      return Error{Errc::invalid_data,
-                   "the frame is " + text_of(size) + " px, but the video " + path_ + " is " +
-                       text_of(frame_size_) + " px, as the camera",
-                   {}};
+      return Error{Errc::invalid_data, "the frame is " + text_of(size) + " px, but the video " +
+                                           path_ + " is " + text_of(frame_size_) +
+                                           " px, as the camera"};
     }
     if (in.shape && in.shape->vertices_m.rows() != in.templ->vertices_m.rows()) {
       return Error{Errc::invalid_data,
                    "the shape has " + std::to_string(in.shape->vertices_m.rows()) +
-                       " vertices, the template " + std::to_string(in.templ->vertices_m.rows()),
-                   {}};
+                       " vertices, the template " + std::to_string(in.templ->vertices_m.rows())};
     }
     const cv::Mat canvas = picture_of(in);
     if (auto written = video_.write(canvas); !written) return written.error();
@@ -119,8 +118,7 @@ class Overlay final : public Sink {
   static void copy_pixels(const Array<std::uint8_t>& pixels, cv::Mat& frame) {
     const bool grey = pixels.ndim() == 2;
     const cv::Mat image(frame.size(), grey ? CV_8UC1 : CV_8UC3,
-                        const_cast<std::uint8_t*>(pixels.data()),
-                        static_cast<std::size_t>(pixels.row_stride()));
+                        const_cast<std::uint8_t*>(pixels.data()), to_index(pixels.row_stride()));
     if (grey) {
       cv::cvtColor(image, frame, cv::COLOR_GRAY2BGR);
     } else {
@@ -145,7 +143,7 @@ class Overlay final : public Sink {
     const bool is_new =
         shape.shape_state() == ShapeState::estimated || shape.shape_state() == ShapeState::weak;
     const auto visible = visible_in(in);
-    std::vector<double> measured(static_cast<std::size_t>(shape.vertices_m.rows()), 0.0);
+    std::vector<double> measured(to_index(shape.vertices_m.rows()), 0.0);
     for (std::size_t v = 0; is_new && v < measured.size(); ++v) {
       const bool is_seen = visible.empty() || visible[v] != 0;
       measured[v] = is_seen && shape.source(static_cast<std::int64_t>(v)) != 0 ? 1.0 : 0.0;
@@ -156,7 +154,7 @@ class Overlay final : public Sink {
   /// [V] what is said of this very shape; empty where nothing is.
   static std::span<const std::uint8_t> visible_in(const SinkInput& in) {
     if (!in.visibility || in.visibility->visible.rows() != in.shape->vertices_m.rows()) return {};
-    return {in.visibility->visible.data(), static_cast<std::size_t>(in.visibility->visible.rows())};
+    return {in.visibility->visible.data(), to_index(in.visibility->visible.rows())};
   }
 
   static std::vector<cv::Point2d> kept_points(const Correspondences& matches) {
@@ -182,7 +180,7 @@ class Overlay final : public Sink {
     const fs::path path = fs::path(stills_path_) / (name + extension);
     std::vector<std::uint8_t> bytes;
     if (!cv::imencode(extension, still_of(canvas), bytes)) {
-      return Error{Errc::unsupported, "OpenCV cannot write the frame as " + extension, {}};
+      return Error{Errc::unsupported, "OpenCV cannot write the frame as " + extension};
     }
     std::error_code status;
     fs::create_directories(path.parent_path(), status);  // writing says why it cannot

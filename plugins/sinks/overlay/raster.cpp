@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
 namespace weft::overlay {
@@ -34,7 +35,7 @@ struct Triangle {
   cv::Vec3d weights(double x, double y) const {
     cv::Vec3d w;
     for (int k = 0; k < 3; ++k) {
-      const auto next = static_cast<std::size_t>((k + 1) % 3), here = static_cast<std::size_t>(k);
+      const auto next = to_index((k + 1) % 3), here = to_index(k);
       w[k] = gradient[here].dot(cv::Point2d(x, y) - corners[next].at_px);
     }
     return w;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
 #include "floor.hpp"
@@ -24,8 +25,7 @@ cv::Mat bgr_texture(const Template& templ) {
   const Array<std::uint8_t>& texels = templ.texture;
   const cv::Size size(static_cast<int>(texels.dim(1)), static_cast<int>(texels.dim(0)));
   const cv::Mat given(size, texels.ndim() == 2 ? CV_8UC1 : CV_8UC3,
-                      const_cast<std::uint8_t*>(texels.data()),
-                      static_cast<std::size_t>(texels.row_stride()));
+                      const_cast<std::uint8_t*>(texels.data()), to_index(texels.row_stride()));
   cv::Mat texture;
   if (texels.ndim() == 2) {
     cv::cvtColor(given, texture, cv::COLOR_GRAY2BGR);
@@ -38,16 +38,16 @@ cv::Mat bgr_texture(const Template& templ) {
 /// For each side of a face whether it is drawn.
 std::vector<std::array<bool, 3>> sides_of(const FacesView& faces, const MeshTopology& topology,
                                           const std::vector<std::uint8_t>& drawn) {
-  std::vector<std::array<bool, 3>> sides(static_cast<std::size_t>(faces.rows()), {false});
+  std::vector<std::array<bool, 3>> sides(to_index(faces.rows()), {false});
   for (Eigen::Index e = 0; e < topology.edges.rows(); ++e) {
     worked_in_loop(e, 3);
-    if (drawn[static_cast<std::size_t>(e)] == 0) continue;
+    if (drawn[to_index(e)] == 0) continue;
     for (int side = 0; side < 2; ++side) {
       const std::int32_t face = topology.edge_faces(e, side);
       for (int k = 0; face >= 0 && k < 3; ++k) {
         const std::int32_t corner = faces(face, k);
         if (corner != topology.edges(e, 0) && corner != topology.edges(e, 1)) {
-          sides[static_cast<std::size_t>(face)][static_cast<std::size_t>(k)] = true;
+          sides[to_index(face)][to_index(k)] = true;
         }
       }
     }
@@ -142,12 +142,12 @@ std::vector<Corner> SideView::corners_of(const Orbit& orbit, const Points3& move
   const Points3 normals = normals_of(moved_m, faces_);
   const double nearest_m = orbit.distance_m() - radius_m_;
   std::vector<Corner> corners;
-  corners.reserve(static_cast<std::size_t>(moved_m.rows()));
+  corners.reserve(to_index(moved_m.rows()));
   for (Eigen::Index v = 0; v < moved_m.rows(); ++v) {
     worked_in_loop(v, 10);
     const Eigen::Vector3d point_m = moved_m.row(v);
     const double depth = std::clamp((point_m.z() - nearest_m) / (2.0 * radius_m_), 0.0, 1.0);
-    const double unmeasured = 1.0 - measured[static_cast<std::size_t>(v)];
+    const double unmeasured = 1.0 - measured[to_index(v)];
     corners.push_back({orbit.project(point_m),
                        1.0 / point_m.z(),
                        {uv_px_(v, 0), uv_px_(v, 1)},
@@ -172,7 +172,7 @@ Raster SideView::raster_of(const Orbit& orbit, const Points3View& vertices_m,
     bool drawable = true;
     for (int k = 0; k < 3; ++k) {
       const std::int32_t v = faces_(f, k);
-      three[static_cast<std::size_t>(k)] = corners[static_cast<std::size_t>(v)];
+      three[to_index(k)] = corners[to_index(v)];
       drawable = drawable && moved_m.row(v).allFinite() && moved_m(v, 2) > 0.1 * radius_m_;
     }
     if (!drawable) continue;
@@ -181,7 +181,7 @@ Raster SideView::raster_of(const Orbit& orbit, const Points3View& vertices_m,
     for (Corner& corner : three) {
       if (is_back) corner.pallor = 1.0 - (1.0 - corner.pallor) * (1.0 - kBackPallor);
     }
-    draw_triangle(raster, three, sides_[static_cast<std::size_t>(f)], line_px);
+    draw_triangle(raster, three, sides_[to_index(f)], line_px);
   }
   return raster;
 }

@@ -19,10 +19,8 @@ Result<void> check_writable(const std::string& path) {
   errno = 0;
   if (std::ofstream(path, std::ios::binary)) return {};
   const std::error_code code(errno, std::generic_category());
-  return Error{Errc::io,
-               "the video " + path + " cannot be written (" + why_not_written(code) +
-                   "): choose another 'path' or make its folder writable",
-               {}};
+  return Error{Errc::io, "the video " + path + " cannot be written (" + why_not_written(code) +
+                             "): choose another 'path' or make its folder writable"};
 }
 
 /// Pictures of a finished video, none of which is decoded.
@@ -57,8 +55,7 @@ Result<void> VideoFile::check_format(const std::string& path) {
   if (extension == ".avi" || extension == ".mkv") return {};
   return Error{Errc::unsupported,
                "the video " + path + " must end in .avi or .mkv, which stay readable when a " +
-                   "run is killed: change 'path', and convert the file afterwards",
-               {}};
+                   "run is killed: change 'path', and convert the file afterwards"};
 }
 
 Result<void> VideoFile::open_part() {
@@ -86,10 +83,8 @@ Result<void> VideoFile::open_mkv() {
     writer_.release();
   }
   if (writer_.isOpened()) return {};
-  return Error{
-      Errc::unsupported,
-      "OpenCV cannot write the video " + part_path_ + ": it was built without FFmpeg; use .avi",
-      {}};
+  return Error{Errc::unsupported, "OpenCV cannot write the video " + part_path_ +
+                                      ": it was built without FFmpeg; use .avi"};
 }
 
 Result<void> VideoFile::write(const cv::Mat& picture) {
@@ -112,7 +107,7 @@ Result<void> VideoFile::add(const cv::Mat& picture) {
   std::vector<std::uint8_t> jpeg;
   constexpr int kQuality = 95;
   if (!cv::imencode(".jpg", picture, jpeg, {cv::IMWRITE_JPEG_QUALITY, kQuality})) {
-    return Error{Errc::unsupported, "OpenCV cannot write the frame as JPEG", {}};
+    return Error{Errc::unsupported, "OpenCV cannot write the frame as JPEG"};
   }
   if (auto added = avi_.add(jpeg); !added) return added;
   ++given_;
@@ -126,10 +121,8 @@ Result<void> VideoFile::close_part() {
   if (!closed) return closed;
   const std::int64_t found = pictures_in(part_path_);
   if (found == given_) return {};
-  return Error{Errc::io,
-               "the video " + part_path_ + " has " + std::to_string(found) + " of " +
-                   std::to_string(given_) + " frames: is the disk full?",
-               {}};
+  return Error{Errc::io, "the video " + part_path_ + " has " + std::to_string(found) + " of " +
+                             std::to_string(given_) + " frames: is the disk full?"};
 }
 
 Result<void> VideoFile::close() {

@@ -3,10 +3,11 @@
 
 #include <concepts>
 #include <cstddef>
+#include <weft/core/index.hpp>
 
 namespace weft::brunet_mdh {
 
 /// A vertex, row or face as an index of a standard container.
-constexpr std::size_t at(std::integral auto index) { return static_cast<std::size_t>(index); }
+constexpr std::size_t at(std::integral auto index) { return to_index(index); }
 
 }  // namespace weft::brunet_mdh

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
 #include <weft/geometry/check_sightlines.hpp>
 #include <weft/geometry/known_surface.hpp>
@@ -44,7 +45,7 @@ class BrunetMdh final : public Solver {
   }
 
   Result<Shape> solve(const SolverInput& in) override {
-    if (!in.sightlines) return Error{Errc::invalid_data, "needs 'sightlines'", {}};
+    if (!in.sightlines) return Error{Errc::invalid_data, "needs 'sightlines'"};
     if (auto ready = prepare_surface(in.templ); !ready) return ready.error();
     const Sightlines& lines = *in.sightlines;
     auto checked = check_sightlines(lines, surface_->vertices_m().rows(), surface_->faces().rows());
@@ -85,9 +86,8 @@ class BrunetMdh final : public Solver {
   /// Sightlines to use, ascending: the first of each vertex, and of the points in a face the most
   /// central one.
   std::vector<std::int64_t> choose_points(const Sightlines& lines) const {
-    std::vector<std::int64_t> of_vertex(static_cast<std::size_t>(surface_->vertices_m().rows()),
-                                        -1);
-    std::vector<std::int64_t> of_face(static_cast<std::size_t>(surface_->faces().rows()), -1);
+    std::vector<std::int64_t> of_vertex(to_index(surface_->vertices_m().rows()), -1);
+    std::vector<std::int64_t> of_face(to_index(surface_->faces().rows()), -1);
     const auto centrality = [&](std::int64_t i) {
       const double* w = lines.barycentrics.row(i);
       return std::min({w[0], w[1], w[2]});
@@ -95,8 +95,8 @@ class BrunetMdh final : public Solver {
     for (std::int64_t i = 0; i < lines.count(); ++i) {
       if (lines.weight(i) == 0.0) continue;
       const bool at_vertex = lines.vertex(i) >= 0;
-      std::int64_t& place = at_vertex ? of_vertex[static_cast<std::size_t>(lines.vertex(i))]
-                                      : of_face[static_cast<std::size_t>(lines.face(i))];
+      std::int64_t& place =
+          at_vertex ? of_vertex[to_index(lines.vertex(i))] : of_face[to_index(lines.face(i))];
       if (place < 0 || (!at_vertex && centrality(i) > centrality(place))) place = i;
     }
     std::vector<std::int64_t> chosen;
@@ -162,7 +162,7 @@ class BrunetMdh final : public Solver {
       options.slack_penalty = 0.0;
       result = admm_.solve(rays, options, cancelled, anchors);
     }
-    if (result.cancelled) return Error{Errc::cancelled, "cancelled", {}};
+    if (result.cancelled) return Error{Errc::cancelled, "cancelled"};
     for (double& tension : result.tensions) tension /= usual_tension;
     return result;
   }
@@ -172,7 +172,7 @@ class BrunetMdh final : public Solver {
     Points3 positions_m(rays.rows() + static_cast<Eigen::Index>(problem_.unseen.size()), 3);
     int behind = 0;
     for (Eigen::Index p = 0; p < rays.rows(); ++p) {
-      const double depth = depths.depths_m[static_cast<std::size_t>(p)];
+      const double depth = depths.depths_m[to_index(p)];
       behind += depth < 0.0 ? 1 : 0;
       positions_m.row(p) = std::max(depth, 0.0) * rays.row(p);
     }

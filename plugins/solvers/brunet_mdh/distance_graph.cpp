@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <numeric>
 #include <utility>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
 namespace weft::brunet_mdh {
@@ -41,23 +42,22 @@ void join_nearest(const RestSurface& surface, std::span<const SurfacePoint> poin
     const std::vector<double> lengths = surface.lengths_m(points, from);
     std::iota(order.begin(), order.end(), 0);
     const auto nearer = [&](std::int32_t a, std::int32_t b) {
-      return std::pair(lengths[static_cast<std::size_t>(a)], a) <
-             std::pair(lengths[static_cast<std::size_t>(b)], b);
+      return std::pair(lengths[to_index(a)], a) < std::pair(lengths[to_index(b)], b);
     };
     const auto end = order.begin() + static_cast<std::ptrdiff_t>(std::min(most + 1, order.size()));
     std::partial_sort(order.begin(), end, order.end(), nearer);
     for (auto it = order.begin(); it != end; ++it) {
       const auto [low, high] = std::minmax({from, *it});
-      add(low, high, lengths[static_cast<std::size_t>(*it)], edges);
+      add(low, high, lengths[to_index(*it)], edges);
     }
   }
 }
 
 PointLists points_at_vertices(const RestSurface& surface, std::span<const SurfacePoint> points) {
-  PointLists lists(static_cast<std::size_t>(surface.vertices_m().rows()));
+  PointLists lists(to_index(surface.vertices_m().rows()));
   for (std::int32_t p = 0; p < static_cast<std::int32_t>(points.size()); ++p) {
-    for (const std::int32_t v : surface.support(points[static_cast<std::size_t>(p)])) {
-      lists[static_cast<std::size_t>(v)].push_back(p);
+    for (const std::int32_t v : surface.support(points[to_index(p)])) {
+      lists[to_index(v)].push_back(p);
     }
   }
   return lists;
@@ -67,26 +67,25 @@ PointLists points_at_vertices(const RestSurface& surface, std::span<const Surfac
 
 std::vector<std::int32_t> connected_parts(std::span<const DistanceConstraint> edges,
                                           std::int32_t count) {
-  std::vector<std::int32_t> parent(static_cast<std::size_t>(count));
+  std::vector<std::int32_t> parent(to_index(count));
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](std::int32_t i) {
-    while (parent[static_cast<std::size_t>(i)] != i) {
-      std::int32_t& up = parent[static_cast<std::size_t>(i)];
-      up = parent[static_cast<std::size_t>(up)];
+    while (parent[to_index(i)] != i) {
+      std::int32_t& up = parent[to_index(i)];
+      up = parent[to_index(up)];
       i = up;
     }
     return i;
   };
   for (const DistanceConstraint& edge : edges) {
     const auto [low, high] = std::minmax({root(edge.i), root(edge.j)});
-    parent[static_cast<std::size_t>(high)] = low;
+    parent[to_index(high)] = low;
   }
   std::vector<std::int32_t> part(parent.size());
   std::int32_t parts = 0;
   for (std::int32_t i = 0; i < count; ++i) {
     const std::int32_t first = root(i);
-    part[static_cast<std::size_t>(i)] =
-        first == i ? parts++ : part[static_cast<std::size_t>(first)];
+    part[to_index(i)] = first == i ? parts++ : part[to_index(first)];
   }
   return part;
 }
@@ -96,7 +95,7 @@ std::vector<DistanceConstraint> distance_graph(const RestSurface& surface,
   const auto count = static_cast<std::int32_t>(points.size());
   const PointLists points_at = points_at_vertices(surface, points);
   std::vector<DistanceConstraint> edges;
-  std::vector<std::uint8_t> reached(static_cast<std::size_t>(surface.vertices_m().rows()), 0);
+  std::vector<std::uint8_t> reached(to_index(surface.vertices_m().rows()), 0);
   for (std::int32_t from = 0; from < count; ++from) {
     worked(200);
     for (const auto& [to, length_m] :

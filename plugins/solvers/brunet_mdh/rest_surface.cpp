@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
+#include <weft/core/index.hpp>
 #include <weft/geometry/surface_distance.hpp>
 
 #include "at.hpp"
@@ -22,7 +23,7 @@ Result<RestSurface> RestSurface::create(const Template& templ) {
   auto topology = build_topology(surface.faces_, surface.vertices_m_.rows());
   if (!topology) return topology.error();
   if (surface.vertices_m_.rows() == 0 || !surface.vertices_m_.allFinite()) {
-    return Error{Errc::invalid_data, "the template needs vertices, all of them finite", {}};
+    return Error{Errc::invalid_data, "the template needs vertices, all of them finite"};
   }
   surface.topology_ = *std::move(topology);
   surface.neighbours_ = vertex_neighbours(surface.topology_.edges, surface.vertices_m_.rows());
@@ -34,8 +35,7 @@ Eigen::Vector3d RestSurface::position_m(const SurfacePoint& point) const {
   if (point.vertex >= 0) return vertices_m_.row(point.vertex);
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   for (int k = 0; k < 3; ++k) {
-    position += point.weights[static_cast<std::size_t>(k)] *
-                vertices_m_.row(faces_(point.face, k)).transpose();
+    position += point.weights[to_index(k)] * vertices_m_.row(faces_(point.face, k)).transpose();
   }
   return position;
 }

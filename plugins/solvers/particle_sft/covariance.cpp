@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdlib>
 #include <numeric>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
 namespace weft::particle_sft {
@@ -23,7 +24,7 @@ std::vector<std::int32_t> along_longest_axis(const Points3& rest_m) {
   const Eigen::Vector3d axis =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(2);
   const Eigen::VectorXd along_m = centred_m * axis;
-  std::vector<std::int32_t> order(static_cast<std::size_t>(rest_m.rows()));
+  std::vector<std::int32_t> order(to_index(rest_m.rows()));
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](std::int32_t a, std::int32_t b) { return along_m[a] < along_m[b]; });
@@ -44,7 +45,7 @@ double bend_rad(const BendingHinge& hinge, const Points3& vertices_m) {
 
 bool all_seen(const BendingHinge& hinge, const std::vector<std::uint8_t>& seen) {
   return std::all_of(hinge.vertex.begin(), hinge.vertex.end(),
-                     [&](std::int32_t v) { return seen[static_cast<std::size_t>(v)] != 0; });
+                     [&](std::int32_t v) { return seen[to_index(v)] != 0; });
 }
 
 }  // namespace
@@ -75,12 +76,11 @@ Result<void> ShapeCovariance::build(const MeshModel& mesh) {
   const std::vector<std::int32_t> order = along_longest_axis(mesh.rest_m());
   place_.resize(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) {
-    place_[static_cast<std::size_t>(order[k])] = 3 * static_cast<Eigen::Index>(k);
+    place_[to_index(order[k])] = 3 * static_cast<Eigen::Index>(k);
   }
   Eigen::Index apart = 0;
   const auto join = [&](std::int32_t i, std::int32_t j) {
-    apart = std::max(
-        apart, std::abs(place_[static_cast<std::size_t>(i)] - place_[static_cast<std::size_t>(j)]));
+    apart = std::max(apart, std::abs(place_[to_index(i)] - place_[to_index(j)]));
   };
   for (const DistanceConstraint& pair : mesh.stretch()) join(pair.i, pair.j);
   for (const DistanceConstraint& pair : mesh.bending()) join(pair.i, pair.j);
@@ -92,10 +92,9 @@ Result<void> ShapeCovariance::build(const MeshModel& mesh) {
                  "the covariance of " + std::to_string(order.size()) + " vertices needs " +
                      std::to_string(std::llround(bytes / kMiB)) + " MiB, more than " +
                      std::to_string(std::llround(kMostBytes / kMiB)) +
-                     ": set covariance: false, or give a template with fewer vertices",
-                 {}};
+                     ": set covariance: false, or give a template with fewer vertices"};
   }
-  band_.resize(static_cast<std::size_t>(size_ + (size_ - 1) * below_));
+  band_.resize(to_index(size_ + (size_ - 1) * below_));
   column_.resize(below_);
   shared_.resize(size_);
   return {};
@@ -177,16 +176,15 @@ void ShapeCovariance::add_edges(const ParticleSystem& system, const std::vector<
     const Eigen::Vector3d along =
         (vertices_m.row(edge.j) - vertices_m.row(edge.i)).transpose().normalized() /
         edge.rest_length_m;
-    const bool is_seen =
-        seen[static_cast<std::size_t>(edge.i)] != 0 && seen[static_cast<std::size_t>(edge.j)] != 0;
+    const bool is_seen = seen[to_index(edge.i)] != 0 && seen[to_index(edge.j)] != 0;
     const double weight = is_seen ? known : unknown;
     const Eigen::Matrix3d block = weight * along * along.transpose();
     add_block(edge.i, edge.i, block);
     add_block(edge.j, edge.j, block);
     add_block(edge.i, edge.j, -block);
     add_block(edge.j, edge.i, -block);
-    shared_.segment<3>(place_[static_cast<std::size_t>(edge.i)]) += weight * along;
-    shared_.segment<3>(place_[static_cast<std::size_t>(edge.j)]) -= weight * along;
+    shared_.segment<3>(place_[to_index(edge.i)]) += weight * along;
+    shared_.segment<3>(place_[to_index(edge.j)]) -= weight * along;
     edge_weights_ += weight;
   }
 }
@@ -210,8 +208,8 @@ void ShapeCovariance::add_bends(const std::vector<std::uint8_t>& seen, const Hol
 /// Keeps what is in the lower half.
 void ShapeCovariance::add_block(std::int32_t row, std::int32_t column,
                                 const Eigen::Matrix3d& block) {
-  const Eigen::Index first = place_[static_cast<std::size_t>(row)];
-  const Eigen::Index second = place_[static_cast<std::size_t>(column)];
+  const Eigen::Index first = place_[to_index(row)];
+  const Eigen::Index second = place_[to_index(column)];
   if (first < second) return;
   for (Eigen::Index c = 0; c < 3; ++c) {
     for (Eigen::Index r = first == second ? c : 0; r < 3; ++r) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 #include <utility>
+#include <weft/core/index.hpp>
 #include <weft/geometry/check_sightlines.hpp>
 
 #include "fit.hpp"
@@ -27,12 +28,12 @@ Result<void> check_match_count(const SolverInput& in) {
 
 Result<void> FrameConstraints::read(const SolverInput& in, const MeshModel& mesh,
                                     const FrameOptions& options) {
-  if (!in.sightlines) return Error{Errc::invalid_data, "needs 'sightlines'", {}};
+  if (!in.sightlines) return Error{Errc::invalid_data, "needs 'sightlines'"};
   const Sightlines& lines = *in.sightlines;
   auto checked = check_sightlines(lines, mesh.vertex_count(), mesh.faces().rows());
   if (!checked) return checked;
   system.rays = ray_constraints(lines, mesh.faces());
-  if (system.rays.size() < static_cast<std::size_t>(options.min_sightlines)) {
+  if (system.rays.size() < to_index(options.min_sightlines)) {
     return no_result("too few sightlines: " + std::to_string(system.rays.size()) + " of at least " +
                      std::to_string(options.min_sightlines));
   }

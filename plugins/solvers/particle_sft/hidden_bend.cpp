@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/mesh_bending.hpp>
 
@@ -46,7 +47,7 @@ bool is_left(const Points2& flat_px, std::int32_t a, std::int32_t b, std::int32_
 }
 
 bool has(const std::vector<std::uint8_t>& marked, std::int32_t vertex) {
-  return marked[static_cast<std::size_t>(vertex)] != 0;
+  return marked[to_index(vertex)] != 0;
 }
 
 /// How far the surface is bent across an edge that is seen.
@@ -93,18 +94,17 @@ Result<std::vector<std::uint8_t>> hidden_part(const Visibility& visibility,
                                               const IndexLists& neighbours) {
   const Eigen::Index count = neighbours.size();
   if (visibility.visible.rows() != count) {
-    return Error{Errc::invalid_data,
-                 "the visibility has " + std::to_string(visibility.visible.rows()) +
-                     " vertices, the template " + std::to_string(count) +
-                     ": use one template throughout",
-                 {}};
+    return Error{Errc::invalid_data, "the visibility has " +
+                                         std::to_string(visibility.visible.rows()) +
+                                         " vertices, the template " + std::to_string(count) +
+                                         ": use one template throughout"};
   }
   const std::vector<std::uint8_t> measured = held_vertices(rays, {}, count);
   std::vector<std::uint8_t> hidden(measured.size(), 0);
   std::vector<std::int32_t> front;
   const auto hide = [&](std::int32_t v) {
     if (has(measured, v) || has(hidden, v)) return;
-    hidden[static_cast<std::size_t>(v)] = 1;
+    hidden[to_index(v)] = 1;
     front.push_back(v);
   };
   for (std::int32_t v = 0; v < count; ++v) {
@@ -142,7 +142,7 @@ void add_uncovered(const std::vector<RayConstraint>& rays, const MeshModel& mesh
     part.clear();
     const auto reach = [&](std::int32_t v) {
       if (has(visited, v)) return;
-      visited[static_cast<std::size_t>(v)] = 1;
+      visited[to_index(v)] = 1;
       part.push_back(v);
     };
     reach(start);
@@ -151,7 +151,7 @@ void add_uncovered(const std::vector<RayConstraint>& rays, const MeshModel& mesh
     }
     if (std::all_of(part.begin(), part.end(), touches_measured)) continue;
     hidden.resize(measured.size(), 0);
-    for (const std::int32_t v : part) hidden[static_cast<std::size_t>(v)] = 1;
+    for (const std::int32_t v : part) hidden[to_index(v)] = 1;
   }
 }
 
@@ -194,7 +194,7 @@ std::vector<std::uint8_t> BendContinuation::with_rim(
   std::vector<std::uint8_t> grown = hidden;
   for (const Hinge& hinge : hinges_) {
     if (!touches(hinge, hidden)) continue;
-    for (const std::int32_t v : hinge.vertex) grown[static_cast<std::size_t>(v)] = 1;
+    for (const std::int32_t v : hinge.vertex) grown[to_index(v)] = 1;
   }
   return grown;
 }
@@ -266,7 +266,7 @@ void BendContinuation::lay_out(const std::vector<double>& angles_rad,
     if (next.empty()) return;
     for (const auto& [vertex, sum] : next) {
       shape_m.row(vertex) = (sum.place_m / sum.count).transpose();
-      placed[static_cast<std::size_t>(vertex)] = 1;
+      placed[to_index(vertex)] = 1;
     }
   }
 }
@@ -276,9 +276,9 @@ std::vector<std::uint8_t> BendContinuation::parts_kept_whole(
   std::vector<std::int32_t> part(hidden.size());
   std::iota(part.begin(), part.end(), 0);
   const auto root = [&](std::int32_t v) {
-    while (part[static_cast<std::size_t>(v)] != v) {
-      std::int32_t& next = part[static_cast<std::size_t>(v)];
-      v = next = part[static_cast<std::size_t>(next)];
+    while (part[to_index(v)] != v) {
+      std::int32_t& next = part[to_index(v)];
+      v = next = part[to_index(next)];
     }
     return v;
   };
@@ -295,18 +295,18 @@ std::vector<std::uint8_t> BendContinuation::parts_kept_whole(
     }
   };
   each_hidden_edge([&](std::int32_t i, std::int32_t j, double /*length_m*/) {
-    if (has(hidden, i) && has(hidden, j)) part[static_cast<std::size_t>(root(i))] = root(j);
+    if (has(hidden, i) && has(hidden, j)) part[to_index(root(i))] = root(j);
   });
   each_hidden_edge([&](std::int32_t i, std::int32_t j, double length_m) {
     if (!has(hidden, i) && !has(hidden, j)) return;
-    const auto of_part = static_cast<std::size_t>(root(has(hidden, i) ? i : j));
+    const auto of_part = to_index(root(has(hidden, i) ? i : j));
     const double strain = std::abs((shape_m.row(i) - shape_m.row(j)).norm() / length_m - 1.0);
     ++edges[of_part];
     if (!(strain < kTearingStrain)) ++torn[of_part];
   });
   std::vector<std::uint8_t> kept = hidden;
   for (std::size_t v = 0; v < hidden.size(); ++v) {
-    const auto of_part = static_cast<std::size_t>(root(static_cast<std::int32_t>(v)));
+    const auto of_part = to_index(root(static_cast<std::int32_t>(v)));
     if (torn[of_part] > kTornShare * edges[of_part]) kept[v] = 0;
   }
   return kept;

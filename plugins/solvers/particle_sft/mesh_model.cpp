@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/rigid_alignment.hpp>
@@ -15,13 +16,13 @@ namespace weft::particle_sft {
 std::vector<DistanceConstraint> by_colour(const std::vector<DistanceConstraint>& constraints,
                                           Eigen::Index vertex_count) {
   std::vector<DistanceConstraint> ordered, waiting = constraints, later;
-  std::vector<std::size_t> last_colour(static_cast<std::size_t>(vertex_count), 0);
+  std::vector<std::size_t> last_colour(to_index(vertex_count), 0);
   for (std::size_t colour = 1; !waiting.empty(); ++colour) {
     worked(static_cast<std::int64_t>(waiting.size()));
     later.clear();
     for (const DistanceConstraint& c : waiting) {
-      std::size_t& at_i = last_colour[static_cast<std::size_t>(c.i)];
-      std::size_t& at_j = last_colour[static_cast<std::size_t>(c.j)];
+      std::size_t& at_i = last_colour[to_index(c.i)];
+      std::size_t& at_j = last_colour[to_index(c.j)];
       const bool is_free = at_i != colour && at_j != colour;
       if (is_free) at_i = at_j = colour;
       (is_free ? ordered : later).push_back(c);
@@ -35,7 +36,7 @@ Result<void> MeshModel::build(const Template& templ, double smoothing) {
   rest_m_ = templ.vertices_m.matrix<3>();
   faces_ = templ.faces.matrix<3>();
   if (rest_m_.rows() == 0 || !rest_m_.allFinite()) {
-    return Error{Errc::invalid_data, "the template needs vertices, all of them finite", {}};
+    return Error{Errc::invalid_data, "the template needs vertices, all of them finite"};
   }
   const auto topology = build_topology(faces_, rest_m_.rows());
   if (!topology) return topology.error();
@@ -95,7 +96,7 @@ double MeshModel::surface_length_m(const KnownSurfacePoint& from,
   double length_m = std::numeric_limits<double>::infinity();
   for (const std::int32_t v : to.vertices) {
     const double rest_of_way_m = (rest_m_.row(v).transpose() - target).norm();
-    length_m = std::min(length_m, paths_m[static_cast<std::size_t>(v)] + rest_of_way_m);
+    length_m = std::min(length_m, paths_m[to_index(v)] + rest_of_way_m);
   }
   return length_m;
 }

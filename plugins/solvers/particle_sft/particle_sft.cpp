@@ -113,7 +113,7 @@ class ParticleSft final : public Solver {
       return {};
     }
     if (convex->vertices_m.rows() != mesh_.vertex_count()) {
-      return Error{Errc::plugin_failure, "the start has another number of vertices", {}};
+      return Error{Errc::plugin_failure, "the start has another number of vertices"};
     }
     return relax(in, StartKind::convex, mesh_.smoothed(convex->vertices_m.matrix<3>()), candidates);
   }
@@ -156,7 +156,7 @@ class ParticleSft final : public Solver {
     candidate.relaxation = relaxation_.run(frame_.system, options_, candidate.vertices_m,
                                            [&] { return in.call.cancelled(); });
     if (candidate.relaxation.stop == Stop::cancelled) {
-      return Error{Errc::cancelled, "cancelled", {}};
+      return Error{Errc::cancelled, "cancelled"};
     }
     if (!frame_.hidden.empty()) {  // distances alone do not tell a bend from its opposite
       HiddenBend bend = continuation_.continued(candidate.vertices_m, frame_.hidden, {});

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <limits>
 #include <span>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
 namespace weft::particle_sft {
@@ -91,10 +92,10 @@ void bring_into_sphere(const KnownSurfacePoint& sphere, double* y) {
 std::vector<std::uint8_t> held_vertices(const std::vector<RayConstraint>& rays,
                                         const std::vector<KnownSurfacePoint>& known,
                                         Eigen::Index vertex_count) {
-  std::vector<std::uint8_t> held(static_cast<std::size_t>(vertex_count), 0);
+  std::vector<std::uint8_t> held(to_index(vertex_count), 0);
   const auto mark = [&](const auto& points) {
     for (const auto& point : points) {
-      for (const std::int32_t v : point.vertices) held[static_cast<std::size_t>(v)] = 1;
+      for (const std::int32_t v : point.vertices) held[to_index(v)] = 1;
     }
   };
   mark(rays);
@@ -116,7 +117,7 @@ void Relaxation::load(const ParticleSystem& system) {
     (seen.at_vertex() ? at_vertices_ : in_faces_).push_back(seen);
     if (seen.at_vertex()) continue;
     for (std::size_t c = 0; c < 3; ++c) {
-      shares_[static_cast<std::size_t>(seen.vertices[c])] += std::abs(seen.weights[c]);
+      shares_[to_index(seen.vertices[c])] += std::abs(seen.weights[c]);
     }
   }
 }
@@ -134,7 +135,7 @@ void Relaxation::pull_faces(double* y) {
     const double depth =
         std::abs(point[0] * seen.ray[0] + point[1] * seen.ray[1] + point[2] * seen.ray[2]);
     for (std::size_t c = 0; c < 3; ++c) {
-      const std::size_t first = 3 * static_cast<std::size_t>(seen.vertices[c]);
+      const std::size_t first = 3 * to_index(seen.vertices[c]);
       for (std::size_t k = 0; k < 3; ++k) {
         pull_m_[first + k] += seen.trust * seen.weights[c] * (depth * seen.ray[k] - point[k]);
       }
@@ -172,7 +173,7 @@ double Relaxation::iterate(const ParticleSystem& system, const RelaxationOptions
 
 RelaxationResult Relaxation::run(const ParticleSystem& system, const RelaxationOptions& options,
                                  Points3& vertices_m, const std::function<bool()>& cancelled) {
-  const auto size = static_cast<std::size_t>(vertices_m.size());
+  const auto size = to_index(vertices_m.size());
   fresh_m_.resize(size);
   pull_m_.resize(size);
   shares_.resize(size / 3);

@@ -4,7 +4,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <weft/core/image_file.hpp>
 
-#include "common/picture_file.hpp"
+#include "common/images/picture_file.hpp"
 
 namespace weft::sources {
 namespace {
@@ -39,8 +39,7 @@ Result<void> CalibratedCamera::check_size(const cv::Size& size_px, const std::st
   return Error{Errc::invalid_data,
                name + ": is " + size_text(size_px.width, size_px.height) + ", but " + path_ +
                    " describes images of " + size_text(camera_.width_px, camera_.height_px) +
-                   ": use the images that were calibrated, or correct the camera file",
-               {}};
+                   ": use the images that were calibrated, or correct the camera file"};
 }
 
 Result<Image> CalibratedCamera::undistorted(const cv::Mat& stored, const std::string& name,
@@ -76,7 +75,7 @@ Result<cv::Mat> read_image_of(const std::string& path, const CalibratedCamera& c
     const cv::Size size(static_cast<int>(header.width_px), static_cast<int>(header.height_px));
     if (auto fits = camera.check_size(size, path); !fits) return fits.error();
   }
-  cv::Mat image = decode_image(file->bytes, cv::IMREAD_UNCHANGED);
+  cv::Mat image = image_files::decode_image(file->bytes, cv::IMREAD_UNCHANGED);
   if (image.empty()) return no_image(path);
   return image;
 }

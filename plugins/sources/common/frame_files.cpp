@@ -44,7 +44,7 @@ Result<void> expand(const fs::path& base, fs::path::iterator part, fs::path::ite
     if (auto done = expand(entry->path(), std::next(part), end, found); !done) return done;
   }
   if (!code) return {};
-  return Error{Errc::io, base.string() + ": the folder cannot be listed: " + code.message(), {}};
+  return Error{Errc::io, base.string() + ": the folder cannot be listed: " + code.message()};
 }
 
 /// Why nothing matches, and what to change.
@@ -66,7 +66,7 @@ Result<std::vector<std::string>> matching_files(const std::string& pattern) {
   std::vector<std::string> found;
   if (auto listed = expand({}, path.begin(), path.end(), found); !listed) return listed.error();
   if (found.empty() || (!has_wildcard(pattern) && is_folder(path))) {
-    return Error{Errc::not_found, "no file matches '" + pattern + "': " + explanation(path), {}};
+    return Error{Errc::not_found, "no file matches '" + pattern + "': " + explanation(path)};
   }
   std::sort(found.begin(), found.end());
   return found;

@@ -59,8 +59,7 @@ Result<void> undistort_points(const CameraFile& file, const std::string& name,
       return Error{Errc::invalid_data,
                    name + " (" + std::to_string(pixels[n].x) + ", " + std::to_string(pixels[n].y) +
                        ") px lies where the camera file's lens model cannot be inverted: remove "
-                       "it, or give places without distortion and a camera file without",
-                   {}};
+                       "it, or give places without distortion and a camera file without"};
     }
     points_px.row(rows[n]) << c.fx * rays[n].x + c.cx, c.fy * rays[n].y + c.cy;
   }

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <utility>
+#include <weft/core/index.hpp>
 #include <weft/core/quote.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/data/npz_members.hpp>
@@ -33,7 +34,7 @@ bool read_bytes(zip_t* archive, zip_uint64_t index, std::string& bytes, std::uin
     worked(1000);
     if (static_cast<std::uint64_t>(got) > room) return false;
     room -= static_cast<std::uint64_t>(got);
-    bytes.append(piece.data(), static_cast<std::size_t>(got));
+    bytes.append(piece.data(), to_index(got));
   }
   return got == 0;
 }
@@ -42,7 +43,7 @@ bool read_bytes(zip_t* archive, zip_uint64_t index, std::string& bytes, std::uin
 
 Result<std::vector<ArchiveMember>> read_npz_file(const std::string& path,
                                                  bool (*wanted)(std::string_view name)) {
-  const auto fail = [&](const char* what) { return Error{Errc::io, path + ": " + what, {}}; };
+  const auto fail = [&](const char* what) { return Error{Errc::io, path + ": " + what}; };
   std::error_code failure;
   if (!std::filesystem::is_regular_file(path, failure)) return fail("is no file that can be read");
   std::uint64_t room = most_npz_bytes(std::filesystem::file_size(path, failure));
@@ -58,10 +59,8 @@ Result<std::vector<ArchiveMember>> read_npz_file(const std::string& path,
     ArchiveMember member{name != nullptr ? name : "", {}};
     if (!wanted(member.name)) continue;
     if (!read_bytes(archive.get(), index, member.bytes, room)) {
-      return Error{
-          Errc::invalid_data,
-          path + ": is damaged, or holds far more than its size, at " + escaped(member.name, 80),
-          {}};
+      return Error{Errc::invalid_data, path + ": is damaged, or holds far more than its size, at " +
+                                           escaped(member.name, 80)};
     }
     members.push_back(std::move(member));
   }

@@ -30,13 +30,13 @@ Result<TruthArchive> TruthArchive::read(const std::string& path) {
     members.push_back(*std::move(member));
   }
   auto record = NpzRecord::create(std::move(members), kSlot);
-  if (!record) return Error{record.error().code, path + ": " + record.error().message, {}};
+  if (!record) return Error{record.error().code, path + ": " + record.error().message};
   return TruthArchive(path, *std::move(record));
 }
 
 Result<GroundTruth> TruthArchive::truth() const {
   auto truth = record_.with_view([](const auto& view) { return read_record<GroundTruth>(view); });
-  if (!truth) return Error{truth.error().code, path_ + ": " + truth.error().message, {}};
+  if (!truth) return Error{truth.error().code, path_ + ": " + truth.error().message};
   return truth;
 }
 

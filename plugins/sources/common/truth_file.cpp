@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string_view>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/text_file.hpp>
 
 namespace weft::sources {
@@ -42,7 +43,7 @@ class TruthReader {
     constexpr std::uint64_t kMostBytes = 1U << 26U;
     auto text = read_text_file(path_, kMostBytes);
     if (!text) {
-      return Error{text.error().code, path_ + ": cannot be read: " + text.error().message, {}};
+      return Error{text.error().code, path_ + ": cannot be read: " + text.error().message};
     }
     stream_.str(*std::move(text));
     if (!next_line()) return mistake("is empty: the first line names the columns");
@@ -80,7 +81,7 @@ class TruthReader {
       if (known == kColumns.end()) {
         return mistake("the column '" + name + "' is unknown: remove or rename it");
       }
-      const auto column = static_cast<std::size_t>(known - kColumns.begin());
+      const auto column = to_index(known - kColumns.begin());
       if (std::find(column_of_.begin(), column_of_.end(), column) != column_of_.end()) {
         return mistake("the column '" + name + "' is given twice: remove one");
       }
@@ -126,7 +127,7 @@ class TruthReader {
     truth.template_xy_m = Array<double>({count, 2});
     truth.points_m = Array<double>({count, 3});
     for (std::int64_t i = 0; i < count; ++i) {
-      const Row& row = rows_[static_cast<std::size_t>(i)];
+      const Row& row = rows_[to_index(i)];
       for (std::size_t k = 0; k < 2; ++k) {
         truth.template_xy_m.row(i)[k] = kMetresPerMillimetre * row[1 + k];
       }

@@ -28,10 +28,8 @@ Result<std::string> stem_of_frame(const std::string& path, const std::set<std::s
     if (frames.count(stem) > 0) return std::move(stem);
     tried += (tried.empty() ? "" : " or ") + quote(stem);
   }
-  return Error{Errc::invalid_data,
-               path + ": belongs to no frame: none has the stem " + tried +
-                   "; rename it to STEM or STEM_KIND, or narrow 'truth'",
-               {}};
+  return Error{Errc::invalid_data, path + ": belongs to no frame: none has the stem " + tried +
+                                       "; rename it to STEM or STEM_KIND, or narrow 'truth'"};
 }
 
 }  // namespace
@@ -42,7 +40,7 @@ Result<void> TruthFiles::open(const std::string& pattern, const std::vector<std:
   if (pattern.empty()) return {};
   const std::set<std::string> frames(stems.begin(), stems.end());
   auto paths = matching_files(pattern);
-  if (!paths) return Error{paths.error().code, "truth: " + paths.error().message, {}};
+  if (!paths) return Error{paths.error().code, "truth: " + paths.error().message};
   for (const std::string& path : *paths) {
     auto found = stem_of_frame(path, frames);
     if (!found) return found.error();
@@ -55,10 +53,9 @@ Result<void> TruthFiles::open(const std::string& pattern, const std::vector<std:
     }
     const auto [twin, is_new] = file_of_.emplace(stem, std::move(file));
     if (is_new) continue;
-    return Error{Errc::invalid_data,
-                 path + ": belongs to the frame '" + stem + "', which already has " +
-                     twin->second.path + ": remove one",
-                 {}};
+    return Error{Errc::invalid_data, path + ": belongs to the frame '" + stem +
+                                         "', which already has " + twin->second.path +
+                                         ": remove one"};
   }
   return {};
 }

@@ -22,10 +22,8 @@ void fail_at(const std::string& path, const YAML::Node& node, const std::string&
 Result<std::string> read_yaml_text(const std::string& path, const std::string& parameter) {
   auto text = weft::read_text_file(path, kMostBytes);
   if (text) return text;
-  return Error{text.error().code,
-               path + ": cannot be read: " + text.error().message + ": correct '" + parameter +
-                   "' or its file",
-               {}};
+  return Error{text.error().code, path + ": cannot be read: " + text.error().message +
+                                      ": correct '" + parameter + "' or its file"};
 }
 
 Error syntax_error(const std::string& path, const YAML::Mark& mark) {

@@ -32,7 +32,7 @@ auto read_yaml(const std::string& path, const std::string& text, Read read)
   try {
     return read(YAML::Load(text));
   } catch (const FileMistake& mistake) {
-    return Error{Errc::invalid_data, mistake.what(), {}};
+    return Error{Errc::invalid_data, mistake.what()};
   } catch (const YAML::Exception& mistake) {
     return syntax_error(path, mistake.mark);
   }

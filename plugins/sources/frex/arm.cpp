@@ -6,12 +6,12 @@
 #include <cmath>
 #include <weft/core/rng.hpp>
 
-#include "common/random_stream.hpp"
+#include "common/scene/random_stream.hpp"
 
 namespace weft::frex {
 namespace {
 
-using sources::Colour;
+using scene::Colour;
 
 constexpr std::uint64_t kArmStream = 4;
 constexpr int kAround = 28, kAlong = 90;
@@ -34,11 +34,11 @@ Arm::Arm(const Camera& camera, double distance_m, double period_s, std::uint64_t
       reach_m_(0.26 * depth_m_ * static_cast<double>(camera.width_px) / camera.fx),
       period_s_(period_s),
       radius_m_(0.045 * depth_m_ * static_cast<double>(camera.width_px) / camera.fx) {
-  Rng rng = sources::random_stream(seed, kArmStream);
+  Rng rng = scene::random_stream(seed, kArmStream);
   phase_rad_ = rng.uniform(0.0, 2.0 * M_PI);
 }
 
-sources::Solid Arm::at(double t_s) const {
+scene::Solid Arm::at(double t_s) const {
   const double phase = 2.0 * M_PI * t_s / period_s_;
   const Eigen::Vector3d shoulder(1.4 * reach_m_, below_m_, depth_m_);
   const Eigen::Vector3d tip(reach_m_ * std::sin(0.8 * phase + phase_rad_),
@@ -47,7 +47,7 @@ sources::Solid Arm::at(double t_s) const {
   const Eigen::Vector3d along = (shoulder - tip) / length;
   const Eigen::Vector3d side = along.cross(Eigen::Vector3d::UnitZ()).normalized();
   const Eigen::Vector3d up = side.cross(along);
-  sources::Solid arm;
+  scene::Solid arm;
   arm.mesh.vertices_m.resize(Eigen::Index{kAround} * kAlong, 3);
   arm.mesh.faces.resize(Eigen::Index{2} * kAround * (kAlong - 1), 3);
   Eigen::Index f = 0;

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <weft/data/camera.hpp>
 
-#include "common/sheet_renderer.hpp"
+#include "common/scene/sheet_renderer.hpp"
 
 namespace weft::frex {
 
@@ -15,7 +15,7 @@ class Arm {
   /// `distance_m` is that of the sheet.
   Arm(const Camera& camera, double distance_m, double period_s, std::uint64_t seed);
 
-  sources::Solid at(double t_s) const;
+  scene::Solid at(double t_s) const;
 
  private:
   double depth_m_, below_m_, reach_m_, period_s_;

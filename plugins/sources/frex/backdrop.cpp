@@ -5,24 +5,24 @@
 #include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
 #include <weft/core/stop_check.hpp>
 
-#include "common/random_stream.hpp"
-#include "common/value_noise.hpp"
+#include "common/scene/random_stream.hpp"
+#include "common/scene/value_noise.hpp"
 
 namespace weft::frex {
 namespace {
 
-using sources::Colour;
-using sources::random_stream;
+using scene::Colour;
+using scene::random_stream;
 
 constexpr std::uint64_t kBackdropStream = 3;
 
 Picture blank(const Camera& camera) {
   Picture picture{static_cast<int>(camera.width_px), static_cast<int>(camera.height_px)};
-  picture.pixels.resize(static_cast<std::size_t>(camera.width_px * camera.height_px),
-                        Colour::Zero());
+  picture.pixels.resize(to_index(camera.width_px * camera.height_px), Colour::Zero());
   return picture;
 }
 
@@ -44,15 +44,15 @@ Colour muted_colour(Rng& rng) {
 /// Wood in warm light: soft clouds and a little grain along x.
 void paint_table(Picture& picture, Rng& rng) {
   const double size = picture.height;
-  const sources::ValueNoise clouds(picture.width, size, 0.45 * size, rng);
-  const sources::ValueNoise grain(0.12 * picture.width, size, 0.02 * size, rng);
+  const scene::ValueNoise clouds(picture.width, size, 0.45 * size, rng);
+  const scene::ValueNoise grain(0.12 * picture.width, size, 0.02 * size, rng);
   const Colour wood(96.0F, 128.0F, 156.0F, 0.0F);
   for (int y = 0; y < picture.height; ++y) {
     ask_to_go_on();
     for (int x = 0; x < picture.width; ++x) {
       const double light = 1.0 + 0.16 * clouds(x, y) + 0.05 * grain(0.12 * x, y) - 0.12 * y / size;
-      picture.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) +
-                     static_cast<std::size_t>(x)] = static_cast<float>(light) * wood;
+      picture.pixels[to_index(y) * to_index(picture.width) + to_index(x)] =
+          static_cast<float>(light) * wood;
     }
   }
 }
@@ -142,7 +142,7 @@ struct Poster {
   double x, y, pitch_px, cosine, sine;
 };
 
-void hang(Picture& wall, const sources::MipTexture& print, const Poster& poster, float light) {
+void hang(Picture& wall, const scene::MipTexture& print, const Poster& poster, float light) {
   const double half_u = 0.5 * print.width(), half_v = 0.5 * print.height();
   const double reach = poster.pitch_px * std::hypot(half_u, half_v) + 1.0;
   const auto from = [](double value) { return std::max(0, static_cast<int>(value)); };
@@ -159,9 +159,7 @@ void hang(Picture& wall, const sources::MipTexture& print, const Poster& poster,
       const Colour paper = light * print.sample(static_cast<float>(u + half_u - 0.5),
                                                 static_cast<float>(v + half_v - 0.5),
                                                 static_cast<float>(1.0 / poster.pitch_px));
-      Colour& pixel =
-          wall.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(wall.width) +
-                      static_cast<std::size_t>(x)];
+      Colour& pixel = wall.pixels[to_index(y) * to_index(wall.width) + to_index(x)];
       pixel += coverage * (paper - pixel);
     }
   }
@@ -193,17 +191,17 @@ Picture cluttered_backdrop(const Camera& camera, std::uint64_t seed) {
   return picture;
 }
 
-Picture look_alike_backdrop(const Camera& camera, const sources::MipTexture& print, double pitch_px,
+Picture look_alike_backdrop(const Camera& camera, const scene::MipTexture& print, double pitch_px,
                             std::uint64_t seed) {
   Rng rng = random_stream(seed, kBackdropStream);
   Picture wall = blank(camera);
-  const sources::ValueNoise clouds(wall.width, wall.height, 0.5 * wall.height, rng);
+  const scene::ValueNoise clouds(wall.width, wall.height, 0.5 * wall.height, rng);
   for (int y = 0; y < wall.height; ++y) {
     ask_to_go_on();
     for (int x = 0; x < wall.width; ++x) {
       const auto light = static_cast<float>(1.0 + 0.1 * clouds(x, y));
-      wall.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(wall.width) +
-                  static_cast<std::size_t>(x)] = light * Colour(168.0F, 172.0F, 176.0F, 0.0F);
+      wall.pixels[to_index(y) * to_index(wall.width) + to_index(x)] =
+          light * Colour(168.0F, 172.0F, 176.0F, 0.0F);
     }
   }
   const double step_x = 1.12 * pitch_px * print.width(), step_y = 1.16 * pitch_px * print.height();
@@ -222,7 +220,7 @@ Picture look_alike_backdrop(const Camera& camera, const sources::MipTexture& pri
   return wall;
 }
 
-Picture picture_backdrop(const Camera& camera, const sources::MipTexture& picture) {
+Picture picture_backdrop(const Camera& camera, const scene::MipTexture& picture) {
   Picture wall = blank(camera);
   const double texels = std::min(static_cast<double>(picture.width()) / wall.width,
                                  static_cast<double>(picture.height()) / wall.height);

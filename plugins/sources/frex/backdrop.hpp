@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <weft/data/camera.hpp>
 
-#include "common/mip_texture.hpp"
+#include "common/scene/mip_texture.hpp"
 
 namespace weft::frex {
 
-using sources::Picture;
+using scene::Picture;
 
 /// A table top out of focus: nothing on it has features.
 Picture plain_backdrop(const Camera& camera, std::uint64_t seed);
@@ -18,10 +18,10 @@ Picture cluttered_backdrop(const Camera& camera, std::uint64_t seed);
 
 /// A wall hung with copies of the print, askew, which look like the sheet to every detector.
 /// `pitch_px` is the size of a texel of the copies in the image.
-Picture look_alike_backdrop(const Camera& camera, const sources::MipTexture& print, double pitch_px,
+Picture look_alike_backdrop(const Camera& camera, const scene::MipTexture& print, double pitch_px,
                             std::uint64_t seed);
 
 /// A picture that covers the image; what stands out of it is cut off.
-Picture picture_backdrop(const Camera& camera, const sources::MipTexture& picture);
+Picture picture_backdrop(const Camera& camera, const scene::MipTexture& picture);
 
 }  // namespace weft::frex

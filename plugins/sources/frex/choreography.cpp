@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <weft/core/index.hpp>
 #include <weft/geometry/rigid_alignment.hpp>
 
-#include "common/random_stream.hpp"
+#include "common/scene/random_stream.hpp"
 
 namespace weft::frex {
 namespace {
@@ -39,7 +40,7 @@ class BentCurve {
   /// The point at s, or as far beside it as `beside_m`; s up to `reach_m` on either side.
   Eigen::Vector2d operator()(double s_m, double beside_m = 0.0) const {
     const double place = std::clamp(s_m / step_m_ + kHalf, 0.0, 2.0 * kHalf);
-    const auto i = std::min(static_cast<std::size_t>(place), points_.size() - 2);
+    const auto i = std::min(to_index(place), points_.size() - 2);
     const double share = place - static_cast<double>(i);
     Eigen::Vector2d on_it = (1.0 - share) * points_[i] + share * points_[i + 1];
     if (beside_m == 0.0) return on_it;
@@ -49,7 +50,7 @@ class BentCurve {
 
  private:
   static constexpr int kHalf = 1024;
-  static std::size_t at(int k) { return static_cast<std::size_t>(k + kHalf); }
+  static std::size_t at(int k) { return to_index(k + kHalf); }
 
   double step_m_;
   std::vector<Eigen::Vector2d> points_;
@@ -79,7 +80,7 @@ Choreography::Choreography(const MotionSettings& settings, const RestSheet& shee
   if (settings_.pattern == Pattern::handles) {
     handles_.emplace(settings_.bend, settings_.seed);
   }
-  Rng rng = sources::random_stream(settings_.seed, kMotionStream);
+  Rng rng = scene::random_stream(settings_.seed, kMotionStream);
   const double tilt = settings_.tilt_rad, travel = settings_.travel_m;
   const std::array<double, 6> largest{0.8 * tilt, tilt, 0.6 * tilt, travel, 0.6 * travel, travel};
   for (std::size_t k = 0; k < sway_.size(); ++k) {
@@ -202,13 +203,13 @@ Points3 Choreography::surface_at(double t_s) const {
   return bent(plane, t_s);
 }
 
-std::vector<sources::ClothGuide> Choreography::guides_at(double t_s) const {
+std::vector<scene::ClothGuide> Choreography::guides_at(double t_s) const {
   const Points3 surface = surface_at(t_s);
   const Eigen::Isometry3d pose = pose_at(t_s);
-  std::vector<sources::ClothGuide> guides;
-  guides.reserve(static_cast<std::size_t>(surface.rows()));
+  std::vector<scene::ClothGuide> guides;
+  guides.reserve(to_index(surface.rows()));
   for (Eigen::Index v = 0; v < surface.rows(); ++v) {
-    const bool in_hand = handles_ && in_hand_[static_cast<std::size_t>(v)];
+    const bool in_hand = handles_ && in_hand_[to_index(v)];
     guides.push_back({static_cast<std::int32_t>(v), pose * surface.row(v).transpose(),
                       in_hand ? kHandCompliance : kGuideCompliance});
   }

@@ -10,7 +10,7 @@
 #include <weft/core/rng.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "common/cloth.hpp"
+#include "common/scene/cloth.hpp"
 #include "cross_section.hpp"
 #include "handle_pair.hpp"
 #include "rest_sheet.hpp"
@@ -44,7 +44,7 @@ class Choreography {
   Points3 lengths_at(double t_s) const;
   /// What leads the sheet, in the camera frame: each vertex is drawn softly to the surface that the
   /// pattern describes, and two patches of `handles` more firmly.
-  std::vector<sources::ClothGuide> guides_at(double t_s) const;
+  std::vector<scene::ClothGuide> guides_at(double t_s) const;
   /// The sheet at time 0 [V,3] m, camera frame.
   Points3 start() const;
 

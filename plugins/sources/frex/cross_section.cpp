@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numeric>
+#include <weft/core/index.hpp>
 #include <weft/geometry/distance_constraints.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 
@@ -64,7 +65,7 @@ std::optional<CrossSection> CrossSection::of(const RestSheet& sheet) {
   const Eigen::Vector3d axis = sign * *straight;
   const Eigen::Vector3d away = (Eigen::Vector3d::UnitZ() - axis.z() * axis).normalized();
   const Eigen::VectorXd places_m = unrolled_m * across;
-  std::vector<Eigen::Index> order(static_cast<std::size_t>(places_m.size()));
+  std::vector<Eigen::Index> order(to_index(places_m.size()));
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(),
             [&](Eigen::Index i, Eigen::Index j) { return places_m[i] < places_m[j]; });
@@ -76,7 +77,7 @@ std::optional<CrossSection> CrossSection::of(const RestSheet& sheet) {
     section.curve_m_.emplace_back(point.dot(axis.cross(away)), point.dot(away));
   }
   if (section.along_m_.size() < 2) return std::nullopt;
-  const auto left = static_cast<std::size_t>(section.piece_at(0.0));
+  const auto left = to_index(section.piece_at(0.0));
   const double middle_m = 0.5 * (section.curve_m_[left] + section.curve_m_[left + 1]).x();
   for (Eigen::Vector2d& knot : section.curve_m_) knot.x() -= middle_m;
   const auto edges = distance_constraints(topology->edges, sheet.rest_m);
@@ -96,7 +97,7 @@ Points3 CrossSection::rolled(const Points2& unrolled_m,
   // Piece k reaches from knot k to the next one and is turned as a whole.
   const auto pieces = static_cast<Eigen::Index>(along_m_.size()) - 1;
   const Eigen::Index middle = piece_at(0.0);
-  const auto at = [](Eigen::Index k) { return static_cast<std::size_t>(k); };
+  const auto at = [](Eigen::Index k) { return to_index(k); };
   std::vector<double> turn_rad(at(pieces));
   std::vector<Eigen::Vector2d> start_m(at(pieces));
   const auto turned = [&](Eigen::Index k, double share) -> Eigen::Vector2d {

@@ -10,10 +10,10 @@
 
 #include "arm.hpp"
 #include "backdrop.hpp"
-#include "common/picture_file.hpp"
-#include "common/random_stream.hpp"
-#include "common/sensor.hpp"
-#include "common/sheet_renderer.hpp"
+#include "common/images/picture_file.hpp"
+#include "common/scene/random_stream.hpp"
+#include "common/scene/sensor.hpp"
+#include "common/scene/sheet_renderer.hpp"
 #include "lamp.hpp"
 #include "rest_sheet.hpp"
 #include "settings.hpp"
@@ -31,11 +31,11 @@ bool holds(const std::vector<double>& frames, std::int64_t index) {
 
 /// What is ready once the source is open.
 struct Studio {
-  sources::SheetRenderer renderer;
+  scene::SheetRenderer renderer;
   SheetFilm film;
   Lamp lamp;
   std::optional<Arm> arm;
-  sources::Sensor sensor;
+  scene::Sensor sensor;
   bool is_grey;
   Eigen::RowVector2d pitch_m;  ///< size of a texel
   Array<double> flat_m;        ///< [V,2] m, template frame
@@ -44,7 +44,7 @@ struct Studio {
 
 /// What is filmed.
 struct PrintedSheet {
-  sources::MipTexture print;
+  scene::MipTexture print;
   RestSheet sheet;
 };
 
@@ -74,17 +74,16 @@ class SheetSource : public Source {
   std::int64_t count() const override { return settings_.frames; }
 
   Result<SourceFrame> read(std::int64_t index, const Call& call) override {
-    if (!studio_) return Error{Errc::invalid_value, "the source is not open: open it first", {}};
+    if (!studio_) return Error{Errc::invalid_value, "the source is not open: open it first"};
     if (index < 0 || index >= settings_.frames) {
-      return Error{Errc::invalid_value,
-                   "there is no frame " + std::to_string(index) + ": the source has " +
-                       std::to_string(settings_.frames) + ", counted from 0",
-                   {}};
+      return Error{Errc::invalid_value, "there is no frame " + std::to_string(index) +
+                                            ": the source has " + std::to_string(settings_.frames) +
+                                            ", counted from 0"};
     }
     const std::int64_t moment = index + kCutAway * cuts_until(index);
     const auto state = studio_->film.at(moment, call);
     if (!state) return state.error();
-    const sources::View view = look(index, static_cast<double>(moment) / settings_.fps, **state);
+    const scene::View view = look(index, static_cast<double>(moment) / settings_.fps, **state);
     SourceFrame frame;
     frame.image = picture(index, view);
     frame.time = Time{static_cast<double>(index) / settings_.fps};
@@ -105,11 +104,11 @@ class SheetSource : public Source {
     const double pitch_m = sheet.pitch_m.x();
     auto backdrop = make_backdrop(camera, print, pitch_m);
     if (!backdrop) return backdrop.error();
-    Picture behind = is_grey ? sources::without_colour(*std::move(backdrop)) : *std::move(backdrop);
+    Picture behind = is_grey ? scene::without_colour(*std::move(backdrop)) : *std::move(backdrop);
     auto film = SheetFilm::create(s.motion, sheet, s.fps);
     if (!film) return film.error();
-    auto renderer = sources::SheetRenderer::create(camera, std::move(print), sheet.uv_px,
-                                                   sheet.faces, std::move(behind));
+    auto renderer = scene::SheetRenderer::create(camera, std::move(print), sheet.uv_px, sheet.faces,
+                                                 std::move(behind));
     if (!renderer) return renderer.error();
     std::optional<Arm> arm;
     if (s.occluder) arm.emplace(camera, s.motion.distance_m, s.motion.period_s, s.motion.seed);
@@ -117,14 +116,14 @@ class SheetSource : public Source {
                   *std::move(film),
                   Lamp(s.ambient, s.light_drift_rad, s.motion.period_s, s.motion.seed),
                   arm,
-                  sources::Sensor(s.blur_px, s.noise_grey),
+                  scene::Sensor(s.blur_px, s.noise_grey),
                   is_grey,
                   sheet.pitch_m,
                   make_array<double>(sheet.flat_m()),
                   make_array<std::int32_t>(sheet.faces)};
   }
 
-  Result<Picture> make_backdrop(const Camera& camera, const sources::MipTexture& print,
+  Result<Picture> make_backdrop(const Camera& camera, const scene::MipTexture& print,
                                 double pitch_m) const {
     const std::uint64_t seed = settings_.motion.seed;
     if (settings_.background == Background::plain) return plain_backdrop(camera, seed);
@@ -134,9 +133,9 @@ class SheetSource : public Source {
           settings_.copy_size * pitch_m * camera.fx / settings_.motion.distance_m;
       return look_alike_backdrop(camera, print, pitch_px, seed);
     }
-    const auto wall = sources::read_picture("background_image", settings_.background_path);
+    const auto wall = image_files::read_picture("background_image", settings_.background_path);
     if (!wall) return wall.error();
-    return picture_backdrop(camera, sources::MipTexture(*wall));
+    return picture_backdrop(camera, scene::MipTexture(*wall));
   }
 
   std::int64_t cuts_until(std::int64_t index) const {
@@ -144,26 +143,25 @@ class SheetSource : public Source {
                          [&](double cut) { return cut <= static_cast<double>(index); });
   }
 
-  sources::View look(std::int64_t index, double t_s, const SheetState& state) {
+  scene::View look(std::int64_t index, double t_s, const SheetState& state) {
     if (holds(settings_.invisible_frames, index)) return studio_->renderer.render_nothing();
-    std::optional<sources::Solid> arm;
+    std::optional<scene::Solid> arm;
     if (studio_->arm) arm = studio_->arm->at(t_s);
     return studio_->renderer.render(state.vertices_m, studio_->lamp.at(t_s), std::move(arm));
   }
 
-  Image picture(std::int64_t index, const sources::View& view) const {
+  Image picture(std::int64_t index, const scene::View& view) const {
     Image image;
     std::array<char, 24> stem{};
     std::snprintf(stem.data(), stem.size(), "%06lld", static_cast<long long>(index));
     image.stem = stem.data();
-    image.pixels =
-        studio_->sensor.expose(view.image, studio_->is_grey,
-                               sources::random_stream(settings_.motion.seed, kNoiseStream,
-                                                      static_cast<std::uint64_t>(index)));
+    image.pixels = studio_->sensor.expose(view.image, studio_->is_grey,
+                                          scene::random_stream(settings_.motion.seed, kNoiseStream,
+                                                               static_cast<std::uint64_t>(index)));
     return image;
   }
 
-  GroundTruth truth(const SheetState& state, const sources::View& view) const {
+  GroundTruth truth(const SheetState& state, const scene::View& view) const {
     GroundTruth truth;
     truth.kind = "frex";
     truth.template_xy_m = studio_->flat_m;
@@ -201,15 +199,15 @@ class Frex final : public SheetSource {
   }
 
   void check(Mistakes& mistakes) const {
-    mistakes.expect("texture", sources::check_picture("texture", rectangle_.texture_path));
+    mistakes.expect("texture", image_files::check_picture("texture", rectangle_.texture_path));
     SheetSource::check(mistakes);
   }
 
  private:
   Result<PrintedSheet> make_sheet(const Call&) const override {
-    const auto picture = sources::read_picture("texture", rectangle_.texture_path);
+    const auto picture = image_files::read_picture("texture", rectangle_.texture_path);
     if (!picture) return picture.error();
-    sources::MipTexture print(*picture);
+    scene::MipTexture print(*picture);
     auto sheet = rectangle(print, rectangle_.width_m, rectangle_.height_m, rectangle_.columns,
                            rectangle_.rows);
     if (!sheet) return sheet.error();
@@ -239,7 +237,7 @@ class FrexObject final : public SheetSource {
     const cv::Mat picture(static_cast<int>(texture.dim(0)), static_cast<int>(texture.dim(1)),
                           texture.ndim() == 3 ? CV_8UC3 : CV_8UC1,
                           const_cast<std::uint8_t*>(texture.data()));
-    return PrintedSheet{sources::MipTexture(picture), *std::move(sheet)};
+    return PrintedSheet{scene::MipTexture(picture), *std::move(sheet)};
   }
 
   TemplateComponent object_{"templates/outline"};

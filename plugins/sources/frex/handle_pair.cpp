@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "common/random_stream.hpp"
+#include "common/scene/random_stream.hpp"
 
 namespace weft::frex {
 namespace {
@@ -17,7 +17,7 @@ constexpr double kLeastTurn_rad = 0.4, kMostTurn_rad = 1.3, kRuling_rad = 0.45;
 HandlePair::Pose HandlePair::key(std::int64_t index) const {
   Pose pose;
   if (index < 0) return pose;
-  Rng rng = sources::random_stream(seed_, kHandleStream, static_cast<std::uint64_t>(index));
+  Rng rng = scene::random_stream(seed_, kHandleStream, static_cast<std::uint64_t>(index));
   pose.ruling_rad = rng.uniform(-kRuling_rad, kRuling_rad);
   for (double& turn_rad : pose.turn_rad) {
     const double size_rad = size_ * rng.uniform(kLeastTurn_rad, kMostTurn_rad);

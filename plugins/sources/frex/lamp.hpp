@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
-#include "common/lit_mesh.hpp"
-#include "common/random_stream.hpp"
+#include "common/scene/lit_mesh.hpp"
+#include "common/scene/random_stream.hpp"
 
 namespace weft::frex {
 
@@ -15,12 +15,12 @@ class Lamp {
   Lamp(double ambient, double drift_rad, double period_s, std::uint64_t seed)
       : ambient_(ambient), drift_rad_(drift_rad), period_s_(period_s) {
     constexpr std::uint64_t kLampStream = 5;
-    Rng rng = sources::random_stream(seed, kLampStream);
+    Rng rng = scene::random_stream(seed, kLampStream);
     azimuth_rad_ = rng.uniform(0.0, 2.0 * M_PI);
     off_axis_rad_ = rng.uniform(0.25, 0.6);
   }
 
-  sources::Light at(double t_s) const {
+  scene::Light at(double t_s) const {
     const double phase = 2.0 * M_PI * t_s / period_s_;
     const double azimuth = azimuth_rad_ + drift_rad_ * std::sin(0.37 * phase);
     const double off_axis = off_axis_rad_ + drift_rad_ * std::sin(0.53 * phase);

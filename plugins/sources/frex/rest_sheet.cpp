@@ -37,12 +37,12 @@ std::vector<bool> hands_on(const Points3& rest_m) {
 
 }  // namespace
 
-Result<sources::Cloth> RestSheet::cloth(const Points3& start_m) const {
-  return columns > 0 ? sources::Cloth::create(columns, rows, start_m)
-                     : sources::Cloth::create(start_m, faces);
+Result<scene::Cloth> RestSheet::cloth(const Points3& start_m) const {
+  return columns > 0 ? scene::Cloth::create(columns, rows, start_m)
+                     : scene::Cloth::create(start_m, faces);
 }
 
-Result<RestSheet> rectangle(const sources::MipTexture& print, double width_m, double height_m,
+Result<RestSheet> rectangle(const scene::MipTexture& print, double width_m, double height_m,
                             int columns, int rows) {
   auto faces = rectangular_grid_faces(columns, rows);
   if (!faces) return faces.error();
@@ -63,8 +63,7 @@ Result<RestSheet> sheet_of(const Template& templ) {
   if (!templ.m_per_px.present()) {
     return Error{Errc::invalid_data,
                  "the object has no m_per_px, so its truth has no place on the template: use "
-                 "templates/rectangular, outline or mesh",
-                 {}};
+                 "templates/rectangular, outline or mesh"};
   }
   RestSheet sheet;
   sheet.uv_px = templ.flat_px.matrix<2>();

@@ -7,8 +7,8 @@
 #include <weft/data/template.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "common/cloth.hpp"
-#include "common/mip_texture.hpp"
+#include "common/scene/cloth.hpp"
+#include "common/scene/mip_texture.hpp"
 
 namespace weft::frex {
 
@@ -24,11 +24,11 @@ struct RestSheet {
 
   /// Template points of the vertices [V,2] m.
   Points2 flat_m() const { return uv_px.array().rowwise() * pitch_m.array(); }
-  Result<sources::Cloth> cloth(const Points3& start_m) const;
+  Result<scene::Cloth> cloth(const Points3& start_m) const;
 };
 
 /// A flat rectangle that its print fills, as a grid of vertices.
-Result<RestSheet> rectangle(const sources::MipTexture& print, double width_m, double height_m,
+Result<RestSheet> rectangle(const scene::MipTexture& print, double width_m, double height_m,
                             int columns, int rows);
 
 /// A template, turned so that it faces the camera as its texture does. Fails without m_per_px.

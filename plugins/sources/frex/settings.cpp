@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "common/picture_file.hpp"
+#include "common/images/picture_file.hpp"
 
 namespace weft::frex {
 
@@ -66,11 +66,9 @@ void Settings::read(Params& p) {
 Result<void> Settings::check_frames(const char* name, const std::vector<double>& values) const {
   for (const double value : values) {
     if (value == std::floor(value) && value < static_cast<double>(frames)) continue;
-    return Error{Errc::invalid_value,
-                 std::string("'") + name + "' holds " + std::to_string(value) +
-                     ", which is no frame: give whole numbers from 0 to " +
-                     std::to_string(frames - 1),
-                 {}};
+    return Error{Errc::invalid_value, std::string("'") + name + "' holds " + std::to_string(value) +
+                                          ", which is no frame: give whole numbers from 0 to " +
+                                          std::to_string(frames - 1)};
   }
   return {};
 }
@@ -87,7 +85,7 @@ void Settings::check(Mistakes& mistakes) const {
   const char* culprit = background_path.empty() ? "background" : "background_image";
   if (mistakes.expect(culprit, check_background()) && background == Background::image) {
     mistakes.expect("background_image",
-                    sources::check_picture("background_image", background_path));
+                    image_files::check_picture("background_image", background_path));
   }
 }
 
@@ -96,8 +94,7 @@ Result<void> Settings::check_background() const {
   return Error{Errc::invalid_value,
                background_path.empty()
                    ? "'background: image' needs 'background_image'"
-                   : "'background_image' needs 'background: image', or leave it out",
-               {}};
+                   : "'background_image' needs 'background: image', or leave it out"};
 }
 
 }  // namespace weft::frex

@@ -2,6 +2,7 @@
 #include "sheet_film.hpp"
 
 #include <utility>
+#include <weft/core/index.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 
 namespace weft::frex {
@@ -19,7 +20,7 @@ Result<SheetFilm> SheetFilm::create(const MotionSettings& settings, const RestSh
   return SheetFilm(std::move(choreography), *std::move(cloth), *std::move(edges), fps);
 }
 
-SheetFilm::SheetFilm(Choreography choreography, sources::Cloth cloth,
+SheetFilm::SheetFilm(Choreography choreography, scene::Cloth cloth,
                      std::vector<DistanceConstraint> rest_edges, double fps)
     : choreography_(std::move(choreography)),
       cloth_(std::move(cloth)),
@@ -30,17 +31,16 @@ SheetFilm::SheetFilm(Choreography choreography, sources::Cloth cloth,
 
 Result<const SheetState*> SheetFilm::at(std::int64_t index, const Call& call) {
   while (static_cast<std::int64_t>(states_.size()) <= index) {
-    if (call.cancelled()) return Error{Errc::cancelled, "the simulation was cancelled", {}};
+    if (call.cancelled()) return Error{Errc::cancelled, "the simulation was cancelled"};
     const double t_s = static_cast<double>(states_.size()) / fps_;
     cloth_.set_lengths_of(choreography_.lengths_at(t_s));
     if (auto moved = cloth_.step(1.0 / fps_, choreography_.guides_at(t_s)); !moved) {
       return Error{moved.error().code,
-                   "frame " + std::to_string(states_.size()) + ": " + moved.error().message,
-                   {}};
+                   "frame " + std::to_string(states_.size()) + ": " + moved.error().message};
     }
     states_.push_back(state_now());
   }
-  return &states_[static_cast<std::size_t>(index)];
+  return &states_[to_index(index)];
 }
 
 SheetState SheetFilm::state_now() const {

@@ -28,12 +28,12 @@ class SheetFilm {
   Result<const SheetState*> at(std::int64_t index, const Call& call);
 
  private:
-  SheetFilm(Choreography choreography, sources::Cloth cloth,
+  SheetFilm(Choreography choreography, scene::Cloth cloth,
             std::vector<DistanceConstraint> rest_edges, double fps);
   SheetState state_now() const;
 
   Choreography choreography_;
-  sources::Cloth cloth_;
+  scene::Cloth cloth_;
   std::vector<DistanceConstraint> rest_edges_;
   double fps_;
   std::vector<SheetState> states_;

@@ -5,10 +5,11 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/sdk/source.hpp>
 
-#include "common/picture_file.hpp"
+#include "common/images/picture_file.hpp"
 #include "layout_file.hpp"
 #include "scene.hpp"
 
@@ -54,11 +55,11 @@ class FrexVideo final : public Source {
   void check(Mistakes& mistakes) const {
     const auto layout = read_layout_file(layout_path_);
     if (mistakes.expect("layout", layout)) mistakes.expect("min_markers", check_count(*layout));
-    mistakes.expect("texture", sources::check_picture("texture", texture_path_));
+    mistakes.expect("texture", image_files::check_picture("texture", texture_path_));
     const char* culprit = background_path_.empty() ? "background" : "background_image";
     if (mistakes.expect(culprit, check_background()) && background_ == Background::image) {
       mistakes.expect("background_image",
-                      sources::check_picture("background_image", background_path_));
+                      image_files::check_picture("background_image", background_path_));
     }
   }
 
@@ -66,9 +67,9 @@ class FrexVideo final : public Source {
     maker_.reset();
     auto layout = read_layout_file(layout_path_);
     if (!layout) return layout.error();
-    locate_.min_markers = static_cast<std::size_t>(min_markers_);
+    locate_.min_markers = to_index(min_markers_);
     if (auto enough = check_count(*layout); !enough) return enough.error();
-    const auto texture = sources::read_picture("texture", texture_path_);
+    const auto texture = image_files::read_picture("texture", texture_path_);
     if (!texture) return texture.error();
     auto camera = frames_.open(call);
     if (!camera) return camera.error();
@@ -77,7 +78,7 @@ class FrexVideo final : public Source {
     count_ = count->frames;
     if (auto ready = make_background(*camera); !ready) return ready.error();
     pinhole_ = {camera->fx, camera->fy, camera->cx, camera->cy};
-    maker_.emplace(*layout, sources::MipTexture(*texture), *camera, scene_);
+    maker_.emplace(*layout, scene::MipTexture(*texture), *camera, scene_);
     finder_.emplace(*std::move(layout));
     const Eigen::Vector2d size_m = maker_->texture_size_m();
     call.log_info(fmt::format("the texture is {:.6f} m wide and {:.6f} m high on the sheet",
@@ -90,7 +91,7 @@ class FrexVideo final : public Source {
   /// A frame in which the sheet is not found has no image and no truth: it is degenerate rather
   /// than no_result, which would be the end of a video.
   Result<SourceFrame> read(std::int64_t, const Call& call) override {
-    if (!maker_) return Error{Errc::invalid_value, "the source is not open: open it first", {}};
+    if (!maker_) return Error{Errc::invalid_value, "the source is not open: open it first"};
     const auto recorded = frames_.read(call);
     if (!recorded) return recorded.error();
     SourceFrame frame;
@@ -121,22 +122,20 @@ class FrexVideo final : public Source {
   static cv::Mat view(const Array<std::uint8_t>& pixels) {
     return {static_cast<int>(pixels.dim(0)), static_cast<int>(pixels.dim(1)),
             pixels.ndim() == 2 ? CV_8UC1 : CV_8UC3, const_cast<std::uint8_t*>(pixels.data()),
-            static_cast<std::size_t>(pixels.row_stride())};
+            to_index(pixels.row_stride())};
   }
 
   Result<void> check_count(const MarkerSheet& layout) const {
-    if (layout.markers.size() >= static_cast<std::size_t>(min_markers_)) return {};
+    if (layout.markers.size() >= to_index(min_markers_)) return {};
     return Error{Errc::invalid_value,
                  fmt::format("{}: has {} markers, but 'min_markers' is {}: lower that",
-                             layout_path_, layout.markers.size(), min_markers_),
-                 {}};
+                             layout_path_, layout.markers.size(), min_markers_)};
   }
 
   Result<void> check_background() const {
     if ((background_ == Background::image) != background_path_.empty()) return {};
     return Error{Errc::invalid_value,
-                 "'background: image' and 'background_image' go together: give both or neither",
-                 {}};
+                 "'background: image' and 'background_image' go together: give both or neither"};
   }
 
   Result<void> make_background(const Camera& camera) {
@@ -144,7 +143,7 @@ class FrexVideo final : public Source {
     if (auto legal = check_background(); !legal) return legal;
     if (background_ == Background::white) behind_ = cv::Mat(size, CV_8UC3, cv::Scalar::all(255));
     if (background_ != Background::image) return {};
-    const auto picture = sources::read_picture("background_image", background_path_);
+    const auto picture = image_files::read_picture("background_image", background_path_);
     if (!picture) return picture.error();
     cv::resize(*picture, behind_, size, 0.0, 0.0, cv::INTER_AREA);
     if (behind_.channels() == 1) cv::cvtColor(behind_, behind_, cv::COLOR_GRAY2BGR);

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 #include <vector>
+#include <weft/core/index.hpp>
 
 namespace weft::frex_video {
 namespace {
@@ -19,7 +20,7 @@ SheetSightings sightings_of(const MarkerSheet& sheet, const SheetWarp& warp,
   SheetSightings sightings{Points2(4 * count, 2), Points2(4 * count, 2), Points2(count, 2),
                            rough_centres_m};
   for (Eigen::Index i = 0; i < count; ++i) {
-    const SeenMarker& seen = warp.markers[static_cast<std::size_t>(i)];
+    const SeenMarker& seen = warp.markers[to_index(i)];
     const SheetMarker& marker = sheet.markers[seen.marker];
     sightings.corners_m.middleRows<4>(4 * i) = kMetre * marker.corners_mm;
     sightings.corners_px.middleRows<4>(4 * i) = seen.corners_px;
@@ -67,7 +68,7 @@ Result<LocatedSheet> locate_sheet(const MarkerFinder& finder, const cv::Mat& gre
   }
   Points3 rough_m(static_cast<Eigen::Index>(warp->markers.size()), 3);
   for (Eigen::Index i = 0; i < rough_m.rows(); ++i) {
-    const SeenMarker& seen = warp->markers[static_cast<std::size_t>(i)];
+    const SeenMarker& seen = warp->markers[to_index(i)];
     rough_m.row(i) = marker_centre_m(sheet.markers[seen.marker], seen, camera).transpose();
   }
   auto surface = SheetSurface::fit(kMetre * Eigen::Vector2d(sheet.width_mm, sheet.height_mm),

@@ -8,6 +8,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <utility>
+#include <weft/core/index.hpp>
 
 namespace weft::frex_video {
 namespace {
@@ -70,7 +71,7 @@ std::vector<SeenMarker> MarkerFinder::find(const cv::Mat& grey) const {
     refine(grey, dictionary_->markerSize + 2, quadrilaterals[i]);
     SeenMarker seen{marker->second, Points2(4, 2), {}};
     for (int k = 0; k < 4; ++k) {
-      const cv::Point2f& corner = quadrilaterals[i][static_cast<std::size_t>(k)];
+      const cv::Point2f& corner = quadrilaterals[i][to_index(k)];
       seen.corners_px.row(k) << corner.x, corner.y;
     }
     if (!is_front(seen.corners_px)) continue;

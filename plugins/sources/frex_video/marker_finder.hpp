@@ -7,8 +7,8 @@
 #include <memory>
 #include <opencv2/core.hpp>
 #include <vector>
+#include <weft/generators/marker_sheet.hpp>
 #include <weft/geometry/camera_model.hpp>
-#include <weft/geometry/marker_sheet.hpp>
 
 namespace cv::aruco {
 class Dictionary;

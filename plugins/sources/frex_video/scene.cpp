@@ -7,6 +7,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 #include <utility>
+#include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
@@ -23,7 +24,7 @@ int vertices_along(double length_mm, double spacing_mm) {
 
 }  // namespace
 
-SceneMaker::SceneMaker(const MarkerSheet& sheet, sources::MipTexture texture, const Camera& camera,
+SceneMaker::SceneMaker(const MarkerSheet& sheet, scene::MipTexture texture, const Camera& camera,
                        const SceneOptions& options)
     : sheet_(sheet),
       camera_{camera.fx, camera.fy, camera.cx, camera.cy},
@@ -62,7 +63,7 @@ Eigen::Vector3d SceneMaker::light_at(double t_s) const {
 std::vector<ScreenVertex> SceneMaker::mesh(const LocatedSheet& sheet, double t_s) const {
   const Eigen::Vector3d light = light_at(t_s);
   std::vector<ScreenVertex> vertices;
-  vertices.reserve(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
+  vertices.reserve(to_index(columns_) * to_index(rows_));
   for (int j = 0; j < rows_; ++j) {
     for (int i = 0; i < columns_; ++i) {
       const Eigen::Vector2d p_mm(i * sheet_.width_mm / (columns_ - 1),
@@ -105,12 +106,11 @@ GroundTruth SceneMaker::surface_truth(const LocatedSheet& sheet, const SheetLaye
   const Eigen::Vector2d size_px(renderer_.texture().width(), renderer_.texture().height());
   const int columns = vertices_along(mm_per_px_ * size_px.x(), options_.truth_spacing_mm);
   const int rows = vertices_along(mm_per_px_ * size_px.y(), options_.truth_spacing_mm);
-  std::vector<std::int32_t> number(
-      static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), -1);
+  std::vector<std::int32_t> number(to_index(columns) * to_index(rows), -1);
   std::vector<Eigen::Vector2d> texels;
   for (std::size_t k = 0; k < number.size(); ++k) {
-    const std::size_t i = k % static_cast<std::size_t>(columns);
-    const std::size_t j = k / static_cast<std::size_t>(columns);
+    const std::size_t i = k % to_index(columns);
+    const std::size_t j = k / to_index(columns);
     const Eigen::Vector2d texel(static_cast<double>(i) * size_px.x() / (columns - 1) - 0.5,
                                 static_cast<double>(j) * size_px.y() / (rows - 1) - 0.5);
     if (!sheet.is_known(point_mm_of(texel))) continue;
@@ -125,7 +125,7 @@ GroundTruth SceneMaker::surface_truth(const LocatedSheet& sheet, const SheetLaye
   truth.points_m = Array<double>({count, 3});
   truth.visible = Array<std::uint8_t>({count});
   for (std::int64_t k = 0; k < count; ++k) {
-    const Eigen::Vector2d& texel = texels[static_cast<std::size_t>(k)];
+    const Eigen::Vector2d& texel = texels[to_index(k)];
     const Eigen::Vector2d p_m = kMetre * point_mm_of(texel);
     const Eigen::Vector3d point = sheet.surface.at(p_m);
     truth.template_xy_m.matrix<2>().row(k) = kMetre * mm_per_px_ * texel.transpose();
@@ -137,7 +137,7 @@ GroundTruth SceneMaker::surface_truth(const LocatedSheet& sheet, const SheetLaye
   for (Eigen::Index f = 0; f < grid->rows(); ++f) {
     std::array<std::int32_t, 3> face{};
     for (int k = 0; k < 3; ++k) {
-      face[static_cast<std::size_t>(k)] = number[static_cast<std::size_t>((*grid)(f, k))];
+      face[to_index(k)] = number[to_index((*grid)(f, k))];
     }
     if (*std::min_element(face.begin(), face.end()) >= 0) faces.push_back(face);
   }
@@ -151,7 +151,7 @@ GroundTruth SceneMaker::surface_truth(const LocatedSheet& sheet, const SheetLaye
 GroundTruth SceneMaker::marker_truth(const LocatedSheet& sheet) const {
   std::vector<Eigen::Index> known;
   for (Eigen::Index i = 0; i < sheet.rough_centres_m.rows(); ++i) {
-    const SeenMarker& seen = sheet.warp.markers[static_cast<std::size_t>(i)];
+    const SeenMarker& seen = sheet.warp.markers[to_index(i)];
     const Eigen::Vector2d inside = texel_at(sheet_.markers[seen.marker].centre_mm()).array() + 0.5;
     const bool is_on_texture = inside.minCoeff() >= 0.0 &&
                                inside.x() <= renderer_.texture().width() &&
@@ -165,8 +165,8 @@ GroundTruth SceneMaker::marker_truth(const LocatedSheet& sheet) const {
   truth.points_m = Array<double>({count, 3});
   truth.visible = Array<std::uint8_t>({count});
   for (std::int64_t k = 0; k < count; ++k) {
-    const Eigen::Index i = known[static_cast<std::size_t>(k)];
-    const SeenMarker& seen = sheet.warp.markers[static_cast<std::size_t>(i)];
+    const Eigen::Index i = known[to_index(k)];
+    const SeenMarker& seen = sheet.warp.markers[to_index(i)];
     truth.template_xy_m.matrix<2>().row(k) =
         kMetre * mm_per_px_ * texel_at(sheet_.markers[seen.marker].centre_mm()).transpose();
     truth.points_m.matrix<3>().row(k) = sheet.rough_centres_m.row(i);

@@ -30,7 +30,7 @@ struct Scene {
 /// middle; its texels are square.
 class SceneMaker {
  public:
-  SceneMaker(const MarkerSheet& sheet, sources::MipTexture texture, const Camera& camera,
+  SceneMaker(const MarkerSheet& sheet, scene::MipTexture texture, const Camera& camera,
              const SceneOptions& options);
 
   Scene make(const LocatedSheet& sheet, double t_s) const;

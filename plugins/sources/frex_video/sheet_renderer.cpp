@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
 namespace weft::frex_video {
@@ -40,7 +41,7 @@ class RayGrid {
     if (first.x < end.x && first.y < end.y) window_ = {first, end};
     width_ = kRays * window_.width;
     height_ = kRays * window_.height;
-    rays_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+    rays_.resize(to_index(width_) * to_index(height_));
   }
 
   const cv::Rect& window_px() const { return window_; }
@@ -82,10 +83,7 @@ class RayGrid {
     std::array<double, 4> over_depth;
   };
 
-  const Ray& ray(int x, int y) const {
-    return rays_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                 static_cast<std::size_t>(x)];
-  }
+  const Ray& ray(int x, int y) const { return rays_[to_index(y) * to_index(width_) + to_index(x)]; }
 
   Corner corner(const ScreenVertex& vertex) const {
     const double near = 1.0 / vertex.depth_m;
@@ -106,8 +104,7 @@ class RayGrid {
   }
 
   void meet(int x, int y, const std::array<double, 4>& over_depth, float pitch) {
-    Ray& ray = rays_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                     static_cast<std::size_t>(x)];
+    Ray& ray = rays_[to_index(y) * to_index(width_) + to_index(x)];
     const auto nearness = static_cast<float>(over_depth[0]);
     if (nearness <= ray.nearness) return;
     const double depth = 1.0 / over_depth[0];
@@ -122,17 +119,17 @@ class RayGrid {
   std::vector<Ray> rays_;
 };
 
-bool is_on(const sources::MipTexture& texture, const Ray& ray) {
+bool is_on(const scene::MipTexture& texture, const Ray& ray) {
   return ray.pitch != kBack && ray.u >= -0.5F && ray.v >= -0.5F &&
          ray.u <= static_cast<float>(texture.width()) - 0.5F &&
          ray.v <= static_cast<float>(texture.height()) - 0.5F;
 }
 
-cv::Vec3f colour_of(const sources::MipTexture& texture, const Ray& ray, float ambient) {
+cv::Vec3f colour_of(const scene::MipTexture& texture, const Ray& ray, float ambient) {
   const float cosine = std::max(0.0F, ray.pitch == kBack ? -ray.light : ray.light);
   const float brightness = ambient + (1.0F - ambient) * cosine;
   if (!is_on(texture, ray)) return cv::Vec3f::all(kPaper * brightness);
-  const sources::Colour ink = brightness * texture.sample(ray.u, ray.v, ray.pitch);
+  const scene::Colour ink = brightness * texture.sample(ray.u, ray.v, ray.pitch);
   return {ink[0], ink[1], ink[2]};
 }
 

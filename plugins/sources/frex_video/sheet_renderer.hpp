@@ -4,7 +4,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "common/mip_texture.hpp"
+#include "common/scene/mip_texture.hpp"
 
 namespace weft::frex_video {
 
@@ -31,16 +31,16 @@ class SheetRenderer {
  public:
   static constexpr int kRays = 3;
 
-  SheetRenderer(sources::MipTexture texture, cv::Size image_px, double ambient)
+  SheetRenderer(scene::MipTexture texture, cv::Size image_px, double ambient)
       : texture_(std::move(texture)), image_px_(image_px), ambient_(static_cast<float>(ambient)) {}
 
   /// `mesh` is a grid of vertices, row by row, `columns` in a row.
   SheetLayer render(const std::vector<ScreenVertex>& mesh, int columns) const;
 
-  const sources::MipTexture& texture() const { return texture_; }
+  const scene::MipTexture& texture() const { return texture_; }
 
  private:
-  sources::MipTexture texture_;
+  scene::MipTexture texture_;
   cv::Size image_px_;
   float ambient_;
 };

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/geometry/bspline_site.hpp>
 
 namespace weft::frex_video {
@@ -39,7 +40,7 @@ template <int Rows>
 Jacobian<Rows> chain(const SplineSite& site, const Eigen::Matrix<double, Rows, 3>& factor) {
   Jacobian<Rows> jacobian;
   for (int k = 0; k < 16; ++k) {
-    jacobian.template middleCols<3>(3 * k) = site.weights[static_cast<std::size_t>(k)] * factor;
+    jacobian.template middleCols<3>(3 * k) = site.weights[to_index(k)] * factor;
   }
   return jacobian;
 }

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <utility>
+#include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
 
 namespace weft::frex_video {
@@ -20,7 +21,7 @@ Result<SheetWarp> fit_warp(const MarkerSheet& sheet, std::vector<SeenMarker> mar
     const auto count = static_cast<Eigen::Index>(markers.size());
     Points2 sites_mm(count, 2), images_px(count, 2);
     for (Eigen::Index i = 0; i < count; ++i) {
-      const SeenMarker& seen = markers[static_cast<std::size_t>(i)];
+      const SeenMarker& seen = markers[to_index(i)];
       sites_mm.row(i) = sheet.markers[seen.marker].centre_mm().transpose();
       images_px.row(i) = seen.centre_px.transpose();
     }
@@ -30,7 +31,7 @@ Result<SheetWarp> fit_warp(const MarkerSheet& sheet, std::vector<SeenMarker> mar
     const Eigen::VectorXd distances_px = fitted->left_out.rowwise().norm();
     Eigen::Index worst = 0;
     if (distances_px.maxCoeff(&worst) <= max_distance_px) {
-      const double median_px = median({distances_px.data(), static_cast<std::size_t>(count)});
+      const double median_px = median({distances_px.data(), to_index(count)});
       return SheetWarp{std::move(fitted->spline), std::move(markers), median_px};
     }
     markers.erase(markers.begin() + worst);

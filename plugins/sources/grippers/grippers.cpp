@@ -6,9 +6,10 @@
 #include <optional>
 #include <utility>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/sdk/source.hpp>
 
-#include "common/random_stream.hpp"
+#include "common/scene/random_stream.hpp"
 
 namespace weft::grippers {
 namespace {
@@ -88,7 +89,7 @@ class Grippers final : public Source {
   static constexpr double kMetresPerMillimetre = 1e-3;
 
   Rng stream(std::uint64_t purpose, std::uint64_t frame) const {
-    return sources::random_stream(static_cast<std::uint64_t>(seed_), purpose, frame);
+    return scene::random_stream(static_cast<std::uint64_t>(seed_), purpose, frame);
   }
 
   /// The true point nearest to each place, on the template.
@@ -99,7 +100,7 @@ class Grippers final : public Source {
     KnownPoints known{Array<std::int32_t>({count_}), Array<double>({count_, 3}),
                       Array<double>({count_}), Array<double>({count_, 2})};
     for (std::int64_t p = 0; p < count_; ++p) {
-      const auto& [x, y] = kPlaces[static_cast<std::size_t>(p)];
+      const auto& [x, y] = kPlaces[to_index(p)];
       const Eigen::RowVector2d place = low + Eigen::RowVector2d(x * size.x(), y * size.y());
       Eigen::Index nearest = 0;
       (flat_m.rowwise() - place).rowwise().squaredNorm().minCoeff(&nearest);

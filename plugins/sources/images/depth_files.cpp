@@ -15,8 +15,7 @@ Result<cv::Mat> read_depth_file(const std::string& path, const sources::Calibrat
     return Error{Errc::unsupported,
                  path +
                      ": a depth image has one channel of 16 bits; convert it, 0 where nothing "
-                     "was measured",
-                 {}};
+                     "was measured"};
   }
   return depth;
 }
@@ -37,24 +36,20 @@ Result<void> DepthFiles::open(const std::vector<std::string>& stems) {
     if (frames.insert(stem).second) continue;
     return Error{Errc::invalid_value,
                  "two frames have the stem '" + stem +
-                     "', so that 'depth' is ambiguous: narrow 'path' or rename one",
-                 {}};
+                     "', so that 'depth' is ambiguous: narrow 'path' or rename one"};
   }
   const auto paths = sources::matching_files(pattern_);
-  if (!paths) return Error{paths.error().code, "depth: " + paths.error().message, {}};
+  if (!paths) return Error{paths.error().code, "depth: " + paths.error().message};
   for (const std::string& path : *paths) {
     const std::string stem = sources::stem_of(path);
     if (frames.count(stem) == 0) {
       return Error{Errc::invalid_data,
-                   path + ": belongs to no frame: no image has the stem '" + stem + "'",
-                   {}};
+                   path + ": belongs to no frame: no image has the stem '" + stem + "'"};
     }
     const auto [twin, is_new] = path_of_.emplace(stem, path);
     if (is_new) continue;
-    return Error{Errc::invalid_data,
-                 path + ": belongs to the frame '" + stem + "', which already has " + twin->second +
-                     ": remove one",
-                 {}};
+    return Error{Errc::invalid_data, path + ": belongs to the frame '" + stem +
+                                         "', which already has " + twin->second + ": remove one"};
   }
   return {};
 }

@@ -12,8 +12,7 @@ Result<cv::Mat> read_image_file(const std::string& path, const sources::Calibrat
     return Error{Errc::unsupported,
                  path +
                      ": has more than 8 bits a channel; convert the images to 8 bits, since only "
-                     "you know which values are black and white",
-                 {}};
+                     "you know which values are black and white"};
   }
   if (image->channels() == 2) cv::extractChannel(*image, *image, 0);
   if (image->channels() == 4) cv::cvtColor(*image, *image, cv::COLOR_BGRA2BGR);

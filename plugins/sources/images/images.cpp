@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <map>
 #include <weft/core/image_file.hpp>
+#include <weft/core/index.hpp>
 #include <weft/core/suggest.hpp>
 #include <weft/sdk/source.hpp>
 
@@ -71,12 +72,11 @@ class Images final : public Source {
 
   Result<SourceFrame> read(std::int64_t index, const Call&) override {
     if (index < 0 || index >= count()) {
-      return Error{Errc::invalid_value,
-                   "there is no frame " + std::to_string(index) + ": the source has " +
-                       std::to_string(count()) + ", counted from 0",
-                   {}};
+      return Error{Errc::invalid_value, "there is no frame " + std::to_string(index) +
+                                            ": the source has " + std::to_string(count()) +
+                                            ", counted from 0"};
     }
-    const Frame& frame = frames_[static_cast<std::size_t>(index)];
+    const Frame& frame = frames_[to_index(index)];
     const auto stored = read_image_file(frame.path, camera_);
     if (!stored) return stored.error();
     auto image = camera_.undistorted(*stored, frame.path, frame.stem);
@@ -104,8 +104,7 @@ class Images final : public Source {
         return Error{Errc::invalid_value,
                      "the frames " + frames_[twin->second].path + " and " + path +
                          " have the same stem, so that truth and 'apart' are ambiguous: narrow "
-                         "'path' or rename one",
-                     {}};
+                         "'path' or rename one"};
       }
       frames_.push_back({std::move(path), std::move(stem), {}});
     }
@@ -154,10 +153,9 @@ class Images final : public Source {
     for (const auto& [stem, reason] : apart_) {
       Frame* frame = find(stem);
       if (frame == nullptr) {
-        return Error{Errc::not_found,
-                     "'apart' names the frame '" + stem + "', but no image has this stem" +
-                         did_you_mean(stem, stems()),
-                     {}};
+        return Error{Errc::not_found, "'apart' names the frame '" + stem +
+                                          "', but no image has this stem" +
+                                          did_you_mean(stem, stems())};
       }
       frame->apart = reason;
     }

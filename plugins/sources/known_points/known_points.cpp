@@ -57,7 +57,7 @@ class KnownPointSource final : public Source {
   std::int64_t count() const override { return count_; }
 
   Result<SourceFrame> read(std::int64_t index, const Call& call) override {
-    if (!feed_) return Error{Errc::invalid_value, "the source is not open: open it first", {}};
+    if (!feed_) return Error{Errc::invalid_value, "the source is not open: open it first"};
     auto given = frames_.read(call);
     if (!given) return given.error();
     Moment moment{static_cast<double>(index), {}};
@@ -79,7 +79,7 @@ class KnownPointSource final : public Source {
     if (camera_from_robot_.empty()) return {};
     constexpr double kLargestError = 1e-3;
     const auto mistake = [](const char* what) {
-      return Error{Errc::invalid_value, std::string("'camera_from_robot' ") + what, {}};
+      return Error{Errc::invalid_value, std::string("'camera_from_robot' ") + what};
     };
     if (camera_from_robot_.size() != 12) return mistake("must have 12 numbers: [R t], row by row");
     using Rows = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;

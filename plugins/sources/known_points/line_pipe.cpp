@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstddef>
 #include <cstring>
+#include <weft/core/index.hpp>
 
 namespace weft::known_points {
 namespace {
@@ -25,7 +26,7 @@ LinePipe::Descriptor::~Descriptor() {
 Result<LinePipe> LinePipe::open(const std::string& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (file >= 0) return LinePipe(file);
-  return Error{Errc::io, path + ": " + std::strerror(errno), {}};
+  return Error{Errc::io, path + ": " + std::strerror(errno)};
 }
 
 bool LinePipe::take_line(std::string& line) {
@@ -46,11 +47,11 @@ Result<void> LinePipe::receive() {
   }
   std::array<char, 4096> chunk{};
   const ssize_t count = ::read(file_.number(), chunk.data(), chunk.size());
-  if (count > 0) buffer_.append(chunk.data(), static_cast<std::size_t>(count));
+  if (count > 0) buffer_.append(chunk.data(), to_index(count));
   if (count == 0) ended_ = true;
   if (count >= 0 || errno == EAGAIN || errno == EINTR) return {};
   ended_ = true;
-  return Error{Errc::io, std::strerror(errno), {}};
+  return Error{Errc::io, std::strerror(errno)};
 }
 
 Result<LinePipe::Got> LinePipe::next(std::string& line,
@@ -61,7 +62,7 @@ Result<LinePipe::Got> LinePipe::next(std::string& line,
     if (buffer_.size() > kLongestLine) {
       buffer_.clear();
       ended_ = true;
-      return Error{Errc::invalid_data, "a line is longer than 64 KiB", {}};
+      return Error{Errc::invalid_data, "a line is longer than 64 KiB"};
     }
     if (cancelled()) return Got::cancelled;
     if (auto received = receive(); !received) return received.error();

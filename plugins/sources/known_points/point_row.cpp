@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <weft/core/index.hpp>
 #include <weft/core/suggest.hpp>
 
 namespace weft::known_points {
@@ -16,7 +17,7 @@ constexpr double kMetresPerMillimetre = 1e-3;
 constexpr double kRadiusOverSigma =
     2.795;  // 95 % of the chi distribution with 3 degrees of freedom
 
-std::size_t at(Field field) { return static_cast<std::size_t>(field); }
+std::size_t at(Field field) { return to_index(field); }
 
 std::optional<RowMistake> check_whole(const Numbers& numbers, Field field) {
   const auto& number = numbers[at(field)];

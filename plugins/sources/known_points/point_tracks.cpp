@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <string>
 #include <utility>
+#include <weft/core/index.hpp>
 
 namespace weft::known_points {
 
@@ -19,7 +20,7 @@ PointTracks::Track& PointTracks::track_of(const PointRow& row) {
 
 Result<void> PointTracks::add(const PointRow& row) {
   const auto mistake = [](const std::string& message) {
-    return Error{Errc::invalid_data, message, {}};
+    return Error{Errc::invalid_data, message};
   };
   if (!empty() && row.by_frame != by_frame_) {
     return mistake("mixes 'time_s' and 'frame': use one in all rows");
@@ -62,7 +63,7 @@ std::optional<KnownPoints> PointTracks::at(double moment) const {
   KnownPoints known{Array<std::int32_t>({count}), Array<double>({count, 3}), Array<double>({count}),
                     Array<double>({count, 2})};
   for (std::int64_t p = 0; p < count; ++p) {
-    const auto& [track, sample] = found[static_cast<std::size_t>(p)];
+    const auto& [track, sample] = found[to_index(p)];
     known.vertex(p) = track->vertex;
     known.points_m.matrix<3>().row(p) = sample.point_m.transpose();
     known.radius_m(p) = sample.radius_m;

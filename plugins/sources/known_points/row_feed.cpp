@@ -54,12 +54,12 @@ Result<RowFeed> RowFeed::open(FeedOptions options) {
   constexpr std::uint64_t kMostBytes = 1U << 28U;
   const auto text = read_text_file(path, kMostBytes);
   if (!text) {
-    return Error{text.error().code, path + ": cannot be read: " + text.error().message, {}};
+    return Error{text.error().code, path + ": cannot be read: " + text.error().message};
   }
   const bool is_csv = std::filesystem::path(path).extension() == ".csv";
   auto read = is_csv ? feed.read_csv(*text) : feed.read_json_lines(*text);
   if (!read) return read.error();
-  if (feed.tracks_.empty()) return Error{Errc::invalid_data, path + ": has no rows", {}};
+  if (feed.tracks_.empty()) return Error{Errc::invalid_data, path + ": has no rows"};
   return feed;
 }
 
@@ -111,8 +111,8 @@ Result<std::string> RowFeed::receive(const Moment& moment, const std::function<b
   std::string line;
   while (!is_past(moment)) {
     const auto got = pipe_->next(line, deadline, cancelled);
-    if (!got) return Error{got.error().code, options_.path + ": " + got.error().message, {}};
-    if (*got == LinePipe::Got::cancelled) return Error{Errc::cancelled, "cancelled", {}};
+    if (!got) return Error{got.error().code, options_.path + ": " + got.error().message};
+    if (*got == LinePipe::Got::cancelled) return Error{Errc::cancelled, "cancelled"};
     if (*got == LinePipe::Got::end && has_reached(moment)) return std::string();
     const std::string last = tracks_.empty()
                                  ? "no row has come"
@@ -144,8 +144,7 @@ Result<std::optional<KnownPoints>> RowFeed::at(const Moment& moment,
   if (!tracks_.empty()) {
     if (!tracks_.by_frame() && !moment.time_s) {
       return Error{Errc::invalid_data,
-                   "the frame has no time: give the rows a 'frame' instead of 'time_s'",
-                   {}};
+                   "the frame has no time: give the rows a 'frame' instead of 'time_s'"};
     }
     known = tracks_.at(wanted(moment));
     if (pipe_) tracks_.forget_before(wanted(moment));

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <weft/core/index.hpp>
 
 namespace weft::known_points {
 namespace {
@@ -91,9 +92,9 @@ Result<PointRow> CsvReader::read(std::string_view line, int line_number) const {
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const Field field = fields_[i];
     const bool may_lack = field == Field::radius_mm || field == Field::sigma_mm;
-    columns[static_cast<std::size_t>(field)] = cells[i].column;
+    columns[to_index(field)] = cells[i].column;
     if (cells[i].text.empty() && may_lack) continue;
-    auto& number = numbers[static_cast<std::size_t>(field)];
+    auto& number = numbers[to_index(field)];
     number = number_in(cells[i].text);
     if (number) continue;
     return mistake_at(path_, line_number, cells[i].column,
@@ -103,8 +104,7 @@ Result<PointRow> CsvReader::read(std::string_view line, int line_number) const {
   PointRow row;
   const auto wrong = read_row(numbers, row);
   if (!wrong) return row;
-  return mistake_at(path_, line_number, columns[static_cast<std::size_t>(*wrong->field)],
-                    wrong->message);
+  return mistake_at(path_, line_number, columns[to_index(*wrong->field)], wrong->message);
 }
 
 Result<PointRow> read_json_row(const std::string& path, std::string_view line, int line_number) {
@@ -140,7 +140,7 @@ Result<PointRow> read_json_row(const std::string& path, std::string_view line, i
       return mistake(key, "'" + key + "' must be a finite number");
     }
     fields.push_back(*field);
-    numbers[static_cast<std::size_t>(*field)] = value.get<double>();
+    numbers[to_index(*field)] = value.get<double>();
   }
   PointRow row;
   auto wrong = check_fields(fields);

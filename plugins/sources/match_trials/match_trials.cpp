@@ -2,14 +2,14 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <weft/generators/random_deformation.hpp>
+#include <weft/generators/random_matches.hpp>
 #include <weft/geometry/barycentric.hpp>
 #include <weft/geometry/face_locator.hpp>
-#include <weft/geometry/random_deformation.hpp>
-#include <weft/geometry/random_matches.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
 #include <weft/sdk/source.hpp>
 
-#include "common/random_stream.hpp"
+#include "common/scene/random_stream.hpp"
 
 namespace weft::match_trials {
 namespace {
@@ -68,12 +68,11 @@ class MatchTrials final : public Source {
   std::int64_t count() const override { return trials_; }
 
   Result<SourceFrame> read(std::int64_t index, const Call& call) override {
-    if (!deformer_) return Error{Errc::invalid_value, "the source is not open: open it first", {}};
+    if (!deformer_) return Error{Errc::invalid_value, "the source is not open: open it first"};
     if (index < 0 || index >= trials_) {
-      return Error{Errc::invalid_value,
-                   "there is no trial " + std::to_string(index) + ": the source has " +
-                       std::to_string(trials_) + ", counted from 0",
-                   {}};
+      return Error{Errc::invalid_value, "there is no trial " + std::to_string(index) +
+                                            ": the source has " + std::to_string(trials_) +
+                                            ", counted from 0"};
     }
     const auto vertices_m = shape(index, call);
     if (!vertices_m) return vertices_m.error();
@@ -107,23 +106,22 @@ class MatchTrials final : public Source {
   }
 
   Rng stream(std::uint64_t purpose, std::int64_t trial) const {
-    return sources::random_stream(static_cast<std::uint64_t>(seed_), purpose,
-                                  static_cast<std::uint64_t>(trial));
+    return scene::random_stream(static_cast<std::uint64_t>(seed_), purpose,
+                                static_cast<std::uint64_t>(trial));
   }
 
   /// The first shape that is accepted.
   Result<Points3> shape(std::int64_t trial, const Call& call) const {
     Rng rng = stream(kShapes, trial);
     for (int draw = 0; draw < deformation_.max_draws; ++draw) {
-      if (call.cancelled()) return Error{Errc::cancelled, "stopped while drawing a shape", {}};
+      if (call.cancelled()) return Error{Errc::cancelled, "stopped while drawing a shape"};
       RandomDeformation drawn = deformer_->draw(camera_, rng);
       if (drawn.accepted) return std::move(drawn.vertices_m);
     }
     return Error{Errc::invalid_value,
                  "none of " + std::to_string(deformation_.max_draws) +
                      " shapes is within max_strain and in the image: let the cells move less, or "
-                     "raise max_strain or distance_m",
-                 {}};
+                     "raise max_strain or distance_m"};
   }
 
   GroundTruth truth(const Points3& vertices_m, const Points2& true_px) const {

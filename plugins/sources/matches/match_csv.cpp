@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <string_view>
+#include <weft/core/index.hpp>
 #include <weft/core/quote.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/core/text_file.hpp>
@@ -41,7 +42,7 @@ class CsvReader {
   Error mistake(std::string_view cell, const std::string& message) const {
     const std::size_t byte = cell.data() == nullptr || cell.data() < line_.data()
                                  ? 0
-                                 : static_cast<std::size_t>(cell.data() - line_.data());
+                                 : to_index(cell.data() - line_.data());
     std::size_t column = 1;
     for (const char c : line_.substr(0, std::min(byte, line_.size()))) {
       column += (static_cast<unsigned char>(c) & 0xC0U) != 0x80U ? 1 : 0;
@@ -138,7 +139,7 @@ Result<MatchTable> read_match_csv(const std::string& path) {
   constexpr std::uint64_t kMostBytes = 1U << 28U;
   const auto text = read_text_file(path, kMostBytes);
   if (!text) {
-    return Error{text.error().code, path + ": cannot be read: " + text.error().message, {}};
+    return Error{text.error().code, path + ": cannot be read: " + text.error().message};
   }
   return CsvReader(path, *text).read();
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstring>
+#include <weft/core/index.hpp>
 #include <weft/core/quote.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/data/npy.hpp>
@@ -47,7 +48,7 @@ std::optional<Named> array_in(std::string_view member) {
 template <class T>
 double element(const char* data, std::int64_t index) {
   T value;
-  std::memcpy(&value, data + static_cast<std::size_t>(index) * sizeof(T), sizeof(T));
+  std::memcpy(&value, data + to_index(index) * sizeof(T), sizeof(T));
   return static_cast<double>(value);
 }
 
@@ -93,7 +94,7 @@ class NpzReader {
 
   Result<MatchTable> table() {
     if (const auto wrong = table_.mistake()) {
-      return Error{Errc::invalid_data, path_ + ": " + *wrong + " (" + known() + ")", {}};
+      return Error{Errc::invalid_data, path_ + ": " + *wrong + " (" + known() + ")"};
     }
     return std::move(table_);
   }
@@ -127,10 +128,10 @@ class NpzReader {
                                  " entries where the array before has " + std::to_string(rows_));
     }
     for (std::int64_t k = 0; k < width; ++k) {
-      const Column column = columns[static_cast<std::size_t>(k)];
+      const Column column = columns[to_index(k)];
       if (table_.has(column)) return mistake(member, "is given twice: remove one");
       table_.declare(column);
-      table_[column].reserve(static_cast<std::size_t>(rows_));
+      table_[column].reserve(to_index(rows_));
       for (std::int64_t n = 0; n < rows_; ++n) {
         worked_in_loop(n);
         const double value =

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <weft/core/index.hpp>
 #include <weft/core/quote.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/core/suggest.hpp>
@@ -51,7 +52,7 @@ bool is_one_of(double value, double least, double most) {
 
 }  // namespace
 
-const char* name_of(Column column) { return kNames[static_cast<std::size_t>(column)]; }
+const char* name_of(Column column) { return kNames[to_index(column)]; }
 
 std::optional<Column> column_named(std::string_view name) {
   const auto found = std::find(kNames.begin(), kNames.end(), name);
@@ -103,7 +104,7 @@ std::vector<std::vector<std::size_t>> MatchTable::rows_by_frame() const {
   std::vector<std::vector<std::size_t>> found(has(Column::frame) ? 0 : 1);
   for (std::size_t row = 0; row < rows(); ++row) {
     worked_in_loop(static_cast<std::int64_t>(row));
-    const auto frame = frames.empty() ? 0 : static_cast<std::size_t>(frames[row]);
+    const auto frame = frames.empty() ? 0 : to_index(frames[row]);
     if (frame >= found.size()) found.resize(frame + 1);
     found[frame].push_back(row);
   }

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/result.hpp>
 #include <weft/data/correspondences.hpp>
 #include <weft/data/ground_truth.hpp>
@@ -47,14 +48,10 @@ std::optional<std::string> mistake_in(Column column, double value);
 /// The matches of a file, a value a row in each column that it has.
 class MatchTable {
  public:
-  std::vector<double>& operator[](Column column) {
-    return values_[static_cast<std::size_t>(column)];
-  }
-  const std::vector<double>& operator[](Column column) const {
-    return values_[static_cast<std::size_t>(column)];
-  }
-  void declare(Column column) { declared_[static_cast<std::size_t>(column)] = true; }
-  bool has(Column column) const { return declared_[static_cast<std::size_t>(column)]; }
+  std::vector<double>& operator[](Column column) { return values_[to_index(column)]; }
+  const std::vector<double>& operator[](Column column) const { return values_[to_index(column)]; }
+  void declare(Column column) { declared_[to_index(column)] = true; }
+  bool has(Column column) const { return declared_[to_index(column)]; }
   std::size_t rows() const { return (*this)[Column::image_x_px].size(); }
 
   /// The mistake where a column is missing or two contradict each other.

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/sdk/source.hpp>
 
@@ -55,12 +56,11 @@ class Matches final : public Source {
 
   Result<SourceFrame> read(std::int64_t index, const Call&) override {
     if (index < 0 || index >= count()) {
-      return Error{Errc::invalid_value,
-                   "there is no frame " + std::to_string(index) + ": the source has " +
-                       std::to_string(count()) + ", counted from 0",
-                   {}};
+      return Error{Errc::invalid_value, "there is no frame " + std::to_string(index) +
+                                            ": the source has " + std::to_string(count()) +
+                                            ", counted from 0"};
     }
-    const auto number = static_cast<std::size_t>(index);
+    const auto number = to_index(index);
     if (whole_) return frame_of(*whole_, rows_[number], files_.front(), index);
     const std::string& path = files_[number];
     const auto table = read_file(path);
@@ -106,7 +106,7 @@ class Matches final : public Source {
   }
 
   std::string stem(std::int64_t index) const {
-    if (!whole_) return sources::stem_of(files_[static_cast<std::size_t>(index)]);
+    if (!whole_) return sources::stem_of(files_[to_index(index)]);
     const std::string number = std::to_string(index);
     return std::string(number.size() < 6 ? 6 - number.size() : 0, '0') + number;
   }

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
 #include <weft/core/stop_check.hpp>
 
-#include "common/value_noise.hpp"
+#include "common/scene/value_noise.hpp"
 
 namespace weft::synthetic {
 namespace {
@@ -47,7 +48,7 @@ std::vector<Thing> draw_things(double width, double height, Rng& rng) {
 
 std::vector<float> draw_background(int width, int height, std::uint64_t seed) {
   Rng rng(seed);
-  std::vector<sources::ValueNoise> layers;
+  std::vector<scene::ValueNoise> layers;
   double cell_px = 0.4 * height;
   while (cell_px > 8.0) {
     layers.emplace_back(width, height, cell_px, rng);
@@ -55,12 +56,12 @@ std::vector<float> draw_background(int width, int height, std::uint64_t seed) {
   }
   const std::vector<Thing> things = draw_things(width, height, rng);
   std::vector<float> grey;
-  grey.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  grey.reserve(to_index(width) * to_index(height));
   for (int y = 0; y < height; ++y) {
     ask_to_go_on();
     for (int x = 0; x < width; ++x) {
       double value = 92.0, amplitude = 34.0;
-      for (const sources::ValueNoise& layer : layers) {
+      for (const scene::ValueNoise& layer : layers) {
         value += amplitude * layer(x, y);
         amplitude *= 0.55;
       }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
 namespace weft::synthetic {
@@ -31,10 +32,9 @@ Texture::Texture(int width, int height, std::vector<float> pixels) {
 
 Texture::Level Texture::halved(const Level& level) {
   Level half{level.width / 2, level.height / 2, {}};
-  half.pixels.reserve(static_cast<std::size_t>(half.width) * static_cast<std::size_t>(half.height));
+  half.pixels.reserve(to_index(half.width) * to_index(half.height));
   const auto at = [&](int x, int y) {
-    return level.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(level.width) +
-                        static_cast<std::size_t>(x)];
+    return level.pixels[to_index(y) * to_index(level.width) + to_index(x)];
   };
   for (int y = 0; y < half.height; ++y) {
     ask_to_go_on();
@@ -47,7 +47,7 @@ Texture::Level Texture::halved(const Level& level) {
 }
 
 float Texture::sample(int level, float u, float v) const {
-  const Level& picture = levels_[static_cast<std::size_t>(level)];
+  const Level& picture = levels_[to_index(level)];
   const float scale = 1.0F / static_cast<float>(1 << level);
   // Pixel centres are integers: the centre of a block of 2 x 2 is half a pixel from its first.
   const float a =
@@ -58,9 +58,8 @@ float Texture::sample(int level, float u, float v) const {
   const int j = std::min(static_cast<int>(b), std::max(0, picture.height - 2));
   const float s = a - static_cast<float>(i), t = b - static_cast<float>(j);
   const std::size_t right = picture.width > 1 ? 1 : 0;
-  const auto width = static_cast<std::size_t>(picture.width);
-  const float* first =
-      picture.pixels.data() + static_cast<std::size_t>(j) * width + static_cast<std::size_t>(i);
+  const auto width = to_index(picture.width);
+  const float* first = picture.pixels.data() + to_index(j) * width + to_index(i);
   const float* second = picture.height > 1 ? first + width : first;
   return (1.0F - t) * ((1.0F - s) * first[0] + s * first[right]) +
          t * ((1.0F - s) * second[0] + s * second[right]);
@@ -127,8 +126,7 @@ Renderer::Window Renderer::covered() const {
 const std::vector<float>& Renderer::render(const DevelopableSheet& sheet) {
   project_mesh(sheet);
   window_ = covered();
-  const auto rays = static_cast<std::size_t>(window_.x1 - window_.x0) *
-                    static_cast<std::size_t>(window_.y1 - window_.y0);
+  const auto rays = to_index(window_.x1 - window_.x0) * to_index(window_.y1 - window_.y0);
   nearness_.assign(rays, 0.0F);
   grey_.resize(rays);
   for (int j = 0; j + 1 < rows_; ++j) {
@@ -196,10 +194,10 @@ int Renderer::level_for(double texels_per_ray) const {
 
 void Renderer::draw_row(int y, int x0, int x1, const std::array<float, 4>& start,
                         const std::array<float, 4>& step, int level) {
-  const auto width = static_cast<std::size_t>(window_.x1 - window_.x0);
-  const std::size_t row = static_cast<std::size_t>(y - window_.y0) * width;
+  const auto width = to_index(window_.x1 - window_.x0);
+  const std::size_t row = to_index(y - window_.y0) * width;
   for (int x = x0; x <= x1; ++x) {
-    const auto ray = row + static_cast<std::size_t>(x - window_.x0);
+    const auto ray = row + to_index(x - window_.x0);
     const auto n = static_cast<float>(x - x0);
     const float near = start[0] + n * step[0];
     if (near <= nearness_[ray]) continue;
@@ -215,17 +213,16 @@ void Renderer::draw_row(int y, int x0, int x1, const std::array<float, 4>& start
 
 void Renderer::resolve() {
   image_ = background_;
-  const auto stride = static_cast<std::size_t>(window_.x1 - window_.x0);
-  const auto width = static_cast<std::size_t>(camera_.width_px);
+  const auto stride = to_index(window_.x1 - window_.x0);
+  const auto width = to_index(camera_.width_px);
   for (int y = window_.y0; y < window_.y1; y += kRays) {
     ask_to_go_on();
     for (int x = window_.x0; x < window_.x1; x += kRays) {
-      float& pixel =
-          image_[static_cast<std::size_t>(y / kRays) * width + static_cast<std::size_t>(x / kRays)];
+      float& pixel = image_[to_index(y / kRays) * width + to_index(x / kRays)];
       float sum = 0.0F;
       for (int k = 0; k < kRays * kRays; ++k) {
-        const std::size_t ray = static_cast<std::size_t>(y - window_.y0 + k / kRays) * stride +
-                                static_cast<std::size_t>(x - window_.x0 + k % kRays);
+        const std::size_t ray =
+            to_index(y - window_.y0 + k / kRays) * stride + to_index(x - window_.x0 + k % kRays);
         sum += nearness_[ray] > 0.0F ? grey_[ray] : pixel;
       }
       pixel = sum / static_cast<float>(kRays * kRays);

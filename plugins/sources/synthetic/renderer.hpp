@@ -6,7 +6,7 @@
 #include <vector>
 #include <weft/data/array.hpp>
 #include <weft/data/camera.hpp>
-#include <weft/geometry/developable.hpp>
+#include <weft/generators/developable.hpp>
 
 namespace weft::synthetic {
 

@@ -7,7 +7,7 @@
 #include <set>
 #include <weft/core/image_file.hpp>
 #include <weft/core/stop_check.hpp>
-#include <weft/geometry/sheet_motion.hpp>
+#include <weft/generators/sheet_motion.hpp>
 #include <weft/sdk/source.hpp>
 
 #include "background.hpp"
@@ -118,12 +118,11 @@ class Synthetic final : public Source {
   std::int64_t count() const override { return frames_; }
 
   Result<SourceFrame> read(std::int64_t index, const Call& call) override {
-    if (!renderer_) return Error{Errc::invalid_value, "the source is not open: open it first", {}};
+    if (!renderer_) return Error{Errc::invalid_value, "the source is not open: open it first"};
     if (index < 0 || index >= frames_) {
-      return Error{Errc::invalid_value,
-                   "there is no frame " + std::to_string(index) + ": the source has " +
-                       std::to_string(frames_) + ", counted from 0",
-                   {}};
+      return Error{Errc::invalid_value, "there is no frame " + std::to_string(index) +
+                                            ": the source has " + std::to_string(frames_) +
+                                            ", counted from 0"};
     }
     auto sheet = motion_.at(clock_s(index));
     if (!sheet) return sheet.error();
@@ -140,11 +139,9 @@ class Synthetic final : public Source {
     std::set<std::int64_t> indices;
     for (const double value : values) {
       if (value != std::floor(value) || value >= static_cast<double>(frames_)) {
-        return Error{Errc::invalid_value,
-                     "'" + name + "' holds " + std::to_string(value) +
-                         ", which is no frame: give whole numbers from 0 to " +
-                         std::to_string(frames_ - 1),
-                     {}};
+        return Error{Errc::invalid_value, "'" + name + "' holds " + std::to_string(value) +
+                                              ", which is no frame: give whole numbers from 0 to " +
+                                              std::to_string(frames_ - 1)};
       }
       indices.insert(static_cast<std::int64_t>(value));
     }

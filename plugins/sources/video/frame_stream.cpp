@@ -13,7 +13,7 @@ namespace weft::video {
 Result<FrameStream> FrameStream::open_file(const std::string& path) {
   std::error_code status;
   if (!std::filesystem::is_regular_file(path, status)) {
-    return Error{Errc::not_found, path + ": is no regular file: correct 'path'", {}};
+    return Error{Errc::not_found, path + ": is no regular file: correct 'path'"};
   }
   FrameStream stream;
   stream.name_ = path;
@@ -21,14 +21,12 @@ Result<FrameStream> FrameStream::open_file(const std::string& path) {
     return Error{Errc::invalid_data,
                  path +
                      ": is no video that can be read (empty, damaged, cut off, unreadable or of "
-                     "an unknown format): check it with another player, or convert it",
-                 {}};
+                     "an unknown format): check it with another player, or convert it"};
   }
   stream.capture_.set(cv::CAP_PROP_ORIENTATION_AUTO, 0.0);  // the calibration ignores it too
   stream.fps_ = stream.capture_.get(cv::CAP_PROP_FPS);
   if (!std::isfinite(stream.fps_) || stream.fps_ <= 0.0) {
-    return Error{
-        Errc::invalid_data, path + ": has no frame rate: convert it to another format", {}};
+    return Error{Errc::invalid_data, path + ": has no frame rate: convert it to another format"};
   }
   const double promised = stream.capture_.get(cv::CAP_PROP_FRAME_COUNT);
   if (std::isfinite(promised)) stream.promised_s_ = std::max(0.0, promised / stream.fps_);
@@ -42,15 +40,12 @@ Result<FrameStream> FrameStream::open_device(int number, const cv::Size& size_px
   std::error_code status;
   if (!std::filesystem::exists(stream.name_, status)) {
     return Error{Errc::not_found,
-                 stream.name_ + ": there is no such camera: connect it or correct 'device'",
-                 {}};
+                 stream.name_ + ": there is no such camera: connect it or correct 'device'"};
   }
   if (!stream.capture_.open(number, cv::CAP_V4L2)) {
-    return Error{Errc::io,
-                 stream.name_ +
-                     ": cannot be opened as a camera: end other programs that use it, "
-                     "and check that you may read it (group video)",
-                 {}};
+    return Error{Errc::io, stream.name_ +
+                               ": cannot be opened as a camera: end other programs that use it, "
+                               "and check that you may read it (group video)"};
   }
   stream.capture_.set(cv::CAP_PROP_FRAME_WIDTH, size_px.width);
   stream.capture_.set(cv::CAP_PROP_FRAME_HEIGHT, size_px.height);
@@ -74,7 +69,7 @@ double FrameStream::next_stamp_s() {
 
 Result<void> FrameStream::ending() const {
   if (is_live_) {
-    return Error{Errc::io, name_ + ": the camera gives no more frames: is it still connected?", {}};
+    return Error{Errc::io, name_ + ": the camera gives no more frames: is it still connected?"};
   }
   // Some headers count the sound's last moment or frames that were dropped.
   const double tolerance_s = std::max(2.0 / fps_, 0.02 * promised_s_);
@@ -84,8 +79,7 @@ Result<void> FrameStream::ending() const {
       Errc::invalid_data,
       fmt::format("{}: ends after {:.3f} s of the {:.3f} s that its header promises: it is "
                   "cut off or damaged; get the whole file, or set 'max_frames'",
-                  name_, length_s, promised_s_),
-      {}};
+                  name_, length_s, promised_s_)};
 }
 
 Result<cv::Mat> FrameStream::image() {
@@ -96,8 +90,8 @@ Result<cv::Mat> FrameStream::image() {
     image.release();
   }
   if (!image.empty() && image.type() == CV_8UC3) return image;
-  return Error{
-      Errc::invalid_data, name_ + ": frame " + std::to_string(number_) + " cannot be decoded", {}};
+  return Error{Errc::invalid_data,
+               name_ + ": frame " + std::to_string(number_) + " cannot be decoded"};
 }
 
 }  // namespace weft::video

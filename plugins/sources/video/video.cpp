@@ -56,7 +56,7 @@ class Video final : public Source {
   std::int64_t count() const override { return -1; }
 
   Result<SourceFrame> read(std::int64_t index, const Call& call) override {
-    if (index < 0) return Error{Errc::invalid_value, "frames are counted from 0", {}};
+    if (index < 0) return Error{Errc::invalid_value, "frames are counted from 0"};
     if (max_frames_ > 0 && index >= max_frames_) return no_result("'max_frames' were read");
     if (auto found = go_to(index, call); !found) return found.error();
     const auto stored = stream_.image();
@@ -96,7 +96,7 @@ class Video final : public Source {
 
   Result<void> check_choice() const {
     if (path_.empty() == (device_ >= 0)) return {};
-    return Error{Errc::invalid_value, "give either 'path' or 'device'", {}};
+    return Error{Errc::invalid_value, "give either 'path' or 'device'"};
   }
 
   std::string no_frame() const { return path_ + ": holds no frame that can be decoded"; }
@@ -116,8 +116,7 @@ class Video final : public Source {
     if (!is_at_a_frame_ || is_past) {
       if (device_ >= 0) {
         return Error{Errc::invalid_value,
-                     stream_.name() + ": a camera cannot give an earlier frame again",
-                     {}};
+                     stream_.name() + ": a camera cannot give an earlier frame again"};
       }
       if (auto started = start(call); !started) return started;
     }

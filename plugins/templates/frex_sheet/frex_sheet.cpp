@@ -62,7 +62,7 @@ class FrexSheet final : public TemplateBuilder {
   Result<void> check_size() const {
     const double texels = static_cast<double>(spec_.width_mm) * spec_.height_mm;
     if (texels * px_per_mm_ * px_per_mm_ <= kMostTexels) return {};
-    return Error{Errc::invalid_value, "the texture would be too large: lower 'px_per_mm'", {}};
+    return Error{Errc::invalid_value, "the texture would be too large: lower 'px_per_mm'"};
   }
 
   Template assemble(const cv::Mat& picture, const Faces& faces) const {

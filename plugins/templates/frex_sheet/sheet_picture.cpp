@@ -35,10 +35,9 @@ Result<cv::Mat> draw_sheet(const MarkerSheet& sheet, int px_per_mm) {
                   static_cast<int>(std::lround(sheet.width_mm * px_per_mm)), 1.0F);
   for (const SheetMarker& marker : sheet.markers) {
     if (marker.id >= dictionary->bytesList.rows) {
-      return Error{Errc::invalid_value,
-                   "the dictionary " + sheet.dictionary + " has only " +
-                       std::to_string(dictionary->bytesList.rows) + " markers: lower 'count'",
-                   {}};
+      return Error{Errc::invalid_value, "the dictionary " + sheet.dictionary + " has only " +
+                                            std::to_string(dictionary->bytesList.rows) +
+                                            " markers: lower 'count'"};
     }
     cv::Mat1b bits;
     dictionary->drawMarker(marker.id, modules, bits, kBorderModules);

@@ -3,7 +3,7 @@
 
 #include <opencv2/core.hpp>
 #include <weft/core/result.hpp>
-#include <weft/geometry/marker_sheet.hpp>
+#include <weft/generators/marker_sheet.hpp>
 
 namespace weft::frex_sheet {
 

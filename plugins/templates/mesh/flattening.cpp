@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
+#include <weft/core/index.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/mesh_validation.hpp>
 #include <weft/geometry/texture_metric.hpp>
@@ -38,7 +39,7 @@ Result<Mesh> to_mesh(const MeshFile& file, const Surface& surface) {
   };
   for (Eigen::Index f = 0; f < surface.faces.rows(); ++f) {
     if (mesh.add_face(vertex(f, 0), vertex(f, 1), vertex(f, 2)) != Mesh::null_face()) continue;
-    return file.mistake(file.faces[static_cast<std::size_t>(f)],
+    return file.mistake(file.faces[to_index(f)],
                         "does not go on what is beside it: it turns the other way, or touches it "
                         "at a corner only; make the mesh one surface with one orientation");
   }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <weft/core/index.hpp>
 #include <weft/geometry/texture_metric.hpp>
 #include <weft/sdk/template_builder.hpp>
 
-#include "common/texture_file.hpp"
+#include "common/images/texture_file.hpp"
 #include "flattening.hpp"
 #include "surface.hpp"
 
@@ -41,7 +42,7 @@ class MeshTemplate final : public TemplateBuilder {
 
   /// The surface is not flattened here, which may take long.
   void check(Mistakes& mistakes) const {
-    mistakes.expect("texture", templates::check_texture_file("texture", texture_path_));
+    mistakes.expect("texture", image_files::check_texture_file("texture", texture_path_));
     const auto file = read_mesh_file(mesh_path_);
     if (!mistakes.expect("mesh", file)) return;
     if (const auto legal = check_coordinates(*file); !legal) {
@@ -54,7 +55,7 @@ class MeshTemplate final : public TemplateBuilder {
   }
 
   Result<Template> build(const Call&) override {
-    auto texture = templates::read_texture_file("texture", texture_path_);
+    auto texture = image_files::read_texture_file("texture", texture_path_);
     if (!texture) return texture.error();
     const auto file = read_mesh_file(mesh_path_);
     if (!file) return file.error();
@@ -68,7 +69,7 @@ class MeshTemplate final : public TemplateBuilder {
     if (auto legal = check_overlap(*file, flat_px, surface->faces); !legal) return legal.error();
     keep_covered(flat_px, surface->faces, texture->mask);
     Template templ = assemble(vertices_m, flat_px, surface->faces);
-    templates::store(*texture, templ);
+    image_files::store(*texture, templ);
     if (surface->parts == 1) return templ;
     return degenerate(std::move(templ), mesh_path_ + ": the surface has " +
                                             std::to_string(surface->parts) +
@@ -84,8 +85,7 @@ class MeshTemplate final : public TemplateBuilder {
     return Error{Errc::invalid_value,
                  mesh_path_ + ": the object would be " + std::to_string(size_m) +
                      " m large, legal is 0.001 to 100: give the file's unit as 'unit_m', 0.001 for "
-                     "millimetres",
-                 {}};
+                     "millimetres"};
   }
 
   Result<void> find_coordinates(const MeshFile& file, Surface& surface) const {
@@ -104,15 +104,13 @@ class MeshTemplate final : public TemplateBuilder {
       return Error{Errc::invalid_value,
                    file.path +
                        ": has texture coordinates: leave 'coordinates: flattened' out, or "
-                       "export the mesh without them",
-                   {}};
+                       "export the mesh without them"};
     }
     if (!has_own) {
       return Error{Errc::invalid_data,
                    file.path +
                        ": has no texture coordinates: export it with them, or give "
-                       "'coordinates: flattened' to spread the picture over the surface",
-                   {}};
+                       "'coordinates: flattened' to spread the picture over the surface"};
     }
     return check_within(file);
   }
@@ -122,7 +120,7 @@ class MeshTemplate final : public TemplateBuilder {
     constexpr double kSlack = 1e-3;
     for (const MeshFile::Face& face : file.faces) {
       for (const MeshFile::Corner& corner : face.corners) {
-        const Eigen::Vector2d& uv = file.texture_uv[static_cast<std::size_t>(corner.texture)];
+        const Eigen::Vector2d& uv = file.texture_uv[to_index(corner.texture)];
         if (uv.minCoeff() >= -kSlack && uv.maxCoeff() <= 1.0 + kSlack) continue;
         return file.mistake(face, "has the texture coordinates " + std::to_string(uv.x()) + " " +
                                       std::to_string(uv.y()) +

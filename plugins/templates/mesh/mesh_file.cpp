@@ -33,17 +33,14 @@ Result<MeshFile> read_mesh_file(const std::string& path) {
   constexpr std::uint64_t kMostBytes = 1U << 28U;
   const auto text = read_text_file(path, kMostBytes);
   if (!text) {
-    return Error{
-        text.error().code,
-        path + ": cannot be read: " + text.error().message + ": correct 'mesh' or its file",
-        {}};
+    return Error{text.error().code, path + ": cannot be read: " + text.error().message +
+                                        ": correct 'mesh' or its file"};
   }
   const bool is_ply = text->starts_with("ply") && text->find_first_of("\r\n") == 3;
   auto file = is_ply ? parse_ply(path, *text) : parse_obj(path, *text);
   if (!file) return file.error();
   if (file->faces.empty()) {
-    return Error{
-        Errc::invalid_data, path + ": the mesh has no faces: export it with its faces", {}};
+    return Error{Errc::invalid_data, path + ": the mesh has no faces: export it with its faces"};
   }
   if (auto checked = check_texture(*file); !checked) return checked.error();
   return file;

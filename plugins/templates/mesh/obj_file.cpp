@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <weft/core/index.hpp>
 
 #include "mesh_file.hpp"
 #include "text_lines.hpp"
@@ -121,7 +122,7 @@ class ObjParser {
   /// Faces may stand before the vertices that they use.
   Result<void> check_indices() const {
     const auto outside = [](std::int32_t index, std::size_t count) {
-      return index < 0 || static_cast<std::size_t>(index) >= count;
+      return index < 0 || to_index(index) >= count;
     };
     const auto are = [](std::size_t count) {
       return ", but the file has " + std::to_string(count);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <weft/core/index.hpp>
 
 #include "mesh_file.hpp"
 #include "ply_header.hpp"
@@ -47,8 +48,8 @@ double value_of(PlyType type, const unsigned char* bytes) {
 Eigen::Vector2d pair_in(const Row& row, int first, int second) {
   Eigen::Vector2d pair = Eigen::Vector2d::Constant(NAN);
   if (std::min(first, second) < 0) return pair;
-  const auto& a = row[static_cast<std::size_t>(first)];
-  const auto& b = row[static_cast<std::size_t>(second)];
+  const auto& a = row[to_index(first)];
+  const auto& b = row[to_index(second)];
   if (a.size() == 1 && b.size() == 1) pair << a[0], b[0];
   return pair;
 }
@@ -174,7 +175,7 @@ class PlyParser {
 
   Result<void> take_face(const PlyElement& element, std::int64_t i, const Row& row) {
     const int list = element.find({"vertex_indices", "vertex_index"});
-    const auto& indices = row[static_cast<std::size_t>(list)];
+    const auto& indices = row[to_index(list)];
     if (indices.size() < 3) return mistake(element, i, "a face needs 3 corners: remove it");
     std::vector<MeshFile::Corner> corners;
     for (const double index : indices) {
@@ -194,8 +195,8 @@ class PlyParser {
   Result<void> take_texture(const PlyElement& element, std::int64_t i, const Row& row,
                             std::vector<MeshFile::Corner>& corners) {
     const int list = element.find({"texcoord"});
-    if (list < 0 || row[static_cast<std::size_t>(list)].empty()) return {};
-    const auto& values = row[static_cast<std::size_t>(list)];
+    if (list < 0 || row[to_index(list)].empty()) return {};
+    const auto& values = row[to_index(list)];
     if (values.size() != 2 * corners.size()) {
       return mistake(element, i, "texcoord needs two numbers for each corner: correct the face");
     }
@@ -211,7 +212,7 @@ class PlyParser {
   Result<void> check_indices() const {
     for (const MeshFile::Face& face : file_.faces) {
       for (const MeshFile::Corner& corner : face.corners) {
-        const auto index = static_cast<std::size_t>(corner.position);
+        const auto index = to_index(corner.position);
         if (corner.position >= 0 && index < file_.positions.size()) continue;
         return file_.mistake(face, "uses vertex " + std::to_string(corner.position) +
                                        ", but the file has " +

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <tuple>
+#include <weft/core/index.hpp>
 #include <weft/geometry/mesh_validation.hpp>
 
 namespace weft::mesh {
@@ -27,7 +28,7 @@ std::vector<Triple> points_of(const MeshFile& file) {
   for (const MeshFile::Face& face : file.faces) {
     Triple& triple = corners.emplace_back();
     for (std::size_t k = 0; k < 3; ++k) {
-      triple[k] = first[static_cast<std::size_t>(face.corners[k].position)];
+      triple[k] = first[to_index(face.corners[k].position)];
     }
   }
   return corners;
@@ -106,7 +107,7 @@ Result<void> check_areas(const MeshFile& file, const Surface& surface) {
   const double least = smallest_area(surface.vertices);
   for (Eigen::Index f = 0; f < surface.faces.rows(); ++f) {
     if (face_area(surface.vertices, surface.faces, f) > least) continue;
-    return file.mistake(file.faces[static_cast<std::size_t>(f)],
+    return file.mistake(file.faces[to_index(f)],
                         "has no area: remove it or move its corners apart");
   }
   return {};
@@ -120,7 +121,7 @@ Result<Surface> weld(const MeshFile& file) {
   const auto key_of = [&](std::size_t f, std::size_t k) {
     const std::int32_t texture = file.faces[f].corners[k].texture;
     Eigen::Vector2d uv = Eigen::Vector2d::Zero();
-    if (texture >= 0) uv = file.texture_uv[static_cast<std::size_t>(texture)];
+    if (texture >= 0) uv = file.texture_uv[to_index(texture)];
     return Key{points[f][k], uv.x(), uv.y()};
   };
   std::map<Key, std::int32_t> number_of;  // in the file's order of positions
@@ -133,7 +134,7 @@ Result<Surface> weld(const MeshFile& file) {
   for (auto& [key, number] : number_of) {
     number = next++;
     const auto& [point, u, v] = key;
-    surface.vertices.row(number) = file.positions[static_cast<std::size_t>(point)];
+    surface.vertices.row(number) = file.positions[to_index(point)];
     surface.texture.row(number) << u, v;
   }
   surface.faces.resize(static_cast<Eigen::Index>(points.size()), 3);
@@ -154,13 +155,13 @@ Result<void> orient(const MeshFile& file, const Points2& flat_px, Faces& faces) 
     const double area = signed_area_px2(flat_px, faces, f);
     clockwise += area > 0.0 ? 1 : 0;
     if (std::abs(area) > least) continue;
-    return file.mistake(file.faces[static_cast<std::size_t>(f)],
+    return file.mistake(file.faces[to_index(f)],
                         "has no area in the texture: unfold its texture coordinates");
   }
   const bool is_turned = 2 * clockwise > faces.rows();
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     if ((signed_area_px2(flat_px, faces, f) > 0.0) == is_turned) continue;
-    return file.mistake(file.faces[static_cast<std::size_t>(f)],
+    return file.mistake(file.faces[to_index(f)],
                         "is flipped in the texture against most others: turn its texture "
                         "coordinates, or swap two of its corners");
   }
@@ -187,9 +188,9 @@ Result<void> check_overlap(const MeshFile& file, const Points2& flat_px, const F
         auto& here = faces_in[{j, i}];
         for (const Eigen::Index other : here) {
           if (!overlap(corners, corners_of(flat_px, faces, other), kSlack_px)) continue;
-          const auto& earlier = file.faces[static_cast<std::size_t>(other)];
+          const auto& earlier = file.faces[to_index(other)];
           return file.mistake(
-              file.faces[static_cast<std::size_t>(f)],
+              file.faces[to_index(f)],
               "overlaps that of " +
                   (earlier.line > 0 ? "line " + std::to_string(earlier.line)
                                     : "number " + std::to_string(earlier.count)) +

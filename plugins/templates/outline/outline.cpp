@@ -5,7 +5,7 @@
 #include <weft/core/stop_check.hpp>
 #include <weft/sdk/template_builder.hpp>
 
-#include "common/texture_file.hpp"
+#include "common/images/texture_file.hpp"
 #include "plane_mesh.hpp"
 #include "segmentation.hpp"
 
@@ -51,14 +51,14 @@ class OutlineTemplate final : public TemplateBuilder {
   }
 
   void check(Mistakes& mistakes) const {
-    mistakes.expect("photo", templates::check_texture_file("photo", photo_path_));
+    mistakes.expect("photo", image_files::check_texture_file("photo", photo_path_));
     if (!mask_path_.empty()) {
-      mistakes.expect("mask", templates::check_texture_file("mask", mask_path_));
+      mistakes.expect("mask", image_files::check_texture_file("mask", mask_path_));
     }
   }
 
   Result<Template> build(const Call&) override {
-    auto texture = templates::read_texture_file("photo", photo_path_);
+    auto texture = image_files::read_texture_file("photo", photo_path_);
     if (!texture) return texture.error();
     auto object = find_object(*texture);
     if (!object) return in_photo(object.error());
@@ -72,7 +72,7 @@ class OutlineTemplate final : public TemplateBuilder {
     if (auto whole = check_whole(outline, *mesh, spacing_px); !whole)
       return in_photo(whole.error());
     Template templ = assemble(*mesh, m_per_px);
-    templates::store(*texture, templ);
+    image_files::store(*texture, templ);
     if (!touches_border(texture->mask)) return templ;
     return degenerate(std::move(templ), photo_path_ +
                                             ": the object reaches the border of the photograph, "
@@ -89,16 +89,15 @@ class OutlineTemplate final : public TemplateBuilder {
     return error;
   }
 
-  Result<cv::Mat> find_object(const templates::Texture& photo) const {
+  Result<cv::Mat> find_object(const image_files::Texture& photo) const {
     if (!mask_path_.empty()) {
-      auto mask = templates::read_texture_file("mask", mask_path_);
+      auto mask = image_files::read_texture_file("mask", mask_path_);
       if (!mask) return mask.error();
       if (mask->pixels.size() != photo.pixels.size()) {
-        return Error{Errc::invalid_data,
-                     mask_path_ + ": the mask must have the size of the photograph, " +
-                         std::to_string(photo.pixels.cols) + " x " +
-                         std::to_string(photo.pixels.rows) + " px",
-                     {}};
+        return Error{Errc::invalid_data, mask_path_ +
+                                             ": the mask must have the size of the photograph, " +
+                                             std::to_string(photo.pixels.cols) + " x " +
+                                             std::to_string(photo.pixels.rows) + " px"};
       }
       cv::Mat grey = mask->pixels;
       if (grey.channels() == 3) cv::cvtColor(grey, grey, cv::COLOR_BGR2GRAY);
@@ -148,8 +147,7 @@ class OutlineTemplate final : public TemplateBuilder {
                      " fill its area, for it is narrower than the mesh's edges between its " +
                      std::to_string(outline.holes.size()) +
                      " holes and at its border: smallest_hole: 1 fills the holes; or give another "
-                     "'threshold', a 'mask', or a finer 'spacing_mm'",
-                 {}};
+                     "'threshold', a 'mask', or a finer 'spacing_mm'"};
   }
 
   Result<void> check_spacing(const Outline& outline, double spacing_px, double m_per_px) const {
@@ -161,8 +159,7 @@ class OutlineTemplate final : public TemplateBuilder {
                      std::to_string(1000.0 * spacing_px * m_per_px) + " mm, which is " +
                      std::to_string(spacing_px) +
                      " px of the photograph: make the mesh coarser, at least 1 px, and below " +
-                     std::to_string(static_cast<int>(kMostVertices)) + " vertices",
-                 {}};
+                     std::to_string(static_cast<int>(kMostVertices)) + " vertices"};
   }
 
   static Template assemble(const PlaneMesh& mesh, double m_per_px) {

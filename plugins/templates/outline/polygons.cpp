@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 #include <opencv2/imgproc.hpp>
+#include <weft/core/index.hpp>
 
 namespace weft::outline {
 namespace {
@@ -61,7 +62,7 @@ std::vector<std::size_t> sharp_corners(const Polygon& polygon, double spacing_px
     const cv::Point2f out = coarse[(i + 1) % n] - coarse[i];
     if (std::abs(std::atan2(in.cross(out), in.dot(out))) < kSharp_rad) continue;
     const auto at = std::find(all.begin(), all.end(), coarse[i]);
-    sharp.push_back(static_cast<std::size_t>(at - all.begin()));
+    sharp.push_back(to_index(at - all.begin()));
   }
   std::sort(sharp.begin(), sharp.end());
   return sharp;

@@ -107,8 +107,7 @@ Result<cv::Mat> single_object(const cv::Mat& mask, double smallest_hole) {
   if (area < kFewestPixels) {
     return Error{Errc::invalid_data,
                  "the mask of the object is empty (fewer than " + std::to_string(kFewestPixels) +
-                     " connected pixels): it must be light where the object is",
-                 {}};
+                     " connected pixels): it must be light where the object is"};
   }
   cv::Mat object = (parts == largest) / 255;
   fill_holes_below(smallest_hole, object);

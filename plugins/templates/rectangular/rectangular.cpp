@@ -2,7 +2,7 @@
 #include <weft/geometry/rectangular_grid.hpp>
 #include <weft/sdk/template_builder.hpp>
 
-#include "common/texture_file.hpp"
+#include "common/images/texture_file.hpp"
 
 namespace weft::rectangular {
 namespace {
@@ -34,13 +34,13 @@ class Rectangular final : public TemplateBuilder {
   }
 
   void check(Mistakes& mistakes) const {
-    mistakes.expect("texture", templates::check_texture_file("texture", texture_path_));
+    mistakes.expect("texture", image_files::check_texture_file("texture", texture_path_));
   }
 
   Result<Template> build(const Call&) override {
     auto faces = rectangular_grid_faces(columns_, rows_);
     if (!faces) return faces.error();
-    auto texture = templates::read_texture_file("texture", texture_path_);
+    auto texture = image_files::read_texture_file("texture", texture_path_);
     if (!texture) return texture.error();
 
     const cv::Size size = texture->pixels.size();
@@ -48,7 +48,7 @@ class Rectangular final : public TemplateBuilder {
     const double pitch_v_m = height_m_ > 0.0 ? height_m_ / size.height : pitch_u_m;
     Template templ = lay_out(size, pitch_u_m, pitch_v_m);
     templ.faces = make_array<std::int32_t>(*faces);
-    templates::store(*texture, templ);
+    image_files::store(*texture, templ);
     return templ;
   }
 

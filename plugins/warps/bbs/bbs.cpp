@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
 #include <weft/sdk/warp_model.hpp>
 
@@ -121,7 +122,7 @@ SplinePenalty Bbs::penalty() const {
 
 weft::bbs::SplineSystem Bbs::refit(const SplinePenalty& penalty, weft::bbs::SplineSystem system) {
   std::size_t refits = 0;
-  if (robust_ == Robust::tukey) refits = static_cast<std::size_t>(tukey_refits_);
+  if (robust_ == Robust::tukey) refits = weft::to_index(tukey_refits_);
   if (robust_ == Robust::geman_mcclure) refits = scales_px_.size();
   for (std::size_t i = 0; i < refits && system.pivot_ratio > 0.0 && reweight(i); ++i) {
     system = spline_.solve(weights_, penalty);

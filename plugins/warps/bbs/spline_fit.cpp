@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "spline_fit.hpp"
 
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/bspline_bending.hpp>
 
@@ -32,7 +33,7 @@ void SplineFit::set_domain(const SplineDomain& domain) {
 void SplineFit::set_data(const Points2View& points_px, const Points2View& values_px) {
   points_px_ = points_px;
   values_px_ = values_px;
-  sites_.resize(static_cast<std::size_t>(points_px.rows()));
+  sites_.resize(to_index(points_px.rows()));
   for (std::size_t k = 0; k < sites_.size(); ++k) {
     const auto row = static_cast<Eigen::Index>(k);
     const auto u = find_interval(points_px_(row, 0), domain_.u0, domain_.u1, domain_.nu);
@@ -68,15 +69,14 @@ void SplineFit::add_match(const Site& site, double weight, const Eigen::RowVecto
   for (Eigen::Index k = 0; k < 4; ++k) {
     for (Eigen::Index l = 0; l < 4; ++l) {
       const Eigen::Index at = site.first + k * nv + l;
-      const double factor =
-          weight * site.u[static_cast<std::size_t>(k)] * site.v[static_cast<std::size_t>(l)];
+      const double factor = weight * site.u[to_index(k)] * site.v[to_index(l)];
       control_.row(at) += factor * value;
       double* column = normal_.col(at).data();
-      const double own = factor * site.u[static_cast<std::size_t>(k)];
+      const double own = factor * site.u[to_index(k)];
       for (Eigen::Index m = l; m < 4; ++m) column[m - l] += own * along_v[m];
       for (Eigen::Index m = k + 1; m < 4; ++m) {
         Eigen::Map<Eigen::Vector4d> target(column + (m - k) * nv - l);
-        target += factor * site.u[static_cast<std::size_t>(m)] * along_v;
+        target += factor * site.u[to_index(m)] * along_v;
       }
     }
   }
@@ -91,7 +91,7 @@ const Points2& SplineFit::residuals() {
     for (Eigen::Index i = 0; i < 4; ++i) {
       const auto run = control_.middleRows<4>(site.first + i * domain_.nv);
       const Eigen::Map<const Eigen::RowVector4d> along_v(site.v.data());
-      value.noalias() += site.u[static_cast<std::size_t>(i)] * (along_v * run);
+      value.noalias() += site.u[to_index(i)] * (along_v * run);
     }
     const auto row = static_cast<Eigen::Index>(k);
     residuals_px_.row(row) = value - values_px_.row(row);

@@ -15,7 +15,7 @@ Box box_around(const Template& templ, double margin_px) {
 Result<void> FitData::take(const FitInput& in, const Box& box) {
   const Correspondences& matches = in.correspondences;
   if (in.weights && in.weights->weight.rows() != matches.count()) {
-    return Error{Errc::invalid_data, "there must be one weight for each match", {}};
+    return Error{Errc::invalid_data, "there must be one weight for each match"};
   }
   points_px_.clear();
   values_px_.clear();
@@ -24,16 +24,15 @@ Result<void> FitData::take(const FitInput& in, const Box& box) {
   for (std::int64_t i = 0; i < matches.count(); ++i) {
     const double weight = in.weights ? in.weights->weight(i) : 1.0;
     if (!(weight >= 0.0) || std::isinf(weight)) {
-      return Error{
-          Errc::invalid_data, "weight " + std::to_string(i) + " is not a finite number >= 0", {}};
+      return Error{Errc::invalid_data,
+                   "weight " + std::to_string(i) + " is not a finite number >= 0"};
     }
     if (matches.kept(i) == 0) continue;
     const double u = matches.template_px(i, 0), v = matches.template_px(i, 1);
     const double x = matches.image_px(i, 0), y = matches.image_px(i, 1);
     if (!std::isfinite(u) || !std::isfinite(v) || !std::isfinite(x) || !std::isfinite(y)) {
       return Error{Errc::invalid_data,
-                   "match " + std::to_string(i) + " has a coordinate that is not finite",
-                   {}};
+                   "match " + std::to_string(i) + " has a coordinate that is not finite"};
     }
     const bool inside = box.contains(u, v);
     if (!inside) ++dropped_;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <utility>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
 namespace weft::tps {
@@ -69,7 +70,7 @@ Places merged(const Samples& samples) {
     const auto [place, fresh] = known.try_emplace(key, static_cast<Eigen::Index>(known.size()));
     const Eigen::Index at = place->second;
     if (fresh) places.points_px.row(at) = samples.points_px.row(k);
-    const double weight = samples.weights[static_cast<std::size_t>(k)];
+    const double weight = samples.weights[to_index(k)];
     places.values_px.row(at) += weight * samples.values_px.row(k);
     places.weights[at] += weight;
     places.place_of.push_back(at);
@@ -86,7 +87,7 @@ Places merged(const Samples& samples) {
 PointColumns of_matches(const Samples& samples, const Places& places, const PointColumns& means) {
   PointColumns each(samples.values_px.rows(), 2);
   for (Eigen::Index k = 0; k < each.rows(); ++k) {
-    const Eigen::Index place = places.place_of[static_cast<std::size_t>(k)];
+    const Eigen::Index place = places.place_of[to_index(k)];
     each.row(k) = samples.values_px.row(k) - places.values_px.row(place) + means.row(place);
   }
   return each;

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/sdk/warp_model.hpp>
@@ -53,7 +54,7 @@ class Tps final : public weft::WarpModel {
  private:
   std::optional<Fitted> fit_with(double lambda, bool leave_one_out = false);
   std::optional<Fitted> search();
-  double foretold_px2(double log_lambda);
+  double predicted_px2(double log_lambda);
   Fitted affine_only(const weft::warps::AffineFit& affine) const;
   weft::Warp make_warp(const ThinPlateSpline& spline, const weft::warps::Box& box,
                        double rms_px) const;
@@ -78,8 +79,8 @@ std::optional<Fitted> Tps::fit_with(double lambda, bool leave_one_out) {
                   : weft::tps::fit_at_matches(samples, lambda, leave_one_out);
 }
 
-/// How far the values are from what the others foretell, their squares summed.
-double Tps::foretold_px2(double log_lambda) {
+/// How far the values are from what the others predict, their squares summed.
+double Tps::predicted_px2(double log_lambda) {
   const auto fitted = fit_with(std::pow(10.0, log_lambda), true);
   if (!fitted) return std::numeric_limits<double>::infinity();
   const Eigen::Map<const Eigen::VectorXd> weights(data_.weights().data(),
@@ -92,17 +93,17 @@ std::optional<Fitted> Tps::search() {
   constexpr double kGolden = 0.6180339887498949;
   double low = kLeastLog, high = kLargestLog;
   double left = high - kGolden * (high - low), right = low + kGolden * (high - low);
-  double at_left = foretold_px2(left);
-  double at_right = foretold_px2(right);
+  double at_left = predicted_px2(left);
+  double at_right = predicted_px2(right);
   for (int i = 0; i < kSearchSteps; ++i) {
     if (at_left <= at_right) {
       high = std::exchange(right, left);
       left = high - kGolden * (high - low);
-      at_right = std::exchange(at_left, foretold_px2(left));
+      at_right = std::exchange(at_left, predicted_px2(left));
     } else {
       low = std::exchange(left, right);
       right = low + kGolden * (high - low);
-      at_left = std::exchange(at_right, foretold_px2(right));
+      at_left = std::exchange(at_right, predicted_px2(right));
     }
   }
   used_lambda_ = std::pow(10.0, 0.5 * (low + high));
@@ -124,7 +125,7 @@ Fitted Tps::affine_only(const weft::warps::AffineFit& affine) const {
 weft::Result<weft::Warp> Tps::fit(const weft::FitInput& in) {
   const weft::warps::Box box = weft::warps::box_around(in.templ, margin_px_);
   if (auto taken = data_.take(in, box); !taken) return taken.error();
-  on_grid_ = centres_ == Centres::grid || data_.count() > static_cast<std::size_t>(most_matches_);
+  on_grid_ = centres_ == Centres::grid || data_.count() > weft::to_index(most_matches_);
   if (on_grid_) grid_.set_grid(box, grid_u_, grid_v_);
   const weft::warps::AffineFit affine =
       weft::warps::fit_affine(data_.points_px(), data_.values_px(), data_.weights());
@@ -193,8 +194,7 @@ weft::Result<weft::WarpSamples> Tps::evaluate(const weft::EvaluateInput& in) {
     return Error{Errc::invalid_data,
                  "the warp holds no thin-plate spline: it was not made by warps/tps, evaluate it "
                  "with '" +
-                     in.warp.producer + "'",
-                 {}};
+                     in.warp.producer + "'"};
   }
   ThinPlateSpline spline;
   spline.centre << *frame->row(0), *frame->row(1);

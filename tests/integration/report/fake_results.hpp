@@ -14,9 +14,10 @@
 #include <string>
 #include <weft/data/ground_truth.hpp>
 #include <weft/data/shape.hpp>
-#include <weft/evaluation/metrics_report.hpp>
-#include <weft/host/npz.hpp>
 #include <weft/testing/synthetic.hpp>
+
+#include "host/records/npz.hpp"
+#include "metrics/forms/metrics_report.hpp"
 
 namespace weft::evaluation {
 

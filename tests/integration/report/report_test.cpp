@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "report/report.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <weft/evaluation/report.hpp>
-#include <weft/evaluation/report_tables.hpp>
-
 #include "fake_results.hpp"
+#include "report/tables.hpp"
 
 namespace weft::evaluation {
 namespace {

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <set>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
 
 namespace weft {
@@ -82,7 +83,7 @@ TEST(Rng, UniformNumbersFillTheirIntervalEvenly) {
     const double draw = rng.uniform(-2.0, 3.0);
     ASSERT_GE(draw, -2.0);
     ASSERT_LT(draw, 3.0);
-    ++bins[static_cast<std::size_t>((draw + 2.0) * 2.0)];
+    ++bins[to_index((draw + 2.0) * 2.0)];
   }
   for (const int count : bins) EXPECT_NEAR(count, kDraws / 10, 500);  // five sigma
 }
@@ -131,7 +132,7 @@ TEST(Rng, SamplesAreDistinctAndInRange) {
   for (int population = 0; population < 20; ++population) {
     const int count = static_cast<int>(rng.below(static_cast<std::uint32_t>(population) + 1));
     const std::vector<int> chosen = rng.sample(population, count);
-    EXPECT_EQ(chosen.size(), static_cast<std::size_t>(count));
+    EXPECT_EQ(chosen.size(), to_index(count));
     EXPECT_EQ(std::set<int>(chosen.begin(), chosen.end()).size(), chosen.size());
     for (const int index : chosen) EXPECT_TRUE(index >= 0 && index < population);
   }

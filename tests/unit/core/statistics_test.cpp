@@ -6,6 +6,7 @@
 #include <iostream>
 #include <limits>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
 #include <weft/core/statistics.hpp>
 
@@ -28,7 +29,7 @@ TEST(Statistics, MedianAndPercentileAgreeWithSorting) {
     for (int i = 0; i < n; ++i) values.push_back(std::round(rng.uniform(-20.0, 20.0)));
     Values sorted = values;
     std::sort(sorted.begin(), sorted.end());
-    const auto at = [&](int k) { return sorted[static_cast<std::size_t>(k)]; };
+    const auto at = [&](int k) { return sorted[to_index(k)]; };
     EXPECT_EQ(median(values), n % 2 == 1 ? at(n / 2) : 0.5 * (at(n / 2 - 1) + at(n / 2)));
     EXPECT_DOUBLE_EQ(percentile(values, 50.0), median(values));
     for (int k = 0; k < n && n > 1; ++k) {

@@ -4,6 +4,7 @@
 
 #include <iostream>
 #include <set>
+#include <weft/core/index.hpp>
 #include <weft/data/codec.hpp>
 
 #include "unit/data/random_noun.hpp"
@@ -38,7 +39,7 @@ struct Store {
       array.stride[axis] = stride;
       stride *= shape[axis];
     }
-    const auto words = static_cast<std::size_t>(stride) / 8 + 1;
+    const auto words = to_index(stride) / 8 + 1;
     array.data = memory.emplace_back(std::make_unique<std::vector<std::uint64_t>>(words))->data();
     arrays.push_back(array);
     return array.data;

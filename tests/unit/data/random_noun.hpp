@@ -8,6 +8,7 @@
 #include <string>
 #include <tuple>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
 #include <weft/data/codec.hpp>
 
@@ -95,9 +96,9 @@ inline Content content_of(const weft_record& record) {
   Content content;
   for (std::uint64_t i = 0; i < record.count; ++i) {
     const weft_array& array = record.arrays[i];
-    std::size_t row_bytes = static_cast<std::size_t>(dtype_size(array.dtype));
+    std::size_t row_bytes = to_index(dtype_size(array.dtype));
     for (int axis = 1; axis < array.ndim; ++axis) {
-      row_bytes *= static_cast<std::size_t>(array.shape[axis]);
+      row_bytes *= to_index(array.shape[axis]);
     }
     std::string bytes;
     const std::int64_t rows = array.ndim > 0 ? array.shape[0] : 1;
@@ -137,14 +138,13 @@ class PaddedRecord {
     std::int64_t row_bytes = element;
     for (int axis = 1; axis < array.ndim; ++axis) row_bytes *= array.shape[axis];
     const std::int64_t stride = row_bytes + 3 * element;
-    auto& memory =
-        memory_.emplace_back(static_cast<std::size_t>(rows * stride) / 8 + 1, 0xABABABABABABABABU);
+    auto& memory = memory_.emplace_back(to_index(rows * stride) / 8 + 1, 0xABABABABABABABABU);
     char* start = reinterpret_cast<char*>(memory.data());
     if (reversed) start += (rows - 1) * stride;
     const std::int64_t step = reversed ? -stride : stride;
     for (std::int64_t row = 0; row < rows; ++row) {
       std::memcpy(start + row * step, static_cast<const char*>(array.data) + row * array.stride[0],
-                  static_cast<std::size_t>(row_bytes));
+                  to_index(row_bytes));
     }
     array.data = start;
     array.stride[0] = step;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/data/shape_pattern.hpp>
 
 namespace weft {
@@ -16,7 +17,7 @@ weft_array dense(const std::vector<std::int64_t>& shape) {
   array.data = &somewhere;
   std::int64_t stride = 8;
   for (int axis = array.ndim - 1; axis >= 0; --axis) {
-    array.shape[axis] = shape[static_cast<std::size_t>(axis)];
+    array.shape[axis] = shape[to_index(axis)];
     array.stride[axis] = stride;
     stride *= array.shape[axis];
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 #include <utility>
+#include <weft/core/index.hpp>
 #include <weft/geometry/mesh_adjacency.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/mesh_validation.hpp>
@@ -31,7 +32,7 @@ TEST(RectangularGrid, HasTheCountsOfTheFormulas) {
       const MeshTopology topology = *build_topology(faces, nx * ny);
       EXPECT_EQ(faces.rows(), 2 * (nx - 1) * (ny - 1));
       EXPECT_EQ(topology.edges.rows(), 3 * nx * ny - 2 * nx - 2 * ny + 1);
-      EXPECT_EQ(topology.boundary_edges.size(), static_cast<std::size_t>(2 * (nx + ny - 2)));
+      EXPECT_EQ(topology.boundary_edges.size(), to_index(2 * (nx + ny - 2)));
       EXPECT_EQ(nx * ny - topology.edges.rows() + faces.rows(), 1) << "Euler";
     }
   }

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/geometry/check_sightlines.hpp>
 #include <weft/geometry/mesh_bending.hpp>
 #include <weft/geometry/surface_distance.hpp>
@@ -62,7 +63,7 @@ TEST(PathLengths, FollowStraightRowsExactly) {
   const auto lengths = path_lengths_m(grid.vertices_m, grid.neighbours, start);
   for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(lengths[i], 0.03 * static_cast<double>(i), 1e-15);
   for (Eigen::Index v = 0; v < 20; ++v) {
-    EXPECT_GE(lengths[static_cast<std::size_t>(v)], grid.vertices_m.row(v).norm() - 1e-15);
+    EXPECT_GE(lengths[to_index(v)], grid.vertices_m.row(v).norm() - 1e-15);
   }
 }
 
@@ -101,7 +102,7 @@ TEST(BendingHinges, DoNotFeelAffineMaps) {
   const Points3 mapped =
       (grid.vertices_m * map.transpose()).rowwise() + Eigen::RowVector3d(1, 2, 3);
   const auto hinges = bending_hinges(grid.vertices_m, grid.faces, grid.topology);
-  EXPECT_EQ(hinges.size(), static_cast<std::size_t>(grid.topology.bending_pairs.rows()));
+  EXPECT_EQ(hinges.size(), to_index(grid.topology.bending_pairs.rows()));
   for (const BendingHinge& hinge : hinges) {
     EXPECT_LT(bend(hinge, mapped).norm(), 1e-10);
     const auto& k = hinge.coefficient_per_m;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "describe/build_id.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cctype>
 #include <cstdlib>
-#include <weft/host/build_id.hpp>
 
 #include "zoo/zoo.hpp"
 

@@ -5,8 +5,9 @@
 #include <limits>
 #include <map>
 #include <weft/data/keypoints.hpp>
-#include <weft/host/record.hpp>
 #include <weft/sdk/device.hpp>
+
+#include "host/records/record.hpp"
 
 namespace weft::host {
 namespace {
@@ -176,7 +177,7 @@ struct Rows {
   int* destroyed;
   ~Rows() { ++*destroyed; }
   Result<void> download(std::span<std::byte> to, const std::function<bool()>& cancelled) const {
-    if (cancelled()) return Error{Errc::cancelled, "told to stop", {}};
+    if (cancelled()) return Error{Errc::cancelled, "told to stop"};
     std::fill(to.begin(), to.end(), std::byte{0});
     if (to.size() > 100) throw std::runtime_error("too much");
     return {};

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "host/records/npz.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <zip.h>
 
 #include <iostream>
+#include <weft/core/index.hpp>
 #include <weft/data/npy.hpp>
-#include <weft/host/npz.hpp>
 
 #include "unit/data/random_noun.hpp"
 #include "zoo/zoo.hpp"
@@ -85,8 +87,8 @@ TEST(Npz, MembersAreInNumpysFormat) {
     const std::size_t name = file.find(member + ".npy");
     EXPECT_NE(name, std::string::npos);
     const std::size_t magic = file.find(std::string("\x93NUMPY\x01\x00", 8), name);
-    const auto length = static_cast<std::size_t>(static_cast<unsigned char>(file[magic + 8]) +
-                                                 256 * static_cast<unsigned char>(file[magic + 9]));
+    const auto length = to_index(static_cast<unsigned char>(file[magic + 8]) +
+                                 256 * static_cast<unsigned char>(file[magic + 9]));
     EXPECT_EQ((10 + length) % 64, 0U);
     EXPECT_EQ(file[magic + 9 + length], '\n');
     return file.substr(magic + 10, length);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "host/records/plugin_error.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cstring>
-#include <weft/host/plugin_error.hpp>
 
 namespace weft::host {
 namespace {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "host/records/record.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <iostream>
 #include <limits>
-#include <weft/host/record.hpp>
 
 #include "unit/data/random_noun.hpp"
 

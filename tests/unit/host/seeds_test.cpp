@@ -2,7 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <set>
-#include <weft/host/lane.hpp>
+
+#include "host/calling/lane.hpp"
 
 namespace weft::host {
 namespace {

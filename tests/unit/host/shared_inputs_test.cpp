@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "host/workers/shared_inputs.hpp"
+
 #include <gtest/gtest.h>
 
 #include <stdexcept>
-#include <weft/host/record.hpp>
-#include <weft/host/shared_inputs.hpp>
+
+#include "host/records/record.hpp"
 
 namespace weft::host {
 namespace {

@@ -6,7 +6,8 @@
 #include <cstring>
 #include <iostream>
 #include <weft/core/rng.hpp>
-#include <weft/host/record.hpp>
+
+#include "host/records/record.hpp"
 
 namespace weft::host {
 namespace {

@@ -10,6 +10,7 @@
 #include <iostream>
 #include <map>
 #include <thread>
+#include <weft/core/index.hpp>
 
 #include "zoo/zoo.hpp"
 
@@ -104,7 +105,7 @@ std::map<std::string, std::string> content(const Outcome& outcome) {
       const weft_array& array = view.arrays[i];
       const auto bytes = array_bytes(array.dtype, array.ndim, array.shape);
       result[slot + "/" + array.name] =
-          std::string(static_cast<const char*>(array.data), static_cast<std::size_t>(bytes));
+          std::string(static_cast<const char*>(array.data), to_index(bytes));
     }
   }
   return result;
@@ -117,7 +118,7 @@ std::vector<std::string> names(const std::vector<Timing>& timings) {
 }
 
 std::size_t open_files() {
-  return static_cast<std::size_t>(
+  return to_index(
       std::distance(zoo::fs::directory_iterator("/proc/self/fd"), zoo::fs::directory_iterator{}));
 }
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "pipeline/execution/compose.hpp"
+
 #include <gtest/gtest.h>
 
 #include <optional>
 #include <weft/data/correspondences.hpp>
 #include <weft/data/shape.hpp>
-#include <weft/pipeline/compose.hpp>
 #include <weft/testing/synthetic.hpp>
 
 namespace weft {

@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <weft/host/record.hpp>
 
+#include "host/records/record.hpp"
 #include "support/pipeline_fixture.hpp"
 
 namespace weft {

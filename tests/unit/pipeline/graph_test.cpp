@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
+#include <weft/core/index.hpp>
+
 #include "support/pipeline_fixture.hpp"
 
 namespace weft {
@@ -27,7 +29,7 @@ class Wiring : public testing::PipelineTest {
   static std::string inputs(const Graph& graph, const Node& node) {
     std::string text;
     for (const InputLink& link : node.inputs) {
-      const ValueInfo& value = graph.values[static_cast<std::size_t>(link.value)];
+      const ValueInfo& value = graph.values[to_index(link.value)];
       EXPECT_EQ(value.slot, link.slot);
       text += (text.empty() ? "" : " ") + link.slot + "=" + value.name + (link.required ? "" : "?");
     }
@@ -116,7 +118,7 @@ TEST_F(Wiring, LetsFromReadEarlierFrames) {
                             "  - {use: solvers/test.scripted, from: {previous.shape: "
                             "previous.shape}}\n");
   const auto lag = [&](std::size_t stage, std::size_t input) {
-    return graph.values[static_cast<std::size_t>(graph.stages[stage].inputs[input].value)].lag;
+    return graph.values[to_index(graph.stages[stage].inputs[input].value)].lag;
   };
   EXPECT_EQ(lag(1, 0), 1);
   EXPECT_EQ(lag(1, 1), 3);
@@ -137,7 +139,7 @@ TEST_F(Wiring, LetsAStageRefineWhatAnotherMadeInTheSameFrame) {
   const InputLink& start = pipeline.graph.stages.back().inputs.back();
   EXPECT_EQ(start.slot, "previous.shape") << "as the component sees it";
   EXPECT_FALSE(start.required);
-  const ValueInfo& value = pipeline.graph.values[static_cast<std::size_t>(start.value)];
+  const ValueInfo& value = pipeline.graph.values[to_index(start.value)];
   EXPECT_EQ(value.slot, "shape");
   EXPECT_EQ(value.name, "solvers");
   EXPECT_THAT(check(refining("warps")).second.text(),
@@ -308,7 +310,7 @@ TEST_F(Wiring, FeedsBackWhatSomeStageProducesAndRequiresNoneOfIt) {
 TEST_F(Wiring, HasNoLatestValueOfAnUnknownSlot) {
   const Graph graph = wired(chain());
   EXPECT_EQ(graph.latest("region"), -1);
-  EXPECT_EQ(graph.values[static_cast<std::size_t>(graph.latest("shape"))].name, "solvers");
+  EXPECT_EQ(graph.values[to_index(graph.latest("shape"))].name, "solvers");
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "rejected_matches.hpp"
+#include "pipeline/monitor/rejected_matches.hpp"
 
 #include <gtest/gtest.h>
 

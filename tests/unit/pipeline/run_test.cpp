@@ -3,9 +3,9 @@
 
 #include <nlohmann/json.hpp>
 #include <regex>
-#include <weft/host/npz.hpp>
-#include <weft/pipeline/run_folder.hpp>
 
+#include "host/records/npz.hpp"
+#include "pipeline/runs/run_folder.hpp"
 #include "support/pipeline_fixture.hpp"
 
 namespace weft {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "self_calibration.hpp"
+#include "pipeline/monitor/self_calibration.hpp"
 
 #include <gtest/gtest.h>
 

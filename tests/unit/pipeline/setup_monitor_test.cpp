@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "setup_monitor.hpp"
+#include "pipeline/monitor/setup_monitor.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

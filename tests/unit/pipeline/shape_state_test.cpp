@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
-#include <weft/host/record.hpp>
-
+#include "host/records/record.hpp"
 #include "support/pipeline_fixture.hpp"
 
 namespace weft {

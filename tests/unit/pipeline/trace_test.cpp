@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "pipeline/runs/trace.hpp"
+
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <weft/pipeline/trace.hpp>
+#include <weft/core/index.hpp>
 
 #include "support/pipeline_fixture.hpp"
 
@@ -142,7 +144,7 @@ TEST_F(TraceFile, CanBeReadBeforeItsEnd) {
   for (int i = 0; i < 3; ++i) {
     ASSERT_TRUE(trace.add({call("a", 10 * i, 0.001), call("b", 10 * i + 5, 0.001)}));
     const json so_far = json::parse(read_text(path("trace.json")) + "]");
-    EXPECT_EQ(slices_of(so_far).size(), 2U * static_cast<std::size_t>(i + 1));
+    EXPECT_EQ(slices_of(so_far).size(), 2U * to_index(i + 1));
   }
   ASSERT_TRUE(trace.close());
   EXPECT_EQ(slices_of(json::parse(read_text(path("trace.json")))).size(), 6U);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/sdk/device.hpp>
 #include <weft/sdk/filter.hpp>
 #include <weft/sdk/matcher.hpp>
@@ -31,7 +32,7 @@ struct FakeHost {
     std::int64_t bytes = dtype_size(dtype);
     for (int axis = 0; axis < ndim; ++axis) bytes *= shape[axis];
     self.asked.push_back(std::string(slot) + " " + type + " " + array);
-    const auto words = static_cast<std::size_t>(bytes) / 8 + 1;
+    const auto words = to_index(bytes) / 8 + 1;
     return self.memory.emplace_back(std::make_unique<std::vector<double>>(words))->data();
   }
   static std::int32_t adopt(const weft_call* raw, const char* slot, const char* type,
@@ -110,7 +111,7 @@ TEST_F(ProcessCallTest, GivesTheInputsAndWritesTheOutput) {
 TEST_F(ProcessCallTest, SeesThatTheHostWantsToStop) {
   host_.stop = true;
   EXPECT_EQ(run([](const FilterInput& in) -> Result<InlierMask> {
-              if (in.call.cancelled()) return Error{Errc::cancelled, "stopped", {}};
+              if (in.call.cancelled()) return Error{Errc::cancelled, "stopped"};
               return make_mask(3);
             }),
             WEFT_CANCELLED);
@@ -210,7 +211,7 @@ struct Simple final : Filter {
   ~Simple() override { ++destroyed; }
   Result<void> prepare(const PrepareInput& in) override {
     if (in.templ.vertices_m.rows() == 3) return {};
-    return Error{Errc::unsupported, "wants a triangle", {}};
+    return Error{Errc::unsupported, "wants a triangle"};
   }
   Result<InlierMask> filter(const FilterInput& in) override {
     return make_mask(in.correspondences.count());

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <weft/core/index.hpp>
 #include <weft/geometry/barycentric.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/mesh_validation.hpp>
@@ -13,7 +14,7 @@ namespace {
 
 bool same_bytes(const Array<double>& a, const Array<double>& b) {
   return a.size() == b.size() &&
-         std::memcmp(a.data(), b.data(), static_cast<std::size_t>(a.size()) * sizeof(double)) == 0;
+         std::memcmp(a.data(), b.data(), to_index(a.size()) * sizeof(double)) == 0;
 }
 
 TEST(SyntheticTemplate, IsAValidFlatMeshInMetresAndPixels) {
@@ -65,7 +66,7 @@ TEST(SyntheticMatches, LieOnTheirFacesAndProjectFromTheMesh) {
     const Eigen::Vector2d pixel =
         project(pinhole(camera), interpolate(vertices, faces, face, weights));
     ASSERT_LT((pixel - Eigen::Vector2d(drawn.matches.image_px.matrix<2>().row(i))).norm(), 1e-9);
-    ASSERT_EQ(drawn.correct[static_cast<std::size_t>(i)], 1);
+    ASSERT_EQ(drawn.correct[to_index(i)], 1);
     ASSERT_EQ(drawn.matches.kept(i), 1);
   }
 }
@@ -100,9 +101,9 @@ TEST(SyntheticMatches, AreWrongAtTheRateThatIsAsked) {
   for (Eigen::Index i = 0; i < 1000; ++i) {
     if (i < 700) {
       mean += drawn.matches.image_px.matrix<2>().row(i).transpose() / 700.0;
-      lucky += drawn.correct[static_cast<std::size_t>(i)];
+      lucky += drawn.correct[to_index(i)];
     } else {
-      ASSERT_EQ(drawn.correct[static_cast<std::size_t>(i)], 1);
+      ASSERT_EQ(drawn.correct[to_index(i)], 1);
     }
   }
   // A disc of 2 px in 640 x 480 has a chance of 4e-5.

@@ -105,17 +105,15 @@ inline Result<ImageHeader> header_of_any(std::string_view text) {
 /// as far as its structure tells, and for one of too many pixels, whose decoding would need too
 /// much memory.
 inline Result<ImageHeader> read_image_header(std::string_view bytes) {
-  if (bytes.empty()) return Error{Errc::invalid_data, "it is empty", {}};
+  if (bytes.empty()) return Error{Errc::invalid_data, "it is empty"};
   auto header = detail::header_of_any(bytes);
   if (!header) return header;
   const std::int64_t width = header->width_px, height = header->height_px;
   const bool known = width != 0 || height != 0 || header->complete;
-  if (known && (width < 1 || height < 1)) return Error{Errc::invalid_data, "it has no pixels", {}};
+  if (known && (width < 1 || height < 1)) return Error{Errc::invalid_data, "it has no pixels"};
   if (known && width > kMostImagePixels / height) {
-    return Error{Errc::invalid_data,
-                 "it has " + std::to_string(width) + " x " + std::to_string(height) +
-                     " px, which is more than 2^28",
-                 {}};
+    return Error{Errc::invalid_data, "it has " + std::to_string(width) + " x " +
+                                         std::to_string(height) + " px, which is more than 2^28"};
   }
   return header;
 }
@@ -124,13 +122,12 @@ inline Result<ImageHeader> read_image_header(std::string_view bytes) {
 inline Result<ImageFile> read_image_bytes(const std::string& path) {
   auto bytes = read_text_file(path, kMostImageBytes);
   if (!bytes) {
-    return Error{bytes.error().code, path + ": cannot be read: " + bytes.error().message, {}};
+    return Error{bytes.error().code, path + ": cannot be read: " + bytes.error().message};
   }
   auto header = read_image_header(*bytes);
   if (header) return ImageFile{*std::move(bytes), *header};
   return Error{header.error().code,
-               path + ": is no image that can be decoded: " + header.error().message,
-               {}};
+               path + ": is no image that can be decoded: " + header.error().message};
 }
 
 /// The error of a file whose bytes the library could not decode.

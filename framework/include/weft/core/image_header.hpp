@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <weft/core/index.hpp>
 #include <weft/core/result.hpp>
 
 namespace weft {
@@ -27,16 +28,14 @@ class Bytes {
   explicit Bytes(std::string_view text) : text_(text) {}
   bool has(std::uint64_t end) const { return end <= text_.size(); }
   std::uint32_t at(std::uint64_t i) const {
-    return i < text_.size() ? static_cast<unsigned char>(text_[static_cast<std::size_t>(i)]) : 0U;
+    return i < text_.size() ? static_cast<unsigned char>(text_[to_index(i)]) : 0U;
   }
   std::uint32_t big16(std::uint64_t i) const { return at(i) << 8U | at(i + 1); }
   std::uint32_t big32(std::uint64_t i) const { return big16(i) << 16U | big16(i + 2); }
   std::uint32_t little16(std::uint64_t i) const { return at(i + 1) << 8U | at(i); }
   std::uint32_t little32(std::uint64_t i) const { return little16(i + 2) << 16U | little16(i); }
   std::string_view part(std::uint64_t from, std::uint64_t count) const {
-    return from > text_.size()
-               ? std::string_view()
-               : text_.substr(static_cast<std::size_t>(from), static_cast<std::size_t>(count));
+    return from > text_.size() ? std::string_view() : text_.substr(to_index(from), to_index(count));
   }
   std::uint64_t size() const { return text_.size(); }
 
@@ -75,7 +74,7 @@ inline Result<ImageHeader> png_header(const Bytes& bytes) {
     const std::string_view type = bytes.part(at + 4, 4);
     const bool critical = (bytes.at(at + 4) & 0x20U) == 0;
     if (critical && crc32(bytes.part(at + 4, length + 4)) != bytes.big32(at + 8 + length)) {
-      return Error{Errc::invalid_data, "it is damaged: a checksum is wrong", {}};
+      return Error{Errc::invalid_data, "it is damaged: a checksum is wrong"};
     }
     if (type == "IHDR") {
       header.width_px = bytes.big32(at + 8);
@@ -100,7 +99,7 @@ inline Result<ImageHeader> jpeg_header(const Bytes& bytes) {
     const std::uint32_t marker = bytes.at(at + 1);
     const bool is_frame =
         marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
-    if (bytes.at(at) != 0xFF) return Error{Errc::invalid_data, "it is damaged", {}};
+    if (bytes.at(at) != 0xFF) return Error{Errc::invalid_data, "it is damaged"};
     if (is_frame) {
       header.height_px = bytes.big16(at + 5);
       header.width_px = bytes.big16(at + 7);

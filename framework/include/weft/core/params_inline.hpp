@@ -26,7 +26,7 @@ inline const weft_value* Params::find(const char* name, int type, bool vector) {
 
 inline void Params::refuse(const char* name, const std::string& problem) {
   if (status_) {
-    status_ = Error{Errc::invalid_value, "parameter '" + std::string(name) + "' " + problem, {}};
+    status_ = Error{Errc::invalid_value, "parameter '" + std::string(name) + "' " + problem};
   }
 }
 

@@ -27,7 +27,7 @@ enum class Errc : std::int32_t {
 struct Error {
   Errc code = Errc::plugin_failure;
   std::string message;
-  std::string where;
+  std::string where = {};
 };
 
 /// Marks a value as usable but flagged: the stage's status becomes `degenerate`.

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 #include <vector>
+#include <weft/core/index.hpp>
 
 namespace weft {
 
@@ -75,13 +76,13 @@ class Rng {
 
   /// `count` distinct indices out of [0, population), in drawing order; count <= population.
   std::vector<int> sample(int population, int count) {
-    std::vector<int> indices(static_cast<std::size_t>(population));
+    std::vector<int> indices(to_index(population));
     std::iota(indices.begin(), indices.end(), 0);
     for (int i = 0; i < count; ++i) {
       const auto j = i + static_cast<int>(below(static_cast<std::uint32_t>(population - i)));
-      std::swap(indices[static_cast<std::size_t>(i)], indices[static_cast<std::size_t>(j)]);
+      std::swap(indices[to_index(i)], indices[to_index(j)]);
     }
-    indices.resize(static_cast<std::size_t>(count));
+    indices.resize(to_index(count));
     return indices;
   }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <vector>
+#include <weft/core/index.hpp>
 
 namespace weft {
 
@@ -41,7 +42,7 @@ inline std::string nearest(std::string_view word, const std::vector<std::string>
     }
     return result;
   };
-  constexpr std::size_t kFar = static_cast<std::size_t>(-1);
+  constexpr std::size_t kFar = to_index(-1);
   const std::string wanted = lower(word);
   std::string best;
   std::size_t best_cost = kFar;

@@ -12,6 +12,7 @@
 #include <string>
 #include <system_error>
 #include <utility>
+#include <weft/core/index.hpp>
 #include <weft/core/result.hpp>
 
 namespace weft {
@@ -40,10 +41,10 @@ inline int append_bytes(int descriptor, std::uint64_t room, std::string& text) {
   constexpr std::uint64_t kPiece = 1U << 16U;
   while (room > 0) {
     const std::size_t before = text.size();
-    text.resize(before + static_cast<std::size_t>(std::min(room, kPiece)));
+    text.resize(before + to_index(std::min(room, kPiece)));
     const ::ssize_t got = ::read(descriptor, text.data() + before, text.size() - before);
     const int cause = errno;
-    text.resize(before + static_cast<std::size_t>(std::max<::ssize_t>(got, 0)));
+    text.resize(before + to_index(std::max<::ssize_t>(got, 0)));
     if (got == 0) return 0;
     if (got < 0 && cause != EINTR) return cause;
     room -= text.size() - before;
@@ -79,7 +80,7 @@ inline Result<std::string> read_text_file(const std::string& path, std::uint64_t
   const auto size = static_cast<std::uint64_t>(std::max<::off_t>(status.st_size, 0));
   if (size > most_bytes) return fail(Errc::io, too_large);
   std::string text;
-  text.reserve(static_cast<std::size_t>(size) + 1);
+  text.reserve(to_index(size) + 1);
   // Files of the kernel claim a size of 0; one byte more than is allowed tells a file that lies.
   if (const int cause = detail::append_bytes(file.get(), most_bytes + 1, text); cause != 0) {
     return fail(Errc::io, std::generic_category().message(cause));

@@ -13,6 +13,7 @@
 #include <new>
 #include <stdexcept>
 #include <type_traits>
+#include <weft/core/index.hpp>
 
 namespace weft {
 
@@ -31,13 +32,13 @@ constexpr std::int32_t dtype_of() {
 /// Bytes of one element; 0 for an unknown dtype.
 inline std::int64_t dtype_size(std::int32_t dtype) {
   constexpr std::array<std::int64_t, 9> kSizes{0, 1, 1, 2, 2, 4, 8, 4, 8};
-  return dtype >= 1 && dtype <= 8 ? kSizes[static_cast<std::size_t>(dtype)] : 0;
+  return dtype >= 1 && dtype <= 8 ? kSizes[to_index(dtype)] : 0;
 }
 
 inline const char* dtype_name(std::int32_t dtype) {
   constexpr std::array<const char*, 9> kNames{"",    "u8",  "i8",  "u16", "i16",
                                               "i32", "i64", "f32", "f64"};
-  return dtype >= 1 && dtype <= 8 ? kNames[static_cast<std::size_t>(dtype)] : "unknown";
+  return dtype >= 1 && dtype <= 8 ? kNames[to_index(dtype)] : "unknown";
 }
 
 /// A dense n-dimensional array: either it owns 64-byte aligned memory (shared by its copies) or it
@@ -60,7 +61,7 @@ class Array {
     }
     std::copy(shape.begin(), shape.end(), shape_.begin());
     row_stride_ = row_elements();
-    const auto bytes = static_cast<std::size_t>(dim(0) * row_elements()) * sizeof(T);
+    const auto bytes = to_index(dim(0) * row_elements()) * sizeof(T);
     constexpr std::align_val_t kAlignment{64};
     owner_ = std::shared_ptr<void>(::operator new(bytes + 64, kAlignment),
                                    [](void* p) { ::operator delete (p, std::align_val_t{64}); });
@@ -98,9 +99,7 @@ class Array {
   void* hosts() const { return hosts_; }
   int ndim() const { return ndim_; }
   const Shape& shape() const { return shape_; }
-  std::int64_t dim(int axis) const {
-    return axis < ndim_ ? shape_[static_cast<std::size_t>(axis)] : 1;
-  }
+  std::int64_t dim(int axis) const { return axis < ndim_ ? shape_[to_index(axis)] : 1; }
   /// Length of axis 0; 0 when absent.
   std::int64_t rows() const { return present() ? dim(0) : 0; }
   /// Number of elements.

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <weft/core/index.hpp>
 #include <weft/data/catalogue.hpp>
 #include <weft/data/record_view.hpp>
 #include <weft/data/shape_pattern.hpp>
@@ -23,7 +24,7 @@ template <class T>
 Array<T> borrow_array(const weft_array& array) {
   typename Array<T>::Shape shape{};
   for (int axis = 0; axis < array.ndim; ++axis) {
-    shape[static_cast<std::size_t>(axis)] = array.shape[axis];
+    shape[to_index(axis)] = array.shape[axis];
   }
   if (array.memory == WEFT_DEVICE) {
     return Array<T>::on_device(array.handle, array.ndim, shape, nullptr, array.data);
@@ -51,8 +52,7 @@ class FieldReader {
   }
   void operator()(std::string& member, const Field& field) {
     if (const weft_array* array = checked(field, WEFT_U8)) {
-      member.assign(static_cast<const char*>(array->data),
-                    static_cast<std::size_t>(array->shape[0]));
+      member.assign(static_cast<const char*>(array->data), to_index(array->shape[0]));
     }
   }
   void operator()(NamedArrays& member, const Field&) { collect(member.prefix, member.entries); }
@@ -97,8 +97,8 @@ class FieldReader {
   std::string error_;
 };
 
-/// Copies the members of a noun into arrays that `alloc` provides; arrays on a device go to its
-/// adopt(), where it has one.
+/// Copies the members of a noun into arrays of `alloc`; those on a device go to its adopt(), if
+/// any.
 template <class Alloc>
 class FieldWriter {
  public:
@@ -134,14 +134,13 @@ class FieldWriter {
     if (array.is_on_device()) return hand_over(name, array);
     void* target = allocate(name, dtype_of<T>(), array.ndim(), array.shape().data());
     if (target == nullptr) return;
-    const auto row_bytes = static_cast<std::size_t>(array.row_elements()) * sizeof(T);
+    const auto row_bytes = to_index(array.row_elements()) * sizeof(T);
     if (array.ndim() == 0 || array.contiguous()) {
-      std::memcpy(target, array.data(), static_cast<std::size_t>(array.dim(0)) * row_bytes);
+      std::memcpy(target, array.data(), to_index(array.dim(0)) * row_bytes);
       return;
     }
     for (std::int64_t i = 0; i < array.rows(); ++i) {
-      std::memcpy(static_cast<char*>(target) + static_cast<std::size_t>(i) * row_bytes,
-                  array.row(i), row_bytes);
+      std::memcpy(static_cast<char*>(target) + to_index(i) * row_bytes, array.row(i), row_bytes);
     }
   }
   template <class T>
@@ -174,13 +173,12 @@ template <class Noun>
 Result<Noun> read_record(const weft_record& record) {
   if (std::string_view(record.type) != Noun::kType) {
     return Error{Errc::invalid_data,
-                 std::string("expected a record ") + Noun::kType + ", got " + record.type,
-                 {}};
+                 std::string("expected a record ") + Noun::kType + ", got " + record.type};
   }
   Noun noun;
   detail::FieldReader reader(record);
   Noun::fields(noun, reader);
-  if (!reader.error().empty()) return Error{Errc::invalid_data, reader.error(), {}};
+  if (!reader.error().empty()) return Error{Errc::invalid_data, reader.error()};
   if constexpr (requires { noun.producer_handle; }) noun.producer_handle = record.producer;
   if constexpr (requires { noun.revision; }) noun.revision = record.revision;
   return noun;
@@ -194,8 +192,7 @@ Result<void> write_record(const Noun& noun, Alloc&& alloc) {
   if (writer.refused().empty()) return {};
   return Error{Errc::plugin_failure,
                "the host refused the array '" + writer.refused() + "' of " + Noun::kType +
-                   ": an illegal name or shape, no output of the role, or short of memory",
-               {}};
+                   ": an illegal name or shape, no output of the role, or short of memory"};
 }
 
 }  // namespace weft

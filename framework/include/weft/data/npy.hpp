@@ -6,6 +6,7 @@
 #include <sstream>
 #include <string>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/result.hpp>
 #include <weft/data/array.hpp>
 
@@ -29,8 +30,7 @@ inline std::string npy_header(const weft_array& array) {
     shape += std::to_string(array.shape[axis]) + (axis + 1 < array.ndim ? ", " : "");
   }
   shape += array.ndim == 1 ? ",)" : ")";
-  std::string header = std::string("{'descr': '") +
-                       kNpyDescriptors[static_cast<std::size_t>(array.dtype)] +
+  std::string header = std::string("{'descr': '") + kNpyDescriptors[to_index(array.dtype)] +
                        "', 'fortran_order': False, 'shape': " + shape + ", }";
   constexpr std::size_t kPreamble = 10;
   while ((kPreamble + header.size() + 1) % 64 != 0) header += ' ';
@@ -51,8 +51,7 @@ inline std::string to_npy(const weft_array& array) {
   const std::int64_t rows = array.ndim > 0 ? array.shape[0] : 1;
   for (std::int64_t i = 0; i < rows; ++i) {
     const std::int64_t offset = array.ndim > 0 ? i * array.stride[0] : 0;
-    bytes.append(static_cast<const char*>(array.data) + offset,
-                 static_cast<std::size_t>(row_bytes));
+    bytes.append(static_cast<const char*>(array.data) + offset, to_index(row_bytes));
   }
   return bytes;
 }
@@ -61,9 +60,7 @@ inline std::string to_npy(const weft_array& array) {
 inline Result<NpyHeader> parse_npy(const std::string& bytes) {
   const Error damaged{Errc::invalid_data, "is no array in NumPy's format 1.0", {}};
   if (bytes.size() < 10 || bytes.compare(0, 7, "\x93NUMPY\x01", 7) != 0) return damaged;
-  const auto byte = [&](std::size_t i) {
-    return static_cast<std::size_t>(static_cast<unsigned char>(bytes[i]));
-  };
+  const auto byte = [&](std::size_t i) { return to_index(static_cast<unsigned char>(bytes[i])); };
   NpyHeader header;
   header.data_offset = 10 + byte(8) + 256 * byte(9);
   // NumPy aligns the elements, and readers rely on it.

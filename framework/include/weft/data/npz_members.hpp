@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/data/npy.hpp>
 
 namespace weft {
@@ -63,17 +64,17 @@ class NpzRecord {
     std::set<std::string> arrays;
     for (const NpzMember& member : record.members_) {
       if (!arrays.insert(member.array).second) {
-        return Error{Errc::invalid_data, "has the member " + member.path() + " twice", {}};
+        return Error{Errc::invalid_data, "has the member " + member.path() + " twice"};
       }
       auto header = parse_npy(member.bytes);
       if (!header) {
-        return Error{Errc::invalid_data, member.path() + " " + header.error().message, {}};
+        return Error{Errc::invalid_data, member.path() + " " + header.error().message};
       }
       record.headers_.push_back(*std::move(header));
       if (member.is_type()) record.type_ = member.bytes.substr(record.headers_.back().data_offset);
     }
     if (!record.type_.empty()) return record;
-    return Error{Errc::invalid_data, "there is no record '" + slot + "'", {}};
+    return Error{Errc::invalid_data, "there is no record '" + slot + "'"};
   }
 
   /// Calls read(weft_record); the record lives as long as this.
@@ -97,7 +98,7 @@ class NpzRecord {
     array.data = const_cast<char*>(member.bytes.data() + header.data_offset);
     std::int64_t stride = dtype_size(header.dtype);
     for (int axis = array.ndim - 1; axis >= 0; --axis) {
-      array.shape[axis] = header.shape[static_cast<std::size_t>(axis)];
+      array.shape[axis] = header.shape[to_index(axis)];
       array.stride[axis] = stride;
       stride *= array.shape[axis];
     }

@@ -13,7 +13,8 @@ template <class Noun>
 class RecordView {
  public:
   RecordView(const char* slot, const Noun& noun) {
-    Noun::fields(noun, [this](const auto& member, const Field& field) { add(member, field.name); });
+    Noun::fields(noun,
+                 [this](const auto& member, const Field& field) { this->add(member, field.name); });
     record_ = {slot, Noun::kType, 0, 0, arrays_.size(), arrays_.data()};
     if constexpr (requires { noun.producer_handle; }) record_.producer = noun.producer_handle;
     if constexpr (requires { noun.revision; }) record_.revision = noun.revision;

@@ -31,11 +31,11 @@ struct SplineDomain {
 /// Whether the rectangle has an extent and the control grid at least 4 x 4 points.
 inline Result<void> check_domain(const SplineDomain& domain) {
   if (domain.nu < 4 || domain.nv < 4) {
-    return Error{Errc::invalid_value, "a bicubic spline needs at least 4 x 4 control points", {}};
+    return Error{Errc::invalid_value, "a bicubic spline needs at least 4 x 4 control points"};
   }
   const double width = domain.u1 - domain.u0, height = domain.v1 - domain.v0;
   if (!(width > 0.0) || !(height > 0.0) || !std::isfinite(width) || !std::isfinite(height)) {
-    return Error{Errc::invalid_value, "the domain of a spline needs u0 < u1 and v0 < v1", {}};
+    return Error{Errc::invalid_value, "the domain of a spline needs u0 < u1 and v0 < v1"};
   }
   return {};
 }

@@ -5,6 +5,7 @@
 #include <Eigen/SparseCore>
 #include <array>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/geometry/bspline_basis.hpp>
 
 namespace weft {
@@ -46,7 +47,7 @@ inline Eigen::Matrix<double, 16, 16> cell_bending(double su, double sv) {
 inline Eigen::SparseMatrix<double> bending_matrix(const SplineDomain& domain) {
   const Eigen::Matrix<double, 16, 16> cell = cell_bending(domain.su(), domain.sv());
   std::vector<Eigen::Triplet<double>> triplets;
-  triplets.reserve(static_cast<std::size_t>(256 * domain.control_count()));
+  triplets.reserve(to_index(256 * domain.control_count()));
   for (int i = 0; i + 4 <= domain.nu; ++i) {
     for (int j = 0; j + 4 <= domain.nv; ++j) {
       for (int a = 0; a < 16; ++a) {

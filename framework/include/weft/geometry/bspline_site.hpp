@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <weft/core/index.hpp>
 #include <weft/geometry/bspline_basis.hpp>
 
 namespace weft {
@@ -78,7 +79,7 @@ Eigen::Matrix<double, Derived::ColsAtCompileTime, 1> evaluate_site(
       Eigen::Matrix<double, Derived::ColsAtCompileTime, 1>::Zero(control.cols());
   for (int k = 0; k < 4; ++k) {
     for (int l = 0; l < 4; ++l) {
-      value += site.weights[static_cast<std::size_t>(4 * k + l)] *
+      value += site.weights[to_index(4 * k + l)] *
                control.row(domain.control_index(site.i + k, site.j + l)).transpose();
     }
   }

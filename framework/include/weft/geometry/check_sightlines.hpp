@@ -15,7 +15,7 @@ namespace weft {
 inline Result<void> check_sightlines(const Sightlines& sightlines, Eigen::Index vertex_count,
                                      Eigen::Index face_count) {
   const auto mistake = [](std::int64_t i, const std::string& what) {
-    return Error{Errc::invalid_data, "sightline " + std::to_string(i) + " " + what, {}};
+    return Error{Errc::invalid_data, "sightline " + std::to_string(i) + " " + what};
   };
   for (std::int64_t i = 0; i < sightlines.count(); ++i) {
     const std::int32_t vertex = sightlines.vertex(i), face = sightlines.face(i);

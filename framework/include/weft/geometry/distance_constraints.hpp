@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/result.hpp>
 #include <weft/core/statistics.hpp>
 #include <weft/core/stop_check.hpp>
@@ -26,7 +27,7 @@ struct DistanceConstraint {
 inline Result<std::vector<DistanceConstraint>> distance_constraints(
     const EdgesView& pairs, const Points3View& rest_vertices_m) {
   std::vector<DistanceConstraint> constraints;
-  constraints.reserve(static_cast<std::size_t>(pairs.rows()));
+  constraints.reserve(to_index(pairs.rows()));
   for (Eigen::Index e = 0; e < pairs.rows(); ++e) {
     const std::int32_t i = pairs(e, 0), j = pairs(e, 1);
     const auto name = [i, j] {
@@ -34,16 +35,14 @@ inline Result<std::vector<DistanceConstraint>> distance_constraints(
     };
     worked_in_loop(e);
     if (i < 0 || j < 0 || i >= rest_vertices_m.rows() || j >= rest_vertices_m.rows()) {
-      return Error{Errc::invalid_data,
-                   name() + " is outside the mesh of " + std::to_string(rest_vertices_m.rows()) +
-                       " vertices: correct the index",
-                   {}};
+      return Error{Errc::invalid_data, name() + " is outside the mesh of " +
+                                           std::to_string(rest_vertices_m.rows()) +
+                                           " vertices: correct the index"};
     }
     const double length = (rest_vertices_m.row(i) - rest_vertices_m.row(j)).norm();
     if (!(length > 0.0) || !std::isfinite(length)) {
       return Error{Errc::invalid_data,
-                   name() + " has no length at rest: move the vertices apart or merge them",
-                   {}};
+                   name() + " has no length at rest: move the vertices apart or merge them"};
     }
     constraints.push_back({i, j, length});
   }

@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/result.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/barycentric.hpp>
@@ -46,7 +47,7 @@ class FaceLocator {
     }
     const double reach = max_distance_px.value_or(0.5 * mean_edge);
     if (!(reach >= 0.0) || std::isinf(reach)) {
-      return Error{Errc::invalid_value, "max_distance_px must be a finite number >= 0", {}};
+      return Error{Errc::invalid_value, "max_distance_px must be a finite number >= 0"};
     }
     FaceLocator locator(flat_px, faces, reach);
     locator.fill_grid(mean_edge);
@@ -80,8 +81,7 @@ class FaceLocator {
     return static_cast<int>(std::clamp(std::floor(offset / cell_px_), 0.0, count - 1.0));
   }
   std::size_t cell_index(int i, int j) const {
-    return static_cast<std::size_t>(j) * static_cast<std::size_t>(columns_) +
-           static_cast<std::size_t>(i);
+    return to_index(j) * to_index(columns_) + to_index(i);
   }
 
   void fill_grid(double mean_edge) {

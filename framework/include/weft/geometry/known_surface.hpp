@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <string>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/result.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/data/known_points.hpp>
@@ -67,18 +68,16 @@ inline Result<void> place_on_mesh(const Eigen::Vector2d& xy_m, const std::string
                                   const Template& templ, KnownSurfacePoint& point) {
   if (!templ.m_per_px.present()) {
     return Error{Errc::invalid_data,
-                 name + " is a point of the template, which is not flat: name a vertex",
-                 {}};
+                 name + " is a point of the template, which is not flat: name a vertex"};
   }
   const Eigen::Vector2d pitch(templ.m_per_px(0), templ.m_per_px(1));
   const auto faces = templ.faces.matrix<3>();
   Eigen::Vector3d weights;
   point.face = face_around(xy_m.cwiseQuotient(pitch), templ.flat_px.matrix<2>(), faces, weights);
   if (point.face < 0) {
-    return Error{Errc::invalid_data,
-                 name + " is at (" + std::to_string(1e3 * xy_m.x()) + ", " +
-                     std::to_string(1e3 * xy_m.y()) + ") mm, beside the template",
-                 {}};
+    return Error{Errc::invalid_data, name + " is at (" + std::to_string(1e3 * xy_m.x()) + ", " +
+                                         std::to_string(1e3 * xy_m.y()) +
+                                         ") mm, beside the template"};
   }
   for (int k = 0; k < 3; ++k) {
     constexpr double kWhole = 1.0 - 1e-6;
@@ -86,8 +85,8 @@ inline Result<void> place_on_mesh(const Eigen::Vector2d& xy_m, const std::string
       point = KnownSurfacePoint::at_vertex(faces(point.face, k), point.centre_m, point.radius_m);
       return {};
     }
-    point.vertices[static_cast<std::size_t>(k)] = faces(point.face, k);
-    point.weights[static_cast<std::size_t>(k)] = weights[k];
+    point.vertices[to_index(k)] = faces(point.face, k);
+    point.weights[to_index(k)] = weights[k];
   }
   return {};
 }
@@ -107,13 +106,11 @@ inline Result<std::vector<KnownSurfacePoint>> known_surface_points(const KnownPo
     const Eigen::Vector3d centre_m = known.points_m.matrix<3>().row(p).transpose();
     const std::int32_t vertex = known.vertex(p);
     if (!centre_m.allFinite() || !std::isfinite(known.radius_m(p))) {
-      return Error{Errc::invalid_data, name + " is not finite: leave it out", {}};
+      return Error{Errc::invalid_data, name + " is not finite: leave it out"};
     }
     if (vertex >= vertex_count || vertex < -1 || (vertex < 0 && !known.template_xy_m.present())) {
-      return Error{Errc::invalid_data,
-                   name + " names vertex " + std::to_string(vertex) + " of a template with " +
-                       std::to_string(vertex_count),
-                   {}};
+      return Error{Errc::invalid_data, name + " names vertex " + std::to_string(vertex) +
+                                           " of a template with " + std::to_string(vertex_count)};
     }
     const double radius_m = known.radius_m(p) < 0.0 ? own_radius_m : known.radius_m(p);
     points.push_back(KnownSurfacePoint::at_vertex(vertex, centre_m, radius_m));

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/types.hpp>
 
@@ -20,8 +21,8 @@ struct IndexLists {
   Eigen::Index size() const { return static_cast<Eigen::Index>(offsets.size()) - 1; }
 
   std::span<const std::int32_t> operator[](Eigen::Index i) const {
-    const auto first = static_cast<std::size_t>(offsets[static_cast<std::size_t>(i)]);
-    const auto last = static_cast<std::size_t>(offsets[static_cast<std::size_t>(i) + 1]);
+    const auto first = to_index(offsets[to_index(i)]);
+    const auto last = to_index(offsets[to_index(i) + 1]);
     return {items.data() + first, last - first};
   }
 };
@@ -32,15 +33,15 @@ namespace detail {
 inline IndexLists gather(const std::vector<std::pair<std::int32_t, std::int32_t>>& pairs,
                          Eigen::Index count) {
   IndexLists lists;
-  lists.offsets.assign(static_cast<std::size_t>(count) + 1, 0);
-  for (const auto& pair : pairs) ++lists.offsets[static_cast<std::size_t>(pair.first) + 1];
+  lists.offsets.assign(to_index(count) + 1, 0);
+  for (const auto& pair : pairs) ++lists.offsets[to_index(pair.first) + 1];
   for (std::size_t i = 1; i < lists.offsets.size(); ++i) lists.offsets[i] += lists.offsets[i - 1];
   std::vector<std::int32_t> next(lists.offsets.begin(), lists.offsets.end() - 1);
   lists.items.resize(pairs.size());
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     worked_in_loop(static_cast<std::int64_t>(p));
-    const auto list = static_cast<std::size_t>(pairs[p].first);
-    lists.items[static_cast<std::size_t>(next[list]++)] = pairs[p].second;
+    const auto list = to_index(pairs[p].first);
+    lists.items[to_index(next[list]++)] = pairs[p].second;
   }
   for (std::size_t i = 0; i < next.size(); ++i) {
     worked_in_loop(static_cast<std::int64_t>(i), 5);
@@ -54,7 +55,7 @@ inline IndexLists gather(const std::vector<std::pair<std::int32_t, std::int32_t>
 /// The faces around each vertex. The indices must be in range.
 inline IndexLists vertex_faces(const FacesView& faces, Eigen::Index vertex_count) {
   std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
-  pairs.reserve(static_cast<std::size_t>(3 * faces.rows()));
+  pairs.reserve(to_index(3 * faces.rows()));
   for (std::int32_t f = 0; f < faces.rows(); ++f) {
     worked_in_loop(f);
     for (int k = 0; k < 3; ++k) pairs.emplace_back(faces(f, k), f);
@@ -65,7 +66,7 @@ inline IndexLists vertex_faces(const FacesView& faces, Eigen::Index vertex_count
 /// The vertices joined to each vertex by one of the (unique) edges.
 inline IndexLists vertex_neighbours(const EdgesView& edges, Eigen::Index vertex_count) {
   std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
-  pairs.reserve(static_cast<std::size_t>(2 * edges.rows()));
+  pairs.reserve(to_index(2 * edges.rows()));
   for (Eigen::Index e = 0; e < edges.rows(); ++e) {
     worked_in_loop(e);
     pairs.emplace_back(edges(e, 0), edges(e, 1));

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <string>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/result.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/mesh_topology.hpp>
@@ -52,8 +53,8 @@ Result<void> check_finite(const Eigen::MatrixBase<Derived>& vertices) {
 }
 
 inline Result<void> check_isolated(const FacesView& faces, Eigen::Index vertex_count) {
-  std::vector<bool> used(static_cast<std::size_t>(vertex_count), false);
-  for (const std::int32_t v : faces.reshaped()) used[static_cast<std::size_t>(v)] = true;
+  std::vector<bool> used(to_index(vertex_count), false);
+  for (const std::int32_t v : faces.reshaped()) used[to_index(v)] = true;
   for (std::size_t v = 0; v < used.size(); ++v) {
     if (!used[v]) {
       return bad_mesh("vertex " + std::to_string(v) + " belongs to no face: remove it");

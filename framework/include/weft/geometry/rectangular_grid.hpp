@@ -20,8 +20,7 @@ inline Result<Faces> rectangular_grid_faces(std::int64_t columns, std::int64_t r
     return Error{Errc::invalid_value,
                  "a grid of " + std::to_string(columns) + " x " + std::to_string(rows) +
                      " vertices is not possible: columns and rows must be at least 2 and their "
-                     "product below 2^31",
-                 {}};
+                     "product below 2^31"};
   }
   Faces faces(2 * (columns - 1) * (rows - 1), 3);
   Eigen::Index f = 0;

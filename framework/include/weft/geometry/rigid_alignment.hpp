@@ -40,16 +40,15 @@ inline Error no_alignment(std::string reason) {
 
 inline Result<void> check_alignable(const Points3View& source, const Points3View& target) {
   if (source.rows() != target.rows()) {
-    return Error{Errc::invalid_value,
-                 "alignment needs as many source as target points, got " +
-                     std::to_string(source.rows()) + " and " + std::to_string(target.rows()),
-                 {}};
+    return Error{Errc::invalid_value, "alignment needs as many source as target points, got " +
+                                          std::to_string(source.rows()) + " and " +
+                                          std::to_string(target.rows())};
   }
   if (source.rows() < 3) {
     return no_alignment(std::to_string(source.rows()) + " points are given, at least 3 are needed");
   }
   if (!source.allFinite() || !target.allFinite()) {
-    return Error{Errc::invalid_data, "alignment needs finite points: leave out the others", {}};
+    return Error{Errc::invalid_data, "alignment needs finite points: leave out the others"};
   }
   return {};
 }

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/data/camera.hpp>
 #include <weft/data/correspondences.hpp>
 #include <weft/data/shape.hpp>
@@ -52,7 +53,7 @@ class EvidenceCount {
     const Eigen::RowVector2d size_px = flat_px_.colwise().maxCoeff() - low_px_;
     cell_px_ = std::max(size_px.norm() / kCellsAlongDiagonal, 1e-9);
     columns_ = cell_along(size_px.x()) + 1;
-    cells_.assign(static_cast<std::size_t>(columns_ * (cell_along(size_px.y()) + 1)), kNothing);
+    cells_.assign(to_index(columns_ * (cell_along(size_px.y()) + 1)), kNothing);
     mark_seen(camera);
   }
 
@@ -97,7 +98,7 @@ class EvidenceCount {
     const std::int64_t index =
         cell_along(from_start_px.y()) * columns_ + cell_along(from_start_px.x());
     if (index < 0 || index >= static_cast<std::int64_t>(cells_.size())) return;
-    Cell& cell = cells_[static_cast<std::size_t>(index)];
+    Cell& cell = cells_[to_index(index)];
     if (cell == before) cell = after;
   }
 

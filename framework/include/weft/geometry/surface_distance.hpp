@@ -10,6 +10,7 @@
 #include <span>
 #include <utility>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/mesh_adjacency.hpp>
 #include <weft/geometry/types.hpp>
@@ -40,12 +41,11 @@ inline std::vector<double> path_lengths_m(const Points3View& vertices_m,
                                           std::span<const PathStart> starts,
                                           std::span<const std::uint8_t> region = {}) {
   using Entry = std::pair<double, std::int32_t>;
-  std::vector<double> lengths(static_cast<std::size_t>(vertices_m.rows()),
-                              std::numeric_limits<double>::infinity());
+  std::vector<double> lengths(to_index(vertices_m.rows()), std::numeric_limits<double>::infinity());
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
   const auto offer = [&](std::int32_t v, double length) {
-    double& known = lengths[static_cast<std::size_t>(v)];
-    if (length >= known || (!region.empty() && region[static_cast<std::size_t>(v)] == 0)) return;
+    double& known = lengths[to_index(v)];
+    if (length >= known || (!region.empty() && region[to_index(v)] == 0)) return;
     known = length;
     open.emplace(length, v);
   };
@@ -54,7 +54,7 @@ inline std::vector<double> path_lengths_m(const Points3View& vertices_m,
     worked(20);
     const auto [length, v] = open.top();
     open.pop();
-    if (length > lengths[static_cast<std::size_t>(v)]) continue;
+    if (length > lengths[to_index(v)]) continue;
     for (const std::int32_t w : neighbours[v]) {
       offer(w, length + (vertices_m.row(v) - vertices_m.row(w)).norm());
     }

@@ -34,7 +34,7 @@ struct ThinPlateSpline {
   }
 };
 
-/// A spline and, where that was asked, what the others foretell.
+/// A spline and, where that was asked, what the others predict.
 struct ThinPlateFit {
   ThinPlateSpline spline;
   PointColumns left_out;  ///< [n,2] value minus that of the spline through the others
@@ -121,7 +121,7 @@ inline Result<ThinPlateFit> fit_thin_plate(const Points2View& sites, const Point
                                            const Eigen::VectorXd& slack,
                                            bool leave_one_out = false) {
   if (!sites.allFinite() || !values.allFinite() || sites.rows() != values.rows()) {
-    return Error{Errc::invalid_data, "a spline needs as many finite values as finite sites", {}};
+    return Error{Errc::invalid_data, "a spline needs as many finite values as finite sites"};
   }
   const Eigen::Index n = sites.rows(), inner = n - 3;
   if (n < 3) return no_result("a thin-plate spline needs at least 3 sites");

@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <weft/core/index.hpp>
 #include <weft/sdk/export.hpp>
 
 /// Arrays that stay on a device. A library says once what it keeps there:
@@ -49,7 +50,7 @@ struct DeviceBlock {
                                std::uint64_t bytes, weft_error* error) {
     return guarded(error, [&]() -> std::int32_t {
       const auto done = of(handle)->contents->download(
-          {static_cast<std::byte*>(to), static_cast<std::size_t>(bytes)},
+          {static_cast<std::byte*>(to), to_index(bytes)},
           [call] { return call != nullptr && call->host->cancelled(call) != 0; });
       return done ? WEFT_OK : report(done.error(), error);
     });

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <weft/core/index.hpp>
 #include <weft/sdk/role.hpp>
 
 namespace weft {
@@ -62,8 +63,7 @@ inline Result<Answer> ask(const Call& call, std::uint64_t component, int method,
   if (status != WEFT_OK && status != WEFT_DEGENERATE) {
     return Error{static_cast<Errc>(error.code), error.message, error.where};
   }
-  return Answer{{outputs, static_cast<std::size_t>(count)},
-                status == WEFT_DEGENERATE ? error.message : ""};
+  return Answer{{outputs, to_index(count)}, status == WEFT_DEGENERATE ? error.message : ""};
 }
 
 /// The only output of a method.
@@ -74,7 +74,7 @@ Result<Output> invoke(const Call& call, std::uint64_t component, int method,
   if (!answer) return answer.error();
   auto noun = answer->template find<Output>();
   if (!noun) {
-    return Error{Errc::plugin_failure, std::string("no ") + Output::kType + " was produced", {}};
+    return Error{Errc::plugin_failure, std::string("no ") + Output::kType + " was produced"};
   }
   if (*noun && !answer->degenerate_reason.empty()) {
     return degenerate(**std::move(noun), answer->degenerate_reason);

@@ -117,7 +117,7 @@ class ProcessCall {
     for (std::uint64_t i = 0; i < count_; ++i) {
       if (std::string_view(inputs_[i].slot) == slot) return read_into(inputs_[i], member);
     }
-    return Error{Errc::invalid_data, std::string("required input '") + slot + "' is absent", {}};
+    return Error{Errc::invalid_data, std::string("required input '") + slot + "' is absent"};
   }
   template <class Noun>
   Result<void> read_slot(const char* slot, std::optional<Noun>& member) const {

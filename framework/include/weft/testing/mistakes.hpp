@@ -1,35 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <stdexcept>
 #include <string>
 #include <vector>
-#include <weft/host/component_checks.hpp>
 
 namespace weft::testing {
 
 /// What a component says of its parameters before anything runs: "parameter: message". Plugins are
 /// those in WEFT_PLUGIN_PATH, `params` is YAML with absolute paths. Throws std::runtime_error with
 /// what is wrong before the component is asked.
-inline std::vector<std::string> mistakes_of(const std::string& id, const std::string& params) {
-  const host::Registry registry = host::Registry::scan(host::search_path({}));
-  const auto document = yaml::parse("use: " + id + "\nparams: " + params + "\n", "params");
-  if (!document) throw std::runtime_error(document.error().message);
-  std::vector<yaml::Problem> problems;
-  const yaml::Node& given = *document->root.find("params");
-  const auto spec = host::resolve_component(registry, *document->root.find("use"), &given,
-                                            host::PathRules::of_process({"/"}, "/tmp"), problems);
-  if (!spec) throw std::runtime_error(problems.front().message);
-  host::ComponentChecks().ask(*spec, problems);
-  std::vector<std::string> mistakes;
-  for (const yaml::Problem& problem : problems) {
-    std::string name;
-    for (const yaml::Entry& entry : given.entries) {
-      if (entry.value.at == problem.at) name = entry.key;
-    }
-    mistakes.push_back(name + ": " + problem.message);
-  }
-  return mistakes;
-}
+std::vector<std::string> mistakes_of(const std::string& id, const std::string& params);
 
 }  // namespace weft::testing

@@ -10,22 +10,23 @@
 #include <string>
 #include <string_view>
 #include <vector>
-#include <weft/host/lane.hpp>
+#include <weft/data/camera.hpp>
+#include <weft/data/template.hpp>
+#include <weft/data/warp.hpp>
+#include <weft/testing/held_record.hpp>
 
 namespace weft::testing {
 
-/// A noun as an input of a call; it copies the noun.
+/// A noun as an input of a call.
 struct Input {
   std::string slot;
-  host::RecordPtr record;
+  HeldRecord record;
 };
 
+/// It copies the noun.
 template <class Noun>
 Input input(const char* slot, const Noun& noun) {
-  auto record = host::Record::copy_of(noun);
-  if constexpr (requires { noun.revision; }) record->set_revision(noun.revision);
-  if constexpr (requires { noun.producer_handle; }) record->set_producer(noun.producer_handle);
-  return {slot, std::move(record)};
+  return {slot, hold(noun)};
 }
 
 /// What a call came to. Nouns got from it live as long as the PluginUnderTest, or until it forgets.
@@ -35,17 +36,13 @@ struct Outcome {
   std::string message;
   std::string
       where;  ///< what an error is about, such as a file; the component where it says nothing
-  std::vector<std::pair<std::string, host::RecordPtr>> outputs;
+  std::vector<std::pair<std::string, HeldRecord>> outputs;
 
   /// The first output of this type, if there is one.
   template <class Noun>
   std::optional<Noun> get() const {
     for (const auto& [slot, record] : outputs) {
-      if (record->type() != Noun::kType) continue;
-      const auto here = record->in_host_memory();
-      if (!here) continue;
-      auto noun = host::view_as<Noun>(**here);
-      if (noun) return *std::move(noun);
+      if (auto noun = noun_in<Noun>(record)) return noun;
     }
     return std::nullopt;
   }
@@ -74,22 +71,18 @@ class PluginUnderTest {
   Outcome evaluate(const Warp& warp, const Points& points);
 
   /// Set from any thread to make the component stop.
-  std::atomic<bool>& cancel() { return lane_.cancel(); }
+  std::atomic<bool>& cancel();
 
-  /// Asked as often as the component asks whether to stop; see host::Lane.
-  void watch(std::function<bool()> cancelled) { lane_.watch(std::move(cancelled)); }
+  /// Asked, from any thread, as often as the component asks whether to stop: it stops while it says
+  /// so. Null for nobody.
+  void watch(std::function<bool()> cancelled);
 
   /// Lets go of all answers so far, for tests of many frames.
   void forget();
 
  private:
-  Outcome keep(host::Outcome outcome);
-
-  host::Registry registry_;
-  host::Lane lane_;
-  std::optional<host::ComponentSpec> spec_;
-  host::Instance* instance_ = nullptr;
-  std::vector<host::RecordPtr> kept_;
+  struct Host;
+  std::unique_ptr<Host> host_;
 };
 
 }  // namespace weft::testing

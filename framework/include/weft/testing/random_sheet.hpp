@@ -2,7 +2,7 @@
 #pragma once
 
 #include <weft/core/result.hpp>
-#include <weft/geometry/random_deformation.hpp>
+#include <weft/generators/random_deformation.hpp>
 #include <weft/testing/synthetic.hpp>
 
 namespace weft::testing {

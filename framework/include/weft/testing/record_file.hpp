@@ -4,26 +4,26 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <weft/host/npz.hpp>
+#include <utility>
+#include <vector>
+#include <weft/testing/held_record.hpp>
 
 namespace weft::testing {
 
-/// Writes one noun into a file of records (npz). Throws std::runtime_error with the reason.
+/// Writes one record into a file of records (npz). Throws std::runtime_error with the reason.
+void write_record_file(const std::string& file, const char* slot, HeldRecord record);
+
+/// The same of a noun.
 template <class Noun>
 void write_record_file(const std::string& file, const char* slot, const Noun& noun) {
-  const auto written = host::write_npz(file, {{slot, host::Record::copy_of(noun)}});
-  if (!written) throw std::runtime_error(written.error().message);
+  write_record_file(file, slot, hold(noun));
 }
 
 /// A file of records, checked against the catalogue.
 class RecordFile {
  public:
   /// Throws std::runtime_error with the reason.
-  explicit RecordFile(const std::string& file) {
-    auto read = host::read_npz(file);
-    if (!read) throw std::runtime_error(file + ": " + read.error().message);
-    records_ = *std::move(read);
-  }
+  explicit RecordFile(const std::string& file);
 
   std::size_t count() const { return records_.size(); }
 
@@ -31,14 +31,13 @@ class RecordFile {
   template <class Noun>
   std::optional<Noun> get() const {
     for (const auto& [slot, record] : records_) {
-      if (record->type() != Noun::kType) continue;
-      if (auto noun = host::view_as<Noun>(*record)) return *std::move(noun);
+      if (auto noun = noun_in<Noun>(record)) return noun;
     }
     return std::nullopt;
   }
 
  private:
-  host::NamedRecords records_;
+  std::vector<std::pair<std::string, HeldRecord>> records_;
 };
 
 }  // namespace weft::testing

@@ -7,8 +7,8 @@
 #include <weft/data/camera.hpp>
 #include <weft/data/correspondences.hpp>
 #include <weft/data/template.hpp>
+#include <weft/generators/developable.hpp>
 #include <weft/geometry/camera_model.hpp>
-#include <weft/geometry/developable.hpp>
 #include <weft/geometry/types.hpp>
 
 /// Small scenes with exact truth for tests: everything follows from the arguments and the Rng.

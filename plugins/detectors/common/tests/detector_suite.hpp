@@ -7,6 +7,7 @@
 #include <cstring>
 #include <numbers>
 #include <span>
+#include <weft/core/index.hpp>
 
 #include "common/tests/scenes.hpp"
 
@@ -37,7 +38,7 @@ bool same_array(const Array<T>& a, const Array<T>& b) {
 
 template <class T>
 std::span<const T> row_of(const Array<T>& rows, std::int64_t index) {
-  return {rows.row(index), static_cast<std::size_t>(rows.dim(1))};
+  return {rows.row(index), to_index(rows.dim(1))};
 }
 
 inline bool same(const Keypoints& a, const Keypoints& b) {

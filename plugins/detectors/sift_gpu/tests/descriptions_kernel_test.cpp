@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <weft/core/index.hpp>
 
 #include "tests/spot_kernels.hpp"
 
@@ -157,7 +158,7 @@ TEST_F(DescriptionsKernel, ARampFillsOneDirectionOfEachCell) {
     const double angle_rad = direction * 0.25 * std::numbers::pi;
     const Descriptor found = describe(ramp, spot_at(30.0, 30.0, 2.0, angle_rad));
     for (int bin = 0; bin < 128; ++bin) {
-      const double value = found[static_cast<std::size_t>(bin)];
+      const double value = found[to_index(bin)];
       if (bin % 8 == direction) {
         EXPECT_GT(value, 20.0) << direction << " " << bin;
       } else {

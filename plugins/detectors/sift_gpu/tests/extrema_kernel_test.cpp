@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <weft/core/index.hpp>
 
 #include "session.hpp"
 #include "tests/adversarial_images.hpp"
@@ -57,7 +58,7 @@ class ExtremaKernel : public ::testing::Test {
       pyramid.insert(pyramid.end(), values.begin(), values.end());
     }
     const cl::Buffer levels = runner_.upload(Guarded(pyramid).all());
-    const std::vector<Spot> room(static_cast<std::size_t>(capacity) + 10, kUntouched);
+    const std::vector<Spot> room(to_index(capacity) + 10, kUntouched);
     const cl::Buffer spots = runner_.upload(room);
     const cl::Buffer count = runner_.upload(std::vector<cl_int>{0});
     const auto width = static_cast<int>(layers.front().cols());
@@ -69,7 +70,7 @@ class ExtremaKernel : public ::testing::Test {
                         static_cast<float>(settings.edge_threshold), spots, count, capacity);
     Found found{runner_.download<cl_int>(count, 1).front(), {}};
     found.spots = runner_.download<Spot>(spots, room.size());
-    const auto used = static_cast<std::size_t>(std::min(found.count, capacity));
+    const auto used = to_index(std::min(found.count, capacity));
     for (std::size_t i = used; i < room.size(); ++i) EXPECT_EQ(found.spots[i], kUntouched);
     found.spots.resize(used);
     return found;

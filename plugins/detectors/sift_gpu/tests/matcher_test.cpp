@@ -197,7 +197,8 @@ class OnTheDevice : public ::testing::Test {
                             image.get<Keypoints>().value());
   }
   static bool is_there(const Outcome& found) {
-    return host::view_as<Keypoints>(*found.outputs.front().second)->descriptors.is_on_device();
+    return read_record<Keypoints>(testing::view_of(found.outputs.front().second))
+        ->descriptors.is_on_device();
   }
   static void expect_equal(const Outcome& a, const Outcome& b) {
     const auto one = a.get<Correspondences>().value(), other = b.get<Correspondences>().value();

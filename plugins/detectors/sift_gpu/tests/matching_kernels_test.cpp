@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 #include <numeric>
+#include <weft/core/index.hpp>
 
 #include "search.hpp"
 #include "tests/kernel_runner.hpp"
@@ -56,12 +57,10 @@ class MatchingKernels : public ::testing::Test {
   }
 
   Loaded load(const cl::Buffer& rows, Eigen::Index count, Eigen::Index length, bool root) {
-    const cl::Buffer norms =
-        runner_.upload(guarded(std::vector<float>(static_cast<std::size_t>(count), -1.0F)));
-    runner_.over_items("load", static_cast<std::size_t>(count), rows, static_cast<int>(count),
+    const cl::Buffer norms = runner_.upload(guarded(std::vector<float>(to_index(count), -1.0F)));
+    runner_.over_items("load", to_index(count), rows, static_cast<int>(count),
                        static_cast<int>(length), root ? 1 : 0, norms);
-    return {unguarded(rows, static_cast<std::size_t>(count * length)),
-            unguarded(norms, static_cast<std::size_t>(count))};
+    return {unguarded(rows, to_index(count * length)), unguarded(norms, to_index(count))};
   }
   Loaded load(const Rows& rows, bool root) {
     return load(runner_.upload(guarded(reference::floats_of(rows))), rows.rows(), rows.cols(),
@@ -72,10 +71,8 @@ class MatchingKernels : public ::testing::Test {
   std::vector<float> distances(const Loaded& queries, int first, const Loaded& trains, int length) {
     const int rows = static_cast<int>(queries.norms.size()) - first;
     const auto columns = static_cast<int>(trains.norms.size());
-    const auto tiles = [](int count) {
-      return static_cast<std::size_t>((count + kTileSide - 1) / kTileSide);
-    };
-    const std::size_t count = static_cast<std::size_t>(rows) * trains.norms.size();
+    const auto tiles = [](int count) { return to_index((count + kTileSide - 1) / kTileSide); };
+    const std::size_t count = to_index(rows) * trains.norms.size();
     const cl::Buffer squares = runner_.upload(guarded(std::vector<float>(count, -1.0F)));
     runner_.over_tiles(
         "distances", tiles(rows) * tiles(columns), runner_.upload(guarded(queries.rows)),
@@ -89,8 +86,8 @@ class MatchingKernels : public ::testing::Test {
                             double elsewhere_px, const Rows& queries, const Rows& trains,
                             int first) {
     const Pair untouched{-7, -8, -9.0F, -10.0F};
-    const auto begin = static_cast<std::size_t>(first);
-    const std::size_t end = begin + static_cast<std::size_t>(squares.rows());
+    const auto begin = to_index(first);
+    const std::size_t end = begin + to_index(squares.rows());
     const cl::Buffer pairs = runner_.upload(std::vector<Pair>(end + kGuard, untouched));
     runner_.over_spots(
         "nearest", end - begin, runner_.upload(guarded(reference::floats_of(squares))),
@@ -108,7 +105,7 @@ class MatchingKernels : public ::testing::Test {
 
   /// In blocks of at most `block` queries.
   std::vector<int> nearest_queries(const Plane& squares, int block) {
-    const auto trains = static_cast<std::size_t>(squares.cols());
+    const auto trains = to_index(squares.cols());
     const cl::Buffer best = runner_.upload(std::vector<cl_int>(trains + kGuard, -7));
     const cl::Buffer least = runner_.upload(std::vector<float>(trains + kGuard, kInfinity));
     for (int first = 0; first < squares.rows(); first += block) {
@@ -171,13 +168,11 @@ TEST_F(MatchingKernels, LoadTakesRootsOfDescriptorsOfAnyLengthAndOfZeros) {
     const double unit = kRoundoff * (length + 10);
     for (Eigen::Index i = 0; i < count; ++i) {
       for (Eigen::Index d = 0; d < length; ++d) {
-        element =
-            std::max(element, difference(loaded.rows[static_cast<std::size_t>(i * length + d)],
-                                         expected(i, d), unit * expected(i, d)));
+        element = std::max(element, difference(loaded.rows[to_index(i * length + d)],
+                                               expected(i, d), unit * expected(i, d)));
       }
       const double of_row = expected.row(i).squaredNorm();
-      norm = std::max(norm,
-                      difference(loaded.norms[static_cast<std::size_t>(i)], of_row, unit * of_row));
+      norm = std::max(norm, difference(loaded.norms[to_index(i)], of_row, unit * of_row));
     }
   }
   std::printf("RootSIFT: of (length + 10) 2^-24, elements differ by %.3f, norms by %.3f\n", element,
@@ -251,7 +246,7 @@ TEST_F(MatchingKernels, NearestIsTheLowestOfEqualDistancesAndTheSecondIsFartherT
           nearest(squares, places, elsewhere_px, queries, trains, first);
       for (int i = 0; i < squares.rows(); ++i) {
         const auto [best, second] = reference::nearest(squares.row(i), places, elsewhere_px);
-        const Pair& pair = found[static_cast<std::size_t>(i)];
+        const Pair& pair = found[to_index(i)];
         ASSERT_EQ(pair.best, best) << counts.queries << " x " << counts.trains << " query " << i;
         ASSERT_EQ(pair.second, second) << elsewhere_px << " px, query " << i;
         if (second < 0) continue;
@@ -322,14 +317,14 @@ TEST_F(MatchingKernels, TogetherFindTheLowestOfTiedDescriptorsInBothDirections) 
     const std::vector<Pair> pairs = nearest(squares, places, 5.0, queries, trains, 0);
     for (int i = 0; i < counts.queries; ++i) {
       const auto [best, second] = reference::nearest(expected.row(i), places, 5.0);
-      const Pair& pair = pairs[static_cast<std::size_t>(i)];
+      const Pair& pair = pairs[to_index(i)];
       ASSERT_EQ(pair.best, best) << i;
       ASSERT_EQ(pair.second, second) << i;
       EXPECT_EQ(pair.best_square, static_cast<float>(expected(i, best)));
     }
     const std::vector<int> queries_found = nearest_queries(squares, 32);
     for (int j = 0; j < counts.trains; ++j) {
-      EXPECT_EQ(queries_found[static_cast<std::size_t>(j)], reference::smallest(expected.col(j)));
+      EXPECT_EQ(queries_found[to_index(j)], reference::smallest(expected.col(j)));
     }
   }
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <weft/core/index.hpp>
 
 #include "tests/spot_kernels.hpp"
 
@@ -34,7 +35,7 @@ class OrientationsKernel : public ::testing::Test {
     const auto [count, keypoints] = run(pyramid, spots, room);
     std::vector<std::vector<double>> angles(spots.size());
     for (const Spot& keypoint : keypoints) {
-      const auto i = static_cast<std::size_t>(keypoint.reserved);
+      const auto i = to_index(keypoint.reserved);
       Spot same = keypoint;
       same.angle = spots.at(i).angle;
       EXPECT_EQ(same, spots.at(i)) << "nothing but the angle is new";
@@ -50,7 +51,7 @@ class OrientationsKernel : public ::testing::Test {
   std::pair<int, std::vector<Spot>> run(const SmallPyramid& pyramid, const std::vector<Spot>& spots,
                                         int capacity) {
     const Spot untouched{-1.0F, -2.0F, -3.0F, -4.0F, -5.0F, -6, -7, -8};
-    const std::vector<Spot> room(static_cast<std::size_t>(capacity) + 10, untouched);
+    const std::vector<Spot> room(to_index(capacity) + 10, untouched);
     const cl::Buffer keypoints = runner_.upload(room);
     const cl::Buffer count = runner_.upload(std::vector<cl_int>{0});
     runner_.over_spots("orientations", spots.size(), runner_.upload(pyramid.levels()),
@@ -58,7 +59,7 @@ class OrientationsKernel : public ::testing::Test {
                        capacity);
     std::vector<Spot> found = runner_.download<Spot>(keypoints, room.size());
     const int there_are = runner_.download<cl_int>(count, 1).front();
-    const auto used = static_cast<std::size_t>(std::min(there_are, capacity));
+    const auto used = to_index(std::min(there_are, capacity));
     for (std::size_t i = used; i < room.size(); ++i) EXPECT_EQ(found[i], untouched);
     found.resize(used);
     return {there_are, found};
@@ -186,7 +187,7 @@ TEST_F(OrientationsKernel, AreCountedBeyondTheirRoom) {
   for (const int capacity : {1, 99, 100}) {
     const auto [count, keypoints] = run(pyramid, spots, capacity);
     EXPECT_EQ(count, 100);
-    EXPECT_EQ(keypoints.size(), static_cast<std::size_t>(capacity));
+    EXPECT_EQ(keypoints.size(), to_index(capacity));
   }
 }
 

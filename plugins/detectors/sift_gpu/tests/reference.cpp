@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <weft/core/index.hpp>
 
 namespace weft::sift_gpu::reference {
 namespace {
@@ -39,14 +40,14 @@ class Differences {
   }
 
   double operator()(const Eigen::Vector3i& at) const {
-    return planes_[static_cast<std::size_t>(at.z())](at.y(), at.x());
+    return planes_[to_index(at.z())](at.y(), at.x());
   }
 
   bool is_extremum(const Eigen::Vector3i& at) const {
     const double value = (*this)(at);
     bool largest = true, smallest = true;
     for (int l = -1; l <= 1; ++l) {
-      const auto& plane = planes_[static_cast<std::size_t>(at.z() + l)];
+      const auto& plane = planes_[to_index(at.z() + l)];
       const auto around = plane.block<3, 3>(at.y() - 1, at.x() - 1);
       largest = largest && around.maxCoeff() <= value;
       smallest = smallest && around.minCoeff() >= value;
@@ -197,7 +198,7 @@ std::vector<std::vector<Plane>> pyramid(const Plane& image, const Settings& sett
       const double after = settings.sigma_px * std::exp2(1.0 * l / settings.octave_layers);
       layers.push_back(blurred(layers.back(), std::sqrt(after * after - before * before)));
     }
-    first = halved(layers[static_cast<std::size_t>(settings.octave_layers)]);
+    first = halved(layers[to_index(settings.octave_layers)]);
   }
   return octaves;
 }

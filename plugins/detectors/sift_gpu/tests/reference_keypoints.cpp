@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <weft/core/index.hpp>
 
 #include "reference.hpp"
 
@@ -35,18 +36,17 @@ std::vector<double> orientations(const Plane& layer, double x, double y, double 
       if (std::max(std::abs(dx), std::abs(dy)) > radius) continue;
       const Gradient gradient(layer, u, v);
       const auto bin = static_cast<int>(std::rint(gradient.angle_rad / kTurn * kBins));
-      sums[static_cast<std::size_t>((bin + kBins) % kBins)] +=
+      sums[to_index((bin + kBins) % kBins)] +=
           gradient.length * std::exp(-(dx * dx + dy * dy) / (2.0 * sigma * sigma));
     }
   }
   const auto around = [](const std::array<double, kBins>& bins, int i) {
-    return bins[static_cast<std::size_t>((i + kBins) % kBins)];
+    return bins[to_index((i + kBins) % kBins)];
   };
   for (int i = 0; i < kBins; ++i) {
     constexpr std::array<double, 5> kBinomial{1.0, 4.0, 6.0, 4.0, 1.0};
     for (int j = 0; j < 5; ++j) {
-      smooth[static_cast<std::size_t>(i)] +=
-          kBinomial[static_cast<std::size_t>(j)] / 16.0 * around(sums, i + j - 2);
+      smooth[to_index(i)] += kBinomial[to_index(j)] / 16.0 * around(sums, i + j - 2);
     }
   }
   const double highest = *std::max_element(smooth.begin(), smooth.end());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
 
 #include "reference.hpp"
@@ -58,7 +59,7 @@ inline Nearest nearest(const Eigen::VectorXd& squares, const std::vector<float>&
                        double elsewhere_px) {
   const int best = smallest(squares);
   const auto place = [&](int i) {
-    const auto at = static_cast<std::size_t>(2 * i);
+    const auto at = to_index(2 * i);
     return Eigen::Vector2d(places[at], places[at + 1]);
   };
   return {best, smallest(squares, [&](int i) {

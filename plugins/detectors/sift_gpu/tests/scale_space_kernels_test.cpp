@@ -3,6 +3,7 @@
 
 #include <cstdio>
 #include <opencv2/imgproc.hpp>
+#include <weft/core/index.hpp>
 
 #include "session.hpp"
 #include "tests/adversarial_images.hpp"
@@ -39,14 +40,12 @@ class ScaleSpaceKernels : public ::testing::TestWithParam<Size> {
 
   Size size() const { return GetParam(); }
   auto images() const { return adversarial_images(size(), kImageSeed); }
-  std::size_t pixels() const {
-    return static_cast<std::size_t>(size().width) * static_cast<std::size_t>(size().height);
-  }
+  std::size_t pixels() const { return to_index(size().width) * to_index(size().height); }
 
   std::vector<float> grey_levels(const std::vector<std::uint8_t>& image, int channels, bool twice) {
     const int factor = twice ? 2 : 1;
     const cl::Buffer from = runner_.upload(image);
-    const Guarded to(pixels() * static_cast<std::size_t>(factor * factor));
+    const Guarded to(pixels() * to_index(factor * factor));
     const cl::Buffer levels = runner_.upload(to.all());
     runner_.over_pixels("grey_levels", factor * size().width, factor * size().height, from,
                         size().width, size().height, channels, twice ? 1 : 0, levels, kGuardOffset);
@@ -158,7 +157,7 @@ TEST_P(Halving, TakesEverySecondPixel) {
     // One pyramid: the image, then a guard, the half and another guard.
     std::vector<float> pyramid = Guarded(reference::floats_of(image)).all();
     const std::size_t begin = pyramid.size() - Guarded::kGuard;
-    const std::size_t half = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    const std::size_t half = to_index(width) * to_index(height);
     const Guarded place(half);
     pyramid.insert(pyramid.end(), place.all().begin() + Guarded::kGuard, place.all().end());
     const cl::Buffer buffer = runner_.upload(pyramid);
@@ -194,7 +193,7 @@ TEST_P(WholePyramid, IsThatOfTheReferenceInEveryLayer) {
     double largest = 0.0;
     for (std::size_t o = 0; o < expected.size(); ++o) {
       const std::vector<float> layers = session.octave(o);
-      const auto layer_size = static_cast<std::size_t>(expected[o].front().size());
+      const auto layer_size = to_index(expected[o].front().size());
       ASSERT_EQ(layers.size(), expected[o].size() * layer_size);
       for (std::size_t l = 0; l < expected[o].size(); ++l) {
         const auto begin = layers.begin() + static_cast<std::ptrdiff_t>(l * layer_size);

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <chrono>
+#include <weft/core/index.hpp>
 
 #include "common/tests/keypoints_of.hpp"
 #include "common/tests/scenes.hpp"
@@ -78,7 +79,7 @@ class DescriptorsKeptOnTheDevice : public ::testing::Test {
 
   void write(const Array<std::uint8_t>& rows) {
     cl::CommandQueue(device_->context(), device_->handle())
-        .enqueueWriteBuffer(*rows_, CL_TRUE, 0, static_cast<std::size_t>(rows.size()), rows.data());
+        .enqueueWriteBuffer(*rows_, CL_TRUE, 0, to_index(rows.size()), rows.data());
   }
   static Array<float> floats(const Array<std::uint8_t>& rows) {
     Array<float> numbers({rows.dim(0), rows.dim(1)});
@@ -104,7 +105,7 @@ class DescriptorsKeptOnTheDevice : public ::testing::Test {
     EXPECT_EQ(pairs.size(), std::size_t{kCount});
     int same = 0;
     for (int i = 0; i < static_cast<int>(pairs.size()); ++i) {
-      const Pair& pair = pairs[static_cast<std::size_t>(i)];
+      const Pair& pair = pairs[to_index(i)];
       same += pair.best == i && pair.best_square < 1e-6F ? 1 : 0;
     }
     EXPECT_TRUE(same == 0 || same == kCount);

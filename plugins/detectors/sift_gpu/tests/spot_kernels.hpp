@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
 
 #include "session.hpp"
@@ -34,8 +35,7 @@ class SmallPyramid {
   const std::vector<Octave>& octaves() const { return octaves_; }
   const std::vector<std::vector<reference::Plane>>& layers() const { return layers_; }
   const reference::Plane& layer(const Spot& spot) const {
-    return layers_.at(static_cast<std::size_t>(spot.octave))
-        .at(static_cast<std::size_t>(spot.layer));
+    return layers_.at(to_index(spot.octave)).at(to_index(spot.layer));
   }
 
  private:

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <weft/core/index.hpp>
 
 #include "common/tests/filter_bench.hpp"
 #include "match_scenes.hpp"
@@ -99,7 +100,7 @@ struct Reliability {
   double squares = 0.0, total = 0.0;
 
   void add(double probability, bool truth) {
-    const auto bin = static_cast<std::size_t>(std::min(9.0, 10.0 * probability));
+    const auto bin = to_index(std::min(9.0, 10.0 * probability));
     predicted[bin] += probability;
     came_true[bin] += truth ? 1.0 : 0.0;
     count[bin] += 1.0;

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <weft/core/rng.hpp>
 
-#include "lonely.hpp"
+#include "isolated.hpp"
 
 namespace weft::aem {
 namespace {
@@ -54,7 +54,7 @@ TEST(Annealing, DoesNotTakeAClusterForASheet) {
 }
 
 /// Correct matches on the left half; the right is hidden, and one match of it goes to a copy.
-TEST(Lonely, IsAMatchToACopyWhereTheSheetIsHidden) {
+TEST(Isolated, IsAMatchToACopyWhereTheSheetIsHidden) {
   constexpr int kMatches = 800, kOnCopy = 3;
   Rng rng(33);
   Matches matches = seen_at_half_size(kMatches, 0, rng);
@@ -66,23 +66,23 @@ TEST(Lonely, IsAMatchToACopyWhereTheSheetIsHidden) {
     visible += seen ? 1 : 0;
     logit[i] = seen || i == kOnCopy ? 6.0 : -12.0;
   }
-  const Lonely lonely = find_lonely(matches, logit, visible / static_cast<double>(kMatches));
-  for (int i = 0; i < kMatches; ++i) EXPECT_EQ(lonely.is[i], i == kOnCopy) << i;
-  EXPECT_LT(lonely.shift[kOnCopy], -2.0);
-  EXPECT_EQ((lonely.shift != 0.0).count(), 1);
+  const Isolated isolated = find_isolated(matches, logit, visible / static_cast<double>(kMatches));
+  for (int i = 0; i < kMatches; ++i) EXPECT_EQ(isolated.is[i], i == kOnCopy) << i;
+  EXPECT_LT(isolated.shift[kOnCopy], -2.0);
+  EXPECT_EQ((isolated.shift != 0.0).count(), 1);
 }
 
 /// With few matches none is missed by another.
-TEST(Lonely, IsNoneWhereFewAreExpected) {
+TEST(Isolated, IsNoneWhereFewAreExpected) {
   Rng rng(34);
   const Matches matches = seen_at_half_size(30, 0, rng);
   Eigen::ArrayXd logit = Eigen::ArrayXd::Constant(30, -12.0);
   logit[3] = 6.0;
-  EXPECT_FALSE(find_lonely(matches, logit, 0.5).is.any());
+  EXPECT_FALSE(find_isolated(matches, logit, 0.5).is.any());
 }
 
 /// The same match with and without matches around: it bends the warp where nothing else is.
-TEST(Lonely, MatchesHaveNoSayInTheWarp) {
+TEST(Isolated, MatchesHaveNoSayInTheWarp) {
   constexpr int kMatches = 800, kOnCopy = 3;
   Rng rng(35);
   Matches matches = seen_at_half_size(kMatches, 0, rng);

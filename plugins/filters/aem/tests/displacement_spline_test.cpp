@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
 
 namespace weft::aem {
@@ -31,7 +32,7 @@ void fit(DisplacementSpline& spline, const Data& data, double lambda_px2, const 
   spline.start(lambda_px2);
   for (Eigen::Index k = 0; k < data.points_px.rows(); ++k) {
     const Eigen::Vector2d point = data.points_px.row(k).transpose();
-    spline.add(spline.site(point), data.weights[static_cast<std::size_t>(k)], map(point));
+    spline.add(spline.site(point), data.weights[to_index(k)], map(point));
   }
   spline.solve();
 }

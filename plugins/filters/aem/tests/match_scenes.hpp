@@ -6,6 +6,7 @@
 #include <numbers>
 #include <string>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/geometry/barycentric.hpp>
 #include <weft/testing/random_sheet.hpp>
 
@@ -69,7 +70,7 @@ inline void cluster(LabelledMatches& drawn, Rng& rng) {
     places.row(c) << rng.uniform(20.0, 620.0), rng.uniform(20.0, 460.0);
   }
   for (std::int64_t i = 0; i < drawn.matches.count(); ++i) {
-    if (drawn.correct[static_cast<std::size_t>(i)] != 0 || rng.uniform() > 0.8) continue;
+    if (drawn.correct[to_index(i)] != 0 || rng.uniform() > 0.8) continue;
     const auto place = places.row(rng.below(5));
     drawn.matches.image_px(i, 0) = place.x() + 3.0 * rng.normal();
     drawn.matches.image_px(i, 1) = place.y() + 3.0 * rng.normal();
@@ -86,7 +87,7 @@ inline void add_copy(LabelledMatches& drawn, double share, Rng& rng) {
   const Eigen::Vector2d middle(rng.uniform(120.0, 520.0), rng.uniform(120.0, 360.0));
   auto left = static_cast<std::int64_t>(share * static_cast<double>(drawn.matches.count()));
   for (std::int64_t i = 0; i < drawn.matches.count() && left > 0; ++i) {
-    if (drawn.correct[static_cast<std::size_t>(i)] != 0) continue;
+    if (drawn.correct[to_index(i)] != 0) continue;
     const Eigen::Vector2d p(drawn.matches.template_px(i, 0), drawn.matches.template_px(i, 1));
     const Eigen::Vector2d q = slope * (p - Eigen::Vector2d(479.5, 287.0)) + middle;
     drawn.matches.image_px.matrix<2>().row(i) = q.transpose();
@@ -111,7 +112,7 @@ inline void orient(LabelledMatches& drawn, const Template& templ, const Points3&
       to.col(e) = (image_px.row(face[e + 1]) - image_px.row(face[0])).transpose();
     }
     const Eigen::Matrix2d slope = to * from.inverse();
-    const bool correct = drawn.correct[static_cast<std::size_t>(i)] != 0;
+    const bool correct = drawn.correct[to_index(i)] != 0;
     double log_scale = 0.5 * std::log(std::max(1e-6, std::abs(slope.determinant())));
     double turn = std::atan2(slope(1, 0) - slope(0, 1), slope(0, 0) + slope(1, 1));
     log_scale += (correct ? 0.2 : 0.6) * rng.normal();
@@ -131,8 +132,7 @@ inline LabelledMatches draw_scene(const SceneSpec& spec, std::uint64_t seed) {
                                        {spec.count, spec.correct_rate, spec.noise_px, 2.0}, rng);
   if (spec.noise_px > 0.0) {  // noise does not make a match wrong
     for (Eigen::Index i = 0; i < spec.count; ++i) {
-      drawn.correct[static_cast<std::size_t>(i)] =
-          i >= std::lround((1.0 - spec.correct_rate) * spec.count) ? 1 : 0;
+      drawn.correct[to_index(i)] = i >= std::lround((1.0 - spec.correct_rate) * spec.count) ? 1 : 0;
     }
   }
   if (spec.kind == Kind::clusters) detail::cluster(drawn, rng);
@@ -144,7 +144,7 @@ inline LabelledMatches draw_scene(const SceneSpec& spec, std::uint64_t seed) {
 /// Which matches Kind::copy puts on the copy: the first mismatches.
 inline std::vector<std::uint8_t> on_copy(const LabelledMatches& drawn) {
   std::vector<std::uint8_t> is(drawn.correct.size(), 0);
-  auto left = static_cast<std::size_t>(kCopyShare * static_cast<double>(is.size()));
+  auto left = to_index(kCopyShare * static_cast<double>(is.size()));
   for (std::size_t i = 0; i < is.size() && left > 0; ++i) {
     if (drawn.correct[i] != 0) continue;
     is[i] = 1;

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <string>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/sdk/filter.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 #include <weft/testing/synthetic.hpp>
@@ -76,7 +77,7 @@ inline Correspondences reordered(const Correspondences& matches,
     using Values = std::decay_t<decltype(values)>;
     picked = values.ndim() == 2 ? Values({count, width}) : Values({count});
     for (std::int64_t i = 0; i < count; ++i) {
-      std::copy_n(values.row(rows[static_cast<std::size_t>(i)]), width, picked.row(i));
+      std::copy_n(values.row(rows[to_index(i)]), width, picked.row(i));
     }
   };
   Correspondences result;
@@ -94,7 +95,7 @@ inline Correspondences reordered(const Correspondences& matches,
 
 /// That a filter's answer does not depend on the order of the matches.
 inline void expect_no_order(FilterBench& bench, const Correspondences& matches) {
-  std::vector<std::int64_t> rows(static_cast<std::size_t>(matches.count()));
+  std::vector<std::int64_t> rows(to_index(matches.count()));
   std::iota(rows.begin(), rows.end(), 0);
   std::reverse(rows.begin(), rows.end());
   std::rotate(rows.begin(), rows.begin() + 17, rows.end());
@@ -119,7 +120,7 @@ inline void expect_filter_contract(const std::string& id, const Correspondences&
     ASSERT_EQ(warm.score(i), first.score(i)) << i;
     ASSERT_TRUE(first.score(i) >= 0.0 && first.score(i) <= 1.0) << first.score(i);
   }
-  std::vector<std::int64_t> rows(static_cast<std::size_t>(count));
+  std::vector<std::int64_t> rows(to_index(count));
   std::iota(rows.begin(), rows.end(), 0);
   for (const std::int64_t copied : {3, 8, 21}) rows.push_back(copied);
   const InlierMask with_copies = bench.mask(reordered(matches, rows));
@@ -146,7 +147,7 @@ inline LabelledMatches with_descriptors(LabelledMatches drawn, std::uint64_t see
   drawn.matches.angle_difference_rad = Array<double>({count});
   drawn.matches.scale_ratio = Array<double>({count});
   for (std::int64_t i = 0; i < count; ++i) {
-    const bool correct = drawn.correct[static_cast<std::size_t>(i)] != 0;
+    const bool correct = drawn.correct[to_index(i)] != 0;
     drawn.matches.ratio(i) = correct ? rng.uniform(0.3, 0.8) : rng.uniform(0.6, 0.8);
     drawn.matches.angle_difference_rad(i) = correct ? 0.1 * rng.normal() : rng.uniform(-3.1, 3.1);
     drawn.matches.scale_ratio(i) = std::exp(correct ? 0.1 * rng.normal() : rng.normal());

@@ -5,13 +5,14 @@
 
 #include <algorithm>
 #include <numeric>
+#include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
 
 namespace weft::filters {
 namespace {
 
 std::vector<int> first(int count) {
-  std::vector<int> among(static_cast<std::size_t>(count));
+  std::vector<int> among(to_index(count));
   std::iota(among.begin(), among.end(), 0);
   return among;
 }
@@ -27,7 +28,7 @@ Nearest by_sorting(const Points2& points, const std::vector<int>& among, int cou
     }
     std::sort(others.begin(), others.end());
     for (int k = 0; k < std::min(count, static_cast<int>(others.size())); ++k) {
-      nearest(i, k) = others[static_cast<std::size_t>(k)].second;
+      nearest(i, k) = others[to_index(k)].second;
     }
   }
   return nearest;

@@ -7,6 +7,7 @@
 
 #include <set>
 #include <utility>
+#include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
 
 #include "neighbour_sets.hpp"
@@ -49,7 +50,7 @@ Links links_of_sets(const Points2& points) {
   Links links;
   const auto place = [&](Eigen::Index i) { return Place(points(i, 0), points(i, 1)); };
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    for (const std::int32_t j : sets.with_self(static_cast<std::size_t>(i))) {
+    for (const std::int32_t j : sets.with_self(weft::to_index(i))) {
       if (place(i) != place(j)) links.emplace(place(i), place(j));
     }
   }

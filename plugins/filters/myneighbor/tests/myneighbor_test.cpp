@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numeric>
+#include <weft/core/index.hpp>
 
 #include "myneighbor_bench.hpp"
 #include "published_rates.hpp"
@@ -38,7 +39,7 @@ TEST_F(MyNeighbor, AnswersForFiftyMatches) {
   ASSERT_EQ(outcome.status, WEFT_OK) << outcome.message;
   const auto mask = *outcome.get<InlierMask>();
   int agreed = 0;
-  for (int i = 0; i < 50; ++i) agreed += mask.kept(i) == drawn.correct[static_cast<std::size_t>(i)];
+  for (int i = 0; i < 50; ++i) agreed += mask.kept(i) == drawn.correct[weft::to_index(i)];
   EXPECT_GE(agreed, 45);
 }
 
@@ -152,7 +153,7 @@ TEST_F(MyNeighbor, KeepsWhatFitsASmoothSheetWithRobustRefits) {
   const auto mask = *run(drawn.matches, "{refinement: irls}").get<InlierMask>();
   int missed = 0, lost = 0;
   for (Eigen::Index i = 0; i < 1000; ++i) {
-    const bool correct = drawn.correct[static_cast<std::size_t>(i)] != 0;
+    const bool correct = drawn.correct[weft::to_index(i)] != 0;
     missed += !correct && mask.kept(i) != 0;
     lost += correct && mask.kept(i) == 0;
   }

@@ -8,6 +8,7 @@
 #include <limits>
 #include <numeric>
 #include <set>
+#include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
 
 namespace {
@@ -32,7 +33,7 @@ NeighbourSets sets_of(const Points2& points) {
 }
 
 Set neighbours(const NeighbourSets& sets, std::int32_t i) {
-  const auto all = sets.with_self(static_cast<std::size_t>(i));
+  const auto all = sets.with_self(weft::to_index(i));
   Set found(all.begin(), all.end());
   EXPECT_EQ(found.erase(i), 1U);
   EXPECT_TRUE(std::is_sorted(all.begin(), all.end()));
@@ -54,7 +55,7 @@ bool in_circle(const Points2& p, int a, int b, int c, int d) {
 
 std::vector<Set> brute_force(const Points2& p) {
   const int n = static_cast<int>(p.rows());
-  std::vector<Set> sets(static_cast<std::size_t>(n));
+  std::vector<Set> sets(weft::to_index(n));
   for (int a = 0; a < n; ++a) {
     for (int b = a + 1; b < n; ++b) {
       for (int c = b + 1; c < n; ++c) {
@@ -64,8 +65,8 @@ std::vector<Set> brute_force(const Points2& p) {
         }
         if (!empty) continue;
         for (const auto& [i, j] : {std::pair(a, b), std::pair(b, c), std::pair(a, c)}) {
-          sets[static_cast<std::size_t>(i)].insert(j);
-          sets[static_cast<std::size_t>(j)].insert(i);
+          sets[weft::to_index(i)].insert(j);
+          sets[weft::to_index(j)].insert(i);
         }
       }
     }
@@ -81,7 +82,7 @@ TEST(NeighbourSets, AreTheRingsOfTheDelaunayTriangulation) {
     const NeighbourSets sets = sets_of(points);
     const std::vector<Set> expected = brute_force(points);
     for (std::int32_t i = 0; i < 30; ++i) {
-      EXPECT_EQ(neighbours(sets, i), expected[static_cast<std::size_t>(i)]) << "point " << i;
+      EXPECT_EQ(neighbours(sets, i), expected[weft::to_index(i)]) << "point " << i;
     }
   }
 }
@@ -93,14 +94,14 @@ TEST(NeighbourSets, DoNotDependOnTheOrderOfPointsOfAGrid) {
   std::iota(order.begin(), order.end(), 0);
   Rng rng(4);
   rng.shuffle(order);
-  for (int i = 0; i < 100; ++i) shuffled.row(i) = grid.row(order[static_cast<std::size_t>(i)]);
+  for (int i = 0; i < 100; ++i) shuffled.row(i) = grid.row(order[weft::to_index(i)]);
   const NeighbourSets first = sets_of(grid), second = sets_of(shuffled);
   for (std::int32_t i = 0; i < 100; ++i) {
     Set renamed;
     for (const std::int32_t j : neighbours(second, i)) {
-      renamed.insert(order[static_cast<std::size_t>(j)]);
+      renamed.insert(order[weft::to_index(j)]);
     }
-    EXPECT_EQ(renamed, neighbours(first, order[static_cast<std::size_t>(i)])) << "point " << i;
+    EXPECT_EQ(renamed, neighbours(first, order[weft::to_index(i)])) << "point " << i;
   }
 }
 

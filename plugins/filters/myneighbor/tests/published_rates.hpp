@@ -3,6 +3,7 @@
 
 #include <string>
 #include <vector>
+#include <weft/core/index.hpp>
 
 #include "myneighbor_bench.hpp"
 
@@ -48,7 +49,7 @@ inline void add_trial(const LabelledMatches& drawn, const InlierMask& mask, Meas
   const auto matches = static_cast<double>(mask.kept.rows());
   double step1 = 0, step1_good = 0, step2 = 0, step2_good = 0, found = 0, lost = 0, good = 0;
   for (std::int64_t i = 0; i < mask.kept.rows(); ++i) {
-    const bool correct = drawn.correct[static_cast<std::size_t>(i)] != 0;
+    const bool correct = drawn.correct[to_index(i)] != 0;
     good += correct;
     found += !correct && mask.kept(i) == 0;
     lost += correct && mask.kept(i) == 0;

@@ -83,7 +83,7 @@ TEST(Pizarro, TakesMoreNeighboursWhereTheNearestLieOnALine) {
   for (std::int64_t i = 0; i < 160; ++i) EXPECT_EQ(mask.kept(i), i == 60 ? 0 : 1) << i;
 }
 
-TEST(Pizarro, HasNoResultWhereNeighboursForetellNothing) {
+TEST(Pizarro, HasNoResultWhereNeighboursPredictNothing) {
   LabelledMatches drawn = flat_matches({30, 1.0, 0.0, 2.0}, 45);
   for (std::int64_t i = 0; i < 30; ++i) drawn.matches.template_px(i, 1) = 100.0;  // on a line
   FilterBench bench("filters/pizarro");
@@ -102,7 +102,7 @@ TEST(Pizarro, RejectsWhatLiesOnTheHiddenPart) {
       drawn.matches.image_px(i, x) = q(i, x);
     }
   }
-  // A few that seem to be seen through the roll, at its edge, where smoothness foretells them.
+  // A few that seem to be seen through the roll, at its edge, where smoothness predicts them.
   for (std::int64_t i = 0; i < 12; ++i) {
     const double u = sheet.edge_px + 15.0 * static_cast<double>(i + 3), v = 40.0 * (i + 1.0);
     drawn.matches.template_px(i, 0) = u;

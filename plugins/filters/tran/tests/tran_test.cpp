@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <weft/core/index.hpp>
+
 #include "common/tests/filter_bench.hpp"
 
 namespace weft::testing {
@@ -9,7 +11,7 @@ TEST(Tran, FindsAnAffineMapAmongSeventyPercentOfMismatches) {
     Rng rng(seed);
     LabelledMatches drawn = flat_matches({500, 0.3, 0.0, 2.0}, seed);
     for (std::int64_t i = 0; i < 500; ++i) {  // an exactly affine map for those that are correct
-      if (drawn.correct[static_cast<std::size_t>(i)] == 0) continue;
+      if (drawn.correct[to_index(i)] == 0) continue;
       const double u = drawn.matches.template_px(i, 0), v = drawn.matches.template_px(i, 1);
       drawn.matches.image_px(i, 0) = 100.0 + 0.4 * u - 0.05 * v;
       drawn.matches.image_px(i, 1) = 80.0 + 0.1 * u + 0.5 * v;

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 #include <utility>
+#include <weft/core/index.hpp>
 #include <weft/data/correspondences.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 
@@ -121,13 +122,13 @@ TEST(DescriptorMatcher, AngleDifferencesLieAboveMinusPiAndUpToPi) {
   const double pi = std::numbers::pi;
   const std::array given{pi, -pi, 1.5 * pi, 3.0 * pi, -0.5};
   const std::array expected{pi, pi, -0.5 * pi, pi, -0.5};
-  for (int i = 0; i < 5; ++i) image.angle_rad(i) = given[static_cast<std::size_t>(i)];
+  for (int i = 0; i < 5; ++i) image.angle_rad(i) = given[to_index(i)];
   PluginUnderTest plugin("matchers/descriptor");
   const Outcome out = match(plugin, templ, image);
   const Correspondences found = out.get<Correspondences>().value();
   ASSERT_EQ(found.count(), 5);
   for (int i = 0; i < 5; ++i) {
-    EXPECT_NEAR(found.angle_difference_rad(i), expected[static_cast<std::size_t>(i)], 1e-12);
+    EXPECT_NEAR(found.angle_difference_rad(i), expected[to_index(i)], 1e-12);
   }
 }
 
@@ -185,7 +186,7 @@ TEST(DescriptorMatcher, CopiesInTheImageDoNotCompeteWhereTheImageLooks) {
   ASSERT_EQ(back.count(), 3);
   const std::array pairs{std::pair(0, 0), std::pair(0, 2), std::pair(1, 1)};
   for (std::int64_t n = 0; n < 3; ++n) {
-    const auto [templ_keypoint, image_keypoint] = pairs[static_cast<std::size_t>(n)];
+    const auto [templ_keypoint, image_keypoint] = pairs[to_index(n)];
     EXPECT_EQ(back.template_keypoint(n), templ_keypoint) << n;
     EXPECT_EQ(back.image_keypoint(n), image_keypoint) << n;
     EXPECT_EQ(back.template_px(n, 0), templ.xy_px(templ_keypoint, 0)) << n;
@@ -241,7 +242,7 @@ TEST(DescriptorMatcher, PermutingTheKeypointsPermutesTheMatchesOnly) {
   const Keypoints templ = l2_keypoints(descriptors), image = l2_keypoints(noisy);
   Keypoints permuted = l2_keypoints(Array<float>({kCount, 128}));
   for (int j = 0; j < kCount; ++j) {
-    const int from = permutation[static_cast<std::size_t>(j)];
+    const int from = permutation[to_index(j)];
     std::copy_n(noisy.row(from), 128, permuted.descriptors.row(j));
     std::copy_n(image.xy_px.row(from), 2, permuted.xy_px.row(j));
   }
@@ -252,7 +253,7 @@ TEST(DescriptorMatcher, PermutingTheKeypointsPermutesTheMatchesOnly) {
   ASSERT_GT(a.count(), 50);
   for (std::int64_t n = 0; n < a.count(); ++n) {
     EXPECT_EQ(a.template_keypoint(n), b.template_keypoint(n));
-    EXPECT_EQ(a.image_keypoint(n), permutation[static_cast<std::size_t>(b.image_keypoint(n))]);
+    EXPECT_EQ(a.image_keypoint(n), permutation[to_index(b.image_keypoint(n))]);
   }
 }
 

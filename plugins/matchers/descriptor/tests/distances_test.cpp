@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <cmath>
+#include <weft/core/index.hpp>
 
 #include "common/tests/keypoints_of.hpp"
 #include "hamming_distances.hpp"
@@ -25,7 +26,7 @@ double squared_distance(const float* a, const float* b, std::int64_t length) {
 }
 
 std::vector<float> block_of(const DistanceRows& distances, int first) {
-  std::vector<float> rows(static_cast<std::size_t>(kBlockRows * distances.row_length()), -1.0F);
+  std::vector<float> rows(to_index(kBlockRows * distances.row_length()), -1.0F);
   distances.fill(first, rows.data());
   return rows;
 }
@@ -72,8 +73,7 @@ TEST_P(L2Blocks, DoNotDependOnTheOrderOfTheDescriptors) {
   for (int i = 0; i < kQueries - 24; ++i) {
     for (int j = 0; j < kTrains; ++j) {
       const int row = i * straight.row_length();
-      ASSERT_EQ(x[static_cast<std::size_t>(row + j)],
-                y[static_cast<std::size_t>(row + kTrains - 1 - j)]);
+      ASSERT_EQ(x[to_index(row + j)], y[to_index(row + kTrains - 1 - j)]);
     }
   }
 }
@@ -146,7 +146,7 @@ TEST(NearestSearch, FindsTheSameAsAScanOfAllPairs) {
         if (j == best || (elsewhere_px > 0.0 && apart <= elsewhere_px)) continue;
         if (second < 0 || distances.distance(i, j) < distances.distance(i, second)) second = j;
       }
-      const Nearest found = search.nearest()[static_cast<std::size_t>(i)];
+      const Nearest found = search.nearest()[to_index(i)];
       EXPECT_EQ(found.best, best);
       EXPECT_EQ(found.second, second);
     }

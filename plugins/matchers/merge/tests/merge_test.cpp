@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
 #include <weft/data/correspondences.hpp>
 #include <weft/testing/plugin_under_test.hpp>
@@ -44,7 +45,7 @@ Correspondences matches_of(const std::vector<Match>& matches) {
   record.kept = Array<std::uint8_t>({count});
   record.score = Array<double>({count});
   for (std::int64_t i = 0; i < count; ++i) {
-    const Match& match = matches[static_cast<std::size_t>(i)];
+    const Match& match = matches[to_index(i)];
     record.template_px(i, 0) = match.template_x;
     record.image_px(i, 0) = match.image_x;
     record.face(i) = static_cast<std::int32_t>(match.index);

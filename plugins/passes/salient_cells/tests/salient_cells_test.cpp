@@ -6,6 +6,7 @@
 #include <numeric>
 #include <set>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/data/sightlines.hpp>
 #include <weft/data/visibility.hpp>
 #include <weft/data/warp.hpp>
@@ -102,7 +103,7 @@ TEST(SalientCells, AMatchOnASharedEdgeCountsForItsOwnFaceOnly) {
 
 TEST(SalientCells, MatchesEverywhereSelectAllVerticesAscending) {
   Scene scene;
-  std::vector<std::int32_t> faces(static_cast<std::size_t>(scene.templ.faces.rows()));
+  std::vector<std::int32_t> faces(weft::to_index(scene.templ.faces.rows()));
   std::iota(faces.begin(), faces.end(), 0);
   scene.one_match_in(faces);
   const Outcome out = scene.run();

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/geometry/mesh_adjacency.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
 #include <weft/testing/synthetic.hpp>
@@ -24,20 +25,20 @@ std::vector<SightReason> reasons_of(const std::vector<Segment>& segments,
   Points3 vertices_m = Points3::Zero(4 * count, 3);
   Faces faces(2 * count, 3);
   for (Eigen::Index s = 0; s < count; ++s) {
-    const Segment& each = segments[static_cast<std::size_t>(s)];
+    const Segment& each = segments[to_index(s)];
     for (Eigen::Index k = 0; k < 4; ++k) {
       const double y_m = k < 2 ? -0.05 : 0.05;
-      const auto at = vertex[static_cast<std::size_t>(4 * s + k)];
+      const auto at = vertex[to_index(4 * s + k)];
       vertices_m.row(at) << (k % 2 == 0 ? each.x0_m : each.x1_m), y_m,
           (k % 2 == 0 ? each.z0_m : each.z1_m);
     }
     for (Eigen::Index f = 0; f < 2; ++f) {
       for (Eigen::Index c = 0; c < 3; ++c) {
-        faces(2 * s + f, c) = vertex[static_cast<std::size_t>(4 * s + square(f, c))];
+        faces(2 * s + f, c) = vertex[to_index(4 * s + square(f, c))];
       }
     }
   }
-  auto scene = RayScene::create();
+  auto scene = scene::RayCaster::create();
   EXPECT_TRUE(scene) << scene.error().message;
   return look(vertices_m, faces, vertex_faces(faces, vertices_m.rows()), testing::make_camera(),
               *scene)

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/mesh_adjacency.hpp>
@@ -23,7 +24,7 @@ struct Mesh {
 };
 
 Sight sight_of(const Mesh& mesh) {
-  auto scene = RayScene::create();
+  auto scene = scene::RayCaster::create();
   EXPECT_TRUE(scene) << scene.error().message;
   return look(mesh.vertices_m, mesh.faces, vertex_faces(mesh.faces, mesh.vertices_m.rows()),
               testing::make_camera(), *scene);
@@ -106,7 +107,7 @@ TEST(Sight, SeesExactlyTheNearSideOfASphere) {
     if (std::abs(cosine) < 0.15) continue;  // within a cell of the rim, or of the open poles
     if (std::abs(normals(v, 1)) > 0.9) continue;
     ++told;
-    EXPECT_EQ(sight.reason[static_cast<std::size_t>(v)] == SightReason::seen, cosine > 0.0)
+    EXPECT_EQ(sight.reason[to_index(v)] == SightReason::seen, cosine > 0.0)
         << "vertex " << v << ", cosine " << cosine;
   }
   EXPECT_GT(told, 700);
@@ -123,7 +124,7 @@ TEST(Sight, FindsTheRimOfARolledSheetWhereTheSightlinesTouchIt) {
     const double angle = kTurn_rad * (static_cast<double>(v % 121) / 120.0 - 0.5);
     if (std::abs(std::abs(angle) - rim_rad) < 0.02 * kTurn_rad) continue;
     ++told;
-    const bool seen = sight.reason[static_cast<std::size_t>(v)] == SightReason::seen;
+    const bool seen = sight.reason[to_index(v)] == SightReason::seen;
     right += seen == (std::abs(angle) < rim_rad) ? 1 : 0;
   }
   EXPECT_GT(told, 900);
@@ -142,7 +143,7 @@ TEST(Sight, IsThatOfABruteForceSearchOnCrumpledSheets) {
     for (Eigen::Index v = 0; v < mesh.vertices_m.rows(); ++v) {
       const Eigen::Vector3d point_m = mesh.vertices_m.row(v);
       const bool reference = is_hidden(mesh.vertices_m, mesh.faces, point_m, 5e-5);
-      const bool said = sight.reason[static_cast<std::size_t>(v)] == SightReason::hidden;
+      const bool said = sight.reason[to_index(v)] == SightReason::hidden;
       hidden += reference ? 1 : 0;
       otherwise += reference != said ? 1 : 0;
     }

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
+#include <weft/core/index.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 #include <weft/testing/record_file.hpp>
 #include <weft/testing/synthetic.hpp>
@@ -95,7 +96,7 @@ TEST_F(DatasetSink, WritesImagesAndTruthWithoutLoss) {
   write_all(dataset);
   const cv::Mat image = cv::imread(path("frames/000001.png").string(), cv::IMREAD_UNCHANGED);
   const Image expected = make_image(2);
-  ASSERT_EQ(image.total(), static_cast<std::size_t>(expected.pixels.size()));
+  ASSERT_EQ(image.total(), weft::to_index(expected.pixels.size()));
   EXPECT_EQ(std::memcmp(image.data, expected.pixels.data(), image.total()), 0);
   const RecordFile file(path("gt/000000.npz").string());
   EXPECT_EQ(file.count(), 1U);

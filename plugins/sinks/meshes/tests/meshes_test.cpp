@@ -9,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 #include <stdexcept>
+#include <weft/core/index.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 #include <weft/testing/synthetic.hpp>
@@ -119,16 +120,16 @@ class MeshesSink : public ::testing::Test {
   fs::path meshes() const { return folder_ / "out" / "meshes"; }
 
   void expect_written(const ReadMesh& mesh) const {
-    ASSERT_EQ(mesh.coordinates.size(), static_cast<std::size_t>(shape_.vertices_m.size()));
+    ASSERT_EQ(mesh.coordinates.size(), weft::to_index(shape_.vertices_m.size()));
     EXPECT_TRUE(
         std::equal(mesh.coordinates.begin(), mesh.coordinates.end(), shape_.vertices_m.data()));
-    ASSERT_EQ(mesh.faces.size(), static_cast<std::size_t>(templ_.faces.size()));
+    ASSERT_EQ(mesh.faces.size(), weft::to_index(templ_.faces.size()));
     EXPECT_TRUE(std::equal(mesh.faces.begin(), mesh.faces.end(), templ_.faces.data()));
     EXPECT_THAT(mesh.comments, ::testing::Contains(HasSubstr("metres")));
   }
 
   std::size_t file_count() const {
-    return static_cast<std::size_t>(
+    return weft::to_index(
         std::distance(fs::directory_iterator(meshes()), fs::directory_iterator()));
   }
 
@@ -162,7 +163,7 @@ TEST_F(MeshesSink, WritesObjFilesThatReadBackBitForBit) {
   ASSERT_EQ(plugin.process(kWrite, {input("shape", shape_)}, 7).status, WEFT_OK);
   const ReadMesh mesh = read_obj(meshes() / "000007.obj");
   expect_written(mesh);
-  ASSERT_EQ(mesh.texture_uv.size(), 2 * static_cast<std::size_t>(templ_.flat_px.rows()));
+  ASSERT_EQ(mesh.texture_uv.size(), 2 * weft::to_index(templ_.flat_px.rows()));
   // The sheet fills its texture: its corners are the corners of the texture square.
   EXPECT_NEAR(mesh.texture_uv[0], 0.0, 1e-15);
   EXPECT_NEAR(mesh.texture_uv[1], 1.0, 1e-15);
@@ -179,7 +180,7 @@ TEST_F(MeshesSink, WritesTheTextureOnceBesideTheObjFiles) {
   }
   EXPECT_EQ(file_count(), 8U);  // three of each format, the texture and its material
   const cv::Mat texture = cv::imread((meshes() / "texture.png").string(), cv::IMREAD_UNCHANGED);
-  ASSERT_EQ(texture.total() * texture.elemSize(), static_cast<std::size_t>(templ_.texture.size()));
+  ASSERT_EQ(texture.total() * texture.elemSize(), weft::to_index(templ_.texture.size()));
   EXPECT_TRUE(std::equal(texture.datastart, texture.dataend, templ_.texture.data()));
   EXPECT_THAT(read_file(meshes() / "texture.mtl"), HasSubstr("map_Kd texture.png"));
   EXPECT_THAT(read_file(meshes() / "000001.obj"), HasSubstr("mtllib texture.mtl"));

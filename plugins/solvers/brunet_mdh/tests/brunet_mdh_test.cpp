@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <weft/core/index.hpp>
 
 #include "scene.hpp"
 
@@ -25,7 +26,7 @@ Shape solved(const Outcome& out) {
 /// Points inside faces instead of vertices: one near the middle of every face.
 void look_at_faces(Scene& scene, double shift) {
   const Faces faces = scene.templ.faces.matrix<3>();
-  scene.seen.assign(static_cast<std::size_t>(faces.rows()), 0);
+  scene.seen.assign(to_index(faces.rows()), 0);
   scene.look();
   for (std::int32_t f = 0; f < faces.rows(); ++f) {
     const Eigen::Vector3d weights(1.0 / 3.0 + shift, 1.0 / 3.0 - shift, 1.0 / 3.0);

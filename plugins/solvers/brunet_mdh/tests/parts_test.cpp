@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <iostream>
+#include <weft/core/index.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
 
 #include "bending_fill.hpp"
@@ -202,7 +203,7 @@ TEST(BendingFill, ContinuesAnAffineMotionExactly) {
       (surface.vertices_m() * turn.transpose()).rowwise() + Eigen::RowVector3d(0.1, 0.0, 0.6);
   Points3 placed(6, 3);
   for (Eigen::Index i = 0; i < 6; ++i) {
-    placed.row(i) = moved.row(points[static_cast<std::size_t>(i)].vertex);
+    placed.row(i) = moved.row(points[to_index(i)].vertex);
   }
   BendingFill fill;
   fill.prepare(surface, points);
@@ -215,7 +216,7 @@ TEST(BendingFill, KeepsTheRestShapeOfBentTemplates) {
   const Points3 moved = surface.vertices_m().rowwise() + Eigen::RowVector3d(0.1, 0.0, 0.6);
   Points3 placed(5, 3);
   for (Eigen::Index i = 0; i < 5; ++i) {
-    placed.row(i) = moved.row(points[static_cast<std::size_t>(i)].vertex);
+    placed.row(i) = moved.row(points[to_index(i)].vertex);
   }
   BendingFill fill;
   fill.prepare(surface, points);

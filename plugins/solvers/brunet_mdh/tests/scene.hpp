@@ -3,6 +3,7 @@
 
 #include <numeric>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/data/known_points.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/data/sightlines.hpp>
@@ -66,7 +67,7 @@ struct Scene {
     lines.weight = Array<double>({n});
     lines.coverage = static_cast<double>(n) / static_cast<double>(truth_m.rows());
     for (std::int64_t i = 0; i < n; ++i) {
-      const std::int32_t v = seen[static_cast<std::size_t>(i)];
+      const std::int32_t v = seen[to_index(i)];
       lines.vertex(i) = v;
       lines.barycentrics(i, 0) = 1.0;
       lines.weight(i) = 1.0;
@@ -97,7 +98,7 @@ struct Scene {
     KnownPoints known{Array<std::int32_t>({count}), Array<double>({count, 3}),
                       Array<double>({count})};
     for (std::int64_t p = 0; p < count; ++p) {
-      const std::int32_t v = vertices[static_cast<std::size_t>(p)];
+      const std::int32_t v = vertices[to_index(p)];
       known.vertex(p) = v;
       known.points_m.matrix<3>().row(p) = truth_m.row(v) + offset_m;
       known.radius_m(p) = radius_m;

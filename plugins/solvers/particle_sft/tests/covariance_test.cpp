@@ -7,6 +7,7 @@
 #include <Eigen/Eigenvalues>
 #include <iostream>
 #include <numeric>
+#include <weft/core/index.hpp>
 
 #include "fit.hpp"
 #include "scene.hpp"
@@ -34,7 +35,7 @@ struct Held {
 
   std::vector<double> covariances_m2(ShapeCovariance& covariance,
                                      const HoldingNoise& noise = kNoise) const {
-    std::vector<double> values(static_cast<std::size_t>(9 * mesh.vertex_count()));
+    std::vector<double> values(to_index(9 * mesh.vertex_count()));
     EXPECT_TRUE(covariance.compute(system, seen(), camera, scene.truth_m, noise, values.data()));
     return values;
   }
@@ -144,7 +145,7 @@ double std_at_end_m(int seen_columns, int cells, double unseen_bend) {
   const Held held(std::move(scene));
   HoldingNoise noise{0.05, 0.002, 1e-4};
   noise.unseen_bend = unseen_bend;
-  return major_std_m(held.blocks(noise)[static_cast<std::size_t>(columns) - 1]);
+  return major_std_m(held.blocks(noise)[to_index(columns) - 1]);
 }
 
 TEST(ShapeCovariance, GrowsBeyondWhatIsSeenAsIfTheSurfaceTurnedAtRandom) {
@@ -174,7 +175,7 @@ TEST(ShapeCovariance, LetsTheDistanceErrByWhatTheEdgesShare) {
   for (Eigen::Index v = 0; v < held.scene.truth_m.rows(); ++v) {
     const Eigen::Vector3d place_m = held.scene.truth_m.row(v).transpose();
     const Eigen::Vector3d ray = place_m.normalized();
-    const auto at = static_cast<std::size_t>(v);
+    const auto at = to_index(v);
     const double more_m2 = ray.dot((with[at] - without[at]) * ray);
     EXPECT_NEAR(std::sqrt(more_m2) / (0.002 * place_m.norm()), 1.0, 0.05) << v;
   }
@@ -202,7 +203,7 @@ TEST(ShapeCovariance, TellsTheCurvatureOfWhatIsSeen) {
   const double per_m = covariance.curvature_per_m(bent.truth_m, held.seen());
   EXPECT_GT(per_m, 1.0);
   EXPECT_LT(per_m, 4.0);
-  const std::vector<std::uint8_t> nothing(static_cast<std::size_t>(bent.truth_m.rows()), 0);
+  const std::vector<std::uint8_t> nothing(to_index(bent.truth_m.rows()), 0);
   EXPECT_EQ(covariance.curvature_per_m(bent.truth_m, nothing), 0.0);
   EXPECT_LT(covariance.curvature_per_m(Scene::flat().truth_m, held.seen()), 1e-3);
 }
@@ -222,7 +223,7 @@ TEST(ShapeCovariance, IsTheScatterOfShapesSolvedFromRepeatedNoise) {
     const Eigen::VectorXd moved = solver.solve(jacobian.transpose() * noise);
     for (Eigen::Index v = 0; v < n / 3; ++v) {
       const Eigen::Vector3d each = moved.segment<3>(3 * v);
-      scatter[static_cast<std::size_t>(v)] += each * each.transpose() / kTrials;
+      scatter[to_index(v)] += each * each.transpose() / kTrials;
     }
   }
   const std::vector<Eigen::Matrix3d> blocks = held.blocks();

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/geometry/distance_constraints.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/testing/synthetic.hpp>
@@ -33,7 +34,7 @@ struct RolledSheet {
   RolledSheet() {
     EXPECT_TRUE(continuation.build(templ));
     for (int v = 0; v < kColumns * kRows; ++v) {
-      hidden[static_cast<std::size_t>(v)] = v % kColumns >= 9 ? 1 : 0;
+      hidden[to_index(v)] = v % kColumns >= 9 ? 1 : 0;
     }
   }
 
@@ -44,7 +45,7 @@ struct RolledSheet {
   /// The same with the hidden part anywhere.
   Points3 spoilt(Points3 shape_m) const {
     for (Eigen::Index v = 0; v < shape_m.rows(); ++v) {
-      if (hidden[static_cast<std::size_t>(v)] != 0) shape_m.row(v) << 0.3, 0.2, 0.9;
+      if (hidden[to_index(v)] != 0) shape_m.row(v) << 0.3, 0.2, 0.9;
     }
     return shape_m;
   }
@@ -91,7 +92,7 @@ TEST(HiddenBend, EndsWhereTheBendOfTheSeenPartFades) {
   Points3 truth_m = scene.templ.vertices_m.matrix<3>();
   const double left_m = truth_m.col(0).minCoeff();
   for (Eigen::Index v = 0; v < truth_m.rows(); ++v) {
-    const auto place = static_cast<std::size_t>((truth_m(v, 0) - left_m) / kStep_m + 0.5);
+    const auto place = to_index((truth_m(v, 0) - left_m) / kStep_m + 0.5);
     truth_m.row(v) << curve_m[place].x(), truth_m(v, 1), curve_m[place].y();
   }
   const HiddenBend bend =
@@ -115,7 +116,7 @@ TEST(HiddenBend, ChangesRestLengthsInTheHiddenPartOnly) {
   const Points3 truth_m = scene.cylinder(0.08);
   const HiddenBend bend =
       scene.continuation.continued(scene.spoilt(truth_m), scene.hidden, scene.bending);
-  const auto is_hidden = [&](std::int32_t v) { return scene.hidden[static_cast<std::size_t>(v)]; };
+  const auto is_hidden = [&](std::int32_t v) { return scene.hidden[to_index(v)]; };
   int changed = 0;
   for (std::size_t i = 0; i < scene.bending.size(); ++i) {
     const DistanceConstraint& pair = bend.bending[i];
@@ -151,7 +152,7 @@ TEST(HiddenBend, IsNotContinuedIntoAFoldThatItWouldTear) {
     return shape_m;
   };
   for (int v = 0; v < kColumns * kRows; ++v) {
-    scene.hidden[static_cast<std::size_t>(v)] = v % kColumns >= 4 && v % kColumns <= 8 ? 1 : 0;
+    scene.hidden[to_index(v)] = v % kColumns >= 4 && v % kColumns <= 8 ? 1 : 0;
   }
   const Points3 shape_m = folded(0.03);
   const HiddenBend bend = scene.continuation.continued(shape_m, scene.hidden, scene.bending);
@@ -174,9 +175,9 @@ TEST(HiddenBend, TakesPartsWithoutARayThatReachTheBorderForUncovered) {
   }
   std::vector<std::uint8_t> uncovered;
   add_uncovered(rays, mesh, uncovered);
-  ASSERT_EQ(uncovered.size(), static_cast<std::size_t>(kColumns * kRows));
+  ASSERT_EQ(uncovered.size(), to_index(kColumns * kRows));
   for (std::int32_t v = 0; v < kColumns * kRows; ++v) {
-    EXPECT_EQ(uncovered[static_cast<std::size_t>(v)] != 0, is_corner(v)) << v;
+    EXPECT_EQ(uncovered[to_index(v)] != 0, is_corner(v)) << v;
   }
 }
 
@@ -195,7 +196,7 @@ TEST(HiddenBend, TakesTheUnmeasuredVerticesBesideAHiddenOneAsHidden) {
   const auto hidden = hidden_part(seen, rays, scene.neighbours);
   ASSERT_TRUE(hidden);
   for (std::int32_t v = 0; v < kColumns * kRows; ++v) {
-    EXPECT_EQ((*hidden)[static_cast<std::size_t>(v)], v % kColumns >= 6 ? 1 : 0) << v;
+    EXPECT_EQ((*hidden)[to_index(v)], v % kColumns >= 6 ? 1 : 0) << v;
   }
   seen.visible = Array<std::uint8_t>({5});
   EXPECT_FALSE(hidden_part(seen, rays, scene.neighbours));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iostream>
+#include <weft/core/index.hpp>
 
 #include "scene.hpp"
 
@@ -140,7 +141,7 @@ TEST(ParticleSft, KnownPointsAreHeldExactlyOrWithinTheirRadius) {
     const double allowed_m = radius_m < 0.0 ? 0.005 : radius_m;
     for (Eigen::Index p = 0; p < 2; ++p) {
       const double distance_m =
-          (vertices_of(shape).row(held[static_cast<std::size_t>(p)]) - centres_m.row(p)).norm();
+          (vertices_of(shape).row(held[to_index(p)]) - centres_m.row(p)).norm();
       EXPECT_LE(distance_m, allowed_m + 1e-12);
     }
   }

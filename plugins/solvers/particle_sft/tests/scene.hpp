@@ -4,6 +4,7 @@
 #include <numeric>
 #include <string>
 #include <vector>
+#include <weft/core/index.hpp>
 #include <weft/data/correspondences.hpp>
 #include <weft/data/known_points.hpp>
 #include <weft/data/shape.hpp>
@@ -85,7 +86,7 @@ struct Scene {
     lines.weight = Array<double>({n});
     lines.coverage = static_cast<double>(n) / static_cast<double>(truth_m.rows());
     for (std::int64_t i = 0; i < n; ++i) {
-      const std::int32_t v = seen[static_cast<std::size_t>(i)];
+      const std::int32_t v = seen[to_index(i)];
       lines.vertex(i) = v;
       lines.barycentrics(i, 0) = 1.0;
       lines.weight(i) = 1.0;
@@ -152,7 +153,7 @@ inline KnownPoints known_points(const std::vector<std::int32_t>& vertices, const
   known.radius_m = Array<double>({count});
   known.points_m = make_array<double>(points_m);
   for (std::int64_t p = 0; p < count; ++p) {
-    known.vertex(p) = vertices[static_cast<std::size_t>(p)];
+    known.vertex(p) = vertices[to_index(p)];
     known.radius_m(p) = radius_m;
   }
   return known;

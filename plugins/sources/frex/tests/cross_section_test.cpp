@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <weft/core/index.hpp>
 #include <weft/geometry/distance_constraints.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
@@ -38,7 +39,7 @@ RestSheet half_cylinder(double slant_rad, double sag_m = 0.0) {
     sheet.rest_m.row(v) << (slanted * plane_m).transpose(),
         radius_m * (1.0 - std::cos(i * step_rad)) + sag_m * std::pow(2.0 * along_m / kHeight_m, 2);
   }
-  sheet.in_hand.assign(static_cast<std::size_t>(sheet.rest_m.rows()), false);
+  sheet.in_hand.assign(to_index(sheet.rest_m.rows()), false);
   return sheet;
 }
 
@@ -98,7 +99,7 @@ TEST(CrossSection, LetsAHalfCylinderFollowAllMovementsWithItsLengths) {
       EXPECT_LT(strain_statistics(edges_of(sheet), cloth->vertices_m()).max, 0.002);
       // It does what it is asked: it is not held back by its lengths.
       double off_m = 0.0;
-      for (const sources::ClothGuide& guide : choreography.guides_at(24 / 30.0)) {
+      for (const scene::ClothGuide& guide : choreography.guides_at(24 / 30.0)) {
         off_m = std::max(
             off_m, (guide.target_m.transpose() - cloth->vertices_m().row(guide.vertex)).norm());
       }

@@ -6,6 +6,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <weft/core/index.hpp>
 
 #include "small_film.hpp"
 
@@ -91,14 +92,14 @@ bool is_hidden(const GroundTruth& truth, std::int32_t vertex) {
 /// Whether a triangle at the vertex shows the camera its printed side, as rectangular_grid_faces()
 /// orders them.
 std::vector<bool> show_their_print(const GroundTruth& truth) {
-  std::vector<bool> shown(static_cast<std::size_t>(truth.count()));
+  std::vector<bool> shown(to_index(truth.count()));
   for (Eigen::Index f = 0; f < truth.faces.rows(); ++f) {
     Eigen::Matrix3d corners;
     for (int k = 0; k < 3; ++k) {
       corners.col(k) = truth.points_m.matrix<3>().row(truth.faces(f, k)).transpose();
     }
     if (corners.determinant() >= 0.0) continue;
-    for (int k = 0; k < 3; ++k) shown[static_cast<std::size_t>(truth.faces(f, k))] = true;
+    for (int k = 0; k < 3; ++k) shown[to_index(truth.faces(f, k))] = true;
   }
   return shown;
 }
@@ -117,7 +118,7 @@ Agreement compare_vertices(const GroundTruth& truth, const Pinhole& camera) {
   Agreement result;
   const std::vector<bool> shown = show_their_print(truth);
   for (std::int32_t v = 0; v < truth.count(); ++v) {
-    const bool is_seen = shown[static_cast<std::size_t>(v)] && !is_hidden(truth, v);
+    const bool is_seen = shown[to_index(v)] && !is_hidden(truth, v);
     if (truth.visible(v) == 0) result.wrongly_hidden += is_seen ? 1 : 0;
     if (truth.visible(v) == 0) continue;
     ++result.visible;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <weft/core/index.hpp>
 
 #include "small_film.hpp"
 
@@ -47,9 +48,7 @@ TEST(Frex, GivesTheSameBytesInAnyOrderWhateverTheSeedOfTheRun) {
   EXPECT_NE(other.pixels(2), early);
   const GroundTruth a = first.truth(9), b = second.truth(9);
   EXPECT_EQ(a.points_m.matrix<3>(), b.points_m.matrix<3>());
-  EXPECT_EQ(std::memcmp(a.uv_m.data(), b.uv_m.data(),
-                        static_cast<std::size_t>(a.uv_m.size()) * sizeof(float)),
-            0);
+  EXPECT_EQ(std::memcmp(a.uv_m.data(), b.uv_m.data(), to_index(a.uv_m.size()) * sizeof(float)), 0);
 }
 
 TEST(Frex, ShowsTheBackgroundInGapsAndStillKnowsTheTruth) {

@@ -5,13 +5,14 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <string>
+#include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
 #include <weft/data/ground_truth.hpp>
 #include <weft/data/image.hpp>
 #include <weft/data/template.hpp>
+#include <weft/generators/marker_sheet.hpp>
+#include <weft/generators/sheet_motion.hpp>
 #include <weft/geometry/camera_model.hpp>
-#include <weft/geometry/marker_sheet.hpp>
-#include <weft/geometry/sheet_motion.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 
 #include "common/tests/frame_folder.hpp"
@@ -22,7 +23,7 @@ namespace weft::testing {
 inline cv::Mat view(const Array<std::uint8_t>& pixels) {
   return {static_cast<int>(pixels.dim(0)), static_cast<int>(pixels.dim(1)),
           pixels.ndim() == 2 ? CV_8UC1 : CV_8UC3, const_cast<std::uint8_t*>(pixels.data()),
-          static_cast<std::size_t>(pixels.row_stride())};
+          to_index(pixels.row_stride())};
 }
 
 /// Blots of all sizes, in which no two places are alike.

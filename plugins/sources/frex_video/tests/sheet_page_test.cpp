@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <sstream>
+#include <weft/core/index.hpp>
 
 #include "filmed_sheet.hpp"
 #include "support/child.hpp"
@@ -68,7 +69,7 @@ TEST_F(SheetPage, HasTheMarkersOfThePictureAtExactSize) {
     const std::vector<double> n = numbers(line);
     if (line.ends_with(" re f")) {
       const auto px = [&](int k) {
-        return static_cast<int>(std::lround(n.at(static_cast<std::size_t>(k)) * px_per_mm));
+        return static_cast<int>(std::lround(n.at(to_index(k)) * px_per_mm));
       };
       page(cv::Rect(px(0), px(1), px(2), px(3))) = 0;
     }
@@ -85,12 +86,12 @@ TEST_F(SheetPage, HasTheMarkersOfThePictureAtExactSize) {
 TEST_F(SheetPage, IsAWholePdfAndTheSameBytesForTheSameSeed) {
   const std::string pdf = printed("sheet", 5);
   EXPECT_TRUE(pdf.starts_with("%PDF-1.4\n") && pdf.ends_with("%%EOF\n"));
-  const auto place = static_cast<std::size_t>(numbers(between(pdf, "startxref\n", "\n")).at(0));
+  const auto place = to_index(numbers(between(pdf, "startxref\n", "\n")).at(0));
   ASSERT_EQ(pdf.compare(place, 11, "xref\n0 5\n00"), 0);
   for (std::size_t object = 1; object < 5; ++object) {
     const auto offset = numbers(pdf.substr(place + 9 + 20 * object, 10)).at(0);
     const std::string head = std::to_string(object) + " 0 obj\n";
-    EXPECT_EQ(pdf.compare(static_cast<std::size_t>(offset), head.size(), head), 0) << object;
+    EXPECT_EQ(pdf.compare(to_index(offset), head.size(), head), 0) << object;
   }
   EXPECT_EQ(static_cast<double>(between(pdf, "stream\n", "endstream").size()),
             numbers(between(pdf, "/Length ", " >>")).at(0));

@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
-#include <weft/geometry/match_labels.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 #include <weft/testing/synthetic.hpp>
+#include <weft/truth/match_labels.hpp>
 
 namespace weft::testing {
 namespace {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <weft/core/index.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/testing/synthetic.hpp>
 
@@ -40,7 +41,7 @@ std::vector<float> render(const Texture& texture, const DevelopableSheet& sheet,
 
 double at(const std::vector<float>& image, const Eigen::Vector2d& pixel) {
   const auto x = std::lround(pixel.x()), y = std::lround(pixel.y());
-  return image[static_cast<std::size_t>(y * 640 + x)];
+  return image[to_index(y * 640 + x)];
 }
 
 DevelopableSheet bent_sheet() {

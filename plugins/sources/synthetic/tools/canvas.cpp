@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <weft/core/index.hpp>
 
 namespace weft::texture {
 namespace {
@@ -43,9 +44,7 @@ Bounds bounds_of(const std::vector<Point>& points) {
 }  // namespace
 
 Canvas::Canvas(int width, int height, double grey)
-    : width_(width),
-      height_(height),
-      grey_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), grey) {}
+    : width_(width), height_(height), grey_(to_index(width) * to_index(height), grey) {}
 
 void Canvas::blend(int x, int y, double grey, double coverage) {
   double& value = at(x, y);

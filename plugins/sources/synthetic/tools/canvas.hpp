@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <vector>
+#include <weft/core/index.hpp>
 
 namespace weft::texture {
 
@@ -36,10 +37,7 @@ class Canvas {
   std::vector<std::uint8_t> pixels() const;
 
  private:
-  std::size_t index(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-           static_cast<std::size_t>(x);
-  }
+  std::size_t index(int x, int y) const { return to_index(y) * to_index(width_) + to_index(x); }
   /// Fills where distance(point) < 0, with a soft edge of one pixel.
   template <class Distance>
   void fill(Point low, Point high, double grey, const Distance& distance);

@@ -3,7 +3,7 @@
 
 #include <weft/core/rng.hpp>
 
-#include "common/value_noise.hpp"
+#include "common/scene/value_noise.hpp"
 #include "sheet_map.hpp"
 
 namespace weft::texture {
@@ -43,7 +43,7 @@ std::vector<Point> outline(const Point& heel, double length) {
 
 Canvas draw_insole_photo(int width, int height, std::uint64_t seed) {
   Rng rng(seed);
-  const sources::ValueNoise shade(width, height, 0.5 * width, rng);
+  const scene::ValueNoise shade(width, height, 0.5 * width, rng);
   const std::vector<Point> sole = outline({0.05 * width, 0.49 * height}, 0.9 * width);
   Canvas inside(width, height, 0.0), photo = draw_map(width, height, seed);
   inside.polygon(sole, 1.0);

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <weft/core/rng.hpp>
 
-#include "common/value_noise.hpp"
+#include "common/scene/value_noise.hpp"
 
 namespace weft::texture {
 namespace {
@@ -64,8 +64,8 @@ void draw_badge(Canvas& canvas, const Point& centre, double size, Rng& rng) {
 
 /// Scuffs that make no two chevrons quite the same.
 void wear(Canvas& canvas, Rng& rng) {
-  const sources::ValueNoise broad(canvas.width(), canvas.height(), 0.25 * canvas.height(), rng);
-  const sources::ValueNoise fine(canvas.width(), canvas.height(), 5.0, rng);
+  const scene::ValueNoise broad(canvas.width(), canvas.height(), 0.25 * canvas.height(), rng);
+  const scene::ValueNoise fine(canvas.width(), canvas.height(), 5.0, rng);
   for (int y = 0; y < canvas.height(); ++y) {
     for (int x = 0; x < canvas.width(); ++x) {
       canvas.at(x, y) *= 1.0 + 0.14 * broad(x, y) + 0.05 * fine(x, y);

@@ -8,7 +8,7 @@
 #include <weft/core/rng.hpp>
 
 #include "canvas.hpp"
-#include "common/value_noise.hpp"
+#include "common/scene/value_noise.hpp"
 
 namespace weft::texture {
 
@@ -55,7 +55,7 @@ class Terrain {
   }
 
   double width_, height_;
-  std::vector<sources::ValueNoise> layers_;
+  std::vector<scene::ValueNoise> layers_;
   double sea_level_ = 0.0;
   double highest_ = 1.0;
 };

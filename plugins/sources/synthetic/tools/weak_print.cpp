@@ -5,7 +5,7 @@
 #include <cmath>
 #include <weft/core/rng.hpp>
 
-#include "common/value_noise.hpp"
+#include "common/scene/value_noise.hpp"
 
 namespace weft::texture {
 namespace {
@@ -15,8 +15,8 @@ constexpr double kSheetGrey = 0.9, kMarkGrey = 0.35;
 /// Hills of light and shade, far apart.
 void wash(Canvas& canvas, Rng& rng) {
   const double cell = 0.3 * canvas.height();
-  const sources::ValueNoise clouds(canvas.width(), canvas.height(), cell, rng);
-  const sources::ValueNoise bands(canvas.width(), canvas.height(), 2.0 * cell, rng);
+  const scene::ValueNoise clouds(canvas.width(), canvas.height(), cell, rng);
+  const scene::ValueNoise bands(canvas.width(), canvas.height(), 2.0 * cell, rng);
   for (int y = 0; y < canvas.height(); ++y) {
     for (int x = 0; x < canvas.width(); ++x) {
       canvas.at(x, y) = kSheetGrey + 0.07 * clouds(x, y) + 0.05 * bands(x, y) - 0.05;

@@ -5,8 +5,9 @@
 #include <opencv2/aruco.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
+#include <weft/core/index.hpp>
 #include <weft/data/template.hpp>
-#include <weft/geometry/marker_sheet.hpp>
+#include <weft/generators/marker_sheet.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 
 namespace {
@@ -54,9 +55,9 @@ TEST_F(FrexSheet, ShowsEachMarkerWhereTheLayoutSays) {
         corners, ids);
     ASSERT_EQ(ids.size(), 60U) << dictionary;
     for (std::size_t i = 0; i < ids.size(); ++i) {
-      const weft::SheetMarker& marker = sheet->markers[static_cast<std::size_t>(ids[i])];
+      const weft::SheetMarker& marker = sheet->markers[weft::to_index(ids[i])];
       for (int k = 0; k < 4; ++k) {
-        const cv::Point2f& found = corners[i][static_cast<std::size_t>(k)];
+        const cv::Point2f& found = corners[i][weft::to_index(k)];
         const Eigen::Vector2d edge_px = 5.0 * marker.corners_mm.row(k).transpose();
         EXPECT_NEAR(found.x + 0.5, edge_px.x(), 1.01);
         EXPECT_NEAR(found.y + 0.5, edge_px.y(), 1.01);

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <Eigen/QR>
+#include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
 #include <weft/geometry/bspline_bending.hpp>
 #include <weft/geometry/bspline_site.hpp>
@@ -156,7 +157,7 @@ TEST(SplineFit, MinimisesTheStatedSum) {
     const auto site = weft::spline_site(kDomain, points(k, 0), points(k, 1));
     for (int a = 0; a < 16; ++a) {
       design(k, kDomain.control_index(site.i + a / 4, site.j + a % 4)) =
-          site.weights[static_cast<std::size_t>(a)];
+          site.weights[weft::to_index(a)];
     }
   }
   const Eigen::Map<const Eigen::VectorXd> w(weights.data(), 150);

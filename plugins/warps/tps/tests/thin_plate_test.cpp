@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
 
 #include "common/tests/maps.hpp"
@@ -22,8 +23,7 @@ struct Given {
 
 Given given(int count, const testing::Map& map, std::uint64_t seed, double noise_px = 0.0) {
   Rng rng(seed);
-  Given result{Points2(count, 2), Points2(count, 2),
-               std::vector<double>(static_cast<std::size_t>(count), 1.0)};
+  Given result{Points2(count, 2), Points2(count, 2), std::vector<double>(to_index(count), 1.0)};
   for (int k = 0; k < count; ++k) {
     result.points_px.row(k) << rng.uniform(-0.5, 959.5), rng.uniform(-0.5, 574.5);
     result.values_px.row(k) = map(result.points_px(k, 0), result.points_px(k, 1)) +
@@ -120,7 +120,7 @@ TEST(ThinPlate, HasTheBendingEnergyThatTheSmoothingWeighs) {
   EXPECT_NEAR(integral / (16.0 * std::numbers::pi * energy), 1.0, 0.02);
 }
 
-TEST(ThinPlate, ForetellsEachValueAsAFitWithoutItWould) {
+TEST(ThinPlate, PredictsEachValueAsAFitWithoutItWould) {
   const Given data = given(30, testing::wavy, 6, 2.0);
   constexpr double kLambda = 1e-3;
   const auto fitted = fit_at_matches(data.samples(), kLambda, true);

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "cli/commands.hpp"
+
+namespace weft::cli {
+
+/// What `weft data make frex --sheet` is asked for.
+struct FrexSheetRequest {
+  std::string pdf_path;
+  std::int64_t seed = 1;
+  bool overwrite = false;  ///< files that are there
+};
+
+/// Writes the sheet of templates/frex_sheet as a PDF of exact size, markers as filled rectangles,
+/// and beside it its layout (.yaml) and its picture from edge to edge (.png); prints the paths.
+/// Returns the exit code.
+int make_frex_sheet(const Context& context, const FrexSheetRequest& request);
+
+}  // namespace weft::cli

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/data/data_frex_video.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <weft/data/template.hpp>
+
+#include "cli/data/sequence_maker.hpp"
+#include "cli/template/template_builder.hpp"
+#include "yaml/yaml.hpp"
+
+namespace weft::cli {
+namespace {
+
+std::string absolute(const std::string& path) {
+  return yaml_quoted(std::filesystem::absolute(path).lexically_normal().string());
+}
+
+Result<void> check_file(const std::string& path, const std::string& option) {
+  std::error_code status;
+  if (std::filesystem::is_regular_file(path, status)) return {};
+  return Error{Errc::not_found, "there is no such file: correct " + option, path};
+}
+
+/// Width and height of the printed sheet, from its layout.
+Result<Eigen::Vector2d> sheet_size_m(const std::string& layout) {
+  if (auto found = check_file(layout, "--layout"); !found) return found.error();
+  const auto text = yaml::read_text(layout);
+  if (!text) return text.error();
+  const auto document = yaml::parse(*text, layout);
+  if (!document) return document.error();
+  Eigen::Vector2d size_m = Eigen::Vector2d::Zero();
+  for (const auto& [key, side] : {std::pair{"width_mm", 0}, std::pair{"height_mm", 1}}) {
+    const yaml::Node* node = document->root.find(key);
+    const auto length_mm = node != nullptr ? yaml::as_double(*node) : std::nullopt;
+    if (!length_mm || !(*length_mm > 0.0)) {
+      return Error{Errc::invalid_value,
+                   fmt::format("has no '{}' above 0; is it the layout that `weft data make frex "
+                               "--sheet` wrote?",
+                               key),
+                   layout};
+    }
+    size_m[side] = 0.001 * *length_mm;
+  }
+  return size_m;
+}
+
+/// Width of the largest print of the texture that the sheet holds.
+Result<double> print_width_m(const Context& context, const FrexVideoRequest& request) {
+  const auto sheet_m = sheet_size_m(request.layout);
+  if (!sheet_m) return sheet_m.error();
+  if (auto found = check_file(request.texture, "--texture"); !found) return found.error();
+  const auto record = build_template(
+      context.registry(), fmt::format("{{use: templates/rectangular, params: {{texture: {}, "
+                                      "width_m: 1, columns: 2, rows: 2}}}}",
+                                      absolute(request.texture)));
+  if (!record) return record.error();
+  const auto flat = host::view_as<Template>(**record);
+  if (!flat) return flat.error();
+  const auto rows = static_cast<double>(flat->texture.dim(0));
+  const auto columns = static_cast<double>(flat->texture.dim(1));
+  return std::min(sheet_m->x(), sheet_m->y() * columns / rows);
+}
+
+}  // namespace
+
+Result<std::string> frex_video_pipeline(const Context& context, const FrexVideoRequest& request) {
+  const auto width_m = print_width_m(context, request);
+  if (!width_m) return width_m.error();
+  const std::string texture = absolute(request.texture);
+  std::string text = "# Made by `weft data make frex --video`.\nweft: 1\nsource:\n";
+  text += fmt::format(
+      "  use: sources/frex_video\n  params:\n    frames:\n      use: sources/video\n"
+      "      params: {{path: {}, camera: {}}}\n    layout: {}\n    texture: {}\n"
+      "    lighting_seed: {}\n",
+      absolute(request.video), absolute(request.camera), absolute(request.layout), texture,
+      request.seed);
+  if (!request.background.empty()) {
+    text += "    background: " + yaml_quoted(request.background) + "\n";
+  }
+  text += fmt::format(
+      "template:\n  use: templates/rectangular\n  params:\n    texture: {}\n    width_m: {}\n"
+      "    columns: 10\n    rows: 7\n",
+      texture, *width_m);
+  return text + "sinks:\n  - use: sinks/dataset\n    params: {path: .}\n";
+}
+
+}  // namespace weft::cli

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "cli/commands.hpp"
+
+namespace weft::cli {
+
+/// What `weft data make frex --video` is asked for.
+struct FrexVideoRequest {
+  std::string video, camera, layout, texture, background;
+  std::int64_t seed = 1;
+};
+
+/// The pipeline that puts `texture` on the filmed sheet of markers: sources/frex_video into
+/// sinks/dataset. Paths in it are absolute. Fails where the texture or the layout cannot be read.
+Result<std::string> frex_video_pipeline(const Context& context, const FrexVideoRequest& request);
+
+}  // namespace weft::cli

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "cli/data/data_commands.hpp"
+#include "cli/data/data_frex_sheet.hpp"
+#include "cli/data/data_frex_video.hpp"
+#include "cli/data/sequence_maker.hpp"
+
+namespace weft::cli {
+namespace {
+
+struct FrexOptions {
+  std::string sheet;  ///< the PDF, where the sheet of markers is asked for
+  std::string video, camera, layout;
+  std::string folder, texture, pattern, background;
+  double width_m = 0.297;
+  double height_m = 0.0;
+  std::int64_t frames = 60;
+  std::int64_t seed = 1;
+  bool occluder = false;
+  std::vector<std::string> settings;
+  bool quiet = false;
+  bool overwrite = false;  ///< the sheet's files
+};
+
+std::string one_line(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  return text;
+}
+
+/// The pipeline that simulates the sequence. It stands in the sequence and says how that was made,
+/// so it does not depend on where that is.
+std::string simulation_text(const FrexOptions& options) {
+  const std::string texture =
+      yaml_quoted(std::filesystem::absolute(options.texture).lexically_normal().string());
+  const std::string size =
+      fmt::format("    width_m: {}\n    height_m: {}\n", options.width_m, options.height_m);
+  std::string text = "# Made by `weft data make frex`; `weft run` of this file makes it again";
+  text += options.settings.empty() ? ".\n" : ", with:\n";
+  for (const std::string& setting : options.settings)
+    text += "#   --set " + one_line(setting) + "\n";
+  text += "weft: 1\non_error: stop\nsource:\n  use: sources/frex\n  params:\n";
+  text += "    texture: " + texture + "\n" + size;
+  text += fmt::format("    frames: {}\n    seed: {}\n", options.frames, options.seed);
+  if (!options.pattern.empty()) text += "    pattern: " + yaml_quoted(options.pattern) + "\n";
+  if (!options.background.empty()) {
+    text += "    background: " + yaml_quoted(options.background) + "\n";
+  }
+  if (options.occluder) text += "    occluder: true\n";
+  text +=
+      "template:\n  use: templates/rectangular\n  params:\n    texture: " + texture + "\n" + size;
+  text += "    columns: 10\n    rows: 7\nsinks:\n  - use: sinks/dataset\n    params: {path: .}\n";
+  return text;
+}
+
+void make(const FrexOptions& options, Context& context) {
+  if (!options.sheet.empty()) {
+    context.exit_code = make_frex_sheet(context, {options.sheet, options.seed, options.overwrite});
+    return;
+  }
+  if (options.folder.empty() || options.texture.empty()) {
+    print_error({Errc::invalid_value,
+                 "a sequence needs --out FOLDER and --texture IMAGE; the sheet of markers needs "
+                 "--sheet FILE.pdf",
+                 "weft data make frex"});
+    context.exit_code = kBadConfiguration;
+    return;
+  }
+  Result<std::string> pipeline = std::string{};
+  if (options.video.empty()) {
+    pipeline = simulation_text(options);
+  } else {
+    pipeline = frex_video_pipeline(context, {options.video, options.camera, options.layout,
+                                             options.texture, options.background, options.seed});
+  }
+  if (!pipeline) {
+    print_error(pipeline.error());
+    context.exit_code = pipeline.error().code == Errc::io ? kInputOutput : kBadConfiguration;
+    return;
+  }
+  make_sequence(*pipeline, options.folder, options.settings, options.quiet,
+                {Errc::invalid_data,
+                 "the sheet is found in no frame: is the layout that of the sheet in the film, and "
+                 "are its markers at least 18 px wide and sharp?",
+                 options.video},
+                context);
+}
+
+/// What belongs to a recorded video only, and to a simulation only.
+void add_kinds(CLI::App& command, FrexOptions& options) {
+  CLI::Option* video =
+      command.add_option("--video", options.video, "Film of the sheet of markers, to be textured");
+  command.add_option("--camera", options.camera, "Camera file of the film")->needs(video);
+  command.add_option("--layout", options.layout, "Layout of the sheet, written beside its PDF")
+      ->needs(video);
+  video->needs("--camera")->needs("--layout");
+  for (CLI::Option* option :
+       {command.add_option("--width-m", options.width_m, "Width of the simulated sheet"),
+        command.add_option("--height-m", options.height_m, "Its height; 0: texels are square"),
+        command.add_option("--frames", options.frames, "Number of simulated frames")}) {
+    option->capture_default_str()->excludes(video);
+  }
+  command
+      .add_option("--pattern", options.pattern, "roll, s_bend, corner_fold, wave, handles or bulge")
+      ->excludes(video);
+  command.add_flag("--occluder", options.occluder, "An arm hides parts of the sheet")
+      ->excludes(video);
+}
+
+}  // namespace
+
+void add_data_make_frex(CLI::App& make_command, Context& context) {
+  const auto options = std::make_shared<FrexOptions>();
+  CLI::App* command = make_command.add_subcommand(
+      "frex",
+      "A printed sheet before a camera, simulated (sources/frex) or filmed (--video, "
+      "sources/frex_video), or the sheet that is to be filmed (--sheet)");
+  CLI::Option* sheet = command->add_option(
+      "--sheet", options->sheet,
+      "Write only the sheet of ArUco markers to be printed and filmed: a PDF, and beside it its "
+      "layout (.yaml) and its picture (.png)");
+  command->add_option("--out", options->folder, "Folder of the sequence, new or empty");
+  command->add_option("--texture", options->texture, "Image printed on the sheet");
+  CLI::Option* seed =
+      command
+          ->add_option(
+              "--seed", options->seed,
+              "Chooses movement, light, background and noise; of a sheet, the markers' places")
+          ->check(CLI::NonNegativeNumber)
+          ->capture_default_str();
+  command->add_option("--background", options->background,
+                      "plain, clutter, look_alike or image; of a film original, white or image");
+  add_kinds(*command, *options);
+  command
+      ->add_option("--set", options->settings,
+                   "PATH=VALUE, such as source.noise_grey=4 or source.cut_frames=[20]; may be "
+                   "repeated; see `weft plugins show sources/frex`")
+      ->allow_extra_args(false);
+  CLI::Option* quiet = command->add_flag("--quiet", options->quiet, "No progress");
+  CLI::Option* overwrite =
+      command->add_flag("--overwrite", options->overwrite, "Replace the files of a sheet")
+          ->needs(sheet);
+  for (CLI::Option* option : command->get_options()) {
+    const bool goes = option == sheet || option == seed || option == quiet || option == overwrite;
+    if (!goes && option != command->get_help_ptr()) sheet->excludes(option);
+  }
+  command->callback([&context, options] { make(*options, context); });
+}
+
+}  // namespace weft::cli

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/data/sequence_maker.hpp"
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <weft/core/whole_file.hpp>
+
+#include "cli/run/interruption.hpp"
+#include "pipeline/runs/run.hpp"
+#include "yaml/yaml.hpp"
+
+namespace weft::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kPipelineName = "make.yaml";
+
+/// Frames that were made, on the terminal.
+class SequenceProgress final : public RunObserver {
+ public:
+  explicit SequenceProgress(bool quiet) : quiet_(quiet) {}
+
+  void started(std::int64_t frames) override { total_ = frames; }
+  void frame_done(const FrameResult& frame) override {
+    ++done_;
+    for (const StageReport& report : frame.stages) {
+      if (report.status != StageStatus::error || !first_error_.empty()) continue;
+      first_error_ = fmt::format("frame {}: {}", frame.index, report.reason);
+    }
+    if (quiet_) return;
+    // Frames do not depend on whether somebody can read this.
+    std::fputs(
+        fmt::format("\r{}{} frames", done_, total_ < 0 ? "" : fmt::format("/{}", total_)).c_str(),
+        stderr);
+  }
+  void calling(const std::string& stage, const std::string& what, std::uint64_t frame) override {
+    now_running(stage, what, frame);
+  }
+  void end_line() const {
+    if (!quiet_ && done_ > 0) fmt::print(stderr, "\n");
+  }
+  const std::string& first_error() const { return first_error_; }
+
+ private:
+  bool quiet_;
+  std::int64_t done_ = 0, total_ = -1;
+  std::string first_error_;
+};
+
+Result<void> write_pipeline(const std::string& text, const fs::path& folder) {
+  std::error_code code;
+  if (fs::exists(folder, code) && !(fs::is_directory(folder, code) && fs::is_empty(folder, code))) {
+    return Error{Errc::io, "exists and is not an empty folder; choose another with --out",
+                 folder.string()};
+  }
+  fs::create_directories(folder, code);
+  if (code) return Error{Errc::io, "cannot be created: " + code.message(), folder.string()};
+  return write_whole(text, folder / kPipelineName);
+}
+
+std::int64_t frames_in(const fs::path& folder) {
+  std::error_code ignored;
+  const fs::directory_iterator entries(folder / "frames", ignored);
+  return std::count_if(begin(entries), end(entries),
+                       [](const auto& entry) { return entry.path().extension() == ".png"; });
+}
+
+/// Leaves what was there before, which is nothing, unless frames were finished.
+void withdraw(const fs::path& folder) {
+  if (frames_in(folder) > 0) return;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    fs::remove_all(entry.path(), ignored);
+  }
+  fs::remove(folder, ignored);
+}
+
+}  // namespace
+
+void make_sequence(const std::string& pipeline_text, const std::string& folder,
+                   const std::vector<std::string>& settings, bool quiet, const Error& none,
+                   Context& context) {
+  if (auto written = write_pipeline(pipeline_text, folder); !written) {
+    print_error(written.error());
+    context.exit_code = kInputOutput;
+    return;
+  }
+  const auto registry = context.registry();
+  const auto [pipeline, report] = check_pipeline((fs::path(folder) / kPipelineName).string(),
+                                                 registry, fs::absolute(folder).string(), settings);
+  if (!report.ok()) {
+    fmt::print(stderr, "{}", report.text());
+    withdraw(folder);
+    context.exit_code = kBadConfiguration;
+    return;
+  }
+  const std::atomic<bool>& interrupted = watch_for_interruption();
+  SequenceProgress progress(quiet);
+  const auto summary = run_pipeline(pipeline, "", progress, interrupted);
+  progress.end_line();
+  if (!summary) {
+    print_error(summary.error());
+    withdraw(folder);
+    context.exit_code = summary.error().code == Errc::io ? kInputOutput : kBadConfiguration;
+    return;
+  }
+  if (!progress.first_error().empty()) fmt::print(stderr, "error: {}\n", progress.first_error());
+  if (summary->failed > 0 || summary->stopped) context.exit_code = kFramesFailed;
+  const std::int64_t written = frames_in(folder);
+  if (summary->cancelled && written == 0) {
+    fmt::print("interrupted before the first frame was finished: nothing is left\n");
+    withdraw(folder);
+    return;
+  }
+  if (written == 0 && context.exit_code == kDone) {
+    print_error(none);
+    withdraw(folder);
+    context.exit_code = kFramesFailed;
+    return;
+  }
+  const std::int64_t left_out = summary->frames - summary->failed - written;
+  fmt::print("{} frames{}, {} failed{}: {}\n", summary->frames,
+             left_out > 0 ? fmt::format(", {} left out", left_out) : "", summary->failed,
+             summary->stopped ? ", stopped early" : "", folder);
+}
+
+std::string yaml_quoted(const std::string& text) {
+  std::string emitted = yaml::emit(yaml::text_node(text));
+  while (!emitted.empty() && emitted.back() == '\n') emitted.pop_back();
+  return emitted;
+}
+
+}  // namespace weft::cli

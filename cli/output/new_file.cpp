@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/output/new_file.hpp"
+
+#include <filesystem>
+#include <weft/core/whole_file.hpp>
+
+namespace weft::cli {
+
+void add_overwrite(CLI::App& command, bool& overwrite) {
+  command.add_flag("--overwrite", overwrite, "Replace a file that is there already");
+}
+
+Result<void> check_new_file(const std::string& file, bool overwrite) {
+  namespace fs = std::filesystem;
+  std::error_code code;
+  const bool is_there = fs::exists(fs::symlink_status(file, code));
+  const bool replaceable = fs::is_regular_file(file, code) || fs::is_symlink(file, code);
+  if (!is_there || is_device(file)) return {};
+  if (overwrite && replaceable) return {};
+  return Error{Errc::io,
+               replaceable ? "is there already; choose another name, or give --overwrite"
+                           : "is a folder; give the name of a file",
+               file};
+}
+
+}  // namespace weft::cli

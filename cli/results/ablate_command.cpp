@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <weft/core/shell_word.hpp>
+
+#include "ablation/ablation.hpp"
+#include "cli/commands.hpp"
+#include "cli/run/interruption.hpp"
+#include "cli/standard_components.hpp"
+#include "results/expectations.hpp"
+#include "results/results_index.hpp"
+
+namespace weft::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct AblateOptions {
+  std::string plan, folder, engine = "local";
+  std::vector<std::string> settings;
+  int jobs = 1;
+  bool timing = false, accept_rebuilt = false, status = false, quiet = false;
+  std::vector<std::string> retry;
+
+  bool retries(const char* what) const {
+    return std::find(retry.begin(), retry.end(), what) != retry.end();
+  }
+};
+
+std::string duration_text(double seconds) {
+  const auto whole = static_cast<long>(std::lround(seconds));
+  if (whole < 60) return fmt::format("{} s", whole);
+  if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+  return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
+}
+
+/// A line on the terminal that is drawn over itself; elsewhere a line now and then.
+class ProgressLine {
+ public:
+  ProgressLine(std::size_t cells, bool quiet)
+      : cells_(cells),
+        quiet_(quiet),
+        terminal_(isatty(STDERR_FILENO) != 0),
+        start_(Clock::now()),
+        last_(start_) {}
+
+  void show(double share) {
+    constexpr auto kRarely = std::chrono::seconds(30);
+    const auto now = Clock::now();
+    if (quiet_ || (!terminal_ && now - last_ < kRarely)) return;
+    last_ = now;
+    const std::chrono::duration<double> spent = now - start_;
+    const double left_s = share > 0.0 ? spent.count() / share * (1.0 - share) : 0.0;
+    const std::string left = share > 0.0 ? duration_text(left_s) + " left" : "";
+    const std::string line =
+        fmt::format("{:.1f} of {} cells, {}", share * static_cast<double>(cells_), cells_, left);
+    if (terminal_) fmt::print(stderr, "\r{:<60}", line);
+    if (!terminal_) fmt::print(stderr, "{}\n", line);
+  }
+
+  void clear() const {
+    if (!quiet_ && terminal_) fmt::print(stderr, "\r{:60}\r", "");
+  }
+
+ private:
+  std::size_t cells_;
+  bool quiet_, terminal_;
+  Clock::time_point start_, last_;
+};
+
+/// The command that repeats the ablation, whatever the folder, the number of jobs and the times.
+std::string command_of(const AblateOptions& options, const Context& context) {
+  std::string command = "weft";
+  for (const std::string& folder : context.plugin_path) {
+    command += " --plugin-path " + shell_word(folder);
+  }
+  command += " ablate " + shell_word(options.plan);
+  for (const std::string& setting : options.settings) command += " --set " + shell_word(setting);
+  return command;
+}
+
+void print_failures(const evaluation::Results& results) {
+  constexpr std::size_t kMost = 10;
+  std::size_t shown = 0;
+  for (const evaluation::PlanCell& cell : results.plan.cells) {
+    const evaluation::CellRecord& record = results.record(cell);
+    if (!record.failed() || shown++ >= kMost) continue;
+    std::string name;
+    for (std::size_t i = 0; i < cell.values.size(); ++i) {
+      name += results.plan.axes[i].name + "=" + cell.values[i] + ", ";
+    }
+    fmt::print("failed: {}sequence={}, seed={}: {}\n", name, cell.sequence, cell.seed,
+               record.reason);
+  }
+  if (shown > kMost) fmt::print("failed: {} more cells\n", shown - kMost);
+}
+
+bool print_expectations(const evaluation::Results& results) {
+  bool all_met = true;
+  for (const evaluation::PlanExpectation& expected : results.plan.expectations) {
+    const evaluation::ExpectationOutcome outcome = evaluation::judge(results, expected);
+    std::string where, bounds;
+    for (const auto& [name, value] : expected.where) {
+      where += (where.empty() ? "" : ", ") + name + "=" + value;
+    }
+    if (!std::isnan(expected.at_least)) bounds += fmt::format(" at least {:g}", expected.at_least);
+    if (!std::isnan(expected.at_most)) bounds += fmt::format(" at most {:g}", expected.at_most);
+    const std::string figure = outcome.why_not.empty() ? fmt::format("mean {:.6g} of {} cells",
+                                                                     outcome.mean, outcome.cells)
+                                                       : outcome.why_not;
+    fmt::print("{}: {} [{}]{}: {}\n", outcome.met ? "met" : "MISSED", expected.metric, where,
+               bounds, figure);
+    all_met = all_met && outcome.met;
+  }
+  return all_met;
+}
+
+void print_state(const evaluation::AblationState& state) {
+  constexpr std::size_t kMost = 10;
+  const std::string damaged = state.damaged > 0 ? fmt::format("{} damaged, ", state.damaged) : "";
+  fmt::print(
+      "{} cells ({} distinct): {} done, {} failed, {}{} left; {} stages, {} executed, {} reused\n",
+      state.cells, state.keys, state.done, state.failed, damaged, state.left, state.stages,
+      state.stages_executed, state.stages - state.stages_executed);
+  for (const std::string& reason : state.reasons) fmt::print("left: {}\n", reason);
+  const evaluation::CellRecords& records = state.results.records;
+  const std::size_t shown = std::min(kMost, records.damaged.size());
+  for (std::size_t i = 0; i < shown; ++i) {
+    fmt::print("damaged: {}: {}\n", records.damaged[i].where, records.damaged[i].what);
+  }
+  if (records.damaged.size() > shown) {
+    fmt::print("damaged: {} more results\n", records.damaged.size() - shown);
+  }
+  if (records.unchecked > 0) {
+    fmt::print("unchecked: {} results of an older program, whose lines have no check\n",
+               records.unchecked);
+  }
+}
+
+Result<evaluation::AblationState> execute(evaluation::Grid& grid,
+                                          const evaluation::ResultsFolder& folder,
+                                          const AblateOptions& options, const Context& context) {
+  const evaluation::AblationOptions how{options.timing, options.accept_rebuilt,
+                                        command_of(options, context), options.retries("failed"),
+                                        options.retries("damaged")};
+  if (options.status) return evaluation::state_of(grid, folder, how);
+  const std::atomic<bool>& interrupted = watch_for_interruption();
+  now_running("the cells of the plan, in processes of their own");
+  const auto engine = evaluation::local_engine(options.timing ? 1 : options.jobs);
+  ProgressLine line(grid.cells().size(), options.quiet);
+  auto state = evaluation::run_ablation(
+      grid, folder, *engine, how, [&](double share) { line.show(share); }, interrupted);
+  line.clear();
+  if (!state) return state;
+  if (auto index = evaluation::write_index(state->results, folder.path()); !index) {
+    return index.error();
+  }
+  return state;
+}
+
+void ablate(AblateOptions options, Context& context) {
+  const auto fail = [&](const Error& error) {
+    print_error(error);
+    context.exit_code = error.code == Errc::invalid_value ? kBadConfiguration : kInputOutput;
+  };
+  const auto registry = context.registry();
+  auto [grid, report] =
+      evaluation::load_grid(options.plan, registry, options.settings, standard_helpers());
+  if (!report.ok()) {
+    fmt::print(stderr, "{}", report.text());
+    context.exit_code = kBadConfiguration;
+    return;
+  }
+  const std::string& plan = grid.plan().name;
+  if (options.folder.empty()) options.folder = "ablations/" + plan;
+  const auto folder = options.status ? evaluation::ResultsFolder::look(options.folder, plan)
+                                     : evaluation::ResultsFolder::open(options.folder, plan);
+  if (!folder) {
+    print_error(folder.error());
+    context.exit_code = kBadConfiguration;
+    return;
+  }
+  const auto state = execute(grid, *folder, options, context);
+  if (!state) return fail(state.error());
+  if (!options.quiet) fmt::print("{}", evaluation::summary_table(state->results));
+  print_failures(state->results);
+  print_state(*state);
+  const bool is_undamaged = state->results.records.damaged.empty();
+  const bool whole = state->left == 0 && is_undamaged;
+  const bool met = !whole || print_expectations(state->results);
+  fmt::print("{}{}{}\n", options.folder,
+             state->left > 0 ? " (not finished; run again to go on)" : "",
+             is_undamaged ? "" : " (damaged results; run again with --retry damaged)");
+  if (!whole || state->failed > 0 || !met) context.exit_code = kFramesFailed;
+}
+
+}  // namespace
+
+void add_ablate_command(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<AblateOptions>();
+  CLI::App* command =
+      app.add_subcommand("ablate", "Run a grid of pipelines that a plan describes; resumes");
+  command->add_option("PLAN", options->plan, "Plan (YAML)")->required();
+  command->add_option(
+      "--out", options->folder,
+      "Results folder, new or of this plan (default: ablations/<name of the plan>)");
+  command->add_option("--jobs", options->jobs, "Processes; the results are the same for any number")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  command->add_flag("--timing", options->timing,
+                    "Run each cell alone, nothing shared, one job, and keep the times");
+  command->add_option("--engine", options->engine, "Where cells run")
+      ->check(CLI::IsMember({"local"}))
+      ->capture_default_str();
+  command->add_flag("--accept-rebuilt", options->accept_rebuilt,
+                    "Take results of components of the same version that were built anew");
+  command
+      ->add_option("--set", options->settings,
+                   "PATH=VALUE over all cells, such as source.frames=20; may be repeated")
+      ->allow_extra_args(false);
+  CLI::Option* retry =
+      command
+          ->add_option("--retry", options->retry,
+                       "Run cells again whose results failed, or are damaged; may be repeated")
+          ->option_text("failed|damaged")
+          ->check(CLI::IsMember({"failed", "damaged"}))
+          ->allow_extra_args(false);
+  command->add_flag("--status", options->status, "Say what is done; run and write nothing")
+      ->excludes(retry);
+  command->add_flag("--quiet", options->quiet, "No progress and no table");
+  command->callback([&context, options] { ablate(*options, context); });
+}
+
+}  // namespace weft::cli

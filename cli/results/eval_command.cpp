@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <memory>
+
+#include "cli/commands.hpp"
+#include "cli/output/new_file.hpp"
+#include "metrics/forms/metrics_report.hpp"
+
+namespace weft::cli {
+namespace {
+
+struct EvalOptions {
+  std::string folder;
+  std::string json_file;  ///< "-" is the standard output
+  std::string csv_file;
+  std::string alignment = "none";
+  double match_tolerance_px = 2.0;
+  bool frames = false;
+  bool no_save = false;
+  bool quiet = false;
+  bool overwrite = false;  ///< json_file and csv_file
+};
+
+Result<void> evaluate(const EvalOptions& options, const std::string& alignment) {
+  evaluation::EvaluationOptions choice;
+  choice.alignment = *evaluation::alignment_of(alignment);
+  choice.match_tolerance_px = options.match_tolerance_px;
+  const auto metrics = evaluation::evaluate_run(options.folder, choice);
+  if (!metrics) return metrics.error();
+  if (!options.no_save) {
+    const std::string file =
+        options.folder + "/" + evaluation::metrics_file_name(metrics->alignment);
+    if (auto written = evaluation::write_json(*metrics, file); !written) return written;
+  }
+  if (options.json_file == "-") {
+    fmt::print("{}", evaluation::to_json(*metrics));
+    return {};
+  }
+  if (!options.json_file.empty()) {
+    if (auto written = evaluation::write_json(*metrics, options.json_file); !written) {
+      return written;
+    }
+  }
+  if (!options.csv_file.empty()) {
+    if (auto written = evaluation::write_csv(*metrics, options.csv_file); !written) return written;
+  }
+  if (options.quiet) return {};
+  const bool further =
+      options.alignment == "all" && metrics->alignment != evaluation::Alignment::none;
+  fmt::print("{}", further ? evaluation::to_error_table(*metrics) : evaluation::to_table(*metrics));
+  if (options.frames) fmt::print("{}", evaluation::to_frames_table(*metrics));
+  return {};
+}
+
+Result<void> evaluate_all(const EvalOptions& options) {
+  for (const std::string& file : {options.json_file, options.csv_file}) {
+    if (file.empty() || file == "-") continue;
+    if (auto fresh = check_new_file(file, options.overwrite); !fresh) return fresh;
+  }
+  if (options.alignment != "all") return evaluate(options, options.alignment);
+  if (!options.json_file.empty() || !options.csv_file.empty()) {
+    return Error{
+        Errc::invalid_value,
+        "--alignment all writes metrics.json, metrics_scale.json and metrics_rigid.json into "
+        "the run; a file of your own holds one alignment: choose one"};
+  }
+  for (const char* alignment : {"none", "scale", "rigid"}) {
+    if (auto done = evaluate(options, alignment); !done) return done;
+  }
+  return {};
+}
+
+}  // namespace
+
+void add_eval_command(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<EvalOptions>();
+  CLI::App* command =
+      app.add_subcommand("eval", "Measure a run against its ground truth; writes metrics.json");
+  command->add_option("RUN", options->folder, "Folder that `weft run` wrote")
+      ->type_name("")
+      ->required();
+  command
+      ->add_option("--json", options->json_file,
+                   "Write the metrics to this file too; - prints them instead of the table")
+      ->option_text("FILE");
+  command
+      ->add_option("--alignment", options->alignment,
+                   "Take out one scale or one rigid motion a frame first; the table says so. all: "
+                   "none, scale and rigid one after another, into metrics.json, "
+                   "metrics_scale.json and metrics_rigid.json; takes neither --json nor --csv")
+      ->option_text("none|scale|rigid|all (default: " + options->alignment + ")")
+      ->check(CLI::IsMember({"none", "scale", "rigid", "all"}));
+  command->add_option("--csv", options->csv_file, "Write a row for each frame to this file")
+      ->option_text("FILE");
+  command
+      ->add_option("--match-tolerance-px", options->match_tolerance_px,
+                   "A match this near the true image of its template point is correct")
+      ->option_text(fmt::format("PX (default: {:g})", options->match_tolerance_px))
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--frames", options->frames,
+                    "Print a row for each frame too, and the frames with the largest errors");
+  command->add_flag("--no-save", options->no_save, "Write nothing into the run folder");
+  add_overwrite(*command, options->overwrite);
+  command->add_flag("--quiet", options->quiet, "No table");
+  command->footer(
+      "Exit codes:\n"
+      "  0  measured\n"
+      "  2  the command line is wrong\n"
+      "  3  a file or folder cannot be read or written");
+  command->callback([&context, options] {
+    if (auto done = evaluate_all(*options); !done) {
+      print_error(done.error());
+      const bool misuse = done.error().code == Errc::invalid_value;
+      context.exit_code = misuse ? kBadConfiguration : kInputOutput;
+    }
+  });
+}
+
+}  // namespace weft::cli

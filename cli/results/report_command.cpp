@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "cli/commands.hpp"
+#include "cli/output/new_file.hpp"
+#include "report/report.hpp"
+
+namespace weft::cli {
+namespace {
+
+/// The folder of the page's style and script, in the build tree and in an installation.
+std::string assets_folder() {
+  namespace fs = std::filesystem;
+  std::error_code code;
+  const fs::path program = fs::read_symlink("/proc/self/exe", code);
+  return (program.parent_path().parent_path() / "share" / "weft" / "report").string();
+}
+
+bool is_same(const std::string& a, const std::string& b) {
+  std::error_code code;
+  return std::filesystem::equivalent(a, b, code);
+}
+
+}  // namespace
+
+void add_report_command(CLI::App& app, Context& context) {
+  struct Options {
+    std::string folder;
+    std::string page;
+    bool overwrite = false;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "report", "Write one page with the tables, figures and shapes of an ablation");
+  command->add_option("DIR", options->folder, "Results folder that `weft ablate` wrote")
+      ->required();
+  command->add_option("--out", options->page, "The page (default: DIR/report.html)");
+  add_overwrite(*command, options->overwrite);
+  command->callback([&context, options] {
+    const std::string own = options->folder + "/report.html";
+    if (!options->page.empty() && !is_same(options->page, own)) {
+      if (auto fresh = check_new_file(options->page, options->overwrite); !fresh) {
+        print_error(fresh.error());
+        context.exit_code = kInputOutput;
+        return;
+      }
+    }
+    const auto files = evaluation::write_report(options->folder, {options->page, assets_folder()});
+    if (!files) {
+      print_error(files.error());
+      context.exit_code =
+          files.error().code == Errc::incompatible ? kBadConfiguration : kInputOutput;
+      return;
+    }
+    fmt::print("{}{}\n", files->page,
+               files->figures ? "" : "  (tables only: the figures need npm, see the page)");
+    for (const std::string& file : files->tables) fmt::print("{}\n", file);
+  });
+}
+
+}  // namespace weft::cli

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "ablation/plan/grid.hpp"
+#include "cli/commands.hpp"
+#include "cli/run/run_settings.hpp"
+#include "cli/standard_components.hpp"
+#include "pipeline/runs/run.hpp"
+
+namespace weft::cli {
+namespace {
+
+struct CheckOptions {
+  std::string file;
+  std::vector<std::string> settings;
+};
+
+/// What there is to say of a sound file; the report has the mistakes of another.
+std::pair<std::string, ConfigReport> check_file(const CheckOptions& options,
+                                                const host::Registry& registry) {
+  if (evaluation::is_plan(options.file)) {
+    auto [grid, report] =
+        evaluation::load_grid(options.file, registry, options.settings, standard_helpers());
+    return {fmt::format("a plan of {} cells", grid.cells().size()), std::move(report)};
+  }
+  const std::string folder = std::filesystem::absolute(free_folder(options.file)).string();
+  auto [pipeline, report] = check_pipeline(options.file, registry, folder, options.settings);
+  return {fmt::format("{} stages, {} sinks", pipeline.config.stages.size(),
+                      pipeline.config.sinks.size()),
+          std::move(report)};
+}
+
+void check(const CheckOptions& options, Context& context) {
+  const auto [content, report] = check_file(options, context.registry());
+  if (report.ok()) {
+    fmt::print("{}: ok, {}\n", options.file, content);
+    return;
+  }
+  fmt::print(stderr, "{}", report.text());
+  context.exit_code = kBadConfiguration;
+}
+
+}  // namespace
+
+void add_check_command(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<CheckOptions>();
+  CLI::App* command = app.add_subcommand(
+      "check", "Check a pipeline or an ablation plan without running it; lists all mistakes");
+  command->add_option("FILE", options->file, "Pipeline or plan (YAML)")->type_name("")->required();
+  add_settings(*command, options->settings);
+  command->footer(
+      "Exit codes:\n"
+      "  0  the pipeline, or every cell of the plan, can be run\n"
+      "  2  the command line or the file is wrong");
+  command->callback([&context, options] { check(*options, context); });
+}
+
+}  // namespace weft::cli

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "cli/commands.hpp"
+#include "host/calling/lane.hpp"
+
+namespace weft::cli {
+
+/// The component that `text` describes, YAML such as {use: templates/frex_sheet}. Relative paths
+/// stand in the working folder.
+Result<host::ComponentSpec> resolve_text(const host::Registry& registry, const std::string& text);
+
+/// The template that a plugin makes of `component`, as above. The record lives as long as it is
+/// held.
+Result<host::RecordPtr> build_template(const host::Registry& registry,
+                                       const std::string& component);
+
+/// A template, checked as before a run.
+struct BuiltTemplate {
+  host::RecordPtr record;
+  std::string note;  ///< what is doubtful about it; mostly empty
+};
+
+Result<BuiltTemplate> build_template(const host::ComponentSpec& component);
+
+}  // namespace weft::cli

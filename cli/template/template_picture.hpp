@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "cli/commands.hpp"
+#include "host/records/record.hpp"
+
+namespace weft::cli {
+
+enum class Picture {
+  mesh,     ///< over the texture, with the object where it is not flat
+  texture,  ///< alone
+};
+
+/// Writes a picture of a template as PNG; sinks/drawing draws it.
+Result<void> write_picture(const host::Registry& registry, const host::Record& templ,
+                           Picture picture, const std::string& path);
+
+}  // namespace weft::cli

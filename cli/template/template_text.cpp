@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/template/template_text.hpp"
+
+#include <fmt/format.h>
+
+namespace weft::cli {
+
+std::string numbers_text(const TemplateSurvey& f) {
+  return fmt::format(
+      "mesh      {} vertices, {} faces, {} edges, {} of them on the border\n"
+      "edges     {:.2f} mm on average, {:.2f} to {:.2f}; angles from {:.1f} degrees\n"
+      "size      {:.1f} x {:.1f} x {:.1f} mm, {:.1f} cm^2, {}\n"
+      "texture   {} x {} px, {:.1f} % of it the object; a texel is {:.4f} x {:.4f} mm\n"
+      "unrolled  faces are stretched by up to {:.2f} % in the texture\n",
+      f.vertices, f.faces, f.edges, f.border_edges, f.mean_edge_mm, f.shortest_edge_mm,
+      f.longest_edge_mm, f.least_angle_deg, f.size_mm.x(), f.size_mm.y(), f.size_mm.z(), f.area_cm2,
+      f.flat ? "flat" : "curved", f.texture_width_px, f.texture_height_px, 100.0 * f.mask_share,
+      f.texel_mm.x(), f.texel_mm.y(), 100.0 * f.distortion);
+}
+
+nlohmann::ordered_json numbers_json(const TemplateSurvey& f) {
+  return {{"vertices", f.vertices},
+          {"faces", f.faces},
+          {"edges", f.edges},
+          {"border_edges", f.border_edges},
+          {"shortest_edge_mm", f.shortest_edge_mm},
+          {"mean_edge_mm", f.mean_edge_mm},
+          {"longest_edge_mm", f.longest_edge_mm},
+          {"least_angle_deg", f.least_angle_deg},
+          {"area_cm2", f.area_cm2},
+          {"size_mm", {f.size_mm.x(), f.size_mm.y(), f.size_mm.z()}},
+          {"texel_mm", {f.texel_mm.x(), f.texel_mm.y()}},
+          {"distortion", f.distortion},
+          {"flat", f.flat},
+          {"texture_px", {f.texture_width_px, f.texture_height_px}},
+          {"mask_share", f.mask_share}};
+}
+
+}  // namespace weft::cli

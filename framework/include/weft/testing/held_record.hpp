@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <weft/data/codec.hpp>
+
+namespace weft::host {
+class Record;
+}
+
+namespace weft::testing {
+
+/// A record as the host holds it.
+using HeldRecord = std::shared_ptr<const host::Record>;
+
+/// Builds one, array by array.
+class RecordMaker {
+ public:
+  explicit RecordMaker(const char* type);
+
+  /// Zero-filled, C order; null when the request is illegal.
+  void* operator()(const char* name, std::int32_t dtype, int ndim, const std::int64_t* shape);
+
+  void set_revision(std::uint64_t revision);
+  void set_producer(std::uint64_t handle);
+  HeldRecord finish() { return std::move(record_); }
+
+ private:
+  std::shared_ptr<host::Record> record_;
+};
+
+/// A copy of a noun; null where it is no legal record.
+template <class Noun>
+HeldRecord hold(const Noun& noun) {
+  RecordMaker maker(Noun::kType);
+  if (!write_record(noun, maker)) return nullptr;
+  if constexpr (requires { noun.revision; }) maker.set_revision(noun.revision);
+  if constexpr (requires { noun.producer_handle; }) maker.set_producer(noun.producer_handle);
+  return maker.finish();
+}
+
+/// The record with all that lies on a device fetched; null where it is of another type.
+HeldRecord fetched(const HeldRecord& record, std::string_view type);
+
+/// The arrays as the contract sees them, valid while the record lives.
+weft_record view_of(const HeldRecord& record);
+
+/// The noun in a record, borrowing from it; nothing where the record is of another type.
+template <class Noun>
+std::optional<Noun> noun_in(const HeldRecord& record) {
+  const HeldRecord here = fetched(record, Noun::kType);
+  if (here == nullptr) return std::nullopt;
+  auto noun = read_record<Noun>(view_of(here));
+  if (!noun) return std::nullopt;
+  return *std::move(noun);
+}
+
+}  // namespace weft::testing

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+#include <weft/core/index.hpp>
+#include <weft/core/statistics.hpp>
+#include <weft/data/ground_truth.hpp>
+#include <weft/geometry/barycentric.hpp>
+#include <weft/geometry/camera_model.hpp>
+#include <weft/geometry/face_locator.hpp>
+#include <weft/geometry/types.hpp>
+#include <weft/truth/moving_least_squares.hpp>
+
+namespace weft {
+
+/// Where a point of the template truly is.
+struct TruePlace {
+  Eigen::Vector3d point_m;  ///< [3] m, camera frame
+  bool hidden = false;      ///< the camera sees no corner of the face that it lies in
+};
+
+/// The truth of one frame at any point of the template: on the faces of the true surface, where the
+/// truth has some, barycentric interpolation; else moving least squares between the true points,
+/// of which none is known to be hidden.
+class TruthMap {
+ public:
+  /// Copies what it needs. Fails with invalid_data where the faces are no mesh over the points.
+  static Result<TruthMap> create(const GroundTruth& truth) {
+    TruthMap map(truth);
+    if (!truth.faces.present()) return map;
+    map.faces_ = truth.faces.matrix<3>();
+    auto locator = FaceLocator::create(map.points_.xy_m(), map.faces_);
+    if (!locator) {
+      return Error{Errc::invalid_data, "the faces of the truth: " + locator.error().message};
+    }
+    map.locator_ = *std::move(locator);
+    return map;
+  }
+
+  /// The place of the point at template_xy_m = `xy_m`, m. Nothing beside the surface, or where true
+  /// points without a surface do not surround it.
+  std::optional<TruePlace> at(const Eigen::Vector2d& xy_m) const {
+    if (!locator_) {
+      const auto point_m = points_.at(xy_m);
+      return point_m ? std::optional(TruePlace{*point_m}) : std::nullopt;
+    }
+    const FaceLocation location = locator_->locate(xy_m);
+    if (location.face < 0) return std::nullopt;
+    return TruePlace{interpolate(points_.points_m(), faces_, location.face, location.weights),
+                     hidden(location.face)};
+  }
+
+  /// How well true points are predicted by the others, [] px: the median over about 100 of them;
+  /// NaN where none can be, and for a surface, which needs no prediction.
+  double leave_one_out_px(const Pinhole& camera) const {
+    constexpr Eigen::Index kPredicted = 100;
+    if (locator_) return std::numeric_limits<double>::quiet_NaN();
+    const Eigen::Index count = points_.xy_m().rows();
+    const Eigen::Index step = std::max<Eigen::Index>(1, count / kPredicted);
+    std::vector<double> errors_px;
+    for (Eigen::Index i = 0; i < count; i += step) {
+      const auto predicted_m = points_.at(points_.xy_m().row(i), i);
+      if (!predicted_m) continue;
+      const Eigen::Vector3d true_m = points_.points_m().row(i);
+      errors_px.push_back((project(camera, *predicted_m) - project(camera, true_m)).norm());
+    }
+    return median(errors_px);
+  }
+
+  /// True images of the source's own matches [N,2] px, NaN where unknown; empty without any.
+  const Points2& match_xy_px() const { return match_xy_px_; }
+
+  /// What is said of the source's own matches, [N]: 1 correct, 0 mismatch, else unknown; or empty.
+  const std::vector<std::int8_t>& match_labels() const { return match_labels_; }
+
+ private:
+  explicit TruthMap(const GroundTruth& truth)
+      : points_(truth.template_xy_m.matrix<2>(), truth.points_m.matrix<3>()),
+        visible_(truth.visible.data(), truth.visible.data() + truth.visible.rows()) {
+    if (truth.match_xy_px.present()) match_xy_px_ = truth.match_xy_px.matrix<2>();
+    for (std::int64_t n = 0; n < truth.match_label.rows(); ++n) {
+      match_labels_.push_back(truth.match_label(n));
+    }
+  }
+
+  bool hidden(std::int32_t face) const {
+    if (visible_.empty()) return false;
+    for (int k = 0; k < 3; ++k) {
+      if (visible_[to_index(faces_(face, k))] != 0) return false;
+    }
+    return true;
+  }
+
+  MovingLeastSquares points_;
+  Faces faces_;
+  std::vector<std::uint8_t> visible_;  ///< [T] or empty
+  std::optional<FaceLocator> locator_;
+  Points2 match_xy_px_;
+  std::vector<std::int8_t> match_labels_;
+};
+
+}  // namespace weft

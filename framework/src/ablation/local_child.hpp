@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <sys/types.h>
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ablation/engine.hpp"
+
+namespace weft::evaluation {
+
+struct ChildProcess {
+  pid_t id;
+  int pipe;  ///< what it says, a message a line
+};
+
+/// Starts a process that runs these cells and writes their results; it dies with this one. What
+/// components and libraries print goes into log.txt of the results folder.
+///
+/// The process is a fork, so that the plan need not be read again: this one has loaded no plugin
+/// and must have no threads.
+Result<ChildProcess> start_child(const Order& order, const std::vector<const Cell*>& cells);
+
+/// What a child says.
+struct ChildMessage {
+  std::optional<double> share;                              ///< of its frames that are done
+  std::string error;                                        ///< why results could not be kept
+  std::optional<std::pair<std::string, std::string>> left;  ///< a cell without a result, and why
+  bool no_memory = false;                                   ///< this program had not enough of it
+  bool done = false;                                        ///< all results are kept
+};
+ChildMessage parse_message(const std::string& line);
+
+}  // namespace weft::evaluation

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <poll.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <deque>
+#include <list>
+#include <map>
+#include <optional>
+#include <weft/core/index.hpp>
+
+#include "ablation/engine.hpp"
+#include "ablation/local_child.hpp"
+#include "results/cell_record.hpp"
+
+namespace weft::evaluation {
+namespace {
+
+using Cells = std::vector<const Cell*>;
+
+constexpr int kMostKills = 3;  ///< of one task, before it is left
+constexpr int kPause_ms = 200;
+
+/// Cells that one process is to run.
+struct Task {
+  Cells cells;
+  int kills = 0;  ///< how often its process was killed from outside
+};
+
+/// A process at work.
+struct Child {
+  pid_t process = 0;
+  int pipe = -1;  ///< what it says; closed by its end
+  Task task;
+  double share = 0.0;                       ///< of its frames
+  std::string said;                         ///< not yet a whole line
+  std::string error;                        ///< why it gave up
+  std::map<std::string, std::string> left;  ///< why cells have no result, by key
+  bool no_memory = false;
+  bool done = false;  ///< it has kept all results
+};
+
+/// Signals that a program sends itself by a mistake; any other comes from outside.
+bool is_own_fault(int signal) {
+  constexpr int kFaults[] = {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP};
+  return std::find(std::begin(kFaults), std::end(kFaults), signal) != std::end(kFaults);
+}
+
+std::string how_it_ended(int status) {
+  if (WIFSIGNALED(status)) {
+    const int signal = WTERMSIG(status);
+    return "its process died of signal " + std::to_string(signal) + " (" + strsignal(signal) + ")";
+  }
+  return "it ended its process with exit code " + std::to_string(WEXITSTATUS(status));
+}
+
+class LocalRun {
+ public:
+  LocalRun(const Order& order, const Engine::Progress& progress, const std::atomic<bool>& cancel,
+           int jobs)
+      : order_(order), progress_(progress), cancel_(cancel), jobs_(jobs) {
+    for (const Cells& group : order.groups) {
+      tasks_.push_back({group, 0});
+      cells_ += group.size();
+    }
+  }
+  ~LocalRun() { end_children(); }
+  LocalRun(const LocalRun&) = delete;
+  LocalRun& operator=(const LocalRun&) = delete;
+
+  Result<std::vector<std::string>> run() {
+    while ((!tasks_.empty() || !children_.empty()) && !cancel_.load()) {
+      while (!tasks_.empty() && children_.size() < to_index(jobs_)) {
+        if (auto started = start(); !started) return started.error();
+      }
+      if (auto heard = listen(); !heard) return heard.error();
+      report();
+    }
+    return std::move(left_);
+  }
+
+ private:
+  Result<void> start() {
+    Child child;
+    child.task = std::move(tasks_.front());
+    tasks_.pop_front();
+    const auto process = start_child(order_, child.task.cells);
+    if (!process) return process.error();
+    child.process = process->id;
+    child.pipe = process->pipe;
+    children_.push_back(std::move(child));
+    return {};
+  }
+
+  /// Waits for what the children say, or for a moment.
+  Result<void> listen() {
+    std::vector<pollfd> pipes;
+    for (const Child& child : children_) pipes.push_back({child.pipe, POLLIN, 0});
+    if (poll(pipes.data(), pipes.size(), kPause_ms) <= 0) return {};
+    auto pipe = pipes.begin();
+    for (auto child = children_.begin(); child != children_.end(); ++pipe) {
+      const bool ended = pipe->revents != 0 && !hear(*child);
+      if (!ended) {
+        ++child;
+        continue;
+      }
+      Child gone = std::move(*child);
+      child = children_.erase(child);
+      if (auto done = bury(gone); !done) return done;
+    }
+    return {};
+  }
+
+  /// False at the end of what it says.
+  static bool hear(Child& child) {
+    char bytes[4096];
+    const ssize_t count = read(child.pipe, bytes, sizeof(bytes));
+    if (count < 0) return errno == EINTR || errno == EAGAIN;
+    child.said.append(bytes, to_index(count));
+    for (std::size_t end = child.said.find('\n'); end != std::string::npos;
+         end = child.said.find('\n')) {
+      const auto heard = parse_message(child.said.substr(0, end));
+      child.said.erase(0, end + 1);
+      if (heard.share) child.share = *heard.share;
+      if (!heard.error.empty()) child.error = heard.error;
+      if (heard.left) child.left.insert(*heard.left);
+      child.no_memory = child.no_memory || heard.no_memory;
+      child.done = child.done || heard.done;
+    }
+    return count > 0;
+  }
+
+  Result<void> bury(Child& child) {
+    close(child.pipe);
+    int status = 0;
+    while (waitpid(child.process, &status, 0) < 0 && errno == EINTR) {
+    }
+    leave(child.task, child.left);
+    if (child.done) {
+      done_ += static_cast<double>(child.task.cells.size());
+      return {};
+    }
+    if (!child.error.empty()) return Error{Errc::io, child.error};
+    if (auto rest = leave_out_finished(child.task); !rest) return rest;
+    if (child.task.cells.empty()) return {};
+    if (child.no_memory) return try_again(std::move(child.task), "there was not enough memory");
+    const bool own_fault = !WIFSIGNALED(status) || is_own_fault(WTERMSIG(status));
+    return own_fault ? blame(std::move(child.task), status)
+                     : try_again(std::move(child.task), how_it_ended(status));
+  }
+
+  void leave(Task& task, const std::map<std::string, std::string>& reasons) {
+    std::erase_if(task.cells, [&](const Cell* cell) {
+      const auto reason = reasons.find(cell->identity.key);
+      if (reason != reasons.end()) leave(*cell, reason->second);
+      return reason != reasons.end();
+    });
+  }
+  void leave(const Cell& cell, const std::string& reason) {
+    done_ += 1.0;
+    left_.push_back("the cell " + cell.identity.key + ": " + reason);
+  }
+
+  Result<void> leave_out_finished(Task& task) {
+    const auto stored = read_cell_records(order_.folder.path(), {});
+    if (!stored) return stored.error();
+    const auto finished = [&](const Cell* cell) {
+      const auto found = stored->cells.find(cell->identity.key);
+      return found != stored->cells.end() && (found->second.timed || !order_.timed);
+    };
+    done_ += static_cast<double>(std::erase_if(task.cells, finished));
+    return {};
+  }
+
+  /// One of several cells did it: each is run alone. A cell that was alone has failed.
+  Result<void> blame(Task task, int status) {
+    if (task.cells.size() > 1) {
+      split(task);
+      return {};
+    }
+    Cell cell = *task.cells.front();
+    CellResult result;
+    result.failure = how_it_ended(status);
+    auto [pipeline, report] = order_.grid.load(cell);
+    const std::string changed =
+        report.ok() ? order_.grid.changed_input(pipeline) : "\n" + report.text();
+    if (!changed.empty()) {
+      leave(cell, result.failure + "; its data changed while it ran: " + changed);
+      return {};
+    }
+    result.pipeline = effective_yaml(pipeline.config);
+    cell.identity.stages = order_.grid.stage_keys(pipeline);
+    if (!lines_) {
+      auto lines = order_.folder.writer(order_.timed);
+      if (!lines) return lines.error();
+      lines_.emplace(*std::move(lines));
+    }
+    done_ += 1.0;
+    return order_.folder.keep(cell, result, order_.timed, order_.grid.plan().measurement, *lines_);
+  }
+
+  /// Whatever killed it says nothing about the cells, unless they want more memory than there is.
+  Result<void> try_again(Task task, const std::string& how) {
+    if (++task.kills < kMostKills) {
+      tasks_.push_front(std::move(task));
+    } else if (task.cells.size() > 1) {
+      split(task);
+    } else {
+      leave(*task.cells.front(),
+            how + ", " + std::to_string(kMostKills) + " times; is there enough memory?");
+    }
+    return {};
+  }
+
+  void split(const Task& task) {
+    for (auto cell = task.cells.rbegin(); cell != task.cells.rend(); ++cell) {
+      tasks_.push_front({{*cell}, 0});
+    }
+  }
+
+  void report() const {
+    double done = done_;
+    for (const Child& child : children_) {
+      done += child.share * static_cast<double>(child.task.cells.size());
+    }
+    progress_(done / static_cast<double>(cells_));
+  }
+
+  void end_children() {
+    for (const Child& child : children_) kill(child.process, SIGKILL);
+    for (const Child& child : children_) {
+      close(child.pipe);
+      waitpid(child.process, nullptr, 0);
+    }
+  }
+
+  const Order& order_;
+  const Engine::Progress& progress_;
+  const std::atomic<bool>& cancel_;
+  int jobs_;
+  std::deque<Task> tasks_;
+  std::list<Child> children_;
+  std::optional<LineWriter> lines_;  ///< of cells that died, from the first one on
+  std::vector<std::string> left_;
+  std::size_t cells_ = 0;
+  double done_ = 0.0;  ///< [cells]
+};
+
+class LocalEngine final : public Engine {
+ public:
+  explicit LocalEngine(int jobs) : jobs_(jobs) {}
+
+  Result<std::vector<std::string>> run(const Order& order, const Progress& progress,
+                                       const std::atomic<bool>& cancel) override {
+    return LocalRun(order, progress, cancel, jobs_).run();
+  }
+
+ private:
+  int jobs_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> local_engine(int jobs) { return std::make_unique<LocalEngine>(jobs); }
+
+}  // namespace weft::evaluation

@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <weft/core/quote.hpp>
+
+#include "ablation/plan/plan_parts.hpp"
+#include "metrics/forms/metric_path.hpp"
+
+namespace weft::evaluation {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PlanReader {
+ public:
+  PlanReader(Plan& plan, std::vector<yaml::Problem>& problems) : plan_(plan), values_(problems) {}
+
+  void read(const yaml::Node& root) {
+    if (root.kind != yaml::Kind::map) {
+      return values_.problem(root.at, "a plan is a map with the keys weft, name, pipeline, data");
+    }
+    values_.is_map(root, "a plan",
+                   {"weft", "name", "pipeline", "data_use", "axes", "data", "seeds", "metrics",
+                    "show", "comparisons", "expect"});
+    read_head(root);
+    if (const yaml::Node* axes = root.find("axes")) read_axes(*axes);
+    if (values_.has(root, "data", "a plan")) {
+      const std::size_t before = values_.count();
+      plan_.data = read_data(*root.find("data"), plan_, values_);
+      data_broken_ = values_.count() > before;
+    }
+    if (const yaml::Node* seeds = root.find("seeds")) {
+      plan_.seeds = values_.seeds(*seeds, "run seeds");
+    }
+    if (const yaml::Node* metrics = root.find("metrics")) read_measurement(*metrics);
+    if (const yaml::Node* show = root.find("show")) plan_.show = values_.texts(*show, "'show'");
+    for (const yaml::Node& item : list(root, "comparisons")) read_comparison(item);
+    for (const yaml::Node& item : list(root, "expect")) read_expectation(item);
+    check_metrics();
+  }
+
+ private:
+  std::vector<yaml::Node> list(const yaml::Node& root, const char* key) {
+    const yaml::Node* node = root.find(key);
+    if (node == nullptr) return {};
+    if (node->kind != yaml::Kind::sequence) {
+      values_.problem(node->at, std::string("'") + key + "' must be a list");
+    }
+    return node->items;
+  }
+
+  void read_head(const yaml::Node& root) {
+    if (values_.has(root, "weft", "a plan") && yaml::as_int64(*root.find("weft")) != 1) {
+      values_.problem(root.find("weft")->at, "'weft' must be 1, the version of the plan format");
+    }
+    if (values_.has(root, "name", "a plan")) {
+      const yaml::Node& name = *root.find("name");
+      plan_.name = values_.text(name, "'name'");
+      if (!plan_.name.empty()) values_.is_folder_name(plan_.name, name.at);
+    }
+    values_.data_use_known = root.find("data_use") != nullptr;
+    if (values_.has(root, "data_use", "a plan")) {
+      const yaml::Node& use = *root.find("data_use");
+      plan_.reporting = use.scalar == "reporting";
+      if (!plan_.reporting && use.scalar != "tuning") {
+        values_.data_use_known = false;
+        values_.problem(use.at, "'data_use' must be one of: tuning, reporting");
+      }
+    }
+    if (values_.has(root, "pipeline", "a plan")) read_pipeline(*root.find("pipeline"));
+  }
+
+  void read_pipeline(const yaml::Node& node) {
+    const auto paths = host::PathRules::of_process({}, {});
+    const auto expanded = host::expand_variables(values_.text(node, "'pipeline'"), paths);
+    if (!expanded) return values_.problem(node.at, expanded.error().message);
+    if (expanded->empty()) return;
+    plan_.pipeline = (fs::path(plan_.source.folder) / *expanded).lexically_normal().string();
+    std::error_code code;
+    if (fs::is_regular_file(plan_.pipeline, code)) return;
+    values_.problem(node.at, "'pipeline': there is no file " + escaped(plan_.pipeline));
+    plan_.pipeline.clear();
+  }
+
+  void read_axes(const yaml::Node& axes) {
+    if (axes.kind != yaml::Kind::map) {
+      return values_.problem(axes.at, "'axes' must be a map of names and values");
+    }
+    for (const yaml::Entry& entry : axes.entries) {
+      const std::vector<std::string> taken{"data", "sequence", "seed", "cell", "key"};
+      if (std::find(taken.begin(), taken.end(), entry.key) != taken.end()) {
+        values_.problem(entry.at, "an axis must not be called " + quote(entry.key) +
+                                      ", which has a meaning of its own");
+      }
+      values_.is_name(entry.key, entry.at, "the name of an axis");
+      const std::size_t before = values_.count();
+      std::vector<NamedPatch> values;
+      if (values_.is_map(entry.value, "an axis", {"set", "values"}) &&
+          values_.has(entry.value, "values", "an axis")) {
+        values = values_of(entry.value);
+      }
+      if (values_.count() > before) broken_.insert(entry.key);
+      if (const yaml::Node* set = entry.value.find("set")) refuse_same_setting(entry.key, *set);
+      if (!values.empty()) plan_.axes.push_back({entry.key, std::move(values)});
+    }
+  }
+
+  /// Of two axes with one setting the later would always win.
+  void refuse_same_setting(const std::string& axis, const yaml::Node& set) {
+    std::string path = set.scalar;
+    const std::size_t dot = path.find('.');  // `params` may be left out of a path
+    if (dot != std::string::npos && path.compare(dot, 8, ".params.") == 0) path.erase(dot, 7);
+    const auto [first, is_new] = settings_.emplace(path, axis);
+    if (is_new || path.empty()) return;
+    values_.problem(set.at, "the axis '" + first->second + "' sets " + quote(path) + " too");
+  }
+
+  std::vector<NamedPatch> values_of(const yaml::Node& axis) {
+    const yaml::Node* set = axis.find("set");
+    const yaml::Node& given = *axis.find("values");
+    const std::string path = set != nullptr ? values_.text(*set, "'set' of an axis") : "";
+    std::vector<NamedPatch> found;
+    for (const yaml::Node& item : set != nullptr ? given.items : std::vector<yaml::Node>{}) {
+      found.push_back({values_.text(item, "a value of an axis"), {}});
+      if (set != nullptr) found.back().patch = setting_patch(path, set->at, item);
+      check_value(found, item.at);
+    }
+    for (const yaml::Entry& entry : given.entries) {
+      found.push_back({entry.key, set != nullptr ? setting_patch(path, set->at, entry.value)
+                                                 : patch_of(entry.value)});
+      check_value(found, entry.at);
+    }
+    if (given.kind == yaml::Kind::sequence && set == nullptr) {
+      values_.problem(given.at,
+                      "an axis whose values are a list needs 'set', the setting they are for");
+    } else if (found.empty()) {
+      values_.problem(given.at, "an axis needs values: a list, or a map of names and patches");
+    }
+    return found;
+  }
+
+  void check_value(const std::vector<NamedPatch>& values, yaml::Position at) {
+    const std::string& name = values.back().name;
+    const auto same = [&](const NamedPatch& value) { return value.name == name; };
+    if (name.empty() || !values_.is_name(name, at, "the name of a value")) return;
+    if (std::count_if(values.begin(), values.end(), same) > 1) {
+      values_.problem(at, "the axis has the value " + quote(name) + " twice");
+    }
+  }
+
+  yaml::Node patch_of(const yaml::Node& node) {
+    if (!values_.is_map(node, "a value of an axis", patch_keys())) return {};
+    if (yaml::is_null(node)) return {};
+    return patch_in(node, values_);
+  }
+
+  void read_measurement(const yaml::Node& node) {
+    if (!values_.is_map(node, "'metrics'", {"alignment", "match_tolerance_px", "frames"})) return;
+    Measurement& measurement = plan_.measurement;
+    if (const yaml::Node* alignment = node.find("alignment")) {
+      const auto known = alignment_of(alignment->scalar);
+      if (known) measurement.options.alignment = *known;
+      if (!known) values_.problem(alignment->at, "'alignment' must be one of: none, scale, rigid");
+    }
+    if (const yaml::Node* tolerance = node.find("match_tolerance_px")) {
+      const auto value = values_.number(*tolerance, "'match_tolerance_px'");
+      if (value) measurement.options.match_tolerance_px = *value;
+      if (value && !(*value > 0.0))
+        values_.problem(tolerance->at, "'match_tolerance_px' must be above 0");
+    }
+    if (const yaml::Node* frames = node.find("frames")) {
+      measurement.frames = values_.flag(*frames, "'frames'").value_or(true);
+    }
+  }
+
+  void read_comparison(const yaml::Node& node) {
+    if (!values_.is_map(node, "a comparison", {"axis", "reference", "metric"})) return;
+    PlanComparison comparison;
+    yaml::Position metric_at;
+    if (values_.has(node, "axis", "a comparison")) {
+      const yaml::Node& axis = *node.find("axis");
+      comparison.axis = values_.text(axis, "'axis'");
+      const Axis* known = find_axis(comparison.axis, axis.at);
+      if (const yaml::Node* reference = node.find("reference"); reference != nullptr && known) {
+        comparison.reference = values_.text(*reference, "'reference'");
+        if (broken_.count(comparison.axis) == 0) {
+          check_choice("value of the axis", comparison.reference, reference->at,
+                       names(known->values));
+        }
+      }
+    }
+    if (values_.has(node, "metric", "a comparison")) {
+      comparison.metric = values_.text(*node.find("metric"), "'metric'");
+      metric_at = node.find("metric")->at;
+      if (comparison.metric == kErrorMetric && !plan_.measurement.frames) {
+        values_.problem(metric_at,
+                        "the 3D error is compared frame by frame, but 'metrics' keeps no 'frames'");
+      }
+    }
+    plan_.comparisons.push_back({std::move(comparison), metric_at});
+  }
+
+  void read_expectation(const yaml::Node& node) {
+    if (!values_.is_map(node, "an expectation", {"where", "metric", "at_most", "at_least"})) return;
+    PlanExpectation expectation;
+    yaml::Position metric_at;
+    if (const yaml::Node* where = node.find("where")) read_selection(*where, expectation.where);
+    if (values_.has(node, "metric", "an expectation")) {
+      expectation.metric = values_.text(*node.find("metric"), "'metric'");
+      metric_at = node.find("metric")->at;
+    }
+    const auto bound = [&](const char* key) {
+      const yaml::Node* value = node.find(key);
+      const auto number =
+          value != nullptr ? values_.number(*value, std::string("'") + key + "'") : std::nullopt;
+      return number.value_or(kUnknown);
+    };
+    expectation.at_most = bound("at_most");
+    expectation.at_least = bound("at_least");
+    if (node.find("at_most") == nullptr && node.find("at_least") == nullptr) {
+      values_.problem(node.at, "an expectation needs 'at_most' or 'at_least'");
+    }
+    plan_.expect.push_back({std::move(expectation), metric_at});
+  }
+
+  void read_selection(const yaml::Node& where, Selection& selection) {
+    if (where.kind != yaml::Kind::map) {
+      return values_.problem(where.at, "'where' must be a map, such as {filter: myneighbor}");
+    }
+    for (const yaml::Entry& entry : where.entries) {
+      const std::string value = values_.text(entry.value, "a value of 'where'");
+      if (value.empty()) continue;
+      selection.emplace_back(entry.key, value);
+      if (const auto known = known_values(entry.key, entry.at)) {
+        check_choice("value of '" + entry.key + "'", value, entry.value.at, *known);
+      }
+    }
+  }
+
+  /// What `where` may ask of this; nothing after a mistake, or where it cannot be known here.
+  std::optional<std::vector<std::string>> known_values(const std::string& key, yaml::Position at) {
+    std::vector<std::string> known;
+    if (key == "seed") {
+      for (const std::uint64_t seed : plan_.seeds) known.push_back(std::to_string(seed));
+      return known.empty() ? std::nullopt : std::optional(known);
+    }
+    for (const PlannedData& data : plan_.data) {
+      if (key == "data") known.push_back(data.name);
+      if (key != "sequence") continue;
+      for (const NamedPatch& sequence : data.sequences) known.push_back(sequence.name);
+    }
+    if (key == "data" || key == "sequence") {
+      return data_broken_ ? std::nullopt : std::optional(known);
+    }
+    const Axis* axis = find_axis(key, at);
+    return axis != nullptr && broken_.count(key) == 0 ? std::optional(names(axis->values))
+                                                      : std::nullopt;
+  }
+
+  void check_choice(const std::string& what, const std::string& value, yaml::Position at,
+                    const std::vector<std::string>& known) {
+    const bool found = std::find(known.begin(), known.end(), value) != known.end();
+    if (!found) values_.unknown(at, what, value, known);
+  }
+
+  const Axis* find_axis(const std::string& name, yaml::Position at) {
+    std::vector<std::string> known;
+    for (const Axis& axis : plan_.axes) {
+      if (axis.name == name) return &axis;
+      known.push_back(axis.name);
+    }
+    known.insert(known.end(), broken_.begin(), broken_.end());
+    if (!name.empty() && broken_.count(name) == 0) values_.unknown(at, "axis", name, known);
+    return nullptr;
+  }
+
+  static std::vector<std::string> names(const std::vector<NamedPatch>& values) {
+    std::vector<std::string> all;
+    for (const NamedPatch& value : values) all.push_back(value.name);
+    return all;
+  }
+
+  /// What no run can have, whatever its filters.
+  void check_metrics() {
+    for (const auto& [metric, at] : metrics_of(plan_)) {
+      if (metric.empty() || metric.starts_with("filters")) continue;
+      if (std::string because = why_no_metric(metric, {}); !because.empty()) {
+        values_.problem(at, std::move(because));
+      }
+    }
+  }
+
+  Plan& plan_;
+  PlanValues values_;
+  std::set<std::string> broken_;                 ///< axes with mistakes
+  std::map<std::string, std::string> settings_;  ///< the axis of each
+  bool data_broken_ = false;
+};
+
+}  // namespace
+
+std::vector<std::pair<std::string, yaml::Position>> metrics_of(const Plan& plan) {
+  auto metrics = plan.show;
+  for (const PlannedComparison& each : plan.comparisons) {
+    metrics.emplace_back(each.comparison.metric, each.metric_at);
+  }
+  for (const PlannedExpectation& each : plan.expect) {
+    metrics.emplace_back(each.expectation.metric, each.metric_at);
+  }
+  return metrics;
+}
+
+bool is_plan(const std::string& file) {
+  const auto text = yaml::read_text(file);
+  const auto document = text ? yaml::parse(*text, file) : Result<yaml::Document>(text.error());
+  if (!document || document->root.kind != yaml::Kind::map) return false;
+  const auto has = [&](const char* key) { return document->root.find(key) != nullptr; };
+  return has("pipeline") || has("axes") || has("data");
+}
+
+std::pair<Plan, ConfigReport> read_plan(const std::string& file, const Helpers& helpers) {
+  Plan plan;
+  plan.helpers = helpers;
+  std::error_code code;
+  plan.source = {file, fs::absolute(file, code).parent_path().string(), false};
+  ConfigReport report{{plan.source}, {}, false};
+  const auto text = yaml::read_text(file);
+  if (!text) {
+    report.problems.push_back({{1, 1}, "the plan cannot be read: " + text.error().message});
+    return {std::move(plan), std::move(report)};
+  }
+  auto document = yaml::parse(*text, file);
+  if (!document) {
+    report.problems.push_back(
+        {yaml::position_in(document.error().where, file), document.error().message});
+    return {std::move(plan), std::move(report)};
+  }
+  report.problems = std::move(document->problems);
+  const bool unreadable = document->root.kind == yaml::Kind::null && !report.ok();
+  if (!unreadable) PlanReader(plan, report.problems).read(document->root);
+  report.sort();
+  return {std::move(plan), std::move(report)};
+}
+
+}  // namespace weft::evaluation

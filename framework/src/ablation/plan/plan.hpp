@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "metrics/metrics.hpp"
+#include "pipeline/configuration/config.hpp"
+#include "results/plan_record.hpp"
+
+namespace weft::evaluation {
+
+/// Data seeds up to this one are for tuning, those above for reporting.
+inline constexpr std::uint64_t kLastTuningSeed = 100;
+
+/// Something with a name that is laid over the base pipeline.
+struct NamedPatch {
+  std::string name;
+  yaml::Node patch;  ///< see Patch; positions in the plan file
+};
+
+/// One thing that is varied.
+struct Axis {
+  std::string name;
+  std::vector<NamedPatch> values;
+};
+
+/// A group of sequences under one name of the plan.
+struct PlannedData {
+  std::string name;
+  std::vector<NamedPatch> sequences;
+};
+
+/// What the plan expects and compares, and where it names the metric.
+struct PlannedExpectation {
+  PlanExpectation expectation;
+  yaml::Position metric_at;
+};
+struct PlannedComparison {
+  PlanComparison comparison;
+  yaml::Position metric_at;
+};
+
+/// How cells are measured and what of it is kept.
+struct Measurement {
+  EvaluationOptions options;
+  bool frames = true;  ///< keep the figures of each frame
+};
+
+/// Components that an ablation uses without a plan that names them; the program says which.
+struct Helpers {
+  std::string frames_source;  ///< reads `folders`: a source with the parameters path, camera, truth
+  std::string picture_sink;   ///< {use, params} as YAML: writes stills into worst/ beside itself
+};
+
+/// An ablation plan; docs/ablations.md describes the file.
+struct Plan {
+  ConfigSource source;  ///< the plan file
+  std::string name;
+  std::string pipeline;  ///< file of the base
+  bool reporting = false;
+  std::vector<Axis> axes;
+  std::vector<PlannedData> data;
+  std::vector<std::uint64_t> seeds;  ///< run seeds; none: the pipeline's own
+  Measurement measurement;
+  std::vector<std::pair<std::string, yaml::Position>> show;  ///< metrics of the table
+  std::vector<PlannedComparison> comparisons;
+  std::vector<PlannedExpectation> expect;
+  Helpers helpers;
+};
+
+/// Whether a file is a plan rather than a pipeline: it says which pipeline, axes or data. False
+/// where it cannot be read.
+bool is_plan(const std::string& file);
+
+/// Reads a plan and checks all of it that needs no plugin. Use the plan only when the report is ok;
+/// otherwise it holds what is sound.
+std::pair<Plan, ConfigReport> read_plan(const std::string& file, const Helpers& helpers = {});
+
+/// Reads a plan and lays its parts over the pipeline, as far as they are sound: each value of an
+/// axis and each data once, with the first of all others. A mistake in a plan of a million cells is
+/// found without expanding it. What only some combinations show is left to Grid::expand.
+std::pair<Plan, ConfigReport> load_plan(const std::string& file, const host::Registry& registry,
+                                        const std::vector<std::string>& settings,
+                                        const Helpers& helpers = {});
+
+}  // namespace weft::evaluation

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ablation/results_folder.hpp"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <thread>
+#include <utility>
+#include <weft/core/quote.hpp>
+#include <weft/core/version.hpp>
+#include <weft/core/whole_file.hpp>
+
+#include "ablation/line_of_cell.hpp"
+#include "metrics/runs/json_file.hpp"
+#include "pipeline/runs/source_revision.hpp"
+#include "results/cell_line.hpp"
+#include "results/result_lines.hpp"
+
+namespace weft::evaluation {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr int kMostFiles = 1'000'000;
+
+Error io_error(const std::string& file, const std::string& message) {
+  return {Errc::io, message, file};
+}
+
+/// Makes sure that what was written survives the machine's failure too.
+Result<void> make_last(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool synced = descriptor >= 0 && fsync(descriptor) == 0;
+  if (descriptor >= 0) close(descriptor);
+  if (!synced) return io_error(path, "cannot be written to disk; is the disk full?");
+  return {};
+}
+
+/// A new folder, or one in which a process was killed before it had written the manifest.
+bool is_fresh(const std::string& path) {
+  std::error_code code;
+  for (const auto& entry : fs::directory_iterator(path, code)) {
+    const bool empty_folder = entry.is_directory(code) && fs::is_empty(entry.path(), code);
+    if (entry.path().extension() != ".part" && !empty_folder) return false;
+  }
+  return true;
+}
+
+Result<void> check_schema(const std::string& path, const std::string& plan) {
+  const std::string file = path + "/manifest.json";
+  const auto manifest = read_json_object(file);
+  if (!manifest && manifest.error().code == Errc::not_found) {
+    if (is_fresh(path)) return {};
+    return Error{Errc::invalid_value,
+                 "is neither empty nor a results folder; choose another with --out", path};
+  }
+  if (!manifest) return manifest.error();
+  const std::string schema = text_in(*manifest, "schema");
+  const std::string of = manifest->contains("plan") ? text_in(*manifest, "plan") : plan;
+  if (schema == kFolderSchema && of == plan) return {};
+  if (schema == kFolderSchema) {
+    return Error{Errc::invalid_value,
+                 "holds the results of the plan " + quote(of) + ", and this plan is " +
+                     quote(plan) +
+                     "; choose another folder with --out, or give the plan its name back",
+                 path};
+  }
+  return Error{Errc::invalid_value,
+               "has the schema " + quote(schema) + ", this program writes '" + kFolderSchema +
+                   "'; choose another folder with --out",
+               file};
+}
+
+/// The folder's descriptor, locked for this process and its children. Children of a process that
+/// was killed may still be dying.
+Result<int> lock_folder(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return io_error(path, "cannot be opened");
+  constexpr int kTries = 100;
+  constexpr auto kPause = std::chrono::milliseconds(50);
+  for (int i = 0; i < kTries; ++i) {
+    if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
+    std::this_thread::sleep_for(kPause);
+  }
+  close(descriptor);
+  return Error{Errc::invalid_value, "is in use by another `weft ablate`", path};
+}
+
+std::string manifest_text(const Grid& grid, bool accept_rebuilt) {
+  const Measurement& measurement = grid.plan().measurement;
+  const nlohmann::ordered_json manifest{
+      {"schema", kFolderSchema},
+      {"weft", kVersion},
+      {"git", host::source_revision()},
+      {"plan", grid.plan().name},
+      {"metrics",
+       {{"alignment", to_string(measurement.options.alignment)},
+        {"match_tolerance_px", measurement.options.match_tolerance_px},
+        {"frames", measurement.frames}}},
+      {"accept_rebuilt", accept_rebuilt}};
+  return manifest.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
+LineWriter::LineWriter(LineWriter&& other) noexcept
+    : file_(std::move(other.file_)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      size_(other.size_) {}
+
+LineWriter::~LineWriter() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+Result<void> LineWriter::append(const std::string& line) {
+  const std::string text = line + "\n";
+  const ssize_t written = write(descriptor_, text.data(), text.size());
+  const bool whole = written == static_cast<ssize_t>(text.size());
+  if (whole && fsync(descriptor_) == 0) {
+    size_ += written;
+    return {};
+  }
+  const std::error_code code(errno, std::generic_category());
+  // Readers leave a line without its end out, so that it does no harm if this fails too.
+  static_cast<void>(ftruncate(descriptor_, size_));
+  return io_error(file_, "cannot be written (" + why_not_written(code) + ")");
+}
+
+ResultsFolder::ResultsFolder(ResultsFolder&& other) noexcept
+    : path_(std::move(other.path_)), lock_(std::exchange(other.lock_, -1)) {}
+
+ResultsFolder::~ResultsFolder() {
+  if (lock_ >= 0) close(lock_);
+}
+
+Result<ResultsFolder> ResultsFolder::look(const std::string& path, const std::string& plan) {
+  std::error_code code;
+  if (fs::exists(path, code) && !fs::is_directory(path, code)) {
+    return Error{Errc::invalid_value, "is no folder; choose another with --out", path};
+  }
+  if (auto legal = check_schema(path, plan); !legal) return legal.error();
+  return ResultsFolder(fs::absolute(path).string(), -1);
+}
+
+Result<ResultsFolder> ResultsFolder::open(const std::string& path, const std::string& plan) {
+  std::error_code code;
+  fs::create_directories(path, code);
+  if (code || !fs::is_directory(path, code)) {
+    return io_error(path, "cannot be made a folder; choose another with --out");
+  }
+  if (auto legal = check_schema(path, plan); !legal) return legal.error();
+  const auto lock = lock_folder(path);
+  if (!lock) return lock.error();
+  ResultsFolder folder(fs::absolute(path).string(), *lock);
+  for (const char* inner : {"results", "cells"}) fs::create_directories(path + "/" + inner, code);
+  if (code || access((path + "/results").c_str(), W_OK) != 0 || access(path.c_str(), W_OK) != 0) {
+    return io_error(path, "cannot be written; choose another folder with --out");
+  }
+  return folder;
+}
+
+Result<void> ResultsFolder::describe(const Grid& grid, const std::string& command,
+                                     bool accept_rebuilt) const {
+  auto manifest = write_whole(manifest_text(grid, accept_rebuilt), path_ + "/manifest.json");
+  if (!manifest) return manifest;
+  return write_whole(to_json(grid.record(command)), path_ + "/plan.json");
+}
+
+Result<void> ResultsFolder::withdraw(const std::vector<Damage>& lines) const {
+  if (lines.empty()) return {};
+  auto writer = lines_file("withdrawn");
+  if (!writer) return writer.error();
+  for (const Damage& line : lines) {
+    auto written = writer->append(withdrawal_line(line.file, line.line, line.what));
+    if (!written) return written;
+  }
+  return {};
+}
+
+Result<LineWriter> ResultsFolder::writer(bool timed) const {
+  return lines_file(timed ? "alone" : "cached");
+}
+
+Result<LineWriter> ResultsFolder::lines_file(const char* kind) const {
+  for (int number = 1; number < kMostFiles; ++number) {
+    const std::string file = fmt::format("{}/results/{}-{:06}.jsonl", path_, kind, number);
+    constexpr int kFlags = O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC;
+    const int descriptor = ::open(file.c_str(), kFlags, 0666);
+    if (descriptor >= 0) return LineWriter(file, descriptor);
+    if (errno != EEXIST) return io_error(file, "cannot be created; is the disk full?");
+  }
+  return io_error(path_ + "/results", "holds too many files");
+}
+
+namespace {
+
+/// Files that a process which was killed, or met a full disk, had begun to write.
+void remove_begun_files(const std::string& folder) {
+  std::error_code code;
+  std::vector<fs::path> begun;
+  for (const auto& entry : fs::directory_iterator(folder, code)) {
+    if (entry.path().filename().string().find(".part") != std::string::npos) {
+      begun.push_back(entry.path());
+    }
+  }
+  for (const fs::path& file : begun) fs::remove(file, code);
+}
+
+}  // namespace
+
+Result<void> ResultsFolder::keep(const Cell& cell, const CellResult& result, bool timed,
+                                 const Measurement& measurement, LineWriter& lines) const {
+  const std::string folder = path_ + "/cells/" + cell.identity.key;
+  std::error_code code;
+  fs::create_directories(folder, code);
+  if (code) return io_error(folder, "cannot be created; is the disk full?");
+  remove_begun_files(folder);
+  const auto path_of = [&](const std::string& name) { return folder + "/" + name; };
+  std::vector<std::string> names{"pipeline.yaml"};
+  if (auto written = write_whole(result.pipeline, path_of(names.back())); !written) return written;
+  if (!result.shapes.empty()) {
+    names.emplace_back("shapes.npz");
+    if (auto written = host::write_npz(path_of(names.back()), result.shapes); !written) {
+      return written;
+    }
+  }
+  for (const auto& [name, bytes] : result.pictures) {
+    names.push_back(name);
+    if (auto written = write_whole(bytes, path_of(name)); !written) return written;
+  }
+  std::vector<CellFile> files;
+  for (const std::string& name : names) {
+    if (auto lasting = make_last(path_of(name)); !lasting) return lasting;
+    auto file = cell_file(folder, name);
+    if (!file) return file.error();
+    files.push_back(*std::move(file));
+  }
+  for (const std::string& each : {folder, path_ + "/cells"}) {
+    if (auto lasting = make_last(each); !lasting) return lasting;
+  }
+  return lines.append(line_of_cell(cell, result, timed, measurement, files));
+}
+
+}  // namespace weft::evaluation

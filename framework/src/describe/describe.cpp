@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "describe/describe.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+#include <string_view>
+#include <vector>
+
+namespace weft::host {
+namespace {
+
+/// A double-quoted YAML scalar.
+std::string double_quoted(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') result += '\\';
+    if (c == '\n') {
+      result += "\\n";
+    } else {
+      result += c;
+    }
+  }
+  return result + '"';
+}
+
+std::string number(double value) {
+  if (std::isinf(value)) return value > 0 ? ".inf" : "-.inf";
+  std::array<char, 40> buffer;
+  const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  return {buffer.data(), end};
+}
+
+const char* type_name(std::int32_t type) {
+  constexpr const char* kNames[] = {"",     "f64",        "i64",         "bool",      "choice",
+                                    "text", "input_path", "output_path", "component", "labels"};
+  return type >= 1 && type <= 9 ? kNames[type] : "unknown";
+}
+
+std::string element(const weft_value& value, std::uint64_t index) {
+  switch (value.type) {
+    case WEFT_VALUE_F64:
+      return number(static_cast<const double*>(value.data)[index]);
+    case WEFT_VALUE_I64:
+      return std::to_string(static_cast<const std::int64_t*>(value.data)[index]);
+    case WEFT_VALUE_BOOL:
+      return static_cast<const std::uint8_t*>(value.data)[index] != 0 ? "true" : "false";
+    default:
+      return double_quoted(static_cast<const char* const*>(value.data)[index]);
+  }
+}
+
+std::string default_of(const weft_value& value) {
+  if (value.type == WEFT_VALUE_LABELS) return "{}";
+  if (value.is_vector == 0) return element(value, 0);
+  std::string list = "[";
+  for (std::uint64_t i = 0; i < value.count; ++i) {
+    list += (i > 0 ? ", " : "") + element(value, i);
+  }
+  return list + "]";
+}
+
+void write_parameter(std::ostream& out, const weft_parameter& parameter) {
+  const weft_value& value = parameter.default_value;
+  out << "      - name: " << double_quoted(value.name)
+      << "\n        type: " << type_name(value.type);
+  if (value.is_vector != 0) out << "\n        vector: true";
+  if (parameter.required != 0) {
+    out << "\n        required: true";
+  } else {
+    out << "\n        default: " << default_of(value);
+  }
+  if (*parameter.unit != '\0') out << "\n        unit: " << double_quoted(parameter.unit);
+  if (parameter.minimum != parameter.maximum) {
+    out << "\n        range: [" << number(parameter.minimum) << ", " << number(parameter.maximum)
+        << "]";
+  }
+  for (std::uint64_t i = 0; i < parameter.choice_count; ++i) {
+    out << (i == 0 ? "\n        choices: [" : ", ") << double_quoted(parameter.choices[i]);
+  }
+  if (parameter.choice_count > 0) out << "]";
+  if (*parameter.role != '\0') out << "\n        role: " << double_quoted(parameter.role);
+  out << "\n        help: " << double_quoted(parameter.help) << "\n";
+}
+
+bool is_outside(double number, const weft_parameter& parameter) {
+  const bool bounded = parameter.minimum != parameter.maximum;
+  return !std::isfinite(number) ||
+         (bounded && !(number >= parameter.minimum && number <= parameter.maximum));
+}
+
+/// Why no pipeline could ever use a parameter as it is declared, or empty.
+std::string contradiction(const weft_parameter& parameter) {
+  const weft_value& value = parameter.default_value;
+  if (parameter.minimum > parameter.maximum) return "has a range whose minimum is the larger end";
+  if (parameter.required != 0) return {};
+  bool outside = false;
+  for (std::uint64_t i = 0; i < value.count; ++i) {
+    if (value.type == WEFT_VALUE_F64) {
+      outside = outside || is_outside(static_cast<const double*>(value.data)[i], parameter);
+    } else if (value.type == WEFT_VALUE_I64) {
+      const std::int64_t number = static_cast<const std::int64_t*>(value.data)[i];
+      outside = outside || is_outside(static_cast<double>(number), parameter);
+    }
+  }
+  if (outside) return "has a default outside its range";
+  if (value.type != WEFT_VALUE_CHOICE) return {};
+  const bool listed = *static_cast<const char* const*>(value.data)[0] != '\0';
+  return listed ? "" : "has a default that is none of its choices";
+}
+
+/// Collects the declarations of one component.
+struct Declarations {
+  std::ostringstream text{};
+  std::vector<std::string> names{};
+  std::string problem{};  ///< the first one
+
+  void add(const weft_parameter& parameter) {
+    const std::string name = parameter.default_value.name;
+    std::string wrong = contradiction(parameter);
+    if (std::find(names.begin(), names.end(), name) != names.end()) wrong = "is declared twice";
+    if (!wrong.empty() && problem.empty()) problem = "parameter '" + name + "' " + wrong;
+    names.push_back(name);
+    write_parameter(text, parameter);
+  }
+};
+
+std::string words(std::string_view text) {
+  std::string list = "[";
+  std::istringstream stream{std::string(text)};
+  for (std::string word; stream >> word;)
+    list += (list.size() > 1 ? ", " : "") + double_quoted(word);
+  return list + "]";
+}
+
+/// Those abilities beyond its role that this version of Weft knows of.
+std::string extensions(const weft_component& component) {
+  std::string list;
+  for (const char* name : {WEFT_DEVICE_MEMORY, WEFT_DEVICES, WEFT_CHECK}) {
+    const bool has = component.get_extension != nullptr && component.get_extension(name) != nullptr;
+    if (has) list += (list.empty() ? "" : " ") + std::string(name);
+  }
+  return words(list);
+}
+
+/// Returns what is wrong with the declarations, or an empty text.
+std::string write_component(std::ostream& out, const weft_component& component) {
+  out << "  - id: " << double_quoted(component.id)
+      << "\n    version: " << double_quoted(component.version)
+      << "\n    summary: " << double_quoted(component.summary)
+      << "\n    reference: " << double_quoted(component.reference)
+      << "\n    licence: " << double_quoted(component.licence)
+      << "\n    determinism: " << double_quoted(component.determinism)
+      << "\n    needs: " << words(component.needs) << "\n    reads: " << words(component.reads)
+      << "\n    produces: " << words(component.produces)
+      << "\n    random: " << ((component.flags & WEFT_FLAG_RANDOM) != 0 ? "true" : "false")
+      << "\n    uses_truth: " << ((component.flags & WEFT_FLAG_USES_TRUTH) != 0 ? "true" : "false")
+      << "\n    extensions: " << extensions(component) << "\n    parameters:";
+  Declarations declarations;
+  const weft_describe sink{&declarations, [](void* context, const weft_parameter* parameter) {
+                             static_cast<Declarations*>(context)->add(*parameter);
+                           }};
+  if (component.describe(&sink) != WEFT_OK) {
+    return "its constructor failed while it declared its parameters; it should read them all and "
+           "do nothing else: files and checks belong in prepare()";
+  }
+  const std::string text = declarations.text.str();
+  out << (text.empty() ? " []\n" : "\n" + text);
+  return declarations.problem;
+}
+
+}  // namespace
+
+Result<std::string> describe_library(const weft_library_table& library,
+                                     const std::string& build_id) {
+  std::ostringstream out;
+  out << "# Written by the build; bound to the library by its build-id.\n"
+      << "weft_plugin: 1\nabi: [" << library.abi_major << ", " << library.abi_minor << "]\n"
+      << "build_id: " << double_quoted(build_id)
+      << "\ncompiler: " << double_quoted(library.compiler) << "\nisa: " << words(library.isa)
+      << "\ncomponents:\n";
+  for (std::uint32_t i = 0; i < library.count; ++i) {
+    const weft_component& component = *library.components[i];
+    if (std::string problem = write_component(out, component); !problem.empty()) {
+      return Error{Errc::plugin_failure, std::move(problem), component.id};
+    }
+  }
+  return out.str();
+}
+
+}  // namespace weft::host

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a component may ask of its host during a call.
+#include <algorithm>
+
+#include "host/calling/lane_parts.hpp"
+
+namespace weft::host {
+
+bool Lane::Scope::may_produce(std::string_view slot, std::string_view type) const {
+  return method != nullptr &&
+         std::any_of(method->outputs.begin(), method->outputs.end(), [&](const RoleSlot& output) {
+           return output.name == slot && output.type == type;
+         });
+}
+
+/// The functions behind weft_host; none throws.
+struct Callbacks {
+  /// The output record of a call that an array belongs to; null when there is no such output.
+  static Record* output(const weft_call* call, const char* slot, const char* type,
+                        const char* array) {
+    auto& scope = *static_cast<Lane::Scope*>(call->context);
+    if (slot == nullptr || type == nullptr || array == nullptr) return nullptr;
+    for (auto& [name, record] : scope.outputs) {
+      if (name == slot && record->type() == type) return record.get();
+    }
+    if (!scope.may_produce(slot, type)) return nullptr;
+    scope.outputs.emplace_back(slot, std::make_shared<Record>(type, scope.lane.arena_));
+    return scope.outputs.back().second.get();
+  }
+
+  static void* alloc(const weft_call* call, const char* slot, const char* type, const char* array,
+                     std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape) try {
+    Record* record = output(call, slot, type, array);
+    return record != nullptr ? record->allocate(array, dtype, ndim, shape) : nullptr;
+  } catch (...) {
+    return nullptr;
+  }
+
+  static std::int32_t adopt(const weft_call* call, const char* slot, const char* type,
+                            const char* array, std::int32_t dtype, std::int32_t ndim,
+                            const std::int64_t* shape, std::uint64_t handle) try {
+    auto& scope = *static_cast<Lane::Scope*>(call->context);
+    const weft_device_memory* library = scope.instance.device_memory;
+    if (library == nullptr) {
+      scope.refusal = "it names no device_memory of its own, and so cannot leave an array there";
+    }
+    Record* record = library != nullptr ? output(call, slot, type, array) : nullptr;
+    return record != nullptr &&
+                   record->adopt(array, dtype, ndim, shape, *library, handle, scope.instance.id)
+               ? 1
+               : 0;
+  } catch (...) {
+    return 0;
+  }
+
+  static std::int32_t cancelled(const weft_call* call) {
+    return static_cast<Lane::Scope*>(call->context)->lane.is_cancelled() ? 1 : 0;
+  }
+
+  static void log(const weft_call* call, std::int32_t level, const char* text) try {
+    auto& scope = *static_cast<Lane::Scope*>(call->context);
+    if (scope.lane.log_) scope.lane.log_(scope.instance.name(), level, text);
+  } catch (...) {
+    return;  // a message is not worth a crash
+  }
+
+  static std::int32_t invoke(const weft_call* call, std::uint64_t component, std::int32_t method,
+                             const weft_record* inputs, std::uint64_t count,
+                             const weft_record** outputs, std::uint64_t* output_count,
+                             weft_error* error) try {
+    auto& scope = *static_cast<Lane::Scope*>(call->context);
+    Instance* target = scope.lane.find(component);
+    if (target == nullptr) {
+      return report({Errc::not_found,
+                     "no component has the handle " + std::to_string(component) +
+                         "; was the warp made by this pipeline?",
+                     {}},
+                    error);
+    }
+    scope.nested.push_back(
+        scope.lane.enter(*target, method, {inputs, count}, scope.frame, scope.depth + 1));
+    const Outcome& outcome = scope.nested.back();
+    std::vector<weft_record>& views = scope.views.emplace_back();
+    for (const auto& [slot, record] : outcome.outputs) views.push_back(record->view(slot.c_str()));
+    ReachableInputs& reachable = scope.reached.emplace_back();
+    const auto readable = reachable.reach(views, scope.instance.device_memory, *call);
+    scope.downloaded_bytes += outcome.downloaded_bytes + reachable.downloaded_bytes();
+    scope.worker_processor_ms += outcome.worker_processor_ms;
+    if (!readable) return report(readable.error(), error);
+    *outputs = readable->data();
+    *output_count = readable->size();
+    if (outcome.status != WEFT_OK) report(outcome.error, error);
+    return outcome.status;
+  } catch (...) {
+    return report({Errc::plugin_failure, "the host is out of memory", {}}, error);
+  }
+};
+
+const weft_host& host_table() {
+  static constexpr weft_host kHost{sizeof(weft_host), 0,
+                                   &Callbacks::alloc, &Callbacks::cancelled,
+                                   &Callbacks::log,   &Callbacks::invoke,
+                                   &Callbacks::adopt};
+  return kHost;
+}
+
+}  // namespace weft::host

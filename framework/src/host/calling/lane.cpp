@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <weft/core/index.hpp>
+
+#include "host/calling/lane_parts.hpp"
+#include "host/records/plugin_error.hpp"
+
+namespace weft::host {
+
+namespace {
+
+constexpr int kDeepestNesting = 16;
+
+Error not_begun(const std::string& id) {
+  return {Errc::cancelled, "cancelled before it began", id};
+}
+
+bool must_produce(const Instance& instance, const RoleSlot& output) {
+  if (output.required || !instance.rules.gives_all) return output.required;
+  const std::vector<std::string>& produced = instance.produces;
+  return std::find(produced.begin(), produced.end(), output.name) != produced.end();
+}
+
+}  // namespace
+
+RecordPtr Outcome::find(std::string_view slot) const {
+  for (const auto& [name, record] : outputs) {
+    if (name == slot) return record;
+  }
+  return nullptr;
+}
+
+Lane::Lane(std::uint64_t run_seed, Log log, std::shared_ptr<SharedArena> arena,
+           std::uint64_t first_revision)
+    : run_seed_(run_seed),
+      log_(std::move(log)),
+      next_revision_(first_revision),
+      arena_(std::move(arena)) {}
+
+Lane::~Lane() = default;
+
+Result<Instance*> Lane::instantiate(const ComponentSpec& spec, const std::string& stage,
+                                    const std::string& path) {
+  if (is_cancelled()) return not_begun(spec.component().id);
+  if (path.empty()) announce(stage, "load", kOfflineFrame);
+  const auto table = load(*spec.installed);
+  if (!table) return table.error();
+  auto made = std::make_unique<Instance>(spec, stage, path);
+  made->table = *table;
+  made->device_memory = device_memory_of(**table);
+  Arguments handles;
+  for (const auto& [parameter, child] : spec.nested) {
+    const auto nested =
+        instantiate(child, stage, path.empty() ? parameter : path + "/" + parameter);
+    if (!nested) return nested.error();
+    made->nested.push_back(*nested);
+    handles.add_component(parameter, (*nested)->handle);
+  }
+  std::vector<weft_value> values = spec.arguments.values();
+  values.insert(values.end(), handles.values().begin(), handles.values().end());
+  void* self = nullptr;
+  weft_error error{};
+  const std::int32_t status = made->table->create(values.data(), values.size(), &self, &error);
+  if (status != WEFT_OK) return plugin_error(status, error, made->id);
+  if (self == nullptr) {
+    return Error{Errc::plugin_failure, "created nothing and gave no reason", made->id};
+  }
+  made->self = self;
+  Instance& instance = add(std::move(made));
+  // A worker that reads a warp evaluates it itself.
+  if (arena_ != nullptr && instance.rules.samples) {
+    instance.recreate = CreateMessage{instance.handle, stage, path, Recipe::of(spec)};
+  }
+  return &instance;
+}
+
+Instance& Lane::add(std::unique_ptr<Instance> instance) {
+  instance->handle = instances_.size() + 1;
+  instance->run_seed = run_seed_;
+  instances_.push_back(std::move(instance));
+  return *instances_.back();
+}
+
+weft_call Lane::make_call(const Instance& instance, Scope& scope, int method, std::uint64_t frame) {
+  weft_call call{};
+  call.struct_size = sizeof(weft_call);
+  call.method = method;
+  call.host = &host_table();
+  call.context = &scope;
+  call.seed = component_seed(instance.run_seed, frame, instance.stage, instance.path);
+  call.frame = frame;
+  call.threads = 1;
+  return call;
+}
+
+Result<void> Lane::prepare(Instance& instance, const Record& templ, const Record& camera) {
+  if (is_cancelled()) return not_begun(instance.id);
+  announce(instance.name(), "prepare", kOfflineFrame);
+  if (instance.worker != nullptr) {
+    return instance.worker->prepare({{"template", templ.alias()}, {"camera", camera.alias()}});
+  }
+  const weft_record inputs[] = {templ.view("template"), camera.view("camera")};
+  return prepare_here(instance, inputs);
+}
+
+Result<void> Lane::prepare_here(Instance& instance, std::span<const weft_record> inputs) {
+  for (Instance* nested : instance.nested) {
+    if (auto ready = prepare_here(*nested, inputs); !ready) return ready;
+  }
+  if (is_cancelled()) return not_begun(instance.id);
+  Scope scope{*this, instance, nullptr, 0, kOfflineFrame};
+  const weft_call call = make_call(instance, scope, 0, kOfflineFrame);
+  weft_error error{};
+  const std::int32_t status =
+      instance.table->prepare(instance.self, &call, inputs.data(), inputs.size(), &error);
+  if (status == WEFT_OK || status == WEFT_DEGENERATE) return {};
+  return plugin_error(status, error, instance.id);
+}
+
+Outcome Lane::call(Instance& instance, int method, std::span<const weft_record> inputs,
+                   std::uint64_t frame) {
+  const std::vector<RoleMethod>& methods = instance.rules.role.methods;
+  const auto index = to_index(method);
+  announce(instance.name(), index < methods.size() ? methods[index].name : "", frame);
+  return enter(instance, method, inputs, frame, 0);
+}
+
+Outcome Lane::evaluate(const Record& warp, const Points& points, std::uint64_t frame) {
+  const weft_record view = warp.view("warp");
+  Instance* producer = find(view.producer);
+  if (producer == nullptr) {
+    return {WEFT_ERROR, {Errc::not_found, "the warp's producer is gone", {}}, {}};
+  }
+  const RecordView<Points> points_view("points", points);
+  const weft_record inputs[] = {view, points_view.raw()};
+  return enter(*producer, kEvaluateWarp, inputs, frame, 0);
+}
+
+Outcome Lane::enter(Instance& instance, int method, std::span<const weft_record> inputs,
+                    std::uint64_t frame, int depth) {
+  const auto refuse = [&](const std::string& message) {
+    return Outcome{WEFT_ERROR, {Errc::plugin_failure, message, instance.id}, {}};
+  };
+  if (instance.running) return refuse("was called while it was running");
+  if (depth > kDeepestNesting) return refuse("is nested too deeply");
+  const std::vector<RoleMethod>& methods = instance.rules.role.methods;
+  if (method < 0 || method >= static_cast<int>(methods.size())) {
+    return refuse("its role has no method " + std::to_string(method));
+  }
+  Scope scope{*this, instance, &methods[to_index(method)], depth, frame};
+  const weft_call call = make_call(instance, scope, method, frame);
+  weft_error error{};
+  const Stopwatch watch;
+  ReachableInputs reachable;
+  const auto readable = reachable.reach(inputs, instance.device_memory, call);
+  scope.downloaded_bytes = reachable.downloaded_bytes();
+  std::int32_t status = WEFT_OK;
+  if (readable) {
+    instance.running = true;
+    status = instance.worker != nullptr
+                 ? call_worker(instance, scope, method, *readable, &error)
+                 : instance.table->process(instance.self, &call, readable->data(), readable->size(),
+                                           &error);
+    instance.running = false;
+  } else {
+    status = report(readable.error(), &error);
+  }
+  Spent took = watch.spent();
+  took.processor_ms += scope.worker_processor_ms;
+  Outcome outcome = finish(instance, scope, inputs, status, error);
+  outcome.downloaded_bytes = scope.downloaded_bytes;
+  outcome.worker_processor_ms = scope.worker_processor_ms;
+  timings_.push_back({instance.name(),
+                      took,
+                      watch.start(),
+                      scope.method->name,
+                      frame,
+                      outcome.status,
+                      {},
+                      outcome.downloaded_bytes});
+  return outcome;
+}
+
+Outcome Lane::finish(Instance& instance, Scope& scope, std::span<const weft_record> inputs,
+                     std::int32_t status, const weft_error& error) {
+  const auto broken = [&](const std::string& message) {
+    return Outcome{WEFT_ERROR, {Errc::plugin_failure, message, instance.id}, {}};
+  };
+  Outcome outcome;
+  outcome.status = status_of(status);
+  outcome.error = plugin_error(status, error, instance.id);
+  if (outcome.status == WEFT_ERROR && !scope.refusal.empty())
+    outcome.error.message += "; " + scope.refusal;
+  if (!outcome.usable()) return outcome;
+  for (auto& [slot, record] : scope.outputs) {
+    const weft_record view = record->view(slot.c_str());
+    auto valid = validate(view);
+    if (valid) valid = check_lengths(view, inputs);
+    if (!valid) return broken("returned an illegal output: " + valid.error().message);
+    record->set_revision(next_revision_++);
+    if (record->type() == Warp::kType) record->set_producer(instance.handle);
+    outcome.outputs.emplace_back(slot, std::move(record));
+  }
+  for (const RoleSlot& output : scope.method->outputs) {
+    if (must_produce(instance, output) && outcome.find(output.name) == nullptr) {
+      return broken("did not produce its output '" + output.name + "'");
+    }
+  }
+  return outcome;
+}
+
+Instance* Lane::find(std::uint64_t handle) const {
+  return handle >= 1 && handle <= instances_.size() ? instances_[handle - 1].get() : nullptr;
+}
+
+std::uint64_t handle_of(const Instance& instance) { return instance.handle; }
+
+std::vector<Timing> Lane::take_timings() { return std::exchange(timings_, {}); }
+
+}  // namespace weft::host

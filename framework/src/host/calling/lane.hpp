@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/calling/stopwatch.hpp"
+#include "host/loading/component_spec.hpp"
+#include "host/records/record.hpp"
+#include "host/workers/isolation.hpp"
+
+namespace weft::host {
+
+/// What a call of a component came to.
+struct Outcome {
+  weft_status status = WEFT_OK;
+  Error error;  ///< for degenerate its message is the reason
+  std::vector<std::pair<std::string, RecordPtr>> outputs;  ///< by slot
+  std::uint64_t downloaded_bytes = 0;  ///< fetched from device memory for it and those nested in it
+  double worker_processor_ms = 0.0;    ///< [] ms that workers spent on it and those nested in it
+
+  bool usable() const { return status == WEFT_OK || status == WEFT_DEGENERATE; }
+  RecordPtr find(std::string_view slot) const;
+};
+
+/// The frame number of calls that belong to no frame.
+inline constexpr std::uint64_t kOfflineFrame = ~std::uint64_t{0};
+
+/// One call of a component, nested ones included in its time.
+struct Timing {
+  std::string component;  ///< "filters", "filters/warp": stage name and nested path
+  Spent took;
+  std::chrono::steady_clock::time_point start{};
+  std::string method;  ///< as its role calls it: "fit", "evaluate"
+  std::uint64_t frame = kOfflineFrame;
+  weft_status status = WEFT_OK;
+  std::string worker;                  ///< the stage in whose worker it ran; empty for this process
+  std::uint64_t downloaded_bytes = 0;  ///< see Outcome
+};
+
+class Instance;
+struct Workplace;
+
+/// One set of component instances. The host enters a lane from one thread at a time.
+class Lane {
+ public:
+  using Log = std::function<void(const std::string& component, int level, const std::string& text)>;
+  /// What is about to run: a stage, what it does ("load", "prepare", a method), for which frame.
+  using Announce =
+      std::function<void(const std::string& stage, const std::string& what, std::uint64_t frame)>;
+
+  /// Outputs stand in `arena` where one is given, which isolated instances need. Revisions count
+  /// from `first_revision` on.
+  Lane(std::uint64_t run_seed, Log log, std::shared_ptr<SharedArena> arena = nullptr,
+       std::uint64_t first_revision = 1);
+  ~Lane();
+  Lane(const Lane&) = delete;
+  Lane& operator=(const Lane&) = delete;
+
+  /// Instances made from now on draw from this run seed.
+  void use_seed(std::uint64_t run_seed) { run_seed_ = run_seed; }
+
+  /// Loads the library and creates the component and those nested in it; `path` is that of a nested
+  /// component that stands alone here.
+  Result<Instance*> instantiate(const ComponentSpec& spec, const std::string& stage,
+                                const std::string& path = {});
+
+  /// Creates the component and those nested in it in a worker: no library is loaded here.
+  Result<Instance*> instantiate_apart(const ComponentSpec& spec, const std::string& stage,
+                                      const Isolation& isolation);
+
+  /// Gives template and camera to an instance and to those nested in it.
+  Result<void> prepare(Instance& instance, const Record& templ, const Record& camera);
+
+  /// As above, for an instance of this process; the two are records as a call has them.
+  Result<void> prepare_here(Instance& instance, std::span<const weft_record> inputs);
+
+  /// Calls a method of a component; outputs are validated. Never throws.
+  Outcome call(Instance& instance, int method, std::span<const weft_record> inputs,
+               std::uint64_t frame);
+
+  /// Evaluates a warp record at points, by its producer.
+  Outcome evaluate(const Record& warp, const Points& points, std::uint64_t frame);
+
+  /// Calls since the last time this was asked, in order of their end.
+  std::vector<Timing> take_timings();
+
+  /// Set from any thread to make plugins stop.
+  std::atomic<bool>& cancel() { return cancel_; }
+
+  /// Asked, from any thread, as often as plugins ask: they stop while it says so. Null for nobody.
+  void watch(std::function<bool()> cancelled) { watched_ = std::move(cancelled); }
+
+  /// Whether plugins are to stop. Nothing is created or prepared then.
+  bool is_cancelled() const { return cancel_ || (watched_ && watched_()); }
+
+  /// Told before components are created, prepared and called; not of those nested in them.
+  void announce_to(Announce announce) { announce_ = std::move(announce); }
+
+ private:
+  friend struct Callbacks;
+
+  struct Scope;
+  Instance& add(std::unique_ptr<Instance> instance);
+  Result<void> open_workplace();
+  Outcome enter(Instance& instance, int method, std::span<const weft_record> inputs,
+                std::uint64_t frame, int depth);
+  Outcome finish(Instance& instance, Scope& scope, std::span<const weft_record> inputs,
+                 std::int32_t status, const weft_error& error);
+  static weft_call make_call(const Instance& instance, Scope& scope, int method,
+                             std::uint64_t frame);
+  std::int32_t call_worker(Instance& instance, Scope& scope, int method,
+                           std::span<const weft_record> inputs, weft_error* error);
+  Instance* find(std::uint64_t handle) const;
+  void announce(const std::string& stage, const std::string& what, std::uint64_t frame) const {
+    if (announce_) announce_(stage, what, frame);
+  }
+
+  std::uint64_t run_seed_;
+  Log log_;
+  Announce announce_;
+  std::vector<std::unique_ptr<Instance>> instances_;  ///< handle - 1 is the index
+  std::vector<Timing> timings_;
+  std::uint64_t next_revision_;
+  std::atomic<bool> cancel_{false};
+  std::function<bool()> watched_;
+  std::shared_ptr<SharedArena> arena_;
+  std::unique_ptr<Workplace> workplace_;  ///< from the first worker on
+};
+
+/// The handle by which calls name an instance.
+std::uint64_t handle_of(const Instance& instance);
+
+/// seed = XXH3_64(run_seed LE64, frame LE64, stage UTF-8, 0, nested path UTF-8).
+std::uint64_t component_seed(std::uint64_t run_seed, std::uint64_t frame, std::string_view stage,
+                             std::string_view nested_path);
+
+/// A revision that depends on the content alone.
+std::uint64_t content_revision(const Record& record);
+
+}  // namespace weft::host

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+
+#include "host/calling/lane.hpp"
+#include "host/workers/worker.hpp"
+#include "roles/role_rules.hpp"
+
+namespace weft::host {
+
+/// What a component returned; anything that is no status is an error.
+inline weft_status status_of(std::int32_t status) {
+  return status >= WEFT_OK && status <= WEFT_CANCELLED ? static_cast<weft_status>(status)
+                                                       : WEFT_ERROR;
+}
+
+/// A created component, here or in a worker. Destroyed by its library's own function.
+class Instance {
+ public:
+  Instance(const ComponentSpec& spec, std::string in_stage, std::string at_path)
+      : id(spec.component().id),
+        rules(rules_of(spec.component().role())),
+        produces(spec.component().produces),
+        stage(std::move(in_stage)),
+        path(std::move(at_path)) {}
+  ~Instance() {
+    if (self != nullptr) table->destroy(self);
+  }
+  Instance(const Instance&) = delete;
+  Instance& operator=(const Instance&) = delete;
+
+  std::string name() const { return path.empty() ? stage : stage + "/" + path; }
+
+  std::string id;
+  const RoleRules& rules;
+  std::vector<std::string> produces;
+  std::string stage;
+  std::string path;  ///< of nested parameters: "start", "start/warp"
+  std::uint64_t handle = 0;
+  std::uint64_t run_seed = 0;
+  const weft_component* table = nullptr;  ///< null where the component lives in a worker
+  const weft_device_memory* device_memory =
+      nullptr;  ///< where its library keeps arrays, if it does
+  void* self = nullptr;
+  std::vector<Instance*> nested;
+  std::unique_ptr<Worker> worker;         ///< null where it lives here
+  std::optional<CreateMessage> recreate;  ///< of warps, which workers may have to evaluate
+  bool running = false;
+};
+
+/// What one running call owns.
+struct Lane::Scope {
+  Lane& lane;
+  Instance& instance;
+  const RoleMethod* method;
+  int depth;
+  std::uint64_t frame;
+  std::vector<std::pair<std::string, std::shared_ptr<Record>>> outputs{};
+  std::deque<Outcome> nested{};                  ///< keeps records of nested calls alive
+  std::deque<std::vector<weft_record>> views{};  ///< of those records
+  std::deque<ReachableInputs> reached{};         ///< behind those of them that had to be fetched
+  std::uint64_t downloaded_bytes = 0;            ///< for this call and those nested in it
+  double worker_processor_ms = 0.0;              ///< likewise
+  std::string refusal{};                         ///< why the host refused an array, if it says
+
+  /// Whether the role's method may produce this.
+  bool may_produce(std::string_view slot, std::string_view type) const;
+};
+
+/// The functions that every call brings; none throws.
+const weft_host& host_table();
+
+}  // namespace weft::host

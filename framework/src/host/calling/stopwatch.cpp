@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/calling/stopwatch.hpp"
+
+#include <time.h>
+
+namespace weft::host {
+namespace {
+
+double processor_ms_of_process() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+}  // namespace
+
+Stopwatch::Stopwatch()
+    : start_(std::chrono::steady_clock::now()), processor_start_ms_(processor_ms_of_process()) {}
+
+Spent Stopwatch::spent() const {
+  const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - start_;
+  return {wall.count(), processor_ms_of_process() - processor_start_ms_};
+}
+
+}  // namespace weft::host

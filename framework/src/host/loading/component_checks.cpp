@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/loading/component_checks.hpp"
+
+#include <algorithm>
+#include <weft/core/index.hpp>
+#include <weft/core/quote.hpp>
+
+#include "host/records/plugin_error.hpp"
+
+namespace weft::host {
+namespace {
+
+std::size_t element_size(std::int32_t type) {
+  if (type == WEFT_VALUE_F64) return sizeof(double);
+  return type == WEFT_VALUE_BOOL ? sizeof(std::uint8_t) : sizeof(std::int64_t);
+}
+
+bool is_text(std::int32_t type) {
+  return type >= WEFT_VALUE_CHOICE && type != WEFT_VALUE_COMPONENT;
+}
+
+/// Equal for the same component with the same values, whatever is nested in it.
+std::string identity_of(const ComponentSpec& spec) {
+  std::string key = spec.component().id;
+  for (const weft_value& value : spec.arguments.values()) {
+    key += '\0';
+    key += value.name;
+    key += '\0' + std::to_string(value.count) + ':';
+    const auto count = to_index(value.count);
+    if (is_text(value.type)) {
+      for (std::size_t i = 0; i < count; ++i) {
+        key += static_cast<const char* const*>(value.data)[i];
+        key += '\0';
+      }
+    } else {
+      key.append(static_cast<const char*>(value.data), count * element_size(value.type));
+    }
+  }
+  return key;
+}
+
+/// Where the value of a parameter stands; an unknown one is that of the component.
+yaml::Position place_of(const ComponentSpec& spec, const std::string& parameter) {
+  const yaml::Node* params = spec.effective.find("params");
+  const yaml::Node* value = params != nullptr ? params->find(parameter) : nullptr;
+  if (value != nullptr) return value->at;
+  const yaml::Node* use = spec.effective.find("use");
+  return use != nullptr ? use->at : spec.effective.at;
+}
+
+}  // namespace
+
+std::vector<ComponentChecks::Mistake> ComponentChecks::mistakes_of(const ComponentSpec& spec) {
+  const auto failed = [](const Error& error) {
+    return std::vector<Mistake>{{"", error.where + ": " + error.message}};
+  };
+  const auto table = load(*spec.installed);
+  if (!table) return failed(table.error());
+  const void* extension =
+      (*table)->get_extension != nullptr ? (*table)->get_extension(WEFT_CHECK) : nullptr;
+  if (extension == nullptr) return {};
+  const std::string& id = spec.component().id;
+  const std::vector<weft_value>& values = spec.arguments.values();
+  void* self = nullptr;
+  weft_error error{};
+  std::int32_t status = (*table)->create(values.data(), values.size(), &self, &error);
+  if (status != WEFT_OK) return failed(plugin_error(status, error, id));
+  if (self == nullptr) {
+    return failed({Errc::plugin_failure, "created nothing and gave no reason", id});
+  }
+  std::vector<Mistake> mistakes;
+  const auto note = [](void* context, const char* parameter, const char* message) {
+    static_cast<std::vector<Mistake>*>(context)->push_back({parameter, escaped(message)});
+  };
+  status = static_cast<const weft_check*>(extension)->check(self, &mistakes, note, &error);
+  (*table)->destroy(self);
+  if (status != WEFT_OK) mistakes.push_back(failed(plugin_error(status, error, id)).front());
+  return mistakes;
+}
+
+void ComponentChecks::ask(const ComponentSpec& spec, std::vector<yaml::Problem>& problems) {
+  if (spec.installed == nullptr) return;  // a mistake that was reported
+  const std::vector<std::string>& extensions = spec.component().extensions;
+  const bool asks = std::find(extensions.begin(), extensions.end(), WEFT_CHECK) != extensions.end();
+  if (asks && spec.bound) {
+    const auto [entry, is_new] = known_.try_emplace(identity_of(spec));
+    if (is_new) entry->second = mistakes_of(spec);
+    for (const Mistake& mistake : entry->second) {
+      problems.push_back({place_of(spec, mistake.parameter), mistake.message});
+    }
+  }
+  for (const NestedSpec& nested : spec.nested) ask(nested.component, problems);
+}
+
+}  // namespace weft::host

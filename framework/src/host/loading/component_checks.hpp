@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "host/loading/component_spec.hpp"
+
+namespace weft::host {
+
+/// What components say of their own parameters before anything runs (WEFT_CHECK): of files that
+/// they cannot read, patterns without a match, values that exclude one another. Only libraries
+/// whose manifest has the extension are loaded. The same component with the same parameters is
+/// asked once in the life of this object, so that a plan of many cells reads each file once.
+class ComponentChecks {
+ public:
+  /// Appends the mistakes of the component and of those nested in it, each at the value of the
+  /// parameter that it is about, or at `use`.
+  void ask(const ComponentSpec& spec, std::vector<yaml::Problem>& problems);
+
+ private:
+  struct Mistake {
+    std::string parameter;  ///< empty where it is about none
+    std::string message;
+  };
+
+  static std::vector<Mistake> mistakes_of(const ComponentSpec& spec);
+
+  std::map<std::string, std::vector<Mistake>> known_;  ///< by id and values
+};
+
+}  // namespace weft::host

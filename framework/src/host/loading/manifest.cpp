@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/loading/manifest.hpp"
+
+#include <array>
+#include <utility>
+
+namespace weft::host {
+namespace {
+
+constexpr std::array<std::pair<const char*, weft_value_type>, 9> kTypes{{
+    {"f64", WEFT_VALUE_F64},
+    {"i64", WEFT_VALUE_I64},
+    {"bool", WEFT_VALUE_BOOL},
+    {"choice", WEFT_VALUE_CHOICE},
+    {"text", WEFT_VALUE_TEXT},
+    {"input_path", WEFT_VALUE_INPUT_PATH},
+    {"output_path", WEFT_VALUE_OUTPUT_PATH},
+    {"component", WEFT_VALUE_COMPONENT},
+    {"labels", WEFT_VALUE_LABELS},
+}};
+
+/// Thrown inside this file only, when a manifest lacks something.
+struct Missing {
+  yaml::Position at;
+  std::string what;
+};
+
+const yaml::Node& get(const yaml::Node& node, const char* key) {
+  const yaml::Node* value = node.find(key);
+  if (value == nullptr) throw Missing{node.at, std::string("'") + key + "' is missing"};
+  return *value;
+}
+
+std::string text(const yaml::Node& node, const char* key) {
+  const yaml::Node& value = get(node, key);
+  if (value.kind != yaml::Kind::scalar) throw Missing{value.at, std::string(key) + " is no text"};
+  return value.scalar;
+}
+
+const std::vector<yaml::Node>& items(const yaml::Node& node, const char* key) {
+  const yaml::Node& value = get(node, key);
+  if (value.kind != yaml::Kind::sequence) {
+    throw Missing{value.at, std::string("'") + key + "' is no list"};
+  }
+  return value.items;
+}
+
+std::vector<std::string> texts(const yaml::Node& node, const char* key) {
+  std::vector<std::string> result;
+  for (const yaml::Node& item : items(node, key)) result.push_back(item.scalar);
+  return result;
+}
+
+bool flag(const yaml::Node& node, const char* key) {
+  const yaml::Node* value = node.find(key);
+  return value != nullptr && yaml::as_bool(*value).value_or(false);
+}
+
+ParameterSpec read_parameter(const yaml::Node& node) {
+  ParameterSpec spec;
+  spec.name = text(node, "name");
+  const std::string type = text(node, "type");
+  bool known = false;
+  for (const auto& [word, value] : kTypes) {
+    if (type != word) continue;
+    spec.type = value;
+    known = true;
+  }
+  if (!known) throw Missing{node.at, "'" + type + "' is no parameter type"};
+  spec.is_vector = flag(node, "vector");
+  spec.required = flag(node, "required");
+  if (!spec.required) spec.default_value = get(node, "default");
+  if (node.find("unit") != nullptr) spec.unit = text(node, "unit");
+  spec.help = text(node, "help");
+  if (const yaml::Node* range = node.find("range")) {
+    const bool two = range->items.size() == 2;
+    const auto minimum = two ? yaml::as_double(range->items[0]) : std::nullopt;
+    const auto maximum = two ? yaml::as_double(range->items[1]) : std::nullopt;
+    if (!minimum || !maximum) throw Missing{range->at, "'range' is not [minimum, maximum]"};
+    spec.bounded = true;
+    spec.minimum = *minimum;
+    spec.maximum = *maximum;
+  }
+  if (node.find("choices") != nullptr) spec.choices = texts(node, "choices");
+  if (node.find("role") != nullptr) spec.role = text(node, "role");
+  return spec;
+}
+
+ComponentManifest read_component(const yaml::Node& node) {
+  ComponentManifest component;
+  component.id = text(node, "id");
+  component.version = text(node, "version");
+  component.summary = text(node, "summary");
+  component.reference = text(node, "reference");
+  component.licence = text(node, "licence");
+  component.determinism = text(node, "determinism");
+  component.needs = texts(node, "needs");
+  component.reads = texts(node, "reads");
+  component.produces = texts(node, "produces");
+  component.random = flag(node, "random");
+  component.uses_truth = flag(node, "uses_truth");
+  if (node.find("extensions") != nullptr) component.extensions = texts(node, "extensions");
+  for (const yaml::Node& parameter : items(node, "parameters")) {
+    component.parameters.push_back(read_parameter(parameter));
+  }
+  return component;
+}
+
+Manifest read_root(const yaml::Node& root) {
+  Manifest manifest;
+  if (text(root, "weft_plugin") != "1") throw Missing{root.at, "is of another manifest version"};
+  const yaml::Node& abi = get(root, "abi");
+  if (abi.items.size() != 2) throw Missing{abi.at, "'abi' is not [major, minor]"};
+  const auto version = [](const yaml::Node& part) {
+    const std::int64_t number = yaml::as_int64(part).value_or(-1);
+    return number >= 0 && number <= 0xFFFF ? static_cast<int>(number) : -1;
+  };
+  manifest.abi_major = version(abi.items[0]);
+  manifest.abi_minor = version(abi.items[1]);
+  manifest.build_id = text(root, "build_id");
+  manifest.compiler = text(root, "compiler");
+  manifest.isa = texts(root, "isa");
+  for (const yaml::Node& component : items(root, "components")) {
+    manifest.components.push_back(read_component(component));
+  }
+  if (manifest.components.empty()) throw Missing{root.at, "'components' is empty"};
+  return manifest;
+}
+
+}  // namespace
+
+Result<Manifest> read_manifest(const std::string& file) {
+  const auto text = yaml::read_text(file);
+  if (!text) return text.error();
+  const auto document = yaml::parse(*text, file);
+  if (!document) return document.error();
+  if (!document->problems.empty()) {
+    const yaml::Problem& first = document->problems.front();
+    return Error{Errc::syntax, first.message, yaml::place(file, first.at)};
+  }
+  try {
+    Manifest manifest = read_root(document->root);
+    manifest.file = file;
+    manifest.library = file.substr(0, file.rfind(".plugin.yaml")) + ".so";
+    return manifest;
+  } catch (const Missing& missing) {
+    return Error{Errc::invalid_data, missing.what, yaml::place(file, missing.at)};
+  }
+}
+
+const char* parameter_type_name(weft_value_type type) {
+  for (const auto& [word, value] : kTypes) {
+    if (type == value) return word;
+  }
+  return "unknown";
+}
+
+}  // namespace weft::host

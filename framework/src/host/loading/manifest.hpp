@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <weft/abi.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+#include <weft/core/result.hpp>
+
+#include "yaml/yaml.hpp"
+
+namespace weft::host {
+
+/// One parameter as its component declares it.
+struct ParameterSpec {
+  std::string name;
+  weft_value_type type = WEFT_VALUE_F64;
+  bool is_vector = false;
+  bool required = false;
+  yaml::Node default_value;
+  std::string unit;
+  std::string help;
+  bool bounded = false;
+  double minimum = 0.0;
+  double maximum = 0.0;
+  std::vector<std::string> choices;
+  std::string role;  ///< of a component parameter
+};
+
+/// One component as its library's manifest describes it.
+struct ComponentManifest {
+  std::string id, version, summary, reference, licence, determinism;
+  std::vector<std::string> needs, reads, produces;
+  bool random = false;
+  bool uses_truth = false;
+  std::vector<std::string> extensions;  ///< "weft.draft.devices/1"
+  std::vector<ParameterSpec> parameters;
+
+  std::string role() const { return id.substr(0, id.find('/')); }
+};
+
+/// What stands beside a library, readable without loading it.
+struct Manifest {
+  std::string file;     ///< of the manifest
+  std::string library;  ///< of the shared object beside it
+  int abi_major = 0;
+  int abi_minor = 0;
+  std::string build_id, compiler;
+  std::vector<std::string> isa;
+  std::vector<ComponentManifest> components;
+};
+
+/// Fails with syntax or invalid_data, at file:line:column.
+Result<Manifest> read_manifest(const std::string& file);
+
+/// The word that a manifest uses for a parameter's type: "f64", "choice".
+const char* parameter_type_name(weft_value_type type);
+
+}  // namespace weft::host

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/records/device_array.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "host/records/plugin_error.hpp"
+#include "host/records/record.hpp"
+
+namespace weft::host {
+namespace {
+
+/// Whether an array lies where a component that has arrays in `own` cannot read.
+bool is_out_of_reach(const weft_array& array, const weft_device_memory* own) {
+  if (array.memory != WEFT_DEVICE) return false;
+  const DeviceArray* device = DeviceArray::of(array);
+  return device == nullptr || &device->library() != own;
+}
+
+bool is_out_of_reach(const weft_record& record, const weft_device_memory* own) {
+  return std::any_of(record.arrays, record.arrays + record.count,
+                     [&](const weft_array& array) { return is_out_of_reach(array, own); });
+}
+
+}  // namespace
+
+DeviceArray::DeviceArray(std::string maker, const weft_array& array,
+                         const weft_device_memory& library, std::shared_ptr<SharedArena> arena)
+    : maker_(std::move(maker)),
+      name_(array.name),
+      array_(array),
+      library_(library),
+      arena_(std::move(arena)) {
+  array_.name = name_.c_str();
+  library_.retain(array_.handle);
+}
+
+DeviceArray::~DeviceArray() { library_.release(array_.handle); }
+
+Result<DeviceArray::Copy> DeviceArray::copy(const weft_call* call) {
+  const auto failed = [&](const std::string& reason, Errc code = Errc::plugin_failure) {
+    return Error{code, "its array '" + name_ + "', which lies on a device, " + reason, maker_};
+  };
+  const auto bytes =
+      static_cast<std::uint64_t>(array_bytes(array_.dtype, array_.ndim, array_.shape));
+  const weft_memory kind = arena_ != nullptr ? WEFT_SHARED : WEFT_HOST;
+  const auto entry_at = [&](void* data) {
+    return array_at(array_.name, array_.dtype, array_.ndim, array_.shape, data, kind);
+  };
+  const std::lock_guard lock(mutex_);
+  if (copy_ != nullptr) return Copy{copy_, entry_at(copy_.get()), 0};
+  std::shared_ptr<void> memory = arena_ != nullptr ? arena_->allocate(bytes) : own_memory(bytes);
+  if (memory == nullptr) return failed("cannot be copied: memory is short");
+  weft_error error{};
+  const std::int32_t status = library_.download(call, array_.handle, memory.get(), bytes, &error);
+  if (status != WEFT_OK) {
+    return failed("cannot be copied: " + plugin_error(status, error, maker_).message,
+                  status == WEFT_CANCELLED ? Errc::cancelled : Errc::plugin_failure);
+  }
+  if (!is_finite(entry_at(memory.get()))) return failed("holds NaN or infinity");
+  copy_ = std::move(memory);
+  return Copy{copy_, entry_at(copy_.get()), bytes};
+}
+
+const weft_device_memory* device_memory_of(const weft_component& component) {
+  if (component.get_extension == nullptr) return nullptr;
+  const auto* library =
+      static_cast<const weft_device_memory*>(component.get_extension(WEFT_DEVICE_MEMORY));
+  const bool usable = library != nullptr && library->struct_size == sizeof(weft_device_memory) &&
+                      library->retain != nullptr && library->release != nullptr &&
+                      library->download != nullptr;
+  return usable ? library : nullptr;
+}
+
+Result<std::span<const weft_record>> ReachableInputs::reach(std::span<const weft_record> inputs,
+                                                            const weft_device_memory* own,
+                                                            const weft_call& call) {
+  if (std::none_of(inputs.begin(), inputs.end(),
+                   [&](const weft_record& record) { return is_out_of_reach(record, own); })) {
+    return inputs;
+  }
+  records_.assign(inputs.begin(), inputs.end());
+  for (weft_record& record : records_) {
+    if (!is_out_of_reach(record, own)) continue;
+    if (auto fetched = fetch(record, own, call); !fetched) return fetched.error();
+  }
+  return std::span<const weft_record>(records_);
+}
+
+Result<void> ReachableInputs::fetch(weft_record& record, const weft_device_memory* own,
+                                    const weft_call& call) {
+  std::vector<weft_array>& arrays =
+      arrays_.emplace_back(record.arrays, record.arrays + record.count);
+  for (weft_array& array : arrays) {
+    if (!is_out_of_reach(array, own)) continue;
+    DeviceArray* device = DeviceArray::of(array);
+    if (device == nullptr) {
+      return Error{Errc::plugin_failure,
+                   std::string("passed on an array '") + array.name +
+                       "' in device memory that is no input; nested components are given what the "
+                       "host has handed out"};
+    }
+    const auto copy = device->copy(&call);
+    if (!copy) return copy.error();
+    array = copy->array;
+    downloaded_bytes_ += copy->downloaded_bytes;
+  }
+  record.arrays = arrays.data();
+  return {};
+}
+
+}  // namespace weft::host

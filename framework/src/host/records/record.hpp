@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+#include <weft/data/codec.hpp>
+
+#include "host/records/device_array.hpp"
+#include "host/records/shared_memory.hpp"
+
+namespace weft::host {
+
+/// A record that the host owns: what a plugin allocated through the host, or a copy of a noun.
+class Record {
+ public:
+  /// Its arrays stand in `arena` where one is given.
+  explicit Record(std::string type, std::shared_ptr<SharedArena> arena = nullptr)
+      : type_(std::move(type)), arena_(std::move(arena)) {}
+
+  /// Zero-filled, 64-byte aligned, C order; replaces an array of the same name. Null when the
+  /// request is illegal or memory is short. Names have letters, digits, `_`, `-` and `.` only.
+  void* allocate(std::string_view name, std::int32_t dtype, std::int32_t ndim,
+                 const std::int64_t* shape);
+
+  /// An array whose contents are there already, contiguous in C order, in memory that another
+  /// process maps too. False when the request is illegal.
+  bool adopt(std::string_view name, std::int32_t dtype, std::int32_t ndim,
+             const std::int64_t* shape, std::shared_ptr<void> contents);
+
+  /// An array that stays in the device memory of its maker's library. False when the request is
+  /// illegal.
+  bool adopt(std::string_view name, std::int32_t dtype, std::int32_t ndim,
+             const std::int64_t* shape, const weft_device_memory& library, std::uint64_t handle,
+             const std::string& maker);
+
+  const std::string& type() const { return type_; }
+  std::uint64_t revision() const { return revision_; }
+  void set_revision(std::uint64_t revision) { revision_ = revision; }
+  void set_producer(std::uint64_t component) { producer_ = component; }
+
+  /// The arrays as the contract sees them, valid while this record lives and is not changed.
+  weft_record view(const char* slot) const;
+
+  /// A copy of the array's entry, sharing its memory, from another record.
+  void share(const Record& other, std::string_view name);
+
+  /// A record of the same content that shares all arrays with this one.
+  std::shared_ptr<const Record> alias() const;
+
+  /// As alias(), with copies of what lies in device memory. Fails as DeviceArray::copy().
+  Result<std::shared_ptr<const Record>> in_host_memory() const;
+
+  template <class Noun>
+  static std::shared_ptr<Record> copy_of(const Noun& noun) {
+    auto record = std::make_shared<Record>(Noun::kType);
+    const auto allocate = [&](const char* name, std::int32_t dtype, int ndim,
+                              const std::int64_t* shape) {
+      return record->allocate(name, dtype, ndim, shape);
+    };
+    if (!write_record(noun, allocate)) return nullptr;
+    return record;
+  }
+
+ private:
+  struct Entry {
+    std::string name;
+    std::shared_ptr<void> memory;
+  };
+  std::size_t slot_of(std::string_view name);
+  weft_array& place(std::string_view name, std::int32_t dtype, std::int32_t ndim,
+                    const std::int64_t* shape, std::shared_ptr<void> contents, weft_memory kind);
+
+  std::string type_;
+  std::shared_ptr<SharedArena> arena_;
+  std::uint64_t revision_ = 0;
+  std::uint64_t producer_ = 0;
+  std::deque<Entry> entries_;  ///< a deque: arrays point at the names
+  std::vector<weft_array> arrays_;
+};
+
+using RecordPtr = std::shared_ptr<const Record>;
+
+/// Whether no number of an array, which is not in device memory, is NaN or infinite.
+bool is_finite(const weft_array& array);
+
+/// Zero-filled, 64-byte aligned; null when memory is short.
+std::shared_ptr<void> own_memory(std::size_t bytes);
+
+/// The entry of an array that lies contiguous in C order.
+weft_array array_at(const char* name, std::int32_t dtype, std::int32_t ndim,
+                    const std::int64_t* shape, void* data, weft_memory kind);
+
+/// [bytes] of an array, or -1 when its type or shape is illegal.
+std::int64_t array_bytes(std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape);
+
+/// The noun in a record, borrowing from it. The record was validated when it was made.
+template <class Noun>
+Result<Noun> view_as(const Record& record) {
+  return read_record<Noun>(record.view(""));
+}
+
+/// Whether a record has the arrays, types and shapes of the catalogue and holds no NaN or infinity
+/// where none is allowed; the Error names the array.
+Result<void> validate(const weft_record& record);
+
+/// Whether an output of a call is as long as the inputs that it speaks of: a mask as its matches,
+/// samples of a warp as the points, a shape and its visibility as the template's mesh.
+Result<void> check_lengths(const weft_record& output, std::span<const weft_record> inputs);
+
+}  // namespace weft::host

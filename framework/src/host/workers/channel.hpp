@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include "host/workers/message.hpp"
+
+namespace weft::host {
+
+struct Message {
+  MessageKind kind{};
+  std::string content;
+};
+
+/// One end of the socket between a host and a worker. It closes the socket.
+class Channel {
+ public:
+  enum class Received { message, closed, unreadable, gave_up };
+
+  explicit Channel(int socket) : socket_(socket) {}
+  ~Channel();
+  Channel(const Channel&) = delete;
+  Channel& operator=(const Channel&) = delete;
+
+  int socket() const { return socket_; }
+
+  /// From any thread; false when the other end is gone or does not read.
+  bool send(MessageKind kind, std::string_view content);
+
+  /// Waits for a message. `keep_waiting` is asked every few milliseconds; empty waits for ever.
+  Received receive(Message& message, const std::function<bool()>& keep_waiting = {});
+
+  /// Tells the other end that nothing more will come.
+  void finish();
+
+ private:
+  Received read(char* target, std::size_t size, const std::function<bool()>& keep_waiting);
+
+  int socket_;
+  std::mutex sending_;
+};
+
+}  // namespace weft::host

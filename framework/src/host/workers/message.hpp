@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <weft/abi.h>
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/workers/recipe.hpp"
+
+/// What host and worker say to each other. Arrays stay in shared memory: messages name offsets.
+namespace weft::host {
+
+/// An array in shared memory.
+struct PlacedArray {
+  std::string name;
+  std::int32_t dtype = 0, ndim = 0;
+  std::array<std::int64_t, WEFT_MAX_DIMENSIONS> shape{}, stride{};
+  std::uint64_t offset = 0;  ///< [bytes]
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit(self.name), visit(self.dtype), visit(self.ndim), visit(self.offset);
+    for (auto& length : self.shape) visit(length);
+    for (auto& step : self.stride) visit(step);
+  }
+};
+
+/// A record whose arrays stand in shared memory.
+struct PlacedRecord {
+  std::string slot, type;
+  std::uint64_t revision = 0, producer = 0;
+  std::vector<PlacedArray> arrays;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit(self.slot), visit(self.type), visit(self.revision), visit(self.producer);
+    visit(self.arrays);
+  }
+};
+
+enum class MessageKind : std::uint32_t { hello = 1, create, prepare, process, log, reply };
+
+/// The first message: who calls, and where the cancel flag stands in the host's memory.
+struct HelloMessage {
+  std::string version;
+  std::uint64_t run_seed = 0, inputs_reserve_bytes = 0, outputs_reserve_bytes = 0;
+  std::uint64_t cancel_offset = 0;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit(self.version), visit(self.run_seed), visit(self.inputs_reserve_bytes);
+    visit(self.outputs_reserve_bytes), visit(self.cancel_offset);
+  }
+};
+
+/// A component that the worker shall have, under the handle that it has in the host.
+struct CreateMessage {
+  std::uint64_t handle = 0;
+  std::string stage, path;
+  Recipe recipe;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit(self.handle), visit(self.stage), visit(self.path), visit(self.recipe);
+  }
+};
+
+/// A call of prepare, or of a method.
+struct CallMessage {
+  std::uint64_t handle = 0, frame = 0;
+  std::int32_t method = 0;
+  std::vector<PlacedRecord> inputs;
+  std::vector<std::uint64_t> returned;  ///< offsets of output arrays that the host has done with
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit(self.handle), visit(self.frame), visit(self.method), visit(self.inputs);
+    visit(self.returned);
+  }
+};
+
+struct LogMessage {
+  std::string component, text;
+  std::int32_t level = 0;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit(self.component), visit(self.text), visit(self.level);
+  }
+};
+
+struct PlacedTiming {
+  std::string component, method;
+  std::int64_t start_ns = 0;            ///< [ns] of the steady clock, which is the machine's
+  double ms = 0.0, processor_ms = 0.0;  ///< see Spent
+  std::int32_t status = WEFT_OK;
+  std::uint64_t downloaded_bytes = 0;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit(self.component), visit(self.method), visit(self.start_ns), visit(self.ms);
+    visit(self.processor_ms), visit(self.status), visit(self.downloaded_bytes);
+  }
+};
+
+/// The answer to any of them but log.
+struct ReplyMessage {
+  std::int32_t status = WEFT_OK, code = 0;
+  std::string message, where;
+  std::vector<PlacedRecord> outputs;
+  std::vector<PlacedTiming> timings;  ///< of the components nested in the one called
+  std::uint64_t downloaded_bytes = 0;
+  double processor_ms = 0.0;  ///< [] ms that this process spent on the call
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit(self.status), visit(self.code), visit(self.message), visit(self.where);
+    visit(self.outputs), visit(self.timings), visit(self.downloaded_bytes);
+    visit(self.processor_ms);
+  }
+};
+
+}  // namespace weft::host

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "host/loading/component_spec.hpp"
+
+namespace weft::host {
+
+/// A parameter of a component: its value stands in the list that fits its type.
+struct RecipeValue {
+  std::string name;
+  std::int32_t type = 0, is_vector = 0;
+  std::vector<double> numbers;
+  std::vector<std::int64_t> integers;
+  std::vector<std::uint8_t> flags;
+  std::vector<std::string> texts;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit(self.name), visit(self.type), visit(self.is_vector);
+    visit(self.numbers), visit(self.integers), visit(self.flags), visit(self.texts);
+  }
+};
+
+/// All that it takes to make a component, with those nested in it.
+struct Recipe {
+  std::string parameter;  ///< of the component that holds it; empty for the outermost
+  std::string id, library;
+  std::vector<std::string> produces;
+  std::vector<RecipeValue> values;
+  std::vector<Recipe> nested;
+
+  static Recipe of(const ComponentSpec& spec);
+
+  /// As a component of this process; `installed` holds what it refers to.
+  ComponentSpec spec(std::deque<Installed>& installed) const;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit(self.parameter), visit(self.id), visit(self.library), visit(self.produces);
+    visit(self.values), visit(self.nested);
+  }
+};
+
+}  // namespace weft::host

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/workers/worker.hpp"
+
+#include <weft/core/version.hpp>
+
+#include "host/workers/codec.hpp"
+#include "host/workers/process.hpp"
+
+namespace weft::host {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kCancelPatience{1000};
+
+/// Nothing that a worker says is taken for granted.
+Error error_in(const ReplyMessage& reply) {
+  constexpr std::size_t kLongestText = 1023;
+  const bool known = reply.code >= static_cast<std::int32_t>(Errc::no_result) &&
+                     reply.code <= static_cast<std::int32_t>(Errc::no_memory);
+  return {known ? static_cast<Errc>(reply.code) : Errc::plugin_failure,
+          reply.message.substr(0, kLongestText), reply.where.substr(0, kLongestText)};
+}
+
+}  // namespace
+
+/// What a worker has lent to this process, until the process has done with it.
+class Loans : public std::enable_shared_from_this<Loans> {
+ public:
+  Loans(std::shared_ptr<SharedMemory> memory, std::shared_ptr<SharedInputs> inputs)
+      : memory_(std::move(memory)), inputs_(std::move(inputs)) {}
+
+  const SharedMemory& memory() const { return *memory_; }
+
+  /// The memory at an offset, which is given back with the last reference; null when the worker
+  /// has no such memory.
+  std::shared_ptr<void> take(std::uint64_t offset, std::int64_t bytes) {
+    void* memory = memory_->at(offset, static_cast<std::uint64_t>(bytes));
+    if (memory == nullptr || offset % 64 != 0) return nullptr;
+    inputs_->watch(memory);
+    return {memory, [loans = shared_from_this(), offset](void* p) {
+              loans->inputs_->forget(p);
+              const std::lock_guard lock(loans->mutex_);
+              loans->returned_.push_back(offset);
+            }};
+  }
+
+  std::vector<std::uint64_t> returned() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(returned_, {});
+  }
+
+ private:
+  std::shared_ptr<SharedMemory> memory_;
+  std::shared_ptr<SharedInputs> inputs_;
+  std::mutex mutex_;
+  std::vector<std::uint64_t> returned_;  ///< offsets
+};
+
+Worker::Worker(Isolation isolation, Workplace workplace, CreateMessage component)
+    : isolation_(std::move(isolation)),
+      workplace_(std::move(workplace)),
+      component_(std::move(component)) {}
+
+Worker::~Worker() = default;
+
+Result<void> Worker::start() {
+  auto outputs = SharedMemory::create(SharedMemory::Access::read);
+  if (!outputs) return outputs.error();
+  const SharedArena& arena = *workplace_.inputs->arena();
+  auto process =
+      WorkerProcess::start(isolation_.program, arena.memory().file(), (*outputs)->file());
+  if (!process) return process.error();
+  process_ = *std::move(process);
+  loans_ = std::make_shared<Loans>(*outputs, workplace_.inputs);
+  known_.clear();
+  kept_.clear();
+  const HelloMessage hello{kVersion, workplace_.run_seed, arena.memory().reserve_bytes(),
+                           loans_->memory().reserve_bytes(),
+                           *arena.memory().offset_of(workplace_.cancel.get())};
+  const auto met = converse(MessageKind::hello, pack(hello));
+  if (!met) return met.error();
+  if (met->status != WEFT_OK) {
+    return Error{Errc::incompatible, error_in(*met).message, component_.recipe.id};
+  }
+  auto made = introduce(component_);
+  if (made) known_.insert(component_.handle);
+  return made;
+}
+
+Result<void> Worker::ready() {
+  if (process_ != nullptr) return {};
+  auto started = start();
+  if (started && !prepared_.empty()) started = prepare_there(component_.handle);
+  if (!started) process_.reset();  // the next call tries again
+  return started;
+}
+
+Result<void> Worker::introduce(const CreateMessage& component) {
+  const auto reply = converse(MessageKind::create, pack(component));
+  if (!reply) return reply.error();
+  return reply->status == WEFT_OK ? Result<void>{} : error_in(*reply);
+}
+
+Result<void> Worker::prepare(std::vector<std::pair<std::string, RecordPtr>> inputs) {
+  prepared_ = std::move(inputs);
+  const bool running = process_ != nullptr;
+  const auto up = ready();
+  return up && running ? prepare_there(component_.handle) : up;
+}
+
+Result<void> Worker::prepare_there(std::uint64_t handle) {
+  std::vector<weft_record> views;
+  for (const auto& [slot, record] : prepared_) views.push_back(record->view(slot.c_str()));
+  auto placed = place(views, kept_);
+  if (!placed) return placed.error();
+  const auto reply =
+      converse(MessageKind::prepare, pack(CallMessage{handle, 0, 0, *std::move(placed), {}}));
+  if (!reply) return reply.error();
+  return reply->status == WEFT_OK ? Result<void>{} : error_in(*reply);
+}
+
+Result<void> Worker::learn(const CreateMessage& component) {
+  if (auto up = ready(); !up) return up;
+  if (known_.count(component.handle) != 0) return {};
+  if (auto made = introduce(component); !made) return made;
+  auto prepared = prepare_there(component.handle);
+  if (prepared) known_.insert(component.handle);
+  return prepared;
+}
+
+Result<Worker::Answer> Worker::process(int method, std::uint64_t frame,
+                                       std::span<const weft_record> inputs) {
+  if (auto up = ready(); !up) return up.error();
+  process_->forget_old_output();
+  std::vector<std::shared_ptr<void>> keep;
+  auto placed = place(inputs, keep);
+  if (!placed) return placed.error();
+  const CallMessage call{component_.handle, frame, method, *std::move(placed), loans_->returned()};
+  const auto reply = converse(MessageKind::process, pack(call), isolation_.deadline);
+  if (!reply) return reply.error();
+  Answer answer{reply->status,  error_in(*reply),        {},
+                reply->timings, reply->downloaded_bytes, reply->processor_ms};
+  for (const PlacedRecord& output : reply->outputs) {
+    auto record = adopt(output);
+    if (!record) return fail(record.error().message).error();
+    answer.outputs.emplace_back(output.slot, *std::move(record));
+  }
+  return answer;
+}
+
+Result<std::vector<PlacedRecord>> Worker::place(std::span<const weft_record> records,
+                                                std::vector<std::shared_ptr<void>>& keep) const {
+  std::vector<PlacedRecord> result;
+  for (const weft_record& record : records) {
+    auto placed = workplace_.inputs->place(record, keep);
+    if (!placed) return placed.error();
+    result.push_back(*std::move(placed));
+  }
+  return result;
+}
+
+Result<std::shared_ptr<Record>> Worker::adopt(const PlacedRecord& placed) const {
+  auto record = std::make_shared<Record>(placed.type);
+  for (const PlacedArray& array : placed.arrays) {
+    const std::int64_t bytes = array_bytes(array.dtype, array.ndim, array.shape.data());
+    std::shared_ptr<void> memory = bytes >= 0 ? loans_->take(array.offset, bytes) : nullptr;
+    if (memory == nullptr || !record->adopt(array.name, array.dtype, array.ndim, array.shape.data(),
+                                            std::move(memory))) {
+      return Error{Errc::plugin_failure, "named an array that it does not have, and was ended"};
+    }
+  }
+  return record;
+}
+
+Result<ReplyMessage> Worker::converse(MessageKind kind, const std::string& content,
+                                      std::chrono::milliseconds deadline) {
+  const auto start = Clock::now();
+  std::optional<Clock::time_point> cancelled_at;
+  workplace_.cancel->store(workplace_.cancelled());
+  const auto keep_waiting = [&] {
+    const auto now = Clock::now();
+    if (!cancelled_at && workplace_.cancelled()) cancelled_at = now;
+    workplace_.cancel->store(cancelled_at.has_value());
+    if (cancelled_at && now - *cancelled_at > kCancelPatience) return false;
+    return deadline.count() == 0 || now - start < deadline;
+  };
+  const auto gave_up = [&] {
+    if (cancelled_at) return fail("did not stop when cancelled, and was ended", Errc::cancelled);
+    return fail("gave no answer within " + std::to_string(deadline.count()) + " ms and was ended");
+  };
+  if (!process_->channel().send(kind, content)) return died();
+  for (;;) {
+    Message message;
+    const auto got = process_->channel().receive(message, keep_waiting);
+    if (got == Channel::Received::closed) return died();
+    if (got == Channel::Received::unreadable) return fail("sent what is no message, and was ended");
+    if (got == Channel::Received::gave_up) return gave_up();
+    auto reply = unpack<ReplyMessage>(message.content);
+    if (message.kind == MessageKind::reply && reply) return *std::move(reply);
+    const auto log = unpack<LogMessage>(message.content);
+    if (message.kind != MessageKind::log || !log) {
+      return fail("sent what is no answer, and was ended");
+    }
+    if (workplace_.log) workplace_.log(log->component, log->level, log->text);
+    if (!keep_waiting()) return gave_up();
+  }
+}
+
+Result<ReplyMessage> Worker::died() {
+  const Error death = process_->cause_of_death();
+  return fail(death.message, death.code);
+}
+
+Result<ReplyMessage> Worker::fail(const std::string& cause, Errc code) {
+  process_->kill();
+  process_.reset();
+  return Error{code, "its worker " + cause, component_.recipe.id};
+}
+
+}  // namespace weft::host

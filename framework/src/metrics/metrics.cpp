@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "metrics/metrics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <weft/core/statistics.hpp>
+
+#include "metrics/field.hpp"
+#include "metrics/frame_evaluation.hpp"
+#include "metrics/jitter.hpp"
+#include "metrics/runs/run_reader.hpp"
+#include "metrics/shape_meter.hpp"
+
+namespace weft::evaluation {
+namespace {
+
+double largest(const std::vector<double>& values) { return percentile(values, 100.0); }
+
+ErrorSummary summarise(const std::vector<const FrameMetrics*>& frames, Outcome outcome) {
+  ErrorSummary summary;
+  std::vector<double> means, worst_points, of_depth;
+  for (const FrameMetrics* frame : frames) {
+    if (frame->outcome != outcome || !frame->error) continue;
+    if (means.empty() || frame->error->mean_mm > largest(means)) {
+      summary.worst_frame = frame->label();
+    }
+    means.push_back(frame->error->mean_mm);
+    worst_points.push_back(frame->error->worst_mm);
+    of_depth.push_back(frame->error->of_depth_percent);
+  }
+  summary.frames = static_cast<std::int64_t>(means.size());
+  summary.mean_mm = mean_or_unknown(means);
+  summary.median_mm = median(means);
+  summary.p95_mm = percentile(means, 95.0);
+  summary.worst_mm = largest(means);
+  summary.worst_point_mm = largest(worst_points);
+  summary.of_depth_percent = mean_or_unknown(of_depth);
+  if (means.size() < 2) return summary;
+  double squares = 0.0;
+  for (const double value : means) squares += std::pow(value - summary.mean_mm, 2);
+  const auto count = static_cast<double>(means.size());
+  summary.standard_error_mm = std::sqrt(squares / (count - 1.0) / count);
+  return summary;
+}
+
+TruthMetrics summarise_group(const std::vector<const FrameMetrics*>& frames, double off_mm) {
+  TruthMetrics group;
+  std::vector<double> strains, strains_p95;
+  for (const FrameMetrics* frame : frames) {
+    ++group.frames;
+    group.solved += frame->outcome == Outcome::solved;
+    group.held += frame->outcome == Outcome::held;
+    group.missing += frame->outcome == Outcome::missing;
+    group.invalid += frame->outcome == Outcome::invalid;
+    group.points += frame->points;
+    group.extrapolated += frame->extrapolated;
+    group.unlocated += frame->unlocated;
+    const bool has_shape = frame->outcome == Outcome::solved || frame->outcome == Outcome::held;
+    group.unmeasured += has_shape && !frame->error && frame->points > 0;
+    group.off += frame->error && frame->error->mean_mm > off_mm;
+    if (frame->outcome != Outcome::solved) continue;
+    strains.push_back(frame->strain_mean);
+    strains_p95.push_back(frame->strain_p95);
+  }
+  group.solved_error = summarise(frames, Outcome::solved);
+  group.held_error = summarise(frames, Outcome::held);
+  group.strain_mean = mean_or_unknown(strains);
+  group.strain_p95 = mean_or_unknown(strains_p95);
+  return group;
+}
+
+void count_frames(RunMetrics& metrics) {
+  FrameCounts& counts = metrics.counts;
+  std::vector<double> strains, strains_p95;
+  for (const FrameMetrics& frame : metrics.frames) {
+    ++counts.frames;
+    counts.failed += frame.failed;
+    if (frame.outcome == Outcome::solved) {
+      strains.push_back(frame.strain_mean);
+      strains_p95.push_back(frame.strain_p95);
+    }
+    if (frame.outcome == Outcome::invalid) {
+      ++counts.invalid;
+      continue;
+    }
+    counts.estimated += frame.state == ShapeState::estimated;
+    counts.weak += frame.state == ShapeState::weak;
+    counts.predicted += frame.state == ShapeState::predicted;
+    counts.lost += frame.state == ShapeState::lost;
+    counts.none += frame.state == ShapeState::none;
+  }
+  metrics.strain_mean = mean_or_unknown(strains);
+  metrics.strain_p95 = mean_or_unknown(strains_p95);
+}
+
+void summarise_image(double match_tolerance_px, RunMetrics& metrics) {
+  ImageSummary& image = metrics.image;
+  std::vector<double> reprojection, overlay, truth_map;
+  const auto add = [](double value, std::vector<double>& values) {
+    if (std::isfinite(value)) values.push_back(value);
+  };
+  for (const FrameMetrics& frame : metrics.frames) {
+    if (!frame.apart.empty()) continue;
+    add(frame.image.reprojection_px, reprojection);
+    add(frame.image.overlay_px, overlay);
+    add(frame.image.truth_map_px, truth_map);
+    image.reprojection_matches += frame.image.reprojection_matches;
+    image.overlay_vertices += frame.image.overlay_vertices;
+    image.behind_camera_frames += frame.image.behind_camera;
+  }
+  image.match_tolerance_px = match_tolerance_px;
+  image.reprojection_frames = static_cast<std::int64_t>(reprojection.size());
+  image.overlay_frames = static_cast<std::int64_t>(overlay.size());
+  image.reprojection_px = mean_or_unknown(reprojection);
+  image.overlay_px = mean_or_unknown(overlay);
+  image.truth_map_px = median(truth_map);
+}
+
+void summarise_depth(RunMetrics& metrics) {
+  DepthSummary& depth = metrics.depth;
+  std::vector<double> medians_mm;
+  for (const FrameMetrics& frame : metrics.frames) {
+    if (!frame.depth || !frame.apart.empty()) continue;
+    depth.matches += frame.depth->matches;
+    depth.without_depth += frame.depth->without_depth;
+    if (frame.depth->matches == 0) ++depth.frames_without_median;
+    if (frame.depth->matches > 0) medians_mm.push_back(frame.depth->median_mm);
+  }
+  depth.frames = static_cast<std::int64_t>(medians_mm.size());
+  depth.mean_mm = mean_or_unknown(medians_mm);
+  depth.median_mm = median(medians_mm);
+  depth.worst_mm = largest(medians_mm);
+}
+
+void add_visibility(RunMetrics& metrics) {
+  std::vector<VisibilityCounts> counts;
+  for (const FrameMetrics& frame : metrics.frames) {
+    if (frame.visibility && frame.apart.empty()) counts.push_back(*frame.visibility);
+  }
+  metrics.visibility = summarise_visibility(counts);
+}
+
+void add_certainty(RunMetrics& metrics) {
+  std::vector<FrameCertainty> frames;
+  for (const FrameMetrics& frame : metrics.frames) {
+    if (frame.certainty && frame.apart.empty()) frames.push_back(*frame.certainty);
+  }
+  metrics.certainty = summarise_certainty(frames);
+}
+
+void summarise_filters(RunMetrics& metrics) {
+  std::vector<std::string> stages;
+  std::map<std::string, std::vector<FilterCounts>> counts;
+  for (const FrameMetrics& frame : metrics.frames) {
+    if (!frame.apart.empty()) continue;
+    for (const auto& [stage, each] : frame.filters) {
+      if (counts.count(stage) == 0) stages.push_back(stage);
+      counts[stage].push_back(each);
+    }
+  }
+  for (const std::string& stage : stages) {
+    metrics.filters.push_back(summarise_filter(stage, counts[stage]));
+  }
+}
+
+void summarise_warps(RunMetrics& metrics) {
+  std::vector<std::string> stages;
+  std::map<std::string, std::vector<WarpErrors>> errors;
+  for (const FrameMetrics& frame : metrics.frames) {
+    if (!frame.apart.empty()) continue;
+    for (const auto& [stage, each] : frame.warps) {
+      if (errors.count(stage) == 0) stages.push_back(stage);
+      errors[stage].push_back(each);
+    }
+  }
+  for (const std::string& stage : stages) {
+    metrics.warps.push_back(summarise_warp(stage, errors[stage]));
+  }
+}
+
+void group_frames(double off_mm, RunMetrics& metrics) {
+  std::map<std::pair<std::string, std::string>, std::vector<const FrameMetrics*>> groups;
+  std::vector<const FrameMetrics*> all;
+  for (const FrameMetrics& frame : metrics.frames) {
+    if (!frame.has_truth) continue;
+    groups[{frame.apart, frame.kind}].push_back(&frame);
+    if (frame.apart.empty()) all.push_back(&frame);
+  }
+  for (const auto& [key, frames] : groups) {
+    metrics.groups.push_back({summarise_group(frames, off_mm), key.second, key.first});
+  }
+  metrics.all = summarise_group(all, off_mm);
+}
+
+/// The first error, with how many files have one.
+Error damage_of(const std::vector<Error>& errors, std::size_t frames) {
+  Error first = errors.front();
+  if (errors.size() == 1) return first;
+  first.message += "; " + std::to_string(errors.size()) + " of " + std::to_string(frames) +
+                   " frames are damaged, the last one in " + errors.back().where;
+  return first;
+}
+
+std::string name_of(const std::string& folder) {
+  const auto path = std::filesystem::absolute(folder).lexically_normal();
+  return (path.has_filename() ? path : path.parent_path()).filename().string();
+}
+
+}  // namespace
+
+const char* to_string(Outcome outcome) {
+  constexpr const char* kNames[] = {"solved", "held", "missing", "invalid"};
+  return kNames[static_cast<int>(outcome)];
+}
+
+struct RunEvaluator::State {
+  const RunReader& scene;
+  ShapeMeter meter;
+  EvaluationOptions options;
+  MotionMeter motion{};
+  std::vector<FrameMetrics> frames{};
+};
+
+RunEvaluator::RunEvaluator(std::unique_ptr<State> state) : state_(std::move(state)) {}
+RunEvaluator::RunEvaluator(RunEvaluator&& other) noexcept = default;
+RunEvaluator& RunEvaluator::operator=(RunEvaluator&& other) noexcept = default;
+RunEvaluator::~RunEvaluator() = default;
+
+Result<RunEvaluator> RunEvaluator::create(const RunReader& scene,
+                                          const EvaluationOptions& options) {
+  auto meter = ShapeMeter::create(scene.sheet());
+  if (!meter) return meter.error();
+  return RunEvaluator(std::unique_ptr<State>(new State{scene, *std::move(meter), options}));
+}
+
+Result<void> RunEvaluator::add(const FrameLine& line, const FrameRecords& records) {
+  auto frame = evaluate_frame(state_->scene, state_->meter, line, records, state_->options);
+  if (!frame) return frame.error();
+  frame->motion = state_->motion.add(*frame, records);
+  state_->frames.push_back(*std::move(frame));
+  return {};
+}
+
+const std::vector<FrameMetrics>& RunEvaluator::frames() const { return state_->frames; }
+
+RunMetrics RunEvaluator::finish(bool has_solver) {
+  RunMetrics metrics;
+  metrics.alignment = state_->options.alignment;
+  metrics.frames = std::move(state_->frames);
+  mark_cuts(kMmPerM * state_->meter.diagonal_m(), metrics.frames);
+  metrics.jitter = summarise_jitter(metrics.frames);
+  summarise_image(state_->options.match_tolerance_px, metrics);
+  summarise_depth(metrics);
+  add_visibility(metrics);
+  add_certainty(metrics);
+  summarise_filters(metrics);
+  summarise_warps(metrics);
+  count_frames(metrics);
+  metrics.has_solver = has_solver;
+  if (has_solver) {
+    group_frames(kOffShare * kMmPerM * state_->meter.diagonal_m(), metrics);
+  }
+  return metrics;
+}
+
+Result<RunMetrics> evaluate_run(const std::string& folder, const EvaluationOptions& options) {
+  const auto reader = RunReader::open(folder);
+  if (!reader) return reader.error();
+  auto evaluator = RunEvaluator::create(*reader, options);
+  if (!evaluator) {
+    return Error{evaluator.error().code, evaluator.error().message, folder + "/template.npz"};
+  }
+  std::vector<Error> damages;
+  for (const FrameLine& line : reader->lines()) {
+    const auto records = reader->read(line);
+    if (!records) {
+      damages.push_back(records.error());
+    } else if (auto added = evaluator->add(line, *records); !added) {
+      return added.error();
+    }
+  }
+  if (!damages.empty()) return damage_of(damages, reader->lines().size());
+  RunMetrics metrics = evaluator->finish(reader->has_solver());
+  metrics.run = name_of(folder);
+  metrics.interrupted = reader->interrupted();
+  metrics.truth_users = reader->truth_users();
+  return metrics;
+}
+
+}  // namespace weft::evaluation

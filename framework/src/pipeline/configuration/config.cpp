@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/configuration/config.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "pipeline/configuration/config_loader.hpp"
+
+namespace weft {
+
+std::string ConfigReport::text() const {
+  std::string text;
+  for (const yaml::Problem& problem : problems) {
+    text += place_in(sources, problem.at) + ": " + problem.message + "\n";
+  }
+  return text;
+}
+
+void ConfigReport::sort() {
+  const auto key = [](const yaml::Problem& problem) {
+    return std::tuple(problem.at.source, problem.at.line, problem.at.column);
+  };
+  std::stable_sort(problems.begin(), problems.end(),
+                   [&](const auto& a, const auto& b) { return key(a) < key(b); });
+}
+
+std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
+                                                      const host::Registry& registry,
+                                                      const std::string& output_folder,
+                                                      const std::vector<std::string>& settings,
+                                                      const std::vector<Patch>& patches) {
+  const auto paths = host::PathRules::of_process({}, output_folder);
+  return load_pipeline(file, read_document(file, settings, paths, patches), registry,
+                       output_folder);
+}
+
+std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file, Document document,
+                                                      const host::Registry& registry,
+                                                      const std::string& output_folder) {
+  auto paths = host::PathRules::of_process({}, output_folder);
+  for (const ConfigSource& source : document.sources) paths.input_folders.push_back(source.folder);
+  PipelineConfig config;
+  config.file = file;
+  config.sources = document.sources;
+  config.left_out = std::move(document.left_out);
+  config.doubtful_names = document.doubtful_names;
+  paths.of_fragment = document.fragment;
+  ConfigReport report{std::move(document.sources), std::move(document.problems), false};
+  const auto of_text = static_cast<std::ptrdiff_t>(report.problems.size());
+  // A text that could not be read to its end has no root.
+  if (of_text == 0 || document.root.kind == yaml::Kind::map) {
+    std::vector<yaml::Problem> found;
+    const bool known = load_config(document.root, registry, paths, config, found);
+    report.wirable = known && !document.fragment;
+    for (yaml::Problem& mistake : found) {
+      const auto end = report.problems.begin() + of_text;
+      const bool follows = std::any_of(report.problems.begin(), end,
+                                       [&](const auto& other) { return other.at == mistake.at; });
+      if (!follows) report.problems.push_back(std::move(mistake));
+    }
+  }
+  report.sort();
+  return {std::move(config), std::move(report)};
+}
+
+}  // namespace weft

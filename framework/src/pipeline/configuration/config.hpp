@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/loading/component_spec.hpp"
+#include "host/workers/isolation.hpp"
+#include "pipeline/configuration/document.hpp"
+
+namespace weft {
+
+/// An input that a stage takes from a named output instead of the latest of its type.
+struct FromRule {
+  std::string slot;
+  std::vector<std::string> names;  ///< several for an input that takes several records; none when
+                                   ///< the rule cannot be understood, which has been reported
+  yaml::Position at;
+};
+
+/// One stage or sink of a pipeline.
+struct StageConfig {
+  std::string name;    ///< see names_of_stages
+  bool named = false;  ///< `as` was given
+  std::string role;    ///< that its plugin is meant to have; empty when that cannot be told
+  std::vector<FromRule> from;
+  host::ComponentSpec component;  ///< without `installed` where the plugin is not known
+  /// Detectors: the component with `template_params` over `params`, for the template's texture.
+  std::optional<host::ComponentSpec> on_template;
+  bool overwrite = false;                    ///< its outputs may go over what is there
+  std::optional<host::Isolation> isolation;  ///< `isolate: process`; nothing runs it in this one
+  yaml::Position at;
+};
+
+/// A pipeline file, checked but not yet wired.
+struct PipelineConfig {
+  std::string file;
+  std::vector<ConfigSource> sources;  ///< the file, what it extends, what the command line sets
+  std::vector<LeftOut> left_out;
+  std::optional<StageConfig> source;
+  std::optional<StageConfig> templ;
+  std::vector<StageConfig> stages;
+  std::vector<StageConfig> sinks;
+  std::uint64_t seed = 0;
+  int lost_after = 30;         ///< [frames] a predicted shape older than this is lost
+  bool stop_on_error = false;  ///< else the run goes on after a failed frame
+  int max_failed = 0;          ///< failed frames that still count as success
+  /// A mistake leaves open what some stages are called, so that names may be missing only by it.
+  bool doubtful_names = false;
+};
+
+/// Mistakes of a pipeline, each at its place.
+struct ConfigReport {
+  std::vector<ConfigSource> sources;  ///< by yaml::Position::source
+  std::vector<yaml::Problem> problems;
+  bool wirable = false;  ///< it is known which stages there are, whatever else is wrong
+
+  bool ok() const { return problems.empty(); }
+  /// By place.
+  void sort();
+  /// One line a mistake: place_in(sources) and the sentence.
+  std::string text() const;
+};
+
+/// Reads a pipeline file with what it extends, lays `patches` over it, sets `settings`
+/// ("filters.alpha_s=0.2", see read_document) and checks everything but the wiring. All mistakes
+/// that do not merely follow from another one are reported in one pass, by place; a syntax error is
+/// reported alone. Use the configuration only
+/// when the report is ok, or for the wiring.
+std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
+                                                      const host::Registry& registry,
+                                                      const std::string& output_folder,
+                                                      const std::vector<std::string>& settings = {},
+                                                      const std::vector<Patch>& patches = {});
+
+/// The same of a document that has been read from `file`.
+std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file, Document document,
+                                                      const host::Registry& registry,
+                                                      const std::string& output_folder);
+
+/// The configuration with all defaults filled in and paths resolved, as YAML.
+std::string effective_yaml(const PipelineConfig& config);
+
+}  // namespace weft

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/configuration/document.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <weft/core/index.hpp>
+#include <weft/core/quote.hpp>
+#include <weft/core/suggest.hpp>
+
+#include "pipeline/configuration/document_merge.hpp"
+
+namespace weft {
+namespace {
+
+namespace fs = std::filesystem;
+
+void stamp(yaml::Position& at, int source) { at.source = source; }
+
+void stamp(yaml::Node& node, int source) {
+  stamp(node.at, source);
+  for (yaml::Node& item : node.items) stamp(item, source);
+  for (yaml::Entry& entry : node.entries) {
+    stamp(entry.at, source);
+    stamp(entry.value, source);
+  }
+}
+
+void erase(yaml::Node& map, std::string_view key) {
+  std::erase_if(map.entries, [&](const yaml::Entry& entry) { return entry.key == key; });
+}
+
+constexpr std::size_t kMostShown = 200;  // [characters] of a setting
+
+/// The places of all values that hold no others.
+void add_leaves(const yaml::Node& node, std::vector<yaml::Position>& leaves) {
+  if (node.items.empty() && node.entries.empty()) leaves.push_back(node.at);
+  for (const yaml::Node& item : node.items) add_leaves(item, leaves);
+  for (const yaml::Entry& entry : node.entries) add_leaves(entry.value, leaves);
+}
+
+std::vector<yaml::Position> leaves_of(const yaml::Node& node) {
+  std::vector<yaml::Position> leaves;
+  if (node.kind != yaml::Kind::map || !node.entries.empty()) add_leaves(node, leaves);
+  return leaves;
+}
+
+class Reader {
+ public:
+  explicit Reader(const host::PathRules& paths) : paths_(paths) {}
+
+  Document read(const std::string& file) {
+    document_.root = read_file(file, {});
+    return std::move(document_);
+  }
+
+  Document lay(Document base, const std::vector<Patch>& patches,
+               const std::vector<std::string>& settings) {
+    document_ = std::move(base);
+    for (const Patch& patch : patches) lay(patch);
+    std::vector<Laid> laid;
+    for (const std::string& setting : settings) {
+      std::error_code code;
+      const int source = add_source({setting, fs::current_path(code).string(), true});
+      if (document_.unreadable || document_.fragment) continue;
+      auto [overlay, problems] = overlay_of(setting, document_.root);
+      stamp(overlay, source);
+      report(std::move(problems), source);
+      laid.push_back({{1, 1, source}, leaves_of(overlay)});
+      document_.root = merged(std::move(document_.root), std::move(overlay));
+    }
+    refuse_lost(laid);
+    return std::move(document_);
+  }
+
+ private:
+  /// A setting and the places of its values.
+  struct Laid {
+    yaml::Position at;
+    std::vector<yaml::Position> leaves;
+  };
+
+  int add_source(ConfigSource source) {
+    document_.sources.push_back(std::move(source));
+    return static_cast<int>(document_.sources.size()) - 1;
+  }
+
+  void lay(const Patch& patch) {
+    const int source = add_source(patch.source);
+    if (document_.unreadable || document_.fragment) return;
+    yaml::Node node = patch.node;
+    stamp(node, source);
+    refuse_twice(node);
+    if (const yaml::Node* without = node.find("without")) leave_out(document_.root, *without);
+    const yaml::Node* given = node.find("set");
+    const yaml::Node settings = given != nullptr ? *given : yaml::Node{};
+    erase(node, "without");
+    erase(node, "set");
+    document_.root = merged(std::move(document_.root), std::move(node));
+    std::vector<Laid> laid;
+    for (const yaml::Entry& setting : settings.entries) {
+      auto [overlay, problems] = overlay_of(setting, document_.root);
+      const bool sound = problems.empty();
+      report(std::move(problems), source);
+      if (sound) laid.push_back({setting.at, leaves_of(setting.value)});
+      document_.root = merged(std::move(document_.root), std::move(overlay));
+    }
+    refuse_lost(laid);
+  }
+
+  /// A setting of which nothing is left has been overruled by one beside it.
+  void refuse_lost(const std::vector<Laid>& laid) {
+    if (laid.size() < 2) return;
+    const std::vector<yaml::Position> left = leaves_of(document_.root);
+    for (const Laid& setting : laid) {
+      const auto stands = [&](yaml::Position at) {
+        return std::find(left.begin(), left.end(), at) != left.end();
+      };
+      if (setting.leaves.empty() ||
+          std::any_of(setting.leaves.begin(), setting.leaves.end(), stands))
+        continue;
+      problem(setting.at,
+              "this setting has no effect: a later one sets the same, or takes another plugin, "
+              "which drops it; leave it out, or put it behind");
+    }
+  }
+
+  /// Of two entries with one name the later would be laid over the earlier.
+  void refuse_twice(const yaml::Node& root) {
+    for (const char* key : {"stages", "sinks"}) {
+      const yaml::Node* list = root.find(key);
+      if (list == nullptr || list->kind != yaml::Kind::sequence) continue;
+      std::set<std::string> known;
+      const std::vector<std::string> names = names_of_stages(*list);
+      for (std::size_t i = 0; i < names.size(); ++i) {
+        if (names[i].empty() || known.insert(names[i]).second) continue;
+        const yaml::Node* as = list->items[i].find("as");
+        // A name that is not given is a role's, and no stage may be given one of those.
+        if (as != nullptr) problem(as->at, "the name " + quote(names[i]) + " is used twice");
+      }
+    }
+  }
+
+  void report(std::vector<yaml::Problem> problems, int source) {
+    for (yaml::Problem& problem : problems) {
+      stamp(problem.at, source);
+      document_.problems.push_back(std::move(problem));
+    }
+  }
+
+  /// Nothing but this can be said of a text that is no YAML. What other files lay over it is still
+  /// checked, as far as it does not depend on it.
+  yaml::Node give_up(yaml::Position at, std::string message) {
+    problem(at, std::move(message));
+    document_.fragment = true;
+    return {};
+  }
+
+  yaml::Node read_file(const std::string& file, std::vector<std::string> chain) {
+    std::error_code code;
+    const int source = add_source({file, fs::absolute(file, code).parent_path().string(), false});
+    const auto text = yaml::read_text(file);
+    if (!text) {
+      document_.unreadable = chain.empty();
+      return give_up({1, 1, source}, "the pipeline file cannot be read: " + text.error().message);
+    }
+    auto parsed = yaml::parse(*text, file);
+    if (!parsed) {
+      document_.unreadable = chain.empty();
+      yaml::Position at = yaml::position_in(parsed.error().where, file);
+      stamp(at, source);
+      return give_up(at, parsed.error().message);
+    }
+    yaml::Node root = std::move(parsed->root);
+    stamp(root, source);
+    report(std::move(parsed->problems), source);
+    refuse_twice(root);
+    if (root.partial) document_.fragment = true;
+    chain.push_back(canonical(file));
+    return extended(std::move(root), source, chain);
+  }
+
+  /// The root laid over the file that it extends, if it does.
+  yaml::Node extended(yaml::Node root, int source, const std::vector<std::string>& chain) {
+    const yaml::Node* extends = root.find("extends");
+    const yaml::Node* without = root.find("without");
+    if (extends == nullptr) {
+      if (without != nullptr) {
+        problem(without->at, "'without' needs 'extends', the file whose stages it leaves out");
+        erase(root, "without");
+      }
+      return root;
+    }
+    if (root.find_entry("extends")->doubtful) document_.fragment = true;
+    yaml::Node base = read_base(*extends, source, chain);
+    if (without != nullptr && !document_.fragment) leave_out(base, *without);
+    if (without != nullptr && root.find_entry("without")->doubtful) document_.doubtful_names = true;
+    erase(root, "extends");
+    erase(root, "without");
+    if (base.kind == yaml::Kind::null) return root;
+    base.at = root.at;  // a missing key is missing in this file
+    return merged(std::move(base), std::move(root));
+  }
+
+  static std::string canonical(const std::string& file) {
+    std::error_code code;
+    return fs::weakly_canonical(file, code).string();
+  }
+
+  yaml::Node read_base(const yaml::Node& extends, int source,
+                       const std::vector<std::string>& chain) {
+    if (extends.kind != yaml::Kind::scalar || extends.scalar.empty()) {
+      return give_up(extends.at, "'extends' must be the path of a pipeline file");
+    }
+    const auto expanded = host::expand_variables(extends.scalar, paths_);
+    if (!expanded) {
+      return give_up(extends.at, expanded.error().message);
+    }
+    const std::string& folder = document_.sources[to_index(source)].folder;
+    const std::string file = (fs::path(folder) / *expanded).lexically_normal().string();
+    if (const auto text = yaml::read_text(file); !text) {
+      return give_up(extends.at, text.error().code == Errc::not_found
+                                     ? "'extends': there is no file " + escaped(file)
+                                     : "'extends': " + escaped(file) + ": " + text.error().message);
+    }
+    if (std::find(chain.begin(), chain.end(), canonical(file)) != chain.end()) {
+      return give_up(extends.at, "'extends': " + escaped(file) + " extends itself");
+    }
+    yaml::Node base = read_file(file, chain);
+    if (base.kind == yaml::Kind::map || document_.fragment) return base;
+    return give_up(extends.at, "'extends': " + escaped(file) + " is no pipeline, which is a map");
+  }
+
+  void leave_out(yaml::Node& base, const yaml::Node& without) {
+    if (without.kind != yaml::Kind::sequence) {
+      return problem(without.at, "'without' must be a list of names of stages and sinks");
+    }
+    std::set<std::string> unwanted;
+    for (const yaml::Node& name : without.items) {
+      if (unwanted.insert(name.scalar).second || name.kind != yaml::Kind::scalar) continue;
+      problem(name.at, "'without' names " + quote(name.scalar) + " twice");
+    }
+    std::vector<std::string> known;
+    std::map<std::string, std::string> plugins;
+    for (NamedStage& stage : remove_stages(base, unwanted)) {
+      plugins[stage.name] = std::move(stage.use);
+      known.push_back(std::move(stage.name));
+    }
+    for (const yaml::Node& name : without.items) {
+      if (const auto found = plugins.find(name.scalar); found != plugins.end()) {
+        document_.left_out.push_back({name.scalar, found->second, name.at});
+        continue;
+      }
+      document_.doubtful_names = true;
+      if (name.kind != yaml::Kind::scalar) {
+        problem(name.at, "'without' must be a list of names of stages and sinks");
+        continue;
+      }
+      problem(name.at, "the extended file has no stage or sink " + quote(name.scalar) +
+                           did_you_mean(name.scalar, known));
+    }
+  }
+
+  void problem(yaml::Position at, std::string message) {
+    document_.problems.push_back({at, std::move(message)});
+  }
+
+  const host::PathRules& paths_;
+  Document document_;
+};
+
+}  // namespace
+
+std::string place_in(const std::vector<ConfigSource>& sources, yaml::Position at) {
+  const ConfigSource& source = sources.at(to_index(at.source));
+  if (!source.is_setting) return yaml::place(source.name, at);
+  return "--set " + escaped(source.name, kMostShown) + ", column " + std::to_string(at.column);
+}
+
+Document read_document(const std::string& file, const std::vector<std::string>& settings,
+                       const host::PathRules& paths, const std::vector<Patch>& patches) {
+  return laid_over(read_base(file, paths), patches, settings, paths);
+}
+
+Document read_base(const std::string& file, const host::PathRules& paths) {
+  return Reader(paths).read(file);
+}
+
+Document laid_over(Document base, const std::vector<Patch>& patches,
+                   const std::vector<std::string>& settings, const host::PathRules& paths) {
+  return Reader(paths).lay(std::move(base), patches, settings);
+}
+
+}  // namespace weft

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/loading/component_spec.hpp"
+#include "yaml/yaml.hpp"
+
+namespace weft {
+
+/// One text that a configuration is made from.
+struct ConfigSource {
+  std::string name;    ///< a file, or a setting as the command line gave it
+  std::string folder;  ///< where its relative paths start
+  bool is_setting = false;
+};
+
+/// "file:line:column", or "--set a.b=c, column 5".
+std::string place_in(const std::vector<ConfigSource>& sources, yaml::Position at);
+
+/// Something laid over a pipeline that stands in a text of its own: keys of a pipeline that extends
+/// another one, `without`, and `set`, a map of settings.
+struct Patch {
+  ConfigSource source;  ///< positions in `node` are in this text
+  yaml::Node node;
+};
+
+/// A stage or sink of an extended file that `without` leaves out.
+struct LeftOut {
+  std::string name;
+  std::string use;
+  yaml::Position at;  ///< of the name in `without`
+};
+
+/// A pipeline as one document. Its root is null when a text could not be read to its end.
+struct Document {
+  yaml::Node root;
+  std::vector<ConfigSource> sources;  ///< the file, what it extends, settings
+  std::vector<LeftOut> left_out;
+  std::vector<yaml::Problem> problems;
+  bool unreadable = false;      ///< the file itself: nothing else can be said of it
+  bool fragment = false;        ///< what is missing may stand in a text that could not be read
+  bool doubtful_names = false;  ///< a mistake leaves open which stages are left out
+};
+
+/// Reads a pipeline file, merges it over the file that it `extends` (which may extend another), and
+/// lays the patches over the result, then the settings.
+///
+/// Maps are merged key by key, anything else is replaced; another `use` drops the `params` of the
+/// plugin that it replaces. Stages and sinks are merged by name (see names_of_stages): one that the
+/// extended file lacks goes behind the one listed before it, or to the end; `without: [NAME, ...]`
+/// leaves stages or sinks of the extended file out.
+///
+/// A setting is PATH=VALUE. PATH begins with a key of the file (`seed`), with `source` or
+/// `template` or with the name of a stage or sink, and goes on with parameters, joined by dots:
+/// `filters.alpha_s=0.2`, `filters.warp.robust=tukey`, `detectors.use=detectors/orb`. VALUE is
+/// YAML.
+Document read_document(const std::string& file, const std::vector<std::string>& settings,
+                       const host::PathRules& paths, const std::vector<Patch>& patches = {});
+
+/// The two steps of read_document, for a file that much is laid over: the file with what it
+/// extends, and then the rest.
+Document read_base(const std::string& file, const host::PathRules& paths);
+Document laid_over(Document base, const std::vector<Patch>& patches,
+                   const std::vector<std::string>& settings, const host::PathRules& paths);
+
+/// The names of the stages in a list: `as`, else the role meant, numbered from the second stage
+/// without a name on: "filters", "filters#2".
+std::vector<std::string> names_of_stages(const yaml::Node& list);
+
+}  // namespace weft

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "yaml/yaml.hpp"
+
+namespace weft {
+
+/// One document laid over another, by the rules of read_document.
+yaml::Node merged(yaml::Node base, yaml::Node over);
+
+/// A stage or sink and the id of its plugin.
+struct NamedStage {
+  std::string name, use;
+};
+
+/// Removes stages and sinks by name; returns all that there were.
+std::vector<NamedStage> remove_stages(yaml::Node& root, const std::set<std::string>& unwanted);
+
+/// The document that a setting "PATH=VALUE" lays over `root`, positions in the text of the setting.
+std::pair<yaml::Node, std::vector<yaml::Problem>> overlay_of(const std::string& setting,
+                                                             const yaml::Node& root);
+
+/// The same of a setting in a file: its key is the PATH.
+std::pair<yaml::Node, std::vector<yaml::Problem>> overlay_of(const yaml::Entry& setting,
+                                                             const yaml::Node& root);
+
+}  // namespace weft

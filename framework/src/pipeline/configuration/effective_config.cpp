@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/configuration/config.hpp"
+
+namespace weft {
+namespace {
+
+yaml::Node effective_stage(const StageConfig& stage) {
+  yaml::Node node = stage.component.effective;
+  if (stage.named) node.entries.push_back({"as", {}, yaml::text_node(stage.name)});
+  if (!stage.from.empty()) {
+    yaml::Node from;
+    from.kind = yaml::Kind::map;
+    for (const FromRule& rule : stage.from) {
+      yaml::Node names;
+      names.kind = yaml::Kind::sequence;
+      for (const std::string& name : rule.names) names.items.push_back(yaml::text_node(name));
+      from.entries.push_back({rule.slot, {}, rule.names.size() == 1 ? names.items[0] : names});
+    }
+    node.entries.push_back({"from", {}, from});
+  }
+  if (stage.on_template) {
+    node.entries.push_back({"template_params", {}, *stage.on_template->effective.find("params")});
+  }
+  if (stage.overwrite) node.entries.push_back({"overwrite", {}, yaml::plain_node("true")});
+  if (stage.isolation) {
+    node.entries.push_back({"isolate", {}, yaml::plain_node("process")});
+    const auto deadline_ms = stage.isolation->deadline.count();
+    if (deadline_ms > 0) {
+      node.entries.push_back({"deadline_ms", {}, yaml::plain_node(std::to_string(deadline_ms))});
+    }
+  }
+  return node;
+}
+
+}  // namespace
+
+std::string effective_yaml(const PipelineConfig& config) {
+  yaml::Node root;
+  root.kind = yaml::Kind::map;
+  const auto add = [&](const char* key, yaml::Node node) {
+    root.entries.push_back({key, {}, std::move(node)});
+  };
+  const auto list = [](const std::vector<StageConfig>& stages) {
+    yaml::Node node;
+    node.kind = yaml::Kind::sequence;
+    for (const StageConfig& stage : stages) node.items.push_back(effective_stage(stage));
+    return node;
+  };
+  add("weft", yaml::plain_node("1"));
+  add("seed", yaml::plain_node(std::to_string(config.seed)));
+  add("lost_after", yaml::plain_node(std::to_string(config.lost_after)));
+  add("on_error", yaml::plain_node(config.stop_on_error ? "stop" : "continue"));
+  add("max_failed", yaml::plain_node(std::to_string(config.max_failed)));
+  add("source", effective_stage(*config.source));
+  add("template", effective_stage(*config.templ));
+  add("stages", list(config.stages));
+  add("sinks", list(config.sinks));
+  return yaml::emit(root);
+}
+
+}  // namespace weft

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "host/records/record.hpp"
+
+namespace weft {
+
+/// The largest template that the stages bear, in vertices: a sheet of 500 x 500. See
+/// docs/templates.md for what was measured.
+inline constexpr std::int64_t kMostTemplateVertices = 250'000;
+
+/// Whether a template can be used: not too many vertices, indices in range, no folded or degenerate
+/// faces, sizes agree.
+Result<void> check_template(const host::Record& templ);
+
+/// Whether the camera is one that can have taken pictures, see camera_mistake().
+Result<void> check_camera(const host::Record& camera);
+
+/// What only the host can know of a record that a stage or source made: indices of vertices and
+/// faces are the template's, images have the camera's size, and a solver's shape is estimated or
+/// weak.
+Result<void> check_fits(const host::Record& record, const host::Record& templ,
+                        const host::Record& camera);
+
+}  // namespace weft

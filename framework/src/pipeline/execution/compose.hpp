@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <utility>
+#include <weft/data/correspondences.hpp>
+#include <weft/geometry/face_locator.hpp>
+
+#include "host/records/record.hpp"
+
+namespace weft {
+
+/// Matches with a filter's verdict: kept only if kept before too, the filter's scores, the least
+/// confidence that a filter said; all other arrays are shared. Fails when the mask is of another
+/// length.
+Result<host::RecordPtr> with_mask(const host::Record& correspondences, const host::Record& mask);
+
+/// Keypoints of the texture with the face that holds each and the weights in it.
+Result<host::RecordPtr> locate_on_template(const host::Record& keypoints,
+                                           const host::Record& templ);
+
+/// Completes the matches that sources and matchers give; see Correspondences. One for all frames of
+/// a template: it looks for faces with a grid that it makes when it is first needed.
+class MatchPlacer {
+ public:
+  explicit MatchPlacer(host::RecordPtr templ) : template_(std::move(templ)) {}
+
+  /// The record itself unless it is of matches that lack something. Fails on template_xy_m for a
+  /// template without m_per_px.
+  Result<host::RecordPtr> place(host::RecordPtr record);
+
+ private:
+  Result<const FaceLocator*> locator();
+  Result<Points2> texels_of(const Correspondences& matches) const;
+
+  host::RecordPtr template_;
+  std::optional<FaceLocator> locator_;
+};
+
+/// The last shape again, `age` frames after it was measured: predicted, or lost from
+/// `lost_after` + 1 on; with a confidence of 0 and no covariance, for nothing was measured.
+host::RecordPtr aged_shape(const host::Record& shape, std::int64_t age, int lost_after);
+
+/// The texture as an image and its mask as a region, for detectors.
+struct TextureInput {
+  host::RecordPtr image;
+  host::RecordPtr region;
+};
+Result<TextureInput> texture_input(const host::Record& templ);
+
+}  // namespace weft

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/execution/executor.hpp"
+
+#include <algorithm>
+#include <weft/core/index.hpp>
+
+#include "pipeline/execution/checks.hpp"
+#include "pipeline/execution/compose.hpp"
+
+namespace weft {
+
+using host::Outcome;
+using host::Record;
+using host::RecordPtr;
+
+namespace {
+
+Result<host::Instance*> instantiate(host::Lane& lane, const StageConfig& stage,
+                                    const host::ComponentSpec& component) {
+  return stage.isolation ? lane.instantiate_apart(component, stage.name, *stage.isolation)
+                         : lane.instantiate(component, stage.name);
+}
+
+}  // namespace
+
+Executor::Executor(const PipelineConfig& config, const Graph& graph, host::Lane& lane,
+                   RecordPtr templ, RecordPtr camera, Sharing sharing)
+    : config_(config),
+      graph_(graph),
+      lane_(lane),
+      template_(std::move(templ)),
+      camera_(std::move(camera)),
+      placer_(template_),
+      sharing_(std::move(sharing)),
+      history_(graph) {}
+
+Result<std::unique_ptr<Executor>> Executor::create(const PipelineConfig& config, const Graph& graph,
+                                                   host::Lane& lane, RecordPtr templ,
+                                                   RecordPtr camera, Sharing sharing) {
+  std::unique_ptr<Executor> executor(
+      new Executor(config, graph, lane, std::move(templ), std::move(camera), std::move(sharing)));
+  const auto sheet = host::view_as<Template>(*executor->template_);
+  if (!sheet) return sheet.error();
+  executor->vertices_ = {sheet->flat_px, 1};
+  for (std::size_t i = 0; i < config.stages.size(); ++i) {
+    const StageConfig& stage = config.stages[i];
+    const auto& keys = executor->sharing_.keys;
+    const std::string key = i < keys.size() ? keys[i] : "";
+    auto made = executor->made_stage(stage, key);
+    if (!made) return made.error();
+    executor->stages_.push_back(
+        {&stage, &graph.stages[i], rules_of(stage.role), *std::move(made), false, key});
+  }
+  return executor;
+}
+
+Result<MadeStage> Executor::made_stage(const StageConfig& stage, const std::string& key) {
+  if (sharing_.memo == nullptr) return make(stage);
+  if (sharing_.memo->made(key) == nullptr) sharing_.memo->keep(key, make(stage));
+  return *sharing_.memo->made(key);
+}
+
+Result<MadeStage> Executor::make(const StageConfig& stage) {
+  const auto instance = instantiate(lane_, stage, stage.component);
+  if (!instance) return instance.error();
+  if (auto ready = lane_.prepare(**instance, *template_, *camera_); !ready) return ready.error();
+  if (!rules_of(stage.role).sees_texture) return MadeStage{*instance, nullptr};
+  auto keypoints = detect_on_template(stage, *instance);
+  if (!keypoints) return keypoints.error();
+  return MadeStage{*instance, *std::move(keypoints)};
+}
+
+Result<RecordPtr> Executor::detect_on_template(const StageConfig& stage, host::Instance* instance) {
+  if (stage.on_template) {
+    const auto own = instantiate(lane_, stage, *stage.on_template);
+    if (!own) return own.error();
+    if (auto ready = lane_.prepare(**own, *template_, *camera_); !ready) return ready.error();
+    instance = *own;
+  }
+  const auto texture = texture_input(*template_);
+  if (!texture) return texture.error();
+  const weft_record inputs[] = {texture->image->view("image"), texture->region->view("region")};
+  const Outcome outcome = lane_.call(*instance, kRunStage, inputs, host::kOfflineFrame);
+  const std::string id = stage.component.component().id;
+  if (!outcome.usable()) return Error{outcome.error.code, outcome.error.message, id};
+  auto located = locate_on_template(*outcome.find("keypoints"), *template_);
+  if (!located) return located.error();
+  if (host::view_as<Keypoints>(**located)->count() == 0) {
+    return Error{Errc::invalid_data,
+                 "finds no keypoints on the template's texture; use a texture with more contrast "
+                 "or another detector",
+                 id};
+  }
+  return located;
+}
+
+void Executor::place_given(const FrameInput& input, FrameResult& result) const {
+  for (std::size_t i = 0; i < graph_.values.size(); ++i) {
+    const ValueInfo& value = graph_.values[i];
+    if (value.stage >= 0) continue;
+    if (value.slot == "template") {
+      result.values[i] = template_;
+    } else if (value.slot == "camera") {
+      result.values[i] = camera_;
+    } else if (value.slot.starts_with("previous.")) {
+      result.values[i] = history_.find(value.slot, value.lag);
+      result.causes[i] = value.slot + ": none " + std::to_string(value.lag) + " frames ago";
+    } else {
+      result.values[i] = input.find(value.slot);
+      result.causes[i] = "sources: " + (input.failure.empty() ? "no " + value.slot : input.failure);
+    }
+  }
+}
+
+FrameResult Executor::process(const FrameInput& input) {
+  FrameResult result;
+  result.index = input.index;
+  result.values.resize(graph_.values.size());
+  result.causes.resize(graph_.values.size());
+  place_given(input, result);
+  if (const int image = graph_.latest("image"); image >= 0) {
+    if (const RecordPtr& record = result.values[to_index(image)]) {
+      result.stem = host::view_as<Image>(*record)->stem;
+    }
+  }
+  for (Stage& stage : stages_) result.stages.push_back(run_stage(stage, result));
+  settle_shape(result);
+  history_.remember(result.values);
+  result.timings = lane_.take_timings();
+  return result;
+}
+
+void Executor::keep_calls_of(const std::string& name) {
+  for (Stage& stage : stages_) stage.is_kept = stage.is_kept || stage.config->name == name;
+}
+
+void Executor::keep_call(const Stage& stage, const Outcome& outcome, FrameResult& result) const {
+  StageCall call{stage.config->name, result.index, {}, outcome};
+  for (const InputLink& link : stage.node->inputs) {
+    const RecordPtr& record = result.values[to_index(link.value)];
+    if (record == nullptr) continue;
+    GivenRecord& given = call.inputs.emplace_back(GivenRecord{link.slot, record, {}});
+    const std::uint64_t producer = record->view("").producer;
+    for (const Stage& other : stages_) {
+      if (host::handle_of(*other.made.instance) == producer) given.producer = other.config->name;
+    }
+  }
+  result.calls.push_back(std::move(call));
+}
+
+StageAnswer Executor::answer_of(const Stage& stage, StageReport report, const FrameResult& result) {
+  StageAnswer answer{std::move(report), {}, {}};
+  for (const int output : stage.node->outputs) {
+    answer.outputs.push_back(result.values[to_index(output)]);
+    answer.causes.push_back(result.causes[to_index(output)]);
+  }
+  return answer;
+}
+
+StageReport Executor::take(const StageAnswer& answer, const Stage& stage, FrameResult& result) {
+  for (std::size_t i = 0; i < answer.outputs.size(); ++i) {
+    const auto output = to_index(stage.node->outputs[i]);
+    result.values[output] = answer.outputs[i];
+    result.causes[output] = answer.causes[i];
+  }
+  StageReport report = answer.report;
+  report.shared = true;
+  return report;
+}
+
+StageReport Executor::run_stage(Stage& stage, FrameResult& result) {
+  if (sharing_.memo == nullptr) return execute(stage, result);
+  if (const StageAnswer* answer = sharing_.memo->answer(stage.key)) {
+    return take(*answer, stage, result);
+  }
+  StageReport report = execute(stage, result);
+  sharing_.memo->keep(stage.key, answer_of(stage, report, result));
+  return report;
+}
+
+StageReport Executor::execute(Stage& stage, FrameResult& result) {
+  std::vector<weft_record> inputs;
+  const std::string cause = gather(*stage.node, result, inputs);
+  StageReport report{stage.config->name, StageStatus::skipped, cause, {}, {}, false};
+  if (cause.empty()) {
+    const host::Stopwatch watch;
+    Outcome outcome = lane_.is_cancelled()
+                          ? Outcome{WEFT_CANCELLED, {Errc::cancelled, "was not begun", {}}, {}}
+                          : lane_.call(*stage.made.instance, kRunStage, inputs, result.index);
+    if (stage.is_kept) keep_call(stage, outcome, result);
+    if (outcome.usable()) {
+      if (auto stored = store(stage, outcome, result); !stored) {
+        const Error& error = stored.error();
+        const bool none = error.code == Errc::no_result;
+        const std::string id = stage.config->component.component().id;
+        outcome = {none ? WEFT_NO_RESULT : WEFT_ERROR, {error.code, error.message, id}, {}};
+      }
+    }
+    report = report_of(stage.config->name, outcome, watch.spent());
+    for (const int output : stage.node->outputs) {
+      const RecordPtr& record = result.values[to_index(output)];
+      if (record != nullptr && record != stage.made.template_keypoints)
+        add_numbers(*record, report);
+    }
+    if (stage.rules.marks && outcome.usable()) {
+      add_numbers(*outcome.find("inlier_mask"), report);
+    }
+  }
+  const std::string own_cause = cause.empty() ? report.stage + ": " + report.reason : cause;
+  for (const int output : stage.node->outputs) {
+    result.causes[to_index(output)] = own_cause;
+  }
+  return report;
+}
+
+Result<std::vector<RecordPtr>> Executor::outputs_of(const Stage& stage, const Outcome& outcome,
+                                                    const FrameResult& result) {
+  if (stage.rules.marks) {
+    const auto before = to_index(stage.node->inputs.front().value);
+    const auto composed = with_mask(*result.values[before], *outcome.find("inlier_mask"));
+    if (!composed) return composed.error();
+    return std::vector<RecordPtr>{*composed};
+  }
+  if (stage.rules.samples) {
+    const RecordPtr warp = outcome.find("warp");
+    const Outcome samples = lane_.evaluate(*warp, vertices_, result.index);
+    if (!samples.usable()) return samples.error;
+    return std::vector<RecordPtr>{warp, samples.find("warp_samples")};
+  }
+  if (stage.rules.sees_texture) {
+    return std::vector<RecordPtr>{outcome.find("keypoints"), stage.made.template_keypoints};
+  }
+  std::vector<RecordPtr> made;
+  for (const int output : stage.node->outputs) {
+    made.push_back(outcome.find(graph_.values[to_index(output)].slot));
+  }
+  return made;
+}
+
+Result<void> Executor::store(const Stage& stage, const Outcome& outcome, FrameResult& result) {
+  auto made = outputs_of(stage, outcome, result);
+  if (!made) return made.error();
+  for (RecordPtr& record : *made) {
+    if (record == nullptr) continue;
+    auto placed = placer_.place(record);
+    if (!placed) return placed.error();
+    record = *std::move(placed);
+    if (auto fits = check_fits(*record, *template_, *camera_); !fits) return fits;
+  }
+  for (std::size_t i = 0; i < made->size(); ++i) {
+    result.values[to_index(stage.node->outputs[i])] = (*made)[i];
+  }
+  return {};
+}
+
+void Executor::settle_shape(FrameResult& result) {
+  for (std::size_t i = 0; i < graph_.values.size(); ++i) {
+    if (graph_.values[i].slot == "shape" && result.values[i] != nullptr) {
+      result.shape = result.values[i];
+    }
+  }
+  if (result.shape != nullptr) {
+    frames_since_measured_ = 0;
+  } else if (const RecordPtr before = history_.find("previous.shape", 1)) {
+    ++frames_since_measured_;
+    result.shape = aged_shape(*before, frames_since_measured_, config_.lost_after);
+  }
+  if (result.shape == nullptr) return;
+  // Sinks see the frame's shape where the last solver's would be; no stage runs after this.
+  result.values[to_index(graph_.latest("shape"))] = result.shape;
+  const auto shape = host::view_as<Shape>(*result.shape);
+  result.state = shape->shape_state();
+  result.age_frames = shape->age_frames;
+}
+
+}  // namespace weft

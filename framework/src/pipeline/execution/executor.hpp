@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/calling/lane.hpp"
+#include "pipeline/execution/compose.hpp"
+#include "pipeline/execution/frame_result.hpp"
+#include "pipeline/execution/history.hpp"
+#include "pipeline/execution/stage_memo.hpp"
+#include "roles/role_rules.hpp"
+
+namespace weft {
+
+/// Runs the stages of a wired pipeline, frame by frame.
+class Executor {
+ public:
+  /// Instantiates and prepares all stages and runs the detectors on the template. Stages that share
+  /// a key with another pipeline of this lane are made, and run in each frame, only once.
+  static Result<std::unique_ptr<Executor>> create(const PipelineConfig& config, const Graph& graph,
+                                                  host::Lane& lane, host::RecordPtr templ,
+                                                  host::RecordPtr camera, Sharing sharing = {});
+
+  /// From now on frames hold what goes into this stage and comes out of it.
+  void keep_calls_of(const std::string& stage);
+
+  FrameResult process(const FrameInput& input);
+
+ private:
+  struct Stage {
+    const StageConfig* config;
+    const Node* node;
+    const RoleRules& rules;
+    MadeStage made;
+    bool is_kept = false;  ///< its calls are
+    std::string key = {};  ///< for the memo
+  };
+
+  Executor(const PipelineConfig& config, const Graph& graph, host::Lane& lane,
+           host::RecordPtr templ, host::RecordPtr camera, Sharing sharing);
+  Result<MadeStage> make(const StageConfig& stage);
+  Result<MadeStage> made_stage(const StageConfig& stage, const std::string& key);
+  Result<host::RecordPtr> detect_on_template(const StageConfig& stage, host::Instance* instance);
+  void place_given(const FrameInput& input, FrameResult& result) const;
+  void keep_call(const Stage& stage, const host::Outcome& outcome, FrameResult& result) const;
+  StageReport run_stage(Stage& stage, FrameResult& result);
+  StageReport execute(Stage& stage, FrameResult& result);
+  static StageAnswer answer_of(const Stage& stage, StageReport report, const FrameResult& result);
+  static StageReport take(const StageAnswer& answer, const Stage& stage, FrameResult& result);
+  Result<std::vector<host::RecordPtr>> outputs_of(const Stage& stage, const host::Outcome& outcome,
+                                                  const FrameResult& result);
+  Result<void> store(const Stage& stage, const host::Outcome& outcome, FrameResult& result);
+  void settle_shape(FrameResult& result);
+
+  const PipelineConfig& config_;
+  const Graph& graph_;
+  host::Lane& lane_;
+  host::RecordPtr template_;
+  host::RecordPtr camera_;
+  MatchPlacer placer_;
+  Points vertices_;  ///< where warps are sampled
+  Sharing sharing_;
+  std::vector<Stage> stages_;
+  History history_;
+  std::int64_t frames_since_measured_ = 0;
+};
+
+}  // namespace weft

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "host/calling/lane.hpp"
+#include "host/records/npz.hpp"
+#include "pipeline/graph/graph.hpp"
+
+namespace weft {
+
+enum class StageStatus { ok, degenerate, no_result, error, skipped };
+
+const char* to_string(StageStatus status);
+
+/// What one stage, or one sink, came to in one frame.
+struct StageReport {
+  std::string stage;
+  StageStatus status = StageStatus::ok;
+  std::string reason;  ///< of anything but ok; for skipped the first cause
+  host::Spent took;    ///< nested components included
+  std::vector<std::pair<std::string, double>> numbers;  ///< counts and scalar diagnostics
+  bool shared = false;          ///< taken from another pipeline, see StageMemo
+  Errc code = Errc::no_result;  ///< of an error
+};
+
+/// What enters the graph in one frame: the source's outputs, or why there are none.
+struct FrameInput {
+  std::uint64_t index = 0;
+  host::NamedRecords records;
+  std::string failure;  ///< empty when the source could read the frame
+
+  /// Null when the source gave no such record.
+  host::RecordPtr find(std::string_view slot) const;
+};
+
+/// An input of a call.
+struct GivenRecord {
+  std::string slot;
+  host::RecordPtr record;
+  std::string producer;  ///< of a warp: the stage that made it, whose component evaluates it
+};
+
+/// One call of a stage: all that went in and came out.
+struct StageCall {
+  std::string stage;
+  std::uint64_t frame = 0;
+  std::vector<GivenRecord> inputs;
+  host::Outcome outcome;
+};
+
+struct FrameResult {
+  std::uint64_t index = 0;
+  std::string stem;
+  std::vector<StageReport> stages;
+  std::vector<host::RecordPtr> values;  ///< one for each of Graph::values, null where absent
+  std::vector<std::string> causes;      ///< one for each value: why it is absent, if it is
+  host::RecordPtr shape;                ///< solved or predicted; null before the first one
+  ShapeState state = ShapeState::none;
+  std::int64_t age_frames = 0;                        ///< [frames] since the shape was measured
+  std::vector<host::Timing> timings;                  ///< of nested components too
+  std::vector<StageCall> calls;                       ///< of the stages of Executor::keep_calls_of
+  std::vector<std::pair<std::string, double>> setup;  ///< what it says of the run's set-up
+  std::vector<std::string> warnings;                  ///< of the set-up, found out by now
+
+  /// A frame is failed when a stage, the source or a sink had an error; no_result is none.
+  bool failed() const;
+};
+
+/// Collects the inputs of a stage or sink; the reason is why a required one is absent, else empty.
+std::string gather(const Node& node, const FrameResult& result, std::vector<weft_record>& inputs);
+
+/// Appends what a reader of frames.jsonl wants of an output: counts, and the scalars that the
+/// component calls evidence.
+void add_numbers(const host::Record& record, StageReport& report);
+
+/// Status, reason and time of a call as a report; `here` is what this process spent on it.
+StageReport report_of(const std::string& stage, const host::Outcome& outcome, host::Spent here);
+
+}  // namespace weft

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "host/records/record.hpp"
+#include "pipeline/graph/graph.hpp"
+
+namespace weft {
+
+/// What the graph may read back: for each type its record as it stood after each of the last
+/// frames, which is the last one produced until then.
+class History {
+ public:
+  /// Keeps as many frames of each type as the graph looks back.
+  explicit History(const Graph& graph);
+
+  /// The record of "previous.T" as it stood `lag` frames ago; null when there was none.
+  host::RecordPtr find(const std::string& slot, int lag) const;
+
+  /// The frame's values become the past; an absent one leaves the one before it.
+  void remember(const std::vector<host::RecordPtr>& values);
+
+ private:
+  struct Past {
+    std::size_t depth = 0;               ///< [frames]
+    std::deque<host::RecordPtr> frames;  ///< the latest first, none before the first record
+  };
+  const Graph& graph_;
+  std::map<std::string, Past> by_slot_;  ///< "previous.shape"
+};
+
+}  // namespace weft

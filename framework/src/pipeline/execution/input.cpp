@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/execution/input.hpp"
+
+#include <algorithm>
+#include <weft/data/correspondences.hpp>
+
+#include "pipeline/execution/checks.hpp"
+#include "roles/role_rules.hpp"
+
+namespace weft {
+namespace {
+
+using host::Outcome;
+using host::RecordPtr;
+
+Result<RecordPtr> output_of(const Outcome& outcome, const char* slot) {
+  if (!outcome.usable()) return outcome.error;
+  return outcome.find(slot);
+}
+
+Result<void> blame(Result<void> valid, const StageConfig& stage) {
+  if (valid) return valid;
+  return Error{valid.error().code, valid.error().message, stage.component.component().id};
+}
+
+}  // namespace
+
+Result<PipelineInput> PipelineInput::open(const PipelineConfig& config, host::Lane& lane) {
+  PipelineInput input(config, lane);
+  if (auto opened = input.open_source(); !opened) return opened.error();
+  if (auto built = input.build_template(); !built) return built.error();
+  return input;
+}
+
+Result<void> PipelineInput::open_source() {
+  const StageConfig& source = *config_->source;
+  const auto instance = lane_->instantiate(source.component, source.name);
+  if (!instance) return instance.error();
+  source_ = *instance;
+  auto camera = output_of(lane_->call(*source_, kOpenSource, {}, host::kOfflineFrame), "camera");
+  if (!camera) return camera.error();
+  camera_ = *std::move(camera);
+  if (auto valid = blame(check_camera(*camera_), source); !valid) return valid;
+  const auto count =
+      output_of(lane_->call(*source_, kCountFrames, {}, host::kOfflineFrame), "count");
+  if (!count) return count.error();
+  frames_ = host::view_as<Count>(**count)->frames;
+  return {};
+}
+
+Result<void> PipelineInput::build_template() {
+  const StageConfig& templ = *config_->templ;
+  const auto builder = lane_->instantiate(templ.component, templ.name);
+  if (!builder) return builder.error();
+  auto built =
+      output_of(lane_->call(**builder, kBuildTemplate, {}, host::kOfflineFrame), "template");
+  if (!built) return built.error();
+  template_ = *std::move(built);
+  placer_.emplace(template_);
+  return blame(check_template(*template_), templ);
+}
+
+Result<RecordPtr> PipelineInput::completed(const RecordPtr& record) {
+  auto placed = placer_->place(record);
+  if (!placed) return placed;
+  if (auto fits = check_fits(**placed, *template_, *camera_); !fits) return fits.error();
+  if (*placed == record) return placed;
+  const auto matches = host::view_as<Correspondences>(**placed);
+  if (matches->count() == 0) return placed;
+  const std::int32_t* face = matches->face.data();
+  if (std::any_of(face, face + matches->count(), [](std::int32_t f) { return f >= 0; })) {
+    return placed;
+  }
+  const auto number = [](double px) { return std::to_string(px); };
+  return Error{Errc::invalid_data, "none of the " + std::to_string(matches->count()) +
+                                       " matches lies on the template, the first is at (" +
+                                       number(matches->template_px(0, 0)) + ", " +
+                                       number(matches->template_px(0, 1)) +
+                                       ") px of its texture: check their units"};
+}
+
+Outcome PipelineInput::read_checked(std::uint64_t index) {
+  Outcome read = lane_->call(*source_, kReadFrame, {}, index);
+  for (auto& [slot, record] : read.outputs) {
+    auto fits = completed(record);
+    if (!fits) {
+      const std::string& source = config_->source->component.component().id;
+      return {WEFT_ERROR, {fits.error().code, fits.error().message, source}, {}};
+    }
+    record = *std::move(fits);
+  }
+  return read;
+}
+
+std::optional<PipelineInput::Frame> PipelineInput::read(std::uint64_t index) {
+  const host::Stopwatch watch;
+  Outcome read = read_checked(index);
+  const host::Spent took = watch.spent();
+  if (frames_ < 0 && read.status == WEFT_NO_RESULT) return std::nullopt;
+  Frame frame{{index, {}, {}}, report_of(config_->source->name, read, took)};
+  for (const auto& [slot, record] : read.outputs) add_numbers(*record, frame.report);
+  if (!read.usable()) frame.input.failure = read.error.message;
+  frame.input.records = std::move(read.outputs);
+  return frame;
+}
+
+}  // namespace weft

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "pipeline/execution/executor.hpp"
+
+namespace weft {
+
+/// The source and the template of a pipeline, opened: what its stages are prepared with and what
+/// enters them in every frame.
+class PipelineInput {
+ public:
+  /// Opens the source and builds the template; both are checked.
+  static Result<PipelineInput> open(const PipelineConfig& config, host::Lane& lane);
+
+  const host::RecordPtr& templ() const { return template_; }
+  const host::RecordPtr& camera() const { return camera_; }
+  /// [frames] -1 when unknown.
+  std::int64_t frames() const { return frames_; }
+
+  struct Frame {
+    FrameInput input;
+    StageReport report;  ///< of the source
+  };
+
+  /// One frame, or nothing where a source of unknown length has come to its end. What the source
+  /// gave must fit the template and the camera; its matches are completed, see Correspondences.
+  std::optional<Frame> read(std::uint64_t index);
+
+ private:
+  PipelineInput(const PipelineConfig& config, host::Lane& lane) : config_(&config), lane_(&lane) {}
+  Result<void> open_source();
+  Result<void> build_template();
+  host::Outcome read_checked(std::uint64_t index);
+  Result<host::RecordPtr> completed(const host::RecordPtr& record);
+
+  const PipelineConfig* config_;
+  host::Lane* lane_;
+  host::Instance* source_ = nullptr;
+  host::RecordPtr camera_;
+  host::RecordPtr template_;
+  std::optional<MatchPlacer> placer_;
+  std::int64_t frames_ = -1;
+};
+
+}  // namespace weft

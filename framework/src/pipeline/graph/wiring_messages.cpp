@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <weft/core/index.hpp>
+#include <weft/core/quote.hpp>
+#include <weft/core/suggest.hpp>
+
+#include "pipeline/graph/wiring.hpp"
+
+namespace weft {
+namespace {
+
+/// Whether a component makes values of this slot out of others. Filters only mark what is there.
+bool can_make(const host::ComponentManifest& component, const std::string& slot) {
+  return !rules_of(component.role()).marks && contains(products_of(component), slot);
+}
+
+/// "FILE:LINE".
+std::string line_of(const PipelineConfig& config, yaml::Position at) {
+  return escaped(config.sources.at(to_index(at.source)).name) + ":" + std::to_string(at.line);
+}
+
+/// The names of all values of this slot in the same frame.
+Words makers_of(const Graph& graph, const std::string& slot) {
+  Words names;
+  for (const ValueInfo& value : graph.values) {
+    if (value.slot == slot) names.push_back(value.name);
+  }
+  return names;
+}
+
+/// What is said of a stage that stands at or behind the reader, empty when there is none.
+std::string later_stage(const PipelineConfig& config, const StageConfig& reader,
+                        const std::string& slot, const std::string& name) {
+  for (const StageConfig& stage : config.stages) {
+    if (stage.name != name) continue;
+    const auto made = products_of(stage);
+    if (made && !contains(*made, slot))
+      return "'" + name + "' makes " + joined(*made) + ", not '" + slot + "'";
+    if (&stage == &reader) {
+      return "'" + name + "' cannot read what it makes itself; what it made one frame ago is " +
+             "previous." + slot;
+    }
+    return "'" + name + "' comes later; move it up, before '" + reader.name + "'";
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<std::string> products_of(const host::ComponentManifest& component) {
+  return rules_of(component.role()).products.value_or(component.produces);
+}
+
+std::optional<Words> products_of(const StageConfig& stage) {
+  if (stage.component.installed != nullptr) return products_of(stage.component.component());
+  return rules_of(stage.role).products;
+}
+
+std::string missing_input(const PipelineConfig& config, const host::Registry& registry,
+                          const std::string& id, const std::string& slot) {
+  std::string message = id + " requires '" + slot + "', which no earlier stage produces";
+  for (const LeftOut& gone : config.left_out) {
+    const host::Installed* entry = registry.find(gone.use);
+    if (entry == nullptr || !can_make(entry->component, slot)) continue;
+    message += " ('" + gone.name + "' is left out by " + line_of(config, gone.at) + ")";
+  }
+  Words producers;
+  for (const host::Installed& entry : registry.installed()) {
+    if (!entry.shadowed && can_make(entry.component, slot)) {
+      producers.push_back(entry.component.id);
+    }
+  }
+  if (producers.empty()) return message;
+  return message + ";\n    add one that produces it: " + joined(producers);
+}
+
+std::string wrong_name(const PipelineConfig& config, const Graph& graph, const StageConfig& reader,
+                       const std::string& slot, const std::string& name) {
+  const Words makers = makers_of(graph, slot);
+  Words made;
+  for (const ValueInfo& value : graph.values) {
+    if (value.name == name) made.push_back(value.slot);
+  }
+  if (!made.empty()) {
+    return "'" + name + "' makes " + joined(made) + ", not '" + slot + "'" +
+           (makers.empty() ? "" : "; that is made by: " + joined(makers));
+  }
+  if (std::string later = later_stage(config, reader, slot, name); !later.empty()) return later;
+  for (const StageConfig& sink : config.sinks) {
+    if (sink.name == name) return "'" + name + "' is a sink, which makes nothing to be read";
+  }
+  for (const LeftOut& gone : config.left_out) {
+    if (gone.name == name) return "'" + name + "' is left out by " + line_of(config, gone.at);
+  }
+  Words meant = makers;
+  for (const StageConfig& stage : config.stages) {
+    if (stage.component.installed == nullptr) meant.push_back(stage.name);  // it may make anything
+  }
+  return "no earlier stage named " + quote(name) + " produces '" + slot + "'" +
+         did_you_mean(name, meant, "; name it with: as: " + escaped(name, 80));
+}
+
+std::string nothing_to_unite(const Graph& graph, const StageConfig& reader,
+                             const std::string& slot) {
+  const std::string id = reader.component.component().id;
+  const Words makers = makers_of(graph, slot);
+  if (makers.size() < 2) {
+    return id + " unites several '" + slot + "', of which there is " +
+           (makers.empty() ? "none" : "one") + "; leave it out";
+  }
+  return id + " unites several '" + slot + "', and without 'from' it is given the latest only; " +
+         "choose from: {" + slot + ": [" + joined(makers) + "]}";
+}
+
+}  // namespace weft

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <set>
+#include <weft/core/index.hpp>
+
+#include "pipeline/graph/wiring.hpp"
+
+namespace weft {
+namespace {
+
+/// Finds stages whose work is lost.
+class Readers {
+ public:
+  Readers(const PipelineConfig& config, const Graph& graph, const OpenReading& open)
+      : config_(config), graph_(graph), open_(open) {
+    for (const Node& stage : graph.stages) {
+      for (const InputLink& input : stage.inputs) note(input, by_stages_);
+    }
+    for (std::size_t i = 0; i < graph.sinks.size(); ++i) {
+      for (const InputLink& input : graph.sinks[i].inputs) {
+        note(input, chooses(config.sinks[i], input.slot) ? by_choosing_sinks_ : by_sinks_);
+      }
+    }
+  }
+
+  /// What is to be said of a stage; empty when what it makes is read.
+  std::string complaint(std::size_t stage) const {
+    const std::vector<int>& outputs = graph_.stages[stage].outputs;
+    const auto read = [&](int value) { return may_be_read(value) || is_read(value); };
+    if (outputs.empty() || std::any_of(outputs.begin(), outputs.end(), read)) return {};
+    const auto late = std::find_if(outputs.begin(), outputs.end(),
+                                   [&](int value) { return needed_earlier(value) != nullptr; });
+    if (late != outputs.end()) return too_late(*late);
+    const int lost = outputs.front();
+    const ValueInfo& value = info(lost);
+    const std::string next = next_maker(lost);
+    const bool named = config_.stages[stage].named;
+    return "nobody reads " + what_of(value) +
+           (next.empty() ? "" : ", because '" + next + "' makes new ones") + "; " +
+           (named ? "" : "name it with as: NAME and ") + "take what it makes with from: {" +
+           value.slot + ": " + (named ? value.name : "NAME") + "}, or leave it out";
+  }
+
+ private:
+  const ValueInfo& info(int value) const { return graph_.values[to_index(value)]; }
+
+  static std::string what_of(const ValueInfo& value) {
+    return "the " + value.slot + " of '" + value.name + "'";
+  }
+
+  std::string too_late(int lost) const {
+    const ValueInfo& value = info(lost);
+    const std::string& earlier = needed_earlier(lost)->name;
+    const std::string where = what_of(value) + ", which comes after '" + earlier +
+                              "'; move it up, before '" + earlier + "', or leave it out";
+    if (by_sinks_.count(lost) == 0) return "nobody reads " + where;
+    return "only sinks read " + where + "; a sink that is to show it says from: {" + value.slot +
+           ": " + value.name + "}";
+  }
+
+  static bool chooses(const StageConfig& sink, const std::string& slot) {
+    return std::any_of(sink.from.begin(), sink.from.end(),
+                       [&](const FromRule& rule) { return rule.slot == slot; });
+  }
+
+  void note(const InputLink& input, std::set<int>& readers) {
+    readers.insert(input.value);
+    if (info(input.value).lag > 0) fed_back_.insert(info(input.value).slot);
+  }
+
+  bool may_be_read(int value) const {
+    return open_.slots.count(info(value).slot) > 0 ||
+           (open_.before && info(value).stage < static_cast<int>(*open_.before));
+  }
+
+  /// The run folder takes shapes, of several solvers those of the last that gives one; what is fed
+  /// back is likewise the last that was made.
+  bool is_read(int value) const {
+    const std::string& slot = info(value).slot;
+    if (slot == "shape" || fed_back_.count("previous." + slot) > 0) return true;
+    if (by_stages_.count(value) > 0 || by_choosing_sinks_.count(value) > 0) return true;
+    // Matches behind the stages that make the shape out of matches are shown as if they were its.
+    const bool late = slot == "correspondences" && needed_earlier(value) != nullptr;
+    return by_sinks_.count(value) > 0 && !late;
+  }
+
+  /// The first stage that reads another value of this kind before this one is made, unless a later
+  /// stage reads such values too. Matchers and filters hand matches on.
+  const StageConfig* needed_earlier(int value) const {
+    const std::string& slot = info(value).slot;
+    const StageConfig* first = nullptr;
+    for (std::size_t i = 0; i < graph_.stages.size(); ++i) {
+      const RoleRules& rules = rules_of(config_.stages[i].role);
+      if (rules.hands_on && contains(*rules.products, slot)) continue;
+      const auto& inputs = graph_.stages[i].inputs;
+      const bool reads = std::any_of(inputs.begin(), inputs.end(),
+                                     [&](const InputLink& input) { return input.slot == slot; });
+      if (!reads) continue;
+      if (static_cast<int>(i) > info(value).stage) return nullptr;
+      if (first == nullptr) first = &config_.stages[i];
+    }
+    return first;
+  }
+
+  /// The stage that makes the next value of this kind, empty when there is none.
+  std::string next_maker(int value) const {
+    for (std::size_t i = to_index(value) + 1; i < graph_.values.size(); ++i) {
+      if (graph_.values[i].slot == info(value).slot) return graph_.values[i].name;
+    }
+    return {};
+  }
+
+  const PipelineConfig& config_;
+  const Graph& graph_;
+  const OpenReading& open_;
+  std::set<int> by_stages_, by_sinks_, by_choosing_sinks_;
+  std::set<std::string> fed_back_;
+};
+
+}  // namespace
+
+void refuse_unread(const PipelineConfig& config, const Graph& graph, const OpenReading& open,
+                   std::vector<yaml::Problem>& problems) {
+  const auto solves = [](const StageConfig& stage) { return rules_of(stage.role).solves; };
+  if (std::none_of(config.stages.begin(), config.stages.end(), solves)) return;
+  const Readers readers(config, graph, open);
+  for (std::size_t i = 0; i < graph.stages.size(); ++i) {
+    std::string complaint = readers.complaint(i);
+    if (!complaint.empty()) problems.push_back({config.stages[i].at, std::move(complaint)});
+  }
+}
+
+}  // namespace weft

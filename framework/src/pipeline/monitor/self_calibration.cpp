@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/monitor/self_calibration.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <weft/core/index.hpp>
+#include <weft/core/statistics.hpp>
+#include <weft/geometry/barycentric.hpp>
+
+namespace weft {
+namespace {
+
+constexpr double kLeastStrain = 0.002, kBend_rad = 0.3;
+constexpr double kLeastNoise_px = 0.5;  // of a keypoint's place
+constexpr int kLeastMatches = 30, kMostSteps = 25, kMostHalvings = 6, kMostRelaxed = 3;
+constexpr double kLongestStep = 0.3;
+constexpr double kLastStep = 0.1;   // in standard deviations
+constexpr double kLeastGain = 0.3;  // of a sum of squares in standard deviations
+
+PartMatrix prior_information() { return prior_std().cwiseAbs2().cwiseInverse().asDiagonal(); }
+
+/// A pixel and its derivatives by the point in the camera frame and by the deviation.
+struct Projection {
+  Eigen::Vector2d pixel_px;
+  Eigen::Matrix<double, 2, 3> by_point;
+  Eigen::Matrix<double, 2, kParts> by_deviation;
+};
+
+Projection project(const Camera& camera, const PartVector& deviation,
+                   const Eigen::Vector3d& point_m) {
+  const double fx = camera.fx * std::exp(deviation(kFocal) - deviation(kAspect));
+  const double fy = camera.fy * std::exp(deviation(kFocal) + deviation(kAspect));
+  const double x = point_m.x() / point_m.z(), y = point_m.y() / point_m.z(), k = deviation(kLens);
+  const double square = x * x + y * y, lens = 1.0 + k * square;
+  const double u = fx * x * lens, v = fy * y * lens;
+  const double xx = lens + 2.0 * k * x * x, yy = lens + 2.0 * k * y * y, xy = 2.0 * k * x * y;
+  Projection result;
+  result.pixel_px << u + camera.cx + camera.fx * deviation(kCentreX),
+      v + camera.cy + camera.fy * deviation(kCentreY);
+  result.by_point << fx * xx, fx * xy, -fx * (xx * x + xy * y),  //
+      fy * xy, fy * yy, -fy * (xy * x + yy * y);
+  result.by_point /= point_m.z();
+  result.by_deviation << u, -u, fx * x * square, camera.fx, 0.0, 0.0, 0.0, 0.0,  //
+      v, v, fy * y * square, 0.0, camera.fy, 0.0, 0.0, 0.0;
+  return result;
+}
+
+}  // namespace
+
+CameraDeviation CameraDeviation::of(const CameraEvidence& evidence) {
+  const PartMatrix covariance = (evidence.information + prior_information()).inverse();
+  return {covariance * evidence.weighted, covariance};
+}
+
+/// Of vertices (3 V unknowns) and deviation.
+struct SelfCalibration::Equations {
+  using Mixed = Eigen::Matrix<double, Eigen::Dynamic, kParts>;
+
+  explicit Equations(Eigen::Index unknowns)
+      : mixed(Mixed::Zero(unknowns, kParts)), vertex_gradient(Eigen::VectorXd::Zero(unknowns)) {}
+
+  std::vector<Eigen::Triplet<double>> vertices;  ///< lower triangle
+  Mixed mixed;
+  Eigen::VectorXd vertex_gradient;
+  PartMatrix parts = PartMatrix::Zero();
+  PartVector part_gradient = PartVector::Zero();
+
+  void add_block(std::int32_t i, std::int32_t j, const Eigen::Matrix3d& block) {
+    if (i < j) return;
+    for (int r = 0; r < 3; ++r) {
+      for (int c = 0; c < 3; ++c) {
+        if (3 * i + r >= 3 * j + c) vertices.emplace_back(3 * i + r, 3 * j + c, block(r, c));
+      }
+    }
+  }
+};
+
+Result<SelfCalibration> SelfCalibration::of(const Template& templ) {
+  SelfCalibration calibration;
+  calibration.faces_ = templ.faces.matrix<3>();
+  const auto rest_m = templ.vertices_m.matrix<3>();
+  const auto topology = build_topology(calibration.faces_, rest_m.rows());
+  if (!topology) return topology.error();
+  auto edges = distance_constraints(topology->edges, rest_m);
+  if (!edges) return edges.error();
+  calibration.edges_ = *std::move(edges);
+  const auto flat_px = templ.flat_px.matrix<2>();
+  const Eigen::RowVector2d low_px = flat_px.colwise().minCoeff();
+  const Eigen::RowVector2d size_px = flat_px.colwise().maxCoeff() - low_px;
+  calibration.edge_places_.resize(topology->edges.rows(), 3);
+  for (Eigen::Index e = 0; e < topology->edges.rows(); ++e) {
+    const Eigen::RowVector2d from_low_px =
+        0.5 * (flat_px.row(topology->edges(e, 0)) + flat_px.row(topology->edges(e, 1))) - low_px;
+    const Eigen::RowVector2d place = 2.0 * from_low_px.cwiseQuotient(size_px).array() - 1.0;
+    calibration.edge_places_.row(e) << place, place.squaredNorm();
+  }
+  calibration.hinges_ = bending_hinges(rest_m, calibration.faces_, *topology);
+  for (const BendingHinge& hinge : calibration.hinges_) {
+    Eigen::RowVector3d bend = Eigen::RowVector3d::Zero();
+    for (std::size_t k = 0; k < 4; ++k) {
+      bend += hinge.coefficient_per_m[k] * rest_m.row(hinge.vertex[k]);
+    }
+    calibration.rest_bend_rad_.push_back(bend.norm());
+  }
+  calibration.face_blocks_.resize(to_index(calibration.faces_.rows()));
+  return calibration;
+}
+
+std::optional<CameraEvidence> SelfCalibration::look(const Camera& camera,
+                                                    const Points3View& vertices_m,
+                                                    const Correspondences& matches) {
+  observations_.clear();
+  for (std::int64_t i = 0; i < matches.count(); ++i) {
+    if (matches.kept(i) == 0 || matches.face(i) < 0) continue;
+    observations_.push_back({matches.face(i), matches.barycentrics.matrix<3>().row(i),
+                             matches.image_px.matrix<2>().row(i)});
+  }
+  if (observations_.size() < kLeastMatches) return std::nullopt;
+  State state{vertices_m, PartVector::Zero(), 0.0, kLeastStrain};
+  CameraEvidence evidence;
+  int relaxed = 0;
+  for (int i = 0; i < kMostSteps; ++i) {
+    if (!measure_noise(camera, state)) return std::nullopt;
+    const auto change = step(camera, state, evidence);
+    if (!change) return std::nullopt;
+    if (*change >= kLastStep) continue;
+    // What stretches cannot be held to its lengths.
+    const double strain = kSigmaPerMad * median(strains(edges_, state.vertices_m));
+    if (strain <= state.strain || ++relaxed > kMostRelaxed) return evidence;
+    state.strain = strain;
+  }
+  return std::nullopt;
+}
+
+/// Of the matches. False where a point is not in front of the camera, or they do not fit.
+bool SelfCalibration::measure_noise(const Camera& camera, State& state) const {
+  constexpr double kMedianOfRayleigh = 1.1774, kMost_px = 20.0;
+  std::vector<double> residuals_px;
+  for (const Observation& seen : observations_) {
+    const Eigen::Vector3d point_m = interpolate(state.vertices_m, faces_, seen.face, seen.weights);
+    if (!(point_m.z() > 0.0)) return false;
+    residuals_px.push_back(
+        (project(camera, state.deviation, point_m).pixel_px - seen.pixel_px).norm());
+  }
+  state.noise_px = std::max(kLeastNoise_px, median(residuals_px) / kMedianOfRayleigh);
+  return state.noise_px < kMost_px;
+}
+
+void SelfCalibration::add_matches(const Camera& camera, const State& state, Equations& equations) {
+  for (auto& block : face_blocks_) block.setZero();
+  for (const Observation& seen : observations_) {
+    const Eigen::Vector3d point_m = interpolate(state.vertices_m, faces_, seen.face, seen.weights);
+    const Projection at = project(camera, state.deviation, point_m);
+    const Eigen::Vector2d residual_px = at.pixel_px - seen.pixel_px;
+    // Geman-McClure with the bend at three times the noise.
+    const double robust = 1.0 + (residual_px / (3.0 * state.noise_px)).squaredNorm();
+    const double weight = 1.0 / (state.noise_px * state.noise_px * robust * robust);
+    const Eigen::Matrix3d square = weight * at.by_point.transpose() * at.by_point;
+    const Eigen::Matrix<double, 3, kParts> mixed =
+        weight * at.by_point.transpose() * at.by_deviation;
+    const Eigen::Vector3d gradient = weight * at.by_point.transpose() * residual_px;
+    auto& block = face_blocks_[to_index(seen.face)];
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Index row = 3 * faces_(seen.face, k);
+      equations.mixed.middleRows<3>(row) += seen.weights(k) * mixed;
+      equations.vertex_gradient.segment<3>(row) += seen.weights(k) * gradient;
+      for (int l = 0; l < 3; ++l) {
+        block.block<3, 3>(3 * k, 3 * l) += seen.weights(k) * seen.weights(l) * square;
+      }
+    }
+    equations.parts += weight * at.by_deviation.transpose() * at.by_deviation;
+    equations.part_gradient += weight * at.by_deviation.transpose() * residual_px;
+  }
+  for (Eigen::Index f = 0; f < faces_.rows(); ++f) {
+    const auto& block = face_blocks_[to_index(f)];
+    for (int k = 0; k < 3; ++k) {
+      for (int l = 0; l < 3; ++l) {
+        equations.add_block(faces_(f, k), faces_(f, l), block.block<3, 3>(3 * k, 3 * l));
+      }
+    }
+  }
+}
+
+/// How much longer an edge is than by the template and its deviation.
+double SelfCalibration::edge_over_m(const State& state, std::size_t e) const {
+  const DistanceConstraint& edge = edges_[e];
+  const auto place = edge_places_.row(static_cast<Eigen::Index>(e));
+  const double stretch = place.dot(state.deviation.segment<3>(kKeystoneX));
+  return (state.vertices_m.row(edge.j) - state.vertices_m.row(edge.i)).norm() -
+         edge.rest_length_m * (1.0 + stretch);
+}
+
+void SelfCalibration::add_edges(const State& state, Equations& equations) const {
+  for (std::size_t e = 0; e < edges_.size(); ++e) {
+    const DistanceConstraint& edge = edges_[e];
+    const Eigen::Vector3d along = state.vertices_m.row(edge.j) - state.vertices_m.row(edge.i);
+    const double length_m = std::max(along.norm(), 1e-9);
+    const Eigen::Vector3d unit = along / length_m;
+    const double std_m = state.strain * edge.rest_length_m, weight = 1.0 / (std_m * std_m);
+    const Eigen::Vector3d by_template_m =
+        edge.rest_length_m * edge_places_.row(static_cast<Eigen::Index>(e)).transpose();
+    const double over_m = edge_over_m(state, e);
+    const Eigen::Matrix3d square = weight * unit * unit.transpose();
+    const Eigen::Matrix3d mixed = weight * unit * by_template_m.transpose();
+    equations.vertex_gradient.segment<3>(3 * edge.i) -= weight * over_m * unit;
+    equations.vertex_gradient.segment<3>(3 * edge.j) += weight * over_m * unit;
+    equations.mixed.block<3, 3>(3 * edge.i, kKeystoneX) += mixed;
+    equations.mixed.block<3, 3>(3 * edge.j, kKeystoneX) -= mixed;
+    equations.parts.block<3, 3>(kKeystoneX, kKeystoneX) +=
+        weight * by_template_m * by_template_m.transpose();
+    equations.part_gradient.segment<3>(kKeystoneX) -= weight * over_m * by_template_m;
+    equations.add_block(edge.i, edge.i, square);
+    equations.add_block(edge.j, edge.j, square);
+    equations.add_block(std::max(edge.i, edge.j), std::min(edge.i, edge.j), -square);
+  }
+}
+
+/// From the bend at rest in the direction of the present one.
+Eigen::Vector3d SelfCalibration::bend_off(const State& state, std::size_t hinge) const {
+  Eigen::Vector3d bend = Eigen::Vector3d::Zero();
+  for (std::size_t k = 0; k < 4; ++k) {
+    bend += hinges_[hinge].coefficient_per_m[k] *
+            state.vertices_m.row(hinges_[hinge].vertex[k]).transpose();
+  }
+  if (rest_bend_rad_[hinge] > 0.0) bend -= rest_bend_rad_[hinge] * bend.normalized();
+  return bend;
+}
+
+void SelfCalibration::add_hinges(const State& state, Equations& equations) const {
+  constexpr double kWeight = 1.0 / (kBend_rad * kBend_rad);
+  for (std::size_t h = 0; h < hinges_.size(); ++h) {
+    const BendingHinge& hinge = hinges_[h];
+    const Eigen::Vector3d bend = bend_off(state, h);
+    for (std::size_t k = 0; k < 4; ++k) {
+      const double scaled = kWeight * hinge.coefficient_per_m[k];
+      equations.vertex_gradient.segment<3>(3 * hinge.vertex[k]) += scaled * bend;
+      for (std::size_t l = 0; l < 4; ++l) {
+        equations.add_block(hinge.vertex[k], hinge.vertex[l],
+                            scaled * hinge.coefficient_per_m[l] * Eigen::Matrix3d::Identity());
+      }
+    }
+  }
+}
+
+double SelfCalibration::cost(const Camera& camera, const State& state) const {
+  double sum = state.deviation.cwiseQuotient(prior_std()).squaredNorm();
+  for (const Observation& seen : observations_) {
+    const Eigen::Vector3d point_m = interpolate(state.vertices_m, faces_, seen.face, seen.weights);
+    if (!(point_m.z() > 0.0)) return std::numeric_limits<double>::infinity();
+    const Eigen::Vector2d residual_px =
+        project(camera, state.deviation, point_m).pixel_px - seen.pixel_px;
+    const double square = residual_px.squaredNorm() / (state.noise_px * state.noise_px);
+    sum += square / (1.0 + square / 9.0);
+  }
+  for (std::size_t e = 0; e < edges_.size(); ++e) {
+    const double over = edge_over_m(state, e) / (state.strain * edges_[e].rest_length_m);
+    sum += over * over;
+  }
+  for (std::size_t h = 0; h < hinges_.size(); ++h) {
+    sum += bend_off(state, h).squaredNorm() / (kBend_rad * kBend_rad);
+  }
+  return sum;
+}
+
+std::optional<double> SelfCalibration::step(const Camera& camera, State& state,
+                                            CameraEvidence& evidence) {
+  constexpr double kFloor_per_m2 = 1.0;  // what nothing holds stays where it is
+  const Eigen::Index unknowns = 3 * state.vertices_m.rows();
+  Equations equations(unknowns);
+  add_matches(camera, state, equations);
+  add_edges(state, equations);
+  add_hinges(state, equations);
+  for (Eigen::Index i = 0; i < unknowns; ++i) equations.vertices.emplace_back(i, i, kFloor_per_m2);
+  Eigen::SparseMatrix<double> matrix(unknowns, unknowns);
+  matrix.setFromTriplets(equations.vertices.begin(), equations.vertices.end());
+  if (!analysed_) factor_->analyzePattern(matrix);
+  analysed_ = true;
+  factor_->factorize(matrix);
+  if (factor_->info() != Eigen::Success) return std::nullopt;
+  const Equations::Mixed by_parts = factor_->solve(equations.mixed);
+  const Eigen::VectorXd alone = factor_->solve(equations.vertex_gradient);
+  evidence.information = equations.parts - equations.mixed.transpose() * by_parts;
+  const PartVector gradient = equations.part_gradient - equations.mixed.transpose() * alone;
+  evidence.weighted = evidence.information * state.deviation - gradient;
+  const CameraDeviation likeliest = CameraDeviation::of(evidence);
+  const PartVector change = likeliest.mean - state.deviation;
+  const double largest = change.cwiseAbs().maxCoeff();
+  if (!std::isfinite(largest)) return std::nullopt;
+  const Eigen::VectorXd move = -(alone + by_parts * change);
+  const Eigen::Map<const Points3> move_m(move.data(), state.vertices_m.rows(), 3);
+  const double before = cost(camera, state);
+  const double longest = std::min(1.0, kLongestStep / std::max(largest, 1e-12));
+  for (int halved = 0; halved < kMostHalvings; ++halved) {
+    const double share = std::ldexp(longest, -halved);
+    State next = state;
+    next.vertices_m += share * move_m;
+    next.deviation += share * change;
+    const double after = cost(camera, next);
+    if (!(after < before)) continue;
+    state = std::move(next);
+    if (before - after < kLeastGain) break;
+    return change.cwiseAbs().cwiseQuotient(likeliest.stds()).maxCoeff();
+  }
+  return 0.0;
+}
+
+}  // namespace weft

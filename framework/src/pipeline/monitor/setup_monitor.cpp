@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/monitor/setup_monitor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <weft/geometry/camera_model.hpp>
+
+#include "pipeline/monitor/rejected_matches.hpp"
+
+namespace weft {
+namespace {
+
+constexpr std::int64_t kFewestFrames = 3, kFewestForRates = 5;
+constexpr Eigen::Index kMostVertices = 4000;  // more would hold a frame up for seconds
+
+std::string fixed(double value, int decimals) {
+  char text[64];
+  std::snprintf(text, sizeof(text), "%.*f", decimals, value);
+  return text;
+}
+
+/// What many frames have in common does not average out: by a mesh that is not quite the surface, a
+/// template that is not quite the object. Standard deviations of focal, aspect, lens and centre.
+constexpr double kCommon[] = {0.015, 0.005, 0.02, 0.01, 0.01};
+
+/// All frames together. Where they contradict each other by more than their covariances, these are
+/// too small.
+CameraDeviation joint(const std::vector<CameraEvidence>& frames) {
+  CameraEvidence sum;
+  for (const CameraEvidence& frame : frames) sum.add(frame);
+  CameraDeviation deviation = CameraDeviation::of(sum);
+  double squares = 0.0;
+  for (const CameraEvidence& frame : frames) {
+    const PartVector rest = frame.weighted - frame.information * deviation.mean;
+    squares += rest.dot(CameraDeviation::of(frame).covariance * rest);
+  }
+  const double freedom = kParts * (static_cast<double>(frames.size()) - 1.0);
+  deviation.covariance *= std::max(1.0, squares / std::max(freedom, 1.0));
+  for (int k = 0; k < 5; ++k) deviation.covariance(k, k) += kCommon[k] * kCommon[k];
+  return deviation;
+}
+
+/// What is left of the matches; all of them where a filter had no result. Null without any.
+host::RecordPtr last_matches(const Graph& graph, const FrameResult& frame) {
+  host::RecordPtr last;
+  for (std::size_t i = 0; i < frame.values.size(); ++i) {
+    const bool matches = graph.values[i].slot == "correspondences" && frame.values[i] != nullptr;
+    if (matches) last = frame.values[i];
+  }
+  return last;
+}
+
+Points2 pixels_of(const Shape& shape, const host::Record& record) {
+  const auto camera = *host::view_as<Camera>(record);
+  return project_points({camera.fx, camera.fy, camera.cx, camera.cy}, shape.vertices_m.matrix<3>());
+}
+
+/// How far places have moved, in sizes of the object as it was seen before.
+double mean_way(const Points2& from_px, const Points2& to_px) {
+  const double size_px = (from_px.colwise().maxCoeff() - from_px.colwise().minCoeff()).norm();
+  return (to_px - from_px).rowwise().norm().mean() / size_px;
+}
+
+bool is_measured(const FrameResult& frame) {
+  return frame.state == ShapeState::estimated || frame.state == ShapeState::weak;
+}
+
+}  // namespace
+
+Result<SetupMonitor> SetupMonitor::create(const host::Record& templ, host::RecordPtr camera) {
+  const auto sheet = host::view_as<Template>(templ);
+  if (!sheet) return sheet.error();
+  auto calibration = SelfCalibration::of(*sheet);
+  if (!calibration) return calibration.error();
+  return SetupMonitor(std::move(camera), *std::move(calibration));
+}
+
+bool SetupMonitor::is_due(std::uint64_t frame) {
+  constexpr std::uint64_t kFirst = 8;
+  if (looks_ >= kFirst && frame < next_look_) return false;
+  ++looks_;
+  next_look_ = frame + frame / 4;
+  return true;
+}
+
+void SetupMonitor::add(const Graph& graph, FrameResult& frame) {
+  const auto shape = is_measured(frame) ? host::view_as<Shape>(*frame.shape)
+                                        : Result<Shape>(no_result("not measured"));
+  count_jumps(frame.state == ShapeState::estimated && shape ? &*shape : nullptr, frame.index);
+  const host::RecordPtr record = last_matches(graph, frame);
+  if (record == nullptr) return;
+  const auto matches = host::view_as<Correspondences>(*record);
+  const bool solves = graph.latest("shape") >= 0;
+  if (solves) count_recognised(frame.state, shape ? &*shape : nullptr, *matches);
+  if (!is_due(frame.index)) return;
+  if (shape) look_at_camera(*shape, *matches, frame);
+  look_at_rejects(*matches, frame);
+  for (Finding& found : findings()) {
+    if (std::find(told_.begin(), told_.end(), found.kind) != told_.end()) continue;
+    told_.push_back(found.kind);
+    frame.warnings.push_back(std::move(found.text));
+  }
+}
+
+/// Frames that look alike err alike, by what the template is not: all of them say no more than one.
+bool SetupMonitor::is_news(const Shape& shape) {
+  constexpr double kAlike = 0.015;
+  Points2 now_px = pixels_of(shape, *camera_);
+  for (const Points2& before_px : places_px_) {
+    if (mean_way(before_px, now_px) < kAlike) return false;
+  }
+  places_px_.push_back(std::move(now_px));
+  return true;
+}
+
+void SetupMonitor::look_at_camera(const Shape& shape, const Correspondences& matches,
+                                  FrameResult& frame) {
+  const auto camera = *host::view_as<Camera>(*camera_);
+  if (shape.vertices_m.rows() > kMostVertices || !is_news(shape)) return;
+  const auto evidence = calibration_.look(camera, shape.vertices_m.matrix<3>(), matches);
+  if (!evidence) return;
+  cameras_.push_back(*evidence);
+  for (std::int64_t i = 0; i < matches.count(); ++i) {
+    if (matches.kept(i) == 0 || matches.face(i) < 0) continue;
+    radius_ = std::max(radius_, std::hypot((matches.image_px(i, 0) - camera.cx) / camera.fx,
+                                           (matches.image_px(i, 1) - camera.cy) / camera.fy));
+  }
+  const CameraDeviation deviation = CameraDeviation::of(*evidence);
+  const PartVector stds = deviation.stds();
+  frame.setup.insert(frame.setup.end(), {{"focal_factor", std::exp(deviation.mean(kFocal))},
+                                         {"focal_std", stds(kFocal)},
+                                         {"aspect_factor", std::exp(2.0 * deviation.mean(kAspect))},
+                                         {"aspect_std", 2.0 * stds(kAspect)},
+                                         {"lens_k1", deviation.mean(kLens)},
+                                         {"lens_k1_std", stds(kLens)},
+                                         {"centre_x_px", camera.fx * deviation.mean(kCentreX)},
+                                         {"centre_x_std_px", camera.fx * stds(kCentreX)},
+                                         {"centre_y_px", camera.fy * deviation.mean(kCentreY)},
+                                         {"centre_y_std_px", camera.fy * stds(kCentreY)}});
+}
+
+void SetupMonitor::look_at_rejects(const Correspondences& matches, FrameResult& frame) {
+  constexpr int kFewest = 30;
+  constexpr double kLeastShare = 0.25;
+  const CoherentRejects found = coherent_rejects(matches);
+  const double kept = matches.kept.matrix<1>().cast<double>().sum();
+  ++rejects_looks_;
+  frame.setup.insert(frame.setup.end(), {{"coherent_rejects", found.count},
+                                         {"coherent_rejects_elsewhere", found.elsewhere}});
+  if (found.count < kFewest || found.count < kLeastShare * kept) return;
+  ++with_rejects_;
+  rejects_ += found.count;
+  rejects_elsewhere_ += found.elsewhere;
+}
+
+void SetupMonitor::count_recognised(ShapeState state, const Shape* shape,
+                                    const Correspondences& matches) {
+  constexpr double kFewest = 30.0;
+  const double kept = matches.kept.matrix<1>().cast<double>().sum();
+  const double agreeing = shape == nullptr ? 0.0 : shape->diag.value("agreeing_matches", kept);
+  ++with_matches_;
+  most_agreeing_ = std::max(most_agreeing_, agreeing);
+  recognised_ += state == ShapeState::estimated || agreeing >= kFewest ? 1 : 0;
+}
+
+void SetupMonitor::count_jumps(const Shape* shape, std::uint64_t frame) {
+  constexpr double kJump = 0.25;
+  if (shape == nullptr) return;
+  Place now{pixels_of(*shape, *camera_), frame};
+  if (before_ && before_->frame + 1 == frame) {
+    const double way = mean_way(before_->vertices_px, now.vertices_px);
+    ++pairs_;
+    if (way > kJump) {
+      ++jumps_;
+      jumps_sum_ += way;
+    }
+  }
+  before_ = std::move(now);
+}
+
+std::vector<SetupMonitor::Finding> SetupMonitor::findings() const {
+  std::vector<Finding> found;
+  judge_camera(found);
+  judge_rejects(found);
+  judge_recognition(found);
+  judge_jumps(found);
+  return found;
+}
+
+std::vector<RunWarning> SetupMonitor::warnings() const {
+  std::vector<RunWarning> warnings;
+  for (Finding& found : findings()) {
+    warnings.push_back({"setup", std::move(found.text), found.frames});
+  }
+  return warnings;
+}
+
+void SetupMonitor::judge_camera(std::vector<Finding>& findings) const {
+  constexpr double kSure = 4.0, kFocal_share = 0.07, kAspect_share = 0.03, kLens_px = 1.5,
+                   kCentre_share = 0.03;
+  const auto frames = static_cast<std::int64_t>(cameras_.size());
+  if (frames < kFewestFrames) return;
+  const auto camera = *host::view_as<Camera>(*camera_);
+  const CameraDeviation found = joint(cameras_);
+  const PartVector stds = found.stds();
+  const auto stands_out = [&](Part part, double least) {
+    return std::abs(found.mean(part)) > std::max(least, kSure * stds(part));
+  };
+  const auto factor = [&](double log, double std) {
+    return fixed(std::exp(log), 2) + " (+- " + fixed(2.0 * std::exp(log) * std, 2) + ")";
+  };
+  if (stands_out(kAspect, 0.5 * kAspect_share)) {
+    const auto along = [&](double sign) {
+      const double variance = found.covariance(kFocal, kFocal) +
+                              found.covariance(kAspect, kAspect) +
+                              2.0 * sign * found.covariance(kFocal, kAspect);
+      return factor(found.mean(kFocal) + sign * found.mean(kAspect), std::sqrt(variance));
+    };
+    findings.push_back({"proportions",
+                        "fx seems to be " + along(-1.0) + " and fy " + along(1.0) +
+                            " times those given, " + fixed(camera.fx, 0) + " and " +
+                            fixed(camera.fy, 0) +
+                            " px, or the template's height beside its width " +
+                            fixed(std::exp(2.0 * found.mean(kAspect)), 2) +
+                            " times that given: measure the template and calibrate the camera",
+                        frames});
+  } else if (stands_out(kFocal, kFocal_share)) {
+    findings.push_back({"focal length",
+                        "the focal length seems to be " + factor(found.mean(kFocal), stds(kFocal)) +
+                            " times the one given, " + fixed(camera.fx, 0) +
+                            " px, by the perspective of the surface: all distances from the "
+                            "camera are wrong by that factor; calibrate it",
+                        frames});
+  }
+  const double px_per_k1 = std::pow(radius_, 3) * camera.fx;
+  if (stands_out(kLens, kLens_px / px_per_k1)) {
+    findings.push_back({"lens",
+                        "the lens seems to bend straight lines, by " +
+                            fixed(std::abs(found.mean(kLens)) * px_per_k1, 1) +
+                            " px at the farthest match (k1 = " + fixed(found.mean(kLens), 2) +
+                            " +- " + fixed(2.0 * stds(kLens), 2) +
+                            " beyond what the camera file says): calibrate its distortion",
+                        frames});
+  }
+  const auto centre = [&](Part part, double focal_px, const char* less, const char* more) {
+    const double off_px = focal_px * found.mean(part);
+    return fixed(std::abs(off_px), 0) + " (+- " + fixed(2.0 * focal_px * stds(part), 0) + ") px " +
+           (off_px < 0.0 ? less : more);
+  };
+  if (stands_out(kCentreX, kCentre_share) || stands_out(kCentreY, kCentre_share)) {
+    findings.push_back({"principal point",
+                        "the principal point seems to lie " +
+                            centre(kCentreX, camera.fx, "left of", "right of") + " and " +
+                            centre(kCentreY, camera.fy, "above", "below") +
+                            " the one given: was the image cropped or scaled after the "
+                            "calibration?",
+                        frames});
+  }
+}
+
+void SetupMonitor::judge_rejects(std::vector<Finding>& findings) const {
+  if (with_rejects_ < kFewestFrames || 2 * with_rejects_ < rejects_looks_) return;
+  const std::string mean = std::to_string(rejects_ / with_rejects_);
+  if (2 * rejects_elsewhere_ > rejects_) {
+    findings.push_back({"elsewhere",
+                        "parts of the print seem to lie elsewhere than in the texture: " + mean +
+                            " rejected matches in the mean frame agree with each other, where "
+                            "none was kept; is the texture that of this object?",
+                        with_rejects_});
+  } else {
+    findings.push_back({"second print",
+                        "a second print like the texture seems to be in view: " + mean +
+                            " rejected matches in the mean frame agree with each other; the "
+                            "filter decides which one is followed",
+                        with_rejects_});
+  }
+}
+
+void SetupMonitor::judge_recognition(std::vector<Finding>& findings) const {
+  if (with_matches_ < kFewestForRates || 10 * recognised_ > with_matches_) return;
+  findings.push_back({"recognition",
+                      "the texture was recognised in " + std::to_string(recognised_) + " of " +
+                          std::to_string(with_matches_) + " frames" + ", at most " +
+                          fixed(most_agreeing_, 0) +
+                          " matches agreed with a shape: is it that of the object, not mirrored, "
+                          "and is the object in view, large and sharp enough?",
+                      with_matches_ - recognised_});
+}
+
+void SetupMonitor::judge_jumps(std::vector<Finding>& findings) const {
+  if (pairs_ < kFewestForRates || 2 * jumps_ < pairs_) return;
+  findings.push_back({"jumps",
+                      "the object moves by " +
+                          fixed(100.0 * jumps_sum_ / static_cast<double>(jumps_), 0) +
+                          " % of its size from frame to frame, so that it cannot be followed and "
+                          "is found anew: take more frames a second",
+                      jumps_});
+}
+
+}  // namespace weft

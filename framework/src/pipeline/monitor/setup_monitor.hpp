@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/execution/frame_result.hpp"
+#include "pipeline/execution/run_warning.hpp"
+#include "pipeline/monitor/self_calibration.hpp"
+
+namespace weft {
+
+/// Watches a run for what its frames say against its set-up: another camera than was said, a
+/// texture that is not that of the object, a second print in view, too few frames a second. What it
+/// finds out are warnings; it changes no shape.
+class SetupMonitor {
+ public:
+  static Result<SetupMonitor> create(const host::Record& templ, host::RecordPtr camera);
+
+  /// Looks closely at some frames: the first eight, then whenever a quarter more have gone by. What
+  /// it sees is added to the frame's `setup`, and what it has found out by then to its `warnings`.
+  void add(const Graph& graph, FrameResult& frame);
+
+  /// All that is found out by now, as warnings of "setup".
+  std::vector<RunWarning> warnings() const;
+
+ private:
+  struct Finding {
+    std::string kind;  ///< "focal length": each is told once in frames
+    std::string text;
+    std::int64_t frames;  ///< that show it
+  };
+  struct Place {
+    Points2 vertices_px;
+    std::uint64_t frame;
+  };
+
+  SetupMonitor(host::RecordPtr camera, SelfCalibration calibration)
+      : camera_(std::move(camera)), calibration_(std::move(calibration)) {}
+
+  bool is_due(std::uint64_t frame);
+  /// Whether the shape is unlike those that the camera was judged by; then it is one of them.
+  bool is_news(const Shape& shape);
+  void look_at_camera(const Shape& shape, const Correspondences& matches, FrameResult& frame);
+  void look_at_rejects(const Correspondences& matches, FrameResult& frame);
+  void count_recognised(ShapeState state, const Shape* shape, const Correspondences& matches);
+  void count_jumps(const Shape* shape, std::uint64_t frame);
+
+  std::vector<Finding> findings() const;
+  void judge_camera(std::vector<Finding>& findings) const;
+  void judge_rejects(std::vector<Finding>& findings) const;
+  void judge_recognition(std::vector<Finding>& findings) const;
+  void judge_jumps(std::vector<Finding>& findings) const;
+
+  host::RecordPtr camera_;
+  SelfCalibration calibration_;
+  std::uint64_t looks_ = 0, next_look_ = 0;
+  std::vector<std::string> told_;  ///< kinds of findings
+
+  std::vector<CameraEvidence> cameras_;  ///< of each frame that says something of it
+  std::vector<Points2> places_px_;       ///< vertices of the frames that were asked
+  double radius_ = 0.0;                  ///< [] of the farthest match, X / Z
+
+  std::int64_t rejects_looks_ = 0, with_rejects_ = 0;  ///< [frames]
+  std::int64_t rejects_ = 0, rejects_elsewhere_ = 0;   ///< of the frames with many
+
+  std::int64_t with_matches_ = 0, recognised_ = 0;  ///< [frames]
+  double most_agreeing_ = 0.0;                      ///< matches, in a frame
+
+  std::optional<Place> before_;
+  std::int64_t pairs_ = 0, jumps_ = 0;  ///< of neighbouring frames
+  double jumps_sum_ = 0.0;              ///< [] of the object's size
+};
+
+}  // namespace weft

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+#include "host/loading/component_checks.hpp"
+#include "pipeline/execution/executor.hpp"
+#include "pipeline/execution/run_warning.hpp"
+
+namespace weft {
+
+/// Told about the progress of a run, from the thread that runs it.
+class RunObserver {
+ public:
+  virtual ~RunObserver() = default;
+  /// `frames` is -1 when unknown.
+  virtual void started(std::int64_t frames) = 0;
+  virtual void frame_done(const FrameResult& frame) = 0;
+  /// What runs from now on; `frame` is host::kOfflineFrame before and after the frames.
+  virtual void calling(const std::string& /*stage*/, const std::string& /*what*/,
+                       std::uint64_t /*frame*/) {}
+};
+
+struct RunSummary {
+  std::string folder;
+  std::int64_t frames = 0;
+  std::int64_t failed = 0;  ///< frames with an error in a stage, the source or a sink
+  bool stopped = false;     ///< by on_error: stop, or cancelled
+  bool cancelled = false;   ///< without a frame, also when it was not yet open: no folder is left
+  std::vector<RunWarning> warnings;  ///< the first of each text, at most 100
+};
+
+/// A loaded, wired pipeline: what `weft check` checks and `weft run` runs.
+struct CheckedPipeline {
+  PipelineConfig config;
+  Graph graph;
+};
+
+/// Loads and wires a pipeline, refuses outputs that would go over what is there or what it reads,
+/// and asks its components about their files and parameters; use it only when the report is ok.
+/// `output_folder` is the run folder, new or empty; without a name, no component may write.
+/// `settings` and `patches` as in load_pipeline.
+std::pair<CheckedPipeline, ConfigReport> check_pipeline(
+    const std::string& file, const host::Registry& registry, const std::string& output_folder,
+    const std::vector<std::string>& settings = {}, const std::vector<Patch>& patches = {});
+
+/// The same of a document that has been read from `file`. With `checks`, what components of earlier
+/// pipelines were asked is not asked again.
+std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file, Document document,
+                                                        const host::Registry& registry,
+                                                        const std::string& output_folder,
+                                                        host::ComponentChecks* checks = nullptr);
+
+/// Runs all frames of the source into `output_folder`, which must be new or empty; an empty name
+/// leaves no run folder, only what the sinks write. Fails with the
+/// first error before the first frame, or when the run folder cannot be written; errors of single
+/// frames are recorded and counted. `cancel` may be set from another thread or a signal handler.
+/// The calls of the stages `dumped` are written too, see Dump.
+Result<RunSummary> run_pipeline(const CheckedPipeline& pipeline, const std::string& output_folder,
+                                RunObserver& observer, const std::atomic<bool>& cancel,
+                                const std::vector<std::string>& dumped = {});
+
+}  // namespace weft

@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/runs/run_folder.hpp"
+
+#include <sys/utsname.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <weft/core/statistics.hpp>
+#include <weft/core/version.hpp>
+#include <weft/core/whole_file.hpp>
+#include <weft/geometry/vertex_spread.hpp>
+
+#include "host/loading/processor.hpp"
+#include "pipeline/execution/match_depths.hpp"
+#include "pipeline/runs/source_revision.hpp"
+
+namespace weft {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+constexpr const char* kEndFile = "end.json";  // a run that did not come to its end has none
+
+Error io_error(const std::string& file, const std::string& message) {
+  return {Errc::io, message, file};
+}
+
+void add_components(const host::ComponentSpec& spec, const std::string& stage,
+                    ordered_json& components) {
+  const host::Installed& installed = *spec.installed;
+  components.push_back({{"stage", stage},
+                        {"id", installed.component.id},
+                        {"version", installed.component.version},
+                        {"build_id", installed.library->build_id},
+                        {"licence", installed.component.licence},
+                        {"determinism", installed.component.determinism},
+                        {"uses_truth", installed.component.uses_truth},
+                        {"library", installed.library->library}});
+  for (const auto& [parameter, child] : spec.nested) {
+    add_components(child, stage + "/" + parameter, components);
+  }
+}
+
+/// The files that the pipeline was made from, and the settings laid over them.
+ordered_json source_names(const std::vector<ConfigSource>& sources) {
+  ordered_json names = ordered_json::array();
+  for (const ConfigSource& source : sources) {
+    names.push_back((source.is_setting ? "--set " : "") + source.name);
+  }
+  return names;
+}
+
+ordered_json provenance(const PipelineConfig& config) {
+  utsname system{};
+  uname(&system);
+  ordered_json components = ordered_json::array();
+  add_components(config.source->component, config.source->name, components);
+  add_components(config.templ->component, config.templ->name, components);
+  for (const auto* stages : {&config.stages, &config.sinks}) {
+    for (const StageConfig& stage : *stages) {
+      add_components(stage.component, stage.name, components);
+    }
+  }
+  return {{"weft", kVersion},
+          {"git", host::source_revision()},
+          {"pipeline", config.file},
+          {"sources", source_names(config.sources)},
+          {"seed", config.seed},
+          {"reproducible", true},
+          {"end", kEndFile},
+          {"machine", {{"processor", host::processor_name()}, {"system", system.release}}},
+          {"components", std::move(components)}};
+}
+
+std::string frame_name(std::uint64_t index) {
+  char name[32];
+  std::snprintf(name, sizeof(name), "%06llu", static_cast<unsigned long long>(index));
+  return name;
+}
+
+/// Counts without a decimal point; JSON has no NaN, so that becomes null.
+ordered_json number_json(double value) {
+  constexpr double kLargestExact = 9007199254740992.0;
+  if (value == std::floor(value) && std::abs(value) < kLargestExact) {
+    return static_cast<std::int64_t>(value);
+  }
+  return value;
+}
+
+double rounded(double value, double parts) { return std::round(value * parts) / parts; }
+
+ordered_json stage_json(const StageReport& report) {
+  ordered_json object{{"stage", report.stage}, {"status", to_string(report.status)}};
+  if (!report.reason.empty()) object["reason"] = report.reason;
+  object["ms"] = rounded(report.took.ms, 1000.0);
+  object["processor_ms"] = rounded(report.took.processor_ms, 1000.0);
+  for (const auto& [name, value] : report.numbers) object[name] = number_json(value);
+  return object;
+}
+
+/// The sum over a component's calls, for each that was called.
+ordered_json time_by_component(const std::vector<host::Timing>& timings,
+                               double host::Spent::*part) {
+  std::map<std::string, double> sums;
+  for (const host::Timing& timing : timings) sums[timing.component] += timing.took.*part;
+  ordered_json times = ordered_json::object();
+  for (const auto& [component, sum] : sums) times[component] = rounded(sum, 1000.0);
+  return times;
+}
+
+/// How sure the shape is of itself, as a whole and at each vertex.
+void add_certainty(const host::RecordPtr& record, ordered_json& line) {
+  constexpr double kMmPerM = 1000.0;
+  const auto shape =
+      record == nullptr ? Result<Shape>(no_result("none")) : host::view_as<Shape>(*record);
+  line["confidence"] = shape ? ordered_json(rounded(shape->confidence, 1e4)) : ordered_json();
+  std::vector<double> stds_mm = shape ? vertex_stds_m(*shape) : std::vector<double>();
+  if (stds_mm.empty()) return;
+  for (double& each : stds_mm) each = rounded(kMmPerM * each, 100.0);
+  line["std_median_mm"] = median(stds_mm);
+  line["std_worst_mm"] = *std::max_element(stds_mm.begin(), stds_mm.end());
+  line["std_mm"] = stds_mm;
+}
+
+/// Text of any bytes as JSON: what is no UTF-8 is replaced.
+std::string dump(const ordered_json& object, int indent = -1) {
+  return object.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+/// What a filter has left of its matches, without the matches themselves.
+host::RecordPtr mask_of(const host::Record& matches) {
+  auto mask = std::make_shared<host::Record>(InlierMask::kType);
+  for (const char* array : {"kept", "score", "confidence"}) mask->share(matches, array);
+  return mask;
+}
+
+/// The mask of a filter that gave no result for these matches: nothing is left of them.
+host::RecordPtr mask_of_none(const host::Record& matches) {
+  const weft_array* kept = find_array(matches.view(""), "kept");
+  const std::int64_t count = kept->shape[0];
+  return host::Record::copy_of(
+      InlierMask{Array<std::uint8_t>({count}), Array<double>({count}), {}});
+}
+
+/// The truth without its images, of which one is larger than all that a frame leaves otherwise.
+host::RecordPtr without_images(const host::Record& truth) {
+  auto kept = std::make_shared<host::Record>(truth.type());
+  const weft_record view = truth.view("");
+  for (std::uint64_t i = 0; i < view.count; ++i) {
+    const std::string_view name = view.arrays[i].name;
+    if (name != "depth_m" && name != "uv_m") kept->share(truth, name);
+  }
+  return kept;
+}
+
+/// The true depth at matches, if it is known.
+void add_depths(const std::string& path, const host::Record& matches, const host::RecordPtr& truth,
+                host::NamedRecords& records) {
+  const auto known = truth == nullptr ? Result<GroundTruth>(no_result("no truth"))
+                                      : host::view_as<GroundTruth>(*truth);
+  const auto noun = host::view_as<Correspondences>(matches);
+  if (!known || !known->depth_m.present() || !noun) return;
+  records.emplace_back(path + ".match_depths",
+                       host::Record::copy_of(depths_at(*noun, known->depth_m)));
+}
+
+/// Where warps take the template's vertices, without derivatives.
+void add_warps(const Graph& graph, const FrameResult& frame, host::NamedRecords& records) {
+  for (std::size_t i = 0; i < frame.values.size(); ++i) {
+    const ValueInfo& value = graph.values[i];
+    if (value.slot != "warp_samples" || frame.values[i] == nullptr) continue;
+    auto samples = std::make_shared<host::Record>(WarpSamples::kType);
+    for (const char* array : {"xy_px", "valid"}) samples->share(*frame.values[i], array);
+    records.emplace_back(value.name + ".warp_samples", std::move(samples));
+  }
+}
+
+/// What the last pass that tells it says of the camera's view.
+void add_visibility(const Graph& graph, const FrameResult& frame, host::NamedRecords& records) {
+  host::RecordPtr last;
+  for (std::size_t i = 0; i < frame.values.size(); ++i) {
+    const bool told = graph.values[i].slot == "visibility" && frame.values[i] != nullptr;
+    if (told) last = frame.values[i];
+  }
+  if (last != nullptr) records.emplace_back("visibility", last);
+}
+
+/// All matches of a frame, each array once, and a mask of each filter that they were given to.
+void add_matches(const Graph& graph, const FrameResult& frame, const host::RecordPtr& truth,
+                 host::NamedRecords& records) {
+  struct Made {
+    std::string path;
+    host::RecordPtr matches;  // before any filter
+  };
+  std::map<int, Made> made;  // by index of the value
+  for (std::size_t i = 0; i < frame.values.size(); ++i) {
+    const ValueInfo& value = graph.values[i];
+    const host::RecordPtr& record = frame.values[i];
+    if (value.slot != "correspondences") continue;
+    const auto before = made.find(value.filtered);
+    if (before != made.end()) {
+      const Made from{before->second.path + "." + value.name, before->second.matches};
+      records.emplace_back(from.path + ".inlier_mask",
+                           record != nullptr ? mask_of(*record) : mask_of_none(*from.matches));
+      made.emplace(static_cast<int>(i), from);
+    } else if (record != nullptr) {
+      made.emplace(static_cast<int>(i), Made{value.name, record});
+      records.emplace_back(value.name + ".correspondences", record);
+      add_depths(value.name, *record, truth, records);
+    }
+  }
+}
+
+}  // namespace
+
+host::NamedRecords frame_records(const Graph& graph, const FrameResult& frame,
+                                 const host::RecordPtr& ground_truth) {
+  host::NamedRecords records;
+  if (frame.shape != nullptr) records.emplace_back("shape", frame.shape);
+  if (ground_truth != nullptr) records.emplace_back("ground_truth", without_images(*ground_truth));
+  add_visibility(graph, frame, records);
+  add_matches(graph, frame, ground_truth, records);
+  add_warps(graph, frame, records);
+  return records;
+}
+
+Result<RunFolder> RunFolder::create(const std::string& path) {
+  const Error taken =
+      io_error(path, "exists and is not an empty folder; choose another with --out");
+  std::error_code code;
+  if (fs::exists(path, code) && !(fs::is_directory(path, code) && fs::is_empty(path, code))) {
+    return taken;
+  }
+  fs::create_directories(path, code);
+  // Of two runs that begin together one makes this folder.
+  if (!code && !fs::create_directory(path + "/frames", code) && !code) return taken;
+  if (code) return io_error(path, "cannot be created: " + code.message());
+  RunFolder folder(fs::absolute(path).string());
+  folder.frames_.open(path + "/frames.jsonl");
+  if (!folder.frames_) return io_error(path + "/frames.jsonl", "cannot be created");
+  return folder;
+}
+
+Result<void> RunFolder::begin(const PipelineConfig& config, const host::Record& templ,
+                              const host::Record& camera) {
+  if (auto written = write_whole(effective_yaml(config), path_ + "/pipeline.yaml"); !written) {
+    return written;
+  }
+  const std::string manifest = dump(provenance(config), 2) + "\n";
+  if (auto written = write_whole(manifest, path_ + "/manifest.json"); !written) return written;
+  const auto borrow = [](const host::Record& record) {
+    return host::RecordPtr(&record, [](const host::Record*) {});
+  };
+  return host::write_npz(path_ + "/template.npz",
+                         {{"template", borrow(templ)}, {"camera", borrow(camera)}});
+}
+
+void RunFolder::withdraw() {
+  frames_.close();
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+Result<void> RunFolder::add(const Graph& graph, const FrameResult& frame,
+                            const host::RecordPtr& ground_truth) {
+  const host::NamedRecords records = frame_records(graph, frame, ground_truth);
+  if (!records.empty()) {
+    const std::string file = path_ + "/frames/" + frame_name(frame.index) + ".npz";
+    if (auto written = host::write_npz(file, records); !written) return written;
+  }
+  ordered_json stages = ordered_json::array();
+  for (const StageReport& report : frame.stages) stages.push_back(stage_json(report));
+  ordered_json line{{"frame", frame.index},
+                    {"stem", frame.stem},
+                    {"state", to_string(frame.state)},
+                    {"age", frame.age_frames}};
+  add_certainty(frame.shape, line);
+  line["failed"] = frame.failed();
+  line["records"] = records.size();
+  line["stages"] = std::move(stages);
+  for (const auto& [name, value] : frame.setup) line["setup"][name] = rounded(value, 1e4);
+  if (!frame.warnings.empty()) line["warnings"] = frame.warnings;
+  line["ms"] = time_by_component(frame.timings, &host::Spent::ms);
+  line["processor_ms"] = time_by_component(frame.timings, &host::Spent::processor_ms);
+  errno = 0;
+  frames_ << dump(line) << std::endl;
+  if (frames_) return {};
+  return io_error(path_ + "/frames.jsonl",
+                  "cannot be written (" +
+                      why_not_written(std::error_code(errno, std::generic_category())) + ")");
+}
+
+Result<void> RunFolder::end(std::int64_t frames, std::int64_t failed, bool stopped) const {
+  const ordered_json summary{{"frames", frames}, {"failed", failed}, {"stopped", stopped}};
+  return write_whole(dump(summary) + "\n", path_ + "/" + kEndFile);
+}
+
+}  // namespace weft

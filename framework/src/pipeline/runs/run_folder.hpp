@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <fstream>
+#include <string>
+
+#include "pipeline/execution/executor.hpp"
+
+namespace weft {
+
+/// What a run keeps of a frame, by slot:
+/// `shape`, `ground_truth`; `STAGE.correspondences`, whole, of each stage (or `sources`) that made
+/// matches; `STAGE.FILTER.inlier_mask` of each filter that they went through
+/// (`STAGE.FILTER.NEXT.inlier_mask` of the next): what it and those before it kept, and its scores;
+/// nothing kept and scores of 0 where it gave no result. Of the truth what is as large as the image
+/// is left out; `STAGE.match_depths` has the true depth at the matches of a stage.
+/// `STAGE.warp_samples` is where a warp takes the template's vertices. What is absent in a frame
+/// has no slot.
+host::NamedRecords frame_records(const Graph& graph, const FrameResult& frame,
+                                 const host::RecordPtr& ground_truth);
+
+/// The folder of one run: pipeline.yaml (effective configuration), manifest.json, template.npz
+/// (template, camera), frames.jsonl (a line a frame), frames/NNNNNN.npz, what the sinks write, and
+/// at the end end.json. Whatever is finished stays readable when the run is killed.
+/// frames/NNNNNN.npz holds the frame_records; a frame without any has no such file.
+class RunFolder {
+ public:
+  /// Creates the folder; refuses one that is not empty.
+  static Result<RunFolder> create(const std::string& path);
+
+  const std::string& path() const { return path_; }
+
+  /// Writes configuration, provenance and template, before the first frame.
+  Result<void> begin(const PipelineConfig& config, const host::Record& templ,
+                     const host::Record& camera);
+
+  /// Writes one frame of the graph; its line is flushed.
+  Result<void> add(const Graph& graph, const FrameResult& frame,
+                   const host::RecordPtr& ground_truth);
+
+  /// Writes end.json: how many frames there are, so that a reader knows that none is missing.
+  Result<void> end(std::int64_t frames, std::int64_t failed, bool stopped) const;
+
+  /// Removes the folder with all that is in it: it was new or empty, so that all is of this run.
+  void withdraw();
+
+ private:
+  explicit RunFolder(std::string path) : path_(std::move(path)) {}
+
+  std::string path_;
+  std::ofstream frames_;
+};
+
+}  // namespace weft

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/survey/template_survey.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <weft/geometry/mesh_topology.hpp>
+#include <weft/geometry/surface_distance.hpp>
+#include <weft/geometry/texture_metric.hpp>
+
+namespace weft {
+namespace {
+
+constexpr double kMmPerM = 1000.0, kCm2PerM2 = 1e4;
+
+double least_angle_deg(const Points3& vertices_m, const Faces& faces) {
+  double least = M_PI;
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::RowVector3d corner = vertices_m.row(faces(f, k));
+      const Eigen::RowVector3d a = vertices_m.row(faces(f, (k + 1) % 3)) - corner;
+      const Eigen::RowVector3d b = vertices_m.row(faces(f, (k + 2) % 3)) - corner;
+      least = std::min(least, std::atan2(a.cross(b).norm(), a.dot(b)));
+    }
+  }
+  return least * 180.0 / M_PI;
+}
+
+void measure_edges(const Points3& vertices_m, const MeshTopology& topology,
+                   TemplateSurvey& survey) {
+  survey.edges = topology.edges.rows();
+  survey.border_edges = static_cast<Eigen::Index>(topology.boundary_edges.size());
+  survey.shortest_edge_mm = std::numeric_limits<double>::infinity();
+  for (Eigen::Index e = 0; e < survey.edges; ++e) {
+    const auto side = vertices_m.row(topology.edges(e, 0)) - vertices_m.row(topology.edges(e, 1));
+    const double length_mm = kMmPerM * side.norm();
+    survey.shortest_edge_mm = std::min(survey.shortest_edge_mm, length_mm);
+    survey.longest_edge_mm = std::max(survey.longest_edge_mm, length_mm);
+  }
+  survey.mean_edge_mm = kMmPerM * mean_edge_length(vertices_m, topology.edges);
+}
+
+}  // namespace
+
+TemplateSurvey survey_template(const Template& templ) {
+  const Points3 vertices_m = templ.vertices_m.matrix<3>();
+  const Points2 flat_px = templ.flat_px.matrix<2>();
+  const Faces faces = templ.faces.matrix<3>();
+  TemplateSurvey survey;
+  survey.vertices = vertices_m.rows();
+  survey.faces = faces.rows();
+  measure_edges(vertices_m, *build_topology(faces, vertices_m.rows()), survey);
+  survey.least_angle_deg = least_angle_deg(vertices_m, faces);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    survey.area_cm2 += kCm2PerM2 * face_area(vertices_m, faces, f);
+  }
+  survey.size_mm = kMmPerM * (vertices_m.colwise().maxCoeff() - vertices_m.colwise().minCoeff());
+  const TexelPitch pitch = texel_pitch(vertices_m, flat_px, faces);
+  survey.texel_mm = kMmPerM * pitch.m_per_px;
+  survey.distortion = pitch.distortion;
+  survey.flat = coplanar(vertices_m);
+  survey.texture_width_px = templ.texture.dim(1);
+  survey.texture_height_px = templ.texture.dim(0);
+  const auto* mask = templ.mask.data();
+  const auto inside = std::count_if(mask, mask + templ.mask.size(), [](auto m) { return m != 0; });
+  survey.mask_share = static_cast<double>(inside) / static_cast<double>(templ.mask.size());
+  return survey;
+}
+
+}  // namespace weft

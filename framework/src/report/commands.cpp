@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cmath>
+#include <weft/core/shell_word.hpp>
+
+#include "metrics/metrics.hpp"
+#include "report/sheets.hpp"
+
+namespace weft::evaluation {
+std::string anchor_of(std::size_t combination) {
+  return "reproduce-" + std::to_string(combination);
+}
+
+std::string run_command(const Results& results, const std::string& key) {
+  std::string options;
+  if (results.alignment != "none") options += " --alignment " + results.alignment;
+  if (std::isfinite(results.match_tolerance_px) &&
+      results.match_tolerance_px != EvaluationOptions{}.match_tolerance_px) {
+    options += fmt::format(" --match-tolerance-px {:g}", results.match_tolerance_px);
+  }
+  const std::string run = shell_word("runs/" + key);
+  return "weft run " + shell_word(results.folder + "/cells/" + key + "/pipeline.yaml") + " --out " +
+         run + " && weft eval " + run + options;
+}
+
+std::string command_of(const Results& results, const PlanCell& cell) {
+  return run_command(results, cell.key);
+}
+
+std::string ablate_command(const Results& results, const std::string& option) {
+  return results.plan.command + " --out " + shell_word(results.folder) + option;
+}
+
+}  // namespace weft::evaluation

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "report/parts.hpp"
+#include "report/sheets.hpp"
+#include "report/text/base64.hpp"
+
+namespace weft::evaluation {
+namespace {
+
+/// A place for a figure, with what a reader should know of it.
+std::string figure(const std::string& id, const std::string& caption) {
+  return fmt::format(
+      "<figure id=\"{}\"><ul class=\"legend\"></ul><div class=\"plot\"></div>\n"
+      "<figcaption>{}</figcaption></figure>\n",
+      id, caption);
+}
+
+std::string sweep_figure(const Results& results, const Sweep& sweep, std::size_t index) {
+  const std::string axis = html_escaped(results.plan.axes[sweep.axis].swept);
+  const std::string title = sweep.stage.empty()
+                                ? "Along " + axis
+                                : "ROC of " + html_escaped(sweep.stage) + " over " + axis;
+  const std::string caption =
+      sweep.stage.empty()
+          ? "Means over sequences, each the mean over its seeds; the interval of each mean is in "
+            "the table of results."
+          : "A point is the mean over all frames at one value of " + axis +
+                ", which changes what the stage rejects and not what it is given. AUC: trapezoids, "
+                "with (0, 0) and (100, 100) added, to which the thin lines lead; in percent. "
+                "Positive is a rejected match.";
+  return fmt::format(
+      "<figure class=\"sweep\" id=\"figure-sweep-{}\" data-sweep=\"{}\"><h3>{}</h3>\n<div "
+      "class=\"controls\"></div><ul class=\"legend\"></ul><div "
+      "class=\"plot\"></div>\n<figcaption>{}</figcaption></figure>\n",
+      index, index, title, caption);
+}
+
+std::string checkbox(const std::string& parts, const std::string& label) {
+  return fmt::format("<label><input type=\"checkbox\" value=\"{}\" checked> {}</label>\n", parts,
+                     label);
+}
+
+bool has_scores(const ReportTables& tables, const std::string& stage) {
+  return std::any_of(tables.combinations.begin(), tables.combinations.end(),
+                     [&](const Combination& combination) {
+                       const FilterRates* rates = combination.filter(stage);
+                       if (rates == nullptr) return false;
+                       const ScoreShares shares = scores_of(*rates);
+                       return !shares.mismatches.empty() || !shares.correct.empty();
+                     });
+}
+
+}  // namespace
+
+std::string curves_part(const ReportTables& tables) {
+  if (!tables.has_error) return "";
+  return "<p>Which combinations are drawn is chosen with the squares in the table of results, "
+         "eight at most.</p>\n<h3>Distribution</h3>\n" +
+         figure("figure-distribution",
+                "Share of all frames with truth whose mean error is at most x. Frames without a "
+                "shape of their own have no error: they keep a curve below 100 %.") +
+         "<h3>Over the frames</h3>\n" +
+         figure("figure-by-frame",
+                "Mean over sequences, each the mean over its seeds, of the error at each frame. "
+                "Frames that were not solved are left out: see the table for how many they are.");
+}
+
+std::string certainty_part(const Results& results, const ReportTables& tables, bool scripted) {
+  const TextTable sheet = certainty_sheet(results, tables);
+  if (sheet.rows.empty()) return "";
+  if (!scripted) return to_html(sheet);
+  return to_html(sheet) + "<h3>Reliability</h3>\n" +
+         figure(
+             "figure-reliability",
+             "Of the frames whose confidence is in a tenth of [0, 1], the share that is right, at "
+             "their mean confidence; larger where there are more of them. On the diagonal a "
+             "confidence is what it says; above it, it is too low.");
+}
+
+std::string sweeps_part(const Results& results, const Figures& figures) {
+  std::string text;
+  for (std::size_t i = 0; i < figures.sweeps.size(); ++i) {
+    text += sweep_figure(results, figures.sweeps[i], i);
+  }
+  return text;
+}
+
+std::string scores_part(const ReportTables& tables) {
+  std::string text;
+  for (std::size_t i = 0; i < tables.filter_stages.size(); ++i) {
+    if (!has_scores(tables, tables.filter_stages[i])) continue;
+    text += fmt::format(
+        "<figure class=\"scores\" id=\"figure-scores-{}\" data-scores=\"{}\"><h3>Scores of "
+        "{}</h3>\n"
+        "<div class=\"controls\"></div><ul class=\"legend\"></ul><div class=\"plot\"></div>\n"
+        "<figcaption>What the filter thinks of the matches that it is given, 1 best: share of all "
+        "mismatches, and of all correct matches, in each fortieth of its scores.</figcaption>"
+        "</figure>\n",
+        i, i, html_escaped(tables.filter_stages[i]));
+  }
+  return text;
+}
+
+std::string worst_part(const Results& results, const Figures& figures) {
+  if (figures.worst_frames.empty()) return "";
+  std::string text =
+      "<p>The frames with the largest errors of each combination. Lines: the estimated mesh over "
+      "the image, blue where its confidence is 1, yellow at 0.5 and orange at 0, fainter where it "
+      "is only predicted. Blue dots: the matches that were kept. A click on a command copies "
+      "it.</p>\n<div class=\"thumbnails\">\n";
+  for (const ShownFrame& frame : figures.worst_frames) {
+    const PlanCell& cell = results.plan.cells[frame.cell];
+    const TextCell error = number_cell(frame.mean_mm, 3);
+    std::string values;
+    for (const std::string& value : cell.values) values += html_escaped(value) + " · ";
+    text += fmt::format(
+        "<figure><img alt=\"\" src=\"data:{};base64,{}\">\n<figcaption>{}{}, seed {}, frame {}: "
+        "{}<br><code class=\"command\">{}</code></figcaption></figure>\n",
+        frame.picture.type, base64(frame.picture.bytes), values, html_escaped(cell.sequence),
+        cell.seed, frame.picture.frame,
+        std::isfinite(frame.mean_mm) ? error.shown + " mm mean error"
+                                     : "no error could be measured",
+        html_escaped(command_of(results, cell)));
+  }
+  return text + "</div>\n";
+}
+
+std::string viewer_part(const Figures& figures) {
+  if (figures.cells.empty()) return "";
+  return fmt::format(
+             "<p>The page holds the worst, the median and the best cell of each combination that "
+             "the figures draw at first, at most {} frames a cell and {} true points a frame, "
+             "evenly chosen. A line leads from each true point to its place on the estimate, "
+             "longer than it is where the errors are enlarged. Drag to turn, scroll to come "
+             "nearer.</p>\n<p "
+             "class=\"needs-script\">The 3D view needs JavaScript.</p>\n",
+             ViewLimits{}.frames, ViewLimits{}.truth_points) +
+         "<div id=\"viewer\"><div class=\"controls\"><label>Cell <select "
+         "aria-label=\"Cell\"></select></label></div>\n"
+         "<canvas aria-label=\"Estimate and truth in 3D\"></canvas>\n<div class=\"controls\">"
+         "<button type=\"button\" class=\"plain play\">Play</button>\n"
+         "<input type=\"range\" min=\"0\" max=\"0\" value=\"0\" step=\"1\" "
+         "aria-label=\"Frame\">\n<output class=\"readout\"></output></div>\n"
+         "<div class=\"controls\">" +
+         checkbox("surface edges", "<span class=\"key estimate\"></span>estimate") +
+         checkbox("truth", "<span class=\"key truth\"></span>true points") +
+         checkbox("errors", "errors") +
+         "<label>enlarged <select class=\"enlarged\" aria-label=\"Errors enlarged\">"
+         "<option value=\"1\">1×</option><option value=\"10\">10×</option>"
+         "<option value=\"50\">50×</option></select></label>"
+         "<button type=\"button\" class=\"plain reset\">Reset the view</button></div>\n"
+         "<p class=\"small\">Again: <code class=\"command\"></code></p></div>\n";
+}
+
+}  // namespace weft::evaluation

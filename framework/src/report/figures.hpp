@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "report/curves.hpp"
+#include "report/tables.hpp"
+#include "results/cell_folder.hpp"
+
+namespace weft::evaluation {
+
+/// A cell that the 3D view offers.
+struct ShownCell {
+  std::size_t cell = 0;  ///< index into Results::cells
+  std::string name;      ///< "myneighbor: worst (plain_101, seed 1)"
+  CellView view;
+};
+
+/// A worst frame with its picture.
+struct ShownFrame {
+  std::size_t cell = 0;  ///< index into Results::cells
+  double mean_mm = kUnknown;
+  Thumbnail picture;
+};
+
+/// What the page shows beside its tables.
+struct Figures {
+  std::vector<std::size_t> drawn;  ///< combinations that the figures draw at first
+  std::vector<Sweep> sweeps;
+  std::vector<ShownCell> cells;
+  std::vector<ShownFrame> worst_frames;
+};
+
+/// Reads what the figures need; fails where the shapes of a cell are damaged.
+Result<Figures> make_figures(const Results& results, const ReportTables& tables);
+
+/// The figures' data as JSON that may stand inside a script element; arrays are base64 of
+/// little-endian f32 or u32.
+std::string to_json(const Results& results, const ReportTables& tables, const Figures& figures);
+
+}  // namespace weft::evaluation

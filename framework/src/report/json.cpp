@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "report/figures.hpp"
+#include "report/sheets.hpp"
+#include "report/text/base64.hpp"
+
+namespace weft::evaluation {
+namespace {
+
+using nlohmann::ordered_json;
+
+std::string packed(const std::vector<float>& values) {
+  return base64_of(std::span<const float>(values));
+}
+
+ordered_json curve_json(const Curve& curve) {
+  return {{"x", packed(curve.x)}, {"y", packed(curve.y)}};
+}
+
+ordered_json treatment_json(const Results& results, const ReportTables& tables,
+                            const Figures& figures, std::size_t index) {
+  const Combination& combination = tables.combinations[index];
+  ordered_json stages = ordered_json::array();
+  for (const StageTime& time : combination.times) {
+    stages.push_back({{"stage", time.stage}, {"ms", time.mean_ms}});
+  }
+  std::vector<float> said, came_true, frames;
+  for (const ConfidenceBin& bin : combination.certainty.bins) {
+    if (bin.frames == 0) continue;
+    said.push_back(static_cast<float>(bin.said));
+    came_true.push_back(static_cast<float>(bin.came_true));
+    frames.push_back(static_cast<float>(bin.frames));
+  }
+  return {
+      {"id", index},
+      {"name", combination.name},
+      {"reliability", {{"x", packed(said)}, {"y", packed(came_true)}, {"frames", packed(frames)}}},
+      {"drawn", std::count(figures.drawn.begin(), figures.drawn.end(), index) > 0},
+      {"distribution", curve_json(distribution_of(results, combination))},
+      {"by_frame", curve_json(error_over_frames(results, combination))},
+      {"stages", std::move(stages)}};
+}
+
+ordered_json comparison_json(const ComparisonResult& comparison) {
+  ordered_json pairs = ordered_json::array();
+  for (const PairComparison& pair : comparison.table.pairs) {
+    pairs.push_back({{"a", pair.a},
+                     {"b", pair.b},
+                     {"difference", pair.test.mean},
+                     {"low", pair.test.interval.low},
+                     {"high", pair.test.interval.high},
+                     {"decided", pair.call == Call::a || pair.call == Call::b}});
+  }
+  return {{"unit", comparison.unit}, {"pairs", std::move(pairs)}};
+}
+
+ordered_json sweep_json(const Results& results, const Sweep& sweep) {
+  ordered_json others = ordered_json::array(), curves = ordered_json::array();
+  for (const PlanAxis& axis : other_axes(results, sweep)) {
+    others.push_back(
+        {{"name", axis.name}, {"values", axis.values}, {"families", !axis.families.empty()}});
+  }
+  for (const SweepCurve& curve : sweep.curves) {
+    ordered_json figures = ordered_json::array();
+    for (const std::vector<float>& figure : curve.figures) figures.push_back(packed(figure));
+    curves.push_back({{"others", curve.others},
+                      {"values", packed(curve.values)},
+                      {"figures", std::move(figures)},
+                      {"auc", curve.auc_percent},
+                      {"partial_auc", curve.partial_auc_percent}});
+  }
+  return {{"axis", results.plan.axes[sweep.axis].swept},
+          {"roc", !sweep.stage.empty()},
+          {"measures", sweep.measures},
+          {"others", std::move(others)},
+          {"curves", std::move(curves)}};
+}
+
+/// What a filter thinks of the matches: one entry for each combination in which it has an opinion.
+ordered_json scores_json(const Results& results, const ReportTables& tables,
+                         const std::string& stage) {
+  ordered_json axes = ordered_json::array(), combinations = ordered_json::array();
+  for (const PlanAxis& axis : results.plan.axes) {
+    axes.push_back({{"name", axis.name}, {"values", axis.values}});
+  }
+  for (const Combination& combination : tables.combinations) {
+    const FilterRates* rates = combination.filter(stage);
+    if (rates == nullptr) continue;
+    const ScoreShares shares = scores_of(*rates);
+    if (shares.mismatches.empty() && shares.correct.empty()) continue;
+    combinations.push_back({{"values", combination.values},
+                            {"mismatches", packed(shares.mismatches)},
+                            {"correct", packed(shares.correct)}});
+  }
+  return {{"axes", std::move(axes)}, {"combinations", std::move(combinations)}};
+}
+
+ordered_json cell_json(const Results& results, const ShownCell& shown) {
+  const PlanCell& cell = results.plan.cells[shown.cell];
+  const CellRecord& record = results.record(cell);
+  ordered_json frames = ordered_json::array();
+  for (const ViewFrame& frame : shown.view.frames) {
+    const auto error =
+        std::find_if(record.errors.begin(), record.errors.end(),
+                     [&](const FrameError& one) { return one.frame == frame.frame; });
+    frames.push_back({{"frame", frame.frame},
+                      {"state", frame.state},
+                      {"mean_mm", error == record.errors.end() ? kUnknown : error->mean_mm},
+                      {"vertices", packed(frame.vertices)},
+                      {"truth", packed(frame.truth)},
+                      {"placed", packed(frame.placed)}});
+  }
+  return {{"name", shown.name},
+          {"command", command_of(results, cell)},
+          {"faces", base64_of(std::span<const std::uint32_t>(shown.view.faces))},
+          {"frames", std::move(frames)}};
+}
+
+}  // namespace
+
+std::string to_json(const Results& results, const ReportTables& tables, const Figures& figures) {
+  ordered_json object{{"measure", {{"name", "mean 3D error of a frame"}, {"unit", "mm"}}}};
+  for (const char* list : {"treatments", "comparisons", "sweeps", "scores", "cells"}) {
+    object[list] = ordered_json::array();
+  }
+  for (std::size_t i = 0; i < tables.combinations.size(); ++i) {
+    object["treatments"].push_back(treatment_json(results, tables, figures, i));
+  }
+  for (const ComparisonResult& comparison : tables.comparisons) {
+    object["comparisons"].push_back(comparison_json(comparison));
+  }
+  for (const Sweep& sweep : figures.sweeps) object["sweeps"].push_back(sweep_json(results, sweep));
+  for (const std::string& stage : tables.filter_stages) {
+    object["scores"].push_back(scores_json(results, tables, stage));
+  }
+  for (const ShownCell& cell : figures.cells) object["cells"].push_back(cell_json(results, cell));
+  // A text could hold the end of the element that the JSON stands in.
+  std::string text;
+  for (const char c : object.dump(-1, ' ', true, ordered_json::error_handler_t::replace)) {
+    text += c == '<' ? std::string("\\u003c") : std::string(1, c);
+  }
+  return text;
+}
+
+}  // namespace weft::evaluation

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/report.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <weft/core/whole_file.hpp>
+
+#include "report/notes.hpp"
+#include "report/page.hpp"
+#include "report/sheets.hpp"
+
+namespace weft::evaluation {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::optional<std::string> read_text(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) return std::nullopt;
+  return std::string(std::istreambuf_iterator<char>(stream), {});
+}
+
+Result<PageAssets> read_assets(const std::string& folder) {
+  const auto style = read_text(folder + "/report.css");
+  if (!style) {
+    return Error{
+        Errc::not_found,
+        "there is no such file, but it belongs to the program: build or install Weft again",
+        folder + "/report.css"};
+  }
+  return PageAssets{*style, read_text(folder + "/report.js").value_or(""),
+                    read_text(folder + "/licences.txt").value_or("")};
+}
+
+/// A text as it is, between marks of which it has no longer ones.
+std::string markdown_code(const std::string& text) {
+  std::string mark = "`";
+  while (text.find(mark) != std::string::npos) mark += '`';
+  const std::string space = mark.size() > 1 ? " " : "";
+  return mark + space + text + space + mark;
+}
+
+/// What stands before the tables: what was run, and what came of it.
+std::string markdown_head(const Results& results, const ReportTables& tables) {
+  std::string text = "# " + markdown_escaped(results.plan.name) + "\n\nMade by Weft " +
+                     markdown_escaped(results.version) + " with " +
+                     markdown_code(results.plan.command) + ".\n\n";
+  for (const auto& [name, value] : facts_of(results, tables)) {
+    text += "- " + markdown_escaped(name) + ": " + markdown_escaped(value) + "\n";
+  }
+  text += "\n";
+  for (const std::string& notice : notices_of(results, tables)) {
+    text += "> " + markdown_escaped(notice) + "\n\n";
+  }
+  for (const std::string& verdict : verdicts_of(tables)) {
+    text += "- " + markdown_escaped(verdict) + "\n";
+  }
+  return text + "\n";
+}
+
+Result<std::vector<std::string>> write_tables(const std::string& folder, const Results& results,
+                                              const ReportTables& tables) {
+  std::error_code code;
+  fs::create_directories(folder, code);
+  std::vector<std::string> files;
+  std::string markdown = markdown_head(results, tables);
+  for (const TextTable& sheet : all_sheets(results, tables)) {
+    files.push_back(folder + "/" + sheet.id + ".csv");
+    if (auto written = write_whole(to_csv(sheet), files.back()); !written) return written.error();
+    markdown += to_markdown(sheet);
+  }
+  files.push_back(folder + "/tables.md");
+  if (auto written = write_whole(markdown, files.back()); !written) return written.error();
+  return files;
+}
+
+}  // namespace
+
+Result<ReportFiles> write_report(const std::string& folder, const ReportOptions& options) {
+  const auto assets = read_assets(options.assets);
+  if (!assets) return assets.error();
+  const auto results = read_results(folder);
+  if (!results) return results.error();
+  const auto tables = make_tables(*results);
+  if (!tables) return tables.error();
+  const auto figures = make_figures(*results, *tables);
+  if (!figures) return figures.error();
+  auto files = write_tables(folder + "/report", *results, *tables);
+  if (!files) return files.error();
+  const std::string page = options.page.empty() ? folder + "/report.html" : options.page;
+  if (auto written = write_whole(page_html(*results, *tables, *figures, *assets), page); !written) {
+    return written.error();
+  }
+  return ReportFiles{page, *std::move(files), !assets->script.empty()};
+}
+
+}  // namespace weft::evaluation

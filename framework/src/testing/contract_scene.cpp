@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "testing/contract_scene.hpp"
+
+#include <algorithm>
+#include <weft/core/index.hpp>
+#include <weft/testing/role_contract.hpp>
+
+#include "testing/contract_materials.hpp"
+
+namespace weft::testing {
+namespace {
+
+constexpr SheetSpec kSheet{.columns = 9, .rows = 6, .width_px = 480, .height_px = 288};
+
+template <class T>
+Array<T> pick(const Array<T>& values, const std::vector<std::int64_t>& rows) {
+  if (!values.present() || values.ndim() == 0) return values;
+  const auto count = static_cast<std::int64_t>(rows.size());
+  const std::int64_t width = values.row_elements();
+  Array<T> picked = values.ndim() == 2 ? Array<T>({count, width}) : Array<T>({count});
+  for (std::int64_t i = 0; i < count; ++i) {
+    std::copy_n(values.row(rows[to_index(i)]), width, picked.row(i));
+  }
+  return picked;
+}
+
+/// The first face that has this vertex, and its place there.
+std::pair<std::int32_t, int> corner_of(const Template& templ, std::int64_t vertex) {
+  for (std::int64_t f = 0; f < templ.faces.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      if (templ.faces(f, k) == vertex) return {static_cast<std::int32_t>(f), k};
+    }
+  }
+  return {-1, 0};
+}
+
+}  // namespace
+
+void Scene::follow_matches() {
+  const Correspondences& all = matches.matches;
+  std::vector<std::int64_t> seen;
+  for (std::int64_t i = 0; i < all.count(); ++i) {
+    const bool usable = all.kept(i) != 0 && all.face(i) >= 0 && matches.correct[to_index(i)] != 0;
+    if (usable) seen.push_back(i);
+  }
+  const auto count = static_cast<std::int64_t>(seen.size());
+  sightlines.vertex = Array<std::int32_t>({count});
+  std::fill_n(sightlines.vertex.data(), count, -1);
+  sightlines.face = pick(all.face, seen);
+  sightlines.barycentrics = pick(all.barycentrics, seen);
+  sightlines.pixel_px = pick(all.image_px, seen);
+  sightlines.ray = make_array<double>(unit_rays(pinhole(camera), sightlines.pixel_px.matrix<2>()));
+  sightlines.weight = Array<double>({count});
+  std::fill_n(sightlines.weight.data(), count, 1.0);
+  sightlines.coverage = std::min(1.0, static_cast<double>(count) / 40.0);
+  weights.weight = Array<double>({all.count()});
+  std::fill_n(weights.weight.data(), all.count(), 0.75);
+  ground_truth.match_xy_px = make_array<double>(matches.true_px);
+  ground_truth.match_label = Array<std::int8_t>({all.count()});
+  for (std::int64_t i = 0; i < all.count(); ++i) {
+    ground_truth.match_label(i) = static_cast<std::int8_t>(matches.correct[to_index(i)]);
+  }
+}
+
+void Scene::take_matches(const std::vector<std::int64_t>& rows) {
+  Correspondences& all = matches.matches;
+  all.template_px = pick(all.template_px, rows);
+  all.image_px = pick(all.image_px, rows);
+  all.template_keypoint = pick(all.template_keypoint, rows);
+  all.image_keypoint = pick(all.image_keypoint, rows);
+  all.face = pick(all.face, rows);
+  all.barycentrics = pick(all.barycentrics, rows);
+  all.distance = pick(all.distance, rows);
+  all.ratio = pick(all.ratio, rows);
+  all.scale_ratio = pick(all.scale_ratio, rows);
+  all.angle_difference_rad = pick(all.angle_difference_rad, rows);
+  all.kept = pick(all.kept, rows);
+  all.score = pick(all.score, rows);
+  Points2 true_px(static_cast<Eigen::Index>(rows.size()), 2);
+  std::vector<std::uint8_t> correct;
+  for (const std::int64_t row : rows) {
+    true_px.row(static_cast<Eigen::Index>(correct.size())) = matches.true_px.row(row);
+    correct.push_back(matches.correct[to_index(row)]);
+  }
+  matches.true_px = true_px;
+  matches.correct = correct;
+  follow_matches();
+}
+
+void Scene::match_vertices(const std::vector<std::int64_t>& vertices) {
+  take_matches(std::vector<std::int64_t>(vertices.size(), matches.matches.count() - 1));
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const auto row = static_cast<std::int64_t>(i);
+    const auto [face, corner] = corner_of(templ, vertices[i]);
+    Correspondences& all = matches.matches;
+    all.template_px.matrix<2>().row(row) = templ.flat_px.matrix<2>().row(vertices[i]);
+    const Eigen::Vector3d place = shape.vertices_m.matrix<3>().row(vertices[i]).transpose();
+    matches.true_px.row(row) = project(pinhole(camera), place).transpose();
+    all.image_px.matrix<2>().row(row) = matches.true_px.row(row);
+    all.face(row) = face;
+    for (int k = 0; k < 3; ++k) all.barycentrics(row, k) = k == corner ? 1.0 : 0.0;
+    matches.correct[i] = 1;
+  }
+  follow_matches();
+}
+
+void Scene::reject_matches() {
+  std::fill_n(matches.matches.kept.data(), matches.matches.count(), std::uint8_t{0});
+  follow_matches();
+}
+
+void Scene::leave_the_mesh() {
+  Correspondences& all = matches.matches;
+  std::fill_n(all.face.data(), all.count(), -1);
+  std::fill_n(all.barycentrics.data(), 3 * all.count(), 0.0);
+  follow_matches();
+}
+
+HeldRecord Scene::record(std::string_view slot) const {
+  if (slot == "camera") return hold(camera);
+  if (slot == "template") return hold(templ);
+  if (slot == "image") return hold(image);
+  if (slot == "region") return hold(region);
+  if (slot == "time") return hold(time);
+  if (slot == "keypoints") return hold(keypoints);
+  if (slot == "template_keypoints") return hold(template_keypoints);
+  if (slot == "correspondences") return hold(matches.matches);
+  if (slot == "weights") return hold(weights);
+  if (slot == "warp_samples") return hold(warp_samples);
+  if (slot == "sightlines") return hold(sightlines);
+  if (slot == "visibility" || slot == "previous.visibility") return hold(visibility);
+  if (slot == "shape" || slot == "previous.shape") return hold(shape);
+  if (slot == "known_points") return hold(known_points);
+  if (slot == "ground_truth") return hold(ground_truth);
+  return nullptr;
+}
+
+Scene make_scene(int number) {
+  Rng rng(kContractSeed + static_cast<std::uint64_t>(100 * number));
+  Scene scene;
+  scene.camera = {410.0, 410.0, 159.5, 119.5, 320, 240};
+  scene.templ = make_template(kSheet);
+  scene.templ.revision = 1 + kContractSeed;
+  Rng same_print(kContractSeed);
+  draw_discs(scene.templ.texture, same_print);
+  const double radius_m = number == 0 ? 0.3 : -0.45;
+  const DevelopableSheet sheet =
+      make_cylinder(kSheet, radius_m, 0.4 + number, {.distance_m = 0.65, .tilt_y_rad = 0.15});
+  const Points3 vertices_m = bent_vertices(scene.templ, sheet);
+  scene.ground_truth = truth_of(scene.templ, vertices_m);
+  scene.matches =
+      draw_matches(scene.templ, scene.camera, sheet,
+                   {.count = 400 - 60 * number, .correct_rate = 0.85, .noise_px = 0.4}, rng);
+  describe(scene.matches, rng);
+  const Rng descriptors(kContractSeed);
+  const Correspondences& all = scene.matches.matches;
+  scene.template_keypoints = make_keypoints(all.template_px.matrix<2>(), descriptors, 0.0, Rng(2));
+  scene.template_keypoints.face = all.face;
+  scene.template_keypoints.barycentrics = all.barycentrics;
+  scene.keypoints = make_keypoints(all.image_px.matrix<2>(), descriptors, 3.0, Rng(3));
+  scene.warp_samples = sample_truth(scene.templ, scene.camera, sheet);
+  scene.shape = shape_at(vertices_m);
+  scene.visibility = all_visible(vertices_m.rows());
+  scene.known_points = held_corners(vertices_m);
+  scene.time.t_s = 0.04 * number;
+  scene.image.stem = number == 0 ? "000000" : "000001";
+  scene.image.pixels = Array<std::uint8_t>({scene.camera.height_px, scene.camera.width_px});
+  draw_discs(scene.image.pixels, rng);
+  scene.region.mask = Array<std::uint8_t>({scene.camera.height_px, scene.camera.width_px});
+  for (std::int64_t y = 0; y < scene.camera.height_px; ++y) {
+    std::fill_n(scene.region.mask.row(y), scene.camera.width_px / 2, std::uint8_t{1});
+  }
+  scene.follow_matches();
+  return scene;
+}
+
+}  // namespace weft::testing

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string_view>
+#include <vector>
+#include <weft/data/ground_truth.hpp>
+#include <weft/data/image.hpp>
+#include <weft/data/keypoints.hpp>
+#include <weft/data/known_points.hpp>
+#include <weft/data/shape.hpp>
+#include <weft/data/sightlines.hpp>
+#include <weft/data/visibility.hpp>
+#include <weft/data/warp.hpp>
+#include <weft/testing/held_record.hpp>
+#include <weft/testing/synthetic.hpp>
+
+namespace weft::testing {
+
+/// One frame of a bent sheet with a value for every input that a role may ask for, except `warp`.
+struct Scene {
+  Camera camera;
+  Template templ;
+  Image image;
+  Region region;
+  Time time;
+  Keypoints keypoints, template_keypoints;
+  LabelledMatches matches;
+  Weights weights;
+  WarpSamples warp_samples;
+  Sightlines sightlines;
+  Visibility visibility;
+  Shape shape;
+  KnownPoints known_points;
+  GroundTruth ground_truth;
+
+  /// The matches of these rows in place of all, with the sightlines and the truth that are theirs.
+  void take_matches(const std::vector<std::int64_t>& rows);
+  /// Matches and sightlines at these vertices in place of all.
+  void match_vertices(const std::vector<std::int64_t>& vertices);
+  /// Rejects matches of which nothing is left then, sightlines neither.
+  void reject_matches();
+  /// No match knows its face.
+  void leave_the_mesh();
+
+  /// Null where there is none for this input, or where it is no legal record.
+  HeldRecord record(std::string_view slot) const;
+
+  /// Makes sightlines, weights and truth those of the matches.
+  void follow_matches();
+};
+
+/// Scene `number`; all have the same template and camera.
+Scene make_scene(int number);
+
+}  // namespace weft::testing

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+#include <weft/testing/plugin_under_test.hpp>
+
+#include "host/calling/lane.hpp"
+#include "roles/role_rules.hpp"
+
+namespace weft::testing {
+
+/// A folder that is gone with this.
+class ScratchFolder {
+ public:
+  ScratchFolder();
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// The component that is checked, with its parameters as the host resolves them.
+class Subject {
+ public:
+  /// Fails with a sentence that says what is missing and how to give it.
+  static Result<Subject> find(const host::Registry& registry, const std::string& id,
+                              const std::string& params, const std::string& output_folder);
+
+  const host::ComponentSpec& spec() const { return spec_; }
+  const host::ComponentManifest& manifest() const { return spec_.component(); }
+  const RoleRules& rules() const { return rules_of(manifest().role()); }
+  bool is_exact() const { return manifest().determinism == "exact"; }
+
+  /// Whether the host delivers this input to its main method, and whether it insists on it.
+  bool takes(std::string_view slot) const;
+  bool requires_input(std::string_view slot) const;
+  bool produces(std::string_view output) const;
+
+  /// Any warp that is installed, for components that read one.
+  std::optional<host::ComponentSpec> warp_maker;
+
+ private:
+  explicit Subject(host::ComponentSpec spec) : spec_(std::move(spec)) {}
+  host::ComponentSpec spec_;
+};
+
+/// What a call came to, with all that lies on a device fetched.
+struct Answer {
+  weft_status status = WEFT_OK;
+  Errc code = {};
+  std::string message;
+  std::vector<std::pair<std::string, HeldRecord>> outputs{};
+
+  bool is_usable() const { return status == WEFT_OK || status == WEFT_DEGENERATE; }
+  HeldRecord find(std::string_view slot) const;
+
+  template <class Noun>
+  std::optional<Noun> get(std::string_view slot) const {
+    const HeldRecord record = find(slot);
+    return record == nullptr ? std::nullopt : noun_in<Noun>(record);
+  }
+};
+
+/// "ok", "no_result (no keypoints)".
+std::string to_text(const Answer& answer);
+
+/// How two answers differ in any byte, "shape/vertices_m differs"; empty where they do not.
+std::string difference(const Answer& a, const Answer& b);
+
+/// An instance of the component in a lane of its own.
+class Performer {
+ public:
+  explicit Performer(const Subject& subject);
+
+  /// Creates it, and prepares it unless it is a source or a template.
+  Result<void> begin(const Template& templ, const Camera& camera);
+
+  Answer call(int method, const std::vector<Input>& inputs, std::uint64_t frame = 0);
+  Answer evaluate(const HeldRecord& warp, const Points& points);
+
+  std::atomic<bool>& cancel() { return lane_.cancel(); }
+  void watch(std::function<bool()> cancelled) { lane_.watch(std::move(cancelled)); }
+
+ private:
+  const Subject& subject_;
+  host::Lane lane_;
+  host::Instance* instance_ = nullptr;
+  host::Instance* warp_maker_ = nullptr;
+};
+
+}  // namespace weft::testing

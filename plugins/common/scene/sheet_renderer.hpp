@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+#include <weft/core/result.hpp>
+#include <weft/data/array.hpp>
+#include <weft/data/camera.hpp>
+
+#include "common/scene/lit_mesh.hpp"
+#include "common/scene/mip_texture.hpp"
+#include "common/scene/ray_caster.hpp"
+
+namespace weft::scene {
+
+/// Something that stands before the sheet; colours at its vertices.
+struct Solid {
+  TriangleMesh mesh;
+  std::vector<Colour> colours;  ///< [V]
+};
+
+/// What the camera sees.
+struct View {
+  Picture image;                         ///< [H,W] grey levels 0 to 255, without noise
+  std::vector<RayHit> hits;              ///< [H*W] at the pixel centres; mesh 0 is the sheet
+  Array<float> depth_m;                  ///< [H,W] m along the optical axis, 0 on the background
+  Array<float> uv_px;                    ///< [H,W,2] px of the print, NaN where it is not seen
+  std::vector<std::uint8_t> is_visible;  ///< [V] whether the camera sees the print at the vertex
+};
+
+/// Draws a printed sheet over a background as a pinhole camera sees it, by ray casting. Pixel (i,j)
+/// is the mean over [i-1/2,i+1/2] x [j-1/2,j+1/2] of 2 x 2 samples: of the texture alone inside
+/// the sheet, of rays where its outline, a fold or a solid runs through the pixel. Texture
+/// coordinates and depths are exact for the mesh. The back is blank paper.
+class SheetRenderer {
+ public:
+  /// `uv_px` [V,2] px of the print and `faces`, counter-clockwise from its printed side, are those
+  /// of all sheets that will be drawn; `background` has the size of the image.
+  static Result<SheetRenderer> create(const Camera& camera, MipTexture print, const Points2& uv_px,
+                                      const Faces& faces, Picture background);
+
+  /// The sheet with the vertices [V,3] m in the camera frame, and a solid before it.
+  View render(const Points3View& vertices_m, const Light& light,
+              std::optional<Solid> solid = std::nullopt);
+  /// The background alone.
+  View render_nothing() const;
+
+ private:
+  struct Window {
+    int x0, y0, x1, y1;
+  };
+  /// What is drawn in one frame.
+  struct Scene {
+    LitMesh sheet;
+    std::optional<LitMesh> solid{};
+    std::vector<Colour> solid_colours{};
+    std::vector<float> light{};  ///< [H*W] on what is seen at the pixel centres
+  };
+
+  SheetRenderer(const Camera& camera, MipTexture print, const Points2& uv_px, const Faces& faces,
+                Picture background, RayCaster caster);
+  Window covered(const Scene& scene) const;
+  void trace_centres(const Window& window, View& view) const;
+  void fill_maps(Scene& scene, const Window& window, View& view) const;
+  void draw(const Scene& scene, const Window& window, View& view) const;
+  void find_visible(const Scene& scene, View& view) const;
+  bool is_on_an_edge(const Scene& scene, int x, int y, const View& view) const;
+  Colour inner_colour(const Scene& scene, const View& view, int x, int y) const;
+  Colour edge_colour(const Scene& scene, std::span<const RayHit> hits, int x, int y) const;
+  Colour sheet_colour(const LitMesh& sheet, std::int32_t face, double x, double y) const;
+  Colour solid_colour(const Scene& scene, std::int32_t face, double x, double y) const;
+  Eigen::Vector3f ray(double x, double y) const;
+  std::size_t index(int x, int y) const;
+
+  Pinhole pinhole_;
+  int width_, height_;
+  MipTexture print_;
+  Points2 uv_px_;
+  Faces faces_;
+  double cell_px_;  ///< longest side of a triangle on the print
+  Picture background_;
+  RayCaster caster_;
+};
+
+}  // namespace weft::scene

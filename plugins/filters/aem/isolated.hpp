@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "matches.hpp"
+
+namespace weft::aem {
+
+/// Matches that seem correct amid others that do not.
+struct Isolated {
+  explicit Isolated(Eigen::Index matches)
+      : is(Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(matches, false)),
+        shift(Eigen::ArrayXd::Zero(matches)) {}
+
+  Eigen::Array<bool, Eigen::Dynamic, 1> is;  ///< [n]
+  Eigen::ArrayXd shift;  ///< [n] of the log odds: by the share of correct matches around, 0 if not
+                         ///< isolated
+};
+
+/// Left in a fit, a isolated match bends the warp to itself and then looks right: where the object
+/// is hidden and copies of it are seen, one match to a copy turns up its corner. `share` is that of
+/// all matches that are correct.
+Isolated find_isolated(const Matches& matches, const Eigen::ArrayXd& logit, double share);
+
+}  // namespace weft::aem

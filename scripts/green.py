@@ -1,0 +1,115 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Remembers on which content a step of test.sh passed, so that it need not run on the same again.
+
+usage: scripts/green.py sources STEP       prints the hash of all that the step is made from
+       scripts/green.py since STEP HASH    prints when it passed on that; exits 1 where it has not
+       scripts/green.py record STEP HASH   it has passed on that just now
+
+The hash covers the files behind the step that git tracks or would track, the versions of the
+compiler and of the installed -dev packages, and where recorded data are. It is kept in
+build/STEP.green: a fresh build folder knows of nothing that passed.
+"""
+
+import datetime
+import functools
+import hashlib
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Iterable, Optional
+
+ROOT = Path(__file__).resolve().parent.parent
+# What the builds and tests of a step read, from the root; pages of text are left out.
+STEPS = {
+    "tsan": ("CMakeLists.txt", "CMakePresets.json", "cli", "docs/examples", "framework",
+             "pipelines", "plugins", "scripts", "tests", "web"),
+}
+TOOLS = (
+    (os.environ.get("CXX", "c++"), "--version"),
+    ("cmake", "--version"),
+    ("dpkg-query", "-W", "*-dev"),
+)
+
+
+@functools.lru_cache(maxsize=None)
+def content(file: str) -> str:
+    """The hash of a file, read once; of one that is not there, a word."""
+    try:
+        return hashlib.sha256(Path(file).read_bytes()).hexdigest()
+    except OSError:
+        return "missing"
+
+
+def combined(lines: Iterable[str]) -> str:
+    """One hash of lines, whatever their order."""
+    return hashlib.sha256("\n".join(sorted(lines)).encode()).hexdigest()
+
+
+def output_of(*command: str) -> str:
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
+def sources(step: str) -> str:
+    listed = output_of("git", "-C", str(ROOT), "ls-files", "-coz", "--exclude-standard", "--",
+                       *STEPS[step])
+    files = {name for name in listed.split("\0") if name and not name.endswith(".md")}
+    return combined([*(f"{content(str(ROOT / name))} {name}" for name in files),
+                     *(output_of(*tool) for tool in TOOLS),
+                     "data " + os.environ.get("WEFT_DATA", "")])
+
+
+class Green:
+    """A file of lines `HASH DATE TIME NAME`: what passed last, on which content, and when."""
+
+    def __init__(self, file: Path) -> None:
+        self.file = file
+        self.passed: dict[str, tuple[str, str]] = {}
+        if file.is_file():
+            for line in file.read_text(encoding="utf-8").splitlines():
+                digest, day, time, name = line.split(" ", 3)
+                self.passed[name] = (digest, f"{day} {time}")
+
+    def since(self, name: str, digest: str) -> Optional[str]:
+        """When it passed on this content; None where it did not, or passed on another one last."""
+        last = self.passed.get(name)
+        return last[1] if last and last[0] == digest else None
+
+    def record(self, name: str, digest: str) -> None:
+        self.passed[name] = (digest, datetime.datetime.now().strftime("%Y-%m-%d %H:%M"))
+        self.file.parent.mkdir(parents=True, exist_ok=True)
+        half_written = self.file.with_suffix(".new")
+        half_written.write_text(
+            "".join(f"{h} {when} {n}\n" for n, (h, when) in sorted(self.passed.items())),
+            encoding="utf-8")
+        half_written.replace(self.file)
+
+
+def run(verb: str, step: str, digest: str = "") -> int:
+    green = Green(ROOT / "build" / f"{step}.green")
+    if verb == "sources":
+        print(sources(step))
+    elif verb == "record":
+        green.record(step, digest)
+    else:
+        when = green.since(step, digest)
+        print(when or "")
+        return 0 if when else 1
+    return 0
+
+
+def main(arguments: list[str]) -> int:
+    expected = {"sources": 2, "since": 3, "record": 3}
+    if not arguments or expected.get(arguments[0]) != len(arguments) or arguments[1] not in STEPS:
+        print(__doc__, file=sys.stderr)
+        return 2
+    try:
+        return run(*arguments)
+    except (OSError, subprocess.CalledProcessError) as error:
+        print(f"green.py: {error}", file=sys.stderr)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

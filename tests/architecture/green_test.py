@@ -1,0 +1,98 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Changes what is behind a step and expects that it is due again, and only then."""
+
+import contextlib
+import io
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+import green  # noqa: E402
+
+
+class GreenTest(unittest.TestCase):
+    def setUp(self) -> None:
+        self.scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(self.scratch.cleanup)
+        self.root = Path(self.scratch.name).resolve()
+        for patch in (mock.patch.object(green, "ROOT", self.root),
+                      mock.patch.object(green, "TOOLS", (("echo", "compiler 12"),)),
+                      mock.patch.dict(os.environ, {"WEFT_DATA": ""})):
+            patch.start()
+            self.addCleanup(patch.stop)
+        subprocess.run(["git", "init", "--quiet", str(self.root)], check=True)
+        self.write("framework/src/a.cpp", "int a;\n")
+        self.write("plugins/filters/near/README.md", "text\n")
+
+    def write(self, path: str, text: str) -> None:
+        (self.root / path).parent.mkdir(parents=True, exist_ok=True)
+        (self.root / path).write_text(text)
+
+    def said(self, *arguments: str) -> tuple[int, str]:
+        green.content.cache_clear()
+        out = io.StringIO()
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(io.StringIO()):
+            status = green.main(list(arguments))
+        return status, out.getvalue().strip()
+
+    def sources(self) -> str:
+        return self.said("sources", "tsan")[1]
+
+    def test_says_when_a_step_passed_on_the_same_content(self) -> None:
+        before = self.sources()
+        self.assertEqual(self.said("since", "tsan", before), (1, ""))
+        self.assertEqual(self.said("record", "tsan", before), (0, ""))
+        status, when = self.said("since", "tsan", self.sources())
+        self.assertEqual(status, 0)
+        self.assertRegex(when, r"^\d{4}-\d\d-\d\d \d\d:\d\d$")
+        self.assertEqual(self.said("since", "tsan", "other")[0], 1)
+        self.assertEqual(self.said("since", "tsan", "")[0], 1)
+
+    def test_sees_sources_that_change_come_and_go(self) -> None:
+        hashes = [self.sources()]
+        self.write("framework/src/a.cpp", "long a;\n")
+        hashes.append(self.sources())
+        self.write("tests/unit/b_test.cpp", "")
+        hashes.append(self.sources())
+        (self.root / "framework/src/a.cpp").unlink()
+        hashes.append(self.sources())
+        self.assertEqual(len(set(hashes)), 4)
+
+    def test_sees_another_compiler_and_other_data(self) -> None:
+        before = self.sources()
+        with mock.patch.object(green, "TOOLS", (("echo", "compiler 13"),)):
+            self.assertNotEqual(self.sources(), before)
+        with mock.patch.dict(os.environ, {"WEFT_DATA": "/data"}):
+            self.assertNotEqual(self.sources(), before)
+
+    def test_does_not_mind_pages_and_what_is_built(self) -> None:
+        self.write(".gitignore", "/build/\n")
+        before = self.sources()
+        self.write("plugins/filters/near/README.md", "other text\n")
+        self.write("build/release/a.cpp", "")
+        self.assertEqual(self.sources(), before)
+
+    def test_forgets_what_passed_before_another_content_did(self) -> None:
+        store = green.Green(self.root / "build" / "x.green")
+        store.record("a batch", "1")
+        store.record("b", "1")
+        store.record("a batch", "2")
+        again = green.Green(self.root / "build" / "x.green")
+        self.assertIsNone(again.since("a batch", "1"))
+        self.assertIsNotNone(again.since("a batch", "2"))
+        self.assertIsNotNone(again.since("b", "1"))
+
+    def test_refuses_what_it_does_not_know(self) -> None:
+        for arguments in ((), ("sources",), ("sources", "release"), ("since", "tsan"),
+                          ("forget", "tsan", "1")):
+            self.assertEqual(self.said(*arguments)[0], 2)
+
+
+if __name__ == "__main__":
+    unittest.main()

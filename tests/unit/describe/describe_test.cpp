@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "describe/describe.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <weft/sdk/filter.hpp>
+
+namespace weft::host {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Base : Filter {
+  Result<InlierMask> filter(const FilterInput&) override { return no_result("nothing"); }
+};
+struct OutsideRange final : Base {
+  explicit OutsideRange(Params& p) { p.read("alpha", alpha, "s", {0, 1}, "too large"); }
+  double alpha = 1.5;
+};
+struct InvertedRange final : Base {
+  explicit InvertedRange(Params& p) { p.read("alpha", alpha, "s", {1, 0}, "upside down"); }
+  double alpha = 0.5;
+};
+struct VectorOutside final : Base {
+  explicit VectorOutside(Params& p) { p.read("alphas", alphas, "s", {0, 1}, "one too large"); }
+  std::vector<double> alphas{0.5, 2.0};
+};
+struct IntegerOutside final : Base {
+  explicit IntegerOutside(Params& p) { p.read("count", count, "", {1, 5}, "too small"); }
+  int count = 0;
+};
+struct Twice final : Base {
+  explicit Twice(Params& p) {
+    p.read("alpha", alpha, "s", {0, 1}, "once");
+    p.read("alpha", alpha, "s", {0, 1}, "again");
+  }
+  double alpha = 0.5;
+};
+struct NoChoice final : Base {
+  explicit NoChoice(Params& p) { p.choice("mode", mode, {{"a", 1}, {"b", 2}}, "neither"); }
+  int mode = 3;
+};
+struct Failing final : Base {
+  explicit Failing(Params& p) {
+    p.text("file", file, "opened too early");
+    throw std::runtime_error("no such file");
+  }
+  std::string file;
+};
+struct Required final : Base {
+  explicit Required(Params& p) { p.read("alpha", alpha, "s", {1, 2}, "given", Need::required); }
+  double alpha = 0.0;  // never used, so it need not be legal
+};
+
+template <class T>
+Result<std::string> description() {
+  static constexpr weft_component kComponent =
+      WEFT_COMPONENT(T, "filters/local", "1.0.0", "A local class.");
+  static constexpr const weft_component* kPointer = &kComponent;
+  const weft_library_table table{WEFT_ABI_MAGIC,
+                                 WEFT_ABI_MAJOR,
+                                 WEFT_ABI_MINOR,
+                                 sizeof(weft_library_table),
+                                 1,
+                                 &kPointer,
+                                 "",
+                                 "none",
+                                 {}};
+  return describe_library(table, "abc");
+}
+
+template <class T>
+std::string mistake() {
+  const auto text = description<T>();
+  EXPECT_FALSE(text);
+  if (text) return *text;
+  EXPECT_EQ(text.error().where, "filters/local");
+  return text.error().message;
+}
+
+TEST(Describe, RefusesDefaultsThatNoPipelineCouldUse) {
+  EXPECT_EQ(mistake<OutsideRange>(), "parameter 'alpha' has a default outside its range");
+  EXPECT_EQ(mistake<VectorOutside>(), "parameter 'alphas' has a default outside its range");
+  EXPECT_EQ(mistake<IntegerOutside>(), "parameter 'count' has a default outside its range");
+  EXPECT_EQ(mistake<NoChoice>(), "parameter 'mode' has a default that is none of its choices");
+}
+
+TEST(Describe, RefusesDeclarationsThatContradictThemselves) {
+  EXPECT_THAT(mistake<InvertedRange>(), HasSubstr("minimum is the larger end"));
+  EXPECT_EQ(mistake<Twice>(), "parameter 'alpha' is declared twice");
+}
+
+TEST(Describe, RefusesAConstructorThatDoesMoreThanRead) {
+  EXPECT_THAT(mistake<Failing>(), HasSubstr("belong in prepare()"));
+}
+
+TEST(Describe, WritesNoDefaultForWhatIsRequired) {
+  const auto text = description<Required>();
+  ASSERT_TRUE(text) << text.error().message;
+  EXPECT_THAT(*text, HasSubstr("required: true"));
+  EXPECT_THAT(*text, ::testing::Not(HasSubstr("default:")));
+}
+
+}  // namespace
+}  // namespace weft::host
