@@ -163,6 +163,7 @@ struct FrameMetrics {
                   visibility_of(self.visibility));
     visit.optional(self.certainty);
     visit.keyed({"filters", "what each filter made of the matches, by its stage"}, self.filters);
+    visit.keyed({"warps", "how far each warp is off, by its stage"}, self.warps);
   }
 };
 

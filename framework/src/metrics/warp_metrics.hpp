@@ -25,6 +25,15 @@ struct WarpErrors {
   double salient_px = std::numeric_limits<double>::quiet_NaN();  ///< [] px, mean
   double other_px = std::numeric_limits<double>::quiet_NaN();    ///< [] px, mean
   std::int64_t salient = 0, other = 0;                           ///< [] vertices
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit({"salient_px", "mean distance of salient vertices to their true images", kLower},
+          self.salient_px);
+    visit({"salient_vertices", "corners of a face in which a match was kept"}, self.salient);
+    visit({"other_px", "mean distance of the other vertices", kLower}, self.other_px);
+    visit({"other_vertices", "which follow from the warp's smoothness alone"}, self.other);
+  }
 };
 
 /// Means over the frames in which they are defined.

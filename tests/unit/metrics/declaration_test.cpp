@@ -60,6 +60,7 @@ RunMetrics full_run() {
   frame.visibility.emplace().seen_right = 8;
   frame.certainty.emplace().confidence = 0.75;
   frame.filters.emplace_back("aem", FilterCounts{}).second.entered = 40;
+  frame.warps.emplace_back("bbs", WarpErrors{}).second.salient_px = 0.375;
   return metrics;
 }
 
@@ -90,6 +91,7 @@ TEST(DeclaredMetrics, AreTheSameAfterAWayThroughJson) {
   EXPECT_EQ(again->frames.at(0).state, ShapeState::weak);
   EXPECT_DOUBLE_EQ(again->frames.at(0).strain_mean, 0.125);
   EXPECT_EQ(again->filters.at(0).wrong_scores[39], 12);
+  EXPECT_DOUBLE_EQ(again->frames.at(0).warps.at(0).second.salient_px, 0.375);
 }
 
 TEST(DeclaredMetrics, OfOlderProgramsLackWhatTheseDidNotMeasure) {
@@ -151,14 +153,15 @@ TEST(DeclaredMetrics, OfFramesAreTheColumnsOfTheCsvFile) {
   std::vector<std::string> known;
   for (const CatalogueEntry& entry : frame_catalogue()) {
     std::string name = entry.path;
-    if (const std::size_t at = name.find("STAGE"); at != std::string::npos)
-      name.replace(at, 5, "aem");
+    const bool is_warps = name.ends_with("_px") || name.ends_with("_vertices");
+    if (name.starts_with("STAGE")) name.replace(0, 5, is_warps ? "bbs" : "aem");
     known.push_back(name);
   }
   EXPECT_THAT(columns, IsSupersetOf(known));
   EXPECT_THAT(columns, Contains("visibility_hidden_f1_percent"));
   EXPECT_THAT(columns, Contains("confidence"));
   EXPECT_THAT(columns, Contains("aem_entered"));
+  EXPECT_THAT(columns, Contains("bbs_salient_px"));
 }
 
 }  // namespace
