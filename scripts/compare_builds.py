@@ -30,7 +30,8 @@ SHORT = ["--set", f"source.frames={FRAMES}"]
 # name, verb, file, arguments
 JOBS = [
     ("demo", "run", "demo.yaml", SHORT),
-    ("cuts", "run", "cuts.yaml", SHORT),
+    ("cuts", "run", "cuts.yaml", [*SHORT, "--set", "source.cut_frames=[4, 7]",
+                                  "--set", "source.invisible_frames=[3, 9]"]),
     ("self_occlusion", "run", "self_occlusion.yaml", SHORT),
     ("robusft_gpu", "run", "robusft_gpu.yaml", SHORT),
     ("kinect_paper", "run", "kinect_paper.yaml", []),
@@ -40,7 +41,7 @@ JOBS = [
 
 # Of any JSON: what depends on the machine, the moment or the binaries.
 VOLATILE = {"ms", "processor_ms", "machine", "build_id", "library", "libraries", "git", "timing",
-            "check", "key", "rebuilt_key", "command", "run", "files"}
+            "check", "key", "rebuilt_key", "group", "command", "run", "files"}
 
 
 REVISION = re.compile(r" \([0-9a-f]{12,40}(\+changes)?\)")  # behind the version, in reports
