@@ -138,7 +138,7 @@ std::string difference(const Answer& a, const Answer& b) {
   for (const auto& [slot, record] : a.outputs) {
     const HeldRecord other = b.find(slot);
     if (other == nullptr || record == nullptr) return "it makes other outputs";
-    const std::string how = difference(slot, view_of(record), view_of(other));
+    std::string how = difference(slot, view_of(record), view_of(other));
     if (!how.empty()) return how;
   }
   return "";

@@ -24,15 +24,15 @@ std::size_t characters(const std::string& text) {
 }
 
 /// Rows of cells as aligned columns: the first to the left, the others to the right.
-std::string align(const std::vector<Row>& rows) {
+std::string align(const std::vector<TableRow>& rows) {
   std::vector<std::size_t> widths(rows.front().size(), 0);
-  for (const Row& row : rows) {
+  for (const TableRow& row : rows) {
     for (std::size_t i = 0; i < row.size(); ++i) {
       widths[i] = std::max(widths[i], characters(row[i]));
     }
   }
   std::string text;
-  for (const Row& row : rows) {
+  for (const TableRow& row : rows) {
     text += fmt::format("  {:<{}}", row[0], widths[0]);
     for (std::size_t i = 1; i < row.size(); ++i) text += fmt::format("  {:>{}}", row[i], widths[i]);
     text += '\n';
@@ -46,7 +46,7 @@ std::string group_name(const GroupMetrics& group) {
 }
 
 /// The numbers of a frame stand behind these.
-Row frame_row(const FrameMetrics& frame) {
+TableRow frame_row(const FrameMetrics& frame) {
   std::string truth = frame.apart.empty() ? frame.kind : frame.kind + " (" + frame.apart + ")";
   if (frame.motion.cut) truth += " cut";
   return values_of(
@@ -121,7 +121,7 @@ std::string rest_text(const RunMetrics& metrics) {
 }
 
 std::string filters_text(const RunMetrics& metrics) {
-  std::vector<Row> rows{titles_of<FilterMetrics>()};
+  std::vector<TableRow> rows{titles_of<FilterMetrics>()};
   for (const FilterMetrics& filter : metrics.filters) {
     if (filter.labelled > 0) rows.push_back(values_of(filter));
   }
@@ -154,7 +154,7 @@ std::string image_text(const ImageSummary& image) {
 }
 
 std::string warps_text(const RunMetrics& metrics) {
-  std::vector<Row> rows{titles_of<WarpMetrics>()};
+  std::vector<TableRow> rows{titles_of<WarpMetrics>()};
   for (const WarpMetrics& warp : metrics.warps) {
     if (warp.salient + warp.other > 0) rows.push_back(values_of(warp));
   }
@@ -190,7 +190,7 @@ std::string to_table(const RunMetrics& metrics) {
 }
 
 std::string to_error_table(const RunMetrics& metrics) {
-  std::vector<Row> rows{titles_of<TruthMetrics>({"truth"})}, apart;
+  std::vector<TableRow> rows{titles_of<TruthMetrics>({"truth"})}, apart;
   for (const GroupMetrics& group : metrics.groups) {
     (group.apart.empty() ? rows : apart)
         .push_back(values_of<TruthMetrics>(group, {group_name(group)}));
@@ -210,7 +210,7 @@ std::string to_error_table(const RunMetrics& metrics) {
 }
 
 std::string to_frames_table(const RunMetrics& metrics) {
-  std::vector<Row> rows{titles_of<FrameMetrics>({"frame", "index", "state", "truth"})};
+  std::vector<TableRow> rows{titles_of<FrameMetrics>({"frame", "index", "state", "truth"})};
   std::vector<const FrameMetrics*> worst;
   for (const FrameMetrics& frame : metrics.frames) {
     rows.push_back(frame_row(frame));

@@ -10,14 +10,14 @@
 
 namespace weft::evaluation {
 
-using Row = std::vector<std::string>;
+using TableRow = std::vector<std::string>;
 
 /// The titles of the members that have a column, or their values as people read them.
 class TableColumns {
  public:
   enum class What { titles, values };
 
-  TableColumns(What what, Row& row) : what_(what), row_(row) {}
+  TableColumns(What what, TableRow& row) : what_(what), row_(row) {}
 
   template <class Member>
   void operator()(const MetricField& field, const Member& member) {
@@ -70,12 +70,12 @@ class TableColumns {
   }
 
   What what_;
-  Row& row_;
+  TableRow& row_;
 };
 
 /// Behind the cells of `start`.
 template <class Metrics>
-Row titles_of(Row start = {}) {
+TableRow titles_of(TableRow start = {}) {
   const Metrics any{};
   TableColumns columns(TableColumns::What::titles, start);
   Metrics::fields(any, columns);
@@ -83,7 +83,7 @@ Row titles_of(Row start = {}) {
 }
 
 template <class Metrics>
-Row values_of(const Metrics& metrics, Row start = {}) {
+TableRow values_of(const Metrics& metrics, TableRow start = {}) {
   TableColumns columns(TableColumns::What::values, start);
   Metrics::fields(metrics, columns);
   return start;
