@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The filter of docs/examples/your_own_filter, which stands for all plugins from outside the tree.
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <weft/core/rng.hpp>
@@ -22,7 +23,7 @@ class LocalMotionTest : public ::testing::Test {
     }
   }
 
-  InlierMask filter(const std::string& params = "{}") {
+  const host::Outcome& call(const std::string& params = "{}") {
     resolved_ = resolve(registry_, "filters/local_motion", params);
     if (!resolved_.spec) throw std::runtime_error(resolved_.problem());
     const auto instance = lane_.instantiate(*resolved_.spec, "filters");
@@ -30,7 +31,11 @@ class LocalMotionTest : public ::testing::Test {
     const RecordView<Correspondences> view("correspondences", matches_);
     const weft_record inputs[] = {view.raw()};
     outcome_ = lane_.call(**instance, 0, inputs, 0);
-    EXPECT_EQ(outcome_.status, WEFT_OK) << outcome_.error.message;
+    return outcome_;
+  }
+
+  InlierMask filter(const std::string& params = "{}") {
+    EXPECT_EQ(call(params).status, WEFT_OK) << outcome_.error.message;
     return *host::view_as<InlierMask>(*outcome_.find("inlier_mask"));
   }
 
@@ -69,15 +74,17 @@ TEST_F(LocalMotionTest, KeepsAMatchWithoutNeighbours) {
   EXPECT_EQ(filter().kept(0), 1);
 }
 
-TEST_F(LocalMotionTest, GivesNoVoteToMatchesThatAnEarlierFilterRejected) {
+TEST_F(LocalMotionTest, GivesNoVoteToMatchesThatAnEarlierFilterRejectedAndKeepsNone) {
   for (std::int64_t i = 0; i < 100; ++i) {
     if (i == 55) continue;
     matches_.image_px(i, 0) += 60.0;
     matches_.kept(i) = 0;
   }
   const InlierMask mask = filter();
-  EXPECT_EQ(mask.kept(55), 1);
-  for (std::int64_t i = 0; i < 100; ++i) EXPECT_TRUE(std::isfinite(mask.score(i))) << i;
+  for (std::int64_t i = 0; i < 100; ++i) {
+    EXPECT_EQ(mask.kept(i), i == 55 ? 1 : 0) << i;
+    EXPECT_TRUE(std::isfinite(mask.score(i))) << i;
+  }
 }
 
 TEST_F(LocalMotionTest, IsAsStrictAsItIsTold) {
@@ -86,9 +93,11 @@ TEST_F(LocalMotionTest, IsAsStrictAsItIsTold) {
   EXPECT_EQ(filter("{max_deviation_px: 5}").kept(55), 0);
 }
 
-TEST_F(LocalMotionTest, MarksNothingAmongNoMatches) {
+TEST_F(LocalMotionTest, GivesNoResultWhereNoMatchIsLeft) {
+  std::fill_n(matches_.kept.data(), 100, std::uint8_t{0});
+  EXPECT_EQ(call().status, WEFT_NO_RESULT);
   matches_ = make_matches(0);
-  EXPECT_EQ(filter().kept.rows(), 0);
+  EXPECT_EQ(call().status, WEFT_NO_RESULT);
 }
 
 }  // namespace

@@ -18,10 +18,12 @@ class LocalMotion final : public weft::Filter {
     const Eigen::MatrixX2d motion = in.correspondences.image_px.matrix<2>() - place;
     const std::int64_t n = in.correspondences.count();
     weft::InlierMask mask{weft::Array<std::uint8_t>({n}), weft::Array<double>({n}), {}};
+    std::int64_t judged = 0;
     for (std::int64_t i = 0; i < n; ++i) {
+      if (!in.correspondences.kept(i)) continue;  // an earlier filter rejected it
       std::vector<double> u, v;
       for (std::int64_t j = 0; j < n; ++j) {
-        if (j != i && !in.correspondences.kept(j)) continue;  // an earlier filter rejected it
+        if (!in.correspondences.kept(j)) continue;
         if ((place.row(j) - place.row(i)).norm() > radius_px_) continue;
         u.push_back(motion(j, 0));
         v.push_back(motion(j, 1));
@@ -30,7 +32,9 @@ class LocalMotion final : public weft::Filter {
       const double deviation_px = (motion.row(i) - usual).norm();
       mask.kept(i) = deviation_px <= max_deviation_px_ ? 1 : 0;
       mask.score(i) = 1.0 / (1.0 + deviation_px);
+      ++judged;
     }
+    if (judged == 0) return weft::no_result("no match is left to judge");
     return mask;
   }
 };

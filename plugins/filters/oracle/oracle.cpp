@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 #include <weft/core/index.hpp>
@@ -9,10 +10,12 @@
 
 namespace {
 
+using weft::Array;
 using weft::FilterInput;
 using weft::InlierMask;
 
-/// Keeps the matches that the truth calls correct: the best that any filter could do.
+/// Keeps the matches that the truth calls correct: the best that any filter could do. What an
+/// earlier filter rejected stays rejected; its label counts and scores as any other.
 class Oracle final : public weft::Filter {
  public:
   static constexpr weft::About kAbout{
@@ -31,22 +34,32 @@ class Oracle final : public weft::Filter {
       return weft::Error{weft::Errc::invalid_data,
                          "template, camera and ground_truth are needed: connect all three"};
     }
+    const Array<std::uint8_t>& left = in.correspondences.kept;
+    if (std::count(left.data(), left.data() + left.size(), 1) == 0) {
+      return weft::no_result("no match is left to judge: 0 of " + std::to_string(left.size()));
+    }
     const auto truth = weft::TruthMap::create(*in.ground_truth);
     if (!truth) return truth.error();
     const weft::Pinhole camera{in.camera->fx, in.camera->fy, in.camera->cx, in.camera->cy};
-    return judge(weft::label_matches(in.correspondences, *truth, *in.templ, camera, tolerance_px_));
+    const auto labels =
+        weft::label_matches(in.correspondences, *truth, *in.templ, camera, tolerance_px_);
+    InlierMask mask = judge(labels, left);
+    const bool keeps_any = std::count(mask.kept.data(), mask.kept.data() + left.size(), 1) > 0;
+    if (!keeps_any) return weft::degenerate(std::move(mask), "the truth calls no match correct");
+    return mask;
   }
 
  private:
-  InlierMask judge(const std::vector<std::int8_t>& labels) const {
+  InlierMask judge(const std::vector<std::int8_t>& labels, const Array<std::uint8_t>& left) const {
     const auto count = static_cast<std::int64_t>(labels.size());
     InlierMask mask;
-    mask.kept = weft::Array<std::uint8_t>({count});
-    mask.score = weft::Array<double>({count});
+    mask.kept = Array<std::uint8_t>({count});
+    mask.score = Array<double>({count});
     for (std::int64_t n = 0; n < count; ++n) {
       const std::int8_t label = labels[weft::to_index(n)];
       const bool unknown = label == weft::kUnknownMatch;
-      mask.kept(n) = label == weft::kCorrectMatch || (unknown && keep_unknown_) ? 1 : 0;
+      const bool keeps = label == weft::kCorrectMatch || (unknown && keep_unknown_);
+      mask.kept(n) = keeps && left(n) != 0 ? 1 : 0;
       mask.score(n) = unknown ? 0.5 : static_cast<double>(label);
     }
     for (const auto& [name, label] : {std::pair("correct_matches", weft::kCorrectMatch),

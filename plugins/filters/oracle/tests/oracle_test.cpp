@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <string>
 #include <vector>
@@ -88,12 +89,27 @@ TEST_F(OracleTest, KnowsNothingWithoutPointsOrScale) {
   for (const std::uint8_t each : kept("{keep_unknown: true}")) EXPECT_EQ(each, 1);
 }
 
-TEST_F(OracleTest, AnswersNoMatchesWithAnEmptyMask) {
+TEST_F(OracleTest, GivesNoResultWhereNoMatchIsLeft) {
+  std::fill_n(drawn_.matches.kept.data(), 300, std::uint8_t{0});
+  EXPECT_EQ(run().status, WEFT_NO_RESULT);
   Rng rng(kSeed);
   drawn_ = draw_matches(templ_, make_camera(), truth_.points_m.matrix<3>(), {0}, rng);
   const Outcome outcome = run();
-  ASSERT_EQ(outcome.status, WEFT_OK) << outcome.message;
-  EXPECT_EQ(outcome.get<InlierMask>()->kept.rows(), 0);
+  EXPECT_EQ(outcome.status, WEFT_NO_RESULT);
+  EXPECT_EQ(outcome.message, "no match is left to judge: 0 of 0");
+}
+
+TEST_F(OracleTest, FlagsAMaskThatKeepsNothing) {
+  truth_.visible = Array<std::uint8_t>({truth_.count()});
+  EXPECT_EQ(run().status, WEFT_DEGENERATE);
+}
+
+TEST_F(OracleTest, LeavesRejectedWhatAnEarlierFilterRejected) {
+  for (std::int64_t n = 0; n < 300; n += 2) drawn_.matches.kept(n) = 0;
+  const auto now = kept();
+  for (std::size_t n = 0; n < now.size(); ++n) {
+    EXPECT_EQ(now[n], n % 2 == 0 ? 0 : drawn_.correct[n]) << n;
+  }
 }
 
 TEST_F(OracleTest, NamesAFaceThatTheTruthHasNoPointsFor) {
