@@ -11,6 +11,7 @@
 #include <vector>
 #include <weft/core/whole_file.hpp>
 
+#include "cli/output/new_file.hpp"
 #include "host/records/npz.hpp"
 
 namespace weft::cli {
@@ -89,11 +90,7 @@ std::string MatchWriter::file(const char* part, std::uint64_t frame,
 }
 
 Result<void> MatchWriter::begin(const weft::Camera& camera) {
-  std::error_code code;
-  if (fs::exists(folder_, code) &&
-      !(fs::is_directory(folder_, code) && fs::is_empty(folder_, code))) {
-    return Error{Errc::io, "exists and is not an empty folder; choose another with --out", folder_};
-  }
+  if (auto made = make_new_folder(folder_); !made) return made;
   begun_ = true;
   if (auto made = make_folder(folder_ + "/matches"); !made) return made;
   const std::string text = fmt::format(

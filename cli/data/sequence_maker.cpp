@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <weft/core/whole_file.hpp>
 
+#include "cli/output/new_file.hpp"
 #include "cli/run/interruption.hpp"
 #include "pipeline/runs/run.hpp"
 #include "yaml/yaml.hpp"
@@ -53,13 +54,7 @@ class SequenceProgress final : public RunObserver {
 };
 
 Result<void> write_pipeline(const std::string& text, const fs::path& folder) {
-  std::error_code code;
-  if (fs::exists(folder, code) && !(fs::is_directory(folder, code) && fs::is_empty(folder, code))) {
-    return Error{Errc::io, "exists and is not an empty folder; choose another with --out",
-                 folder.string()};
-  }
-  fs::create_directories(folder, code);
-  if (code) return Error{Errc::io, "cannot be created: " + code.message(), folder.string()};
+  if (auto made = make_new_folder(folder.string()); !made) return made;
   return write_whole(text, folder / kPipelineName);
 }
 

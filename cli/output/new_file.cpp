@@ -6,12 +6,13 @@
 
 namespace weft::cli {
 
+namespace fs = std::filesystem;
+
 void add_overwrite(CLI::App& command, bool& overwrite) {
   command.add_flag("--overwrite", overwrite, "Replace a file that is there already");
 }
 
 Result<void> check_new_file(const std::string& file, bool overwrite) {
-  namespace fs = std::filesystem;
   std::error_code code;
   const bool is_there = fs::exists(fs::symlink_status(file, code));
   const bool replaceable = fs::is_regular_file(file, code) || fs::is_symlink(file, code);
@@ -21,6 +22,16 @@ Result<void> check_new_file(const std::string& file, bool overwrite) {
                replaceable ? "is there already; choose another name, or give --overwrite"
                            : "is a folder; give the name of a file",
                file};
+}
+
+Result<void> make_new_folder(const std::string& folder) {
+  std::error_code code;
+  if (fs::exists(folder, code) && !(fs::is_directory(folder, code) && fs::is_empty(folder, code))) {
+    return Error{Errc::io, "exists and is not an empty folder; choose another with --out", folder};
+  }
+  fs::create_directories(folder, code);
+  if (code) return Error{Errc::io, "cannot be created: " + code.message(), folder};
+  return {};
 }
 
 }  // namespace weft::cli

@@ -14,4 +14,7 @@ void add_overwrite(CLI::App& command, bool& overwrite);
 /// they are given.
 Result<void> check_new_file(const std::string& file, bool overwrite);
 
+/// Makes the folder that --out names; fails where something is at it that is no empty folder.
+Result<void> make_new_folder(const std::string& folder);
+
 }  // namespace weft::cli

@@ -7,6 +7,7 @@
 #include <weft/core/statistics.hpp>
 
 #include "cli/commands.hpp"
+#include "cli/output/new_file.hpp"
 #include "pipeline/runs/replay.hpp"
 
 namespace weft::cli {
@@ -48,17 +49,6 @@ Result<std::vector<std::string>> calls_of(const std::string& records, const std:
     return a.size() != b.size() ? a.size() < b.size() : a < b;
   });
   return files;
-}
-
-Result<void> open_folder(const std::string& folder) {
-  if (folder.empty()) return {};
-  std::error_code code;
-  if (fs::exists(folder, code) && !(fs::is_directory(folder, code) && fs::is_empty(folder, code))) {
-    return Error{Errc::io, "exists and is not an empty folder; choose another with --out", folder};
-  }
-  fs::create_directories(folder, code);
-  if (code) return Error{Errc::io, "cannot be created: " + code.message(), folder};
-  return {};
 }
 
 /// What all calls came to.
@@ -107,7 +97,9 @@ Result<Summary> replay(const ReplayOptions& options, const Context& context) {
     return Error{error.code == Errc::io ? Errc::io : Errc::invalid_value, error.message,
                  error.where};
   }
-  if (auto opened = open_folder(options.out); !opened) return opened.error();
+  if (!options.out.empty()) {
+    if (auto made = make_new_folder(options.out); !made) return made.error();
+  }
   if ((*replay)->is_rebuilt()) {
     fmt::print("the plugin is another build than the one that was dumped\n");
   }

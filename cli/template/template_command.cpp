@@ -56,13 +56,7 @@ std::string to_obj(const Template& templ) {
 
 Result<void> write_folder(const host::Registry& registry, const host::Record& record,
                           const Template& templ, const fs::path& folder) {
-  std::error_code code;
-  if (fs::exists(folder, code) && !(fs::is_directory(folder, code) && fs::is_empty(folder, code))) {
-    return Error{Errc::io, "exists and is not an empty folder; choose another with --out",
-                 folder.string()};
-  }
-  fs::create_directories(folder, code);
-  if (code) return Error{Errc::io, "cannot be created: " + code.message(), folder.string()};
+  if (auto made = make_new_folder(folder.string()); !made) return made;
   const std::pair<const char*, std::string> files[] = {
       {"template.obj", to_obj(templ)},
       {"template.mtl", "newmtl texture\nKd 1 1 1\nillum 1\nmap_Kd texture.png\n"}};
