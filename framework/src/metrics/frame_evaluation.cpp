@@ -125,12 +125,13 @@ Result<void> measure_certainty(const RunReader& reader, const ShapeMeter& meter,
   return {};
 }
 
-Outcome outcome_of(const FrameRecords& records) {
-  if (!records.shape) return Outcome::missing;
-  if (!std::isfinite(records.shape->vertices_m.matrix<3>().squaredNorm())) return Outcome::invalid;
+FrameOutcome outcome_of(const FrameRecords& records) {
+  if (!records.shape) return FrameOutcome::missing;
+  if (!std::isfinite(records.shape->vertices_m.matrix<3>().squaredNorm()))
+    return FrameOutcome::invalid;
   const ShapeState state = records.shape->shape_state();
   const bool solved = state == ShapeState::estimated || state == ShapeState::weak;
-  return solved ? Outcome::solved : Outcome::held;
+  return solved ? FrameOutcome::solved : FrameOutcome::held;
 }
 
 /// Compares a finite shape with the truth.
@@ -145,7 +146,7 @@ Result<void> measure_error(const ShapeMeter& meter, const FrameRecords& records,
     frame.no_error_because = errors.error().message;
     return {};
   }
-  if (frame.visibility && frame.outcome == Outcome::solved) {
+  if (frame.visibility && frame.outcome == FrameOutcome::solved) {
     count_errors(*errors, records.ground_truth->visible, *frame.visibility);
   }
   frame.extrapolated = errors->extrapolated;
@@ -197,7 +198,7 @@ Result<void> measure_image(const RunReader& reader, const FrameRecords& records,
   }
   const bool has_scale = sheet.m_per_px.present();
   if (has_scale) measure_warps(records, sheet, *truth, camera, frame);
-  if (frame.outcome != Outcome::solved) return {};
+  if (frame.outcome != FrameOutcome::solved) return {};
   const auto vertices_m = records.shape->vertices_m.matrix<3>();
   if (!records.matches.empty()) {
     measure_reprojection(records.matches.back().matches, labels, vertices_m, sheet, camera,
@@ -227,8 +228,8 @@ Result<FrameMetrics> evaluate_frame(const RunReader& reader, const ShapeMeter& m
     const auto done = measure_image(reader, records, options.match_tolerance_px, frame);
     if (!done) return done.error();
   }
-  if (frame.outcome == Outcome::missing || frame.outcome == Outcome::invalid) {
-    const bool missing = frame.outcome == Outcome::missing;
+  if (frame.outcome == FrameOutcome::missing || frame.outcome == FrameOutcome::invalid) {
+    const bool missing = frame.outcome == FrameOutcome::missing;
     if (frame.has_truth) frame.no_error_because = missing ? "no shape" : "the shape is not finite";
     return frame;
   }
@@ -237,7 +238,7 @@ Result<FrameMetrics> evaluate_frame(const RunReader& reader, const ShapeMeter& m
   frame.strain_p95 = strain.p95;
   if (frame.has_truth) {
     auto done = measure_error(meter, records, options.alignment, frame);
-    if (done && frame.outcome == Outcome::solved) {
+    if (done && frame.outcome == FrameOutcome::solved) {
       done = measure_certainty(reader, meter, records, frame);
     }
     if (!done) return done.error();

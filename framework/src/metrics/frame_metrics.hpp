@@ -21,9 +21,9 @@ inline constexpr double kOffShare = 0.1;
 
 /// What a frame came to: `solved` is estimated or weak, `held` predicted or lost (an old shape),
 /// `missing` without a shape, `invalid` with a shape that is not finite, whatever its state.
-enum class Outcome { solved, held, missing, invalid };
+enum class FrameOutcome { solved, held, missing, invalid };
 
-const char* to_string(Outcome outcome);
+const char* to_string(FrameOutcome outcome);
 
 /// 3D error of one shape over the truth points that lie on the mesh. Percentiles are interpolated
 /// linearly at the rank p/100 (n - 1).
@@ -87,7 +87,7 @@ struct FrameMetrics {
   std::uint64_t frame = 0;  ///< [] index from 0
   std::string stem;
   ShapeState state = ShapeState::none;
-  Outcome outcome = Outcome::missing;
+  FrameOutcome outcome = FrameOutcome::missing;
   bool failed = false;  ///< a stage, the source or a sink had an error
   bool has_truth = false;
   std::string kind;               ///< of the truth

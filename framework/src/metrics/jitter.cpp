@@ -24,7 +24,7 @@ double second_difference_mm(const Points3& a, const Points3& b, const Points3& c
 MotionMetrics MotionMeter::add(const FrameMetrics& frame, const FrameRecords& records) {
   if (!moments_.empty() && moments_.back().frame + 1 != frame.frame) moments_.clear();
   Moment now{frame.frame, {}, {}, {}};
-  if (frame.outcome == Outcome::solved) now.vertices_m = records.shape->vertices_m.matrix<3>();
+  if (frame.outcome == FrameOutcome::solved) now.vertices_m = records.shape->vertices_m.matrix<3>();
   if (frame.has_truth) {
     now.truth_xy_m = records.ground_truth->template_xy_m.matrix<2>();
     now.truth_m = records.ground_truth->points_m.matrix<3>();

@@ -18,7 +18,7 @@ namespace {
 
 double largest(const std::vector<double>& values) { return percentile(values, 100.0); }
 
-ErrorSummary summarise(const std::vector<const FrameMetrics*>& frames, Outcome outcome) {
+ErrorSummary summarise(const std::vector<const FrameMetrics*>& frames, FrameOutcome outcome) {
   ErrorSummary summary;
   std::vector<double> means, worst_points, of_depth;
   for (const FrameMetrics* frame : frames) {
@@ -50,22 +50,23 @@ TruthMetrics summarise_group(const std::vector<const FrameMetrics*>& frames, dou
   std::vector<double> strains, strains_p95;
   for (const FrameMetrics* frame : frames) {
     ++group.frames;
-    group.solved += frame->outcome == Outcome::solved;
-    group.held += frame->outcome == Outcome::held;
-    group.missing += frame->outcome == Outcome::missing;
-    group.invalid += frame->outcome == Outcome::invalid;
+    group.solved += frame->outcome == FrameOutcome::solved;
+    group.held += frame->outcome == FrameOutcome::held;
+    group.missing += frame->outcome == FrameOutcome::missing;
+    group.invalid += frame->outcome == FrameOutcome::invalid;
     group.points += frame->points;
     group.extrapolated += frame->extrapolated;
     group.unlocated += frame->unlocated;
-    const bool has_shape = frame->outcome == Outcome::solved || frame->outcome == Outcome::held;
+    const bool has_shape =
+        frame->outcome == FrameOutcome::solved || frame->outcome == FrameOutcome::held;
     group.unmeasured += has_shape && !frame->error && frame->points > 0;
     group.off += frame->error && frame->error->mean_mm > off_mm;
-    if (frame->outcome != Outcome::solved) continue;
+    if (frame->outcome != FrameOutcome::solved) continue;
     strains.push_back(frame->strain_mean);
     strains_p95.push_back(frame->strain_p95);
   }
-  group.solved_error = summarise(frames, Outcome::solved);
-  group.held_error = summarise(frames, Outcome::held);
+  group.solved_error = summarise(frames, FrameOutcome::solved);
+  group.held_error = summarise(frames, FrameOutcome::held);
   group.strain_mean = mean_or_unknown(strains);
   group.strain_p95 = mean_or_unknown(strains_p95);
   return group;
@@ -77,11 +78,11 @@ void count_frames(RunMetrics& metrics) {
   for (const FrameMetrics& frame : metrics.frames) {
     ++counts.frames;
     counts.failed += frame.failed;
-    if (frame.outcome == Outcome::solved) {
+    if (frame.outcome == FrameOutcome::solved) {
       strains.push_back(frame.strain_mean);
       strains_p95.push_back(frame.strain_p95);
     }
-    if (frame.outcome == Outcome::invalid) {
+    if (frame.outcome == FrameOutcome::invalid) {
       ++counts.invalid;
       continue;
     }
@@ -150,33 +151,31 @@ void add_certainty(RunMetrics& metrics) {
   metrics.certainty = summarise_certainty(frames);
 }
 
-void summarise_filters(RunMetrics& metrics) {
-  std::vector<std::string> stages;
-  std::map<std::string, std::vector<FilterCounts>> counts;
-  for (const FrameMetrics& frame : metrics.frames) {
+/// Of the frames whose truth counts, what `member` has of each stage, in the order in which the
+/// stages are first met.
+template <class Metrics>
+std::vector<std::pair<std::string, std::vector<Metrics>>> by_stage(
+    const std::vector<FrameMetrics>& frames,
+    std::vector<std::pair<std::string, Metrics>> FrameMetrics::*member) {
+  std::vector<std::pair<std::string, std::vector<Metrics>>> stages;
+  for (const FrameMetrics& frame : frames) {
     if (!frame.apart.empty()) continue;
-    for (const auto& [stage, each] : frame.filters) {
-      if (counts.count(stage) == 0) stages.push_back(stage);
-      counts[stage].push_back(each);
+    for (const auto& [stage, each] : frame.*member) {
+      auto known = std::find_if(stages.begin(), stages.end(),
+                                [&](const auto& entry) { return entry.first == stage; });
+      if (known == stages.end()) known = stages.insert(known, {stage, {}});
+      known->second.push_back(each);
     }
   }
-  for (const std::string& stage : stages) {
-    metrics.filters.push_back(summarise_filter(stage, counts[stage]));
-  }
+  return stages;
 }
 
-void summarise_warps(RunMetrics& metrics) {
-  std::vector<std::string> stages;
-  std::map<std::string, std::vector<WarpErrors>> errors;
-  for (const FrameMetrics& frame : metrics.frames) {
-    if (!frame.apart.empty()) continue;
-    for (const auto& [stage, each] : frame.warps) {
-      if (errors.count(stage) == 0) stages.push_back(stage);
-      errors[stage].push_back(each);
-    }
+void summarise_stages(RunMetrics& metrics) {
+  for (const auto& [stage, counts] : by_stage(metrics.frames, &FrameMetrics::filters)) {
+    metrics.filters.push_back(summarise_filter(stage, counts));
   }
-  for (const std::string& stage : stages) {
-    metrics.warps.push_back(summarise_warp(stage, errors[stage]));
+  for (const auto& [stage, errors] : by_stage(metrics.frames, &FrameMetrics::warps)) {
+    metrics.warps.push_back(summarise_warp(stage, errors));
   }
 }
 
@@ -210,7 +209,7 @@ std::string name_of(const std::string& folder) {
 
 }  // namespace
 
-const char* to_string(Outcome outcome) {
+const char* to_string(FrameOutcome outcome) {
   constexpr const char* kNames[] = {"solved", "held", "missing", "invalid"};
   return kNames[static_cast<int>(outcome)];
 }
@@ -255,8 +254,7 @@ RunMetrics RunEvaluator::finish(bool has_solver) {
   summarise_depth(metrics);
   add_visibility(metrics);
   add_certainty(metrics);
-  summarise_filters(metrics);
-  summarise_warps(metrics);
+  summarise_stages(metrics);
   count_frames(metrics);
   metrics.has_solver = has_solver;
   if (has_solver) {

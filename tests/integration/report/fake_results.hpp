@@ -160,7 +160,7 @@ class FakeResults {
       frame.frame = static_cast<std::uint64_t>(t);
       frame.has_truth = true;
       const bool missing = shaky && s == 0 && t == kFrames - 1;
-      frame.outcome = missing ? Outcome::missing : Outcome::solved;
+      frame.outcome = missing ? FrameOutcome::missing : FrameOutcome::solved;
       frame.state = missing ? ShapeState::none : ShapeState::estimated;
       if (!missing) {
         frame.error = PointSummary{};

@@ -50,7 +50,7 @@ RunMetrics full_run() {
   frame.frame = 3;
   frame.stem = "f3";
   frame.state = ShapeState::weak;
-  frame.outcome = Outcome::solved;
+  frame.outcome = FrameOutcome::solved;
   frame.strain_mean = 0.125;
   frame.has_truth = true;
   frame.kind = "mdh";
@@ -111,6 +111,12 @@ TEST(DeclaredMetrics, OfAnotherTypeAreRefused) {
   ASSERT_FALSE(metrics);
   EXPECT_EQ(metrics.error().code, Errc::invalid_data);
   EXPECT_THAT(metrics.error().message, ::testing::HasSubstr("must be number"));
+  for (const char* name : {"all", "jitter"}) {
+    json without = json::parse(to_json(full_run()));
+    without[name] = 3;
+    EXPECT_FALSE(metrics_of(without)) << name;
+  }
+  EXPECT_FALSE(metrics_of(json::array()));
 }
 
 TEST(DeclaredMetrics, AreAllInTheCatalogueWithTheirUnits) {

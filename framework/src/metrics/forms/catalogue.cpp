@@ -6,6 +6,7 @@
 #include <array>
 #include <type_traits>
 
+#include "metrics/forms/every_declaration.hpp"
 #include "metrics/run_metrics.hpp"
 
 namespace weft::evaluation {
@@ -18,8 +19,8 @@ struct ListOf<std::vector<Entry>> : std::bool_constant<MetricStruct<Entry>> {
   using Type = Entry;
 };
 
-/// Visits every declaration, whether a run has the member or not.
-class Collector {
+/// Collects the paths of all declarations. In columns nothing says that a member is of the truth.
+class Collector : public EveryDeclaration<Collector> {
  public:
   Collector(std::string prefix, char joint, std::vector<CatalogueEntry>& entries)
       : prefix_(std::move(prefix)), joint_(joint), entries_(entries) {}
@@ -40,24 +41,10 @@ class Collector {
     }
   }
 
-  template <class Value>
-  void derived(const MetricField& field, const Value& value) {
-    (*this)(field, value);
-  }
+  using EveryDeclaration::derived;
   template <class Value>
   void derived(const MetricField& field, const std::optional<Value>& /*value*/) {
     (*this)(field, Value{});
-  }
-
-  /// In columns nothing says that it is of the truth.
-  template <class Members>
-  void object(const MetricField& /*field*/, bool /*there*/, Members&& members) {
-    members(*this);
-  }
-
-  template <class Members>
-  void when(bool /*there*/, Members&& members) {
-    members(*this);
   }
 
   template <class Metrics>

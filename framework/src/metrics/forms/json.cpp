@@ -84,10 +84,13 @@ class JsonWriter {
   ordered_json& object_;
 };
 
-/// Throws what the library throws where a member has another type.
+/// Throws what the library throws where a member has another type, or the object is none.
 class JsonReader {
  public:
-  explicit JsonReader(const json& object) : object_(object) {}
+  using Object = json::object_t;
+
+  explicit JsonReader(const json& object) : JsonReader(object.get_ref<const Object&>()) {}
+  explicit JsonReader(const Object& object) : object_(object) {}
 
   /// Whether any member was there.
   bool found() const { return found_; }
@@ -97,7 +100,7 @@ class JsonReader {
     const auto place = object_.find(field.name);
     if (place == object_.end()) return;
     found_ = true;
-    read(field, *place, member);
+    read(field, place->second, member);
   }
 
   template <class Value>
@@ -108,7 +111,7 @@ class JsonReader {
     const auto place = object_.find(field.name);
     there = place != object_.end();
     if (!there) return;
-    JsonReader reader(*place);
+    JsonReader reader(place->second);
     members(reader);
   }
 
@@ -129,7 +132,7 @@ class JsonReader {
   void keyed(const MetricField& field, std::vector<std::pair<std::string, Metrics>>& pairs) {
     const auto place = object_.find(field.name);
     if (place == object_.end()) return;
-    for (const auto& [stage, object] : place->items()) {
+    for (const auto& [stage, object] : place->second.get_ref<const Object&>()) {
       JsonReader reader(object);
       Metrics::fields(pairs.emplace_back(stage, Metrics{}).second, reader);
     }
@@ -139,7 +142,7 @@ class JsonReader {
   template <class Member>
   static void read(const MetricField& field, const json& value, Member& member) {
     if constexpr (MetricStruct<Member>) {
-      JsonReader reader(value.is_object() ? value : value.at(field.name));
+      JsonReader reader(value);
       Member::fields(member, reader);
     } else if constexpr (std::is_enum_v<Member>) {
       member = enumerator(value.get<std::string>(), member);
@@ -174,10 +177,10 @@ class JsonReader {
     return otherwise;
   }
   static constexpr ShapeState last(ShapeState /*of*/) { return ShapeState::lost; }
-  static constexpr Outcome last(Outcome /*of*/) { return Outcome::invalid; }
+  static constexpr FrameOutcome last(FrameOutcome /*of*/) { return FrameOutcome::invalid; }
   static constexpr Alignment last(Alignment /*of*/) { return Alignment::rigid; }
 
-  const json& object_;
+  const Object& object_;
   bool found_ = false;
 };
 

@@ -49,10 +49,10 @@ std::string group_name(const GroupMetrics& group) {
 TableRow frame_row(const FrameMetrics& frame) {
   std::string truth = frame.apart.empty() ? frame.kind : frame.kind + " (" + frame.apart + ")";
   if (frame.motion.cut) truth += " cut";
-  return values_of(
-      frame, {printable(frame.label()), std::to_string(frame.frame),
-              frame.outcome == Outcome::invalid ? to_string(frame.outcome) : to_string(frame.state),
-              frame.has_truth ? printable(truth) : kNoValue});
+  return values_of(frame, {printable(frame.label()), std::to_string(frame.frame),
+                           frame.outcome == FrameOutcome::invalid ? to_string(frame.outcome)
+                                                                  : to_string(frame.state),
+                           frame.has_truth ? printable(truth) : kNoValue});
 }
 
 std::string counts_text(const RunMetrics& metrics) {

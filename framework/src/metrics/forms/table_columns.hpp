@@ -5,7 +5,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "metrics/field.hpp"
+#include "metrics/forms/every_declaration.hpp"
 #include "metrics/forms/table_parts.hpp"
 
 namespace weft::evaluation {
@@ -13,7 +13,7 @@ namespace weft::evaluation {
 using TableRow = std::vector<std::string>;
 
 /// The titles of the members that have a column, or their values as people read them.
-class TableColumns {
+class TableColumns : public EveryDeclaration<TableColumns> {
  public:
   enum class What { titles, values };
 
@@ -29,22 +29,9 @@ class TableColumns {
     }
   }
 
-  template <class Value>
-  void derived(const MetricField& field, const Value& value) {
-    (*this)(field, value);
-  }
+  using EveryDeclaration::derived;
   template <class Value>
   void derived(const MetricField& /*field*/, const std::optional<Value>& /*value*/) {}
-
-  template <class Members>
-  void object(const MetricField& /*field*/, bool /*there*/, Members&& members) {
-    members(*this);
-  }
-
-  template <class Members>
-  void when(bool /*there*/, Members&& members) {
-    members(*this);
-  }
 
   template <class Metrics>
   void optional(const std::optional<Metrics>& metrics) {
