@@ -64,18 +64,8 @@ void Scene::follow_matches() {
 
 void Scene::take_matches(const std::vector<std::int64_t>& rows) {
   Correspondences& all = matches.matches;
-  all.template_px = pick(all.template_px, rows);
-  all.image_px = pick(all.image_px, rows);
-  all.template_keypoint = pick(all.template_keypoint, rows);
-  all.image_keypoint = pick(all.image_keypoint, rows);
-  all.face = pick(all.face, rows);
-  all.barycentrics = pick(all.barycentrics, rows);
-  all.distance = pick(all.distance, rows);
-  all.ratio = pick(all.ratio, rows);
-  all.scale_ratio = pick(all.scale_ratio, rows);
-  all.angle_difference_rad = pick(all.angle_difference_rad, rows);
-  all.kept = pick(all.kept, rows);
-  all.score = pick(all.score, rows);
+  Correspondences::fields(
+      all, [&](auto& values, const Field& /*field*/) { values = pick(values, rows); });
   Points2 true_px(static_cast<Eigen::Index>(rows.size()), 2);
   std::vector<std::uint8_t> correct;
   for (const std::int64_t row : rows) {
