@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <weft/core/shell_word.hpp>
 
@@ -31,6 +32,11 @@ struct AblateOptions {
     return std::find(retry.begin(), retry.end(), what) != retry.end();
   }
 };
+
+using MakeEngine = std::unique_ptr<evaluation::Engine> (*)(int jobs);
+
+/// The values of --engine.
+const std::map<std::string, MakeEngine> kEngines{{"local", evaluation::local_engine}};
 
 std::string duration_text(double seconds) {
   const auto whole = static_cast<long>(std::lround(seconds));
@@ -104,17 +110,14 @@ bool print_expectations(const evaluation::Results& results) {
   bool all_met = true;
   for (const evaluation::PlanExpectation& expected : results.plan.expectations) {
     const evaluation::ExpectationOutcome outcome = evaluation::judge(results, expected);
-    std::string where, bounds;
-    for (const auto& [name, value] : expected.where) {
-      where += (where.empty() ? "" : ", ") + name + "=" + value;
-    }
+    std::string bounds;
     if (!std::isnan(expected.at_least)) bounds += fmt::format(" at least {:g}", expected.at_least);
     if (!std::isnan(expected.at_most)) bounds += fmt::format(" at most {:g}", expected.at_most);
     const std::string figure = outcome.why_not.empty() ? fmt::format("mean {:.6g} of {} cells",
                                                                      outcome.mean, outcome.cells)
                                                        : outcome.why_not;
-    fmt::print("{}: {} [{}]{}: {}\n", outcome.met ? "met" : "MISSED", expected.metric, where,
-               bounds, figure);
+    fmt::print("{}: {} [{}]{}: {}\n", outcome.met ? "met" : "MISSED", expected.metric,
+               evaluation::to_text(expected.where), bounds, figure);
     all_met = all_met && outcome.met;
   }
   return all_met;
@@ -151,7 +154,7 @@ Result<evaluation::AblationState> execute(evaluation::Grid& grid,
   if (options.status) return evaluation::state_of(grid, folder, how);
   const std::atomic<bool>& interrupted = watch_for_interruption();
   now_running("the cells of the plan, in processes of their own");
-  const auto engine = evaluation::local_engine(options.timing ? 1 : options.jobs);
+  const auto engine = kEngines.at(options.engine)(options.timing ? 1 : options.jobs);
   ProgressLine line(grid.cells().size(), options.quiet);
   auto state = evaluation::run_ablation(
       grid, folder, *engine, how, [&](double share) { line.show(share); }, interrupted);
@@ -215,7 +218,7 @@ void add_ablate_command(CLI::App& app, Context& context) {
   command->add_flag("--timing", options->timing,
                     "Run each cell alone, nothing shared, one job, and keep the times");
   command->add_option("--engine", options->engine, "Where cells run")
-      ->check(CLI::IsMember({"local"}))
+      ->check(CLI::IsMember(&kEngines))
       ->capture_default_str();
   command->add_flag("--accept-rebuilt", options->accept_rebuilt,
                     "Take results of components of the same version that were built anew");

@@ -168,12 +168,8 @@ TextTable expectations_sheet(const Results& results, const ReportTables& tables)
   for (std::size_t i = 0; i < tables.expectations.size(); ++i) {
     const PlanExpectation& plan = results.plan.expectations[i];
     const ExpectationOutcome& outcome = tables.expectations[i];
-    std::string where;
-    for (const auto& [name, value] : plan.where) {
-      where += (where.empty() ? "" : ", ") + name + ": " + value;
-    }
     table.rows.push_back(
-        {{text_cell(where), text_cell(plan.metric), number_cell(plan.at_least, 3),
+        {{text_cell(to_text(plan.where)), text_cell(plan.metric), number_cell(plan.at_least, 3),
           number_cell(plan.at_most, 3), number_cell(outcome.mean, 3), count_cell(outcome.cells),
           count_cell(outcome.without), text_cell(outcome.met ? "yes" : "no")},
          -1,

@@ -40,4 +40,10 @@ ExpectationOutcome judge(const Results& results, const PlanExpectation& expectat
   return outcome;
 }
 
+std::string to_text(const Selection& where) {
+  std::string text;
+  for (const auto& [name, value] : where) text += (text.empty() ? "" : ", ") + name + "=" + value;
+  return text;
+}
+
 }  // namespace weft::evaluation

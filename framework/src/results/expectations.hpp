@@ -19,4 +19,7 @@ struct ExpectationOutcome {
 /// misses the expectation, and so does one that selects no cell.
 ExpectationOutcome judge(const Results& results, const PlanExpectation& expectation);
 
+/// "filter=myneighbor, sequence=plain"; empty where all cells are selected.
+std::string to_text(const Selection& where);
+
 }  // namespace weft::evaluation

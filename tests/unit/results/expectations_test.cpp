@@ -59,5 +59,10 @@ TEST(Expectations, AreMissedByWhatHasNoFigure) {
   EXPECT_EQ(nothing.why_not, "no cell is selected");
 }
 
+TEST(Expectations, TellWhichCellsTheySelect) {
+  EXPECT_EQ(to_text(Selection{}), "");
+  EXPECT_EQ(to_text(Selection{{"filter", "good"}, {"seed", "1"}}), "filter=good, seed=1");
+}
+
 }  // namespace
 }  // namespace weft::evaluation
