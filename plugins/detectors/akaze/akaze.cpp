@@ -72,6 +72,7 @@ class Akaze final : public Detector {
 }  // namespace
 }  // namespace weft::akaze
 
+using weft::akaze::Akaze;
 WEFT_PLUGIN(
-    weft::akaze::Akaze, "detectors/akaze", "1.0.0",
+    Akaze, "detectors/akaze", "1.0.0",
     "Finds AKAZE keypoints in a nonlinear scale space and describes them with 486 bits each.")

@@ -157,5 +157,6 @@ class Orb final : public Detector {
 }  // namespace
 }  // namespace weft::orb
 
-WEFT_PLUGIN(weft::orb::Orb, "detectors/orb", "1.0.0",
+using weft::orb::Orb;
+WEFT_PLUGIN(Orb, "detectors/orb", "1.0.0",
             "Finds ORB keypoints and describes them with 256 bits each; fast.")

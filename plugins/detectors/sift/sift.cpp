@@ -143,5 +143,6 @@ class Sift final : public Detector {
 }  // namespace
 }  // namespace weft::sift
 
-WEFT_PLUGIN(weft::sift::Sift, "detectors/sift", "1.0.0",
+using weft::sift::Sift;
+WEFT_PLUGIN(Sift, "detectors/sift", "1.0.0",
             "Finds SIFT keypoints and describes them with 128 numbers each.")

@@ -60,5 +60,6 @@ class Descriptor final : public Matcher {
 }  // namespace
 }  // namespace weft::descriptor
 
-WEFT_PLUGIN(weft::descriptor::Descriptor, "matchers/descriptor", "1.0.0",
+using weft::descriptor::Descriptor;
+WEFT_PLUGIN(Descriptor, "matchers/descriptor", "1.0.0",
             "Matches keypoints by their nearest descriptor with Lowe's ratio test, exactly.")

@@ -142,5 +142,6 @@ class Merge final : public Matcher {
 }  // namespace
 }  // namespace weft::merge
 
-WEFT_PLUGIN(weft::merge::Merge, "matchers/merge", "1.0.1",
+using weft::merge::Merge;
+WEFT_PLUGIN(Merge, "matchers/merge", "1.0.1",
             "Unites the matches of several stages and merges duplicates.")
