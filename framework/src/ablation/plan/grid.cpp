@@ -61,7 +61,7 @@ class GridBuilder {
   }
 
   void add_cells(Cell cell) {
-    Document document = grid_.document(cell);
+    PipelineDocument document = grid_.document(cell);
     ++pipelines_;
     const std::vector<std::uint64_t>& seeds = grid_.plan_.seeds;
     const PartNames names = part_names(document.root);
@@ -155,7 +155,7 @@ std::pair<Grid, ConfigReport> Grid::expand(Plan plan, const host::Registry& regi
 
 host::PathRules Grid::paths() const { return host::PathRules::of_process({}, plan_.source.folder); }
 
-Document Grid::document(const Cell& cell) const {
+PipelineDocument Grid::document(const Cell& cell) const {
   std::vector<Patch> patches{{plan_.source, plan_.data[cell.data].sequences[cell.sequence].patch}};
   for (std::size_t axis = 0; axis < plan_.axes.size(); ++axis) {
     patches.push_back({plan_.source, plan_.axes[axis].values[cell.values[axis]].patch});
@@ -167,7 +167,8 @@ Document Grid::document(const Cell& cell) const {
   return laid_over(base_, patches, settings_, paths());
 }
 
-std::pair<CheckedPipeline, ConfigReport> Grid::load(const Cell& cell, Document document) const {
+std::pair<CheckedPipeline, ConfigReport> Grid::load(const Cell& cell,
+                                                    PipelineDocument document) const {
   auto loaded = check_pipeline(plan_.pipeline, std::move(document), *registry_, {}, checks_.get());
   if (!plan_.seeds.empty()) loaded.first.config.seed = cell.seed;
   return loaded;

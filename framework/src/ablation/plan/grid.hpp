@@ -60,14 +60,14 @@ class Grid {
  private:
   friend class GridBuilder;
   host::PathRules paths() const;
-  Document document(const Cell& cell) const;
-  std::pair<CheckedPipeline, ConfigReport> load(const Cell& cell, Document document) const;
+  PipelineDocument document(const Cell& cell) const;
+  std::pair<CheckedPipeline, ConfigReport> load(const Cell& cell, PipelineDocument document) const;
 
   Plan plan_;
   const host::Registry* registry_ = nullptr;
   std::shared_ptr<host::ComponentChecks> checks_;  ///< of this expansion
   std::vector<std::string> settings_;
-  Document base_;
+  PipelineDocument base_;
   std::vector<Cell> cells_;
   std::shared_ptr<Identifier> identifier_ = std::make_shared<Identifier>();
 };

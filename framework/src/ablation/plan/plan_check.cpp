@@ -137,7 +137,7 @@ class PartsCheck {
   const std::vector<std::string>& settings_;
   ConfigReport& report_;
   host::PathRules paths_ = host::PathRules::of_process({}, plan_.source.folder);
-  Document base_;                 ///< the pipeline with what it extends, read once for all parts
+  PipelineDocument base_;         ///< the pipeline with what it extends, read once for all parts
   host::ComponentChecks checks_;  ///< asks a component once, in however many parts it stands
   std::map<std::string, Mistake> mistakes_;  ///< by place and message
   std::set<std::vector<std::string>> filters_;

@@ -34,7 +34,8 @@ std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
                        output_folder);
 }
 
-std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file, Document document,
+std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
+                                                      PipelineDocument document,
                                                       const host::Registry& registry,
                                                       const std::string& output_folder) {
   auto paths = host::PathRules::of_process({}, output_folder);

@@ -77,7 +77,8 @@ std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
                                                       const std::vector<Patch>& patches = {});
 
 /// The same of a document that has been read from `file`.
-std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file, Document document,
+std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
+                                                      PipelineDocument document,
                                                       const host::Registry& registry,
                                                       const std::string& output_folder);
 

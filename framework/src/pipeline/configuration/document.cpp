@@ -50,13 +50,13 @@ class Reader {
  public:
   explicit Reader(const host::PathRules& paths) : paths_(paths) {}
 
-  Document read(const std::string& file) {
+  PipelineDocument read(const std::string& file) {
     document_.root = read_file(file, {});
     return std::move(document_);
   }
 
-  Document lay(Document base, const std::vector<Patch>& patches,
-               const std::vector<std::string>& settings) {
+  PipelineDocument lay(PipelineDocument base, const std::vector<Patch>& patches,
+                       const std::vector<std::string>& settings) {
     document_ = std::move(base);
     for (const Patch& patch : patches) lay(patch);
     std::vector<Laid> laid;
@@ -267,7 +267,7 @@ class Reader {
   }
 
   const host::PathRules& paths_;
-  Document document_;
+  PipelineDocument document_;
 };
 
 }  // namespace
@@ -278,17 +278,17 @@ std::string place_in(const std::vector<ConfigSource>& sources, yaml::Position at
   return "--set " + escaped(source.name, kMostShown) + ", column " + std::to_string(at.column);
 }
 
-Document read_document(const std::string& file, const std::vector<std::string>& settings,
-                       const host::PathRules& paths, const std::vector<Patch>& patches) {
+PipelineDocument read_document(const std::string& file, const std::vector<std::string>& settings,
+                               const host::PathRules& paths, const std::vector<Patch>& patches) {
   return laid_over(read_base(file, paths), patches, settings, paths);
 }
 
-Document read_base(const std::string& file, const host::PathRules& paths) {
+PipelineDocument read_base(const std::string& file, const host::PathRules& paths) {
   return Reader(paths).read(file);
 }
 
-Document laid_over(Document base, const std::vector<Patch>& patches,
-                   const std::vector<std::string>& settings, const host::PathRules& paths) {
+PipelineDocument laid_over(PipelineDocument base, const std::vector<Patch>& patches,
+                           const std::vector<std::string>& settings, const host::PathRules& paths) {
   return Reader(paths).lay(std::move(base), patches, settings);
 }
 

@@ -35,7 +35,7 @@ struct LeftOut {
 };
 
 /// A pipeline as one document. Its root is null when a text could not be read to its end.
-struct Document {
+struct PipelineDocument {
   yaml::Node root;
   std::vector<ConfigSource> sources;  ///< the file, what it extends, settings
   std::vector<LeftOut> left_out;
@@ -57,14 +57,15 @@ struct Document {
 /// `template` or with the name of a stage or sink, and goes on with parameters, joined by dots:
 /// `filters.alpha_s=0.2`, `filters.warp.robust=tukey`, `detectors.use=detectors/orb`. VALUE is
 /// YAML.
-Document read_document(const std::string& file, const std::vector<std::string>& settings,
-                       const host::PathRules& paths, const std::vector<Patch>& patches = {});
+PipelineDocument read_document(const std::string& file, const std::vector<std::string>& settings,
+                               const host::PathRules& paths,
+                               const std::vector<Patch>& patches = {});
 
 /// The two steps of read_document, for a file that much is laid over: the file with what it
 /// extends, and then the rest.
-Document read_base(const std::string& file, const host::PathRules& paths);
-Document laid_over(Document base, const std::vector<Patch>& patches,
-                   const std::vector<std::string>& settings, const host::PathRules& paths);
+PipelineDocument read_base(const std::string& file, const host::PathRules& paths);
+PipelineDocument laid_over(PipelineDocument base, const std::vector<Patch>& patches,
+                           const std::vector<std::string>& settings, const host::PathRules& paths);
 
 /// The names of the stages in a list: `as`, else the role meant, numbered from the second stage
 /// without a name on: "filters", "filters#2".

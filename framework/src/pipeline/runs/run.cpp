@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <set>
 
-#include "pipeline/configuration/output_paths.hpp"
 #include "pipeline/execution/input.hpp"
 #include "pipeline/monitor/setup_monitor.hpp"
 #include "pipeline/runs/dump.hpp"
@@ -254,56 +253,7 @@ class Run {
   RunSummary summary_;
 };
 
-/// What the components whose parameters are legal say of them. A stage in a process of its own is
-/// not asked: nothing loads its library in this one.
-void ask_components(const PipelineConfig& config, host::ComponentChecks& checks,
-                    std::vector<yaml::Problem>& problems) {
-  std::vector<yaml::Problem> found;
-  const auto ask = [&](const host::ComponentSpec& component) { checks.ask(component, found); };
-  for (const auto* single : {&config.source, &config.templ}) {
-    if (*single) ask((*single)->component);
-  }
-  for (const auto* list : {&config.stages, &config.sinks}) {
-    for (const StageConfig& stage : *list) {
-      if (stage.isolation) continue;
-      ask(stage.component);
-      if (stage.on_template) ask(*stage.on_template);
-    }
-  }
-  for (yaml::Problem& mistake : found) {
-    const auto same = [&](const yaml::Problem& other) {
-      return other.at == mistake.at && other.message == mistake.message;
-    };
-    if (std::any_of(problems.begin(), problems.end(), same)) continue;
-    problems.push_back(std::move(mistake));
-  }
-}
-
 }  // namespace
-
-std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file,
-                                                        const host::Registry& registry,
-                                                        const std::string& output_folder,
-                                                        const std::vector<std::string>& settings,
-                                                        const std::vector<Patch>& patches) {
-  const auto paths = host::PathRules::of_process({}, output_folder);
-  return check_pipeline(file, read_document(file, settings, paths, patches), registry,
-                        output_folder);
-}
-
-std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file, Document document,
-                                                        const host::Registry& registry,
-                                                        const std::string& output_folder,
-                                                        host::ComponentChecks* checks) {
-  auto [config, report] = load_pipeline(file, std::move(document), registry, output_folder);
-  CheckedPipeline pipeline{std::move(config), {}};
-  refuse_unsafe_outputs(pipeline.config, registry, output_folder, report.problems);
-  host::ComponentChecks own;
-  ask_components(pipeline.config, checks != nullptr ? *checks : own, report.problems);
-  if (report.wirable) pipeline.graph = wire(pipeline.config, registry, report.problems);
-  report.sort();
-  return {std::move(pipeline), std::move(report)};
-}
 
 Result<RunSummary> run_pipeline(const CheckedPipeline& pipeline, const std::string& output_folder,
                                 RunObserver& observer, const std::atomic<bool>& cancel,

@@ -48,7 +48,8 @@ std::pair<CheckedPipeline, ConfigReport> check_pipeline(
 
 /// The same of a document that has been read from `file`. With `checks`, what components of earlier
 /// pipelines were asked is not asked again.
-std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file, Document document,
+std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file,
+                                                        PipelineDocument document,
                                                         const host::Registry& registry,
                                                         const std::string& output_folder,
                                                         host::ComponentChecks* checks = nullptr);
