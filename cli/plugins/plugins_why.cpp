@@ -24,7 +24,7 @@ struct Finding {
   std::vector<std::string> notes;
 };
 
-struct Verdict {
+struct Explanation {
   std::string subject;
   bool usable = false;
   std::string reason;  ///< where nothing was found
@@ -92,16 +92,16 @@ Finding finding_of(const host::Refusal& refusal, const std::string& id) {
   return {id, "refused", refusal.file, {}, {}, refusal.cause, refusal.fix, {}};
 }
 
-Verdict explain_id(const std::string& id, const host::Registry& registry) {
-  Verdict verdict{id, false, {}, {}};
+Explanation explain_id(const std::string& id, const host::Registry& registry) {
+  Explanation explanation{id, false, {}, {}};
   for (const host::Installed& entry : registry.installed()) {
-    if (entry.component.id == id) verdict.found.push_back(finding_of(registry, entry));
+    if (entry.component.id == id) explanation.found.push_back(finding_of(registry, entry));
   }
   for (const host::Refusal& refusal : registry.refusals()) {
-    if (concerns(refusal, id)) verdict.found.push_back(finding_of(refusal, id));
+    if (concerns(refusal, id)) explanation.found.push_back(finding_of(refusal, id));
   }
-  if (verdict.found.empty()) verdict.reason = registry.explain_missing(id);
-  return verdict;
+  if (explanation.found.empty()) explanation.reason = registry.explain_missing(id);
+  return explanation;
 }
 
 /// The library that is meant by a library or by its manifest.
@@ -111,7 +111,7 @@ fs::path library_of(const std::string& file) {
   return path.ends_with(kManifest) ? path.substr(0, path.size() - kManifest.size()) + ".so" : path;
 }
 
-Verdict explain_file(const std::string& file, const std::vector<std::string>& plugin_path) {
+Explanation explain_file(const std::string& file, const std::vector<std::string>& plugin_path) {
   std::error_code code;
   const fs::path given = library_of(file);
   const fs::path folder = fs::weakly_canonical(given.parent_path(), code);
@@ -120,25 +120,26 @@ Verdict explain_file(const std::string& file, const std::vector<std::string>& pl
   std::vector<host::SearchFolder> folders = host::search_path(plugin_path);
   folders.push_back({folder.string(), kNotSearched});
   const host::Registry registry = host::Registry::scan(folders);
-  Verdict verdict{library, false, {}, {}};
+  Explanation explanation{library, false, {}, {}};
   for (const host::Installed& entry : registry.installed()) {
-    if (entry.library->library == library) verdict.found.push_back(finding_of(registry, entry));
+    if (entry.library->library == library) explanation.found.push_back(finding_of(registry, entry));
   }
   for (const host::Refusal& refusal : registry.refusals()) {
     if (refusal.file != library) continue;
     std::vector<std::string> ids = refusal.ids;
     if (ids.empty()) ids.emplace_back();
-    for (const std::string& id : ids) verdict.found.push_back(finding_of(refusal, id));
+    for (const std::string& id : ids) explanation.found.push_back(finding_of(refusal, id));
   }
-  if (verdict.found.empty()) {
-    verdict.reason = library + " is no plugin: give a library (.so) or its manifest (.plugin.yaml)";
+  if (explanation.found.empty()) {
+    explanation.reason =
+        library + " is no plugin: give a library (.so) or its manifest (.plugin.yaml)";
   }
-  return verdict;
+  return explanation;
 }
 
-ordered_json verdict_json(const Verdict& verdict) {
+ordered_json explanation_json(const Explanation& explanation) {
   ordered_json found = ordered_json::array();
-  for (const Finding& finding : verdict.found) {
+  for (const Finding& finding : explanation.found) {
     found.push_back({{"id", finding.id},
                      {"state", finding.state},
                      {"library", finding.library},
@@ -148,16 +149,16 @@ ordered_json verdict_json(const Verdict& verdict) {
                      {"fix", finding.fix},
                      {"notes", finding.notes}});
   }
-  return {{"subject", verdict.subject},
-          {"usable", verdict.usable},
-          {"reason", verdict.reason},
+  return {{"subject", explanation.subject},
+          {"usable", explanation.usable},
+          {"reason", explanation.reason},
           {"found", std::move(found)}};
 }
 
-void print_text(const Verdict& verdict) {
-  fmt::print("{} {}\n", verdict.subject, verdict.usable ? "can be used" : "cannot be used");
-  if (!verdict.reason.empty()) fmt::print("  {}\n", verdict.reason);
-  for (const Finding& finding : verdict.found) {
+void print_text(const Explanation& explanation) {
+  fmt::print("{} {}\n", explanation.subject, explanation.usable ? "can be used" : "cannot be used");
+  if (!explanation.reason.empty()) fmt::print("  {}\n", explanation.reason);
+  for (const Finding& finding : explanation.found) {
     fmt::print("  {}: {}{}", finding.state, finding.id, finding.id.empty() ? "" : " ");
     fmt::print("{}{}{}", finding.version, finding.version.empty() ? "" : " in ", finding.library);
     fmt::print("{}\n", finding.origin.empty() || finding.origin == kNotSearched
@@ -181,19 +182,20 @@ void explain_plugin(const std::string& id_or_file, bool json, Context& context) 
     context.exit_code = kInputOutput;
     return;
   }
-  Verdict verdict = is_file ? explain_file(id_or_file, context.plugin_path)
-                            : explain_id(id_or_file, context.registry());
+  Explanation explanation = is_file ? explain_file(id_or_file, context.plugin_path)
+                                    : explain_id(id_or_file, context.registry());
   // Of the components of a file all count, of the places of a component any.
   const auto is_used = [](const Finding& finding) { return finding.state == "used"; };
-  const auto& found = verdict.found;
-  verdict.usable = !found.empty() && (is_file ? std::all_of(found.begin(), found.end(), is_used)
-                                              : std::any_of(found.begin(), found.end(), is_used));
+  const auto& found = explanation.found;
+  explanation.usable =
+      !found.empty() && (is_file ? std::all_of(found.begin(), found.end(), is_used)
+                                 : std::any_of(found.begin(), found.end(), is_used));
   if (json) {
-    print_json(verdict_json(verdict));
+    print_json(explanation_json(explanation));
   } else {
-    print_text(verdict);
+    print_text(explanation);
   }
-  context.exit_code = verdict.usable ? kDone : kBadConfiguration;
+  context.exit_code = explanation.usable ? kDone : kBadConfiguration;
 }
 
 }  // namespace weft::cli

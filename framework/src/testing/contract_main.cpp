@@ -89,7 +89,7 @@ struct Progress {
 };
 
 /// Checks it in a process of its own, so that a crash or a hang is one failure.
-int check_apart(const std::string& id, const ContractOptions& given) {
+int check_isolated(const std::string& id, const ContractOptions& given) {
   void* shared =
       mmap(nullptr, sizeof(Progress), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (shared == MAP_FAILED) throw std::runtime_error("there is no memory");
@@ -122,7 +122,7 @@ int main(int argc, char** argv) try {
   std::cout << "seed " << kContractSeed << std::endl;
   int code = kHolds;
   for (const Wanted& each : wanted) {
-    const int one = each.skipped.empty() ? check_apart(each.id, each.options)
+    const int one = each.skipped.empty() ? check_isolated(each.id, each.options)
                                          : tell(each.id, {0, {}, {}, each.skipped});
     if (code == kHolds || one == kFails) code = one;
   }

@@ -87,12 +87,12 @@ std::string drop_alias(std::string& feed, std::size_t offset) {
   return name;
 }
 
-struct Outcome {
+struct Ended {
   std::optional<Fault> fault;
   bool unknown_anchor = false;  ///< the fault is only an alias without an anchor
 };
 
-Outcome run(const std::string& feed, const Text& text, Builder& builder) {
+Ended run(const std::string& feed, const Text& text, Builder& builder) {
   try {
     std::istringstream in(feed);
     YAML::Parser parser(in);
@@ -144,7 +144,7 @@ Result<Document> parse(std::string_view text_bytes, std::string file_name) {
   for (std::size_t unknown = 0;; ++unknown) {
     document = Document{};
     Builder builder(text, document);
-    const Outcome outcome = run(feed, text, builder);
+    const Ended outcome = run(feed, text, builder);
     if (!outcome.fault) break;
     if (!outcome.unknown_anchor) return syntax_error(text, *outcome.fault, file_name);
     const std::size_t offset = outcome.fault->offset;

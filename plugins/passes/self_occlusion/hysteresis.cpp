@@ -25,13 +25,13 @@ Finding finding_of(const Sight& sight, const std::optional<Told>& told, std::siz
   return found;
 }
 
-struct Verdict {
+struct Judged {
   bool visible;
   double score;
 };
 
-Verdict judge(const Finding& found, const std::optional<Visibility>& previous, std::int64_t v,
-              const Rules& rules) {
+Judged judge(const Finding& found, const std::optional<Visibility>& previous, std::int64_t v,
+             const Rules& rules) {
   if (found.reason == SightReason::outside) return {false, 0.0};
   if (found.confirmed) return {true, 1.0};
   if (found.reason == SightReason::unconfirmed) return {false, 0.0};
@@ -60,17 +60,17 @@ Visibility settle(const Sight& sight, const std::optional<Told>& told,
   for (std::int64_t v = 0; v < count; ++v) {
     const auto i = to_index(v);
     const Finding found = finding_of(sight, told, i);
-    const Verdict verdict = judge(found, previous, v, rules);
+    const Judged judged = judge(found, previous, v, rules);
     SightReason reason = found.reason;
-    if (verdict.visible) {
+    if (judged.visible) {
       reason = SightReason::seen;
     } else if (reason == SightReason::seen) {  // kept from before
       reason = previous ? previous->why(v) : SightReason::hidden;
     }
-    result.visible(v) = verdict.visible ? 1 : 0;
-    result.score(v) = verdict.score;
+    result.visible(v) = judged.visible ? 1 : 0;
+    result.score(v) = judged.score;
     result.reason(v) = static_cast<std::uint8_t>(reason);
-    visible += verdict.visible ? 1 : 0;
+    visible += judged.visible ? 1 : 0;
     unconfirmed += reason == SightReason::unconfirmed ? 1 : 0;
     overruled += found.confirmed && sight.reason[i] != SightReason::seen ? 1 : 0;
   }

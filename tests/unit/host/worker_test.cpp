@@ -50,7 +50,7 @@ class WorkerTest : public ::testing::Test {
 
   Instance& apart(const std::string& id, const std::string& params = "{}", int deadline_ms = 0,
                   const std::string& stage = "filters") {
-    return prepared(lane_->instantiate_apart(spec(id, params), stage, isolation(deadline_ms)));
+    return prepared(lane_->instantiate_isolated(spec(id, params), stage, isolation(deadline_ms)));
   }
   Instance& here(const std::string& id, const std::string& params = "{}",
                  const std::string& stage = "filters") {
@@ -211,12 +211,12 @@ TEST_F(WorkerTest, HangingPastTheDeadlineCostsOneFrame) {
 }
 
 TEST_F(WorkerTest, ADeathInCreateOrPrepareIsAnErrorBeforeTheFirstFrame) {
-  const auto created = lane_->instantiate_apart(
+  const auto created = lane_->instantiate_isolated(
       spec("filters/zoo_deadly", "{where: create, deed: crash}"), "filters", isolation());
   ASSERT_FALSE(created);
   EXPECT_EQ(created.error().where, "filters/zoo_deadly");
   EXPECT_THAT(created.error().message, HasSubstr("died of signal 11"));
-  const auto unprepared = lane_->instantiate_apart(
+  const auto unprepared = lane_->instantiate_isolated(
       spec("filters/zoo_deadly", "{where: prepare, deed: exit}"), "filters", isolation());
   ASSERT_TRUE(unprepared) << unprepared.error().message;
   const auto ready = lane_->prepare(**unprepared, *templ_, *camera_);
@@ -226,8 +226,8 @@ TEST_F(WorkerTest, ADeathInCreateOrPrepareIsAnErrorBeforeTheFirstFrame) {
 }
 
 TEST_F(WorkerTest, AFailureInCreateOrPrepareIsThatOfTheComponent) {
-  const auto created = lane_->instantiate_apart(spec("filters/zoo_throws", "{in: constructor}"),
-                                                "filters", isolation());
+  const auto created = lane_->instantiate_isolated(spec("filters/zoo_throws", "{in: constructor}"),
+                                                   "filters", isolation());
   ASSERT_FALSE(created);
   EXPECT_EQ(created.error().where, "filters/zoo_throws");
   EXPECT_THAT(created.error().message, HasSubstr("the sky fell down"));
@@ -369,28 +369,28 @@ TEST_F(WorkerTest, AStageReadsWarpsThatWereMadeElsewhere) {
 }
 
 TEST_F(WorkerTest, AProgramThatIsNoWorkerIsNamed) {
-  const auto missing = lane_->instantiate_apart(spec("filters/zoo_good"), "filters",
-                                                {"/no/such/worker", std::chrono::milliseconds(0)});
+  const auto missing = lane_->instantiate_isolated(
+      spec("filters/zoo_good"), "filters", {"/no/such/worker", std::chrono::milliseconds(0)});
   ASSERT_FALSE(missing);
   EXPECT_THAT(missing.error().message,
               ::testing::AllOf(HasSubstr("/no/such/worker cannot be started: No such file"),
                                HasSubstr("install weft-worker beside the program")));
-  const auto other = lane_->instantiate_apart(spec("filters/zoo_good"), "filters",
-                                              {"/bin/true", std::chrono::milliseconds(0)});
+  const auto other = lane_->instantiate_isolated(spec("filters/zoo_good"), "filters",
+                                                 {"/bin/true", std::chrono::milliseconds(0)});
   ASSERT_FALSE(other);
   EXPECT_THAT(other.error().message, HasSubstr("exited with status 0"));
 }
 
 TEST_F(WorkerTest, ALaneWithoutSharedMemoryHasNoWorkers) {
   lane_ = std::make_unique<Lane>(7, Lane::Log{});
-  const auto made = lane_->instantiate_apart(spec("filters/zoo_good"), "filters", isolation());
+  const auto made = lane_->instantiate_isolated(spec("filters/zoo_good"), "filters", isolation());
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().code, Errc::unsupported);
 }
 
 TEST_F(WorkerTest, DamagedAnswersAreErrorsOfTheComponent) {
-  Instance& liar = prepared(lane_->instantiate_apart(spec("filters/zoo_good"), "filters",
-                                                     {WEFT_LIAR, std::chrono::milliseconds(5000)}));
+  Instance& liar = prepared(lane_->instantiate_isolated(
+      spec("filters/zoo_good"), "filters", {WEFT_LIAR, std::chrono::milliseconds(5000)}));
   int honest = 0, refused = 0;
   for (std::uint64_t frame = 0; frame < 200; ++frame) {
     const Outcome outcome = filter(liar, frame);

@@ -71,8 +71,8 @@ class Lane {
                                 const std::string& path = {});
 
   /// Creates the component and those nested in it in a worker: no library is loaded here.
-  Result<Instance*> instantiate_apart(const ComponentSpec& spec, const std::string& stage,
-                                      const Isolation& isolation);
+  Result<Instance*> instantiate_isolated(const ComponentSpec& spec, const std::string& stage,
+                                         const Isolation& isolation);
 
   /// Gives template and camera to an instance and to those nested in it.
   Result<void> prepare(Instance& instance, const Record& templ, const Record& camera);

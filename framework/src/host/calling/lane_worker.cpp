@@ -22,8 +22,8 @@ Result<void> Lane::open_workplace() {
   return {};
 }
 
-Result<Instance*> Lane::instantiate_apart(const ComponentSpec& spec, const std::string& stage,
-                                          const Isolation& isolation) {
+Result<Instance*> Lane::instantiate_isolated(const ComponentSpec& spec, const std::string& stage,
+                                             const Isolation& isolation) {
   if (is_cancelled()) {
     return Error{Errc::cancelled, "cancelled before it began", spec.component().id};
   }

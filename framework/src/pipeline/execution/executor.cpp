@@ -17,7 +17,7 @@ namespace {
 
 Result<host::Instance*> instantiate(host::Lane& lane, const StageConfig& stage,
                                     const host::ComponentSpec& component) {
-  return stage.isolation ? lane.instantiate_apart(component, stage.name, *stage.isolation)
+  return stage.isolation ? lane.instantiate_isolated(component, stage.name, *stage.isolation)
                          : lane.instantiate(component, stage.name);
 }
 

@@ -54,17 +54,17 @@ CoherentRejects coherent_rejects(const Correspondences& matches) {
   for (std::size_t i = 0; i < rejected.size(); i += stride) some.push_back(rejected[i]);
   CoherentRejects found;
   if (some.size() <= kNeighbours || kept.empty()) return found;
-  const Points2 held_px = rows_of(matches.template_px, kept);
+  const Points2 kept_px = rows_of(matches.template_px, kept);
   const Points2 template_px = rows_of(matches.template_px, some);
   const Points2 image_px = rows_of(matches.image_px, some);
   // What was kept reaches as far as a twelfth of what it covers.
   const double reach_px =
-      (held_px.colwise().maxCoeff() - held_px.colwise().minCoeff()).norm() / 12.0;
+      (kept_px.colwise().maxCoeff() - kept_px.colwise().minCoeff()).norm() / 12.0;
   for (std::size_t i = 0; i < some.size(); ++i) {
     if (!is_coherent(template_px, image_px, i)) continue;
     found.count += static_cast<int>(stride);
     const auto place_px = template_px.row(static_cast<Eigen::Index>(i));
-    const double nearest_px = (held_px.rowwise() - place_px).rowwise().norm().minCoeff();
+    const double nearest_px = (kept_px.rowwise() - place_px).rowwise().norm().minCoeff();
     found.elsewhere += nearest_px > reach_px ? static_cast<int>(stride) : 0;
   }
   return found;
