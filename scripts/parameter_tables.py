@@ -6,7 +6,8 @@ WEFT is the program; the plugins are those that it finds (WEFT_PLUGIN_PATH). The
 `role_name.so` is plugins/role/name/README.md. On it the lines between `<!-- parameters -->` and
 `<!-- /parameters -->` are the table of the component role/name, those behind
 `<!-- parameters: ID -->` that of the component ID: name, meaning, type and range, default, as the
-manifest says. Every component must have its table on the page of its library.
+manifest says. Behind `<!-- parameters: ID besides OTHER -->` the rows that ID shares with OTHER are
+left out. Every component must have its table on the page of its library.
 
 Prints one line for each mistake and exits 1 if there is one; --write writes the tables anew first.
 Exits 2 on wrong usage.
@@ -19,7 +20,7 @@ import sys
 from pathlib import Path
 from typing import Any, Iterator, NamedTuple
 
-BEGIN = re.compile(r"<!-- parameters(?:: (\S+))? -->")
+BEGIN = re.compile(r"<!-- parameters(?:: (\S+)(?: besides (\S+))?)? -->")
 END = "<!-- /parameters -->"
 FIX = "write it anew with scripts/parameter_tables.py --write WEFT ROOT"
 TYPES = {"f64": "number", "i64": "whole number", "bool": "true or false", "text": "text",
@@ -83,6 +84,17 @@ def table_of(parameters: list[dict[str, Any]]) -> list[str]:
     return ["", *HEAD, *(f"| {' | '.join(cell(text) for text in row)} |" for row in rows), ""]
 
 
+def table_besides(table: list[str], other: list[str], name: str) -> list[str]:
+    """The rows that `other`, the table of the component `name`, lacks, and which of its rows hold."""
+    def rows(of: list[str]) -> list[str]:
+        return [line for line in of if line.startswith("| `")]
+
+    own = [row for row in rows(table) if row not in rows(other)]
+    gone = [row.split()[1] for row in rows(other) if row not in rows(table)]
+    but = f" but {', '.join(gone)}" if gone else ""
+    return ["", *(HEAD if own else []), *own, "", f"Besides, those of `{name}`{but}.", ""]
+
+
 def page_of(library: str) -> str:
     """Where the page of a library is: a role's name holds no underscore."""
     role, name = Path(library).stem.split("_", 1)
@@ -119,13 +131,19 @@ def renewed(path: str, lines: list[str], components: dict[str, Component]) -> Pa
         end = next((i for i in range(at, len(lines)) if lines[i].strip() == END), None)
         if end is None:
             page.mistakes.append(f"{path}:{at}: no line {END} follows")
-        elif component not in components:
-            page.mistakes.append(f"{path}:{at}: there is no component {component}")
+            continue
+        other = begin.group(2)
+        unknown = [name for name in (component, other) if name and name not in components]
+        if unknown:
+            page.mistakes.append(f"{path}:{at}: there is no component {unknown[0]}")
         else:
             page.shown.add(component)
-            if lines[at:end] != components[component].table:
+            table = components[component].table
+            if other:
+                table = table_besides(table, components[other].table, other)
+            if lines[at:end] != table:
                 page.mistakes.append(f"{path}:{at}: the table of {component} is out of date: {FIX}")
-            page.lines.extend(components[component].table)
+            page.lines.extend(table)
             at = end
     return page
 

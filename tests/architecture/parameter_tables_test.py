@@ -61,6 +61,20 @@ class ParameterTables(unittest.TestCase):
         second = "<!-- parameters: matchers/near -->\n\nIt has no parameters.\n\n<!-- /parameters -->\n"
         self.assertEqual(self.found(page(*TABLE) + second), [])
 
+    def test_leaves_out_what_another_component_has_too(self):
+        other = {**THETA, "name": "beta"}
+        self.components["matchers/near"] = parameter_tables.Component(
+            PAGE, parameter_tables.table_of([THETA, {**other, "default": 0.5}]))
+        self.components["filters/near"] = parameter_tables.Component(
+            PAGE, parameter_tables.table_of([THETA, other]))
+        begin = "<!-- parameters: matchers/near besides filters/near -->\n"
+        self.found("<!-- parameters -->\n<!-- /parameters -->\n" + begin + "<!-- /parameters -->\n", write=True)
+        written = (self.root / PAGE).read_text().split(begin)[1]
+        self.assertEqual(written.count("`theta`"), 0)
+        self.assertIn("| `beta` | kept if \\|d\\| is below | number, px, 0 to 1 | 0.5 |", written)
+        self.assertIn("\nBesides, those of `filters/near` but `beta`.\n", written)
+        self.assertEqual(self.found((self.root / PAGE).read_text()), [])
+
     def test_names_components_that_do_not_exist(self):
         far = "<!-- parameters: filters/far -->\n<!-- /parameters -->\n"
         self.assertEqual(self.found(page(*TABLE) + far),
