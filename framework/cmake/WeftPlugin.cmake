@@ -14,7 +14,7 @@
 # the test <role>_<name>_contract. CONTRACT gives what it needs for that, as weft_contract reads it:
 #   "{texture: FILE, width_m: 0.2}"   parameters, such as those that are required
 #   deviates "with 0 matches"         a check that fails, as the component's page says
-#   skipped "a film is needed"        why it cannot be checked; told, and no success
+#   skipped "a camera is needed"      why it cannot be checked; told, and no success
 #   role/name                         what follows is about this component, not about the first one
 # BROKEN is a plugin for tests of the host, which breaks the contract on purpose or when it is told
 # to: it is not held to it.
