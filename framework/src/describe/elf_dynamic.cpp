@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 
 #include "describe/elf_file.hpp"
 
@@ -158,20 +159,23 @@ class DynamicTables {
     });
   }
 
-  bool is_in(std::int64_t table, std::int64_t size, std::uint64_t address) const {
-    return address >= value(table) && address - value(table) < value(size);
-  }
+  /// Where a table stands in memory.
+  struct Range {
+    std::uint64_t start, bytes;
 
-  const Elf64_Phdr* in_memory(std::uint64_t address) const {
-    for (const Elf64_Phdr& segment : file_.segments()) {
-      if (segment.p_type == PT_LOAD && address >= segment.p_vaddr &&
-          address - segment.p_vaddr <= segment.p_memsz) {
-        return &segment;
-      }
+    bool holds(std::uint64_t address) const { return address - start < bytes; }
+  };
+  Range range(std::int64_t at, std::int64_t size) const { return {value(at), value(size)}; }
+
+  /// The loaded segment with an address, or just before it; null when there is none.
+  static const Elf64_Phdr* in_memory(const std::vector<Elf64_Phdr>& loaded, std::uint64_t address) {
+    for (const Elf64_Phdr& segment : loaded) {
+      if (address - segment.p_vaddr <= segment.p_memsz) return &segment;
     }
     return nullptr;
   }
 
+  /// Libraries have tens of thousands of them: what they have in common is looked up once.
   bool relocations_stand(const Place& place) const {
     const Elf64_Dyn* table = find(place.at);
     if (table == nullptr) return true;
@@ -181,15 +185,21 @@ class DynamicTables {
                     relocations.size() * sizeof(Elf64_Rela))) {
       return false;
     }
-    return std::all_of(relocations.begin(), relocations.end(), [&](const Elf64_Rela& relocation) {
-      const Elf64_Phdr* target = in_memory(relocation.r_offset);
+    std::vector<Elf64_Phdr> loaded;
+    std::copy_if(file_.segments().begin(), file_.segments().end(), std::back_inserter(loaded),
+                 [](const Elf64_Phdr& part) { return part.p_type == PT_LOAD; });
+    const Range starters = range(DT_INIT_ARRAY, DT_INIT_ARRAYSZ);
+    const Range enders = range(DT_FINI_ARRAY, DT_FINI_ARRAYSZ);
+    for (const Elf64_Rela& relocation : relocations) {
+      const Elf64_Phdr* target = in_memory(loaded, relocation.r_offset);
       if (target == nullptr || (target->p_flags & PF_W) == 0) return false;
-      if (ELF64_R_TYPE(relocation.r_info) != R_X86_64_RELATIVE) return true;
-      const Elf64_Phdr* meant = in_memory(static_cast<std::uint64_t>(relocation.r_addend));
-      const bool is_called = is_in(DT_INIT_ARRAY, DT_INIT_ARRAYSZ, relocation.r_offset) ||
-                             is_in(DT_FINI_ARRAY, DT_FINI_ARRAYSZ, relocation.r_offset);
-      return meant != nullptr && (!is_called || (meant->p_flags & PF_X) != 0);
-    });
+      if (ELF64_R_TYPE(relocation.r_info) != R_X86_64_RELATIVE) continue;
+      const Elf64_Phdr* meant = in_memory(loaded, static_cast<std::uint64_t>(relocation.r_addend));
+      const bool is_called =
+          starters.holds(relocation.r_offset) || enders.holds(relocation.r_offset);
+      if (meant == nullptr || (is_called && (meant->p_flags & PF_X) == 0)) return false;
+    }
+    return true;
   }
 
   const ElfFile& file_;

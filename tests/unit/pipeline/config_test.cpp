@@ -18,12 +18,16 @@ class Config : public testing::PipelineTest {};
 
 TEST_F(Config, ReadsEveryKey) {
   const auto [config, report] =
-      load(chain({}, "seed: 18446744073\nlost_after: 0\non_error: stop\nmax_failed: 2"));
+      load(chain({},
+                 "seed: 18446744073\nlost_after: 0\non_error: stop\nmax_failed: 2\n"
+                 "frames_at_once: 3\nthreads: 2"));
   ASSERT_TRUE(report.ok()) << report.text();
   EXPECT_EQ(config.seed, 18446744073U);
   EXPECT_EQ(config.lost_after, 0);
   EXPECT_TRUE(config.stop_on_error);
   EXPECT_EQ(config.max_failed, 2);
+  EXPECT_EQ(config.frames_at_once, 3);
+  EXPECT_EQ(config.threads, 2);
   EXPECT_EQ(config.source->component.component().id, "sources/test.scripted");
   EXPECT_EQ(config.templ->component.component().id, "templates/test.scripted");
   EXPECT_EQ(config.stages.size(), 6U);
@@ -37,6 +41,8 @@ TEST_F(Config, HasTheDocumentedDefaults) {
   EXPECT_EQ(config.lost_after, 30);
   EXPECT_FALSE(config.stop_on_error);
   EXPECT_EQ(config.max_failed, 0);
+  EXPECT_EQ(config.frames_at_once, 1);
+  EXPECT_EQ(config.threads, 0);
   EXPECT_THAT(config.stages, IsEmpty());
   EXPECT_THAT(config.sinks, IsEmpty());
 }
@@ -121,6 +127,8 @@ TEST_F(Config, RefusesOptionsOutOfRange) {
       {"lost_after: '3'", "'lost_after' must be a whole number"},
       {"max_failed: many", "'max_failed' must be a whole number"},
       {"max_failed:", "'max_failed' must be a whole number"},
+      {"frames_at_once: 0", "'frames_at_once' must be a whole number from 1 to 64"},
+      {"threads: -1", "'threads' must be a whole number from 0 to 256"},
       {"on_error: skip", "'on_error' must be one of: continue, stop"},
       {"on_error: [stop]", "'on_error' must be one of: continue, stop"}};
   for (const auto& [option, message] : cases) {

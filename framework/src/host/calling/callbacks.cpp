@@ -54,12 +54,13 @@ struct Callbacks {
   }
 
   static std::int32_t cancelled(const weft_call* call) {
-    return static_cast<Lane::Scope*>(call->context)->lane.is_cancelled() ? 1 : 0;
+    const auto& scope = *static_cast<Lane::Scope*>(call->context);
+    return !scope.instance.is_let_finish && scope.lane.is_cancelled() ? 1 : 0;
   }
 
   static void log(const weft_call* call, std::int32_t level, const char* text) try {
     auto& scope = *static_cast<Lane::Scope*>(call->context);
-    if (scope.lane.log_) scope.lane.log_(scope.instance.name(), level, text);
+    if (scope.lane.log_) scope.lane.log_(scope.instance.name(), level, text, scope.frame);
   } catch (...) {
     return;  // a message is not worth a crash
   }

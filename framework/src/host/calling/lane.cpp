@@ -170,14 +170,14 @@ Outcome Lane::enter(Instance& instance, int method, std::span<const weft_record>
   Outcome outcome = finish(instance, scope, inputs, status, error);
   outcome.downloaded_bytes = scope.downloaded_bytes;
   outcome.worker_processor_ms = scope.worker_processor_ms;
-  timings_.push_back({instance.name(),
-                      took,
-                      watch.start(),
-                      scope.method->name,
-                      frame,
-                      outcome.status,
-                      {},
-                      outcome.downloaded_bytes});
+  note({instance.name(),
+        took,
+        watch.start(),
+        scope.method->name,
+        frame,
+        outcome.status,
+        {},
+        outcome.downloaded_bytes});
   return outcome;
 }
 
@@ -215,6 +215,26 @@ Instance* Lane::find(std::uint64_t handle) const {
 
 std::uint64_t handle_of(const Instance& instance) { return instance.handle; }
 
-std::vector<Timing> Lane::take_timings() { return std::exchange(timings_, {}); }
+void Lane::note(Timing timing) {
+  const std::lock_guard lock(timings_mutex_);
+  timings_.push_back(std::move(timing));
+}
+
+std::vector<Timing> Lane::take_timings() {
+  const std::lock_guard lock(timings_mutex_);
+  return std::exchange(timings_, {});
+}
+
+std::vector<Timing> Lane::take_timings(std::uint64_t frame) {
+  const std::lock_guard lock(timings_mutex_);
+  const auto others = std::stable_partition(timings_.begin(), timings_.end(),
+                                            [&](const Timing& one) { return one.frame == frame; });
+  std::vector<Timing> taken(std::make_move_iterator(timings_.begin()),
+                            std::make_move_iterator(others));
+  timings_.erase(timings_.begin(), others);
+  return taken;
+}
+
+void Lane::let_finish(Instance& instance) { instance.is_let_finish = true; }
 
 }  // namespace weft::host

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -46,10 +47,12 @@ struct Timing {
 class Instance;
 struct Workplace;
 
-/// One set of component instances. The host enters a lane from one thread at a time.
+/// One set of component instances. Several threads may call instances of a lane, each instance and
+/// those nested in it one at a time; everything else is for one thread.
 class Lane {
  public:
-  using Log = std::function<void(const std::string& component, int level, const std::string& text)>;
+  using Log = std::function<void(const std::string& component, int level, const std::string& text,
+                                 std::uint64_t frame)>;
   /// What is about to run: a stage, what it does ("load", "prepare", a method), for which frame.
   using Announce =
       std::function<void(const std::string& stage, const std::string& what, std::uint64_t frame)>;
@@ -90,16 +93,23 @@ class Lane {
   /// Calls since the last time this was asked, in order of their end.
   std::vector<Timing> take_timings();
 
+  /// The same of one frame; from any thread.
+  std::vector<Timing> take_timings(std::uint64_t frame);
+
   /// Set from any thread to make plugins stop.
   std::atomic<bool>& cancel() { return cancel_; }
 
   /// Asked, from any thread, as often as plugins ask: they stop while it says so. Null for nobody.
   void watch(std::function<bool()> cancelled) { watched_ = std::move(cancelled); }
 
+  /// From now on calls of this instance are not told to stop.
+  static void let_finish(Instance& instance);
+
   /// Whether plugins are to stop. Nothing is created or prepared then.
   bool is_cancelled() const { return cancel_ || (watched_ && watched_()); }
 
-  /// Told before components are created, prepared and called; not of those nested in them.
+  /// Told before components are created, prepared and called, by the thread that does; not of those
+  /// nested in them.
   void announce_to(Announce announce) { announce_ = std::move(announce); }
 
  private:
@@ -117,6 +127,7 @@ class Lane {
   std::int32_t call_worker(Instance& instance, Scope& scope, int method,
                            std::span<const weft_record> inputs, weft_error* error);
   Instance* find(std::uint64_t handle) const;
+  void note(Timing timing);
   void announce(const std::string& stage, const std::string& what, std::uint64_t frame) const {
     if (announce_) announce_(stage, what, frame);
   }
@@ -125,8 +136,9 @@ class Lane {
   Log log_;
   Announce announce_;
   std::vector<std::unique_ptr<Instance>> instances_;  ///< handle - 1 is the index
+  std::mutex timings_mutex_;
   std::vector<Timing> timings_;
-  std::uint64_t next_revision_;
+  std::atomic<std::uint64_t> next_revision_;
   std::atomic<bool> cancel_{false};
   std::function<bool()> watched_;
   std::shared_ptr<SharedArena> arena_;

@@ -47,6 +47,7 @@ class Instance {
   std::unique_ptr<Worker> worker;         ///< null where it lives here
   std::optional<CreateMessage> recreate;  ///< of warps, which workers may have to evaluate
   bool running = false;
+  bool is_let_finish = false;  ///< its calls are not told to stop
 };
 
 /// What one running call owns.

@@ -50,14 +50,14 @@ std::int32_t Lane::call_worker(Instance& instance, Scope& scope, int method,
   auto answer = instance.worker->process(method, scope.frame, inputs);
   if (!answer) return report(answer.error(), error);
   for (const PlacedTiming& timing : answer->timings) {
-    timings_.push_back({timing.component,
-                        {timing.ms, timing.processor_ms},
-                        SteadyTime(std::chrono::nanoseconds(timing.start_ns)),
-                        timing.method,
-                        scope.frame,
-                        status_of(timing.status),
-                        instance.stage,
-                        timing.downloaded_bytes});
+    note({timing.component,
+          {timing.ms, timing.processor_ms},
+          SteadyTime(std::chrono::nanoseconds(timing.start_ns)),
+          timing.method,
+          scope.frame,
+          status_of(timing.status),
+          instance.stage,
+          timing.downloaded_bytes});
   }
   scope.downloaded_bytes += answer->downloaded_bytes;
   scope.worker_processor_ms += answer->processor_ms;

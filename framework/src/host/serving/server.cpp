@@ -77,8 +77,8 @@ class Server {
             0.0};
   }
 
-  void log(const std::string& component, int level, const std::string& text) {
-    channel_.send(MessageKind::log, pack(LogMessage{component, text, level}));
+  void log(const std::string& component, int level, const std::string& text, std::uint64_t frame) {
+    channel_.send(MessageKind::log, pack(LogMessage{component, text, level, frame}));
   }
 
   ReplyMessage make(const CreateMessage& create) {

@@ -85,10 +85,11 @@ struct CallMessage {
 struct LogMessage {
   std::string component, text;
   std::int32_t level = 0;
+  std::uint64_t frame = 0;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit(self.component), visit(self.text), visit(self.level);
+    visit(self.component), visit(self.text), visit(self.level), visit(self.frame);
   }
 };
 

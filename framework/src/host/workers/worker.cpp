@@ -202,7 +202,7 @@ Result<ReplyMessage> Worker::converse(MessageKind kind, const std::string& conte
     if (message.kind != MessageKind::log || !log) {
       return fail("sent what is no answer, and was ended");
     }
-    if (workplace_.log) workplace_.log(log->component, log->level, log->text);
+    if (workplace_.log) workplace_.log(log->component, log->level, log->text, log->frame);
     if (!keep_waiting()) return gave_up();
   }
 }

@@ -22,7 +22,9 @@ struct Workplace {
   std::shared_ptr<SharedInputs> inputs;
   std::shared_ptr<std::atomic<bool>> cancel;  ///< in memory that workers read
   std::function<bool()> cancelled;
-  std::function<void(const std::string& component, int level, const std::string& text)> log;
+  std::function<void(const std::string& component, int level, const std::string& text,
+                     std::uint64_t frame)>
+      log;
 };
 
 class WorkerProcess;

@@ -48,6 +48,8 @@ struct PipelineConfig {
   int lost_after = 30;         ///< [frames] a predicted shape older than this is lost
   bool stop_on_error = false;  ///< else the run goes on after a failed frame
   int max_failed = 0;          ///< failed frames that still count as success
+  int frames_at_once = 1;      ///< most frames on their way through the stages
+  int threads = 0;             ///< that work for a run; 0: one a processor core
   /// A mistake leaves open what some stages are called, so that names may be missing only by it.
   bool doubtful_names = false;
 };

@@ -44,7 +44,7 @@ class Loader {
     const yaml::Node root =
         with_keys_of(given, "a pipeline",
                      {"weft", "source", "template", "stages", "sinks", "seed", "lost_after",
-                      "on_error", "max_failed", "extends", "without"});
+                      "on_error", "max_failed", "frames_at_once", "threads", "extends", "without"});
     check_version(root);
     read_options(root);
     config_.source = read_single(root, "source", kSource);
@@ -94,12 +94,17 @@ class Loader {
 
   void read_options(const yaml::Node& root) {
     std::int64_t seed = 0, lost_after = config_.lost_after, max_failed = config_.max_failed;
+    std::int64_t frames_at_once = config_.frames_at_once, threads = config_.threads;
     read_integer(root, "seed", 0, INT64_MAX, seed);
     read_integer(root, "lost_after", 0, 1'000'000, lost_after);
     read_integer(root, "max_failed", 0, INT32_MAX, max_failed);
+    read_integer(root, "frames_at_once", 1, 64, frames_at_once);
+    read_integer(root, "threads", 0, 256, threads);
     config_.seed = static_cast<std::uint64_t>(seed);
     config_.lost_after = static_cast<int>(lost_after);
     config_.max_failed = static_cast<int>(max_failed);
+    config_.frames_at_once = static_cast<int>(frames_at_once);
+    config_.threads = static_cast<int>(threads);
     if (const yaml::Node* on_error = root.find("on_error")) {
       config_.stop_on_error = on_error->scalar == "stop";
       if (on_error->scalar != "stop" && on_error->scalar != "continue") {

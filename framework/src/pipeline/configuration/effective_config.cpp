@@ -51,6 +51,13 @@ std::string effective_yaml(const PipelineConfig& config) {
   add("lost_after", yaml::plain_node(std::to_string(config.lost_after)));
   add("on_error", yaml::plain_node(config.stop_on_error ? "stop" : "continue"));
   add("max_failed", yaml::plain_node(std::to_string(config.max_failed)));
+  // What does not change results stands only where it is not left to the program.
+  const PipelineConfig untouched;
+  for (const auto& [key, value, usual] :
+       {std::tuple{"frames_at_once", config.frames_at_once, untouched.frames_at_once},
+        {"threads", config.threads, untouched.threads}}) {
+    if (value != usual) add(key, yaml::plain_node(std::to_string(value)));
+  }
   add("source", effective_stage(*config.source));
   add("template", effective_stage(*config.templ));
   add("stages", list(config.stages));

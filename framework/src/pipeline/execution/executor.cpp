@@ -30,7 +30,6 @@ Executor::Executor(const PipelineConfig& config, const Graph& graph, host::Lane&
       lane_(lane),
       template_(std::move(templ)),
       camera_(std::move(camera)),
-      placer_(template_),
       sharing_(std::move(sharing)),
       history_(graph) {}
 
@@ -48,8 +47,8 @@ Result<std::unique_ptr<Executor>> Executor::create(const PipelineConfig& config,
     const std::string key = i < keys.size() ? keys[i] : "";
     auto made = executor->made_stage(stage, key);
     if (!made) return made.error();
-    executor->stages_.push_back(
-        {&stage, &graph.stages[i], rules_of(stage.role), *std::move(made), false, key});
+    executor->stages_.push_back({&stage, &graph.stages[i], rules_of(stage.role), *std::move(made),
+                                 false, key, MatchPlacer(executor->template_)});
   }
   return executor;
 }
@@ -102,19 +101,32 @@ void Executor::place_given(const FrameInput& input, FrameResult& result) const {
       result.values[i] = template_;
     } else if (value.slot == "camera") {
       result.values[i] = camera_;
-    } else if (value.slot.starts_with("previous.")) {
-      result.values[i] = history_.find(value.slot, value.lag);
-      result.causes[i] = value.slot + ": none " + std::to_string(value.lag) + " frames ago";
-    } else {
+    } else if (value.lag == 0) {
       result.values[i] = input.find(value.slot);
       result.causes[i] = "sources: " + (input.failure.empty() ? "no " + value.slot : input.failure);
     }
   }
 }
 
+/// What the past is to a frame stands fast only when the frames that it looks back to are settled.
+void Executor::place_past(std::size_t value, FrameResult& result) const {
+  const ValueInfo& info = graph_.values[value];
+  if (info.lag == 0) return;
+  result.values[value] = history_.find(info.slot, info.lag, result.place);
+  result.causes[value] = info.slot + ": none " + std::to_string(info.lag) + " frames ago";
+}
+
 FrameResult Executor::process(const FrameInput& input) {
+  FrameResult result = begin(input);
+  for (std::size_t i = 0; i < stages_.size(); ++i) run_stage(i, result);
+  end(result);
+  return result;
+}
+
+FrameResult Executor::begin(const FrameInput& input) {
   FrameResult result;
   result.index = input.index;
+  result.place = begun_++;
   result.values.resize(graph_.values.size());
   result.causes.resize(graph_.values.size());
   place_given(input, result);
@@ -123,11 +135,53 @@ FrameResult Executor::process(const FrameInput& input) {
       result.stem = host::view_as<Image>(*record)->stem;
     }
   }
-  for (Stage& stage : stages_) result.stages.push_back(run_stage(stage, result));
+  return result;
+}
+
+void Executor::run_stage(std::size_t stage, FrameResult& result) {
+  for (const InputLink& link : stages_[stage].node->inputs) {
+    place_past(to_index(link.value), result);
+  }
+  result.stages.push_back(answer(stages_[stage], result));
+}
+
+void Executor::end(FrameResult& result) {
+  for (std::size_t value = 0; value < graph_.values.size(); ++value) place_past(value, result);
   settle_shape(result);
   history_.remember(result.values);
-  result.timings = lane_.take_timings();
-  return result;
+  result.timings = lane_.take_timings(result.index);
+}
+
+std::vector<StepRule> Executor::rules() const {
+  std::vector<StepRule> rules(stages_.size());
+  for (std::size_t i = 0; i < stages_.size(); ++i) {
+    for (const InputLink& link : stages_[i].node->inputs) {
+      const ValueInfo& value = graph_.values[to_index(link.value)];
+      // The component that made a warp may fit the one of the frame before meanwhile.
+      const int lag = value.slot == "previous.warp" ? 1 : value.lag;
+      int& back = rules[i].frames_back;
+      if (lag > 0) back = back == 0 ? lag : std::min(back, lag);
+    }
+    rules[i].busy_until = stages_[i].rules.samples ? last_user_of_warp(i) : i;
+  }
+  return rules;
+}
+
+/// Who reads a warp may have the component that made it evaluate it.
+std::size_t Executor::last_user_of_warp(std::size_t stage) const {
+  const auto reads = [&](const Node& node) {
+    return std::any_of(node.inputs.begin(), node.inputs.end(), [&](const InputLink& link) {
+      const ValueInfo& value = graph_.values[to_index(link.value)];
+      const bool is_own = value.slot == "warp" && value.stage == static_cast<int>(stage);
+      return is_own || value.slot == "previous.warp";
+    });
+  };
+  if (std::any_of(graph_.sinks.begin(), graph_.sinks.end(), reads)) return stages_.size();
+  std::size_t last = stage;
+  for (std::size_t i = stage + 1; i < stages_.size(); ++i) {
+    if (reads(*stages_[i].node)) last = i;
+  }
+  return last;
 }
 
 void Executor::keep_calls_of(const std::string& name) {
@@ -168,7 +222,7 @@ StageReport Executor::take(const StageAnswer& answer, const Stage& stage, FrameR
   return report;
 }
 
-StageReport Executor::run_stage(Stage& stage, FrameResult& result) {
+StageReport Executor::answer(Stage& stage, FrameResult& result) {
   if (sharing_.memo == nullptr) return execute(stage, result);
   if (const StageAnswer* answer = sharing_.memo->answer(stage.key)) {
     return take(*answer, stage, result);
@@ -237,12 +291,12 @@ Result<std::vector<RecordPtr>> Executor::outputs_of(const Stage& stage, const Ou
   return made;
 }
 
-Result<void> Executor::store(const Stage& stage, const Outcome& outcome, FrameResult& result) {
+Result<void> Executor::store(Stage& stage, const Outcome& outcome, FrameResult& result) {
   auto made = outputs_of(stage, outcome, result);
   if (!made) return made.error();
   for (RecordPtr& record : *made) {
     if (record == nullptr) continue;
-    auto placed = placer_.place(record);
+    auto placed = stage.placer.place(record);
     if (!placed) return placed.error();
     record = *std::move(placed);
     if (auto fits = check_fits(*record, *template_, *camera_); !fits) return fits;
@@ -261,7 +315,7 @@ void Executor::settle_shape(FrameResult& result) {
   }
   if (result.shape != nullptr) {
     frames_since_measured_ = 0;
-  } else if (const RecordPtr before = history_.find("previous.shape", 1)) {
+  } else if (const RecordPtr before = history_.find("previous.shape", 1, result.place)) {
     ++frames_since_measured_;
     result.shape = aged_shape(*before, frames_since_measured_, config_.lost_after);
   }

@@ -7,6 +7,7 @@
 
 #include "host/calling/lane.hpp"
 #include "pipeline/execution/compose.hpp"
+#include "pipeline/execution/frame_line.hpp"
 #include "pipeline/execution/frame_result.hpp"
 #include "pipeline/execution/history.hpp"
 #include "pipeline/execution/stage_memo.hpp"
@@ -28,6 +29,16 @@ class Executor {
 
   FrameResult process(const FrameInput& input);
 
+  /// The same in steps, for frames that overlap: `begin`, `run_stage` of each stage in turn, `end`.
+  /// The steps of a frame run one after another, and each of them one frame after another; what
+  /// else they wait for says `rules`. From any thread.
+  FrameResult begin(const FrameInput& input);
+  void run_stage(std::size_t stage, FrameResult& result);
+  void end(FrameResult& result);
+
+  /// One a stage; `busy_until` is the index of a stage, or their number for the sinks.
+  std::vector<StepRule> rules() const;
+
  private:
   struct Stage {
     const StageConfig* config;
@@ -36,6 +47,7 @@ class Executor {
     MadeStage made;
     bool is_kept = false;  ///< its calls are
     std::string key = {};  ///< for the memo
+    MatchPlacer placer;
   };
 
   Executor(const PipelineConfig& config, const Graph& graph, host::Lane& lane,
@@ -44,14 +56,16 @@ class Executor {
   Result<MadeStage> made_stage(const StageConfig& stage, const std::string& key);
   Result<host::RecordPtr> detect_on_template(const StageConfig& stage, host::Instance* instance);
   void place_given(const FrameInput& input, FrameResult& result) const;
+  void place_past(std::size_t value, FrameResult& result) const;
+  std::size_t last_user_of_warp(std::size_t stage) const;
   void keep_call(const Stage& stage, const host::Outcome& outcome, FrameResult& result) const;
-  StageReport run_stage(Stage& stage, FrameResult& result);
+  StageReport answer(Stage& stage, FrameResult& result);
   StageReport execute(Stage& stage, FrameResult& result);
   static StageAnswer answer_of(const Stage& stage, StageReport report, const FrameResult& result);
   static StageReport take(const StageAnswer& answer, const Stage& stage, FrameResult& result);
   Result<std::vector<host::RecordPtr>> outputs_of(const Stage& stage, const host::Outcome& outcome,
                                                   const FrameResult& result);
-  Result<void> store(const Stage& stage, const host::Outcome& outcome, FrameResult& result);
+  Result<void> store(Stage& stage, const host::Outcome& outcome, FrameResult& result);
   void settle_shape(FrameResult& result);
 
   const PipelineConfig& config_;
@@ -59,11 +73,11 @@ class Executor {
   host::Lane& lane_;
   host::RecordPtr template_;
   host::RecordPtr camera_;
-  MatchPlacer placer_;
   Points vertices_;  ///< where warps are sampled
   Sharing sharing_;
   std::vector<Stage> stages_;
   History history_;
+  std::uint64_t begun_ = 0;  ///< [frames]
   std::int64_t frames_since_measured_ = 0;
 };
 

@@ -55,6 +55,7 @@ struct StageCall {
 
 struct FrameResult {
   std::uint64_t index = 0;
+  std::uint64_t place = 0;  ///< frames of this executor that began before it
   std::string stem;
   std::vector<StageReport> stages;
   std::vector<host::RecordPtr> values;  ///< one for each of Graph::values, null where absent

@@ -14,14 +14,17 @@ History::History(const Graph& graph) : graph_(graph) {
   }
 }
 
-host::RecordPtr History::find(const std::string& slot, int lag) const {
+host::RecordPtr History::find(const std::string& slot, int lag, std::uint64_t place) const {
+  const std::lock_guard lock(mutex_);
   const auto found = by_slot_.find(slot);
-  const auto back = to_index(lag) - 1;
+  const std::uint64_t back = remembered_ - 1 - (place - static_cast<std::uint64_t>(lag));
   if (found == by_slot_.end() || back >= found->second.frames.size()) return nullptr;
   return found->second.frames[back];
 }
 
 void History::remember(const std::vector<host::RecordPtr>& values) {
+  const std::lock_guard lock(mutex_);
+  ++remembered_;
   std::map<std::string, host::RecordPtr> latest;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const ValueInfo& value = graph_.values[i];

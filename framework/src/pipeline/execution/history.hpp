@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <map>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -18,8 +20,10 @@ class History {
   /// Keeps as many frames of each type as the graph looks back.
   explicit History(const Graph& graph);
 
-  /// The record of "previous.T" as it stood `lag` frames ago; null when there was none.
-  host::RecordPtr find(const std::string& slot, int lag) const;
+  /// The record of "previous.T" as it stood `lag` frames before the frame `place`, counted from 0;
+  /// null when there was none. That frame has been remembered, the frame `place` has not. From any
+  /// thread.
+  host::RecordPtr find(const std::string& slot, int lag, std::uint64_t place) const;
 
   /// The frame's values become the past; an absent one leaves the one before it.
   void remember(const std::vector<host::RecordPtr>& values);
@@ -30,6 +34,8 @@ class History {
     std::deque<host::RecordPtr> frames;  ///< the latest first, none before the first record
   };
   const Graph& graph_;
+  mutable std::mutex mutex_;
+  std::uint64_t remembered_ = 0;         ///< [frames]
   std::map<std::string, Past> by_slot_;  ///< "previous.shape"
 };
 
