@@ -12,10 +12,10 @@
 
 namespace weft::bench {
 
-/// The noun as a record, with its revision: caches hold as they do in a run.
-template <class Noun>
-host::RecordPtr record_of(const Noun& noun) {
-  return testing::input("", noun).record;
+/// The struct as a record, with its revision: caches hold as they do in a run.
+template <class RecordType>
+host::RecordPtr record_of(const RecordType& typed) {
+  return testing::input("", typed).record;
 }
 
 /// A component called as the host does, with inputs that are made once.

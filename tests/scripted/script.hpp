@@ -64,13 +64,13 @@ class Script {
   }
 
   /// The value, flagged where the script says so.
-  template <class Noun>
-  weft::Result<Noun> answer(const weft::Call& call, Noun noun) const {
+  template <class RecordType>
+  weft::Result<RecordType> answer(const weft::Call& call, RecordType typed) const {
     if (has(degenerate_, call)) {
       call.log_warning("scripted warning");
-      return weft::degenerate(std::move(noun), "scripted degeneracy");
+      return weft::degenerate(std::move(typed), "scripted degeneracy");
     }
-    return noun;
+    return typed;
   }
 
   /// A number that is NaN where the script says so.

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The records of one frame; the nouns borrow from the file's records.
+/// The records of one frame; the record structs borrow from the file's records.
 struct FrameShapes {
   std::optional<Shape> shape;
   std::optional<GroundTruth> truth;
@@ -40,11 +40,11 @@ std::optional<std::uint64_t> frame_number(const std::string& text) {
   return failure == std::errc() ? std::optional(frame) : std::nullopt;
 }
 
-template <class Noun>
-Result<void> take(const host::Record& record, std::optional<Noun>& place) {
-  auto noun = host::view_as<Noun>(record);
-  if (!noun) return noun.error();
-  place = *std::move(noun);
+template <class RecordType>
+Result<void> take(const host::Record& record, std::optional<RecordType>& place) {
+  auto typed = host::view_as<RecordType>(record);
+  if (!typed) return typed.error();
+  place = *std::move(typed);
   return {};
 }
 
@@ -55,11 +55,11 @@ Result<CellShapes> sort_records(const host::NamedRecords& records) {
   for (const auto& [slot, record] : records) {
     const std::size_t dot = slot.find('.');
     const auto frame = frame_number(slot.substr(0, dot));
-    const std::string noun = dot == std::string::npos ? slot : slot.substr(dot + 1);
+    const std::string type = dot == std::string::npos ? slot : slot.substr(dot + 1);
     Result<void> taken;
-    if (noun == "template") taken = take(*record, sheet);
-    if (frame && noun == "shape") taken = take(*record, cell.frames[*frame].shape);
-    if (frame && noun == "ground_truth") taken = take(*record, cell.frames[*frame].truth);
+    if (type == "template") taken = take(*record, sheet);
+    if (frame && type == "shape") taken = take(*record, cell.frames[*frame].shape);
+    if (frame && type == "ground_truth") taken = take(*record, cell.frames[*frame].truth);
     if (!taken) return taken.error();
   }
   if (!sheet) return Error{Errc::invalid_data, "there is no template in it"};

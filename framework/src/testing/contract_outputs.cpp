@@ -98,10 +98,10 @@ void check_answer(const Answer& answer, Checks& checks) {
 
 bool is_nothing(const Answer& answer) {
   for (const auto& [slot, record] : answer.outputs) {
-    if (const auto keypoints = noun_in<Keypoints>(record)) return keypoints->count() == 0;
-    if (const auto matches = noun_in<Correspondences>(record)) return matches->count() == 0;
-    if (const auto lines = noun_in<Sightlines>(record)) return lines->count() == 0;
-    if (const auto mask = noun_in<InlierMask>(record)) {
+    if (const auto keypoints = typed_in<Keypoints>(record)) return keypoints->count() == 0;
+    if (const auto matches = typed_in<Correspondences>(record)) return matches->count() == 0;
+    if (const auto lines = typed_in<Sightlines>(record)) return lines->count() == 0;
+    if (const auto mask = typed_in<InlierMask>(record)) {
       const Array<std::uint8_t>& kept = mask->kept;
       return std::all_of(kept.data(), kept.data() + kept.size(), [](auto k) { return k == 0; });
     }
@@ -114,17 +114,17 @@ void check_outputs(const Subject& subject, const Case& given, const Answer& answ
   const Scene& scene = given.scene;
   for (const auto& [slot, record] : answer.outputs) {
     checks.expect(subject.produces(slot), "it makes '" + slot + "', which it does not announce");
-    if (const auto made = noun_in<Keypoints>(record)) check_keypoints(given, *made, checks);
-    if (const auto made = noun_in<Correspondences>(record)) check_matches(given, *made, checks);
-    if (const auto made = noun_in<InlierMask>(record)) check_mask(given, *made, checks);
-    if (const auto made = noun_in<Sightlines>(record)) check_sight(scene, *made, checks);
-    if (const auto made = noun_in<Visibility>(record)) check_visibility(*made, checks);
-    if (const auto made = noun_in<Shape>(record)) check_shape(*made, checks);
-    if (const auto made = noun_in<Warp>(record)) {
+    if (const auto made = typed_in<Keypoints>(record)) check_keypoints(given, *made, checks);
+    if (const auto made = typed_in<Correspondences>(record)) check_matches(given, *made, checks);
+    if (const auto made = typed_in<InlierMask>(record)) check_mask(given, *made, checks);
+    if (const auto made = typed_in<Sightlines>(record)) check_sight(scene, *made, checks);
+    if (const auto made = typed_in<Visibility>(record)) check_visibility(*made, checks);
+    if (const auto made = typed_in<Shape>(record)) check_shape(*made, checks);
+    if (const auto made = typed_in<Warp>(record)) {
       checks.expect(made->producer == subject.manifest().id,
                     "its warp names '" + made->producer + "' as its producer");
     }
-    if (const auto made = noun_in<Region>(record)) {
+    if (const auto made = typed_in<Region>(record)) {
       const bool fits = made->mask.dim(0) == scene.camera.height_px &&
                         made->mask.dim(1) == scene.camera.width_px && is_flag(made->mask);
       checks.expect(fits, "its region is no mask of the size of the image");

@@ -62,10 +62,10 @@ struct Answer {
   bool is_usable() const { return status == WEFT_OK || status == WEFT_DEGENERATE; }
   HeldRecord find(std::string_view slot) const;
 
-  template <class Noun>
-  std::optional<Noun> get(std::string_view slot) const {
+  template <class RecordType>
+  std::optional<RecordType> get(std::string_view slot) const {
     const HeldRecord record = find(slot);
-    return record == nullptr ? std::nullopt : noun_in<Noun>(record);
+    return record == nullptr ? std::nullopt : typed_in<RecordType>(record);
   }
 };
 

@@ -23,8 +23,8 @@ class DeviceChoice {
   Result<std::shared_ptr<Device>> open();
 
   /// The answer of the fallback, which says that it is one, and why, also as a warning of the run.
-  template <class Noun>
-  Result<Noun> flagged(const Call& call, Result<Noun> answer) const {
+  template <class RecordType>
+  Result<RecordType> flagged(const Call& call, Result<RecordType> answer) const {
     call.log_warning(reason_ + "; its fallback answered");
     const std::string by = "found by the fallback: " + reason_;
     if (!answer) {

@@ -15,10 +15,10 @@ namespace {
 namespace fs = std::filesystem;
 
 /// The members of one record, as an archive of its own holds them.
-template <class Noun>
-std::vector<NpzMember> members_of(const char* slot, const Noun& noun) {
+template <class RecordType>
+std::vector<NpzMember> members_of(const char* slot, const RecordType& typed) {
   std::vector<NpzMember> members;
-  add_npz_members(RecordView(slot, noun).raw(), members);
+  add_npz_members(RecordView(slot, typed).raw(), members);
   return members;
 }
 

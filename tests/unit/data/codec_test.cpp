@@ -7,7 +7,7 @@
 #include <weft/core/index.hpp>
 #include <weft/data/codec.hpp>
 
-#include "unit/data/random_noun.hpp"
+#include "unit/data/random_record.hpp"
 
 namespace weft {
 namespace {
@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 using testing_data::Content;
 using testing_data::content_of;
 using testing_data::PaddedRecord;
-using testing_data::random_noun;
+using testing_data::random_record;
 
 constexpr int kRounds = 25;
 
@@ -46,33 +46,34 @@ struct Store {
   }
 };
 
-TEST(Codec, EveryNounSurvivesBeingViewedAndReadBack) {
+TEST(Codec, EveryRecordTypeSurvivesBeingViewedAndReadBack) {
   std::cout << "seed 101\n";
   Rng rng(101);
-  for_each_noun([&]<class Noun>(std::type_identity<Noun>) {
+  for_each_record_type([&]<class RecordType>(std::type_identity<RecordType>) {
     for (int round = 0; round < kRounds; ++round) {
-      const Noun noun = random_noun<Noun>(rng);
-      const RecordView<Noun> view("slot", noun);
+      const RecordType typed = random_record<RecordType>(rng);
+      const RecordView<RecordType> view("slot", typed);
       EXPECT_STREQ(view.raw().slot, "slot");
-      const auto read = read_record<Noun>(view.raw());
-      ASSERT_TRUE(read) << Noun::kType << ": " << read.error().message;
-      EXPECT_EQ(content_of(*read), content_of(noun)) << Noun::kType;
+      const auto read = read_record<RecordType>(view.raw());
+      ASSERT_TRUE(read) << RecordType::kType << ": " << read.error().message;
+      EXPECT_EQ(content_of(*read), content_of(typed)) << RecordType::kType;
     }
   });
 }
 
-TEST(Codec, EveryNounSurvivesBeingWrittenAndReadBack) {
+TEST(Codec, EveryRecordTypeSurvivesBeingWrittenAndReadBack) {
   std::cout << "seed 102\n";
   Rng rng(102);
-  for_each_noun([&]<class Noun>(std::type_identity<Noun>) {
+  for_each_record_type([&]<class RecordType>(std::type_identity<RecordType>) {
     for (int round = 0; round < kRounds; ++round) {
-      const Noun noun = random_noun<Noun>(rng);
+      const RecordType typed = random_record<RecordType>(rng);
       Store store;
-      ASSERT_TRUE(write_record(noun, store));
-      const weft_record record{"", Noun::kType, 0, 0, store.arrays.size(), store.arrays.data()};
-      const auto read = read_record<Noun>(record);
-      ASSERT_TRUE(read) << Noun::kType << ": " << read.error().message;
-      EXPECT_EQ(content_of(*read), content_of(noun)) << Noun::kType;
+      ASSERT_TRUE(write_record(typed, store));
+      const weft_record record{"", RecordType::kType,   0,
+                               0,  store.arrays.size(), store.arrays.data()};
+      const auto read = read_record<RecordType>(record);
+      ASSERT_TRUE(read) << RecordType::kType << ": " << read.error().message;
+      EXPECT_EQ(content_of(*read), content_of(typed)) << RecordType::kType;
     }
   });
 }
@@ -80,18 +81,19 @@ TEST(Codec, EveryNounSurvivesBeingWrittenAndReadBack) {
 TEST(Codec, RowsMayBePaddedOrReversedOnInput) {
   std::cout << "seed 103\n";
   Rng rng(103);
-  for_each_noun([&]<class Noun>(std::type_identity<Noun>) {
+  for_each_record_type([&]<class RecordType>(std::type_identity<RecordType>) {
     for (int round = 0; round < kRounds; ++round) {
-      const Noun noun = random_noun<Noun>(rng);
-      const RecordView<Noun> view("", noun);
+      const RecordType typed = random_record<RecordType>(rng);
+      const RecordView<RecordType> view("", typed);
       const PaddedRecord padded(view.raw(), round % 2 == 1);
-      const auto read = read_record<Noun>(padded.raw());
-      ASSERT_TRUE(read) << Noun::kType << ": " << read.error().message;
-      EXPECT_EQ(content_of(*read), content_of(noun)) << Noun::kType;
+      const auto read = read_record<RecordType>(padded.raw());
+      ASSERT_TRUE(read) << RecordType::kType << ": " << read.error().message;
+      EXPECT_EQ(content_of(*read), content_of(typed)) << RecordType::kType;
       Store store;  // and are made dense when written
       ASSERT_TRUE(write_record(*read, store));
-      const weft_record record{"", Noun::kType, 0, 0, store.arrays.size(), store.arrays.data()};
-      EXPECT_EQ(content_of(record), content_of(noun)) << Noun::kType;
+      const weft_record record{"", RecordType::kType,   0,
+                               0,  store.arrays.size(), store.arrays.data()};
+      EXPECT_EQ(content_of(record), content_of(typed)) << RecordType::kType;
     }
   });
 }
@@ -108,10 +110,10 @@ TEST(Codec, EveryRequiredArrayIsMissed) {
   std::cout << "seed 104\n";
   Rng rng(104);
   int required = 0;
-  for_each_noun([&]<class Noun>(std::type_identity<Noun>) {
-    const Noun noun = random_noun<Noun>(rng);
-    const RecordView<Noun> view("", noun);
-    Noun::fields(noun, [&](const auto&, const Field& field) {
+  for_each_record_type([&]<class RecordType>(std::type_identity<RecordType>) {
+    const RecordType typed = random_record<RecordType>(rng);
+    const RecordView<RecordType> view("", typed);
+    RecordType::fields(typed, [&](const auto&, const Field& field) {
       if (field.optional) return;
       ++required;
       std::vector<weft_array> others;
@@ -122,11 +124,11 @@ TEST(Codec, EveryRequiredArrayIsMissed) {
       weft_record record = view.raw();
       record.count = others.size();
       record.arrays = others.data();
-      const auto read = read_record<Noun>(record);
-      ASSERT_FALSE(read) << Noun::kType << " without " << field.name;
+      const auto read = read_record<RecordType>(record);
+      ASSERT_FALSE(read) << RecordType::kType << " without " << field.name;
       EXPECT_EQ(read.error().code, Errc::invalid_data);
       EXPECT_EQ(read.error().message,
-                std::string(Noun::kType) + ": array '" + field.name + "' is missing");
+                std::string(RecordType::kType) + ": array '" + field.name + "' is missing");
     });
   });
   EXPECT_GT(required, 50);
@@ -135,9 +137,9 @@ TEST(Codec, EveryRequiredArrayIsMissed) {
 TEST(Codec, EveryArrayOfAnotherElementTypeIsRefused) {
   std::cout << "seed 105\n";
   Rng rng(105);
-  for_each_noun([&]<class Noun>(std::type_identity<Noun>) {
-    const Noun noun = random_noun<Noun>(rng);
-    const RecordView<Noun> view("", noun);
+  for_each_record_type([&]<class RecordType>(std::type_identity<RecordType>) {
+    const RecordType typed = random_record<RecordType>(rng);
+    const RecordView<RecordType> view("", typed);
     for (std::uint64_t i = 0; i < view.raw().count; ++i) {
       std::vector<weft_array> arrays(view.raw().arrays, view.raw().arrays + view.raw().count);
       const std::string name = arrays[i].name;
@@ -145,8 +147,8 @@ TEST(Codec, EveryArrayOfAnotherElementTypeIsRefused) {
       arrays[i].dtype = arrays[i].dtype == WEFT_I16 ? WEFT_U16 : WEFT_I16;
       weft_record record = view.raw();
       record.arrays = arrays.data();
-      const auto read = read_record<Noun>(record);
-      ASSERT_FALSE(read) << Noun::kType << " " << name;
+      const auto read = read_record<RecordType>(record);
+      ASSERT_FALSE(read) << RecordType::kType << " " << name;
       EXPECT_THAT(read.error().message, HasSubstr("'" + name + "' has elements of type i16 where"));
     }
   });
@@ -211,13 +213,13 @@ TEST(Codec, RevisionAndProducerTravelWithTheRecord) {
 
 TEST(Catalogue, TypesAreVersionedAndNamesAreUnique) {
   std::set<std::string> types;
-  for_each_noun([&]<class Noun>(std::type_identity<Noun>) {
-    const std::string type = Noun::kType;
+  for_each_record_type([&]<class RecordType>(std::type_identity<RecordType>) {
+    const std::string type = RecordType::kType;
     EXPECT_TRUE(type.ends_with("/1")) << type;
     EXPECT_TRUE(types.insert(type).second) << type;
     std::set<std::string> names;
-    Noun noun;
-    Noun::fields(noun, [&](const auto&, const Field& field) {
+    RecordType typed;
+    RecordType::fields(typed, [&](const auto&, const Field& field) {
       EXPECT_TRUE(names.insert(field.name).second) << type << " " << field.name;
       EXPECT_STRNE(field.meaning, "") << type << " " << field.name;
     });

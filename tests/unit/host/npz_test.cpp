@@ -10,7 +10,7 @@
 #include <weft/core/index.hpp>
 #include <weft/data/npy.hpp>
 
-#include "unit/data/random_noun.hpp"
+#include "unit/data/random_record.hpp"
 #include "zoo/zoo.hpp"
 
 namespace weft::host {
@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using testing_data::content_of;
-using testing_data::random_noun;
+using testing_data::random_record;
 using zoo::read_file;
 using zoo::TemporaryFolder;
 using zoo::write_file;
@@ -30,14 +30,15 @@ constexpr std::uint64_t kSeed = 301;
 NamedRecords make_records(std::uint64_t seed) {
   Rng rng(seed);
   NamedRecords records;
-  for_each_noun([&]<class Noun>(std::type_identity<Noun>) {
-    const std::string type = Noun::kType;
-    records.emplace_back(type.substr(0, type.find('/')), Record::copy_of(random_noun<Noun>(rng)));
+  for_each_record_type([&]<class RecordType>(std::type_identity<RecordType>) {
+    const std::string type = RecordType::kType;
+    records.emplace_back(type.substr(0, type.find('/')),
+                         Record::copy_of(random_record<RecordType>(rng)));
   });
   return records;
 }
 
-TEST(Npz, EveryNounSurvivesTheFile) {
+TEST(Npz, EveryRecordTypeSurvivesTheFile) {
   std::cout << "seeds from " << kSeed << "\n";
   const TemporaryFolder folder;
   for (std::uint64_t round = 0; round < 10; ++round) {

@@ -8,14 +8,14 @@
 #include <iostream>
 #include <limits>
 
-#include "unit/data/random_noun.hpp"
+#include "unit/data/random_record.hpp"
 
 namespace weft::host {
 namespace {
 
 using ::testing::HasSubstr;
 using testing_data::content_of;
-using testing_data::random_noun;
+using testing_data::random_record;
 
 constexpr std::int64_t kThree[] = {3, 3, 3, 3, 3};
 
@@ -98,20 +98,20 @@ TEST(Record, SharesMemoryNotNames) {
   EXPECT_EQ(static_cast<std::uint8_t*>(copy.view("").arrays[0].data)[1], 7);
 }
 
-TEST(Record, EveryNounSurvivesBeingCopied) {
+TEST(Record, EveryRecordTypeSurvivesBeingCopied) {
   std::cout << "seed 201\n";
   Rng rng(201);
-  for_each_noun([&]<class Noun>(std::type_identity<Noun>) {
+  for_each_record_type([&]<class RecordType>(std::type_identity<RecordType>) {
     for (int round = 0; round < 10; ++round) {
-      const Noun noun = random_noun<Noun>(rng);
-      const auto record = Record::copy_of(noun);
+      const RecordType typed = random_record<RecordType>(rng);
+      const auto record = Record::copy_of(typed);
       ASSERT_NE(record, nullptr);
-      EXPECT_EQ(content_of(record->view("")), content_of(noun)) << Noun::kType;
+      EXPECT_EQ(content_of(record->view("")), content_of(typed)) << RecordType::kType;
       const auto valid = validate(record->view(""));
       EXPECT_TRUE(valid) << valid.error().message;
-      const auto view = view_as<Noun>(*record);
+      const auto view = view_as<RecordType>(*record);
       ASSERT_TRUE(view);
-      EXPECT_EQ(content_of(*view), content_of(noun)) << Noun::kType;
+      EXPECT_EQ(content_of(*view), content_of(typed)) << RecordType::kType;
     }
   });
 }
@@ -122,10 +122,10 @@ TEST(Validate, FindsNumbersThatAreNotFiniteInEveryArray) {
   const double bad[] = {std::nan(""), std::numeric_limits<double>::infinity(),
                         -std::numeric_limits<double>::infinity()};
   int checked = 0, allowed = 0;
-  for_each_noun([&]<class Noun>(std::type_identity<Noun>) {
-    const auto record = Record::copy_of(random_noun<Noun>(rng));
-    Noun noun;
-    Noun::fields(noun, [&](const auto&, const Field& field) {
+  for_each_record_type([&]<class RecordType>(std::type_identity<RecordType>) {
+    const auto record = Record::copy_of(random_record<RecordType>(rng));
+    RecordType typed;
+    RecordType::fields(typed, [&](const auto&, const Field& field) {
       const weft_record view = record->view("");
       const weft_array* array = find_array(view, field.name);
       if (array == nullptr || array->dtype != WEFT_F64) return;
@@ -140,10 +140,11 @@ TEST(Validate, FindsNumbersThatAreNotFiniteInEveryArray) {
       for (const double value : bad) {
         *last = value;
         const auto valid = validate(view);
-        EXPECT_EQ(static_cast<bool>(valid), field.may_be_nan) << Noun::kType << " " << field.name;
+        EXPECT_EQ(static_cast<bool>(valid), field.may_be_nan)
+            << RecordType::kType << " " << field.name;
         if (!valid) {
-          EXPECT_EQ(valid.error().message, std::string(Noun::kType) + ": array '" + field.name +
-                                               "' holds NaN or infinity");
+          EXPECT_EQ(valid.error().message, std::string(RecordType::kType) + ": array '" +
+                                               field.name + "' holds NaN or infinity");
         }
       }
       *last = before;

@@ -29,9 +29,9 @@ host::RecordPtr filtered(const host::RecordPtr& matches, std::optional<double> c
 }
 
 std::optional<double> confidence_of(const host::RecordPtr& matches) {
-  const auto noun = host::view_as<Correspondences>(*matches);
-  if (!noun->confidence.present()) return std::nullopt;
-  return *noun->confidence.data();
+  const auto typed = host::view_as<Correspondences>(*matches);
+  if (!typed->confidence.present()) return std::nullopt;
+  return *typed->confidence.data();
 }
 
 TEST(Compose, MatchesHaveNoConfidenceUntilAFilterSaysOne) {

@@ -20,13 +20,14 @@ using ::testing::StartsWith;
 class Execution : public testing::PipelineTest {
  protected:
   /// The latest value of a slot in a frame.
-  template <class Noun>
-  static std::optional<Noun> value(const Ran& ran, std::size_t frame, const std::string& type) {
-    std::optional<Noun> found;
+  template <class RecordType>
+  static std::optional<RecordType> value(const Ran& ran, std::size_t frame,
+                                         const std::string& type) {
+    std::optional<RecordType> found;
     if (frame >= ran.frames.size()) return found;
     for (const host::RecordPtr& record : ran.frames[frame].values) {
       if (record == nullptr || record->type() != type) continue;
-      if (auto noun = host::view_as<Noun>(*record)) found = *std::move(noun);
+      if (auto typed = host::view_as<RecordType>(*record)) found = *std::move(typed);
     }
     return found;
   }

@@ -61,7 +61,8 @@ TEST(Roles, RequiredInputsAreThoseOfTheTable) {
 
 TEST(Roles, SpeakOfRecordsInTheCatalogueAndNameEachSlotOnce) {
   std::set<std::string> types;
-  for_each_noun([&]<class Noun>(std::type_identity<Noun>) { types.insert(Noun::kType); });
+  for_each_record_type(
+      [&]<class RecordType>(std::type_identity<RecordType>) { types.insert(RecordType::kType); });
   for (const Role& role : all_roles()) {
     for (const RoleMethod& method : role.methods) {
       std::set<std::string> inputs, outputs;

@@ -15,10 +15,11 @@
 
 namespace weft {
 
-/// Calls visit(std::type_identity<Noun>) for each record type, in the order they are produced.
+/// Calls visit(std::type_identity<RecordType>) for each record type, in the order they are
+/// produced.
 template <class Visit>
-void for_each_noun(Visit&& visit) {
-  const auto each = [&]<class... Noun>() { (visit(std::type_identity<Noun>{}), ...); };
+void for_each_record_type(Visit&& visit) {
+  const auto each = [&]<class... RecordType>() { (visit(std::type_identity<RecordType>{}), ...); };
   each.template operator()<Image, Time, Camera, Region, Template, Keypoints, Correspondences,
                            Weights, InlierMask, Warp, Points, WarpSamples, Sightlines, Visibility,
                            KnownPoints, Shape, GroundTruth, Count>();

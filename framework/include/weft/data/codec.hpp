@@ -34,7 +34,7 @@ Array<T> borrow_array(const weft_array& array) {
   return Array<T>::borrow(static_cast<const T*>(array.data), array.ndim, shape, row_stride);
 }
 
-/// Fills the members of a noun from the arrays of a record; keeps the first error.
+/// Fills the members of a record struct from the arrays of a record; keeps the first error.
 class FieldReader {
  public:
   explicit FieldReader(const weft_record& record) : record_(record) {}
@@ -97,8 +97,8 @@ class FieldReader {
   std::string error_;
 };
 
-/// Copies the members of a noun into arrays of `alloc`; those on a device go to its adopt(), if
-/// any.
+/// Copies the members of a record struct into arrays of `alloc`; those on a device go to its
+/// adopt(), if any.
 template <class Alloc>
 class FieldWriter {
  public:
@@ -167,31 +167,31 @@ class FieldWriter {
 
 }  // namespace detail
 
-/// A noun that borrows the arrays of `record`. Fails with invalid_data when the record is of
-/// another type, or an array is missing or has the wrong type or shape.
-template <class Noun>
-Result<Noun> read_record(const weft_record& record) {
-  if (std::string_view(record.type) != Noun::kType) {
+/// A record struct that borrows the arrays of `record`. Fails with invalid_data when the record is
+/// of another type, or an array is missing or has the wrong type or shape.
+template <class RecordType>
+Result<RecordType> read_record(const weft_record& record) {
+  if (std::string_view(record.type) != RecordType::kType) {
     return Error{Errc::invalid_data,
-                 std::string("expected a record ") + Noun::kType + ", got " + record.type};
+                 std::string("expected a record ") + RecordType::kType + ", got " + record.type};
   }
-  Noun noun;
+  RecordType typed;
   detail::FieldReader reader(record);
-  Noun::fields(noun, reader);
+  RecordType::fields(typed, reader);
   if (!reader.error().empty()) return Error{Errc::invalid_data, reader.error()};
-  if constexpr (requires { noun.producer_handle; }) noun.producer_handle = record.producer;
-  if constexpr (requires { noun.revision; }) noun.revision = record.revision;
-  return noun;
+  if constexpr (requires { typed.producer_handle; }) typed.producer_handle = record.producer;
+  if constexpr (requires { typed.revision; }) typed.revision = record.revision;
+  return typed;
 }
 
-/// Copies a noun out through alloc(name, dtype, ndim, shape) -> void* (null when refused).
-template <class Noun, class Alloc>
-Result<void> write_record(const Noun& noun, Alloc&& alloc) {
+/// Copies a record struct out through alloc(name, dtype, ndim, shape) -> void* (null when refused).
+template <class RecordType, class Alloc>
+Result<void> write_record(const RecordType& typed, Alloc&& alloc) {
   detail::FieldWriter<std::remove_reference_t<Alloc>> writer(alloc);
-  Noun::fields(noun, writer);
+  RecordType::fields(typed, writer);
   if (writer.refused().empty()) return {};
   return Error{Errc::plugin_failure,
-               "the host refused the array '" + writer.refused() + "' of " + Noun::kType +
+               "the host refused the array '" + writer.refused() + "' of " + RecordType::kType +
                    ": an illegal name or shape, no output of the role, or short of memory"};
 }
 

@@ -66,7 +66,7 @@ struct NamedArrays {
   }
 };
 
-// A noun is a struct with
+// The struct of a record type has
 //   static constexpr const char* kType = "name/version";
 //   template <class Self, class Visit> static void fields(Self& self, Visit&& visit);
 // whose visit(member, Field) calls are the catalogue: readers, writers, validation and the

@@ -8,16 +8,16 @@
 
 namespace weft {
 
-/// A noun seen as a record, without a copy; the noun must outlive it.
-template <class Noun>
+/// A record struct seen as a weft_record, without a copy; the struct must outlive it.
+template <class RecordType>
 class RecordView {
  public:
-  RecordView(const char* slot, const Noun& noun) {
-    Noun::fields(noun,
-                 [this](const auto& member, const Field& field) { this->add(member, field.name); });
-    record_ = {slot, Noun::kType, 0, 0, arrays_.size(), arrays_.data()};
-    if constexpr (requires { noun.producer_handle; }) record_.producer = noun.producer_handle;
-    if constexpr (requires { noun.revision; }) record_.revision = noun.revision;
+  RecordView(const char* slot, const RecordType& typed) {
+    RecordType::fields(
+        typed, [this](const auto& member, const Field& field) { this->add(member, field.name); });
+    record_ = {slot, RecordType::kType, 0, 0, arrays_.size(), arrays_.data()};
+    if constexpr (requires { typed.producer_handle; }) record_.producer = typed.producer_handle;
+    if constexpr (requires { typed.revision; }) record_.revision = typed.revision;
   }
   RecordView(const RecordView&) = delete;
   RecordView& operator=(const RecordView&) = delete;

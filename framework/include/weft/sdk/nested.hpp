@@ -43,10 +43,11 @@ struct Answer {
   std::string degenerate_reason;  ///< empty unless the answer is degenerate
 
   /// The output of this type, if there is one.
-  template <class Noun>
-  std::optional<Result<Noun>> find() const {
+  template <class RecordType>
+  std::optional<Result<RecordType>> find() const {
     for (const weft_record& output : outputs) {
-      if (std::string_view(output.type) == Noun::kType) return read_record<Noun>(output);
+      if (std::string_view(output.type) == RecordType::kType)
+        return read_record<RecordType>(output);
     }
     return std::nullopt;
   }
@@ -72,14 +73,14 @@ Result<Output> invoke(const Call& call, std::uint64_t component, int method,
                       const std::vector<weft_record>& inputs) {
   const auto answer = ask(call, component, method, inputs);
   if (!answer) return answer.error();
-  auto noun = answer->template find<Output>();
-  if (!noun) {
+  auto typed = answer->template find<Output>();
+  if (!typed) {
     return Error{Errc::plugin_failure, std::string("no ") + Output::kType + " was produced"};
   }
-  if (*noun && !answer->degenerate_reason.empty()) {
-    return degenerate(**std::move(noun), answer->degenerate_reason);
+  if (*typed && !answer->degenerate_reason.empty()) {
+    return degenerate(**std::move(typed), answer->degenerate_reason);
   }
-  return *std::move(noun);
+  return *std::move(typed);
 }
 
 }  // namespace detail
@@ -128,8 +129,8 @@ struct SolverComponent : ComponentHandle {
     std::optional<RecordView<Visibility>> visibility;
     std::optional<RecordView<KnownPoints>> known_points;
     std::optional<RecordView<Shape>> previous;
-    const auto add = [&inputs](auto& view, const char* slot, const auto& noun) {
-      if (noun) inputs.push_back(view.emplace(slot, *noun).raw());
+    const auto add = [&inputs](auto& view, const char* slot, const auto& typed) {
+      if (typed) inputs.push_back(view.emplace(slot, *typed).raw());
     };
     add(sightlines, "sightlines", in.sightlines);
     add(correspondences, "correspondences", in.correspondences);

@@ -78,13 +78,13 @@ class ProcessCall {
     return WEFT_OK;
   }
 
-  template <class Noun>
-  Result<void> write(const char* slot, const Noun& noun) const {
-    return write_record(noun, Output{call_, slot, Noun::kType});
+  template <class RecordType>
+  Result<void> write(const char* slot, const RecordType& typed) const {
+    return write_record(typed, Output{call_, slot, RecordType::kType});
   }
-  template <class Noun>
-  Result<void> write(const char* slot, const std::optional<Noun>& noun) const {
-    return noun ? write(slot, *noun) : Result<void>{};
+  template <class RecordType>
+  Result<void> write(const char* slot, const std::optional<RecordType>& typed) const {
+    return typed ? write(slot, *typed) : Result<void>{};
   }
 
   /// Fills the slots of a role's input from the records of the call.
@@ -112,33 +112,33 @@ class ProcessCall {
     }
   };
 
-  template <class Noun>
-  Result<void> read_slot(const char* slot, Noun& member) const {
+  template <class RecordType>
+  Result<void> read_slot(const char* slot, RecordType& member) const {
     for (std::uint64_t i = 0; i < count_; ++i) {
       if (std::string_view(inputs_[i].slot) == slot) return read_into(inputs_[i], member);
     }
     return Error{Errc::invalid_data, std::string("required input '") + slot + "' is absent"};
   }
-  template <class Noun>
-  Result<void> read_slot(const char* slot, std::optional<Noun>& member) const {
+  template <class RecordType>
+  Result<void> read_slot(const char* slot, std::optional<RecordType>& member) const {
     for (std::uint64_t i = 0; i < count_; ++i) {
       if (std::string_view(inputs_[i].slot) == slot) return read_into(inputs_[i], member.emplace());
     }
     return {};
   }
-  template <class Noun>
-  Result<void> read_slot(const char* slot, std::vector<Noun>& members) const {
+  template <class RecordType>
+  Result<void> read_slot(const char* slot, std::vector<RecordType>& members) const {
     for (std::uint64_t i = 0; i < count_; ++i) {
       if (std::string_view(inputs_[i].slot) != slot) continue;
       if (auto read = read_into(inputs_[i], members.emplace_back()); !read) return read;
     }
     return {};
   }
-  template <class Noun>
-  static Result<void> read_into(const weft_record& record, Noun& member) {
-    auto noun = read_record<Noun>(record);
-    if (!noun) return noun.error();
-    member = *std::move(noun);
+  template <class RecordType>
+  static Result<void> read_into(const weft_record& record, RecordType& member) {
+    auto typed = read_record<RecordType>(record);
+    if (!typed) return typed.error();
+    member = *std::move(typed);
     return {};
   }
 

@@ -31,26 +31,26 @@ struct Role {
 namespace detail {
 
 template <class T>
-struct SlotNoun {
-  using Noun = T;
+struct SlotRecord {
+  using RecordType = T;
   static constexpr bool kRequired = true;
 };
 template <class T>
-struct SlotNoun<std::optional<T>> {
-  using Noun = T;
+struct SlotRecord<std::optional<T>> {
+  using RecordType = T;
   static constexpr bool kRequired = false;
 };
 template <class T>
-struct SlotNoun<std::vector<T>> {
-  using Noun = T;
+struct SlotRecord<std::vector<T>> {
+  using RecordType = T;
   static constexpr bool kRequired = false;
 };
 
 }  // namespace detail
 
-template <class Noun>
+template <class RecordType>
 RoleSlot output_slot(const char* name, bool required = true) {
-  return {name, Noun::kType, required};
+  return {name, RecordType::kType, required};
 }
 
 /// A method whose inputs are the slots of `Input`.
@@ -60,8 +60,8 @@ RoleMethod role_method(const char* name, std::vector<RoleSlot> outputs) {
   const weft_call no_call{};
   Input input{Call(no_call)};
   Input::slots(input, [&](const char* slot, auto& member) {
-    using Slot = detail::SlotNoun<std::remove_cvref_t<decltype(member)>>;
-    method.inputs.push_back({slot, Slot::Noun::kType, Slot::kRequired});
+    using Slot = detail::SlotRecord<std::remove_cvref_t<decltype(member)>>;
+    method.inputs.push_back({slot, Slot::RecordType::kType, Slot::kRequired});
   });
   return method;
 }

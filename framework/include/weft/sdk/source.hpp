@@ -89,12 +89,12 @@ struct SourceComponent : ComponentHandle {
   }
 
  private:
-  template <class Noun>
-  static Result<void> take(const detail::Answer& answer, std::optional<Noun>& noun) {
-    auto found = answer.find<Noun>();
+  template <class RecordType>
+  static Result<void> take(const detail::Answer& answer, std::optional<RecordType>& typed) {
+    auto found = answer.find<RecordType>();
     if (!found) return {};
     if (!*found) return found->error();
-    noun = **std::move(found);
+    typed = **std::move(found);
     return {};
   }
 };

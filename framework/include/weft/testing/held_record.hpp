@@ -34,13 +34,13 @@ class RecordMaker {
   std::shared_ptr<host::Record> record_;
 };
 
-/// A copy of a noun; null where it is no legal record.
-template <class Noun>
-HeldRecord hold(const Noun& noun) {
-  RecordMaker maker(Noun::kType);
-  if (!write_record(noun, maker)) return nullptr;
-  if constexpr (requires { noun.revision; }) maker.set_revision(noun.revision);
-  if constexpr (requires { noun.producer_handle; }) maker.set_producer(noun.producer_handle);
+/// A copy of a record struct; null where it is no legal record.
+template <class RecordType>
+HeldRecord hold(const RecordType& typed) {
+  RecordMaker maker(RecordType::kType);
+  if (!write_record(typed, maker)) return nullptr;
+  if constexpr (requires { typed.revision; }) maker.set_revision(typed.revision);
+  if constexpr (requires { typed.producer_handle; }) maker.set_producer(typed.producer_handle);
   return maker.finish();
 }
 
@@ -50,14 +50,14 @@ HeldRecord fetched(const HeldRecord& record, std::string_view type);
 /// The arrays as the contract sees them, valid while the record lives.
 weft_record view_of(const HeldRecord& record);
 
-/// The noun in a record, borrowing from it; nothing where the record is of another type.
-template <class Noun>
-std::optional<Noun> noun_in(const HeldRecord& record) {
-  const HeldRecord here = fetched(record, Noun::kType);
+/// The struct of a record, borrowing from it; nothing where the record is of another type.
+template <class RecordType>
+std::optional<RecordType> typed_in(const HeldRecord& record) {
+  const HeldRecord here = fetched(record, RecordType::kType);
   if (here == nullptr) return std::nullopt;
-  auto noun = read_record<Noun>(view_of(here));
-  if (!noun) return std::nullopt;
-  return *std::move(noun);
+  auto typed = read_record<RecordType>(view_of(here));
+  if (!typed) return std::nullopt;
+  return *std::move(typed);
 }
 
 }  // namespace weft::testing

@@ -17,19 +17,20 @@
 
 namespace weft::testing {
 
-/// A noun as an input of a call.
+/// A record struct as an input of a call.
 struct Input {
   std::string slot;
   HeldRecord record;
 };
 
-/// It copies the noun.
-template <class Noun>
-Input input(const char* slot, const Noun& noun) {
-  return {slot, hold(noun)};
+/// It copies the struct.
+template <class RecordType>
+Input input(const char* slot, const RecordType& typed) {
+  return {slot, hold(typed)};
 }
 
-/// What a call came to. Nouns got from it live as long as the PluginUnderTest, or until it forgets.
+/// What a call came to. Record structs got from it live as long as the PluginUnderTest, or until it
+/// forgets.
 struct Outcome {
   weft_status status = WEFT_OK;
   Errc code = {};  ///< unless all is well
@@ -39,10 +40,10 @@ struct Outcome {
   std::vector<std::pair<std::string, HeldRecord>> outputs;
 
   /// The first output of this type, if there is one.
-  template <class Noun>
-  std::optional<Noun> get() const {
+  template <class RecordType>
+  std::optional<RecordType> get() const {
     for (const auto& [slot, record] : outputs) {
-      if (auto noun = noun_in<Noun>(record)) return noun;
+      if (auto typed = typed_in<RecordType>(record)) return typed;
     }
     return std::nullopt;
   }

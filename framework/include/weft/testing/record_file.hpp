@@ -13,10 +13,10 @@ namespace weft::testing {
 /// Writes one record into a file of records (npz). Throws std::runtime_error with the reason.
 void write_record_file(const std::string& file, const char* slot, HeldRecord record);
 
-/// The same of a noun.
-template <class Noun>
-void write_record_file(const std::string& file, const char* slot, const Noun& noun) {
-  write_record_file(file, slot, hold(noun));
+/// The same of a record struct.
+template <class RecordType>
+void write_record_file(const std::string& file, const char* slot, const RecordType& typed) {
+  write_record_file(file, slot, hold(typed));
 }
 
 /// A file of records, checked against the catalogue.
@@ -28,10 +28,10 @@ class RecordFile {
   std::size_t count() const { return records_.size(); }
 
   /// The first record of this type, if there is one; it borrows from this.
-  template <class Noun>
-  std::optional<Noun> get() const {
+  template <class RecordType>
+  std::optional<RecordType> get() const {
     for (const auto& [slot, record] : records_) {
-      if (auto noun = noun_in<Noun>(record)) return noun;
+      if (auto typed = typed_in<RecordType>(record)) return typed;
     }
     return std::nullopt;
   }

@@ -23,8 +23,8 @@ bool is_legal_name(std::string_view name) {
          std::all_of(name.begin(), name.end(), legal);
 }
 
-/// Visits the fields of a noun and finds numbers that are not finite, and arrays that are in device
-/// memory and no fields.
+/// Visits the fields of a record struct and finds numbers that are not finite, and arrays that are
+/// in device memory and no fields.
 class ContentCheck {
  public:
   explicit ContentCheck(const weft_record& record) : record_(record) {}
@@ -210,15 +210,15 @@ Result<RecordPtr> Record::in_host_memory() const {
 Result<void> validate(const weft_record& record) {
   Result<void> status =
       Error{Errc::invalid_data, std::string("unknown record type ") + record.type};
-  for_each_noun([&]<class Noun>(std::type_identity<Noun>) {
-    if (std::string_view(record.type) != Noun::kType) return;
-    const auto noun = read_record<Noun>(record);
-    if (!noun) {
-      status = noun.error();
+  for_each_record_type([&]<class RecordType>(std::type_identity<RecordType>) {
+    if (std::string_view(record.type) != RecordType::kType) return;
+    const auto typed = read_record<RecordType>(record);
+    if (!typed) {
+      status = typed.error();
       return;
     }
     ContentCheck check(record);
-    Noun::fields(*noun, check);
+    RecordType::fields(*typed, check);
     const std::string problem = check.problem();
     status = problem.empty() ? Result<void>{} : Result<void>(Error{Errc::invalid_data, problem});
   });

@@ -14,7 +14,8 @@
 
 namespace weft::host {
 
-/// A record that the host owns: what a plugin allocated through the host, or a copy of a noun.
+/// A record that the host owns: what a plugin allocated through the host, or a copy of a record
+/// struct.
 class Record {
  public:
   /// Its arrays stand in `arena` where one is given.
@@ -54,14 +55,14 @@ class Record {
   /// As alias(), with copies of what lies in device memory. Fails as DeviceArray::copy().
   Result<std::shared_ptr<const Record>> in_host_memory() const;
 
-  template <class Noun>
-  static std::shared_ptr<Record> copy_of(const Noun& noun) {
-    auto record = std::make_shared<Record>(Noun::kType);
+  template <class RecordType>
+  static std::shared_ptr<Record> copy_of(const RecordType& typed) {
+    auto record = std::make_shared<Record>(RecordType::kType);
     const auto allocate = [&](const char* name, std::int32_t dtype, int ndim,
                               const std::int64_t* shape) {
       return record->allocate(name, dtype, ndim, shape);
     };
-    if (!write_record(noun, allocate)) return nullptr;
+    if (!write_record(typed, allocate)) return nullptr;
     return record;
   }
 
@@ -97,10 +98,10 @@ weft_array array_at(const char* name, std::int32_t dtype, std::int32_t ndim,
 /// [bytes] of an array, or -1 when its type or shape is illegal.
 std::int64_t array_bytes(std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape);
 
-/// The noun in a record, borrowing from it. The record was validated when it was made.
-template <class Noun>
-Result<Noun> view_as(const Record& record) {
-  return read_record<Noun>(record.view(""));
+/// The struct of a record, borrowing from it. The record was validated when it was made.
+template <class RecordType>
+Result<RecordType> view_as(const Record& record) {
+  return read_record<RecordType>(record.view(""));
 }
 
 /// Whether a record has the arrays, types and shapes of the catalogue and holds no NaN or infinity

@@ -19,23 +19,23 @@ std::string frame_file(const std::string& folder, std::uint64_t frame) {
   return folder + "/frames/" + digits + ".npz";
 }
 
-/// The record of a slot as a noun that borrows from it; nothing where the slot is absent.
-template <class Noun>
-Result<std::optional<Noun>> find_noun(const host::NamedRecords& records, const std::string& slot,
-                                      const std::string& file) {
+/// The struct of a slot's record, borrowing from it; nothing where the slot is absent.
+template <class RecordType>
+Result<std::optional<RecordType>> find_typed(const host::NamedRecords& records,
+                                             const std::string& slot, const std::string& file) {
   for (const auto& [name, record] : records) {
     if (name != slot) continue;
-    if (record->type() != Noun::kType) {
+    if (record->type() != RecordType::kType) {
       return Error{Errc::incompatible,
-                   slot + " is a " + record->type() + " instead of a " + Noun::kType +
+                   slot + " is a " + record->type() + " instead of a " + RecordType::kType +
                        "; evaluate with the version of Weft that wrote the run",
                    file};
     }
-    auto noun = host::view_as<Noun>(*record);
-    if (!noun) return Error{noun.error().code, noun.error().message, file};
-    return std::optional<Noun>(*std::move(noun));
+    auto typed = host::view_as<RecordType>(*record);
+    if (!typed) return Error{typed.error().code, typed.error().message, file};
+    return std::optional<RecordType>(*std::move(typed));
   }
-  return std::optional<Noun>();
+  return std::optional<RecordType>();
 }
 
 /// Whether matches hold finite numbers and faces of the mesh, as the program writes them.
@@ -57,11 +57,11 @@ class MatchFinder {
     for (const auto& [slot, record] : records_) {
       const std::size_t dot = slot.rfind('.');
       if (dot == std::string::npos) continue;
-      const std::string path = slot.substr(0, dot), noun = slot.substr(dot + 1);
+      const std::string path = slot.substr(0, dot), type = slot.substr(dot + 1);
       Result<void> added;
-      if (noun == "correspondences") added = add_matches(slot, path);
-      if (noun == "inlier_mask") added = add_mask(slot, path);
-      if (noun == "match_depths") added = add_depths(slot, path);
+      if (type == "correspondences") added = add_matches(slot, path);
+      if (type == "inlier_mask") added = add_mask(slot, path);
+      if (type == "match_depths") added = add_depths(slot, path);
       if (!added) return added.error();
     }
     return std::move(found_);
@@ -74,7 +74,7 @@ class MatchFinder {
   };
 
   Result<void> add_matches(const std::string& slot, const std::string& path) {
-    auto matches = find_noun<Correspondences>(records_, slot, file_);
+    auto matches = find_typed<Correspondences>(records_, slot, file_);
     if (!matches) return matches.error();
     if (!usable(**matches, faces_)) {
       return damaged_run(file_, "has matches in " + slot + " with NaN, infinity or no such face");
@@ -87,7 +87,7 @@ class MatchFinder {
   Result<void> add_mask(const std::string& slot, const std::string& path) {
     const std::size_t dot = path.rfind('.');
     const auto before = left_.find(path.substr(0, std::min(dot, path.size())));
-    auto mask = find_noun<InlierMask>(records_, slot, file_);
+    auto mask = find_typed<InlierMask>(records_, slot, file_);
     if (!mask) return mask.error();
     if (before == left_.end() || before->second.kept.rows() != (*mask)->kept.rows() ||
         (*mask)->score.rows() != (*mask)->kept.rows()) {
@@ -101,7 +101,7 @@ class MatchFinder {
   }
 
   Result<void> add_depths(const std::string& slot, const std::string& path) {
-    auto depths = find_noun<MatchDepths>(records_, slot, file_);
+    auto depths = find_typed<MatchDepths>(records_, slot, file_);
     if (!depths) return depths.error();
     if (found_.empty() || found_.back().stage != path ||
         found_.back().matches.count() != (*depths)->depth_m.rows()) {
@@ -124,7 +124,7 @@ Result<std::vector<WarpRecords>> find_warps(const host::NamedRecords& records,
   std::vector<WarpRecords> warps;
   for (const auto& [slot, record] : records) {
     if (!slot.ends_with(kEnd)) continue;
-    auto samples = find_noun<WarpSamples>(records, slot, file);
+    auto samples = find_typed<WarpSamples>(records, slot, file);
     if (!samples) return samples.error();
     if ((*samples)->xy_px.rows() != vertices) {
       return damaged_run(file, "has in " + slot + " no entry for each vertex");
@@ -167,11 +167,11 @@ Result<RunReader> RunReader::in_memory(const std::string& where, host::NamedReco
 
 Result<void> RunReader::take_scene(host::NamedRecords scene, const std::string& file) {
   template_owner_ = std::move(scene);
-  auto sheet = find_noun<Template>(template_owner_, "template", file);
+  auto sheet = find_typed<Template>(template_owner_, "template", file);
   if (!sheet) return sheet.error();
   if (!*sheet) return damaged_run(file, "holds no template");
   template_ = **std::move(sheet);
-  const auto camera = find_noun<Camera>(template_owner_, "camera", file);
+  const auto camera = find_typed<Camera>(template_owner_, "camera", file);
   if (!camera) return camera.error();
   if (!*camera) return damaged_run(file, "holds no camera");
   camera_ = **camera;
@@ -199,11 +199,11 @@ Result<FrameRecords> RunReader::sort(host::NamedRecords records, const FrameLine
                                      const std::string& file) const {
   FrameRecords frame;
   frame.owners = std::move(records);
-  auto shape = find_noun<Shape>(frame.owners, "shape", file);
+  auto shape = find_typed<Shape>(frame.owners, "shape", file);
   if (!shape) return shape.error();
-  auto truth = find_noun<GroundTruth>(frame.owners, "ground_truth", file);
+  auto truth = find_typed<GroundTruth>(frame.owners, "ground_truth", file);
   if (!truth) return truth.error();
-  auto visibility = find_noun<Visibility>(frame.owners, "visibility", file);
+  auto visibility = find_typed<Visibility>(frame.owners, "visibility", file);
   if (!visibility) return visibility.error();
   frame.visibility = *std::move(visibility);
   frame.shape = *std::move(shape);

@@ -48,7 +48,7 @@ struct WarpRecords {
   WarpSamples samples;  ///< one a vertex; may be NaN
 };
 
-/// The records of one frame; the nouns borrow from `owners`.
+/// The records of one frame; the record structs borrow from `owners`.
 struct FrameRecords {
   std::optional<Shape> shape;            ///< vertices may be NaN: that is for the reader to count
   std::optional<Visibility> visibility;  ///< of the last pass that tells it

@@ -121,11 +121,11 @@ Result<void> check_fits(const Record& record, const Record& templ, const Record&
   if (!pinhole) return pinhole.error();
   const FitCheck check(*sheet, *pinhole);
   Result<void> status;
-  for_each_noun([&]<class Noun>(std::type_identity<Noun>) {
-    if constexpr (requires(const Noun& noun) { check(noun); }) {
-      if (record.type() != Noun::kType) return;
-      const auto noun = view_as<Noun>(record);
-      status = noun ? check(*noun) : Result<void>(noun.error());
+  for_each_record_type([&]<class RecordType>(std::type_identity<RecordType>) {
+    if constexpr (requires(const RecordType& typed) { check(typed); }) {
+      if (record.type() != RecordType::kType) return;
+      const auto typed = view_as<RecordType>(record);
+      status = typed ? check(*typed) : Result<void>(typed.error());
     }
   });
   return status;

@@ -165,10 +165,10 @@ void add_depths(const std::string& path, const host::Record& matches, const host
                 host::NamedRecords& records) {
   const auto known = truth == nullptr ? Result<GroundTruth>(no_result("no truth"))
                                       : host::view_as<GroundTruth>(*truth);
-  const auto noun = host::view_as<Correspondences>(matches);
-  if (!known || !known->depth_m.present() || !noun) return;
+  const auto typed = host::view_as<Correspondences>(matches);
+  if (!known || !known->depth_m.present() || !typed) return;
   records.emplace_back(path + ".match_depths",
-                       host::Record::copy_of(depths_at(*noun, known->depth_m)));
+                       host::Record::copy_of(depths_at(*typed, known->depth_m)));
 }
 
 /// Where warps take the template's vertices, without derivatives.

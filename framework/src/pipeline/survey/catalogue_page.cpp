@@ -40,11 +40,11 @@ std::string catalogue_page() {
       << "Letters in shapes are lengths that agree within a record; `?` is an optional axis of "
          "three\ncolours. Numbers are finite unless the meaning says otherwise. Pixel centres are "
          "at integer\ncoordinates; the camera frame is x right, y down, z forward.\n\n## Records\n";
-  for_each_noun([&]<class Noun>(std::type_identity<Noun>) {
-    page << "\n### " << Noun::kType
+  for_each_record_type([&]<class RecordType>(std::type_identity<RecordType>) {
+    page << "\n### " << RecordType::kType
          << "\n\n| array | type | shape | unit, frame | meaning |\n|---|---|---|---|---|\n";
-    const Noun noun{};
-    Noun::fields(noun, [&](const auto& member, const Field& field) {
+    const RecordType typed{};
+    RecordType::fields(typed, [&](const auto& member, const Field& field) {
       page << "| " << field.name << (field.optional ? " (optional)" : "") << " | "
            << element_name(member) << " | " << shape_of(field) << " | " << field.unit << " | "
            << field.meaning << (field.may_be_nan ? "; NaN where missing" : "")

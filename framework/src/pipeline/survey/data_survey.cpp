@@ -16,12 +16,12 @@ namespace {
 
 using host::Outcome;
 
-template <class Noun>
-std::optional<Noun> noun_in(const Outcome& outcome, const char* slot) {
+template <class RecordType>
+std::optional<RecordType> typed_in(const Outcome& outcome, const char* slot) {
   const host::RecordPtr record = outcome.find(slot);
   if (record == nullptr) return std::nullopt;
-  auto noun = host::view_as<Noun>(*record);
-  return noun ? std::optional<Noun>(*std::move(noun)) : std::nullopt;
+  auto typed = host::view_as<RecordType>(*record);
+  return typed ? std::optional<RecordType>(*std::move(typed)) : std::nullopt;
 }
 
 void add_depth(const Array<float>& depth_m, TruthSurvey& truth) {
@@ -73,20 +73,20 @@ void add_truth(const GroundTruth& given, DataSurvey& survey) {
 }
 
 void add_frame(const Outcome& read, DataSurvey& survey) {
-  if (const auto image = noun_in<Image>(read, "image")) {
+  if (const auto image = typed_in<Image>(read, "image")) {
     const bool first = survey.grey + survey.colour == 0;
     if (first) survey.first_stem = image->stem;
     survey.last_stem = image->stem;
     ++(image->pixels.ndim() == 3 ? survey.colour : survey.grey);
   }
-  if (const auto time = noun_in<Time>(read, "time")) {
+  if (const auto time = typed_in<Time>(read, "time")) {
     if (survey.frames == 1) survey.first_s = time->t_s;
     survey.last_s = time->t_s;
   }
-  if (const auto matches = noun_in<Correspondences>(read, "correspondences")) {
+  if (const auto matches = typed_in<Correspondences>(read, "correspondences")) {
     survey.matches += matches->count();
   }
-  if (const auto truth = noun_in<GroundTruth>(read, "ground_truth")) add_truth(*truth, survey);
+  if (const auto truth = typed_in<GroundTruth>(read, "ground_truth")) add_truth(*truth, survey);
 }
 
 /// What is not wrong by itself, but changes what the data can show.
@@ -143,8 +143,8 @@ Result<DataSurvey> survey_data(const DataLayout& layout, const host::Registry& r
   DataSurvey survey;
   survey.kind = layout.kind;
   survey.source = spec->component().id;
-  survey.camera = *noun_in<Camera>(opened, "camera");
-  const std::int64_t count = noun_in<Count>(counted, "count")->frames;
+  survey.camera = *typed_in<Camera>(opened, "camera");
+  const std::int64_t count = typed_in<Count>(counted, "count")->frames;
   for (std::int64_t i = 0; (count < 0 || i < count) && !cancel.load(); ++i) {
     const Outcome read = lane.call(**source, kReadFrame, {}, static_cast<std::uint64_t>(i));
     if (count < 0 && read.status == WEFT_NO_RESULT) break;

@@ -14,8 +14,8 @@
 
 namespace weft::testing_data {
 
-/// Fills a noun with random content that the catalogue allows: lengths from 0 to 6, optional arrays
-/// now and then absent, NaN where it may stand.
+/// Fills a record struct with random content that the catalogue allows: lengths from 0 to 6,
+/// optional arrays now and then absent, NaN where it may stand.
 class Filler {
  public:
   explicit Filler(Rng& rng) : rng_(rng) {}
@@ -81,11 +81,11 @@ class Filler {
   std::map<char, std::int64_t> lengths_;
 };
 
-template <class Noun>
-Noun random_noun(Rng& rng) {
-  Noun noun;
-  Noun::fields(noun, Filler(rng));
-  return noun;
+template <class RecordType>
+RecordType random_record(Rng& rng) {
+  RecordType typed;
+  RecordType::fields(typed, Filler(rng));
+  return typed;
 }
 
 /// The content of a record, for comparisons: name, type, shape and bytes of each array.
@@ -112,9 +112,9 @@ inline Content content_of(const weft_record& record) {
   return content;
 }
 
-template <class Noun>
-Content content_of(const Noun& noun) {
-  return content_of(RecordView<Noun>("", noun).raw());
+template <class RecordType>
+Content content_of(const RecordType& typed) {
+  return content_of(RecordView<RecordType>("", typed).raw());
 }
 
 /// A record whose arrays of two and more axes have gaps between their rows, filled with garbage,
