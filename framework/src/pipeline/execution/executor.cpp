@@ -130,6 +130,11 @@ FrameResult Executor::process(const FrameInput& input) {
   return result;
 }
 
+void Executor::restart() {
+  history_.forget();
+  frames_since_measured_ = 0;
+}
+
 void Executor::keep_calls_of(const std::string& name) {
   for (Stage& stage : stages_) stage.is_kept = stage.is_kept || stage.config->name == name;
 }

@@ -28,6 +28,10 @@ class Executor {
 
   FrameResult process(const FrameInput& input);
 
+  /// The next frame is the first of a sequence: nothing is fed back to it. What components keep for
+  /// speed stays.
+  void restart();
+
  private:
   struct Stage {
     const StageConfig* config;
