@@ -15,11 +15,16 @@ double processor_ms_of_process() {
 }  // namespace
 
 Stopwatch::Stopwatch()
-    : start_(std::chrono::steady_clock::now()), processor_start_ms_(processor_ms_of_process()) {}
+    : start_(std::chrono::steady_clock::now()),
+      processor_start_ms_(processor_ms_of_process()),
+      allocated_(allocations_of_process()) {}
 
 Spent Stopwatch::spent() const {
   const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - start_;
-  return {wall.count(), processor_ms_of_process() - processor_start_ms_};
+  const Allocations now = allocations_of_process();
+  return {wall.count(),
+          processor_ms_of_process() - processor_start_ms_,
+          {now.blocks - allocated_.blocks, now.bytes - allocated_.bytes}};
 }
 
 }  // namespace weft::host

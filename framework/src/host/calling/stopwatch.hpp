@@ -3,6 +3,8 @@
 
 #include <chrono>
 
+#include "host/calling/allocation_count.hpp"
+
 namespace weft::host {
 
 /// What something took. Processor time counts all threads of the processes that worked for it, so
@@ -11,6 +13,7 @@ namespace weft::host {
 struct Spent {
   double ms = 0.0;            ///< [] ms on the wall
   double processor_ms = 0.0;  ///< [] ms of processor time
+  Allocations allocations{};  ///< of this process; 0 where they are not counted
 };
 
 /// Measures what is spent from its making on.
@@ -26,6 +29,7 @@ class Stopwatch {
  private:
   std::chrono::steady_clock::time_point start_;
   double processor_start_ms_;
+  Allocations allocated_;
 };
 
 }  // namespace weft::host
