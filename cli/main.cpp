@@ -56,6 +56,7 @@ int run_command(int argc, char** argv) {
   weft::cli::add_data_command(app, context);
   weft::cli::add_plugins_command(app, context);
   weft::cli::add_replay_command(app, context);
+  weft::cli::add_bench_command(app, context);
   weft::cli::add_doctor_command(app, context);
   weft::cli::add_records_command(app, context);
   weft::cli::add_metrics_command(app, context);

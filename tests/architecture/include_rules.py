@@ -57,8 +57,11 @@ INTERNAL = {
     "pipeline/runs metrics results ablation/plan",
     "report/text": "core",
     "report": "core statistics metrics results report/text",
+    "bench": "core data host/records host/loading host/calling pipeline/configuration "
+    "pipeline/graph pipeline/execution pipeline/runs statistics",
+    "counting": "",
     "cli": "core data geometry generators truth sdk yaml describe roles host pipeline printing "
-    "metrics results ablation report",
+    "metrics results ablation report bench",
 }
 LAYERS = INSTALLED | INTERNAL
 PLUGIN_LAYERS = ("core", "data", "geometry", "generators", "truth", "sdk")

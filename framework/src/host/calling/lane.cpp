@@ -81,7 +81,13 @@ Instance& Lane::add(std::unique_ptr<Instance> instance) {
   return *instances_.back();
 }
 
-weft_call Lane::make_call(const Instance& instance, Scope& scope, int method, std::uint64_t frame) {
+void Lane::divide_threads(int threads, int callers) {
+  threads_a_call_ = std::max(threads / std::max(callers, 1), 1);
+  processor_time_ = callers > 1 ? ProcessorTime::of_thread : ProcessorTime::of_process;
+}
+
+weft_call Lane::make_call(const Instance& instance, Scope& scope, int method,
+                          std::uint64_t frame) const {
   weft_call call{};
   call.struct_size = sizeof(weft_call);
   call.method = method;
@@ -89,7 +95,7 @@ weft_call Lane::make_call(const Instance& instance, Scope& scope, int method, st
   call.context = &scope;
   call.seed = component_seed(instance.run_seed, frame, instance.stage, instance.path);
   call.frame = frame;
-  call.threads = 1;
+  call.threads = threads_a_call_;
   return call;
 }
 
@@ -150,7 +156,7 @@ Outcome Lane::enter(Instance& instance, int method, std::span<const weft_record>
   Scope scope{*this, instance, &methods[to_index(method)], depth, frame};
   const weft_call call = make_call(instance, scope, method, frame);
   weft_error error{};
-  const Stopwatch watch;
+  const Stopwatch watch = stopwatch();
   ReachableInputs reachable;
   const auto readable = reachable.reach(inputs, instance.device_memory, call);
   scope.downloaded_bytes = reachable.downloaded_bytes();

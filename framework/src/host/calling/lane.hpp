@@ -77,6 +77,13 @@ class Lane {
   Result<Instance*> instantiate_isolated(const ComponentSpec& spec, const std::string& stage,
                                          const Isolation& isolation);
 
+  /// So many threads may work at a time, shared by the callers of this lane; before anything is
+  /// made. With more than one caller, processor time is that of the calling thread alone.
+  void divide_threads(int threads, int callers);
+
+  /// Measures as the lane does.
+  Stopwatch stopwatch() const { return Stopwatch(processor_time_); }
+
   /// Gives template and camera to an instance and to those nested in it.
   Result<void> prepare(Instance& instance, const Record& templ, const Record& camera);
 
@@ -122,8 +129,8 @@ class Lane {
                 std::uint64_t frame, int depth);
   Outcome finish(Instance& instance, Scope& scope, std::span<const weft_record> inputs,
                  std::int32_t status, const weft_error& error);
-  static weft_call make_call(const Instance& instance, Scope& scope, int method,
-                             std::uint64_t frame);
+  weft_call make_call(const Instance& instance, Scope& scope, int method,
+                      std::uint64_t frame) const;
   std::int32_t call_worker(Instance& instance, Scope& scope, int method,
                            std::span<const weft_record> inputs, weft_error* error);
   Instance* find(std::uint64_t handle) const;
@@ -136,6 +143,8 @@ class Lane {
   Log log_;
   Announce announce_;
   std::vector<std::unique_ptr<Instance>> instances_;  ///< handle - 1 is the index
+  int threads_a_call_ = 1;
+  ProcessorTime processor_time_ = ProcessorTime::of_process;
   std::mutex timings_mutex_;
   std::vector<Timing> timings_;
   std::atomic<std::uint64_t> next_revision_;

@@ -6,20 +6,28 @@
 namespace weft::host {
 namespace {
 
-double processor_ms_of_process() {
+double processor_ms(ProcessorTime counted) {
   timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  clock_gettime(
+      counted == ProcessorTime::of_thread ? CLOCK_THREAD_CPUTIME_ID : CLOCK_PROCESS_CPUTIME_ID,
+      &now);
   return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
 }  // namespace
 
-Stopwatch::Stopwatch()
-    : start_(std::chrono::steady_clock::now()), processor_start_ms_(processor_ms_of_process()) {}
+Stopwatch::Stopwatch(ProcessorTime counted)
+    : counted_(counted),
+      start_(std::chrono::steady_clock::now()),
+      processor_start_ms_(processor_ms(counted)),
+      allocated_(allocations_of_process()) {}
 
 Spent Stopwatch::spent() const {
   const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - start_;
-  return {wall.count(), processor_ms_of_process() - processor_start_ms_};
+  const Allocations now = allocations_of_process();
+  return {wall.count(),
+          processor_ms(counted_) - processor_start_ms_,
+          {now.blocks - allocated_.blocks, now.bytes - allocated_.bytes}};
 }
 
 }  // namespace weft::host

@@ -3,6 +3,8 @@
 
 #include <chrono>
 
+#include "host/calling/allocation_count.hpp"
+
 namespace weft::host {
 
 /// What something took. Processor time counts all threads of the processes that worked for it, so
@@ -11,12 +13,17 @@ namespace weft::host {
 struct Spent {
   double ms = 0.0;            ///< [] ms on the wall
   double processor_ms = 0.0;  ///< [] ms of processor time
+  Allocations allocations{};  ///< of this process; 0 where they are not counted
 };
+
+/// Whose processor time counts: where several threads do different things at once, what one of them
+/// did is known of that thread alone.
+enum class ProcessorTime { of_process, of_thread };
 
 /// Measures what is spent from its making on.
 class Stopwatch {
  public:
-  Stopwatch();
+  explicit Stopwatch(ProcessorTime counted = ProcessorTime::of_process);
 
   std::chrono::steady_clock::time_point start() const { return start_; }
 
@@ -24,8 +31,10 @@ class Stopwatch {
   Spent spent() const;
 
  private:
+  ProcessorTime counted_;
   std::chrono::steady_clock::time_point start_;
   double processor_start_ms_;
+  Allocations allocated_;
 };
 
 }  // namespace weft::host

@@ -184,6 +184,11 @@ std::size_t Executor::last_user_of_warp(std::size_t stage) const {
   return last;
 }
 
+void Executor::restart() {
+  history_.forget();
+  frames_since_measured_ = 0;
+}
+
 void Executor::keep_calls_of(const std::string& name) {
   for (Stage& stage : stages_) stage.is_kept = stage.is_kept || stage.config->name == name;
 }
@@ -237,7 +242,7 @@ StageReport Executor::execute(Stage& stage, FrameResult& result) {
   const std::string cause = gather(*stage.node, result, inputs);
   StageReport report{stage.config->name, StageStatus::skipped, cause, {}, {}, false};
   if (cause.empty()) {
-    const host::Stopwatch watch;
+    const host::Stopwatch watch = lane_.stopwatch();
     Outcome outcome = lane_.is_cancelled()
                           ? Outcome{WEFT_CANCELLED, {Errc::cancelled, "was not begun", {}}, {}}
                           : lane_.call(*stage.made.instance, kRunStage, inputs, result.index);

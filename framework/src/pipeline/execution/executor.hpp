@@ -39,6 +39,10 @@ class Executor {
   /// One a stage; `busy_until` is the index of a stage, or their number for the sinks.
   std::vector<StepRule> rules() const;
 
+  /// The next frame is the first of a sequence: nothing is fed back to it. What components keep for
+  /// speed stays.
+  void restart();
+
  private:
   struct Stage {
     const StageConfig* config;

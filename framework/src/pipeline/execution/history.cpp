@@ -41,4 +41,8 @@ void History::remember(const std::vector<host::RecordPtr>& values) {
   }
 }
 
+void History::forget() {
+  for (auto& [slot, past] : by_slot_) past.frames.clear();
+}
+
 }  // namespace weft

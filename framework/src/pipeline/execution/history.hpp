@@ -28,6 +28,9 @@ class History {
   /// The frame's values become the past; an absent one leaves the one before it.
   void remember(const std::vector<host::RecordPtr>& values);
 
+  /// As if no frame had been.
+  void forget();
+
  private:
   struct Past {
     std::size_t depth = 0;               ///< [frames]

@@ -93,7 +93,7 @@ Outcome PipelineInput::read_checked(std::uint64_t index) {
 }
 
 std::optional<PipelineInput::Frame> PipelineInput::read(std::uint64_t index) {
-  const host::Stopwatch watch;
+  const host::Stopwatch watch = lane_->stopwatch();
   Outcome read = read_checked(index);
   const host::Spent took = watch.spent();
   if (frames_ < 0 && read.status == WEFT_NO_RESULT) return std::nullopt;

@@ -2,19 +2,18 @@
 #include "pipeline/runs/run.hpp"
 
 #include <algorithm>
-#include <set>
+#include <map>
+#include <mutex>
+#include <weft/core/index.hpp>
 
-#include "pipeline/execution/input.hpp"
-#include "pipeline/monitor/setup_monitor.hpp"
 #include "pipeline/runs/dump.hpp"
+#include "pipeline/runs/frame_loop.hpp"
 #include "pipeline/runs/run_folder.hpp"
 #include "pipeline/runs/trace.hpp"
-#include "roles/role_rules.hpp"
 
 namespace weft {
 namespace {
 
-using host::Outcome;
 using host::RecordPtr;
 
 struct Failed {
@@ -31,39 +30,49 @@ void need(const Result<void>& result) {
   if (!result) throw Failed{result.error()};
 }
 
-/// Where records stand when another process is to read them.
-std::shared_ptr<host::SharedArena> arena_for(const PipelineConfig& config) {
-  const bool isolated = std::any_of(config.stages.begin(), config.stages.end(),
-                                    [](const StageConfig& stage) { return stage.isolation; });
-  return isolated ? need(host::SharedArena::create()) : nullptr;
-}
-
-/// Counts what components warn of, each text once a frame.
+/// Counts what components warn of, each text once a frame. Frames may warn in any order: they are
+/// counted when they are filed.
 class WarningLog {
  public:
-  void begin_frame() { told_.clear(); }
-  void end_of_start() { in_frames_ = true; }
-
-  void note(const std::string& component, int level, const std::string& text) {
+  /// From any thread.
+  void note(const std::string& component, int level, const std::string& text, std::uint64_t frame) {
     constexpr int kWarning = 2;
-    constexpr std::size_t kMost = 100;
-    if (level < kWarning || !told_.emplace(component, text).second) return;
-    const auto same = [&](const RunWarning& warning) {
-      return warning.component == component && warning.text == text;
-    };
-    auto known = std::find_if(warnings_.begin(), warnings_.end(), same);
-    if (known == warnings_.end()) {
-      if (warnings_.size() == kMost) return;
-      known = warnings_.insert(known, {component, text, 0});
-    }
-    known->frames += in_frames_ ? 1 : 0;
+    if (level < kWarning) return;
+    const std::lock_guard lock(mutex_);
+    Told& told = told_[frame];
+    const std::pair what{component, text};
+    if (std::find(told.begin(), told.end(), what) == told.end()) told.push_back(what);
+    if (frame == host::kOfflineFrame) file_told(frame, 0);
+  }
+
+  void file(std::uint64_t frame) {
+    const std::lock_guard lock(mutex_);
+    file_told(frame, 1);
   }
 
   std::vector<RunWarning> take() { return std::move(warnings_); }
 
  private:
-  bool in_frames_ = false;
-  std::set<std::pair<std::string, std::string>> told_;  ///< in this frame
+  using Told = std::vector<std::pair<std::string, std::string>>;  ///< component, text
+
+  void file_told(std::uint64_t frame, std::int64_t frames) {
+    constexpr std::size_t kMost = 100;
+    for (const auto& [component, text] : std::exchange(told_[frame], {})) {
+      const auto same = [&, &by = component, &said = text](const RunWarning& warning) {
+        return warning.component == by && warning.text == said;
+      };
+      auto known = std::find_if(warnings_.begin(), warnings_.end(), same);
+      if (known == warnings_.end()) {
+        if (warnings_.size() == kMost) continue;
+        known = warnings_.insert(known, {component, text, 0});
+      }
+      known->frames += frames;
+    }
+    told_.erase(frame);
+  }
+
+  std::mutex mutex_;
+  std::map<std::uint64_t, Told> told_;  ///< by frame, not yet filed
   std::vector<RunWarning> warnings_;
 };
 
@@ -71,32 +80,28 @@ class Run {
  public:
   Run(const CheckedPipeline& pipeline, const std::string& folder, RunObserver& observer,
       const std::atomic<bool>& cancel, const std::vector<std::string>& dumped)
-      : config_(pipeline.config),
-        graph_(pipeline.graph),
+      : pipeline_(pipeline),
         observer_(observer),
         cancel_(cancel),
         dumped_(dumped),
-        lane_(
-            pipeline.config.seed,
-            [this](const std::string& component, int level, const std::string& text) {
-              warnings_.note(component, level, text);
-            },
-            arena_for(pipeline.config)),
+        lane_(need(lane_of(
+            pipeline.config,
+            [this](const std::string& component, int level, const std::string& text,
+                   std::uint64_t frame) { warnings_.note(component, level, text, frame); }))),
         folder_path_(folder) {
-    watch();
-    lane_.announce_to([this](const std::string& stage, const std::string& what,
-                             std::uint64_t frame) { observer_.calling(stage, what, frame); });
+    lane_->watch([this] { return cancel_.load(); });
+    lane_->announce_to(
+        [this](const std::string& stage, const std::string& what, std::uint64_t frame) {
+          const std::lock_guard lock(announcing_);
+          observer_.calling(stage, what, frame);
+        });
   }
 
   RunSummary run() {
     try {
       open();
-      const std::int64_t count = input_->frames();
-      observer_.started(count);
-      warnings_.end_of_start();
-      for (std::int64_t index = 0; count < 0 || index < count; ++index) {
-        if (cancel_.load() || !frame(static_cast<std::uint64_t>(index))) break;
-      }
+      observer_.started(loop_->input().frames());
+      take_all_frames();
     } catch (const Failed& failed) {
       static_cast<void>(finish());  // the first error is the one to report
       if (failed.error.code != Errc::cancelled || !cancel_.load()) throw;
@@ -112,10 +117,8 @@ class Run {
     summary_.cancelled = cancel_.load();
     summary_.stopped = summary_.stopped || summary_.cancelled;
     summary_.warnings = warnings_.take();
-    if (monitor_) {
-      for (RunWarning& warning : monitor_->warnings()) {
-        summary_.warnings.push_back(std::move(warning));
-      }
+    if (loop_) {
+      for (RunWarning& warning : loop_->warnings()) summary_.warnings.push_back(std::move(warning));
     }
     if (folder_ && summary_.cancelled && summary_.frames == 0) {
       trace_.reset();
@@ -129,29 +132,14 @@ class Run {
     return summary_;
   }
 
-  struct Sink {
-    const StageConfig* config;
-    const Node* node;
-    host::Instance* instance;
-  };
-
   void open() {
-    need(Dump::check_names(config_, dumped_));
-    input_.emplace(need(PipelineInput::open(config_, lane_)));
-    executor_ = need(Executor::create(config_, graph_, lane_, input_->templ(), input_->camera()));
-    // A mesh that is no surface has no lengths to judge by: such a run is not watched.
-    if (auto made = SetupMonitor::create(*input_->templ(), input_->camera())) {
-      monitor_.emplace(*std::move(made));
-    }
+    need(Dump::check_names(pipeline_.config, dumped_));
+    loop_ = need(FrameLoop::open(pipeline_, *lane_));
     stop_if_cancelled();
     // Not before: a run that cannot start leaves no folder behind.
     if (!folder_path_.empty()) open_folder();
-    open_sinks();
-    if (trace_) need(trace_->add(lane_.take_timings()));
-  }
-
-  void watch() {
-    lane_.watch([this] { return cancel_.load(); });
+    need(loop_->open_sinks());
+    if (trace_) need(trace_->add(lane_->take_timings()));
   }
 
   void stop_if_cancelled() const {
@@ -159,97 +147,97 @@ class Run {
   }
 
   void open_folder() {
-    const RecordPtr &templ = input_->templ(), &camera = input_->camera();
+    const RecordPtr &templ = loop_->input().templ(), &camera = loop_->input().camera();
     folder_.emplace(need(RunFolder::create(folder_path_)));
-    need(folder_->begin(config_, *templ, *camera));
+    need(folder_->begin(pipeline_.config, *templ, *camera));
     trace_.emplace(need(Trace::create(folder_->path() + "/trace.json")));
-    dump_.emplace(need(Dump::create(folder_->path(), config_, dumped_, templ, camera)));
-    for (const std::string& stage : dumped_) executor_->keep_calls_of(stage);
+    dump_.emplace(need(Dump::create(folder_->path(), pipeline_.config, dumped_, templ, camera)));
+    for (const std::string& stage : dumped_) loop_->executor().keep_calls_of(stage);
   }
 
-  void open_sinks() {
-    for (std::size_t i = 0; i < config_.sinks.size(); ++i) {
-      const StageConfig& sink = config_.sinks[i];
-      host::Instance* instance = need(lane_.instantiate(sink.component, sink.name));
-      need(lane_.prepare(*instance, *input_->templ(), *input_->camera()));
-      const Outcome opened = lane_.call(*instance, kOpenSink, {}, host::kOfflineFrame);
-      if (!opened.usable()) throw Failed{opened.error};
-      sinks_.push_back({&sink, &graph_.sinks[i], instance});
+  /// The steps of a frame are: it is read, what FrameLoop does with it, it is filed.
+  void take_all_frames() {
+    std::vector<StepRule> rules{{}};
+    for (StepRule rule : loop_->rules()) {
+      if (rule.busy_until > 0) ++rule.busy_until;
+      rules.push_back(rule);
     }
+    rules.emplace_back();
+    const auto at_once = to_index(pipeline_.config.frames_at_once);
+    on_their_way_.resize(at_once);
+    FrameLine line(std::move(rules), 1 + loop_->settled(), at_once);
+    line.run(workers_of(pipeline_.config),
+             [&](std::size_t step, std::uint64_t index) { return take(step, index); });
+  }
+
+  FrameLine::Answer take(std::size_t step, std::uint64_t index) {
+    using enum FrameLine::Answer;
+    std::optional<FrameOnItsWay>& frame = on_their_way_[index % on_their_way_.size()];
+    if (step == 0) return read(index, frame) ? passed : not_there;
+    const std::size_t of_loop = step - 1;
+    if (of_loop == loop_->settled() && frame->result.failed() && cancel_.load()) {
+      return not_there;  // cut short: this is no result
+    }
+    if (of_loop < loop_->rules().size()) {
+      loop_->take(of_loop, *frame);
+      return passed;
+    }
+    const bool goes_on = file(*frame);
+    frame.reset();
+    return goes_on ? passed : last;
+  }
+
+  /// False where there is no such frame, or none is wanted.
+  bool read(std::uint64_t index, std::optional<FrameOnItsWay>& frame) {
+    const std::int64_t count = loop_->input().frames();
+    if (cancel_.load() || (count >= 0 && index >= static_cast<std::uint64_t>(count))) return false;
+    auto read = loop_->input().read(index);
+    if (read) frame.emplace(loop_->begin(*std::move(read)));
+    return read.has_value();
   }
 
   /// False when the run ends here.
-  bool frame(std::uint64_t index) {
-    warnings_.begin_frame();
-    const auto read = input_->read(index);
-    if (!read) return false;
-    FrameResult result = executor_->process(read->input);
-    result.stages.insert(result.stages.begin(), read->report);
-    if (result.failed() && cancel_.load()) return false;  // cut short: this is no result
-    if (monitor_) monitor_->add(graph_, result);
-    lane_.watch(nullptr);  // a frame that is there is written by all sinks, or by none
-    for (const Sink& sink : sinks_) result.stages.push_back(write(sink, result));
-    watch();
-    for (const host::Timing& timing : lane_.take_timings()) result.timings.push_back(timing);
+  bool file(FrameOnItsWay& frame) {
+    FrameResult& result = frame.result;
+    for (const host::Timing& timing : lane_->take_timings(result.index)) {
+      result.timings.push_back(timing);
+    }
     if (folder_) {
-      need(folder_->add(graph_, result, read->input.find("ground_truth")));
+      need(folder_->add(pipeline_.graph, result, frame.read.input.find("ground_truth")));
       need(trace_->add(result));
       need(dump_->add(result));
     }
+    warnings_.file(result.index);
     ++summary_.frames;
     summary_.failed += result.failed() ? 1 : 0;
     observer_.frame_done(result);
-    summary_.stopped = result.failed() && config_.stop_on_error;
+    summary_.stopped = result.failed() && pipeline_.config.stop_on_error;
     return !summary_.stopped;
-  }
-
-  StageReport write(const Sink& sink, const FrameResult& result) {
-    std::vector<weft_record> inputs;
-    const std::string cause = gather(*sink.node, result, inputs);
-    if (!cause.empty()) return {sink.config->name, StageStatus::skipped, cause, {}, {}, false};
-    const host::Stopwatch watch;
-    const Outcome outcome = lane_.call(*sink.instance, kWriteFrame, inputs, result.index);
-    return report_of(sink.config->name, outcome, watch.spent());
   }
 
   /// Finishes sinks and trace; the first error counts.
   Result<void> finish() {
-    Result<void> status = close_sinks();
+    Result<void> status = loop_ ? loop_->close_sinks() : Result<void>();
     if (!trace_) return status;
-    for (const auto& written : {trace_->add(lane_.take_timings()), trace_->close()}) {
+    for (const auto& written : {trace_->add(lane_->take_timings()), trace_->close()}) {
       if (status && !written) status = written;
     }
     return status;
   }
 
-  /// Finishes all sinks, whatever one of them says; the first error counts.
-  Result<void> close_sinks() {
-    lane_.watch(nullptr);  // what was written so far is finished also when the run was cancelled
-    Result<void> status;
-    for (const Sink& sink : sinks_) {
-      const Outcome closed = lane_.call(*sink.instance, kFinishSink, {}, host::kOfflineFrame);
-      if (!closed.usable() && status) {
-        status = Error{Errc::io, closed.error.message, closed.error.where};
-      }
-    }
-    return status;
-  }
-
-  const PipelineConfig& config_;
-  const Graph& graph_;
+  const CheckedPipeline& pipeline_;
   RunObserver& observer_;
   const std::atomic<bool>& cancel_;
   const std::vector<std::string>& dumped_;  ///< names of stages
   WarningLog warnings_;
-  host::Lane lane_;
+  std::mutex announcing_;
+  std::unique_ptr<host::Lane> lane_;
   std::string folder_path_;
   std::optional<RunFolder> folder_;
   std::optional<Trace> trace_;
   std::optional<Dump> dump_;
-  std::optional<PipelineInput> input_;
-  std::unique_ptr<Executor> executor_;
-  std::optional<SetupMonitor> monitor_;
-  std::vector<Sink> sinks_;
+  std::unique_ptr<FrameLoop> loop_;
+  std::vector<std::optional<FrameOnItsWay>> on_their_way_;  ///< by frame, modulo their number
   RunSummary summary_;
 };
 

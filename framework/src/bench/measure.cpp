@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/measure.hpp"
+
+namespace weft::bench {
+
+Result<std::vector<std::vector<Sample>>> measure(const Settings& settings,
+                                                 std::span<Subject* const> subjects,
+                                                 const Progress& progress) {
+  std::vector<std::vector<Sample>> samples(subjects.size());
+  const std::vector<Turn> turns = schedule(settings, subjects.size());
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    const Turn& turn = turns[i];
+    Subject& subject = *subjects[turn.pipeline];
+    if (turn.first == 0) subject.restart();
+    for (std::int64_t frame = turn.first; frame < turn.end; ++frame) {
+      auto spent = subject.run(frame);
+      if (!spent) return spent.error();
+      if (frame < settings.warmup) continue;
+      samples[turn.pipeline].push_back({turn.number, turn.repetition, frame, *std::move(spent)});
+    }
+    if (progress) progress(i + 1, turns.size());
+  }
+  return samples;
+}
+
+}  // namespace weft::bench

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bench/schedule.hpp"
+#include "pipeline/execution/frame_result.hpp"
+
+namespace weft::bench {
+
+/// What a part of a pipeline came to in a frame.
+struct PartSpent {
+  StageStatus status = StageStatus::ok;
+  host::Spent took;
+};
+
+/// What a frame took; that of the source, which had read it before, is not in it.
+struct FrameSpent {
+  host::Spent whole;
+  std::vector<PartSpent> parts;  ///< one for each of Subject::parts()
+};
+
+/// What is measured: something that runs frames it has at hand.
+class Subject {
+ public:
+  virtual ~Subject() = default;
+
+  /// Names of the stages, and of the sinks where they take part.
+  virtual const std::vector<std::string>& parts() const = 0;
+
+  /// The next frame is the first of a sequence.
+  virtual void restart() = 0;
+
+  /// Fails with the error that a stage had, or with cancelled.
+  virtual Result<FrameSpent> run(std::int64_t frame) = 0;
+};
+
+/// A frame that counts.
+struct Sample {
+  std::int64_t turn = 0;  ///< see Turn::number
+  int repetition = 0;
+  std::int64_t frame = 0;  ///< [] index from 0 of the source
+  FrameSpent spent;
+};
+
+/// Told after each turn how many of all are done.
+using Progress = std::function<void(std::size_t done, std::size_t turns)>;
+
+/// Runs the turns; the samples of each subject in the order of its frames. Ends with the first
+/// error.
+Result<std::vector<std::vector<Sample>>> measure(const Settings& settings,
+                                                 std::span<Subject* const> subjects,
+                                                 const Progress& progress);
+
+}  // namespace weft::bench

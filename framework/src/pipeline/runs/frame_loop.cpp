@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/runs/frame_loop.hpp"
+
+#include <algorithm>
+#include <thread>
+
+#include "roles/role_rules.hpp"
+
+namespace weft {
+
+using host::Outcome;
+
+namespace {
+
+int threads_of(const PipelineConfig& config) {
+  const auto cores = static_cast<int>(std::thread::hardware_concurrency());
+  return config.threads > 0 ? config.threads : std::max(cores, 1);
+}
+
+}  // namespace
+
+int workers_of(const PipelineConfig& config) {
+  return std::min(config.frames_at_once, threads_of(config));
+}
+
+Result<std::unique_ptr<host::Lane>> lane_of(const PipelineConfig& config, host::Lane::Log log) {
+  const bool isolated = std::any_of(config.stages.begin(), config.stages.end(),
+                                    [](const StageConfig& stage) { return stage.isolation; });
+  std::shared_ptr<host::SharedArena> arena;
+  if (isolated) {
+    auto made = host::SharedArena::create();
+    if (!made) return made.error();
+    arena = *std::move(made);
+  }
+  auto lane = std::make_unique<host::Lane>(config.seed, std::move(log), std::move(arena));
+  lane->divide_threads(threads_of(config), workers_of(config));
+  return lane;
+}
+
+Result<std::unique_ptr<FrameLoop>> FrameLoop::open(const CheckedPipeline& pipeline,
+                                                   host::Lane& lane) {
+  auto input = PipelineInput::open(pipeline.config, lane);
+  if (!input) return input.error();
+  std::unique_ptr<FrameLoop> loop(new FrameLoop(pipeline, lane, *std::move(input)));
+  auto executor = Executor::create(pipeline.config, pipeline.graph, lane, loop->input_.templ(),
+                                   loop->input_.camera());
+  if (!executor) return executor.error();
+  loop->executor_ = *std::move(executor);
+  loop->watch_set_up();
+  return loop;
+}
+
+/// A mesh that is no surface has no lengths to judge by: such a run is not watched.
+void FrameLoop::watch_set_up() {
+  monitor_.reset();
+  if (auto made = SetupMonitor::create(*input_.templ(), input_.camera())) {
+    monitor_.emplace(*std::move(made));
+  }
+}
+
+Result<void> FrameLoop::open_sinks() {
+  const std::vector<StageConfig>& sinks = pipeline_.config.sinks;
+  for (std::size_t i = 0; i < sinks.size(); ++i) {
+    const auto instance = lane_.instantiate(sinks[i].component, sinks[i].name);
+    if (!instance) return instance.error();
+    auto ready = lane_.prepare(**instance, *input_.templ(), *input_.camera());
+    if (!ready) return ready;
+    const Outcome opened = lane_.call(**instance, kOpenSink, {}, host::kOfflineFrame);
+    if (!opened.usable()) return opened.error;
+    host::Lane::let_finish(**instance);
+    sinks_.push_back({&sinks[i], &pipeline_.graph.sinks[i], *instance});
+  }
+  return {};
+}
+
+std::vector<RunWarning> FrameLoop::warnings() const {
+  return monitor_ ? monitor_->warnings() : std::vector<RunWarning>{};
+}
+
+FrameOnItsWay FrameLoop::begin(PipelineInput::Frame read) {
+  FrameResult result = executor_->begin(read.input);
+  return {std::move(read), std::move(result)};
+}
+
+void FrameLoop::take(std::size_t step, FrameOnItsWay& frame) {
+  FrameResult& result = frame.result;
+  if (step < settled()) return executor_->run_stage(step, result);
+  if (step > settled()) {
+    result.stages.push_back(write(sinks_[step - settled() - 1], result));
+    return;
+  }
+  executor_->end(result);
+  result.stages.insert(result.stages.begin(), frame.read.report);
+  if (monitor_) monitor_->add(pipeline_.graph, result);
+}
+
+std::vector<StepRule> FrameLoop::rules() const {
+  std::vector<StepRule> rules = executor_->rules();
+  for (StepRule& rule : rules) {
+    if (rule.busy_until == settled()) rule.busy_until += sinks_.size();
+  }
+  rules.resize(settled() + 1 + sinks_.size());
+  return rules;
+}
+
+FrameResult FrameLoop::process(const PipelineInput::Frame& read) {
+  FrameOnItsWay frame = begin(read);
+  for (std::size_t step = 0; step <= settled(); ++step) take(step, frame);
+  return std::move(frame.result);
+}
+
+void FrameLoop::finish(FrameResult& result) {
+  for (const Sink& sink : sinks_) result.stages.push_back(write(sink, result));
+  for (const host::Timing& timing : lane_.take_timings(result.index)) {
+    result.timings.push_back(timing);
+  }
+}
+
+void FrameLoop::restart() {
+  executor_->restart();
+  watch_set_up();
+}
+
+StageReport FrameLoop::write(const Sink& sink, const FrameResult& result) {
+  std::vector<weft_record> inputs;
+  const std::string cause = gather(*sink.node, result, inputs);
+  if (!cause.empty()) return {sink.config->name, StageStatus::skipped, cause, {}, {}, false};
+  const host::Stopwatch watch = lane_.stopwatch();
+  const Outcome outcome = lane_.call(*sink.instance, kWriteFrame, inputs, result.index);
+  return report_of(sink.config->name, outcome, watch.spent());
+}
+
+Result<void> FrameLoop::close_sinks() {
+  Result<void> status;
+  for (const Sink& sink : sinks_) {
+    const Outcome closed = lane_.call(*sink.instance, kFinishSink, {}, host::kOfflineFrame);
+    if (!closed.usable() && status) {
+      status = Error{Errc::io, closed.error.message, closed.error.where};
+    }
+  }
+  return status;
+}
+
+}  // namespace weft

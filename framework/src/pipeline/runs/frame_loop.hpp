@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "pipeline/execution/input.hpp"
+#include "pipeline/monitor/setup_monitor.hpp"
+#include "pipeline/runs/run.hpp"
+
+namespace weft {
+
+/// How many frames of a run are worked on at the same moment.
+int workers_of(const PipelineConfig& config);
+
+/// A lane for the components of a pipeline: in shared memory where a stage has a process of its
+/// own, with the threads that the workers leave to each call.
+Result<std::unique_ptr<host::Lane>> lane_of(const PipelineConfig& config, host::Lane::Log log);
+
+/// A frame between the source and its line.
+struct FrameOnItsWay {
+  PipelineInput::Frame read;
+  FrameResult result;  ///< the report of the source comes first, from the end of the stages on
+};
+
+/// An opened pipeline, frame by frame: what a run does with a frame before it is filed.
+class FrameLoop {
+ public:
+  /// Opens source and template and makes the stages; pipeline and lane outlive the loop.
+  static Result<std::unique_ptr<FrameLoop>> open(const CheckedPipeline& pipeline, host::Lane& lane);
+
+  /// Makes and opens the sinks, in their order; the first error ends it. From then on they are not
+  /// told to stop: a frame that is there is written by all sinks, or by none.
+  Result<void> open_sinks();
+
+  PipelineInput& input() { return input_; }
+  Executor& executor() { return *executor_; }
+
+  /// What the frames said of the set-up until now.
+  std::vector<RunWarning> warnings() const;
+
+  /// A frame that no stage has seen.
+  FrameOnItsWay begin(PipelineInput::Frame read);
+
+  /// What happens to a frame next, in `rules().size()` steps: each stage, what ends the frame and
+  /// shows it to the monitor of the set-up, each sink. Steps of several frames may overlap as their
+  /// rules say. The stages and the end of a frame are the first `settled() + 1` of them.
+  void take(std::size_t step, FrameOnItsWay& frame);
+  std::vector<StepRule> rules() const;
+  std::size_t settled() const { return pipeline_.graph.stages.size(); }
+
+  /// `begin`, all stages and the end.
+  FrameResult process(const PipelineInput::Frame& read);
+
+  /// Shows the frame to the sinks, whose reports are added.
+  void finish(FrameResult& result);
+
+  /// The next frame is the first of a sequence, see Executor::restart().
+  void restart();
+
+  /// Finishes all sinks, whatever one of them says; the first error counts.
+  Result<void> close_sinks();
+
+ private:
+  struct Sink {
+    const StageConfig* config;
+    const Node* node;
+    host::Instance* instance;
+  };
+
+  FrameLoop(const CheckedPipeline& pipeline, host::Lane& lane, PipelineInput input)
+      : pipeline_(pipeline), lane_(lane), input_(std::move(input)) {}
+  void watch_set_up();
+  StageReport write(const Sink& sink, const FrameResult& result);
+
+  const CheckedPipeline& pipeline_;
+  host::Lane& lane_;
+  PipelineInput input_;
+  std::unique_ptr<Executor> executor_;
+  std::optional<SetupMonitor> monitor_;
+  std::vector<Sink> sinks_;
+};
+
+}  // namespace weft
