@@ -17,9 +17,10 @@ using Reach = LitMesh::Reach;
 
 constexpr double kNearest_m = 0.01;
 constexpr std::int32_t kSheet = 0;
-/// Centres of the parts of a pixel that is cut into `kSide` x `kSide`.
-template <int kSide>
-constexpr auto centres_of_parts() {
+constexpr int kSide = 3;  // samples of a pixel along x and y
+
+/// Centres of the samples of a pixel.
+constexpr auto centres_of_samples() {
   std::array<std::array<double, 2>, std::size_t{kSide} * kSide> centres{};
   for (std::size_t k = 0; k < centres.size(); ++k) {
     centres[k] = {(static_cast<double>(k % kSide) + 0.5) / kSide - 0.5,
@@ -28,9 +29,7 @@ constexpr auto centres_of_parts() {
   return centres;
 }
 
-constexpr int kPrintSide = 2, kRaySide = 3;
-constexpr auto kSamples = centres_of_parts<kPrintSide>();  // of the print
-constexpr auto kRays = centres_of_parts<kRaySide>();       // where there is more than the print
+constexpr auto kSamples = centres_of_samples();
 
 double longest_side(const Points2& uv_px, const Faces& faces) {
   double longest = 0.0;
@@ -81,7 +80,7 @@ View SheetRenderer::render_nothing() const {
 }
 
 View SheetRenderer::render(const Points3View& vertices_m, const Light& light,
-                           std::optional<Solid> solid) {
+                           std::optional<Solid> solid, Scope scope) {
   Scene scene{LitMesh(pinhole_, {vertices_m, faces_}, light)};
   std::vector<const TriangleMesh*> meshes{&scene.sheet.mesh()};
   if (solid) {
@@ -96,7 +95,7 @@ View SheetRenderer::render(const Points3View& vertices_m, const Light& light,
   fill_maps(scene, window, view);
   draw(scene, window, view);
   if (paper_.margin) forget_margins(window, view);
-  find_visible(scene, view);
+  if (scope == Scope::pixels_and_vertices) find_visible(scene, view);
   return view;
 }
 
@@ -172,7 +171,7 @@ void SheetRenderer::draw(const Scene& scene, const Window& window, View& view) c
     for (int x = window.x0; x < window.x1; ++x) {
       if (is_edge[index(x, y)] != 0) {
         edges.push_back({x, y});
-        for (const auto& [dx, dy] : kRays) rays.push_back(ray(x + dx, y + dy));
+        for (const auto& [dx, dy] : kSamples) rays.push_back(ray(x + dx, y + dy));
       } else if (view.hits[index(x, y)].mesh >= 0) {
         view.image.pixels[index(x, y)] = inner_colour(scene, view, x, y);
         view.coverage(y, x) = 1.0F;
@@ -182,7 +181,7 @@ void SheetRenderer::draw(const Scene& scene, const Window& window, View& view) c
   const std::vector<RayHit> hits = caster_.trace(rays);
   for (std::size_t k = 0; k < edges.size(); ++k) {
     const auto [x, y] = edges[k];
-    const std::span<const RayHit> own(hits.data() + kRays.size() * k, kRays.size());
+    const std::span<const RayHit> own(hits.data() + kSamples.size() * k, kSamples.size());
     draw_edge(scene, own, x, y, view);
   }
 }
@@ -244,7 +243,7 @@ Colour SheetRenderer::sheet_colour(const LitMesh& sheet, std::int32_t face, doub
   const auto uv = [&](double dx, double dy) {
     return sheet.interpolated(uv_px_, sheet.at(face, x + dx, y + dy, Reach::of_a_neighbour));
   };
-  constexpr double kHalf = 0.5 / kRaySide;
+  constexpr double kHalf = 0.5 / kSide;
   const double along = (uv(kHalf, 0.0) - uv(-kHalf, 0.0)).squaredNorm();
   const double across = (uv(0.0, kHalf) - uv(0.0, -kHalf)).squaredNorm();
   const Eigen::Array2f here = sheet.interpolated(uv_px_, point).cast<float>().transpose().array();
@@ -275,8 +274,7 @@ Colour SheetRenderer::inner_colour(const Scene& scene, const View& view, int x, 
   const int above = std::max(y - 1, 0), below = std::min(y + 1, height_ - 1);
   const Eigen::Array2f along = (uv(right, y) - uv(left, y)) / static_cast<float>(right - left);
   const Eigen::Array2f across = (uv(x, below) - uv(x, above)) / static_cast<float>(below - above);
-  const float texels =
-      std::sqrt(0.5F * (along.square().sum() + across.square().sum())) / kPrintSide;
+  const float texels = std::sqrt(0.5F * (along.square().sum() + across.square().sum())) / kSide;
   Colour sum = Colour::Zero();
   for (const auto& [dx, dy] : kSamples) {
     const Eigen::Array2f at =
@@ -290,8 +288,8 @@ void SheetRenderer::draw_edge(const Scene& scene, std::span<const RayHit> hits, 
                               View& view) const {
   Colour sum = Colour::Zero();
   int on_background = 0;
-  for (std::size_t k = 0; k < kRays.size(); ++k) {
-    const double at_x = x + kRays[k][0], at_y = y + kRays[k][1];
+  for (std::size_t k = 0; k < kSamples.size(); ++k) {
+    const double at_x = x + kSamples[k][0], at_y = y + kSamples[k][1];
     const std::int32_t face = hits[k].face;
     if (hits[k].mesh < 0) {
       ++on_background;
@@ -301,7 +299,7 @@ void SheetRenderer::draw_edge(const Scene& scene, std::span<const RayHit> hits, 
       sum += solid_colour(scene, face, at_x, at_y);
     }
   }
-  constexpr float kShare = 1.0F / kRays.size();
+  constexpr float kShare = 1.0F / kSamples.size();
   const float beside = kShare * static_cast<float>(on_background);
   Colour& pixel = view.image.pixels[index(x, y)];
   pixel = kShare * sum + beside * pixel;

@@ -32,12 +32,12 @@ struct View {
   std::vector<RayHit> hits;              ///< [H*W] at the pixel centres; mesh 0 is the sheet
   Array<float> depth_m;                  ///< [H,W] m along the optical axis, 0 on the background
   Array<float> uv_px;                    ///< [H,W,2] px of the print, NaN where it is not seen
-  std::vector<std::uint8_t> is_visible;  ///< [V] whether the camera sees its printed side
+  std::vector<std::uint8_t> is_visible;  ///< [V] whether its printed side is seen, where asked
 };
 
 /// Draws a printed sheet over a background as a pinhole camera sees it, by ray casting. Pixel (i,j)
-/// is the mean over [i-1/2,i+1/2] x [j-1/2,j+1/2]: of 2 x 2 samples of the print inside the sheet,
-/// of 3 x 3 rays where its outline, a fold or a solid runs through the pixel. Texture coordinates
+/// is the mean over [i-1/2,i+1/2] x [j-1/2,j+1/2] of 3 x 3 samples: of the print alone inside the
+/// sheet, of rays where its outline, a fold or a solid runs through the pixel. Texture coordinates
 /// and depths are exact for the mesh.
 class SheetRenderer {
  public:
@@ -49,9 +49,12 @@ class SheetRenderer {
 
   const MipTexture& print() const { return print_; }
 
+  /// What is found out in a frame: each vertex costs a ray.
+  enum class Scope { pixels, pixels_and_vertices };
+
   /// The sheet with the vertices [V,3] m in the camera frame, and a solid before it.
   View render(const Points3View& vertices_m, const Light& light,
-              std::optional<Solid> solid = std::nullopt);
+              std::optional<Solid> solid = std::nullopt, Scope scope = Scope::pixels_and_vertices);
   /// The background alone.
   View render_nothing() const;
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <utility>
 #include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
@@ -90,7 +91,8 @@ Points3 SceneMaker::vertices_m(const LocatedSheet& sheet) const {
 }
 
 Scene SceneMaker::make(const LocatedSheet& sheet, double t_s) {
-  const scene::View view = renderer_.render(vertices_m(sheet), {light_at(t_s), options_.ambient});
+  const scene::View view = renderer_.render(vertices_m(sheet), {light_at(t_s), options_.ambient},
+                                            std::nullopt, scene::SheetRenderer::Scope::pixels);
   Scene scene{layer_of(view), {}};
   scene.truth = options_.truth == Truth::surface ? surface_truth(sheet, view) : marker_truth(sheet);
   add_images(sheet, view, scene.truth);

@@ -157,9 +157,11 @@ class Synthetic final : public Source {
   }
 
   Image picture(std::int64_t index, const DevelopableSheet& sheet, Rng noise) {
-    const scene::View view = invisible_.count(index) > 0
-                                 ? renderer_->render_nothing()
-                                 : renderer_->render(mesh_->vertices_m(sheet), room_light());
+    const scene::View view =
+        invisible_.count(index) > 0
+            ? renderer_->render_nothing()
+            : renderer_->render(mesh_->vertices_m(sheet), room_light(), std::nullopt,
+                                scene::SheetRenderer::Scope::pixels);
     Image image;
     std::array<char, 24> stem{};
     std::snprintf(stem.data(), stem.size(), "%06lld", static_cast<long long>(index));
