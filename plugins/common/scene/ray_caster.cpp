@@ -100,10 +100,10 @@ void RayCaster::set_mesh(const Points3View& vertices_m, const FacesView& faces) 
 }
 
 void RayCaster::set_meshes(std::span<const TriangleMesh* const> meshes) {
-  scene_->begin(RTC_BUILD_QUALITY_MEDIUM);
+  scene_->begin(RTC_BUILD_QUALITY_LOW);
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     scene_->attach(meshes[i]->vertices_m, meshes[i]->faces, static_cast<unsigned>(i),
-                   RTC_BUILD_QUALITY_MEDIUM);
+                   RTC_BUILD_QUALITY_LOW);
   }
   rtcCommitScene(scene_->scene);
 }

@@ -17,10 +17,20 @@ using Reach = LitMesh::Reach;
 
 constexpr double kNearest_m = 0.01;
 constexpr std::int32_t kSheet = 0;
-constexpr float kBack = 208.0F;
-/// Centres of the four samples of a pixel.
-constexpr std::array<std::array<double, 2>, 4> kSamples{
-    {{-0.25, -0.25}, {0.25, -0.25}, {-0.25, 0.25}, {0.25, 0.25}}};
+constexpr int kSide = 3;  // samples of a pixel along x and y
+
+/// Centres of the samples of a pixel.
+constexpr auto centres_of_samples() {
+  std::array<std::array<double, 2>, std::size_t{kSide} * kSide> centres{};
+  for (std::size_t k = 0; k < centres.size(); ++k) {
+    centres[k] = {(static_cast<double>(k % kSide) + 0.5) / kSide - 0.5,
+                  (static_cast<double>(k / kSide) + 0.5) / kSide - 0.5};
+  }
+  return centres;
+}
+
+constexpr auto kSamples = centres_of_samples();
+
 double longest_side(const Points2& uv_px, const Faces& faces) {
   double longest = 0.0;
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
@@ -36,15 +46,16 @@ double longest_side(const Points2& uv_px, const Faces& faces) {
 
 Result<SheetRenderer> SheetRenderer::create(const Camera& camera, MipTexture print,
                                             const Points2& uv_px, const Faces& faces,
-                                            Picture background) {
+                                            Picture background, const Paper& paper) {
   auto caster = RayCaster::create();
   if (!caster) return caster.error();
-  return SheetRenderer(camera, std::move(print), uv_px, faces, std::move(background),
+  return SheetRenderer(camera, std::move(print), uv_px, faces, std::move(background), paper,
                        *std::move(caster));
 }
 
 SheetRenderer::SheetRenderer(const Camera& camera, MipTexture print, const Points2& uv_px,
-                             const Faces& faces, Picture background, RayCaster caster)
+                             const Faces& faces, Picture background, const Paper& paper,
+                             RayCaster caster)
     : pinhole_{camera.fx, camera.fy, camera.cx, camera.cy},
       width_(static_cast<int>(camera.width_px)),
       height_(static_cast<int>(camera.height_px)),
@@ -53,11 +64,13 @@ SheetRenderer::SheetRenderer(const Camera& camera, MipTexture print, const Point
       faces_(faces),
       cell_px_(longest_side(uv_px, faces)),
       background_(std::move(background)),
+      paper_(paper),
       caster_(std::move(caster)) {}
 
 View SheetRenderer::render_nothing() const {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-  View view{background_, {}, {}, {}, {}};
+  View view{background_, {}, {}, {}, {}, {}};
+  view.coverage = Array<float>({height_, width_});
   view.hits.resize(background_.pixels.size());
   view.depth_m = Array<float>({height_, width_});
   view.uv_px = Array<float>({height_, width_, 2});
@@ -67,7 +80,7 @@ View SheetRenderer::render_nothing() const {
 }
 
 View SheetRenderer::render(const Points3View& vertices_m, const Light& light,
-                           std::optional<Solid> solid) {
+                           std::optional<Solid> solid, Scope scope) {
   Scene scene{LitMesh(pinhole_, {vertices_m, faces_}, light)};
   std::vector<const TriangleMesh*> meshes{&scene.sheet.mesh()};
   if (solid) {
@@ -81,7 +94,8 @@ View SheetRenderer::render(const Points3View& vertices_m, const Light& light,
   trace_centres(window, view);
   fill_maps(scene, window, view);
   draw(scene, window, view);
-  find_visible(scene, view);
+  if (paper_.margin) forget_margins(window, view);
+  if (scope == Scope::pixels_and_vertices) find_visible(scene, view);
   return view;
 }
 
@@ -99,11 +113,11 @@ SheetRenderer::Window SheetRenderer::covered(const Scene& scene) const {
       y1 = std::max(y1, pixel.y());
     }
   }
-  // One pixel more, which may be covered in part.
+  // One pixel more on each side, which may be covered in part.
   const auto within = [](double value, int size) {
     return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(size)));
   };
-  const Window window{within(std::floor(x0), width_), within(std::floor(y0), height_),
+  const Window window{within(std::floor(x0) - 1.0, width_), within(std::floor(y0) - 1.0, height_),
                       within(std::ceil(x1) + 1.0, width_), within(std::ceil(y1) + 1.0, height_)};
   return window.x0 < window.x1 && window.y0 < window.y1 ? window : Window{0, 0, 0, 0};
 }
@@ -113,6 +127,8 @@ void SheetRenderer::trace_centres(const Window& window, View& view) const {
   std::vector<std::size_t> pixels;
   std::vector<Eigen::Vector3f> rays;
   for (int top = window.y0; top < window.y1; top += kTile) {
+    pixels.clear();
+    rays.clear();
     for (int left = window.x0; left < window.x1; left += kTile) {
       for (int y = top; y < std::min(top + kTile, window.y1); ++y) {
         ask_to_go_on();
@@ -122,9 +138,9 @@ void SheetRenderer::trace_centres(const Window& window, View& view) const {
         }
       }
     }
+    const std::vector<RayHit> hits = caster_.trace(rays);
+    for (std::size_t k = 0; k < hits.size(); ++k) view.hits[pixels[k]] = hits[k];
   }
-  const std::vector<RayHit> hits = caster_.trace(rays);
-  for (std::size_t k = 0; k < hits.size(); ++k) view.hits[pixels[k]] = hits[k];
 }
 
 void SheetRenderer::fill_maps(Scene& scene, const Window& window, View& view) const {
@@ -147,17 +163,18 @@ void SheetRenderer::fill_maps(Scene& scene, const Window& window, View& view) co
 }
 
 void SheetRenderer::draw(const Scene& scene, const Window& window, View& view) const {
+  const std::vector<std::uint8_t> is_edge = find_edges(scene, window, view);
   std::vector<std::array<int, 2>> edges;
   std::vector<Eigen::Vector3f> rays;
   for (int y = window.y0; y < window.y1; ++y) {
     ask_to_go_on();
     for (int x = window.x0; x < window.x1; ++x) {
-      const RayHit& hit = view.hits[index(x, y)];
-      if (is_on_an_edge(scene, x, y, view)) {
+      if (is_edge[index(x, y)] != 0) {
         edges.push_back({x, y});
         for (const auto& [dx, dy] : kSamples) rays.push_back(ray(x + dx, y + dy));
-      } else if (hit.mesh >= 0) {
+      } else if (view.hits[index(x, y)].mesh >= 0) {
         view.image.pixels[index(x, y)] = inner_colour(scene, view, x, y);
+        view.coverage(y, x) = 1.0F;
       }
     }
   }
@@ -165,42 +182,72 @@ void SheetRenderer::draw(const Scene& scene, const Window& window, View& view) c
   for (std::size_t k = 0; k < edges.size(); ++k) {
     const auto [x, y] = edges[k];
     const std::span<const RayHit> own(hits.data() + kSamples.size() * k, kSamples.size());
-    view.image.pixels[index(x, y)] = edge_colour(scene, own, x, y);
+    draw_edge(scene, own, x, y, view);
   }
 }
 
-bool SheetRenderer::is_on_an_edge(const Scene& scene, int x, int y, const View& view) const {
-  const RayHit& hit = view.hits[index(x, y)];
-  const auto uv = [&](int i, int j) {
-    return Eigen::Vector2f(view.uv_px.row(j)[2 * i], view.uv_px.row(j)[2 * i + 1]);
+std::vector<std::uint8_t> SheetRenderer::find_edges(const Scene& scene, const Window& window,
+                                                    const View& view) const {
+  std::vector<std::uint8_t> is_edge(view.hits.size());
+  const Eigen::Map<const Eigen::Matrix2Xf> uv(view.uv_px.data(), 2,
+                                              static_cast<Eigen::Index>(view.hits.size()));
+  const auto limit = static_cast<float>(2.0 * cell_px_);
+  const auto differ = [&](std::size_t a, std::size_t b) {
+    const RayHit &here = view.hits[a], &there = view.hits[b];
+    if (here.mesh != there.mesh) return true;
+    if (here.mesh != kSheet || here.face == there.face) return false;
+    const bool is_front = scene.sheet.is_front(here.face);
+    if (scene.sheet.is_front(there.face) != is_front) return true;
+    const auto step = uv.col(static_cast<Eigen::Index>(a)) - uv.col(static_cast<Eigen::Index>(b));
+    return is_front && step.squaredNorm() > limit * limit;
   };
-  for (int j = std::max(0, y - 1); j <= std::min(height_ - 1, y + 1); ++j) {
-    for (int i = std::max(0, x - 1); i <= std::min(width_ - 1, x + 1); ++i) {
-      const RayHit& other = view.hits[index(i, j)];
-      if (other.mesh != hit.mesh) return true;
-      if (hit.mesh != kSheet) continue;
-      const bool is_front = scene.sheet.is_front(hit.face);
-      if (scene.sheet.is_front(other.face) != is_front) return true;
-      if (is_front && (uv(i, j) - uv(x, y)).norm() > 2.0 * cell_px_) return true;
+  const auto compare = [&](int x, int y, int i, int j) {
+    if (i < window.x0 || i >= window.x1 || j >= window.y1) return;
+    if (differ(index(x, y), index(i, j))) is_edge[index(x, y)] = is_edge[index(i, j)] = 1;
+  };
+  for (int y = window.y0; y < window.y1; ++y) {
+    ask_to_go_on();
+    for (int x = window.x0; x < window.x1; ++x) {
+      compare(x, y, x + 1, y);
+      for (int i = x - 1; i <= x + 1; ++i) compare(x, y, i, y + 1);
     }
   }
-  return false;
+  return is_edge;
 }
 
-/// By a ray of its own, which stands for half a pixel along each side.
+bool SheetRenderer::is_on_print(const Eigen::Array2f& uv) const {
+  return uv[0] >= -0.5F && uv[1] >= -0.5F && uv[0] <= static_cast<float>(print_.width()) - 0.5F &&
+         uv[1] <= static_cast<float>(print_.height()) - 0.5F;
+}
+
+Colour SheetRenderer::print_colour(const Eigen::Array2f& uv, float texels) const {
+  if (paper_.margin && !is_on_print(uv)) return Colour::Constant(*paper_.margin);
+  return print_.sample(uv[0], uv[1], texels);
+}
+
+void SheetRenderer::forget_margins(const Window& window, View& view) const {
+  for (int y = window.y0; y < window.y1; ++y) {
+    for (int x = window.x0; x < window.x1; ++x) {
+      Eigen::Map<Eigen::Array2f> uv(view.uv_px.row(y) + std::ptrdiff_t{2} * x);
+      if (!is_on_print(uv)) uv.setConstant(std::numeric_limits<float>::quiet_NaN());
+    }
+  }
+}
+
+/// By a ray of its own, which stands for a part of the pixel.
 Colour SheetRenderer::sheet_colour(const LitMesh& sheet, std::int32_t face, double x,
                                    double y) const {
   const FacePoint point = sheet.at(face, x, y, Reach::of_a_hit);
   const float light = sheet.brightness(point);
-  if (!sheet.is_front(face)) return Colour::Constant(light * kBack);
+  if (!sheet.is_front(face)) return Colour::Constant(light * paper_.back);
   const auto uv = [&](double dx, double dy) {
     return sheet.interpolated(uv_px_, sheet.at(face, x + dx, y + dy, Reach::of_a_neighbour));
   };
-  const double along = (uv(0.25, 0.0) - uv(-0.25, 0.0)).squaredNorm();
-  const double across = (uv(0.0, 0.25) - uv(0.0, -0.25)).squaredNorm();
-  const Eigen::RowVector2d here = sheet.interpolated(uv_px_, point);
-  return light * print_.sample(static_cast<float>(here.x()), static_cast<float>(here.y()),
-                               static_cast<float>(std::sqrt(0.5 * (along + across))));
+  constexpr double kHalf = 0.5 / kSide;
+  const double along = (uv(kHalf, 0.0) - uv(-kHalf, 0.0)).squaredNorm();
+  const double across = (uv(0.0, kHalf) - uv(0.0, -kHalf)).squaredNorm();
+  const Eigen::Array2f here = sheet.interpolated(uv_px_, point).cast<float>().transpose().array();
+  return light * print_colour(here, static_cast<float>(std::sqrt(0.5 * (along + across))));
 }
 
 Colour SheetRenderer::solid_colour(const Scene& scene, std::int32_t face, double x,
@@ -219,7 +266,7 @@ Colour SheetRenderer::inner_colour(const Scene& scene, const View& view, int x, 
   const RayHit& hit = view.hits[index(x, y)];
   if (hit.mesh != kSheet) return solid_colour(scene, hit.face, x, y);
   const float light = scene.light[index(x, y)];
-  if (!scene.sheet.is_front(hit.face)) return Colour::Constant(light * kBack);
+  if (!scene.sheet.is_front(hit.face)) return Colour::Constant(light * paper_.back);
   const auto uv = [&](int i, int j) {
     return Eigen::Array2f(view.uv_px.row(j)[2 * i], view.uv_px.row(j)[2 * i + 1]);
   };
@@ -227,31 +274,36 @@ Colour SheetRenderer::inner_colour(const Scene& scene, const View& view, int x, 
   const int above = std::max(y - 1, 0), below = std::min(y + 1, height_ - 1);
   const Eigen::Array2f along = (uv(right, y) - uv(left, y)) / static_cast<float>(right - left);
   const Eigen::Array2f across = (uv(x, below) - uv(x, above)) / static_cast<float>(below - above);
-  const float texels = 0.5F * std::sqrt(0.5F * (along.square().sum() + across.square().sum()));
+  const float texels = std::sqrt(0.5F * (along.square().sum() + across.square().sum())) / kSide;
   Colour sum = Colour::Zero();
   for (const auto& [dx, dy] : kSamples) {
     const Eigen::Array2f at =
         uv(x, y) + static_cast<float>(dx) * along + static_cast<float>(dy) * across;
-    sum += print_.sample(at[0], at[1], texels);
+    sum += print_colour(at, texels);
   }
   return light * sum / static_cast<float>(kSamples.size());
 }
 
-Colour SheetRenderer::edge_colour(const Scene& scene, std::span<const RayHit> hits, int x,
-                                  int y) const {
+void SheetRenderer::draw_edge(const Scene& scene, std::span<const RayHit> hits, int x, int y,
+                              View& view) const {
   Colour sum = Colour::Zero();
+  int on_background = 0;
   for (std::size_t k = 0; k < kSamples.size(); ++k) {
     const double at_x = x + kSamples[k][0], at_y = y + kSamples[k][1];
     const std::int32_t face = hits[k].face;
     if (hits[k].mesh < 0) {
-      sum += background_.pixels[index(x, y)];
+      ++on_background;
     } else if (hits[k].mesh == kSheet) {
       sum += sheet_colour(scene.sheet, face, at_x, at_y);
     } else {
       sum += solid_colour(scene, face, at_x, at_y);
     }
   }
-  return sum / static_cast<float>(kSamples.size());
+  constexpr float kShare = 1.0F / kSamples.size();
+  const float beside = kShare * static_cast<float>(on_background);
+  Colour& pixel = view.image.pixels[index(x, y)];
+  pixel = kShare * sum + beside * pixel;
+  view.coverage(y, x) = 1.0F - beside;
 }
 
 void SheetRenderer::find_visible(const Scene& scene, View& view) const {

@@ -19,29 +19,42 @@ struct Solid {
   std::vector<Colour> colours;  ///< [V]
 };
 
+/// Paper that bears no print.
+struct Paper {
+  float back = 208.0F;            ///< [] grey level of the side without the print
+  std::optional<float> margin{};  ///< [] around the print; without it the print's border goes on
+};
+
 /// What the camera sees.
 struct View {
   Picture image;                         ///< [H,W] grey levels 0 to 255, without noise
+  Array<float> coverage;                 ///< [H,W] 0 to 1, share of it that is no background
   std::vector<RayHit> hits;              ///< [H*W] at the pixel centres; mesh 0 is the sheet
   Array<float> depth_m;                  ///< [H,W] m along the optical axis, 0 on the background
   Array<float> uv_px;                    ///< [H,W,2] px of the print, NaN where it is not seen
-  std::vector<std::uint8_t> is_visible;  ///< [V] whether the camera sees the print at the vertex
+  std::vector<std::uint8_t> is_visible;  ///< [V] whether its printed side is seen, where asked
 };
 
 /// Draws a printed sheet over a background as a pinhole camera sees it, by ray casting. Pixel (i,j)
-/// is the mean over [i-1/2,i+1/2] x [j-1/2,j+1/2] of 2 x 2 samples: of the texture alone inside
-/// the sheet, of rays where its outline, a fold or a solid runs through the pixel. Texture
-/// coordinates and depths are exact for the mesh. The back is blank paper.
+/// is the mean over [i-1/2,i+1/2] x [j-1/2,j+1/2] of 3 x 3 samples: of the print alone inside the
+/// sheet, of rays where its outline, a fold or a solid runs through the pixel. Texture coordinates
+/// and depths are exact for the mesh.
 class SheetRenderer {
  public:
   /// `uv_px` [V,2] px of the print and `faces`, counter-clockwise from its printed side, are those
   /// of all sheets that will be drawn; `background` has the size of the image.
   static Result<SheetRenderer> create(const Camera& camera, MipTexture print, const Points2& uv_px,
-                                      const Faces& faces, Picture background);
+                                      const Faces& faces, Picture background,
+                                      const Paper& paper = {});
+
+  const MipTexture& print() const { return print_; }
+
+  /// What is found out in a frame: each vertex costs a ray.
+  enum class Scope { pixels, pixels_and_vertices };
 
   /// The sheet with the vertices [V,3] m in the camera frame, and a solid before it.
   View render(const Points3View& vertices_m, const Light& light,
-              std::optional<Solid> solid = std::nullopt);
+              std::optional<Solid> solid = std::nullopt, Scope scope = Scope::pixels_and_vertices);
   /// The background alone.
   View render_nothing() const;
 
@@ -58,17 +71,22 @@ class SheetRenderer {
   };
 
   SheetRenderer(const Camera& camera, MipTexture print, const Points2& uv_px, const Faces& faces,
-                Picture background, RayCaster caster);
+                Picture background, const Paper& paper, RayCaster caster);
   Window covered(const Scene& scene) const;
   void trace_centres(const Window& window, View& view) const;
   void fill_maps(Scene& scene, const Window& window, View& view) const;
   void draw(const Scene& scene, const Window& window, View& view) const;
   void find_visible(const Scene& scene, View& view) const;
-  bool is_on_an_edge(const Scene& scene, int x, int y, const View& view) const;
+  /// [H*W] pixels through which an outline, a fold or the border of a solid runs.
+  std::vector<std::uint8_t> find_edges(const Scene& scene, const Window& window,
+                                       const View& view) const;
   Colour inner_colour(const Scene& scene, const View& view, int x, int y) const;
-  Colour edge_colour(const Scene& scene, std::span<const RayHit> hits, int x, int y) const;
+  void draw_edge(const Scene& scene, std::span<const RayHit> hits, int x, int y, View& view) const;
   Colour sheet_colour(const LitMesh& sheet, std::int32_t face, double x, double y) const;
   Colour solid_colour(const Scene& scene, std::int32_t face, double x, double y) const;
+  Colour print_colour(const Eigen::Array2f& uv, float texels) const;
+  bool is_on_print(const Eigen::Array2f& uv) const;
+  void forget_margins(const Window& window, View& view) const;
   Eigen::Vector3f ray(double x, double y) const;
   std::size_t index(int x, int y) const;
 
@@ -79,6 +97,7 @@ class SheetRenderer {
   Faces faces_;
   double cell_px_;  ///< longest side of a triangle on the print
   Picture background_;
+  Paper paper_;
   RayCaster caster_;
 };
 

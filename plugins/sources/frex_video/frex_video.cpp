@@ -78,7 +78,9 @@ class FrexVideo final : public Source {
     count_ = count->frames;
     if (auto ready = make_background(*camera); !ready) return ready.error();
     pinhole_ = {camera->fx, camera->fy, camera->cx, camera->cy};
-    maker_.emplace(*layout, scene::MipTexture(*texture), *camera, scene_);
+    auto maker = SceneMaker::create(*layout, scene::MipTexture(*texture), *camera, scene_);
+    if (!maker) return maker.error();
+    maker_.emplace(*std::move(maker));
     finder_.emplace(*std::move(layout));
     const Eigen::Vector2d size_m = maker_->texture_size_m();
     call.log_info(fmt::format("the texture is {:.6f} m wide and {:.6f} m high on the sheet",
@@ -151,7 +153,7 @@ class FrexVideo final : public Source {
   }
 
   /// The sheet over its background. What was recorded has noise of its own.
-  Image compose(const SheetLayer& layer, const cv::Mat& recorded, Rng noise) const {
+  Image compose(const cv::Mat4f& layer, const cv::Mat& recorded, Rng noise) const {
     const bool keep = background_ == Background::original;
     const cv::Mat3b behind = keep ? recorded : behind_;
     Image image;
@@ -160,10 +162,11 @@ class FrexVideo final : public Source {
     for (int y = 0; y < behind.rows; ++y) {
       ask_to_go_on();
       for (int x = 0; x < behind.cols; ++x) {
-        const float coverage = layer.coverage(y, x);
+        const cv::Vec4f& ink = layer(y, x);
+        const float coverage = ink[3];
         const double sigma = noise_grey_ * (keep ? coverage : 1.0);
         for (int c = 0; c < 3; ++c) {
-          const double value = layer.colour(y, x)[c] + (1.0 - coverage) * behind(y, x)[c] +
+          const double value = ink[c] + (1.0 - coverage) * behind(y, x)[c] +
                                (sigma > 0.0 ? sigma * noise.normal() : 0.0);
           result(y, x)[c] = static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
         }

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <opencv2/core.hpp>
+#include <weft/core/result.hpp>
 #include <weft/data/camera.hpp>
 #include <weft/data/ground_truth.hpp>
 
+#include "common/scene/sheet_renderer.hpp"
 #include "located_sheet.hpp"
-#include "sheet_renderer.hpp"
 
 namespace weft::frex_video {
 
@@ -22,41 +24,50 @@ struct SceneOptions {
 
 /// The sheet with its new print, and what is true of it.
 struct Scene {
-  SheetLayer layer;
+  cv::Mat4f layer;  ///< [H,W] BGR grey levels times coverage, and the coverage, 0 to 1
   GroundTruth truth;
 };
 
 /// Puts a texture on a sheet that was located. The texture is as large as fits on the sheet, in the
-/// middle; its texels are square.
+/// middle; its texels are square. Around it the paper is white, and so is its back.
 class SceneMaker {
  public:
-  SceneMaker(const MarkerSheet& sheet, scene::MipTexture texture, const Camera& camera,
-             const SceneOptions& options);
+  /// Fails where Embree cannot be started.
+  static Result<SceneMaker> create(const MarkerSheet& sheet, scene::MipTexture texture,
+                                   const Camera& camera, const SceneOptions& options);
 
-  Scene make(const LocatedSheet& sheet, double t_s) const;
+  Scene make(const LocatedSheet& sheet, double t_s);
 
   Eigen::Vector2d texture_size_m() const;
 
  private:
-  Eigen::Vector2d texel_at(const Eigen::Vector2d& point_mm) const;
-  Eigen::Vector2d point_mm_of(const Eigen::Vector2d& texel) const;
+  /// Where the texture lies on the sheet.
+  struct Place {
+    double mm_per_px = 1.0;
+    Eigen::Vector2d corner_mm = Eigen::Vector2d::Zero();
+
+    Eigen::Vector2d texel_at(const Eigen::Vector2d& point_mm) const;
+    Eigen::Vector2d point_mm_of(const Eigen::Vector2d& texel) const;
+  };
+
+  SceneMaker(const MarkerSheet& sheet, const Place& place, const Camera& camera,
+             const SceneOptions& options, Points2 mesh_mm, scene::SheetRenderer renderer);
   /// Towards the light, unit, camera frame; it sways slowly.
   Eigen::Vector3d light_at(double t_s) const;
-  std::vector<ScreenVertex> mesh(const LocatedSheet& sheet, double t_s) const;
-  GroundTruth surface_truth(const LocatedSheet& sheet, const SheetLayer& layer) const;
+  Points3 vertices_m(const LocatedSheet& sheet) const;
+  cv::Mat4f layer_of(const scene::View& view) const;
+  GroundTruth surface_truth(const LocatedSheet& sheet, const scene::View& view) const;
   GroundTruth marker_truth(const LocatedSheet& sheet) const;
-  void add_images(const LocatedSheet& sheet, const SheetLayer& layer, GroundTruth& truth) const;
+  void add_images(const LocatedSheet& sheet, const scene::View& view, GroundTruth& truth) const;
   bool is_visible(const Eigen::Vector3d& point_m, const Eigen::Vector3d& normal,
-                  const SheetLayer& layer) const;
+                  const scene::View& view) const;
 
-  const MarkerSheet sheet_;
+  MarkerSheet sheet_;
   Pinhole camera_;
   SceneOptions options_;
-  double mm_per_px_ = 1.0;
-  Eigen::Vector2d corner_mm_;  ///< of the texture on the sheet
-  int columns_ = 2;            ///< of the mesh that is drawn
-  int rows_ = 2;
-  SheetRenderer renderer_;
+  Place place_;
+  Points2 mesh_mm_;  ///< [V,2] mm, vertices that are drawn, on the sheet
+  scene::SheetRenderer renderer_;
 };
 
 }  // namespace weft::frex_video

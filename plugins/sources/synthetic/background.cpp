@@ -46,7 +46,7 @@ std::vector<Thing> draw_things(double width, double height, Rng& rng) {
 
 }  // namespace
 
-std::vector<float> draw_background(int width, int height, std::uint64_t seed) {
+scene::Picture draw_background(int width, int height, std::uint64_t seed) {
   Rng rng(seed);
   std::vector<scene::ValueNoise> layers;
   double cell_px = 0.4 * height;
@@ -55,8 +55,8 @@ std::vector<float> draw_background(int width, int height, std::uint64_t seed) {
     cell_px *= 0.5;
   }
   const std::vector<Thing> things = draw_things(width, height, rng);
-  std::vector<float> grey;
-  grey.reserve(to_index(width) * to_index(height));
+  scene::Picture picture{width, height};
+  picture.pixels.reserve(to_index(width) * to_index(height));
   for (int y = 0; y < height; ++y) {
     ask_to_go_on();
     for (int x = 0; x < width; ++x) {
@@ -66,10 +66,11 @@ std::vector<float> draw_background(int width, int height, std::uint64_t seed) {
         amplitude *= 0.55;
       }
       for (const Thing& thing : things) value += thing.grey * thing.coverage(x, y);
-      grey.push_back(static_cast<float>(std::clamp(value, 12.0, 230.0)));
+      const double grey = std::clamp(value, 12.0, 230.0);
+      picture.pixels.emplace_back(scene::Colour::Constant(static_cast<float>(grey)));
     }
   }
-  return grey;
+  return picture;
 }
 
 }  // namespace weft::synthetic

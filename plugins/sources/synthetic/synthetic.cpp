@@ -11,7 +11,9 @@
 #include <weft/sdk/source.hpp>
 
 #include "background.hpp"
-#include "renderer.hpp"
+#include "common/scene/sensor.hpp"
+#include "common/scene/sheet_renderer.hpp"
+#include "sheet_mesh.hpp"
 
 namespace weft::synthetic {
 namespace {
@@ -23,7 +25,7 @@ Error in_texture(Error error) {
   return error;
 }
 
-Result<Texture> read_texture(const std::string& path) {
+Result<cv::Mat> read_texture(const std::string& path) {
   const auto file = read_image_bytes(path);
   if (!file) return in_texture(file.error());
   const cv::Mat bytes(1, static_cast<int>(file->bytes.size()), CV_8U,
@@ -34,13 +36,7 @@ Result<Texture> read_texture(const std::string& path) {
   } catch (const cv::Exception&) {  // reported below: the file is at fault
   }
   if (image.empty()) return in_texture(no_image(path));
-  std::vector<float> pixels;
-  pixels.reserve(image.total());
-  for (int y = 0; y < image.rows; ++y) {
-    ask_to_go_on();
-    pixels.insert(pixels.end(), image.ptr(y), image.ptr(y) + image.cols);
-  }
-  return Texture(image.cols, image.rows, std::move(pixels));
+  return image;
 }
 
 /// What read_texture() would refuse; a PNG or JPEG that is whole is not decoded for that.
@@ -102,16 +98,21 @@ class Synthetic final : public Source {
     camera_.fx = camera_.fy = focal_px_;
     camera_.cx = 0.5 * static_cast<double>(camera_.width_px - 1);
     camera_.cy = 0.5 * static_cast<double>(camera_.height_px - 1);
-    pitch_m_[0] = motion_.width_m / texture->width();
-    pitch_m_[1] = height_m_ > 0.0 ? height_m_ / texture->height() : pitch_m_[0];
-    texture_size_ = {texture->width(), texture->height()};
-    motion_.height_m = pitch_m_[1] * texture->height();
+    texture_size_ = {texture->cols, texture->rows};
+    pitch_m_[0] = motion_.width_m / texture_size_[0];
+    pitch_m_[1] = height_m_ > 0.0 ? height_m_ / texture_size_[1] : pitch_m_[0];
+    motion_.height_m = pitch_m_[1] * texture_size_[1];
     motion_.centre_m = {0.5 * (motion_.width_m - pitch_m_[0]),
                         0.5 * (motion_.height_m - pitch_m_[1])};
-    renderer_.emplace(
-        camera_, *std::move(texture), pitch_m_,
+    mesh_.emplace(texture_size_[0], texture_size_[1], pitch_m_);
+    auto renderer = scene::SheetRenderer::create(
+        camera_, scene::MipTexture(*texture), mesh_->uv_px(), mesh_->faces(),
         draw_background(static_cast<int>(camera_.width_px), static_cast<int>(camera_.height_px),
                         static_cast<std::uint64_t>(background_seed_)));
+    if (!renderer) return renderer.error();
+    renderer_.emplace(*std::move(renderer));
+    constexpr double kNoBlur_px = 0.0;
+    sensor_.emplace(kNoBlur_px, noise_grey_);
     return camera_;
   }
 
@@ -156,18 +157,16 @@ class Synthetic final : public Source {
   }
 
   Image picture(std::int64_t index, const DevelopableSheet& sheet, Rng noise) {
-    const bool visible = invisible_.count(index) == 0;
-    const std::vector<float>& clean = visible ? renderer_->render(sheet) : renderer_->background();
+    const scene::View view =
+        invisible_.count(index) > 0
+            ? renderer_->render_nothing()
+            : renderer_->render(mesh_->vertices_m(sheet), room_light(), std::nullopt,
+                                scene::SheetRenderer::Scope::pixels);
     Image image;
     std::array<char, 24> stem{};
     std::snprintf(stem.data(), stem.size(), "%06lld", static_cast<long long>(index));
     image.stem = stem.data();
-    image.pixels = Array<std::uint8_t>({camera_.height_px, camera_.width_px});
-    std::uint8_t* pixel = image.pixels.data();
-    for (const float grey : clean) {
-      const double value = grey + noise_grey_ * noise.normal();
-      *pixel++ = static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
-    }
+    image.pixels = sensor_->expose(view.image, true, noise);
     return image;
   }
 
@@ -206,7 +205,9 @@ class Synthetic final : public Source {
   std::array<int, 2> texture_size_{};
   std::set<std::int64_t> cuts_;
   std::set<std::int64_t> invisible_;
-  std::optional<Renderer> renderer_;
+  std::optional<SheetMesh> mesh_;
+  std::optional<scene::SheetRenderer> renderer_;
+  std::optional<scene::Sensor> sensor_;
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <weft/core/index.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
@@ -57,12 +58,12 @@ Points3 tilted_sheet() {
   });
 }
 
-SheetRenderer make_renderer(MipTexture print, float background = 0.0F) {
+SheetRenderer make_renderer(MipTexture print, float background = 0.0F, const Paper& paper = {}) {
   Picture behind{320, 240, {}};
   behind.pixels.resize(320U * 240U, Colour::Constant(background));
   return *SheetRenderer::create(kCamera, std::move(print), grid_px(),
-                                *rectangular_grid_faces(kMeshColumns, kMeshRows),
-                                std::move(behind));
+                                *rectangular_grid_faces(kMeshColumns, kMeshRows), std::move(behind),
+                                paper);
 }
 
 const Light kAllAround{{0.0, 0.0, -1.0}, 1.0};
@@ -136,6 +137,50 @@ TEST(SheetRenderer, ShowsTheBlankBackBeforeWhatItHides) {
   // All that is left to see of the print is nothing: one half is behind, the other turned over.
   const auto seen = std::count(view.is_visible.begin(), view.is_visible.end(), 1);
   EXPECT_LE(seen, 2 * kMeshRows) << "only the crease and the border of the lower half may be seen";
+}
+
+TEST(SheetRenderer, ShowsPaperAroundThePrintAndOnTheBack) {
+  // The sheet reaches 40 px of the print beyond its left and right borders.
+  Points2 uv = grid_px();
+  uv.col(0) = (uv.col(0).array() + 0.5) * (kPrintWidth + 80.0) / kPrintWidth - 40.5;
+  const Paper white{250.0F, 240.0F};
+  const Picture black{320, 240, std::vector<Colour>(320U * 240U, Colour::Zero())};
+  auto renderer = *SheetRenderer::create(
+      kCamera, plain(50.0), uv, *rectangular_grid_faces(kMeshColumns, kMeshRows), black, white);
+  const View view = renderer.render(
+      sheet([](double x, double y) { return Eigen::Vector3d(x, y, 0.6); }), kAllAround);
+  // 160 px wide in the image, of which the print has 240 of 320 parts.
+  EXPECT_EQ(grey_at(view, 85, 120), 240.0F);
+  EXPECT_TRUE(std::isnan(view.uv_px.row(120)[2 * 85]));
+  EXPECT_NEAR(view.depth_m(120, 85), 0.6, 1e-6);
+  EXPECT_EQ(grey_at(view, 105, 120), 50.0F);
+  EXPECT_NEAR(view.uv_px.row(120)[2 * 105], (105.5 - 100.0) * 320.0 / 160.0 - 0.5, 1e-3);
+  EXPECT_EQ(grey_at(view, 215, 120), 50.0F);
+  EXPECT_EQ(grey_at(view, 225, 120), 240.0F);
+
+  SheetRenderer folded = make_renderer(plain(50.0), 0.0F, white);
+  EXPECT_NEAR(grey_at(folded.render(folded_sheet(), kAllAround), 130, 120), 250.0F, 0.5F);
+}
+
+TEST(SheetRenderer, TellsWhichShareOfAPixelItCovers) {
+  SheetRenderer renderer = make_renderer(plain(100.0), 20.0F);
+  const View view = renderer.render(
+      sheet([](double x, double y) { return Eigen::Vector3d(x + 0.0031, y + 0.0017, 0.6); }),
+      kAllAround);
+  double total = 0.0;
+  for (int y = 0; y < 240; ++y) {
+    for (int x = 0; x < 320; ++x) {
+      const float coverage = view.coverage(y, x);
+      total += coverage;
+      ASSERT_NEAR(grey_at(view, x, y), 100.0F * coverage + 20.0F * (1.0F - coverage), 1e-3F);
+    }
+  }
+  const double area_px = 0.24 * 0.16 * 400.0 * 400.0 / 0.36;
+  EXPECT_NEAR(total, area_px, 0.002 * area_px);
+  const View nothing = renderer.render_nothing();
+  EXPECT_EQ(
+      *std::max_element(nothing.coverage.data(), nothing.coverage.data() + nothing.coverage.size()),
+      0.0F);
 }
 
 TEST(SheetRenderer, MarksVerticesBehindASolidAndOutsideTheImage) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Markers that mislead, layouts that are wrong, and sheets that hide themselves.
+// Markers that mislead and layouts that are wrong.
 #include <gmock/gmock.h>
 
 #include <iostream>
@@ -7,7 +7,6 @@
 #include "filmed_sheet.hpp"
 #include "layout_file.hpp"
 #include "located_sheet.hpp"
-#include "sheet_renderer.hpp"
 
 namespace weft::frex_video {
 namespace {
@@ -135,47 +134,6 @@ TEST_F(FrontalSheet, IsKnownOnlyAroundTheMarkersThatAreSeen) {
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_FALSE(found->is_known({40.0, 105.0}));
   EXPECT_TRUE(found->is_known({200.0, 105.0}));
-}
-
-TEST(SheetRenderer, ShowsTheNearerSideOfAFold) {
-  // A strip that comes back over itself, nearer: texture columns 0 to 3, folded in the middle.
-  cv::Mat texture(8, 40, CV_8UC1, cv::Scalar(40));
-  texture.colRange(20, 40) = cv::Scalar(180);
-  std::vector<ScreenVertex> mesh;
-  const double x_px[] = {10.0, 30.0, 50.0, 30.0, 10.0};
-  const double depth_m[] = {1.0, 1.0, 1.0, 0.8, 0.8};
-  for (int row = 0; row < 2; ++row) {
-    for (int i = 0; i < 5; ++i) {
-      mesh.push_back({x_px[i], 5.0 + 20.0 * row, depth_m[i], 10.0 * i - 0.5, 8.0 * row - 0.5, 1.0});
-    }
-  }
-  const SheetLayer layer = SheetRenderer(scene::MipTexture(texture), {64, 32}, 1.0).render(mesh, 5);
-  // The part on top shows its back: blank paper, of which the texture is not seen.
-  EXPECT_NEAR(layer.depth_m(15, 20), 0.8, 1e-6);
-  EXPECT_FLOAT_EQ(layer.colour(15, 20)[0], 255.0F);
-  EXPECT_TRUE(std::isnan(layer.template_px(15, 20)[0]));
-  // Without the flap the print is there.
-  const SheetLayer open = SheetRenderer(scene::MipTexture(texture), {64, 32}, 1.0)
-                              .render({mesh[0], mesh[1], mesh[2], mesh[5], mesh[6], mesh[7]}, 3);
-  EXPECT_NEAR(open.depth_m(15, 20), 1.0, 1e-6);
-  EXPECT_NEAR(open.template_px(15, 20)[0], 4.5, 1e-5);
-  EXPECT_NEAR(open.colour(15, 20)[0], 40.0, 1e-3);
-}
-
-TEST(SheetRenderer, CoversPixelsInProportion) {
-  std::vector<ScreenVertex> square;
-  for (const double y : {4.0, 20.0}) {
-    for (const double x : {4.0, 20.0}) square.push_back({x, y, 1.0, x, y, 1.0});
-  }
-  const SheetLayer layer =
-      SheetRenderer(scene::MipTexture(cv::Mat(40, 40, CV_8UC1, cv::Scalar(0))), {32, 32}, 1.0)
-          .render(square, 2);
-  EXPECT_NEAR(cv::sum(layer.coverage)[0], 256.0, 12.0);
-  EXPECT_FLOAT_EQ(layer.coverage(12, 12), 1.0F);
-  EXPECT_EQ(layer.coverage(12, 24), 0.0F);
-  const SheetLayer outside = SheetRenderer(scene::MipTexture(cv::Mat(4, 4, CV_8UC1)), {32, 32}, 1.0)
-                                 .render({{-9, -9, 1}, {-5, -9, 1}, {-9, -5, 1}, {-5, -5, 1}}, 2);
-  EXPECT_EQ(cv::countNonZero(outside.coverage), 0);
 }
 
 TEST(Layout, IsReadAsItWasWritten) {
