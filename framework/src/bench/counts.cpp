@@ -62,15 +62,12 @@ Result<std::vector<Sample>> run_frames(FrameLoop& loop, const Settings& settings
     const host::Stopwatch watch;
     FrameResult result = loop.process(*read);
     if (!result.failed()) loop.finish(result);
-    const host::Spent whole = watch.spent();
+    const host::Spent here = watch.spent();
     if (result.failed()) return error_of(result, cancel.load());
     if (index < settings.warmup) continue;
     Sample& sample = samples.emplace_back();
     sample.frame = index;
-    sample.spent.whole = whole;
-    for (std::size_t i = 1; i < result.stages.size(); ++i) {
-      sample.spent.parts.push_back({result.stages[i].status, result.stages[i].took});
-    }
+    sample.spent = spent_in(result, here);
   }
   return samples;
 }

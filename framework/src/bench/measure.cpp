@@ -3,6 +3,16 @@
 
 namespace weft::bench {
 
+FrameSpent spent_in(const FrameResult& result, host::Spent here) {
+  FrameSpent spent{here, {}};
+  for (std::size_t i = 1; i < result.stages.size(); ++i) {  // the source comes first
+    const StageReport& report = result.stages[i];
+    spent.whole.processor_ms += report.worker_processor_ms;
+    spent.parts.push_back({report.status, report.took});
+  }
+  return spent;
+}
+
 Result<std::vector<std::vector<Sample>>> measure(const Settings& settings,
                                                  std::span<Subject* const> subjects,
                                                  const Progress& progress) {

@@ -38,6 +38,9 @@ class Subject {
   virtual Result<FrameSpent> run(std::int64_t frame) = 0;
 };
 
+/// What a frame came to that took `here` of this process; what workers did for it is added.
+FrameSpent spent_in(const FrameResult& result, host::Spent here);
+
 /// A frame that counts.
 struct Sample {
   std::int64_t turn = 0;  ///< see Turn::number

@@ -133,17 +133,14 @@ Result<FrameSpent> PipelineSubject::run(std::int64_t frame) {
   FrameResult result = loop_->process(read);
   const bool failed = result.failed();
   if (!failed) loop_->finish(result);
-  FrameSpent spent{watch.spent(), {}};
+  const host::Spent here = watch.spent();
   if (result.failed()) {
     Error error = error_of(result, cancel_.load());
     error.where = pipeline_.config.file;
     return error;
   }
-  for (std::size_t i = 1; i < result.stages.size(); ++i) {  // the source comes first
-    spent.parts.push_back({result.stages[i].status, result.stages[i].took});
-  }
   note(result);
-  return spent;
+  return spent_in(result, here);
 }
 
 void PipelineSubject::note(const FrameResult& result) {

@@ -54,6 +54,18 @@ TEST(Measure, KeepsTheFramesThatCountAndNoOthers) {
   EXPECT_THAT(turns, ElementsAre(0, 0, 1, 1));
 }
 
+TEST(Measure, AddsWhatWorkersDidToTheFrame) {
+  FrameResult result;
+  result.stages.resize(3);
+  result.stages[1].took = {4.0, 9.0, {}};
+  result.stages[1].worker_processor_ms = 8.0;
+  result.stages[2].took = {1.0, 1.0, {}};
+  const FrameSpent spent = spent_in(result, {6.0, 2.5, {}});
+  ASSERT_EQ(spent.parts.size(), 2U);
+  EXPECT_DOUBLE_EQ(spent.whole.processor_ms, 10.5);
+  EXPECT_DOUBLE_EQ(spent.whole.ms, 6.0);
+}
+
 TEST(Measure, EndsWithTheErrorOfAFrame) {
   std::string log;
   Scripted a("a", log), b("b", log);

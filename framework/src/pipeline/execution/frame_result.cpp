@@ -63,6 +63,7 @@ void add_numbers(const Record& record, StageReport& report) {
 StageReport report_of(const std::string& stage, const Outcome& outcome, host::Spent here) {
   StageReport report{stage, StageStatus::ok, {}, here, {}, false};
   report.took.processor_ms += outcome.worker_processor_ms;
+  report.worker_processor_ms = outcome.worker_processor_ms;
   if (outcome.downloaded_bytes > 0) {
     report.numbers.emplace_back("downloaded_bytes", static_cast<double>(outcome.downloaded_bytes));
   }

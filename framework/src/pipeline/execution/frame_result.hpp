@@ -24,8 +24,9 @@ struct StageReport {
   std::string reason;  ///< of anything but ok; for skipped the first cause
   host::Spent took;    ///< nested components included
   std::vector<std::pair<std::string, double>> numbers;  ///< counts and scalar diagnostics
-  bool shared = false;          ///< taken from another pipeline, see StageMemo
-  Errc code = Errc::no_result;  ///< of an error
+  bool shared = false;               ///< taken from another pipeline, see StageMemo
+  Errc code = Errc::no_result;       ///< of an error
+  double worker_processor_ms = 0.0;  ///< [] ms in `took` that are of workers
 };
 
 /// What enters the graph in one frame: the source's outputs, or why there are none.
