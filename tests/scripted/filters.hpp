@@ -58,6 +58,7 @@ class RandomFilter final : public weft::Filter {
     weft::InlierMask mask{weft::Array<std::uint8_t>({count}), weft::Array<double>({count}), {}};
     weft::Rng rng = in.call.rng();
     for (std::int64_t i = 0; i < count; ++i) mask.kept(i) = rng.uniform() < 0.7 ? 1 : 0;
+    mask.diag.set("threads", in.call.threads());
     return mask;
   }
 };

@@ -7,6 +7,7 @@
 #include "host/records/npz.hpp"
 #include "pipeline/runs/run_folder.hpp"
 #include "support/pipeline_fixture.hpp"
+#include "support/run_lines.hpp"
 
 namespace weft {
 namespace {
@@ -21,6 +22,7 @@ using testing::Ran;
 using testing::read_lines;
 using testing::read_text;
 using ::testing::StartsWith;
+using testing::timeless;
 using ::testing::UnorderedElementsAre;
 
 class Runs : public testing::PipelineTest {
@@ -32,20 +34,6 @@ class Runs : public testing::PipelineTest {
     }
     std::sort(names.begin(), names.end());
     return names;
-  }
-
-  /// frames.jsonl without what depends on the clock.
-  static std::vector<json> timeless(const std::string& folder) {
-    std::vector<json> frames;
-    for (const std::string& line : read_lines(folder + "/frames.jsonl")) {
-      json frame = json::parse(line);
-      for (const char* times : {"ms", "processor_ms"}) {
-        frame.erase(times);
-        for (json& stage : frame["stages"]) stage.erase(times);
-      }
-      frames.push_back(std::move(frame));
-    }
-    return frames;
   }
 };
 
