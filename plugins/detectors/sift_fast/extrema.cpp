@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
+#include <tuple>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sift_fast/extrema.cpp"
@@ -155,7 +156,11 @@ std::span<const Candidate> find_extrema(const Octave& octave, RowRange rows, int
                                              scratch.found.data() + count);
     }
   }
-  return {scratch.found.data(), count};
+  const std::span<Candidate> found{scratch.found.data(), count};
+  std::sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
+    return std::tuple(a.y, a.x, a.layer) < std::tuple(b.y, b.x, b.layer);
+  });
+  return found;
 }
 
 }  // namespace weft::sift_fast
