@@ -39,6 +39,7 @@ LIBRARIES = (
     Library("Embree 3", "Apache-2.0", r"embree3/", r"libembree3"),
     Library("fmt", "MIT", r"fmt/", r"libfmt"),
     Library("GMP", "LGPL-3.0-or-later", r"gmp(xx)?\.h", r"libgmp"),
+    Library("Highway 1.0", "Apache-2.0", r"hwy/", r"libhwy"),
     Library("libzip", "BSD-3-Clause", r"zip(conf)?\.h", r"libzip"),
     Library("MPFR", "LGPL-3.0-or-later", r"mpfr\.h", r"libmpfr"),
     Library("nlohmann-json", "MIT", r"nlohmann/"),

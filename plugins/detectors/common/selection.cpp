@@ -10,13 +10,6 @@
 namespace weft::detectors {
 namespace {
 
-/// A keypoint seen by the cap: how many of its cell are stronger, and where it stood.
-struct Ranked {
-  int rank;
-  float response;
-  int place;  ///< in the order
-};
-
 int cell_of(float coordinate, int length, int buckets) {
   const int cell = static_cast<int>(
       std::floor(coordinate * static_cast<float>(buckets) / static_cast<float>(length)));
@@ -24,17 +17,6 @@ int cell_of(float coordinate, int length, int buckets) {
 }
 
 }  // namespace
-
-std::vector<int> canonical_order(const std::vector<cv::KeyPoint>& keypoints) {
-  std::vector<int> order(keypoints.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto key = [&](int i) {
-    const cv::KeyPoint& k = keypoints[to_index(i)];
-    return std::tuple(k.pt.y, k.pt.x, k.octave, k.angle, k.response);
-  };
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
-  return order;
-}
 
 void keep_inside(const std::vector<cv::KeyPoint>& keypoints, const Array<std::uint8_t>& mask,
                  std::vector<int>& order) {
@@ -46,44 +28,66 @@ void keep_inside(const std::vector<cv::KeyPoint>& keypoints, const Array<std::ui
   });
 }
 
-void keep_spread(const std::vector<cv::KeyPoint>& keypoints, cv::Size image, int limit, int buckets,
-                 std::vector<int>& order) {
+void Selector::put_in_order(const std::vector<cv::KeyPoint>& keypoints, std::vector<int>& order) {
+  order.resize(keypoints.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto key = [&](int i) {
+    const cv::KeyPoint& k = keypoints[to_index(i)];
+    return std::tuple(k.pt.y, k.pt.x, k.octave, k.angle, k.response, i);
+  };
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
+}
+
+void Selector::spread(const std::vector<cv::KeyPoint>& keypoints, cv::Size image, int limit,
+                      int buckets, std::vector<int>& order) {
   if (limit == 0 || order.size() <= to_index(limit)) return;
   buckets = std::min(buckets, static_cast<int>(std::sqrt(static_cast<double>(limit))));
-  const auto keypoint = [&](int place) -> const cv::KeyPoint& {
-    return keypoints[to_index(order[to_index(place)])];
+  ranked_.clear();
+  for (std::size_t place = 0; place < order.size(); ++place) {
+    ranked_.push_back({0, keypoints[to_index(order[place])].response, static_cast<int>(place)});
+  }
+  const auto before = [](const Ranked& a, const Ranked& b) {
+    return std::tuple(a.rank, -a.response, a.place) < std::tuple(b.rank, -b.response, b.place);
   };
-  std::vector<int> by_response(order.size());
-  std::iota(by_response.begin(), by_response.end(), 0);
-  std::stable_sort(by_response.begin(), by_response.end(),
-                   [&](int a, int b) { return keypoint(a).response > keypoint(b).response; });
+  std::sort(ranked_.begin(), ranked_.end(), before);
 
-  std::vector<int> taken(to_index(buckets * buckets), 0);
-  std::vector<Ranked> ranked;
-  ranked.reserve(order.size());
-  for (const int place : by_response) {
-    const cv::Point2f& at = keypoint(place).pt;
+  taken_.assign(to_index(buckets * buckets), 0);
+  for (Ranked& one : ranked_) {
+    const cv::Point2f& at = keypoints[to_index(order[to_index(one.place)])].pt;
     const int cell =
         cell_of(at.y, image.height, buckets) * buckets + cell_of(at.x, image.width, buckets);
-    ranked.push_back({taken[to_index(cell)]++, keypoint(place).response, place});
+    one.rank = taken_[to_index(cell)]++;
   }
-  std::sort(ranked.begin(), ranked.end(), [](const Ranked& a, const Ranked& b) {
-    return std::tuple(a.rank, -a.response, a.place) < std::tuple(b.rank, -b.response, b.place);
-  });
+  const auto end = ranked_.begin() + limit;
+  std::nth_element(ranked_.begin(), end, ranked_.end(), before);
+  std::sort(ranked_.begin(), end,
+            [](const Ranked& a, const Ranked& b) { return a.place < b.place; });
+  for (std::size_t i = 0; i < to_index(limit); ++i) order[i] = order[to_index(ranked_[i].place)];
+  order.resize(to_index(limit));
+}
 
-  std::vector<int> places;
-  for (int i = 0; i < limit; ++i) places.push_back(ranked[to_index(i)].place);
-  std::sort(places.begin(), places.end());
-  for (int& place : places) place = order[to_index(place)];
-  order = std::move(places);
+const std::vector<int>& Selector::choose(const std::vector<cv::KeyPoint>& keypoints, cv::Size image,
+                                         const Array<std::uint8_t>* mask, int limit, int buckets) {
+  put_in_order(keypoints, order_);
+  if (mask != nullptr) keep_inside(keypoints, *mask, order_);
+  spread(keypoints, image, limit, buckets, order_);
+  return order_;
+}
+
+std::vector<int> canonical_order(const std::vector<cv::KeyPoint>& keypoints) {
+  std::vector<int> order;
+  Selector::put_in_order(keypoints, order);
+  return order;
+}
+
+void keep_spread(const std::vector<cv::KeyPoint>& keypoints, cv::Size image, int limit, int buckets,
+                 std::vector<int>& order) {
+  Selector().spread(keypoints, image, limit, buckets, order);
 }
 
 std::vector<int> selection(const std::vector<cv::KeyPoint>& keypoints, cv::Size image,
                            const Array<std::uint8_t>* mask, int limit, int buckets) {
-  std::vector<int> order = canonical_order(keypoints);
-  if (mask != nullptr) keep_inside(keypoints, *mask, order);
-  keep_spread(keypoints, image, limit, buckets, order);
-  return order;
+  return Selector().choose(keypoints, image, mask, limit, buckets);
 }
 
 }  // namespace weft::detectors

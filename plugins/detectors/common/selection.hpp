@@ -27,4 +27,30 @@ void keep_spread(const std::vector<cv::KeyPoint>& keypoints, cv::Size image, int
 std::vector<int> selection(const std::vector<cv::KeyPoint>& keypoints, cv::Size image,
                            const Array<std::uint8_t>* mask, int limit, int buckets);
 
+/// The same with memory that is kept from image to image.
+class Selector {
+ public:
+  /// As selection(); valid until the next call.
+  const std::vector<int>& choose(const std::vector<cv::KeyPoint>& keypoints, cv::Size image,
+                                 const Array<std::uint8_t>* mask, int limit, int buckets);
+
+  /// As canonical_order(), into `order`.
+  static void put_in_order(const std::vector<cv::KeyPoint>& keypoints, std::vector<int>& order);
+
+  /// As keep_spread().
+  void spread(const std::vector<cv::KeyPoint>& keypoints, cv::Size image, int limit, int buckets,
+              std::vector<int>& order);
+
+ private:
+  /// A keypoint seen by the cap: how many of its cell are stronger, and where it stood.
+  struct Ranked {
+    int rank;
+    float response;
+    int place;  ///< in the order
+  };
+
+  std::vector<int> order_, taken_;
+  std::vector<Ranked> ranked_;
+};
+
 }  // namespace weft::detectors
