@@ -92,6 +92,10 @@ void name_entries(std::vector<Entry>& entries) {
   }
 }
 
+double times_floor(const Row& row) {
+  return row.floor_ms > 0.0 ? row.processor_ms.median / row.floor_ms : kUnknown;
+}
+
 PipelineReport report_of(const Entry& entry, const PipelineSubject& subject,
                          const std::vector<Sample>& samples, const Result<Counts>& counts,
                          const MachineSpeed& speed) {

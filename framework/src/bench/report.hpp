@@ -57,6 +57,10 @@ struct Report {
   std::vector<RatioReport> ratios;
 };
 
+/// The median of a row's processor time as a multiple of its floor, which is of one thread too;
+/// time on the wall would have the work of others in it. Unknown where there is no floor.
+double times_floor(const Row& row);
+
 /// The rows of a pipeline. `counts` fails where they could not be had.
 PipelineReport report_of(const Entry& entry, const PipelineSubject& subject,
                          const std::vector<Sample>& samples, const Result<Counts>& counts,

@@ -52,7 +52,7 @@ ordered_json json_of(const Row& row) {
   object["read_bytes"] = row.moved ? ordered_json(row.moved->in) : ordered_json(nullptr);
   object["made_bytes"] = row.moved ? ordered_json(row.moved->out) : ordered_json(nullptr);
   object["floor_ms"] = number(row.floor_ms);
-  object["times_floor"] = number(row.floor_ms > 0.0 ? row.ms.median / row.floor_ms : kUnknown);
+  object["times_floor"] = number(times_floor(row));
   return object;
 }
 

@@ -59,7 +59,7 @@ Line line_of(const Report& report, const PipelineReport& pipeline, const Row& ro
       row.moved ? static_cast<double>(row.moved->in + row.moved->out) / 1024.0 : kUnknown;
   line.push_back(figure(moved, "{:.1f}"));
   line.push_back(figure(row.floor_ms, "{:.4f}"));
-  line.push_back(row.floor_ms > 0.0 ? figure(row.ms.median / row.floor_ms, "{:.0f}") : "-");
+  line.push_back(figure(times_floor(row), "{:.0f}"));
   return line;
 }
 
@@ -73,7 +73,7 @@ std::string text_of(const Report& report, const PipelineReport& pipeline) {
   text += states + "\n";
   Line head{"part", "component", "ms p50", "p95", "p99", "cpu p50"};
   if (!report.baseline.empty()) head.push_back("/ " + report.baseline);
-  for (const char* name : {"allocations", "KiB", "records KiB", "floor ms", "x floor"}) {
+  for (const char* name : {"allocations", "KiB", "records KiB", "floor ms", "cpu / floor"}) {
     head.emplace_back(name);
   }
   std::vector<Line> lines{head};

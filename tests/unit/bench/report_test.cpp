@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace weft::bench {
@@ -57,6 +58,15 @@ TEST(Report, ComparesTheFirstWithAllAndAllWithTheBaseline) {
                                  pipeline_of("c", {kFrame}, 1.0)},
                                 "c");
   EXPECT_THAT(names_of(ratios), ElementsAre("a/b frame", "a/c frame", "b/c frame"));
+}
+
+TEST(Report, TellsProcessorTimeAsAMultipleOfTheFloor) {
+  Row row{"filters", "", {}, {}, {}, {}, {}, {}};
+  row.ms = spread_of(std::vector<double>{40.0});
+  row.processor_ms = spread_of(std::vector<double>{6.0});
+  EXPECT_TRUE(std::isnan(times_floor(row)));
+  row.floor_ms = 0.5;
+  EXPECT_DOUBLE_EQ(times_floor(row), 12.0);
 }
 
 TEST(Report, HasNullWhereNothingIsKnown) {
