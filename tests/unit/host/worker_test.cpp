@@ -90,7 +90,7 @@ class WorkerTest : public ::testing::Test {
   std::vector<std::string> logged_;
   std::unique_ptr<Lane> lane_ = std::make_unique<Lane>(
       7,
-      [this](const std::string& component, int level, const std::string& text) {
+      [this](const std::string& component, int level, const std::string& text, std::uint64_t) {
         logged_.push_back(component + " " + std::to_string(level) + " " + text);
       },
       *SharedArena::create());

@@ -90,7 +90,9 @@ TEST(FrameLine, TheNextFrameEntersWhileOneIsOnItsWay) {
   line.run(2, [&](std::size_t step, std::uint64_t frame) {
     diary.write("begin ", step, frame);
     // Ends only because the other frame came in meanwhile.
-    if (step == 1 && frame == 0) EXPECT_TRUE(diary.await("begin 0 of 1"));
+    if (step == 1 && frame == 0) {
+      EXPECT_TRUE(diary.await("begin 0 of 1"));
+    }
     return frame == 1 && step == 1 ? Answer::last : Answer::passed;
   });
   EXPECT_GE(diary.place("begin 1 of 1"), 0);
