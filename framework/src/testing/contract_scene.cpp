@@ -114,7 +114,7 @@ HeldRecord Scene::record(std::string_view slot) const {
   if (slot == "time") return hold(time);
   if (slot == "keypoints") return hold(keypoints);
   if (slot == "template_keypoints") return hold(template_keypoints);
-  if (slot == "correspondences") return hold(matches.matches);
+  if (slot == "correspondences" || slot == "previous.correspondences") return hold(matches.matches);
   if (slot == "weights") return hold(weights);
   if (slot == "warp_samples") return hold(warp_samples);
   if (slot == "sightlines") return hold(sightlines);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/checks.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
+
+#include "common/distances/row_kernels.hpp"
 
 namespace weft::matchers {
 namespace {
@@ -33,13 +34,13 @@ Result<void> check_places(const Keypoints& keypoints, const char* side) {
 Result<void> check_floats(const Keypoints& keypoints, const char* side, bool root_sift) {
   if (keypoints.descriptors.is_on_device()) return {};  // by the plugin that reads them there
   for (std::int64_t i = 0; i < keypoints.count(); ++i) {
-    const float* first = keypoints.descriptors.row(i);
-    const float* last = first + keypoints.descriptors.dim(1);
-    if (!std::all_of(first, last, [](float value) { return std::isfinite(value); })) {
+    const RowSurvey survey =
+        survey_row(keypoints.descriptors.row(i), static_cast<int>(keypoints.descriptors.dim(1)));
+    if (!survey.is_finite) {
       return invalid("the descriptor of " + name(i, side) +
                      " holds NaN or infinity; the detector must leave such keypoints out");
     }
-    if (root_sift && std::any_of(first, last, [](float value) { return value < 0.0F; })) {
+    if (root_sift && survey.lowest < 0.0F) {
       return invalid("the descriptor of " + name(i, side) +
                      " holds a negative number, which has no root; set root_sift: false");
     }

@@ -3,15 +3,16 @@
 
 #include <weft/core/index.hpp>
 
-#include "common/point_index.hpp"
+#include "common/point_grid.hpp"
 
 namespace weft::matchers {
 
 std::vector<char> distinct(const std::vector<PointPair>& pairs, const std::vector<int>& best_first,
                            double template_radius_px, double image_radius_px) {
   const auto at = [&](int i) -> const PointPair& { return pairs[to_index(i)]; };
-  PointIndex template_points;
-  template_points.load(static_cast<int>(pairs.size()), [&](int i) { return at(i).template_px; });
+  PointGrid template_points;
+  template_points.load(static_cast<int>(pairs.size()), template_radius_px,
+                       [&](int i) { return at(i).template_px; });
   std::vector<char> keep(pairs.size(), 0);
   for (const int i : best_first) {
     bool merged = false;

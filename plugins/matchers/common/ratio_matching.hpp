@@ -34,6 +34,9 @@ class RatioMatching {
   /// The two sides of a search; no_result or an Error where there is nothing to search.
   Result<Sides> sides(const MatcherInput& in) const;
 
+  /// Whether the template's keypoints are the queries.
+  bool forward() const { return direction_ == Direction::template_to_image; }
+  double ratio() const { return ratio_; }
   bool mutual() const { return mutual_; }
   bool root_sift() const { return root_sift_; }
   /// The second nearest train is farther than this from the nearest; 0: any other.
@@ -43,7 +46,6 @@ class RatioMatching {
   Result<Correspondences> answer(const Sides& sides, const std::vector<Neighbours>& found);
 
  private:
-  bool forward() const { return direction_ == Direction::template_to_image; }
   void collect(const Sides& sides, const std::vector<Neighbours>& found);
 
   Direction direction_ = Direction::template_to_image;

@@ -2,9 +2,9 @@
 #include <weft/core/index.hpp>
 #include <weft/sdk/matcher.hpp>
 
+#include "common/distances/coarse_hamming.hpp"
+#include "common/distances/coarse_l2.hpp"
 #include "common/ratio_matching.hpp"
-#include "hamming_distances.hpp"
-#include "l2_distances.hpp"
 #include "nearest_search.hpp"
 
 namespace weft::descriptor {
@@ -25,34 +25,37 @@ class Descriptor final : public Matcher {
   Result<Correspondences> match(const MatcherInput& in) override {
     auto sides = matching_.sides(in);
     if (!sides) return sides.error();
-    const DistanceRows& distances = load(sides->queries, sides->trains);
-    if (!search_.run(distances, sides->trains.xy_px, {matching_.elsewhere_px(), matching_.mutual()},
+    const NearestSearch::Options options{.elsewhere_px = matching_.elsewhere_px(),
+                                         .mutual = matching_.mutual(),
+                                         .ratio = matching_.ratio(),
+                                         .threads = in.call.threads()};
+    if (!search_.run(load(sides->queries, sides->trains), sides->trains.xy_px, options,
                      [&] { return in.call.cancelled(); })) {
       return Error{Errc::cancelled, "cancelled"};
     }
     neighbours_.clear();
-    for (int i = 0; i < distances.queries(); ++i) {
-      const auto [best, second] = search_.nearest()[to_index(i)];
-      if (best < 0 || second < 0) continue;
-      if (matching_.mutual() && search_.best_query(best) != i) continue;
-      neighbours_.push_back({i, best, distances.distance(i, best), distances.distance(i, second)});
+    for (int query = 0; query < static_cast<int>(search_.nearest().size()); ++query) {
+      const Nearest& found = search_.nearest()[to_index(query)];
+      if (found.second < 0) continue;
+      neighbours_.push_back({query, found.best, found.distance, found.second_distance});
     }
     return matching_.answer(*sides, neighbours_);
   }
 
  private:
-  const DistanceRows& load(const Keypoints& queries, const Keypoints& trains) {
+  matchers::CoarseDistances& load(const Keypoints& queries, const Keypoints& trains) {
     if (queries.metric == "hamming") {
       hamming_.load(queries.binary_descriptors, trains.binary_descriptors);
       return hamming_;
     }
-    l2_.load(queries.descriptors, trains.descriptors, matching_.root_sift());
+    l2_.load(queries.descriptors, trains.descriptors, matching_.root_sift(), queries.revision,
+             trains.revision);
     return l2_;
   }
 
   matchers::RatioMatching matching_;
-  L2Distances l2_;
-  HammingDistances hamming_;
+  matchers::CoarseL2 l2_;
+  matchers::CoarseHamming hamming_;
   NearestSearch search_;
   std::vector<matchers::Neighbours> neighbours_;
 };
@@ -61,5 +64,5 @@ class Descriptor final : public Matcher {
 }  // namespace weft::descriptor
 
 using weft::descriptor::Descriptor;
-WEFT_PLUGIN(Descriptor, "matchers/descriptor", "1.0.0",
+WEFT_PLUGIN(Descriptor, "matchers/descriptor", "1.1.0",
             "Matches keypoints by their nearest descriptor with Lowe's ratio test, exactly.")

@@ -2,86 +2,96 @@
 #include "nearest_search.hpp"
 
 #include <algorithm>
-#include <limits>
+#include <atomic>
+#include <functional>
+#include <numeric>
+#include <span>
 #include <weft/core/index.hpp>
 
 namespace weft::descriptor {
-namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr int kLanes = 4;
-typedef float FourFloats __attribute__((vector_size(kLanes * sizeof(float))));
-typedef float FourFloatsInMemory
-    __attribute__((vector_size(kLanes * sizeof(float)), aligned(alignof(float)), may_alias));
+using matchers::CoarseDistances;
+using matchers::kBlockQueries;
 
-/// The smallest of kRowMultiple values.
-float block_minimum(const float* values) {
-  const auto* vectors = reinterpret_cast<const FourFloatsInMemory*>(values);
-  FourFloats low = vectors[0], high = vectors[1];
-  for (int i = 2; i < kRowMultiple / kLanes; i += 2) {
-    const FourFloats a = vectors[i], b = vectors[i + 1];
-    low = a < low ? a : low;
-    high = b < high ? b : high;
-  }
-  low = high < low ? high : low;
-  return std::min(std::min(low[0], low[1]), std::min(low[2], low[3]));
-}
-
-/// Index of the smallest value, the first of equal ones; -1 if none is finite.
-int smallest(const float* row, int row_length) {
-  float minimum = kInfinity;
-  int block = -1;
-  for (int first = 0; first < row_length; first += kRowMultiple) {
-    const float candidate = block_minimum(row + first);
-    if (candidate < minimum) {
-      minimum = candidate;
-      block = first;
+/// Calls visit(bench, query), whose row is open, for each query, on several threads.
+bool NearestSearch::for_each_row(CoarseDistances& distances, const std::vector<int>& queries,
+                                 int threads, const std::function<bool()>& cancelled,
+                                 const Visit& visit) {
+  distances.pack_trains();
+  const int length = distances.row_length();
+  const int blocks = (static_cast<int>(queries.size()) + kBlockQueries - 1) / kBlockQueries;
+  const int workers = std::clamp(threads, 1, std::max(blocks, 1));
+  if (benches_.size() < to_index(workers)) benches_.resize(to_index(workers));
+  if (cancelled()) return false;  // other threads may leave the caller's nothing to ask between
+  std::atomic<int> next = 0;
+  std::atomic<bool> stopped = false;
+  workers_.run(workers, [&](int worker) {
+    Bench& bench = benches_[to_index(worker)];
+    bench.codes.resize(to_index(kBlockQueries) * to_index(length));
+    for (int block = next++; block < blocks && !stopped; block = next++) {
+      if (worker == 0 && cancelled()) stopped = true;
+      if (stopped) return;
+      const std::size_t first = to_index(block * kBlockQueries);
+      const std::span<const int> some(queries.data() + first,
+                                      std::min(to_index(kBlockQueries), queries.size() - first));
+      distances.fill(some, bench.scratch, bench.codes.data());
+      for (std::size_t i = 0; i < some.size(); ++i) {
+        bench.two.row.open(bench.codes.data() + i * to_index(length), length);
+        visit(bench, some[i]);
+      }
     }
-  }
-  if (block < 0) return -1;
-  return static_cast<int>(std::find(row + block, row + block + kRowMultiple, minimum) - row);
+  });
+  return !stopped;
 }
 
-}  // namespace
-
-void NearestSearch::look_back(int query, const float* row) {
-  for (std::size_t j = 0; j < best_query_.size(); ++j) {
-    const bool closer = row[j] < best_query_distance_[j];
-    best_query_distance_[j] = closer ? row[j] : best_query_distance_[j];
-    best_query_[j] = closer ? query : best_query_[j];
+/// Asks of each train that is a best for its nearest query.
+bool NearestSearch::keep_mutual(CoarseDistances& distances, int threads,
+                                const std::function<bool()>& cancelled) {
+  best_query_.assign(to_index(distances.trains()), -1);
+  std::vector<int> bests;
+  for (const Nearest& found : nearest_) {
+    if (found.second < 0 || best_query_[to_index(found.best)] == -2) continue;
+    best_query_[to_index(found.best)] = -2;
+    bests.push_back(found.best);
   }
+  distances.swap_sides();
+  const auto find = [&](Bench& bench, int train) {
+    const Nearest found = bench.two.find(
+        distances, train, std::numeric_limits<double>::infinity(), std::identity(),
+        [](int a, int b, double) { return a == b; }, [](int, double) {});
+    best_query_[to_index(train)] = found.best;
+  };
+  const bool done = for_each_row(distances, bests, threads, cancelled, find);
+  distances.swap_sides();
+  for (int query = 0; query < distances.queries(); ++query) {
+    Nearest& found = nearest_[to_index(query)];
+    if (found.second >= 0 && best_query_[to_index(found.best)] != query) found = {};
+  }
+  return done;
 }
 
-bool NearestSearch::run(const DistanceRows& distances, const Array<double>& places,
+bool NearestSearch::run(CoarseDistances& distances, const Array<double>& places,
                         const Options& options, const std::function<bool()>& cancelled) {
   const auto place = [&](int i) { return Eigen::Vector2d(places(i, 0), places(i, 1)); };
-  if (options.elsewhere_px > 0.0) places_.load(distances.trains(), place);
-  const int length = distances.row_length();
-  const std::size_t trains = options.mutual ? to_index(distances.trains()) : 0;
-  best_query_distance_.assign(trains, kInfinity);
-  best_query_.assign(trains, -1);
+  const bool elsewhere = options.elsewhere_px > 0.0;
+  if (elsewhere) places_.load(distances.trains(), 2.0 * options.elsewhere_px, place);
   nearest_.assign(to_index(distances.queries()), {});
-  rows_.resize(to_index(kBlockRows) * to_index(length));
-
-  for (int first = 0; first < distances.queries(); first += kBlockRows) {
-    if (cancelled()) return false;
-    distances.fill(first, rows_.data());
-    const int last = std::min(first + kBlockRows, distances.queries());
-    for (int query = first; query < last; ++query) {
-      float* row = rows_.data() + static_cast<std::ptrdiff_t>(query - first) * length;
-      if (options.mutual) look_back(query, row);
-      Nearest& found = nearest_[to_index(query)];
-      found.best = smallest(row, length);
-      if (found.best < 0) continue;
-      row[found.best] = kInfinity;
-      if (options.elsewhere_px > 0.0) {
-        places_.for_each_within(place(found.best), options.elsewhere_px,
-                                [&](int near) { row[near] = kInfinity; });
-      }
-      found.second = smallest(row, length);
-    }
-  }
-  return true;
+  queries_.resize(to_index(distances.queries()));
+  std::iota(queries_.begin(), queries_.end(), 0);
+  const auto find = [&](Bench& bench, int query) {
+    const auto is_near = [&](int a, int b, double factor) {
+      const double radius_px = factor * options.elsewhere_px;
+      return a == b || (elsewhere && (place(a) - place(b)).squaredNorm() <= radius_px * radius_px);
+    };
+    const auto hide_near = [&](int position, double factor) {
+      places_.for_each_within(place(position), factor * options.elsewhere_px,
+                              [&](int near) { bench.two.row.hide(near); });
+    };
+    nearest_[to_index(query)] =
+        bench.two.find(distances, query, options.ratio, std::identity(), is_near, hide_near);
+  };
+  if (!for_each_row(distances, queries_, options.threads, cancelled, find)) return false;
+  return !options.mutual || keep_mutual(distances, options.threads, cancelled);
 }
 
 }  // namespace weft::descriptor

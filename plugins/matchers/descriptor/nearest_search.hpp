@@ -2,45 +2,57 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <vector>
-#include <weft/core/index.hpp>
 #include <weft/data/array.hpp>
 
-#include "common/point_index.hpp"
-#include "distance_rows.hpp"
+#include "common/distances/coarse_distances.hpp"
+#include "common/distances/nearest_two.hpp"
+#include "common/point_grid.hpp"
+#include "common/workers/workers.hpp"
 
 namespace weft::descriptor {
 
-/// The two nearest trains of a query; -1 where there is none.
-struct Nearest {
-  int best = -1;
-  int second = -1;
-};
+using matchers::Nearest;
 
-/// Finds for each query the nearest train and the nearest one that lies elsewhere in the image.
-/// The lowest index wins a tie.
+/// Finds for each query the nearest train and the nearest one that lies elsewhere in the image,
+/// exactly. The lowest index wins a tie.
 class NearestSearch {
  public:
   struct Options {
     double elsewhere_px = 0.0;  ///< the second is farther than this from the best; 0: any other
-    bool mutual = false;        ///< best_query() is wanted too
+    bool mutual = false;        ///< a best whose own nearest is another query is no best
+    /// Queries whose distance is not below this times the second one may have no best.
+    double ratio = std::numeric_limits<double>::infinity();
+    int threads = 1;
   };
 
-  /// `places` [T,2] px of the trains. False when `cancelled` said so.
-  bool run(const DistanceRows& distances, const Array<double>& places, const Options& options,
-           const std::function<bool()>& cancelled);
+  /// `places` [T,2] px of the trains. False when `cancelled`, asked on the caller's thread, said
+  /// so.
+  bool run(matchers::CoarseDistances& distances, const Array<double>& places,
+           const Options& options, const std::function<bool()>& cancelled);
 
   const std::vector<Nearest>& nearest() const { return nearest_; }
-  /// The query nearest to a train, if `mutual` was set.
-  int best_query(int train) const { return best_query_[to_index(train)]; }
 
  private:
-  void look_back(int query, const float* row);
+  /// What one thread works with.
+  struct Bench {
+    matchers::CoarseDistances::Scratch scratch;
+    std::vector<std::int16_t> codes;
+    matchers::NearestTwo two;
+  };
+  using Visit = std::function<void(Bench&, int query)>;
 
-  matchers::PointIndex places_;
-  std::vector<float> rows_;
+  bool for_each_row(matchers::CoarseDistances& distances, const std::vector<int>& queries,
+                    int threads, const std::function<bool()>& cancelled, const Visit& visit);
+  bool keep_mutual(matchers::CoarseDistances& distances, int threads,
+                   const std::function<bool()>& cancelled);
+
+  Workers workers_;
+  std::vector<Bench> benches_;
+  matchers::PointGrid places_;
+  std::vector<int> queries_;
   std::vector<Nearest> nearest_;
-  std::vector<float> best_query_distance_;
   std::vector<int> best_query_;
 };
 

@@ -93,8 +93,8 @@ TEST_F(Overlap, GivesTheSameWhereAWarpIsEvaluatedByLaterStages) {
            "\nstages:\n"
            "  - use: detectors/test.scripted\n"
            "  - use: matchers/test.scripted\n"
-           "  - use: warps/test.scripted\n"
            "  - use: filters/test.scripted\n"
+           "  - use: warps/test.scripted\n"
            "  - use: solvers/test.warped\n"
            "sinks:\n"
            "  - {use: sinks/test.scripted, params: {path: lines.txt}}\n";
@@ -178,7 +178,7 @@ TEST_F(Overlap, GivesEachCallItsShareOfTheThreads) {
         "  - use: solvers/test.warped\n";
     const Ran ran = run(head("{frames: 2}") + options + stages);
     ASSERT_TRUE(ran.summary) << options;
-    EXPECT_EQ(ran.number(1, "filters", "threads"), threads) << options;
+    EXPECT_EQ(ran.number(1, "filters", "threads"), threads) << options << ran.status(1, "filters");
     fs::remove_all(path("run"));
   }
 }

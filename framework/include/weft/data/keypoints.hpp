@@ -18,6 +18,7 @@ struct Keypoints {
   Array<std::uint8_t> binary_descriptors;  ///< [K,B] for metric hamming, bytes
   Array<std::int32_t> face;                ///< [K] face of the template, -1 for none
   Array<double> barycentrics;              ///< [K,3] weights in that face, sum 1
+  std::uint64_t revision = 0;              ///< equal only for equal content; 0: not known
 
   std::int64_t count() const { return xy_px.rows(); }
 

@@ -12,12 +12,20 @@ struct MatcherInput {
   std::optional<Keypoints> keypoints{};            ///< of the image
   std::optional<Keypoints> template_keypoints{};   ///< with face and barycentrics
   std::vector<Correspondences> correspondences{};  ///< of earlier matchers, to merge
+  std::optional<Template> templ{};
+  std::optional<Camera> camera{};
+  std::optional<Correspondences> previous_correspondences{};  ///< with the marks of filters
+  std::optional<Shape> previous_shape{};                      ///< may be `lost`: see its state
 
   template <class Self, class Visit>
   static void slots(Self& self, Visit&& visit) {
     visit("keypoints", self.keypoints);
     visit("template_keypoints", self.template_keypoints);
     visit("correspondences", self.correspondences);
+    visit("template", self.templ);
+    visit("camera", self.camera);
+    visit("previous.correspondences", self.previous_correspondences);
+    visit("previous.shape", self.previous_shape);
   }
 };
 

@@ -163,6 +163,8 @@ class Run {
       rules.push_back(rule);
     }
     rules.emplace_back();
+    // What comes after the end of a frame is all of it, or nothing.
+    rules[loop_->settled() + 2].busy_until = rules.size() - 1;
     const auto at_once = to_index(pipeline_.config.frames_at_once);
     on_their_way_.resize(at_once);
     FrameLine line(std::move(rules), 1 + loop_->settled(), at_once);
