@@ -41,5 +41,17 @@ TEST(HotPath, SolversAllocateNothingInTheirLoop) {
   EXPECT_EQ(made("{max_iterations: 5, solver_iterations: 50, tolerance_m: 0}"), few);
 }
 
+TEST(HotPath, FastSiftAllocatesForItsAnswerAlone) {
+  const SheetScene scene;
+  const auto made = [&](const std::string& params) {
+    Component detector("detectors/sift_fast", params, scene.templ, scene.camera);
+    return allocations_of(detector, {{"image", synthetic_image()}});
+  };
+  // As many for an answer of any length, and for four times as many pixels.
+  const std::uint64_t few = made("{max_keypoints: 10}");
+  EXPECT_EQ(made("{max_keypoints: 1000}"), few);
+  EXPECT_EQ(made("{max_keypoints: 10, upsample: false}"), few);
+}
+
 }  // namespace
 }  // namespace weft::bench

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
-#include <tuple>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sift_fast/extrema.cpp"
@@ -52,13 +51,18 @@ void Subtract(const Plane* layers, std::size_t x, std::size_t y, const TileRows&
   const Wide d;
   const std::size_t lanes = hn::Lanes(d);
   const auto begin = static_cast<std::ptrdiff_t>(x) - static_cast<std::ptrdiff_t>(kBeside);
-  for (std::size_t l = 0; l < tile.differences; ++l) {
-    const std::int16_t* lower = layers[l].row(static_cast<int>(y)) + begin;
-    const std::int16_t* upper = layers[l + 1].row(static_cast<int>(y)) + begin;
-    std::int16_t* values = tile.values(y, l);
-    for (std::size_t i = 0; i < kTileRow; i += lanes) {
-      hn::StoreU(hn::Sub(hn::LoadU(d, upper + i), hn::LoadU(d, lower + i)), d, values + i);
+  const std::size_t per_layer = tile.values(y, 1) - tile.values(y, 0);
+  for (std::size_t i = 0; i < kTileRow; i += lanes) {
+    std::int16_t* to = tile.values(y, 0) + i;
+    auto lower = hn::LoadU(d, layers[0].row(static_cast<int>(y)) + begin + i);
+    for (std::size_t l = 0; l < tile.differences; ++l, to += per_layer) {
+      const auto upper = hn::LoadU(d, layers[l + 1].row(static_cast<int>(y)) + begin + i);
+      hn::StoreU(hn::Sub(upper, lower), d, to);
+      lower = upper;
     }
+  }
+  for (std::size_t l = 0; l < tile.differences; ++l) {
+    std::int16_t* values = tile.values(y, l);
     std::int16_t* largest = tile.largest(y, l);
     std::int16_t* smallest = tile.smallest(y, l);
     for (std::size_t i = kBeside; i < kBeside + kTile; i += lanes) {
@@ -156,11 +160,7 @@ std::span<const Candidate> find_extrema(const Octave& octave, RowRange rows, int
                                              scratch.found.data() + count);
     }
   }
-  const std::span<Candidate> found{scratch.found.data(), count};
-  std::sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
-    return std::tuple(a.y, a.x, a.layer) < std::tuple(b.y, b.x, b.layer);
-  });
-  return found;
+  return {scratch.found.data(), count};
 }
 
 }  // namespace weft::sift_fast

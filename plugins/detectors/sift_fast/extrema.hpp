@@ -23,7 +23,7 @@ struct ExtremaScratch {
 
 /// Pixels of `rows`, kBorder px inside the octave, whose difference of neighbouring layers is above
 /// `weakest` and not below that of any of its 26 neighbours in place and scale; or below -`weakest`
-/// and not above any. By row, column and layer; valid until the next call.
+/// and not above any. In an order that depends on the length of vectors; valid until the next call.
 std::span<const Candidate> find_extrema(const Octave& octave, RowRange rows, int weakest,
                                         ExtremaScratch& scratch);
 

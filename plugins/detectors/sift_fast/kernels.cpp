@@ -10,10 +10,11 @@ namespace {
 
 constexpr double kCameraBlurPx = 0.5;
 constexpr double kLeastVariance = 0.01;
+/// Where Gaussians are cut off.
+constexpr double kCutSigmas = 3.0;
 
-/// From the middle on; with their mirror images they make 1.
-std::vector<double> weights(double sigma_px) {
-  const int radius = (static_cast<int>(std::lrint(8.0 * sigma_px + 1.0)) | 1) / 2;
+/// Samples of a Gaussian from the middle on; with their mirror images they make 1.
+std::vector<double> samples(double sigma_px, int radius) {
   std::vector<double> values;
   double sum = 0.0;
   for (int i = 0; i <= radius; ++i) {
@@ -22,6 +23,25 @@ std::vector<double> weights(double sigma_px) {
   }
   for (double& value : values) value /= sum;
   return values;
+}
+
+double variance(const std::vector<double>& weights) {
+  double sum = 0.0;
+  for (std::size_t i = 1; i < weights.size(); ++i) {
+    sum += 2.0 * static_cast<double>(i * i) * weights[i];
+  }
+  return sum;
+}
+
+/// Of variance sigma^2 although they are few: a Gaussian that is a little wider, cut off.
+std::vector<double> weights(double sigma_px) {
+  const int radius = std::max(static_cast<int>(std::ceil(kCutSigmas * sigma_px)), 1);
+  double narrow = 0.5 * sigma_px, wide = 2.0 * sigma_px + 1.0;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (narrow + wide);
+    (variance(samples(middle, radius)) < sigma_px * sigma_px ? narrow : wide) = middle;
+  }
+  return samples(narrow, radius);
 }
 
 std::int16_t rounded(double weight) {
@@ -36,10 +56,10 @@ double blur_between(double before, double after) {
 
 Taps gaussian(double sigma_px) {
   Taps taps;
-  for (const double weight : weights(sigma_px)) taps.push_back(rounded(weight));
+  for (const double weight : weights(sigma_px)) taps.push_back(rounded(2.0 * weight));
   while (taps.size() > 1 && taps.back() == 0) taps.pop_back();
   int rest = kOne;
-  for (std::size_t i = 1; i < taps.size(); ++i) rest -= 2 * taps[i];
+  for (std::size_t i = 1; i < taps.size(); ++i) rest -= taps[i];
   taps[0] = static_cast<std::int16_t>(std::min(rest, kOne - 1));
   return taps;
 }
@@ -57,9 +77,9 @@ std::vector<std::int16_t> doubling_gaussian(double sigma_px) {
     sums[to_index(far + reach)] += 0.25 * blur[to_index(std::abs(i))];
   }
   std::vector<std::int16_t> taps;
-  int rest = kOne;
+  int rest = 2 * kOne;
   for (const double sum : sums) {
-    taps.push_back(rounded(sum));
+    taps.push_back(rounded(2.0 * sum));
     rest -= taps.back();
   }
   std::int16_t& middle = taps[to_index(reach)];

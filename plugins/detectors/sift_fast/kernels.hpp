@@ -11,15 +11,16 @@ namespace weft::sift_fast {
 /// Weights are whole numbers: kOne stands for 1.
 constexpr int kOne = 1 << 15;
 
-/// Weights of a symmetric kernel from its middle on; the middle and twice the others make kOne.
+/// Weights of a symmetric kernel from its middle on, all but the middle doubled: that and the
+/// others make kOne.
 using Taps = std::vector<std::int16_t>;
 
-/// A Gaussian sampled at whole numbers, to four sigmas.
+/// A Gaussian sampled at whole numbers, to three sigmas; its variance is that of all of it.
 Taps gaussian(double sigma_px);
 
 /// What gives the even samples of a row that is enlarged twice, linearly and with pixel edges
 /// aligned, and then blurred by `sigma_px` (of the enlarged row), from the row itself: weights of
-/// its samples from -m to m, 2 m + 1 of them. Reversed, they give the odd samples.
+/// its samples from -m to m, 2 m + 1 of them, doubled. Reversed, they give the odd samples.
 std::vector<std::int16_t> doubling_gaussian(double sigma_px);
 
 /// How each layer of an octave comes from the one before; the same in all octaves.

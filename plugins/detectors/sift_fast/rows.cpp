@@ -23,17 +23,24 @@ constexpr std::size_t kAtATime = 4;
 /// Product of a grey level and a weight, rounded.
 HWY_INLINE Vector times(Vector grey, Vector weight) { return hn::MulFixedPoint15(grey, weight); }
 
+/// What is added before a sum is halved, in columns and then in rows: their roundings down and up
+/// cancel out on average.
+constexpr std::int16_t kDown = 0, kUp = 1;
+
+/// Half of a sum: of products with doubled weights, which loses half as much to their rounding.
+template <std::int16_t kRounding>
+HWY_INLINE Vector half_of(Vector sum) {
+  return hn::ShiftRight<1>(hn::SaturatedAdd(sum, hn::Set(Wide(), kRounding)));
+}
+
 /// Rows of a symmetric kernel: `before(i)` and `after(i)` are those i away from the middle.
-template <std::size_t kCount, class Before, class After>
+template <std::int16_t kRounding, std::size_t kCount, class Before, class After>
 HWY_INLINE void add_symmetric(const Before& before, const After& after, const std::int16_t* taps,
                               std::size_t radius, std::size_t x, std::int16_t* to) {
   const Wide d;
   const std::size_t lanes = hn::Lanes(d);
   Vector sums[kCount];
-  const auto middle = hn::Set(d, taps[0]);
-  for (std::size_t v = 0; v < kCount; ++v) {
-    sums[v] = times(hn::LoadU(d, before(0) + x + v * lanes), middle);
-  }
+  for (std::size_t v = 0; v < kCount; ++v) sums[v] = hn::Zero(d);
   for (std::size_t i = 1; i <= radius; ++i) {
     const auto weight = hn::Set(d, taps[i]);
     const std::int16_t* one = before(i) + x;
@@ -42,35 +49,39 @@ HWY_INLINE void add_symmetric(const Before& before, const After& after, const st
       // Two of the darkest, rounded down several times, go a little beyond 16 bits.
       const auto both =
           hn::SaturatedAdd(hn::LoadU(d, one + v * lanes), hn::LoadU(d, other + v * lanes));
-      sums[v] = hn::Add(sums[v], times(both, weight));
+      sums[v] = hn::SaturatedAdd(sums[v], times(both, weight));
     }
   }
-  for (std::size_t v = 0; v < kCount; ++v) hn::StoreU(sums[v], d, to + x + v * lanes);
+  const auto middle = hn::Set(d, taps[0]);
+  for (std::size_t v = 0; v < kCount; ++v) {
+    const auto own = times(hn::LoadU(d, before(0) + x + v * lanes), middle);
+    hn::StoreU(hn::Add(own, half_of<kRounding>(sums[v])), d, to + x + v * lanes);
+  }
 }
 
-template <class Before, class After>
+template <std::int16_t kRounding, class Before, class After>
 HWY_INLINE void symmetric_row(const Before& before, const After& after, const std::int16_t* taps,
                               std::size_t radius, std::size_t width, std::int16_t* to) {
   const std::size_t lanes = hn::Lanes(Wide());
   std::size_t x = 0;
   for (; x + kAtATime * lanes <= width; x += kAtATime * lanes) {
-    add_symmetric<kAtATime>(before, after, taps, radius, x, to);
+    add_symmetric<kRounding, kAtATime>(before, after, taps, radius, x, to);
   }
-  for (; x < width; x += lanes) add_symmetric<1>(before, after, taps, radius, x, to);
+  for (; x < width; x += lanes) add_symmetric<kRounding, 1>(before, after, taps, radius, x, to);
 }
 
 void BlurColumns(const std::int16_t* const* rows, const std::int16_t* taps, std::size_t radius,
                  std::size_t width, std::int16_t* to) {
   const auto before = [rows, radius](std::size_t i) HWY_ATTR { return rows[radius - i]; };
   const auto after = [rows, radius](std::size_t i) HWY_ATTR { return rows[radius + i]; };
-  symmetric_row(before, after, taps, radius, width, to);
+  symmetric_row<kDown>(before, after, taps, radius, width, to);
 }
 
 void BlurRow(const std::int16_t* row, const std::int16_t* taps, std::size_t radius,
              std::size_t width, std::int16_t* to) {
   const auto before = [row](std::size_t i) HWY_ATTR { return row - i; };
   const auto after = [row](std::size_t i) HWY_ATTR { return row + i; };
-  symmetric_row(before, after, taps, radius, width, to);
+  symmetric_row<kUp>(before, after, taps, radius, width, to);
 }
 
 void AddRows(const std::int16_t* const* rows, const std::int16_t* taps, std::size_t count,
@@ -79,9 +90,9 @@ void AddRows(const std::int16_t* const* rows, const std::int16_t* taps, std::siz
   for (std::size_t x = 0; x < width; x += hn::Lanes(d)) {
     auto sum = hn::Zero(d);
     for (std::size_t i = 0; i < count; ++i) {
-      sum = hn::Add(sum, times(hn::LoadU(d, rows[i] + x), hn::Set(d, taps[i])));
+      sum = hn::SaturatedAdd(sum, times(hn::LoadU(d, rows[i] + x), hn::Set(d, taps[i])));
     }
-    hn::StoreU(sum, d, to + x);
+    hn::StoreU(half_of<kDown>(sum), d, to + x);
   }
 }
 
@@ -102,10 +113,10 @@ void DoubleRow(const std::int16_t* row, const std::int16_t* taps, std::size_t re
     auto even = hn::Zero(d), odd = hn::Zero(d);
     for (std::size_t i = 0; i <= 2 * reach; ++i) {
       const auto grey = hn::LoadU(d, row + x + i - reach);
-      even = hn::Add(even, times(grey, hn::Set(d, taps[i])));
-      odd = hn::Add(odd, times(grey, hn::Set(d, taps[2 * reach - i])));
+      even = hn::SaturatedAdd(even, times(grey, hn::Set(d, taps[i])));
+      odd = hn::SaturatedAdd(odd, times(grey, hn::Set(d, taps[2 * reach - i])));
     }
-    hn::StoreInterleaved2(even, odd, d, to + 2 * x);
+    hn::StoreInterleaved2(half_of<kUp>(even), half_of<kUp>(odd), d, to + 2 * x);
   }
 }
 

@@ -19,7 +19,7 @@ Task Schedule::task(const Layer& of) const {
   next.kind = of.kind;
   next.octave = of.octave;
   next.layer = of.layer;
-  next.rows = {of.emitted * kRows, std::min((of.emitted + 1) * kRows, of.height)};
+  next.rows = {of.emitted * of.rows(), std::min((of.emitted + 1) * of.rows(), of.height)};
   next.id = of.first_id + of.emitted;
   if (of.source < 0) return next;
   const Layer& source = layers_[to_index(of.source)];
@@ -33,8 +33,8 @@ Task Schedule::task(const Layer& of) const {
   if (last >= source.height) first = std::min(first, 2 * source.height - 2 - last);
   first = std::clamp(first, 0, source.height - 1);
   last = std::clamp(last, 0, source.height - 1);
-  next.first_needed = source.first_id + first / kRows;
-  next.end_needed = source.first_id + last / kRows + 1;
+  next.first_needed = source.first_id + first / source.rows();
+  next.end_needed = source.first_id + last / source.rows() + 1;
   return next;
 }
 

@@ -27,8 +27,9 @@ struct Task {
 /// next one each, and seldom have to wait.
 class Schedule {
  public:
-  /// Rows of a task.
-  static constexpr int kRows = 16;
+  /// Rows of a task: few, so that the next layer follows soon; more where their neighbours must be
+  /// looked at twice.
+  static constexpr int kRowsOfLayer = 4, kRowsOfSearch = 16;
 
   void make(const Pyramid& pyramid, const Blurs& blurs);
 
@@ -47,7 +48,8 @@ class Schedule {
     int halving = 0;   ///< 1 where a row comes from twice its number, -1 from half of it
     int emitted = 0;
 
-    int blocks() const { return (height + kRows - 1) / kRows; }
+    int rows() const { return kind == Task::Kind::search ? kRowsOfSearch : kRowsOfLayer; }
+    int blocks() const { return (height + rows() - 1) / rows(); }
   };
 
   void add_layer(Task::Kind kind, int octave, int layer, int height, int source, int reach,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <thread>
+#include <tuple>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
@@ -11,7 +12,7 @@ namespace weft::sift_fast {
 namespace {
 
 /// Passes of ten nanoseconds or so in a task, in an orientation and in a description.
-constexpr int kPassesOfTask = 10'000, kPassesOfKeypoint = 200;
+constexpr int kPassesOfTask = 3'000, kPassesOfKeypoint = 200;
 /// Keypoints that a thread takes at a time.
 constexpr std::size_t kAtATime = 16;
 /// Sigmas from a keypoint to the farthest gradients of its angle, and to most of its descriptor.
@@ -75,6 +76,9 @@ void Search::search(const Task& task, Worker& worker) {
     spot->octave = task.octave;
     found.push_back(*spot);
   }
+  std::sort(found.begin(), found.end(), [](const Spot& a, const Spot& b) {
+    return std::tuple(a.y, a.x, a.scale) < std::tuple(b.y, b.x, b.scale);
+  });
 }
 
 void Search::carry_out(const Task& task, const GreyImage& image, Worker& worker) {
@@ -179,18 +183,21 @@ const Plane& Search::layer_of(const Spot& spot) const {
 }
 
 std::span<const Spot> Search::orient(std::span<const Spot> extrema, int threads) {
-  if (angles_.size() < extrema.size()) angles_.resize(extrema.size());
+  constexpr std::size_t kMost = Orientation::kMostAngles;
+  angles_.resize(extrema.size() * kMost);
+  angle_counts_.resize(extrema.size());
   for_each(extrema.size(), threads, [&](Worker& worker, std::size_t i) {
     const Spot& next = extrema[std::min(i + 1, extrema.size() - 1)];
     fetch(layer_of(next), next, kReachOfAngle);
     const auto angles = worker.orientation.angles(layer_of(extrema[i]), extrema[i]);
-    angles_[i].assign(angles.begin(), angles.end());
+    std::copy(angles.begin(), angles.end(), angles_.data() + i * kMost);
+    angle_counts_[i] = angles.size();
   });
   keypoints_.clear();
   for (std::size_t i = 0; i < extrema.size(); ++i) {
-    for (const float angle : angles_[i]) {
+    for (std::size_t a = 0; a < angle_counts_[i]; ++a) {
       keypoints_.push_back(extrema[i]);
-      keypoints_.back().angle = angle;
+      keypoints_.back().angle = angles_[i * kMost + a];
     }
   }
   return keypoints_;

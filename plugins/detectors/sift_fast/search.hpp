@@ -81,7 +81,8 @@ class Search {
   std::vector<std::vector<Spot>> found_;  ///< of each task
   std::vector<int> seen_;                 ///< hash table of `extrema_`
   std::vector<Spot> extrema_, keypoints_;
-  std::vector<std::vector<float>> angles_;  ///< of each extremum
+  std::vector<float> angles_;  ///< of each extremum, room for Orientation::kMostAngles
+  std::vector<std::size_t> angle_counts_;
 };
 
 }  // namespace weft::sift_fast
