@@ -64,8 +64,9 @@ void Scene::follow_matches() {
 
 void Scene::take_matches(const std::vector<std::int64_t>& rows) {
   Correspondences& all = matches.matches;
-  Correspondences::fields(
-      all, [&](auto& values, const Field& /*field*/) { values = pick(values, rows); });
+  Correspondences::fields(all, [&]<class Values>(Values& values, const Field& /*field*/) {
+    if constexpr (!std::is_same_v<Values, Diagnostics>) values = pick(values, rows);
+  });
   Points2 true_px(static_cast<Eigen::Index>(rows.size()), 2);
   std::vector<std::uint8_t> correct;
   for (const std::int64_t row : rows) {
