@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks what the pages tell readers to run: documented_commands.py WEFT ROOT
 
-Each `weft check` or `weft run` of a pipeline of this repository, in a shell block or in backquotes,
+Each `weft check`, `weft run` or `weft bench` of a pipeline of this repository, in a shell block or in backquotes,
 must pass `weft check` with the same settings. Pipelines on recorded data are left out.
 """
 
@@ -12,7 +12,7 @@ import shlex
 import subprocess
 import sys
 
-COMMAND = re.compile(r"weft (?:check|run) (pipelines/\w+\.yaml[^`#\n&|]*)")
+COMMAND = re.compile(r"weft (?:check|run|bench) (pipelines/\w+\.yaml[^`#\n&|]*)")
 
 
 def commands(page):
