@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks what the pages tell readers to run: documented_commands.py WEFT ROOT
 
-Each `weft check`, `weft run` or `weft bench` of a pipeline of this repository, in a shell block or in backquotes,
-must pass `weft check` with the same settings. Pipelines on recorded data are left out.
+Each `weft check`, `weft run` or `weft bench` of a pipeline of this repository, in a shell block
+or in backquotes, must pass `weft check` with the same settings. Pipelines on recorded data are
+left out.
 """
 
 import pathlib
