@@ -22,32 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 using bench::PipelineSubject;
 
-/// Where the sinks write; nothing of it is kept.
-class Scratch {
- public:
-  Scratch() {
-    path_ = (fs::temp_directory_path() / "weft-bench-XXXXXX").string();
-    if (mkdtemp(path_.data()) == nullptr) path_.clear();
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-
-  /// A folder of its own for each pipeline.
-  std::string folder(std::size_t pipeline) const {
-    std::string folder = path_ + "/" + std::to_string(pipeline);
-    std::error_code ignored;
-    fs::create_directories(folder, ignored);
-    return folder;
-  }
-
- private:
-  std::string path_;
-};
-
 /// Ends the command with a message and an exit code.
 struct Ended {
   Error error;
@@ -70,6 +44,39 @@ T need(Result<T> result, const std::string& file) {
   if (error.where != file) error.where = file + (error.where.empty() ? "" : ": " + error.where);
   end(std::move(error), exit_code);
 }
+
+/// Where the sinks write, if they take part; nothing of it is kept.
+class Scratch {
+ public:
+  explicit Scratch(bool is_wanted) {
+    if (!is_wanted) return;
+    std::error_code code;
+    std::string pattern = (fs::temp_directory_path(code) / "weft-bench-XXXXXX").string();
+    if (code || mkdtemp(pattern.data()) == nullptr) {
+      end({Errc::io, "no folder for the sinks can be made there; set TMPDIR", pattern},
+          kInputOutput);
+    }
+    path_ = pattern;
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    if (!path_.empty()) fs::remove_all(path_, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+
+  /// The name of a folder of its own for each pipeline; none where sinks take no part.
+  std::string folder(std::size_t pipeline) const {
+    if (path_.empty()) return {};
+    std::string folder = path_ + "/" + std::to_string(pipeline);
+    std::error_code ignored;  // sinks say what they cannot write
+    fs::create_directories(folder, ignored);
+    return folder;
+  }
+
+ private:
+  std::string path_;
+};
 
 /// The pipelines, or nothing where one of them is wrong, which has been printed.
 std::vector<CheckedPipeline> check_all(const std::vector<bench::Entry>& entries, bool with_sinks,
@@ -177,7 +184,7 @@ void bench_pipelines(const BenchOptions& options, Context& context) {
   }
   const std::vector<bench::Entry> entries = entries_of(options);
   const auto registry = context.registry();
-  const Scratch scratch;
+  const Scratch scratch(options.with_sinks);
   auto pipelines = check_all(entries, options.with_sinks, registry, scratch);
   if (pipelines.empty()) {
     context.exit_code = kBadConfiguration;

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks what the pages tell readers to run: documented_commands.py WEFT ROOT
 
-Each `weft check` or `weft run` of a pipeline of this repository, in a shell block or in backquotes,
-must pass `weft check` with the same settings. Pipelines on recorded data are left out.
+Each `weft check`, `weft run` or `weft bench` of a pipeline of this repository, in a shell block
+or in backquotes, must pass `weft check` with the same settings. Pipelines on recorded data are
+left out.
 """
 
 import pathlib
@@ -12,7 +13,7 @@ import shlex
 import subprocess
 import sys
 
-COMMAND = re.compile(r"weft (?:check|run) (pipelines/\w+\.yaml[^`#\n&|]*)")
+COMMAND = re.compile(r"weft (?:check|run|bench) (pipelines/\w+\.yaml[^`#\n&|]*)")
 
 
 def commands(page):

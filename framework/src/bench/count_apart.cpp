@@ -18,7 +18,7 @@
 namespace weft::bench {
 namespace {
 
-constexpr int kLook_ms = 100;
+constexpr int kLook_ms = 100, kPatience_ms = 5000;
 constexpr std::string_view kPreload = "LD_PRELOAD=";
 
 std::vector<char*> pointers_to(std::vector<std::string>& words) {
@@ -70,6 +70,12 @@ class Counter {
   }
   ~Counter() {
     close(output_);
+    // Asked once it takes away what its sinks have written; a component may be deaf to that.
+    for (int looks = 0; id_ != 0 && looks < kPatience_ms / kLook_ms; ++looks) {
+      if (looks == 0) kill(id_, SIGTERM);
+      if (waitpid(id_, nullptr, WNOHANG) == id_) return;
+      poll(nullptr, 0, kLook_ms);
+    }
     if (id_ == 0) return;
     kill(id_, SIGKILL);
     waitpid(id_, nullptr, 0);

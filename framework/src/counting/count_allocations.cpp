@@ -7,12 +7,14 @@
 #include <cstdint>
 
 // glibc's own allocator by the names that it keeps for those who stand in for malloc.
+// NOLINTBEGIN(bugprone-reserved-identifier): so they are called
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* block, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 }
+// NOLINTEND(bugprone-reserved-identifier)
 
 namespace {
 
