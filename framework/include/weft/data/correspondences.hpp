@@ -29,6 +29,7 @@ struct Correspondences {
   Array<double> score;                    ///< [N] larger is more trusted; 1 before any filter
   Array<double> confidence;               ///< [] that what is kept is the object, by the filters
   Array<double> template_xy_m;  ///< [N,2] m, m_per_px * (u,v); the host makes template_px of it
+  Diagnostics diag = {};        ///< of the matcher; filters have their own
 
   std::int64_t count() const { return template_px.rows(); }
 
@@ -54,6 +55,7 @@ struct Correspondences {
           Field{"confidence", "", "0 to 1", "least that a filter said of what it kept", true});
     visit(self.template_xy_m, Field{"template_xy_m", "N,2", "m",
                                     "m_per_px * (u,v); the host makes template_px of it", true});
+    visit(self.diag, Field{"diag.*", "*", "", "evidence", true});
   }
 };
 

@@ -12,14 +12,17 @@ using host::view_as;
 
 namespace {
 
-/// A copy of a record that shares all arrays but those named.
+/// A copy of a record that shares all arrays but those named; "diag." names all evidence.
 std::shared_ptr<Record> share_except(const Record& record,
                                      std::initializer_list<std::string_view> names) {
   auto copy = std::make_shared<Record>(record.type());
   const weft_record view = record.view("");
   for (std::uint64_t i = 0; i < view.count; ++i) {
     const std::string_view name = view.arrays[i].name;
-    if (std::find(names.begin(), names.end(), name) == names.end()) copy->share(record, name);
+    const auto is_named = [&](std::string_view left_out) {
+      return left_out.ends_with('.') ? name.starts_with(left_out) : name == left_out;
+    };
+    if (std::none_of(names.begin(), names.end(), is_named)) copy->share(record, name);
   }
   copy->set_producer(view.producer);
   return copy;
@@ -37,7 +40,7 @@ Result<RecordPtr> with_mask(const Record& correspondences, const Record& mask) {
     return Error{Errc::invalid_data, "the mask has " + std::to_string(verdict->kept.rows()) +
                                          " entries for " + std::to_string(count) + " matches"};
   }
-  auto composed = share_except(correspondences, {"kept", "score"});
+  auto composed = share_except(correspondences, {"kept", "score", "diag."});
   auto* kept = static_cast<std::uint8_t*>(composed->allocate("kept", WEFT_U8, 1, &count));
   auto* score = static_cast<double*>(composed->allocate("score", WEFT_F64, 1, &count));
   for (std::int64_t i = 0; i < count; ++i) {

@@ -45,6 +45,7 @@ class Executor {
   Result<host::RecordPtr> detect_on_template(const StageConfig& stage, host::Instance* instance);
   void place_given(const FrameInput& input, FrameResult& result) const;
   void keep_call(const Stage& stage, const host::Outcome& outcome, FrameResult& result) const;
+  std::string why_not_called(const Stage& stage, const FrameResult& result) const;
   StageReport run_stage(Stage& stage, FrameResult& result);
   StageReport execute(Stage& stage, FrameResult& result);
   static StageAnswer answer_of(const Stage& stage, StageReport report, const FrameResult& result);
