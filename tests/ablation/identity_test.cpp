@@ -60,6 +60,23 @@ TEST_F(Identity, TellsCellsApartByWhatMayChangeTheirResults) {
   EXPECT_TRUE(keys.insert(of(text).key).second);
 }
 
+TEST_F(Identity, DependsOnWhenStagesAreCalledAndOnWhatDecidesIt) {
+  const auto with = [](const std::string& when, const std::string& probe_params) {
+    std::string text = chain();
+    text.insert(text.find("  - {use: detectors"),
+                "  - {use: matchers/test.pattern, as: probe, params: " + probe_params + "}\n");
+    return text.insert(text.find("detectors/test.scripted, ") + 25, "when: " + when + ", ");
+  };
+  const CellIdentity plain = of(with("{not_ok: probe, every: 3}", "{}"));
+  EXPECT_EQ(of(with("{every: 3, not_ok: [probe]}", "{}")).key, plain.key);
+  const CellIdentity rarer = of(with("{not_ok: probe, every: 4}", "{}"));
+  EXPECT_NE(rarer.key, plain.key);
+  const std::vector<std::size_t> behind{1, 2, 3, 4, 5, 6};
+  EXPECT_EQ(differences(rarer, plain), behind);
+  const CellIdentity other = of(with("{not_ok: probe, every: 3}", "{error_at: [1]}"));
+  EXPECT_EQ(differences(other, plain), (std::vector<std::size_t>{0, 1, 2, 3, 4, 5, 6}));
+}
+
 TEST_F(Identity, LooksThroughPathsAtTheFiles) {
   const auto with = [&](const std::string& file, const std::string& content) {
     fs::create_directories(fs::path(path(file)).parent_path());

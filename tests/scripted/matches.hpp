@@ -156,7 +156,7 @@ class PatternMatcher final : public weft::Matcher {
 /// All matches of several matchers, one behind the other.
 class Merger final : public weft::Matcher {
  public:
-  static constexpr weft::About kAbout{.needs = "correspondences"};
+  static constexpr weft::About kAbout{.reads = "correspondences"};
 
   explicit Merger(weft::Params&) {}
 

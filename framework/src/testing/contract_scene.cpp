@@ -2,6 +2,7 @@
 #include "testing/contract_scene.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <weft/core/index.hpp>
 #include <weft/testing/role_contract.hpp>
 
@@ -32,6 +33,30 @@ std::pair<std::int32_t, int> corner_of(const Template& templ, std::int64_t verte
     }
   }
   return {-1, 0};
+}
+
+/// Draws the sheet over the image: the mean of the texels that fall on each pixel, for the sheet is
+/// seen smaller than its texture.
+void draw_sheet(const Template& templ, const Camera& camera, const DevelopableSheet& sheet,
+                Array<std::uint8_t>& pixels) {
+  std::vector<double> sum(to_index(pixels.size())), count(to_index(pixels.size()));
+  for (std::int64_t v = 0; v < templ.texture.dim(0); ++v) {
+    for (std::int64_t u = 0; u < templ.texture.dim(1); ++u) {
+      const Eigen::Vector2d texel(static_cast<double>(u), static_cast<double>(v));
+      const Eigen::Vector3d place =
+          sheet.at(templ.m_per_px(0) * texel.x(), templ.m_per_px(1) * texel.y());
+      const Eigen::Vector2d pixel = project(pinhole(camera), place);
+      const std::int64_t x = std::llround(pixel.x()), y = std::llround(pixel.y());
+      if (x < 0 || y < 0 || x >= camera.width_px || y >= camera.height_px) continue;
+      const auto at = to_index(y * camera.width_px + x);
+      sum[at] += templ.texture(v, u);
+      count[at] += 1.0;
+    }
+  }
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    if (count[i] > 0.0)
+      pixels.data()[i] = static_cast<std::uint8_t>(std::lround(sum[i] / count[i]));
+  }
 }
 
 }  // namespace
@@ -110,7 +135,7 @@ void Scene::leave_the_mesh() {
 HeldRecord Scene::record(std::string_view slot) const {
   if (slot == "camera") return hold(camera);
   if (slot == "template") return hold(templ);
-  if (slot == "image") return hold(image);
+  if (slot == "image" || slot == "previous.image") return hold(image);
   if (slot == "region") return hold(region);
   if (slot == "time") return hold(time);
   if (slot == "keypoints") return hold(keypoints);
@@ -157,6 +182,7 @@ Scene make_scene(int number) {
   scene.image.stem = number == 0 ? "000000" : "000001";
   scene.image.pixels = Array<std::uint8_t>({scene.camera.height_px, scene.camera.width_px});
   draw_discs(scene.image.pixels, rng);
+  draw_sheet(scene.templ, scene.camera, sheet, scene.image.pixels);
   scene.region.mask = Array<std::uint8_t>({scene.camera.height_px, scene.camera.width_px});
   for (std::int64_t y = 0; y < scene.camera.height_px; ++y) {
     std::fill_n(scene.region.mask.row(y), scene.camera.width_px / 2, std::uint8_t{1});

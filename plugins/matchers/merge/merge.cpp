@@ -49,7 +49,11 @@ class Merge final : public Matcher {
       for (std::int64_t i = 0; i < record.count(); ++i) matches.push_back({&record, i});
     }
     if (matches.empty()) return no_result("no matches to merge: all inputs are empty");
-    if (in.correspondences.size() == 1) return in.correspondences.front();
+    if (in.correspondences.size() == 1) {
+      Correspondences only = in.correspondences.front();
+      only.diag = {};  // what its matcher said of itself
+      return only;
+    }
     keep_distinct(matches);
     return answer(in.correspondences, matches);
   }
@@ -143,5 +147,5 @@ class Merge final : public Matcher {
 }  // namespace weft::merge
 
 using weft::merge::Merge;
-WEFT_PLUGIN(Merge, "matchers/merge", "1.0.1",
+WEFT_PLUGIN(Merge, "matchers/merge", "1.0.2",
             "Unites the matches of several stages and merges duplicates.")

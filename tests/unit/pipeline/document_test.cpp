@@ -84,6 +84,19 @@ TEST_F(Documents, PutsNewStagesBehindTheOneListedBeforeThem) {
                           "passes=passes/test.scripted", "solvers=solvers/test.scripted"));
 }
 
+TEST_F(Documents, PutsNewStagesThatAreListedFirstBeforeTheOneListedAfterThem) {
+  const auto [config, report] = over(
+      "stages:\n"
+      "  - {use: matchers/test.pattern, as: before}\n"
+      "  - {use: matchers/test.pattern, as: next}\n"
+      "  - {use: matchers/test.scripted, params: {}}\n");
+  ASSERT_TRUE(report.ok()) << report.text();
+  EXPECT_EQ(config.stages[0].name, "detectors");
+  EXPECT_EQ(config.stages[1].name, "before");
+  EXPECT_EQ(config.stages[2].name, "next");
+  EXPECT_EQ(config.stages[3].name, "matchers");
+}
+
 TEST_F(Documents, PutsANewStageThatStandsAloneToTheEnd) {
   const auto [config, report] = over("stages:\n  - {use: solvers/test.scripted, as: again}\n");
   ASSERT_TRUE(report.ok()) << report.text();

@@ -12,8 +12,10 @@ struct MatcherInput {
   std::optional<Keypoints> keypoints{};            ///< of the image
   std::optional<Keypoints> template_keypoints{};   ///< with face and barycentrics
   std::vector<Correspondences> correspondences{};  ///< of earlier matchers, to merge
+  std::optional<Image> image{};
   std::optional<Template> templ{};
   std::optional<Camera> camera{};
+  std::optional<Image> previous_image{};
   std::optional<Correspondences> previous_correspondences{};  ///< with the marks of filters
   std::optional<Shape> previous_shape{};                      ///< may be `lost`: see its state
 
@@ -22,14 +24,17 @@ struct MatcherInput {
     visit("keypoints", self.keypoints);
     visit("template_keypoints", self.template_keypoints);
     visit("correspondences", self.correspondences);
+    visit("image", self.image);
     visit("template", self.templ);
     visit("camera", self.camera);
+    visit("previous.image", self.previous_image);
     visit("previous.correspondences", self.previous_correspondences);
     visit("previous.shape", self.previous_shape);
   }
 };
 
-/// Role `matchers`: pairs of points of the template and of the image, all marked as kept.
+/// Role `matchers`: pairs of points of the template and of the image, all marked as kept. One pairs
+/// keypoints, unites matches, or follows those of the previous frame.
 class Matcher : public Prepared {
  public:
   virtual Result<Correspondences> match(const MatcherInput& in) = 0;

@@ -24,7 +24,9 @@ std::set<int> closure_of(const Graph& graph, int stage) {
     const int next = open.back();
     open.pop_back();
     if (!closure.insert(next).second) continue;
-    for (const InputLink& link : graph.stages[to_index(next)].inputs) {
+    const Node& node = graph.stages[to_index(next)];
+    open.insert(open.end(), node.not_ok.begin(), node.not_ok.end());
+    for (const InputLink& link : node.inputs) {
       const ValueInfo& value = graph.values[to_index(link.value)];
       if (value.stage >= 0) open.push_back(value.stage);
       if (value.lag == 0) continue;
@@ -131,6 +133,12 @@ class IdentityWriter {
                   {"component", component(stage.component)},
                   {"inputs", std::move(inputs)}};
     if (stage.on_template) identity["on_template"] = component(*stage.on_template);
+    if (stage.when) {
+      json& when = identity["when"] = {{"every", stage.when->every}};
+      for (const int other : node.not_ok) {
+        when["not_ok"].push_back(config_.stages[to_index(other)].name);
+      }
+    }
     if (stage.isolation) identity["deadline_ms"] = stage.isolation->deadline.count();
     return identity;
   }

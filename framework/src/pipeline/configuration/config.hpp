@@ -21,6 +21,17 @@ struct FromRule {
   yaml::Position at;
 };
 
+/// In which frames a stage is called: in those in which at least one of these holds.
+struct CallRule {
+  struct Name {
+    std::string name;
+    yaml::Position at;
+  };
+  std::vector<Name> not_ok;   ///< an earlier stage that answered anything but ok in this frame
+  std::int64_t every = 0;     ///< [frames] its number is a multiple of this; 0: no such rule
+  bool is_understood = true;  ///< else a mistake in it has been reported
+};
+
 /// One stage or sink of a pipeline.
 struct StageConfig {
   std::string name;    ///< see names_of_stages
@@ -32,6 +43,7 @@ struct StageConfig {
   std::optional<host::ComponentSpec> on_template;
   bool overwrite = false;                    ///< its outputs may go over what is there
   std::optional<host::Isolation> isolation;  ///< `isolate: process`; nothing runs it in this one
+  std::optional<CallRule> when;              ///< else it is called in every frame
   yaml::Position at;
 };
 

@@ -23,10 +23,10 @@ struct Place {
 const Place kSource{"the source", {"use", "params", "overwrite"}, roles_of(PipelinePart::source)};
 const Place kTemplate{
     "the template", {"use", "params", "overwrite"}, roles_of(PipelinePart::templ)};
-const Place kStage{
-    "a stage",
-    {"use", "params", "as", "from", "template_params", "isolate", "deadline_ms", "overwrite"},
-    roles_of(PipelinePart::stage)};
+const Place kStage{"a stage",
+                   {"use", "params", "as", "from", "when", "template_params", "isolate",
+                    "deadline_ms", "overwrite"},
+                   roles_of(PipelinePart::stage)};
 const Place kSink{
     "a sink", {"use", "params", "as", "from", "overwrite"}, roles_of(PipelinePart::sink)};
 
@@ -198,6 +198,7 @@ class Loader {
       if (item.partial) config_.doubtful_names = true;
       read_from(item, stage);
       read_isolation(item, stage);
+      read_when(item, stage);
       if (stage.component.installed != nullptr) read_template_params(item, stage);
       stages.push_back(std::move(stage));
     }
@@ -269,6 +270,33 @@ class Loader {
     std::int64_t deadline_ms = 0;
     read_integer(item, "deadline_ms", 1, 86'400'000, deadline_ms);
     stage.isolation = host::Isolation{{}, std::chrono::milliseconds(deadline_ms)};
+  }
+
+  void read_when(const yaml::Node& item, StageConfig& stage) {
+    const yaml::Entry* given = item.find_entry("when");
+    if (given == nullptr) return;
+    CallRule& rule = stage.when.emplace();
+    rule.is_understood = !given->doubtful && !given->value.partial;
+    const std::size_t before = problems_.size();
+    const yaml::Node when = with_keys_of(given->value, "'when'", {"not_ok", "every"});
+    if (when.kind != yaml::Kind::map) {
+      problem(when.at, "'when' must be a map, such as {not_ok: NAME, every: 30}");
+    } else if (when.entries.empty() && rule.is_understood) {
+      problem(when.at, "'when' says nothing; give it not_ok: NAME, every: N or both");
+    }
+    read_integer(when, "every", 1, INT32_MAX, rule.every);
+    if (const yaml::Node* not_ok = when.find("not_ok")) {
+      const bool is_list = not_ok->kind == yaml::Kind::sequence;
+      const std::vector<yaml::Node> names =
+          is_list ? not_ok->items : std::vector<yaml::Node>{*not_ok};
+      for (const yaml::Node& name : names) {
+        if (name.kind == yaml::Kind::scalar) rule.not_ok.push_back({name.scalar, name.at});
+      }
+      if (names.empty() || rule.not_ok.size() < names.size()) {
+        problem(not_ok->at, "'not_ok' must be the name of a stage, or a list of names");
+      }
+    }
+    rule.is_understood = rule.is_understood && problems_.size() == before;
   }
 
   void read_template_params(const yaml::Node& item, StageConfig& stage) {

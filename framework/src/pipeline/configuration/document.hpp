@@ -50,8 +50,9 @@ struct PipelineDocument {
 ///
 /// Maps are merged key by key, anything else is replaced; another `use` drops the `params` of the
 /// plugin that it replaces. Stages and sinks are merged by name (see names_of_stages): one that the
-/// extended file lacks goes behind the one listed before it, or to the end; `without: [NAME, ...]`
-/// leaves stages or sinks of the extended file out.
+/// extended file lacks goes behind the one listed before it, before the one listed after it where
+/// it is listed first, or to the end; `without: [NAME, ...]` leaves stages or sinks of the extended
+/// file out.
 ///
 /// A setting is PATH=VALUE. PATH begins with a key of the file (`seed`), with `source` or
 /// `template` or with the name of a stage or sink, and goes on with parameters, joined by dots:

@@ -48,11 +48,22 @@ yaml::Node merged_stage(yaml::Node base, yaml::Node over) {
   return merged_value(std::move(base), std::move(over));
 }
 
+/// Where a stage goes that is listed before all that the base has: before the first of these, or to
+/// the end where there is none.
+std::size_t first_place(const std::vector<std::string>& names,
+                        const std::vector<std::string>& over_names) {
+  for (const std::string& name : over_names) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found != names.end()) return to_index(found - names.begin());
+  }
+  return names.size();
+}
+
 yaml::Node merged_list(yaml::Node base, yaml::Node over) {
   if (base.kind != yaml::Kind::sequence || over.kind != yaml::Kind::sequence) return over;
   std::vector<std::string> names = names_of_stages(base);
   const std::vector<std::string> over_names = names_of_stages(over);
-  std::size_t behind = names.size();
+  std::size_t behind = first_place(names, over_names);
   for (std::size_t i = 0; i < over_names.size(); ++i) {
     const auto found = std::find(names.begin(), names.end(), over_names[i]);
     const auto at = to_index(found - names.begin());

@@ -140,8 +140,8 @@ class Overlay {
   /// The path inside a component: `params` may be left out.
   static yaml::Node component(Setting& setting, std::size_t i, const yaml::Node* base) {
     if (i == setting.path.size()) return std::move(setting.value);
-    static constexpr const char* kKeys[] = {"use",     "params",      "template_params", "from",
-                                            "isolate", "deadline_ms", "overwrite"};
+    static constexpr const char* kKeys[] = {"use",  "params",  "template_params", "from",
+                                            "when", "isolate", "deadline_ms",     "overwrite"};
     const Setting::Key& key = setting.path[i];
     const bool own = std::find(std::begin(kKeys), std::end(kKeys), key.text) != std::end(kKeys);
     if (own && !key.text.ends_with("params")) return nested(setting, i);

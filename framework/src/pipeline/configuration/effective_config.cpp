@@ -4,6 +4,27 @@
 namespace weft {
 namespace {
 
+yaml::Node list_of(const std::vector<std::string>& names) {
+  yaml::Node list;
+  list.kind = yaml::Kind::sequence;
+  for (const std::string& name : names) list.items.push_back(yaml::text_node(name));
+  return list;
+}
+
+yaml::Node effective_rule(const CallRule& rule) {
+  yaml::Node when;
+  when.kind = yaml::Kind::map;
+  if (!rule.not_ok.empty()) {
+    std::vector<std::string> names;
+    for (const CallRule::Name& stage : rule.not_ok) names.push_back(stage.name);
+    when.entries.push_back({"not_ok", {}, list_of(names)});
+  }
+  if (rule.every > 0) {
+    when.entries.push_back({"every", {}, yaml::plain_node(std::to_string(rule.every))});
+  }
+  return when;
+}
+
 yaml::Node effective_stage(const StageConfig& stage) {
   yaml::Node node = stage.component.effective;
   if (stage.named) node.entries.push_back({"as", {}, yaml::text_node(stage.name)});
@@ -11,13 +32,12 @@ yaml::Node effective_stage(const StageConfig& stage) {
     yaml::Node from;
     from.kind = yaml::Kind::map;
     for (const FromRule& rule : stage.from) {
-      yaml::Node names;
-      names.kind = yaml::Kind::sequence;
-      for (const std::string& name : rule.names) names.items.push_back(yaml::text_node(name));
+      const yaml::Node names = list_of(rule.names);
       from.entries.push_back({rule.slot, {}, rule.names.size() == 1 ? names.items[0] : names});
     }
     node.entries.push_back({"from", {}, from});
   }
+  if (stage.when) node.entries.push_back({"when", {}, effective_rule(*stage.when)});
   if (stage.on_template) {
     node.entries.push_back({"template_params", {}, *stage.on_template->effective.find("params")});
   }

@@ -227,6 +227,22 @@ StageReport Executor::take(const StageAnswer& answer, const Stage& stage, FrameR
   return report;
 }
 
+/// By the rule of `when`; empty where the stage is called.
+std::string Executor::why_not_called(const Stage& stage, const FrameResult& result) const {
+  if (!stage.config->when) return {};
+  const auto every = static_cast<std::uint64_t>(stage.config->when->every);
+  if (every > 0 && result.index % every == 0) return {};
+  std::string reasons;
+  for (const int other : stage.node->not_ok) {
+    const StageReport& report = result.stages[to_index(other)];
+    if (report.status != StageStatus::ok) return {};
+    reasons += (reasons.empty() ? "'" : ", '") + report.stage + "' is ok";
+  }
+  if (every == 0) return "not called: " + reasons;
+  return "not called: " + (reasons.empty() ? "" : reasons + ", and ") + "it is called every " +
+         std::to_string(every) + " frames";
+}
+
 StageReport Executor::answer(Stage& stage, FrameResult& result) {
   if (sharing_.memo == nullptr) return execute(stage, result);
   if (const StageAnswer* answer = sharing_.memo->answer(stage.key)) {
@@ -239,7 +255,8 @@ StageReport Executor::answer(Stage& stage, FrameResult& result) {
 
 StageReport Executor::execute(Stage& stage, FrameResult& result) {
   std::vector<weft_record> inputs;
-  const std::string cause = gather(*stage.node, result, inputs);
+  std::string cause = why_not_called(stage, result);
+  if (cause.empty()) cause = gather(*stage.node, result, inputs);
   StageReport report{stage.config->name, StageStatus::skipped, cause, {}, {}, false};
   if (cause.empty()) {
     const host::Stopwatch watch = lane_.stopwatch();
@@ -265,7 +282,8 @@ StageReport Executor::execute(Stage& stage, FrameResult& result) {
       add_numbers(*outcome.find("inlier_mask"), report);
     }
   }
-  const std::string own_cause = cause.empty() ? report.stage + ": " + report.reason : cause;
+  const bool is_first_cause = cause.empty() || cause.starts_with("not called: ");
+  const std::string own_cause = is_first_cause ? report.stage + ": " + report.reason : cause;
   for (const int output : stage.node->outputs) {
     result.causes[to_index(output)] = own_cause;
   }

@@ -63,6 +63,7 @@ class Executor {
   void place_past(std::size_t value, FrameResult& result) const;
   std::size_t last_user_of_warp(std::size_t stage) const;
   void keep_call(const Stage& stage, const host::Outcome& outcome, FrameResult& result) const;
+  std::string why_not_called(const Stage& stage, const FrameResult& result) const;
   StageReport answer(Stage& stage, FrameResult& result);
   StageReport execute(Stage& stage, FrameResult& result);
   static StageAnswer answer_of(const Stage& stage, StageReport report, const FrameResult& result);

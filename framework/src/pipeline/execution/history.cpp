@@ -28,7 +28,7 @@ void History::remember(const std::vector<host::RecordPtr>& values) {
   std::map<std::string, host::RecordPtr> latest;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const ValueInfo& value = graph_.values[i];
-    if (value.stage >= 0 && values[i] != nullptr) latest["previous." + value.slot] = values[i];
+    if (value.lag == 0 && values[i] != nullptr) latest["previous." + value.slot] = values[i];
   }
   for (auto& [slot, past] : by_slot_) {
     const auto found = latest.find(slot);

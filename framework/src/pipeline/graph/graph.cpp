@@ -34,6 +34,7 @@ class Wiring {
       const StageConfig& stage = config_.stages[i];
       reader_ = i;
       Node node = connect(stage);
+      find_conditions(stage, node);
       const auto made = products_of(stage);
       for (const std::string& slot : made.value_or(Words{})) {
         node.outputs.push_back(add(slot, static_cast<int>(i), stage.name));
@@ -90,14 +91,15 @@ class Wiring {
   /// Values that exist before the first stage. previous.* is fed back by the host.
   void add_given() {
     const host::Installed* source = config_.source ? config_.source->component.installed : nullptr;
+    std::set<std::string> fed_back;
     for (const RoleSlot& output : rules_of("sources").main_method().outputs) {
       if (source == nullptr || declares(source->component, output.name)) {
         add(output.name, -1, "sources");
+        fed_back.insert(output.name);
       }
     }
     add("camera", -1, "sources");
     add("template", -1, "templates");
-    std::set<std::string> fed_back;
     for (const StageConfig& stage : config_.stages) {
       const Words made = products_of(stage).value_or(Words{});
       fed_back.insert(made.begin(), made.end());
@@ -132,6 +134,23 @@ class Wiring {
                                                    stage.component.component().id, demand.slot)});
     }
     return node;
+  }
+
+  /// The stages on which it depends whether this one is called.
+  void find_conditions(const StageConfig& stage, Node& node) {
+    if (!stage.when) return;
+    if (!stage.when->is_understood) open_.conditions = true;
+    for (const auto& [name, at] : stage.when->not_ok) {
+      const std::string mistake = wrong_condition(config_, stage, name);
+      if (mistake.empty()) {
+        const auto named = [&](const StageConfig& other) { return other.name == name; };
+        const auto found = std::find_if(config_.stages.begin(), config_.stages.end(), named);
+        node.not_ok.push_back(static_cast<int>(found - config_.stages.begin()));
+        continue;
+      }
+      open_.conditions = true;
+      if (!is_open(name)) problems_.push_back({at, mistake});
+    }
   }
 
   void check_from(const StageConfig& stage, const std::vector<Demand>& demands) {
@@ -237,7 +256,7 @@ class Wiring {
     if (graph_.latest(slot) < 0 && perhaps_.count(slot) > 0) return kRefused;
     if (graph_.latest(slot) < 0) {
       problems_.push_back(
-          {rule.at, "no stage produces '" + type + "', so that there is no '" + name + "'"});
+          {rule.at, "nothing produces '" + type + "', so that there is no '" + name + "'"});
       return kRefused;
     }
     for (std::size_t i = 0; i < graph_.values.size(); ++i) {

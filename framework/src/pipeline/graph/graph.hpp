@@ -28,6 +28,7 @@ struct InputLink {
 struct Node {
   std::vector<InputLink> inputs;
   std::vector<int> outputs;  ///< indices into Graph::values
+  std::vector<int> not_ok;   ///< indices of the stages that CallRule::not_ok names
 };
 
 /// The wired pipeline: stages run in the order of the file, each reading values of earlier ones.

@@ -35,6 +35,7 @@ std::vector<Demand> demands_of(const StageConfig& stage, const RoleMethod& offer
 struct OpenReading {
   std::set<std::string> slots;        ///< some stage may be meant to read any value of these
   std::optional<std::size_t> before;  ///< and some may read anything that is made before this stage
+  bool conditions = false;            ///< any stage may be one that another one's `when` names
 };
 
 /// That a required input is missing, why, and what could produce it.
@@ -44,6 +45,10 @@ std::string missing_input(const PipelineConfig& config, const host::Registry& re
 /// Why `reader` cannot take `slot` from `name`; `graph` holds what stands before it.
 std::string wrong_name(const PipelineConfig& config, const Graph& graph, const StageConfig& reader,
                        const std::string& slot, const std::string& name);
+
+/// Why `reader` cannot ask what became of the stage `name`; empty where it can.
+std::string wrong_condition(const PipelineConfig& config, const StageConfig& reader,
+                            const std::string& name);
 
 /// That `reader`, which unites several values of `slot`, is given at most the latest.
 std::string nothing_to_unite(const Graph& graph, const StageConfig& reader,

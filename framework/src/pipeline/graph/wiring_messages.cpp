@@ -28,6 +28,21 @@ Words makers_of(const Graph& graph, const std::string& slot) {
   return names;
 }
 
+std::string comes_later(const std::string& name, const StageConfig& reader) {
+  return "'" + name + "' comes later; move it up, before '" + reader.name + "'";
+}
+
+/// What is said of a name that no stage bears, empty where nothing is known of it.
+std::string no_stage(const PipelineConfig& config, const std::string& name) {
+  for (const StageConfig& sink : config.sinks) {
+    if (sink.name == name) return "'" + name + "' is a sink, which makes nothing to be read";
+  }
+  for (const LeftOut& gone : config.left_out) {
+    if (gone.name == name) return "'" + name + "' is left out by " + line_of(config, gone.at);
+  }
+  return {};
+}
+
 /// What is said of a stage that stands at or behind the reader, empty when there is none.
 std::string later_stage(const PipelineConfig& config, const StageConfig& reader,
                         const std::string& slot, const std::string& name) {
@@ -40,7 +55,7 @@ std::string later_stage(const PipelineConfig& config, const StageConfig& reader,
       return "'" + name + "' cannot read what it makes itself; what it made one frame ago is " +
              "previous." + slot;
     }
-    return "'" + name + "' comes later; move it up, before '" + reader.name + "'";
+    return comes_later(name, reader);
   }
   return {};
 }
@@ -86,18 +101,29 @@ std::string wrong_name(const PipelineConfig& config, const Graph& graph, const S
            (makers.empty() ? "" : "; that is made by: " + joined(makers));
   }
   if (std::string later = later_stage(config, reader, slot, name); !later.empty()) return later;
-  for (const StageConfig& sink : config.sinks) {
-    if (sink.name == name) return "'" + name + "' is a sink, which makes nothing to be read";
-  }
-  for (const LeftOut& gone : config.left_out) {
-    if (gone.name == name) return "'" + name + "' is left out by " + line_of(config, gone.at);
-  }
+  if (std::string other = no_stage(config, name); !other.empty()) return other;
   Words meant = makers;
   for (const StageConfig& stage : config.stages) {
     if (stage.component.installed == nullptr) meant.push_back(stage.name);  // it may make anything
   }
   return "no earlier stage named " + quote(name) + " produces '" + slot + "'" +
          did_you_mean(name, meant, "; name it with: as: " + escaped(name, 80));
+}
+
+std::string wrong_condition(const PipelineConfig& config, const StageConfig& reader,
+                            const std::string& name) {
+  Words earlier;
+  for (const StageConfig& stage : config.stages) {
+    if (&stage == &reader) break;
+    earlier.push_back(stage.name);
+  }
+  if (contains(earlier, name)) return {};
+  if (name == reader.name) return "'" + name + "' cannot wait for itself";
+  for (const StageConfig& stage : config.stages) {
+    if (stage.name == name) return comes_later(name, reader);
+  }
+  if (std::string other = no_stage(config, name); !other.empty()) return other;
+  return "no earlier stage is named " + quote(name) + did_you_mean(name, earlier);
 }
 
 std::string nothing_to_unite(const Graph& graph, const StageConfig& reader,

@@ -25,6 +25,7 @@ class Readers {
 
   /// What is to be said of a stage; empty when what it makes is read.
   std::string complaint(std::size_t stage) const {
+    if (open_.conditions || decides(static_cast<int>(stage))) return {};
     const std::vector<int>& outputs = graph_.stages[stage].outputs;
     const auto read = [&](int value) { return may_be_read(value) || is_read(value); };
     if (outputs.empty() || std::any_of(outputs.begin(), outputs.end(), read)) return {};
@@ -43,6 +44,13 @@ class Readers {
 
  private:
   const ValueInfo& info(int value) const { return graph_.values[to_index(value)]; }
+
+  /// Whether it depends on this stage which others are called.
+  bool decides(int stage) const {
+    return std::any_of(graph_.stages.begin(), graph_.stages.end(), [&](const Node& node) {
+      return std::find(node.not_ok.begin(), node.not_ok.end(), stage) != node.not_ok.end();
+    });
+  }
 
   static std::string what_of(const ValueInfo& value) {
     return "the " + value.slot + " of '" + value.name + "'";

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+#include "picture.hpp"
+#include "predicted_view.hpp"
+
+namespace weft::track {
+
+/// Where a patch was found.
+struct Alignment {
+  enum class End { converged, wandered, left_image, no_contrast };
+  End end = End::wandered;
+  float dx = 0.0F, dy = 0.0F;  ///< [] px of the level, from the place in the view
+  float correlation = 0.0F;    ///< [] -1 to 1, normalised
+};
+
+/// A piece of a view, to be found in an image by moving it. With i the grey levels of the image
+/// under the patch, t those of the patch, both less their mean and divided by their norm, the sum
+/// of (i(d) - t)^2 is minimised over the displacement d by the inverse compositional scheme of
+/// Baker and Matthews (IJCV 2004, equations 18 to 24): slopes are those of t, made orthogonal to t
+/// and to a constant, so that brightness and contrast of the image do not matter.
+class Patch {
+ public:
+  static constexpr int kSide = 12;  ///< [] px
+  static constexpr int kSize = kSide * kSide;
+
+  enum class Fit { usable, not_drawn, flat };
+
+  static constexpr int kBordered = kSide + 2;
+
+  /// Takes the piece whose first pixel is (x,y) of this level of the image. It and a border of one
+  /// pixel must have been drawn, and it must have structure along all directions.
+  Fit take(const ViewLevel& view, int x, int y);
+  /// The same of a piece with its border.
+  Fit take(const Samples& samples, int x, int y);
+
+  /// Looks for it in `image`, beginning at a displacement; may go `reach_px` away from there.
+  Alignment find_in(const Picture& image, float dx, float dy, float reach_px) const;
+
+  /// Standard deviation [px] of the place along its worst direction, where all that differs
+  /// between patch and image is noise.
+  float deviation_px(float correlation) const;
+
+ private:
+  struct Sums {
+    float values, squares, along_t, along_x, along_y;
+  };
+  Fit take_rows(const float* first, int stride);
+  Sums correlate(const Picture& image, int x, int y, float sub_x, float sub_y) const;
+
+  int x_ = 0, y_ = 0;  ///< px of its first pixel
+  alignas(64) std::array<float, kSize> t_{}, slope_x_{}, slope_y_{};
+  float inverse_xx_ = 0.0F, inverse_xy_ = 0.0F, inverse_yy_ = 0.0F;  ///< of the normal matrix
+  float least_slope2_ = 0.0F;  ///< [1/px^2] smallest eigenvalue of the normal matrix
+};
+
+}  // namespace weft::track

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+#include <weft/core/index.hpp>
+#include <weft/data/camera.hpp>
+#include <weft/data/template.hpp>
+#include <weft/geometry/types.hpp>
+
+#include "picture.hpp"
+
+namespace weft::track {
+
+/// A part of the image at one level: where it begins, what is drawn and where.
+struct ViewLevel {
+  int x0 = 0, y0 = 0;                 ///< [] px of this level, of the first pixel
+  Picture grey{};                     ///< anything where nothing is drawn
+  std::vector<std::uint8_t> drawn{};  ///< [height * width] 1 where the texture is seen
+
+  const std::uint8_t* drawn_row(int y) const {
+    return drawn.data() + to_index(y) * to_index(grey.width);
+  }
+};
+
+/// Grey levels at a lattice of places, row by row.
+struct Samples {
+  static constexpr int kSide = 16;
+  alignas(64) std::array<float, kSide * kSide> values;
+};
+
+/// Where the samples are taken, in px of the image at full size: `origin` and the steps from one
+/// column, or row, to the next.
+struct Lattice {
+  Eigen::Vector2d origin_px, along_row_px, along_column_px;
+};
+
+/// The template's texture as the camera would see it on a shape, without light and noise. All of it
+/// is drawn at a quarter of the image's size and less: each face with perspective from the halved
+/// copy of the texture that has about one texel a pixel; a depth buffer hides what lies behind, and
+/// a face seen from its back shows nothing. At full size pieces of it are made where they are
+/// wanted, as if the face there went on.
+class PredictedView {
+ public:
+  static constexpr int kFinestDrawn = 2;  ///< level
+
+  /// What is the same in all frames: keeps the texture's pyramid and the mesh. The texture has at
+  /// least two pixels along each side.
+  void load(const Template& templ);
+
+  /// False where no texture falls on the image. `vertices_m` [V,3] m, camera frame.
+  bool draw(const Camera& camera, const Points3View& vertices_m);
+
+  /// From kFinestDrawn on.
+  const ViewLevel& level(int k) const { return levels_[to_index(k - kFinestDrawn)]; }
+
+  /// Whether all within `radius_px` of the place, along both axes, is drawn: to the nearest pixel
+  /// of the finest level that is.
+  bool is_drawn(const Eigen::Vector2d& place_px, double radius_px) const;
+
+  /// The texture of a face at the places of a lattice, for pixels of a level.
+  void sample(std::int32_t face, int level, const Lattice& lattice, Samples& samples) const;
+
+  /// The place in px of the point with these weights in the face, by the last shape drawn; NaN
+  /// where a corner is not in front of the camera.
+  Eigen::Vector2d place_px(std::int32_t face, const Eigen::Vector3d& weights) const;
+  /// d(x,y)/d(u,v) of a face, px/px; the mean over its perspective.
+  Eigen::Matrix2d jacobian(std::int32_t face) const;
+
+ private:
+  /// A vertex before the camera: pixel, and what is linear in it once divided by depth.
+  struct Vertex {
+    double x, y, nearness;  ///< [px] [px] [1/m]
+    bool is_in_front;
+  };
+  /// A quantity that is linear in the image: its value at (0,0) and its slopes.
+  struct Linear {
+    double at_origin = 0.0, along_x = 0.0, along_y = 0.0;
+    double at(double x, double y) const { return at_origin + along_x * x + along_y * y; }
+  };
+  /// A face in a picture of the image: the weights of its corners, 1/z, u/z and v/z.
+  struct FaceMap {
+    std::array<Linear, 3> weights{};
+    Linear nearness{}, u{}, v{};       ///< u and v in px of `texture`
+    const Picture* texture = nullptr;  ///< null where the face has no area, or is not in front
+    double scale = 1.0;                ///< of `texture` to the template's
+    bool shows_print = false;
+    Eigen::Vector2d low, high;  ///< [px] its box
+  };
+
+  void project(const Camera& camera, const Points3View& vertices_m);
+  bool open_window(const Camera& camera);
+  FaceMap map_of(std::int32_t face, int level, const Eigen::Vector2d& origin_px) const;
+  void draw_face(std::int32_t face);
+  void draw_row(const FaceMap& map, int y, int x_begin, int x_end);
+  bool is_object(float u, float v, double scale) const;
+
+  std::vector<Picture> textures_;  ///< each half the one before
+  Points2 flat_px_;
+  Faces faces_;
+  Array<std::uint8_t> mask_;  ///< a copy; absent where the texture has no holes
+  std::vector<Vertex> vertices_;
+  std::vector<float> nearness_;  ///< [1/m] of the nearest surface drawn, by pixel
+  std::array<ViewLevel, kLevels - kFinestDrawn> levels_;
+};
+
+}  // namespace weft::track

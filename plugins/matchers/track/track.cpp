@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <weft/core/index.hpp>
+#include <weft/sdk/matcher.hpp>
+
+#include "tracker.hpp"
+
+namespace weft::track {
+namespace {
+
+std::string percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }
+
+/// Looks for the points of the texture where the previous shape says that they are.
+class Track final : public Matcher {
+ public:
+  static constexpr About kAbout{
+      .reference =
+          "Baker and Matthews, Lucas-Kanade 20 years on: a unifying framework, IJCV 2004; "
+          "Shi and Tomasi, Good features to track, CVPR 1994",
+      .needs = "image template camera previous.shape",
+      .reads = "previous.correspondences"};
+
+  explicit Track(Params& p) {
+    p.read(
+        "max_points", max_points_, "", {16, 10000},
+        "points that are looked for: one in each cell of a grid of about so many over the sheet");
+    p.read("search_px", options_.search_px, "px", {0, 400},
+           "how far the sheet as a whole may have moved since the previous frame");
+    p.read("min_correlation", options_.min_correlation, "", {0, 1},
+           "a point is kept if image and patch correlate so well, normalised");
+    p.read("max_deviation_px", options_.max_deviation_px, "px", {0.1, 1000},
+           "a point is kept if it is within this of an affine motion fitted to all");
+    p.read("min_share", min_share_, "", {0, 1},
+           "the answer is degenerate if fewer of the points that should be in sight are found");
+    p.read("max_change", max_change_, "", {0, 10},
+           "the answer is degenerate if the sheet turned, grew or sheared by more in the image");
+    p.read("min_matches", min_matches_, "", {1, 10000}, "there is no result if fewer are found");
+    p.read("min_confidence", min_confidence_, "", {0, 1},
+           "the answer is degenerate if the previous shape was less sure than this");
+  }
+
+  Result<void> prepare(const PrepareInput& in) override { return load(in.templ, in.camera); }
+
+  Result<Correspondences> match(const MatcherInput& in) override {
+    if (!in.image || !in.templ || !in.camera || !in.previous_shape) {
+      return no_result("there is no shape of an earlier frame to begin with");
+    }
+    if (auto fits = check(in); !fits) return fits.error();
+    const Shape& shape = *in.previous_shape;
+    if (shape.shape_state() == ShapeState::lost) return no_result("the previous shape is lost");
+    if (auto ready = load(*in.templ, *in.camera); !ready) return ready.error();
+    if (!view_.draw(*in.camera, shape.vertices_m.matrix<3>())) {
+      return no_result("the previous shape shows nothing of the texture in the image");
+    }
+    image_.load(in.image->pixels);
+    choose_targets(in.previous_correspondences);
+    tracker_.find(view_, image_, options_, targets_);
+    return answer(shape);
+  }
+
+ private:
+  static Result<void> check(const MatcherInput& in) {
+    const Array<std::uint8_t>& pixels = in.image->pixels;
+    const bool has_size = pixels.dim(0) == in.camera->height_px &&
+                          pixels.dim(1) == in.camera->width_px && pixels.rows() > 0;
+    if (!has_size || (pixels.ndim() == 3 && pixels.dim(2) != 3)) {
+      return Error{Errc::invalid_data,
+                   "the image must have the size of the camera and one or three channels"};
+    }
+    if (in.previous_shape->vertices_m.rows() != in.templ->flat_px.rows()) {
+      return Error{Errc::invalid_data,
+                   "the previous shape must have as many vertices as the template"};
+    }
+    return {};
+  }
+
+  /// Once for a template and a camera.
+  Result<void> load(const Template& templ, const Camera& camera) {
+    const std::array<std::uint64_t, 3> key{templ.revision,
+                                           static_cast<std::uint64_t>(camera.width_px),
+                                           static_cast<std::uint64_t>(camera.height_px)};
+    if (templ.revision != 0 && key == loaded_) return {};
+    loaded_ = {};
+    if (templ.texture.dim(0) < Patch::kSide || templ.texture.dim(1) < Patch::kSide) {
+      return Error{Errc::invalid_data, "the texture must have at least " +
+                                           std::to_string(Patch::kSide) + " px along each side"};
+    }
+    view_.load(templ);
+    auto points = points_.load(templ, camera, max_points_);
+    if (points) loaded_ = key;
+    return points;
+  }
+
+  /// In each cell the best match of the previous frame, else the best point of the texture.
+  void choose_targets(const std::optional<Correspondences>& previous) {
+    best_.assign(to_index(points_.cells()), -1);
+    if (previous) {
+      for (std::int64_t i = 0; i < previous->count(); ++i) {
+        if (previous->kept(i) == 0 || previous->face(i) < 0) continue;
+        std::int64_t& best = best_[to_index(points_.cell_of(place(*previous, i)))];
+        if (best < 0 || previous->score(i) > previous->score(best)) best = i;
+      }
+    }
+    targets_.clear();
+    for (int cell = 0; cell < points_.cells(); ++cell) {
+      const std::int64_t match = best_[to_index(cell)];
+      if (match >= 0) {
+        const Eigen::Vector3d weights = previous->barycentrics.matrix<3>().row(match);
+        targets_.push_back({{place(*previous, match), previous->face(match), weights}, false});
+      } else if (points_.point(cell).face >= 0) {
+        targets_.push_back({points_.point(cell), true});
+      }
+    }
+  }
+
+  static Eigen::Vector2d place(const Correspondences& matches, std::int64_t i) {
+    return matches.template_px.matrix<2>().row(i);
+  }
+
+  Result<Correspondences> answer(const Shape& shape) const {
+    std::array<std::int64_t, kFates> fates{};
+    std::int64_t refilled = 0;
+    for (const Target& target : targets_) {
+      ++fates[to_index(static_cast<int>(target.fate))];
+      refilled += target.fate == Fate::found && target.is_refill ? 1 : 0;
+    }
+    const auto number = [&](Fate fate) { return fates[to_index(static_cast<int>(fate))]; };
+    const std::int64_t found = number(Fate::found);
+    const std::int64_t in_sight =
+        static_cast<std::int64_t>(targets_.size()) - number(Fate::hidden) - number(Fate::flat);
+    const std::string of = std::to_string(found) + " of " + std::to_string(in_sight) + " points";
+    if (found < min_matches_) return no_result(of + " found again");
+    Correspondences matches = collect(found);
+    const auto count = [&](const char* name, std::int64_t value) {
+      matches.diag.set(name, static_cast<double>(value));
+    };
+    count("followed", found - refilled);
+    count("refilled", refilled);
+    count("hidden", number(Fate::hidden));
+    count("flat", number(Fate::flat));
+    count("unlike", number(Fate::unlike));
+    count("uncertain", number(Fate::uncertain));
+    count("astray", number(Fate::astray));
+    matches.diag.set("change", tracker_.change());
+    matches.diag.set("sheet_correlation", tracker_.shift().correlation);
+    const std::string doubt =
+        doubt_in(shape, static_cast<double>(found) / static_cast<double>(in_sight), of);
+    if (!doubt.empty()) return degenerate(std::move(matches), doubt);
+    return matches;
+  }
+
+  /// Why the matches should not be relied on alone; empty where they may be.
+  std::string doubt_in(const Shape& shape, double share, const std::string& of) const {
+    if (share < min_share_) return "weak: " + of + " found again, less than " + percent(min_share_);
+    if (tracker_.change() > max_change_) {
+      return "weak: the sheet turned, grew or sheared by " + percent(tracker_.change());
+    }
+    if (shape.shape_state() != ShapeState::estimated) {
+      return std::string("weak: the previous shape is ") + to_string(shape.shape_state());
+    }
+    if (shape.confidence < min_confidence_) {
+      return "weak: the previous shape has a confidence of " + percent(shape.confidence);
+    }
+    return {};
+  }
+
+  Correspondences collect(std::int64_t count) const {
+    Correspondences out;
+    out.template_px = Array<double>({count, 2});
+    out.image_px = Array<double>({count, 2});
+    out.face = Array<std::int32_t>({count});
+    out.barycentrics = Array<double>({count, 3});
+    out.scale_ratio = Array<double>({count});
+    out.angle_difference_rad = Array<double>({count});
+    out.kept = Array<std::uint8_t>({count});
+    out.score = Array<double>({count});
+    std::int64_t n = 0;
+    for (const Target& target : targets_) {
+      if (target.fate != Fate::found) continue;
+      const Eigen::Matrix2d jacobian = view_.jacobian(target.point.face);
+      out.template_px.matrix<2>().row(n) = target.point.template_px.transpose();
+      out.image_px.matrix<2>().row(n) = (target.expected_px + target.by_px).transpose();
+      out.face(n) = target.point.face;
+      out.barycentrics.matrix<3>().row(n) = target.point.weights.transpose();
+      out.scale_ratio(n) = std::sqrt(std::abs(jacobian.determinant()));
+      out.angle_difference_rad(n) =
+          std::atan2(jacobian(1, 0) - jacobian(0, 1), jacobian(0, 0) + jacobian(1, 1));
+      out.kept(n) = 1;
+      out.score(n) = target.correlation;
+      ++n;
+    }
+    return out;
+  }
+
+  int max_points_ = 300;
+  TrackerOptions options_;
+  double min_share_ = 0.5;
+  double max_change_ = 0.08;
+  int min_matches_ = 16;
+  double min_confidence_ = 0.5;
+
+  std::array<std::uint64_t, 3> loaded_{};
+  TexturePoints points_;
+  PredictedView view_;
+  Pyramid image_;
+  Tracker tracker_;
+  std::vector<std::int64_t> best_;  ///< by cell, the match of the previous frame, -1 for none
+  std::vector<Target> targets_;
+};
+
+}  // namespace
+}  // namespace weft::track
+
+WEFT_PLUGIN(weft::track::Track, "matchers/track", "1.0.0",
+            "Follows points of the texture from the previous shape into the image.")

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <weft/core/stop_check.hpp>
+
+namespace weft::track {
+namespace {
+
+constexpr int kSheetLevel = 3;             // where the whole sheet is looked for
+constexpr int kFirstLevel = 2;             // where patches are looked for first
+constexpr float kAlike = 0.6F;             // [] correlation of a patch that may lead others
+constexpr double kFollowsOthers_px = 2.5;  // [px of the level] from the affine field
+constexpr float kReach_px = 6.0F;          // [px of the level] half a patch
+constexpr float kLargestDeviation_px = 0.35F;
+
+/// Where the patch of a point may lie instead of around it, nearer ones first: up to half a patch,
+/// so that the point is in it.
+struct Aside {
+  int dx, dy;  ///< [px of the level]
+};
+constexpr Aside kAsides[] = {{0, 0},  {3, 0},  {-3, 0},  {0, 3},  {0, -3}, {3, 3},
+                             {-3, 3}, {3, -3}, {-3, -3}, {6, 0},  {-6, 0}, {0, 6},
+                             {0, -6}, {6, 6},  {-6, 6},  {6, -6}, {-6, -6}};
+
+bool is_found(const Target& target) {
+  return target.fate == Fate::found && target.correlation >= kAlike;
+}
+
+bool is_inside(const Eigen::Vector2d& place_px, const Picture& image) {
+  return place_px.x() >= 0.0 && place_px.y() >= 0.0 &&
+         place_px.x() < static_cast<double>(image.width) &&
+         place_px.y() < static_cast<double>(image.height);
+}
+
+}  // namespace
+
+void Tracker::find(const PredictedView& view, const Pyramid& image, const TrackerOptions& options,
+                   std::vector<Target>& targets) {
+  const int reach = static_cast<int>(std::ceil(options.search_px / (1 << kSheetLevel)));
+  shift_ = search_.find(view.level(kSheetLevel), image.level(kSheetLevel), reach);
+  const Eigen::Vector2d shift_px =
+      static_cast<double>(1 << kSheetLevel) * Eigen::Vector2d(shift_.dx, shift_.dy);
+  for (Target& target : targets) {
+    target.expected_px = view.place_px(target.point.face, target.point.weights);
+    target.by_px = shift_px;
+    target.fate = Fate::hidden;
+    target.correlation = 0.0F;
+  }
+  deviations_px_.resize(targets.size());
+  motion_ = Motion(shift_px);
+  for (int level = kFirstLevel; level >= 0; --level) {
+    align(view, image, level, targets);
+    if (level > 0) lead(targets, level);
+  }
+  judge(options, targets);
+}
+
+/// The patch of a target for pixels of a level, at the place where the target is looked for. Beside
+/// the border of what is drawn it is the nearest piece that was drawn wholly.
+Patch::Fit Tracker::take(const PredictedView& view, int level, const Target& target) {
+  Patch::Fit fit = Patch::Fit::not_drawn;
+  for (const auto& [dx, dy] : kAsides) {
+    fit = take(view, level, target, dx, dy);
+    if (fit != Patch::Fit::not_drawn) break;
+  }
+  return fit;
+}
+
+/// That which lies so many px of the level beside it.
+Patch::Fit Tracker::take(const PredictedView& view, int level, const Target& target, int dx,
+                         int dy) {
+  const double scale = 1 << level;
+  const auto first = [&](double place_px, int aside) {
+    return static_cast<int>(std::lround(at_level(place_px, level))) - Patch::kSide / 2 + aside;
+  };
+  const Eigen::Vector2d& expected_px = target.expected_px;
+  if (level >= PredictedView::kFinestDrawn) {
+    return patch_.take(view.level(level), first(expected_px.x(), dx), first(expected_px.y(), dy));
+  }
+  const Eigen::Matrix2d to_view = (Eigen::Matrix2d::Identity() + motion_.slope()).inverse();
+  const Eigen::Vector2d middle_px = expected_px + to_view * (scale * Eigen::Vector2d(dx, dy));
+  if (!view.is_drawn(middle_px, scale * (0.5 * Patch::kSide))) return Patch::Fit::not_drawn;
+  const Eigen::Vector2d place_px = expected_px + target.by_px;
+  const int x = first(place_px.x(), dx), y = first(place_px.y(), dy);
+  const Eigen::Vector2d corner_px =
+      scale * Eigen::Vector2d(x - 0.5, y - 0.5) - Eigen::Vector2d::Constant(0.5);  // of the border
+  const Lattice lattice{expected_px + to_view * (corner_px - place_px), scale * to_view.col(0),
+                        scale * to_view.col(1)};
+  view.sample(target.point.face, level, lattice, samples_);
+  return patch_.take(samples_, x, y);
+}
+
+void Tracker::align(const PredictedView& view, const Pyramid& image, int level,
+                    std::vector<Target>& targets) {
+  const double scale = 1 << level;
+  const bool is_drawn = level >= PredictedView::kFinestDrawn;
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    Target& target = targets[i];
+    // What was found at a quarter of the size is near enough for the full one.
+    if (level > 0 && level < kFirstLevel && is_found(target)) continue;
+    worked(100);
+    target.fate = Fate::hidden;
+    if (!is_inside(target.expected_px + target.by_px, image.level(0))) continue;
+    const Patch::Fit fit = take(view, level, target);
+    if (fit != Patch::Fit::usable) {
+      target.fate = fit == Patch::Fit::flat ? Fate::flat : Fate::hidden;
+      continue;
+    }
+    // A patch that was drawn begins where it was expected, one that was made where it is now.
+    const Eigen::Vector2d begin_px = is_drawn ? target.by_px : Eigen::Vector2d(0.0, 0.0);
+    const Eigen::Vector2f start = (begin_px / scale).cast<float>();
+    const Alignment found = patch_.find_in(image.level(level), start.x(), start.y(), kReach_px);
+    target.correlation = found.correlation;
+    if (found.end == Alignment::End::left_image) continue;
+    target.fate = found.end == Alignment::End::converged ? Fate::found : Fate::unlike;
+    if (target.fate != Fate::found) continue;
+    target.by_px += scale * Eigen::Vector2d(found.dx, found.dy) - begin_px;
+    deviations_px_[i] = patch_.deviation_px(found.correlation);
+  }
+}
+
+/// Puts those that were not found, or went elsewhere, where the others lead.
+void Tracker::lead(std::vector<Target>& targets, int level) {
+  moved_.clear();
+  for (const Target& target : targets) {
+    if (is_found(target)) moved_.push_back({target.expected_px, target.by_px});
+  }
+  if (moved_.empty()) return;
+  const double scale = 1 << level;
+  motion_ = Motion::fit(moved_, scale, scratch_);
+  for (Target& target : targets) {
+    if (!target.expected_px.allFinite()) continue;
+    const Eigen::Vector2d led_px = motion_.at(target.expected_px);
+    if (is_found(target) && (target.by_px - led_px).norm() < kFollowsOthers_px * scale) continue;
+    target.by_px = led_px;
+    target.correlation = 0.0F;  // not found yet
+  }
+}
+
+double Tracker::change() const {
+  const Eigen::Matrix2d slope = motion_.slope();
+  // The larger singular value of a 2 x 2 matrix.
+  const double square = slope.squaredNorm(), area = 2.0 * std::abs(slope.determinant());
+  return 0.5 * (std::sqrt(square + area) + std::sqrt(std::max(square - area, 0.0)));
+}
+
+void Tracker::judge(const TrackerOptions& options, std::vector<Target>& targets) {
+  moved_.clear();
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    Target& target = targets[i];
+    if (target.fate != Fate::found) continue;
+    if (target.correlation < options.min_correlation) {
+      target.fate = Fate::unlike;
+    } else if (deviations_px_[i] > kLargestDeviation_px) {
+      target.fate = Fate::uncertain;
+    } else {
+      moved_.push_back({target.expected_px, target.by_px});
+    }
+  }
+  if (moved_.empty()) return;
+  motion_ = Motion::fit(moved_, 1.0, scratch_);
+  for (Target& target : targets) {
+    if (target.fate != Fate::found) continue;
+    const double off_px = (target.by_px - motion_.at(target.expected_px)).norm();
+    if (off_px > options.max_deviation_px) target.fate = Fate::astray;
+  }
+}
+
+}  // namespace weft::track

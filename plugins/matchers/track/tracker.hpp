@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "coarse_search.hpp"
+#include "motion.hpp"
+#include "patch.hpp"
+#include "picture.hpp"
+#include "predicted_view.hpp"
+#include "texture_points.hpp"
+
+namespace weft::track {
+
+/// What became of a point.
+enum class Fate {
+  found,
+  hidden,     ///< its patch is not wholly on the sheet, in the image and in sight
+  flat,       ///< its patch has no structure at this size
+  unlike,     ///< the image does not look like its patch, or the search did not converge
+  uncertain,  ///< its place is not determined well
+  astray,     ///< it moved otherwise than the others
+};
+inline constexpr int kFates = 6;
+
+/// A point that is looked for.
+struct Target {
+  TexturePoint point;
+  bool is_refill = false;  ///< no match of the previous frame
+  Fate fate = Fate::hidden;
+  Eigen::Vector2d expected_px = Eigen::Vector2d::Zero();  ///< by the predicted view
+  Eigen::Vector2d by_px = Eigen::Vector2d::Zero();        ///< found so far from there
+  float correlation = 0.0F;                               ///< of the last level it was found in
+};
+
+struct TrackerOptions {
+  double search_px = 48.0;         ///< [] px, reach of the search for the whole sheet
+  double min_correlation = 0.8;    ///< []
+  double max_deviation_px = 12.0;  ///< [] px
+};
+
+/// Finds points of a predicted view in an image, from coarse to fine: first the whole sheet by its
+/// displacement, then each patch in the image at a quarter of its size, then in the image itself,
+/// those that were not found there at half its size before. Between the levels an affine field is
+/// fitted to what was found. It leads those that were not, and turns and scales the patches.
+class Tracker {
+ public:
+  void find(const PredictedView& view, const Pyramid& image, const TrackerOptions& options,
+            std::vector<Target>& targets);
+
+  /// Of the whole sheet in the last call.
+  const CoarseShift& shift() const { return shift_; }
+  /// How much the sheet turned, grew or sheared in the image since it was expected: the largest
+  /// stretch of the affine field that was fitted last.
+  double change() const;
+
+ private:
+  void align(const PredictedView& view, const Pyramid& image, int level,
+             std::vector<Target>& targets);
+  Patch::Fit take(const PredictedView& view, int level, const Target& target);
+  Patch::Fit take(const PredictedView& view, int level, const Target& target, int dx, int dy);
+  void lead(std::vector<Target>& targets, int level);
+  void judge(const TrackerOptions& options, std::vector<Target>& targets);
+
+  CoarseSearch search_;
+  CoarseShift shift_;
+  Patch patch_;
+  Samples samples_;
+  Motion motion_;  ///< by the levels so far
+  std::vector<Moved> moved_;
+  std::vector<double> scratch_;
+  std::vector<float> deviations_px_;  ///< of the targets at the finest level
+};
+
+}  // namespace weft::track

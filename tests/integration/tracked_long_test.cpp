@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Follows a sheet for 10,000 frames without detection.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "tracked_pipeline.hpp"
+
+namespace weft {
+namespace {
+
+class LongTracks : public testing::TrackedPipeline {};
+
+TEST_F(LongTracks, DoNotDrift) {
+  constexpr std::int64_t kFrames = 10'000;
+  const std::string source = "source: {params: {frames: " + std::to_string(kFrames) +
+                             ", image_width_px: 320, image_height_px: 240, focal_px: 410, "
+                             "distance_m: 0.5}}\n";
+  const auto metrics = measure("tracked.yaml", source +
+                                                   "stages:\n"
+                                                   "  - {as: tracked}\n"
+                                                   "  - {as: detectors, when: {every: 1000000}}\n");
+  EXPECT_EQ(metrics.counts.solved(), kFrames);
+  EXPECT_LT(metrics.all.solved_error.mean_mm, 1.0);
+  EXPECT_LT(metrics.all.solved_error.worst_mm, 5.0);
+  EXPECT_LT(detected(), kFrames / 100);
+}
+
+}  // namespace
+}  // namespace weft
