@@ -102,10 +102,20 @@ std::size_t Extrema(const TileRows& tile, std::size_t x, std::size_t y, std::siz
     for (std::size_t l = 1; l + 1 < tile.differences; ++l) {
       const Range after = RangeAt(tile, y, l + 1, i);
       const auto value = hn::LoadU(d, tile.values(y, l) + i);
-      const auto largest = hn::Max(hn::Max(before.largest, after.largest), here.largest);
-      const auto smallest = hn::Min(hn::Min(before.smallest, after.smallest), here.smallest);
-      const auto is_one = hn::Or(hn::And(hn::Eq(value, largest), hn::Gt(value, above)),
-                                 hn::And(hn::Eq(value, smallest), hn::Lt(value, below)));
+      const auto row = [&](std::int16_t* from) HWY_ATTR { return hn::LoadU(d, from + i); };
+      const auto left = row(tile.values(y, l) - 1), right = row(tile.values(y, l) + 1);
+      // Of equal neighbours the first one counts: larger than those before it, not smaller than the
+      // others.
+      const auto larger_than =
+          hn::Max(hn::Max(before.largest, row(tile.largest(y - 1, l))), hn::Max(left, above));
+      const auto as_large =
+          hn::Max(hn::Max(after.largest, row(tile.largest(y + 1, l))), hn::Max(right, value));
+      const auto smaller_than =
+          hn::Min(hn::Min(before.smallest, row(tile.smallest(y - 1, l))), hn::Min(left, below));
+      const auto as_small =
+          hn::Min(hn::Min(after.smallest, row(tile.smallest(y + 1, l))), hn::Min(right, value));
+      const auto is_one = hn::Or(hn::And(hn::Gt(value, larger_than), hn::Eq(value, as_large)),
+                                 hn::And(hn::Lt(value, smaller_than), hn::Eq(value, as_small)));
       before = here;
       here = after;
       if (hn::AllFalse(d, is_one)) continue;

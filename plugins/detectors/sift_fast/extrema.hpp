@@ -22,8 +22,9 @@ struct ExtremaScratch {
 };
 
 /// Pixels of `rows`, kBorder px inside the octave, whose difference of neighbouring layers is above
-/// `weakest` and not below that of any of its 26 neighbours in place and scale; or below -`weakest`
-/// and not above any. In an order that depends on the length of vectors; valid until the next call.
+/// `weakest` and the largest among its 26 neighbours in place and scale; or below -`weakest` and
+/// the smallest. Of equal ones the first by layer, row and column is. In an order that depends on
+/// the length of vectors; valid until the next call.
 std::span<const Candidate> find_extrema(const Octave& octave, RowRange rows, int weakest,
                                         ExtremaScratch& scratch);
 

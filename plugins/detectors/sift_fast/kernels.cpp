@@ -77,9 +77,9 @@ std::vector<std::int16_t> doubling_gaussian(double sigma_px) {
     sums[to_index(far + reach)] += 0.25 * blur[to_index(std::abs(i))];
   }
   std::vector<std::int16_t> taps;
-  int rest = 2 * kOne;
+  int rest = kOne;
   for (const double sum : sums) {
-    taps.push_back(rounded(2.0 * sum));
+    taps.push_back(rounded(sum));
     rest -= taps.back();
   }
   std::int16_t& middle = taps[to_index(reach)];

@@ -20,7 +20,7 @@ Taps gaussian(double sigma_px);
 
 /// What gives the even samples of a row that is enlarged twice, linearly and with pixel edges
 /// aligned, and then blurred by `sigma_px` (of the enlarged row), from the row itself: weights of
-/// its samples from -m to m, 2 m + 1 of them, doubled. Reversed, they give the odd samples.
+/// its samples from -m to m, 2 m + 1 of them, which make kOne. Reversed, they give the odd samples.
 std::vector<std::int16_t> doubling_gaussian(double sigma_px);
 
 /// How each layer of an octave comes from the one before; the same in all octaves.

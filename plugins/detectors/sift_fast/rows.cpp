@@ -90,9 +90,9 @@ void AddRows(const std::int16_t* const* rows, const std::int16_t* taps, std::siz
   for (std::size_t x = 0; x < width; x += hn::Lanes(d)) {
     auto sum = hn::Zero(d);
     for (std::size_t i = 0; i < count; ++i) {
-      sum = hn::SaturatedAdd(sum, times(hn::LoadU(d, rows[i] + x), hn::Set(d, taps[i])));
+      sum = hn::Add(sum, times(hn::LoadU(d, rows[i] + x), hn::Set(d, taps[i])));
     }
-    hn::StoreU(half_of<kDown>(sum), d, to + x);
+    hn::StoreU(sum, d, to + x);
   }
 }
 
@@ -113,10 +113,10 @@ void DoubleRow(const std::int16_t* row, const std::int16_t* taps, std::size_t re
     auto even = hn::Zero(d), odd = hn::Zero(d);
     for (std::size_t i = 0; i <= 2 * reach; ++i) {
       const auto grey = hn::LoadU(d, row + x + i - reach);
-      even = hn::SaturatedAdd(even, times(grey, hn::Set(d, taps[i])));
-      odd = hn::SaturatedAdd(odd, times(grey, hn::Set(d, taps[2 * reach - i])));
+      even = hn::Add(even, times(grey, hn::Set(d, taps[i])));
+      odd = hn::Add(odd, times(grey, hn::Set(d, taps[2 * reach - i])));
     }
-    hn::StoreInterleaved2(half_of<kUp>(even), half_of<kUp>(odd), d, to + 2 * x);
+    hn::StoreInterleaved2(even, odd, d, to + 2 * x);
   }
 }
 
