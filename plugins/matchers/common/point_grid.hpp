@@ -25,33 +25,45 @@ class PointGrid {
     filled_.assign(first_.begin(), first_.end());
     for (int i = 0; i < count; ++i) {
       const Eigen::Vector2d& xy = given_[to_index(i)];
-      points_[filled_[cell_of(xy)]++] = {xy, i};
+      points_[filled_[cell_of(xy)]++] = {xy.x(), xy.y(), i};
     }
   }
 
-  /// Calls visit(i) for each point within `radius` of `place`, the circle included.
-  template <class Visit>
-  void for_each_within(const Eigen::Vector2d& place, double radius, Visit&& visit) const {
+  /// The points within `radius` of `place`, the circle included.
+  void find_within(const Eigen::Vector2d& place, double radius, std::vector<int>& found) const {
+    std::size_t count = 0;
     const int last = row(place.y() + radius);
     for (int y = row(place.y() - radius); y <= last; ++y) {
       // Of this row of cells, those that the circle reaches; the outer rows hold all beyond them.
-      const double low = low_.y() + y / per_cell_, high = low + 1.0 / per_cell_;
+      const double low = low_.y() + y * cell_, high = low + cell_;
       const bool is_outer = y == 0 || y == rows_ - 1;
       const double off = is_outer ? 0.0 : std::max({low - place.y(), place.y() - high, 0.0});
       const double half = std::sqrt(std::max(radius * radius - off * off, 0.0)) + 1e-9 * radius;
       const int right = column(place.x() + half);
       const std::size_t end = first_[to_index(y * columns_ + right) + 1];
-      for (std::size_t k = first_[to_index(y * columns_ + column(place.x() - half))]; k < end;
-           ++k) {
-        const Point& point = points_[k];
-        if ((point.xy - place).squaredNorm() <= radius * radius) visit(point.index);
+      const std::size_t begin = first_[to_index(y * columns_ + column(place.x() - half))];
+      found.resize(count + (end - begin));
+      for (std::size_t k = begin; k < end; ++k) {
+        // Without a branch, which would be guessed wrong for many.
+        const double dx = points_[k].x - place.x(), dy = points_[k].y - place.y();
+        found[count] = points_[k].index;
+        count += dx * dx + dy * dy <= radius * radius ? 1 : 0;
       }
     }
+    found.resize(count);
+  }
+
+  /// Calls visit(i) for each of them.
+  template <class Visit>
+  void for_each_within(const Eigen::Vector2d& place, double radius, Visit&& visit) const {
+    std::vector<int> found;
+    find_within(place, radius, found);
+    for (const int i : found) visit(i);
   }
 
  private:
   struct Point {
-    Eigen::Vector2d xy;
+    double x, y;
     int index;
   };
 
@@ -66,9 +78,9 @@ class PointGrid {
     }
     const Eigen::Vector2d size = high - low;
     const double fair = std::sqrt(size.prod() / static_cast<double>(given_.size() + 1));
-    const double cell = std::max({0.25 * radius, fair, size.maxCoeff() / kMostAlong, 1e-6});
+    cell_ = std::max({0.5 * radius, fair, size.maxCoeff() / kMostAlong, 1e-6});
     low_ = low;
-    per_cell_ = 1.0 / cell;
+    per_cell_ = 1.0 / cell_;
     columns_ = rows_ = static_cast<int>(kMostAlong);
     columns_ = column(high.x()) + 1;
     rows_ = row(high.y()) + 1;
@@ -85,7 +97,7 @@ class PointGrid {
   }
 
   Eigen::Vector2d low_ = Eigen::Vector2d::Zero();
-  double per_cell_ = 1.0;
+  double cell_ = 1.0, per_cell_ = 1.0;
   int columns_ = 1, rows_ = 1;
   std::vector<Eigen::Vector2d> given_;
   std::vector<std::size_t> first_, filled_;

@@ -26,10 +26,8 @@ Nearest CircleSearch::search(const CoarseDistances& distances, int query,
                              const Eigen::Vector2d& place, const SidePlaces& trains,
                              const Options& options) {
   in_reach_.clear();
-  if (place.allFinite()) {
-    grid_.for_each_within(place, options.radius_px,
-                          [&](int i) { in_reach_.push_back(placed_[to_index(i)]); });
-  }
+  if (place.allFinite()) grid_.find_within(place, options.radius_px, in_reach_);
+  for (int& train : in_reach_) train = placed_[to_index(train)];
   if (in_reach_.empty()) return {};
   worked(static_cast<std::int64_t>(in_reach_.size()));
   const int length =

@@ -14,8 +14,6 @@
 namespace weft::matchers {
 namespace {
 
-constexpr std::ptrdiff_t kPanelBytes = kPanelTrains * kGroupBytes;
-
 std::int16_t code_of(std::int32_t halves, std::int32_t product) {
   return static_cast<std::int16_t>(std::min<std::int32_t>((halves - product) >> 1, kBeyond));
 }

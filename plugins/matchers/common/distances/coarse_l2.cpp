@@ -61,8 +61,13 @@ void CoarseL2::Side::quantise(const Rounding& wanted) {
   if (rounding == wanted) return;
   const auto padded = to_index(rounded_up(count(), kCodeBlock));
   const int row_bytes = wanted.row_bytes;
-  bytes.assign(padded * to_index(row_bytes), 0);
-  fine.assign(to_index(count()) * to_index(row_bytes), 0);
+  bytes.resize(padded * to_index(row_bytes));
+  fine.resize(to_index(count()) * to_index(row_bytes));
+  // What is beyond the last number of a row, or the last row, is zero.
+  const bool is_padded = !rows.empty() && rows.front().length != row_bytes;
+  const std::size_t written = is_padded ? 0 : to_index(count()) * to_index(row_bytes);
+  std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(written), bytes.end(), std::uint8_t{0});
+  if (is_padded) std::fill(fine.begin(), fine.end(), std::int16_t{0});
   // Of rows beyond the last, so large that their codes become kBeyond.
   halves.assign(padded, 1 << 20);
   errors.resize(rows.size());
