@@ -119,7 +119,7 @@ TEST(Moved, CountsWhatIsReadAndWhatIsMadeAnew) {
   graph.values = {{"image", -1, "", 0, -1},
                   {"template", -1, "", 0, -1},
                   {"correspondences", 0, "filters", 0, -1}};
-  const Node node{{{"image", 0, true}, {"template", 1, true}}, {2}};
+  const Node node{{{"image", 0, true}, {"template", 1, true}}, {2}, {}};
   FrameResult frame;
   const host::RecordPtr image = record_of(300);
   auto made = std::make_shared<host::Record>("correspondences/1");
@@ -135,7 +135,7 @@ TEST(Moved, CountsWhatIsReadAndWhatIsMadeAnew) {
 TEST(Moved, CountsARecordThatIsReadTwiceOnce) {
   Graph graph;
   graph.values = {{"image", -1, "", 0, -1}, {"image", -1, "", 0, -1}};
-  const Node node{{{"image", 0, true}, {"image", 1, false}}, {}};
+  const Node node{{{"image", 0, true}, {"image", 1, false}}, {}, {}};
   FrameResult frame;
   frame.values = {record_of(300), nullptr};
   EXPECT_EQ(moved_by(node, graph, frame).in, 300U);
