@@ -22,9 +22,9 @@ TEST_F(LongTracks, DoNotDrift) {
                                                    "  - {as: tracked}\n"
                                                    "  - {as: detectors, when: {every: 1000000}}\n");
   EXPECT_EQ(metrics.counts.solved(), kFrames);
-  EXPECT_LT(metrics.all.solved_error.mean_mm, 1.0);
-  EXPECT_LT(metrics.all.solved_error.worst_mm, 5.0);
-  EXPECT_LT(detected(), kFrames / 100);
+  EXPECT_LT(metrics.all.solved_error.mean_mm, 0.75);
+  EXPECT_LT(metrics.all.solved_error.worst_mm, 0.02 * 364.0);  // of the diagonal: not wrong
+  EXPECT_LT(detected(), kFrames / 10);
 }
 
 }  // namespace
