@@ -64,7 +64,7 @@ ALL_PARAMETERS: dict[str, list[str]] = {
 
 ROOT_KEYS = ["weft", "source", "template", "stages", "sinks", "seed", "lost_after", "on_error",
              "max_failed", "frames_at_once", "threads", "extends", "without"]
-STAGE_KEYS = ["use", "params", "as", "from", "template_params", "isolate", "deadline_ms"]
+STAGE_KEYS = ["use", "params", "as", "from", "when", "template_params", "isolate", "deadline_ms"]
 
 
 def some_parameters(rng: Random, component: str) -> dict:

@@ -178,7 +178,7 @@ TEST_F(Overlap, GivesEachCallItsShareOfTheThreads) {
         "  - use: solvers/test.warped\n";
     const Ran ran = run(head("{frames: 2}") + options + stages);
     ASSERT_TRUE(ran.summary) << options;
-    EXPECT_EQ(ran.number(1, "filters", "threads"), threads) << options << ran.status(1, "filters");
+    EXPECT_EQ(ran.number(1, "filters", "diag.threads"), threads) << options;
     fs::remove_all(path("run"));
   }
 }
