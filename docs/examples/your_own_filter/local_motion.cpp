@@ -4,33 +4,29 @@
 
 namespace {
 /// Keeps a match whose displacement is close to the median of its neighbourhood, itself included.
-class LocalMotion final : public weft::Filter {
-  double radius_px_ = 60.0, max_deviation_px_ = 15.0;
+struct LocalMotion final : weft::Filter {
+  double radius_px = 60.0, max_deviation_px = 15.0;
 
- public:
   explicit LocalMotion(weft::Params& p) {
-    p.read("radius_px", radius_px_, "px", {1, 1000}, "neighbourhood on the template");
-    p.read("max_deviation_px", max_deviation_px_, "px", {0, 500}, "kept if within");
+    p.read("radius_px", radius_px, "px", {1, 1000}, "neighbourhood on the template");
+    p.read("max_deviation_px", max_deviation_px, "px", {0, 500}, "kept if within");
   }
 
   weft::Result<weft::InlierMask> filter(const weft::FilterInput& in) override {
-    const auto place = in.correspondences.template_px.matrix<2>();
-    const Eigen::MatrixX2d motion = in.correspondences.image_px.matrix<2>() - place;
-    const std::int64_t n = in.correspondences.count();
+    const auto at = in.correspondences.template_px.matrix<2>();
+    const Eigen::MatrixX2d motion = in.correspondences.image_px.matrix<2>() - at;
+    std::int64_t n = in.correspondences.count(), judged = 0;
     weft::InlierMask mask{weft::Array<std::uint8_t>({n}), weft::Array<double>({n}), {}};
-    std::int64_t judged = 0;
     for (std::int64_t i = 0; i < n; ++i) {
       if (!in.correspondences.kept(i)) continue;  // an earlier filter rejected it
       std::vector<double> u, v;
       for (std::int64_t j = 0; j < n; ++j) {
-        if (!in.correspondences.kept(j)) continue;
-        if ((place.row(j) - place.row(i)).norm() > radius_px_) continue;
-        u.push_back(motion(j, 0));
-        v.push_back(motion(j, 1));
+        if (!in.correspondences.kept(j) || (at.row(j) - at.row(i)).norm() > radius_px) continue;
+        u.push_back(motion(j, 0)), v.push_back(motion(j, 1));
       }
       const Eigen::RowVector2d usual(weft::median(u), weft::median(v));
       const double deviation_px = (motion.row(i) - usual).norm();
-      mask.kept(i) = deviation_px <= max_deviation_px_ ? 1 : 0;
+      mask.kept(i) = deviation_px <= max_deviation_px ? 1 : 0;
       mask.score(i) = 1.0 / (1.0 + deviation_px);
       ++judged;
     }
