@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <functional>
 #include <thread>
 #include <tuple>
 #include <weft/core/index.hpp>
@@ -123,7 +124,7 @@ std::span<const Spot> Search::find(const GreyImage& image, int threads) {
       throw;
     }
   };
-  pool_.run(threads, work);
+  pool_.run(threads, std::ref(work));
 
   gather(tasks);
   return extrema_;
@@ -175,7 +176,7 @@ void Search::for_each(std::size_t count, int threads, Each each) {
       throw;
     }
   };
-  pool_.run(threads, work);
+  pool_.run(threads, std::ref(work));
 }
 
 const Plane& Search::layer_of(const Spot& spot) const {

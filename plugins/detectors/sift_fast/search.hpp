@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
+#include "common/workers/workers.hpp"
 #include "description.hpp"
 #include "extrema.hpp"
 #include "kernels.hpp"
 #include "orientation.hpp"
-#include "pool.hpp"
 #include "pyramid.hpp"
 #include "refinement.hpp"
 #include "schedule.hpp"
@@ -69,7 +69,7 @@ class Search {
   Refinement refinement_;
   Pyramid pyramid_;
   Schedule schedule_;
-  Pool pool_;
+  Workers pool_;
   std::vector<Worker> workers_;
   int width_ = 0, height_ = 0;
 
