@@ -151,6 +151,9 @@ void expect_as_good(const std::string& params) {
 }
 
 TEST(SiftFastQuality, MatchesViewsOfAPlaneAsOftenAsOpenCvsSift) {
+#if defined(WEFT_SANITIZED)
+  GTEST_SKIP() << "counts matches, in release alone";
+#endif
   expect_as_good("{max_keypoints: 1000}");
 }
 
