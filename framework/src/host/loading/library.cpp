@@ -42,14 +42,6 @@ Result<void> check_table(const weft_library_table& table, const std::string& fil
   return {};
 }
 
-/// Such a library is mapped already: its file is not read again.
-bool is_loaded(const std::string& file) {
-  void* const handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NOLOAD);
-  if (handle == nullptr) return false;
-  dlclose(handle);
-  return true;
-}
-
 }  // namespace
 
 std::string abi_version() {
@@ -57,7 +49,7 @@ std::string abi_version() {
 }
 
 Result<const weft_library_table*> load_library(const std::string& file) {
-  if (auto whole = is_loaded(file) ? Result<void>{} : check_library_file(file); !whole) {
+  if (auto whole = check_library_file(file); !whole) {
     return incompatible(file, "cannot be loaded: it " + whole.error().message +
                                   "; build or install the plugin again");
   }
