@@ -99,7 +99,7 @@ std::vector<StepRule> FrameLoop::rules() const {
   for (StepRule& rule : rules) {
     if (rule.busy_until == settled()) rule.busy_until += sinks_.size();
   }
-  rules.resize(settled() + 1 + sinks_.size());
+  rules.resize(steps());
   return rules;
 }
 

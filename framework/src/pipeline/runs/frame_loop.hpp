@@ -43,11 +43,12 @@ class FrameLoop {
   /// A frame that no stage has seen.
   FrameOnItsWay begin(PipelineInput::Frame read);
 
-  /// What happens to a frame next, in `rules().size()` steps: each stage, what ends the frame and
+  /// What happens to a frame next, in `steps()` steps: each stage, what ends the frame and
   /// shows it to the monitor of the set-up, each sink. Steps of several frames may overlap as their
   /// rules say. The stages and the end of a frame are the first `settled() + 1` of them.
   void take(std::size_t step, FrameOnItsWay& frame);
   std::vector<StepRule> rules() const;
+  std::size_t steps() const { return settled() + 1 + sinks_.size(); }
   std::size_t settled() const { return pipeline_.graph.stages.size(); }
 
   /// `begin`, all stages and the end.

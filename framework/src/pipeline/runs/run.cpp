@@ -180,7 +180,7 @@ class Run {
     if (of_loop == loop_->settled() && frame->result.failed() && cancel_.load()) {
       return not_there;  // cut short: this is no result
     }
-    if (of_loop < loop_->rules().size()) {
+    if (of_loop < loop_->steps()) {
       loop_->take(of_loop, *frame);
       return passed;
     }
