@@ -194,8 +194,9 @@ class Run {
     const std::int64_t count = loop_->input().frames();
     if (cancel_.load() || (count >= 0 && index >= static_cast<std::uint64_t>(count))) return false;
     auto read = loop_->input().read(index);
-    if (read) frame.emplace(loop_->begin(*std::move(read)));
-    return read.has_value();
+    if (!read) return false;
+    frame.emplace(loop_->begin(*std::move(read)));
+    return true;
   }
 
   /// False when the run ends here.
