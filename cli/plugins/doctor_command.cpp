@@ -23,7 +23,7 @@ using nlohmann::ordered_json;
 
 /// What pipelines/demo.yaml uses, the pipeline that a new user runs first.
 constexpr const char* kDemoPlugins[] = {
-    "sources/synthetic",     "templates/rectangular", "detectors/sift",
+    "sources/synthetic",     "templates/rectangular", "detectors/sift_fast",
     "matchers/descriptor",   "filters/aem",           "warps/bbs",
     "passes/salient_cells",  "solvers/particle_sft",  "solvers/brunet_mdh",
     "passes/self_occlusion", "sinks/overlay",         "sinks/meshes"};

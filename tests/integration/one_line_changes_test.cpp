@@ -95,16 +95,16 @@ TEST_F(OneLineChanges, TheDemoAsItStandsIsSolved) { expect_solved(demo_, 0.7); }
 
 TEST_F(OneLineChanges, ThePapersPipelineIsSolved) { expect_solved(robusft_, 0.7); }
 
-TEST_F(OneLineChanges, FastSiftTakesThePlaceOfSift) {
-  expect_solved("weft: 1\nextends: " WEFT_PIPELINES "/demo_fast.yaml\n", 0.7);
+TEST_F(OneLineChanges, OpenCvsSiftTakesThePlaceOfSift) {
+  expect_solved(replaced(demo_, "detectors/sift_fast", "detectors/sift"), 0.7);
 }
 
 TEST_F(OneLineChanges, OrbTakesThePlaceOfSift) {
-  expect_solved(replaced(demo_, "detectors/sift", "detectors/orb"), 1.5);
+  expect_solved(replaced(demo_, "detectors/sift_fast", "detectors/orb"), 1.5);
 }
 
 TEST_F(OneLineChanges, AkazeTakesThePlaceOfSift) {
-  expect_solved(replaced(demo_, "detectors/sift", "detectors/akaze"), 1.5);
+  expect_solved(replaced(demo_, "detectors/sift_fast", "detectors/akaze"), 1.5);
 }
 
 TEST_F(OneLineChanges, TheMatchesOfTwoDetectorsAreMerged) {

@@ -217,6 +217,47 @@ async function draw_stage_times(figure, data) {
   });
 }
 
+/** How many frames fit into a second against how far off they are, each point with its name. */
+async function draw_speed(figure, data, series) {
+  const values = series
+    .map(({ name, treatment }) => ({
+      series: name,
+      error: treatment.mean_mm,
+      fps: 1000 / treatment.processor_ms,
+    }))
+    .filter(({ error, fps }) => error !== null && Number.isFinite(fps));
+  write_legend(figure, series);
+  await draw(figure, {
+    width: width_of(figure),
+    height: kHeight,
+    data: { values },
+    encoding: {
+      x: {
+        field: "error",
+        type: "quantitative",
+        title: `${data.measure.name}, ${data.measure.unit}`,
+        scale: { zero: true, padding: 20 },
+      },
+      y: {
+        field: "fps",
+        type: "quantitative",
+        title: "Frames a second, of one processor core",
+        scale: { type: "log" },
+      },
+    },
+    layer: [
+      {
+        mark: { type: "point", filled: true, size: 90, opacity: 1 },
+        encoding: { color: series_channels(series).color },
+      },
+      {
+        mark: { type: "text", align: "left", dx: 9, fontSize: 12 },
+        encoding: { text: { field: "series" } },
+      },
+    ],
+  });
+}
+
 /** Draws a figure, where the page has a place for it, now and whenever what it shows changes. */
 async function keep_drawn(id, selection, draw_it) {
   const figure = document.getElementById(id);
@@ -242,6 +283,9 @@ export async function draw_figures(data, selection) {
   );
   await keep_drawn("figure-reliability", selection, (figure, series) =>
     draw_reliability(figure, data, series),
+  );
+  await keep_drawn("figure-speed", selection, (figure, series) =>
+    draw_speed(figure, data, series),
   );
   await keep_drawn("figure-times", selection, (figure) => draw_stage_times(figure, data));
   for (const figure of document.querySelectorAll("figure.differences")) {

@@ -161,8 +161,9 @@ std::vector<std::pair<std::string, std::vector<Metrics>>> by_stage(
   for (const FrameMetrics& frame : frames) {
     if (!frame.apart.empty()) continue;
     for (const auto& [stage, each] : frame.*member) {
-      auto known = std::find_if(stages.begin(), stages.end(),
-                                [&](const auto& entry) { return entry.first == stage; });
+      auto known = std::find_if(stages.begin(), stages.end(), [&named = stage](const auto& entry) {
+        return entry.first == named;
+      });
       if (known == stages.end()) known = stages.insert(known, {stage, {}});
       known->second.push_back(each);
     }

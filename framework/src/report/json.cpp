@@ -37,6 +37,8 @@ ordered_json treatment_json(const Results& results, const ReportTables& tables,
   return {
       {"id", index},
       {"name", combination.name},
+      {"mean_mm", combination.mean_mm},
+      {"processor_ms", combination.processor_ms},
       {"reliability", {{"x", packed(said)}, {"y", packed(came_true)}, {"frames", packed(frames)}}},
       {"drawn", std::count(figures.drawn.begin(), figures.drawn.end(), index) > 0},
       {"distribution", curve_json(distribution_of(results, combination))},

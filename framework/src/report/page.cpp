@@ -50,7 +50,7 @@ std::vector<Section> sections_of(const Results& results, const ReportTables& tab
       {"filters", "Filters",
        filters_part(results, tables) + (scripted ? scores_part(tables) : std::string())},
       {"confidence", "Confidence", certainty_part(results, tables, scripted)},
-      {"times", "Time of each stage", times_part(results, tables, scripted)},
+      {"times", "Times", times_part(results, tables, scripted)},
       {"worst", "Worst frames", worst_part(results, figures)},
       {"shapes", "Estimate and truth in 3D", scripted ? viewer_part(figures) : ""},
       {"reproduce", "Every cell, and how to run it again", reproduce_part(results, tables)}};

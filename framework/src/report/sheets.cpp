@@ -266,7 +266,8 @@ std::vector<TextTable> all_sheets(const Results& results, const ReportTables& ta
        std::vector{combinations_sheet(results, tables), comparison_sheet(tables.comparisons),
                    expectations_sheet(results, tables), filters_sheet(results, tables),
                    roc_sheet(results, tables), certainty_sheet(results, tables),
-                   times_sheet(results, tables), cells_sheet(results, every)}) {
+                   speed_sheet(results, tables), times_sheet(results, tables),
+                   cells_sheet(results, every)}) {
     if (!table.rows.empty()) sheets.push_back(std::move(table));
   }
   return sheets;

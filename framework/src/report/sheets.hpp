@@ -20,6 +20,8 @@ TextTable filters_sheet(const Results& results, const ReportTables& tables);
 TextTable roc_sheet(const Results& results, const ReportTables& tables);
 /// One row a combination whose frames say how sure they are.
 TextTable certainty_sheet(const Results& results, const ReportTables& tables);
+/// One row a combination whose times were taken: its error and its frames a second.
+TextTable speed_sheet(const Results& results, const ReportTables& tables);
 /// One row a combination and stage.
 TextTable times_sheet(const Results& results, const ReportTables& tables);
 /// One row a cell, of those that `cells` names.

@@ -61,6 +61,16 @@ std::string settings_of(const Results& results, const PlanCell& cell) {
          "</pre></details>\n";
 }
 
+std::string speed_part(const Results& results, const ReportTables& tables, bool scripted) {
+  const TextTable sheet = speed_sheet(results, tables);
+  if (sheet.rows.empty()) return "";
+  const char* figure =
+      "<figure id=\"figure-speed\"><ul class=\"legend\"></ul><div class=\"plot\"></div>\n"
+      "<figcaption>Better is up and to the left.</figcaption></figure>\n";
+  return std::string("<h3>Time against accuracy</h3>\n") + (scripted ? figure : "") +
+         to_html(sheet) + "<h3>By stage</h3>\n";
+}
+
 }  // namespace
 
 std::string verdicts_part(const Results& results, const ReportTables& tables) {
@@ -129,7 +139,7 @@ std::string times_part(const Results& results, const ReportTables& tables, bool 
            html_escaped(ablate_command(results, " --timing")) +
            "</code> takes them, alone and uncached.</p>\n";
   }
-  std::string text;
+  std::string text = speed_part(results, tables, scripted);
   if (scripted) {
     text +=
         "<figure id=\"figure-times\"><ul class=\"legend\"></ul><div class=\"plot\"></div>\n"

@@ -120,6 +120,7 @@ T& of_stage(std::vector<std::pair<std::string, T>>& parts, const std::string& st
 void fill_stages(const Results& results, Combination& row) {
   std::vector<std::pair<std::string, FilterMeans>> filters;
   std::vector<std::pair<std::string, TimeMeans>> times;
+  MeansBySequence processor_ms;
   for (const std::size_t index : row.cells) {
     const PlanCell& cell = results.plan.cells[index];
     const CellRecord& record = results.record(cell);
@@ -127,6 +128,7 @@ void fill_stages(const Results& results, Combination& row) {
     for (const FilterRates& rates : record.filters) {
       of_stage(filters, rates.stage).add(cell.sequence, rates);
     }
+    processor_ms.add(cell.sequence, record.processor_ms);
     for (const StageTime& time : record.times) {
       TimeMeans& means = of_stage(times, time.stage);
       means.mean_ms.add(cell.sequence, time.mean_ms);
@@ -138,6 +140,7 @@ void fill_stages(const Results& results, Combination& row) {
     means.summary.rates.stage = stage;
     row.filters.push_back(means.finish());
   }
+  row.processor_ms = processor_ms.value();
   for (const auto& [stage, means] : times) {
     row.times.push_back(
         {stage, means.mean_ms.value(), means.median_ms.value(), means.mean_processor_ms.value()});

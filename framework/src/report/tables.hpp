@@ -35,6 +35,7 @@ struct Combination {
   std::vector<FilterSummary> filters = {};  ///< in the order of the stages
   CertaintyCounts certainty = {};           ///< over its cells, all frames alike
   std::vector<StageTime> times = {};        ///< empty without a pass with --timing
+  double processor_ms = kUnknown;           ///< [] a frame, of all stages; NaN without such a pass
   std::vector<double> shown = {};  ///< one for each metric of PlanRecord::show, over sequences
 
   /// The rates of a stage, or nullptr.

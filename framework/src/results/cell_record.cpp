@@ -68,13 +68,28 @@ Result<void> read_metrics(const json& object, const std::set<std::string>& wante
   return {};
 }
 
-void read_times(const json& timing, CellRecord& record) {
+/// Of all stages in a frame, those counted that ran in some frames alone.
+double processor_ms_of_frame(const json& line) {
+  const json& timing = line.at("timing");
+  std::set<std::string> stages;
+  for (const json& stage : line.at("stages")) stages.insert(text_in(stage, "stage"));
+  double sum_ms = 0.0;
+  for (const json& stage : timing.at("stages")) {
+    if (stages.count(text_in(stage, "stage")) == 0) continue;
+    sum_ms += number_of(stage, "mean_processor_ms") * number_of(stage, "frames");
+  }
+  return sum_ms / number_of(timing, "frames");
+}
+
+void read_times(const json& line, CellRecord& record) {
+  const json& timing = line.at("timing");
   record.timed = !timing.value("cached", false);
   if (!record.timed || !timing.contains("stages")) return;
   for (const json& stage : timing.at("stages")) {
     record.times.push_back({stage.at("stage"), number_of(stage, "mean_ms"),
                             number_of(stage, "p50_ms"), number_of(stage, "mean_processor_ms")});
   }
+  record.processor_ms = processor_ms_of_frame(line);
 }
 
 /// What enters no mean where the cell failed.
@@ -87,6 +102,7 @@ void forget_figures(CellRecord& record) {
   record.filters.clear();
   record.certainty = {};
   record.times.clear();
+  record.processor_ms = kUnknown;
   record.figures.clear();
 }
 
@@ -104,7 +120,7 @@ Result<CellRecord> record_of(const json& line, const std::set<std::string>& want
   if (line.contains("metrics") && line.at("metrics").is_object()) {
     if (auto read = read_metrics(line.at("metrics"), wanted, record); !read) return read.error();
   }
-  if (line.contains("timing")) read_times(line.at("timing"), record);
+  if (line.contains("timing")) read_times(line, record);
   if (record.failed()) forget_figures(record);
   return record;
 }

@@ -90,6 +90,7 @@ struct CellRecord {
   std::vector<FilterRates> filters;       ///< in the order of the stages
   CertaintyCounts certainty;              ///< empty where the run says nothing of it
   std::vector<StageTime> times;           ///< empty where no uncached time was taken
+  double processor_ms = kUnknown;         ///< [] ms a frame of all stages, the source not counted
   std::map<std::string, double> figures;  ///< by metric: those that were asked for
 
   bool done() const { return outcome == CellOutcome::done; }

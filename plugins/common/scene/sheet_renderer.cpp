@@ -23,8 +23,9 @@ constexpr int kSide = 3;  // samples of a pixel along x and y
 constexpr auto centres_of_samples() {
   std::array<std::array<double, 2>, std::size_t{kSide} * kSide> centres{};
   for (std::size_t k = 0; k < centres.size(); ++k) {
+    const std::size_t row = k / kSide;
     centres[k] = {(static_cast<double>(k % kSide) + 0.5) / kSide - 0.5,
-                  (static_cast<double>(k / kSide) + 0.5) / kSide - 0.5};
+                  (static_cast<double>(row) + 0.5) / kSide - 0.5};
   }
   return centres;
 }

@@ -45,8 +45,9 @@ Result<SceneMaker> SceneMaker::create(const MarkerSheet& sheet, scene::MipTextur
   const int rows = vertices_along(sheet.height_mm, kCell_mm);
   Points2 mesh_mm(Eigen::Index{columns} * rows, 2), uv_px(Eigen::Index{columns} * rows, 2);
   for (Eigen::Index v = 0; v < mesh_mm.rows(); ++v) {
+    const Eigen::Index row = v / columns;
     mesh_mm.row(v) << static_cast<double>(v % columns) * sheet.width_mm / (columns - 1),
-        static_cast<double>(v / columns) * sheet.height_mm / (rows - 1);
+        static_cast<double>(row) * sheet.height_mm / (rows - 1);
     uv_px.row(v) = place.texel_at(mesh_mm.row(v).transpose()).transpose();
   }
   const auto faces = rectangular_grid_faces(columns, rows);

@@ -40,6 +40,7 @@ class FakeResults {
     int sequences = 8;
     std::vector<std::uint64_t> seeds = {1, 2};
     bool timing = false;
+    bool old_times = false;  ///< as of programs that took no processor time of detectors
     bool shapes = false;
     std::string data_use = "reporting";
   };
@@ -131,13 +132,24 @@ class FakeResults {
     line["outcome"] = broken ? "failed" : "done";
     line["reason"] = broken ? kReason : "";
     if (!broken) line["metrics"] = nlohmann::ordered_json::parse(to_json(metrics_of(cell)));
-    line["stages"] = nlohmann::json::array();
+    line["stages"] = {{{"stage", "detectors"}}, {{"stage", "filters"}}};
     line["timing"] = {{"cached", !choice_.timing}};
     if (choice_.timing) {
-      // Programs before this one took no processor time.
+      // The filter runs in two frames of three.
+      line["timing"]["frames"] = 3;
       line["timing"]["stages"] = {
-          {{"stage", "detectors"}, {"mean_ms", 4.0}, {"p50_ms", 3.5}},
-          {{"stage", "filters"}, {"mean_ms", 1.5}, {"p50_ms", 1.25}, {"mean_processor_ms", 2.75}}};
+          {{"stage", "sources"},
+           {"frames", 3},
+           {"mean_ms", 90.0},
+           {"p50_ms", 90.0},
+           {"mean_processor_ms", 100.0}},
+          {{"stage", "detectors"}, {"frames", 3}, {"mean_ms", 4.0}, {"p50_ms", 3.5}},
+          {{"stage", "filters"},
+           {"frames", 2},
+           {"mean_ms", 1.5},
+           {"p50_ms", 1.25},
+           {"mean_processor_ms", 2.75}}};
+      if (!choice_.old_times) line["timing"]["stages"][1]["mean_processor_ms"] = 6.0;
     }
     line["machine"] = {{"processor", "A <fine> one"}};
     append("results/" + std::to_string(cell["cell"].get<int>() % 2) + ".jsonl", line.dump() + "\n");

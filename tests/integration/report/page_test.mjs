@@ -57,7 +57,10 @@ try {
   // Curves: a line for each of the eight combinations with an error.
   assert.equal(await marks(page, "figure-distribution", "line"), 8);
   assert.equal(await marks(page, "figure-by-frame", "line"), 8);
-  assert.equal(await marks(page, "figure-times", "rect"), 2 * 8);
+  assert.equal(await marks(page, "figure-times", "rect"), 3 * 8);
+  // Frames a second over the error: a point and a name for each.
+  assert.equal(await marks(page, "figure-speed", "symbol"), 8);
+  assert.equal(await page.$$eval("#figure-speed .mark-text.role-mark text", (all) => all.length), 8);
   // What is promised and what came true: the diagonal, and of each combination two tenths.
   assert.equal(await marks(page, "figure-reliability", "line"), 1 + 8);
   assert.equal(await marks(page, "figure-reliability", "symbol"), 2 * 8);

@@ -218,16 +218,28 @@ TEST(Report, ShowsTimesOnlyOfAPassThatTookThem) {
   EXPECT_FALSE(tables_of(read(cached)).has_times);
   EXPECT_THAT(written(cached), HasSubstr("--timing"));
   FakeResults::Choice alone;
-  alone.timing = true;
+  alone.timing = alone.old_times = true;
   FakeResults timed(alone);
   const ReportTables tables = tables_of(read(timed));
-  ASSERT_EQ(named(tables, "steady · 0.1").times.size(), 2U);
+  ASSERT_EQ(named(tables, "steady · 0.1").times.size(), 3U);
   const std::vector<StageTime>& times = named(tables, "steady · 0.1").times;
-  EXPECT_NEAR(times[1].mean_ms, 1.5, 1e-12);
-  EXPECT_NEAR(times[1].mean_processor_ms, 2.75, 1e-12);
-  EXPECT_TRUE(std::isnan(times[0].mean_processor_ms));
+  EXPECT_NEAR(times[2].mean_ms, 1.5, 1e-12);
+  EXPECT_NEAR(times[2].mean_processor_ms, 2.75, 1e-12);
+  EXPECT_TRUE(std::isnan(times[1].mean_processor_ms));
+  EXPECT_TRUE(std::isnan(named(tables, "steady · 0.1").processor_ms));
+  EXPECT_THAT(written(timed), Not(HasSubstr("Time against accuracy")));
   EXPECT_THAT(written(timed), HasSubstr("detectors"));
   EXPECT_THAT(timed.read("report/times.csv"), HasSubstr("filters,1.5,1.25,2.75\n"));
+}
+
+TEST(Report, TellsHowManyFramesFitIntoASecondWhereAStageRunsInSomeFramesAlone) {
+  FakeResults::Choice alone;
+  alone.timing = true;
+  FakeResults timed(alone);
+  // Three calls of 6 ms and two of 2.75 ms in three frames.
+  EXPECT_NEAR(named(tables_of(read(timed)), "steady · 0.1").processor_ms, 6.0 + 5.5 / 3.0, 1e-12);
+  EXPECT_THAT(written(timed), HasSubstr("Time against accuracy"));
+  EXPECT_THAT(timed.read("report/speed.csv"), HasSubstr(",7.83333333,127.659574\n"));
 }
 
 TEST(Report, WritesTablesAsCsvAndMarkdown) {

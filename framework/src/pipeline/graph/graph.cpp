@@ -143,7 +143,9 @@ class Wiring {
     for (const auto& [name, at] : stage.when->not_ok) {
       const std::string mistake = wrong_condition(config_, stage, name);
       if (mistake.empty()) {
-        const auto named = [&](const StageConfig& other) { return other.name == name; };
+        const auto named = [&wanted = name](const StageConfig& other) {
+          return other.name == wanted;
+        };
         const auto found = std::find_if(config_.stages.begin(), config_.stages.end(), named);
         node.not_ok.push_back(static_cast<int>(found - config_.stages.begin()));
         continue;
