@@ -217,6 +217,15 @@ async function draw_stage_times(figure, data) {
   });
 }
 
+/** Whether the name of a point would run into that of one just below it. */
+function is_above_another({ error, fps }, values) {
+  const reach = 0.2 * Math.max(...values.map((value) => value.error));
+  return values.some(
+    (other) =>
+      other.fps < fps && other.fps > fps / 1.4 && Math.abs(other.error - error) < reach,
+  );
+}
+
 /** How many frames fit into a second against how far off they are, each point with its name. */
 async function draw_speed(figure, data, series) {
   const values = series
@@ -226,7 +235,11 @@ async function draw_speed(figure, data, series) {
       fps: 1000 / treatment.processor_ms,
     }))
     .filter(({ error, fps }) => error !== null && Number.isFinite(fps));
-  write_legend(figure, series);
+  const names = (above) => ({
+    data: { values: values.filter((value) => is_above_another(value, values) === above) },
+    mark: { type: "text", align: "left", dx: 9, dy: above ? -7 : 0, fontSize: 12 },
+    encoding: { text: { field: "series" } },
+  });
   await draw(figure, {
     width: width_of(figure),
     height: kHeight,
@@ -236,13 +249,14 @@ async function draw_speed(figure, data, series) {
         field: "error",
         type: "quantitative",
         title: `${data.measure.name}, ${data.measure.unit}`,
-        scale: { zero: true, padding: 20 },
+        scale: { zero: true },
       },
       y: {
         field: "fps",
         type: "quantitative",
         title: "Frames a second, of one processor core",
         scale: { type: "log" },
+        axis: { tickCount: 4, format: "~r" },
       },
     },
     layer: [
@@ -250,10 +264,8 @@ async function draw_speed(figure, data, series) {
         mark: { type: "point", filled: true, size: 90, opacity: 1 },
         encoding: { color: series_channels(series).color },
       },
-      {
-        mark: { type: "text", align: "left", dx: 9, fontSize: 12 },
-        encoding: { text: { field: "series" } },
-      },
+      names(false),
+      names(true),
     ],
   });
 }
