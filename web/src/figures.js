@@ -235,11 +235,7 @@ async function draw_speed(figure, data, series) {
       fps: 1000 / treatment.processor_ms,
     }))
     .filter(({ error, fps }) => error !== null && Number.isFinite(fps));
-  const names = (above) => ({
-    data: { values: values.filter((value) => is_above_another(value, values) === above) },
-    mark: { type: "text", align: "left", dx: 9, dy: above ? -7 : 0, fontSize: 12 },
-    encoding: { text: { field: "series" } },
-  });
+  for (const value of values) value.name_dy = is_above_another(value, values) ? -7 : 0;
   await draw(figure, {
     width: width_of(figure),
     height: kHeight,
@@ -264,8 +260,10 @@ async function draw_speed(figure, data, series) {
         mark: { type: "point", filled: true, size: 90, opacity: 1 },
         encoding: { color: series_channels(series).color },
       },
-      names(false),
-      names(true),
+      {
+        mark: { type: "text", align: "left", dx: 9, dy: { expr: "datum.name_dy" }, fontSize: 12 },
+        encoding: { text: { field: "series" } },
+      },
     ],
   });
 }
