@@ -2,6 +2,7 @@
 #include "cli/output/new_file.hpp"
 
 #include <filesystem>
+#include <weft/core/output_folder.hpp>
 #include <weft/core/whole_file.hpp>
 
 namespace weft::cli {
@@ -25,10 +26,10 @@ Result<void> check_new_file(const std::string& file, bool overwrite) {
 }
 
 Result<void> make_new_folder(const std::string& folder) {
-  std::error_code code;
-  if (fs::exists(folder, code) && !(fs::is_directory(folder, code) && fs::is_empty(folder, code))) {
+  if (!is_free_for_folder(folder)) {
     return Error{Errc::io, "exists and is not an empty folder; choose another with --out", folder};
   }
+  std::error_code code;
   fs::create_directories(folder, code);
   if (code) return Error{Errc::io, "cannot be created: " + code.message(), folder};
   return {};

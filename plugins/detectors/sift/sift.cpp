@@ -8,6 +8,7 @@
 #include "common/answer.hpp"
 #include "common/grey_image.hpp"
 #include "common/selection.hpp"
+#include "common/sift_parameters.hpp"
 
 namespace weft::sift {
 namespace {
@@ -31,22 +32,9 @@ struct Found {
 /// Scale-invariant keypoints of Lowe with positions freed of the bias of the doubled image.
 class Sift final : public Detector {
  public:
-  static constexpr About kAbout{
-      .reference = "Lowe, Distinctive image features from scale-invariant keypoints, IJCV 2004",
-      .reads = "region"};
+  static constexpr About kAbout{.reference = detectors::kSiftReference, .reads = "region"};
 
-  explicit Sift(Params& p) {
-    p.read("max_keypoints", max_keypoints_, "", {0, 1000000},
-           "strongest keypoints kept, spread over the image; 0 keeps all");
-    p.read("buckets", buckets_, "", {1, 256},
-           "cells per side over which the cap spreads the keypoints; 1 does not spread them");
-    p.read("octave_layers", octave_layers_, "", {1, 10}, "scales per octave");
-    p.read("contrast_threshold", contrast_threshold_, "", {0, 1},
-           "weakest blob, as a part of the range of grey levels; divided by octave_layers");
-    p.read("edge_threshold", edge_threshold_, "", {1, 1000},
-           "largest ratio of principal curvatures; larger lets more edges pass");
-    p.read("sigma_px", sigma_px_, "px", {1, 10}, "blur of the first scale, in the doubled image");
-  }
+  explicit Sift(Params& p) { asked_.read_without_upsample(p); }
 
   Result<void> prepare(const PrepareInput& /*in*/) override {
     make_detector();
@@ -63,8 +51,9 @@ class Sift final : public Detector {
 
  private:
   void make_detector() {
-    detector_ =
-        cv::SIFT::create(0, octave_layers_, contrast_threshold_, edge_threshold_, sigma_px_);
+    const detectors::SiftSettings& settings = asked_.settings;
+    detector_ = cv::SIFT::create(0, settings.octave_layers, settings.contrast_threshold,
+                                 settings.edge_threshold, settings.sigma_px);
   }
 
   /// The keypoints of the answer in their order, with descriptors. Describing everything at once
@@ -102,7 +91,7 @@ class Sift final : public Detector {
     for (cv::KeyPoint& keypoint : keypoints) {
       keypoint.pt -= cv::Point2f(kDoublingOffsetPx, kDoublingOffsetPx);
     }
-    return detectors::selection(keypoints, image, mask, max_keypoints_, buckets_);
+    return detectors::selection(keypoints, image, mask, asked_.max_keypoints, asked_.buckets);
   }
 
   /// OpenCV builds the doubled octave only if a keypoint lies in it, and describes the others
@@ -126,15 +115,10 @@ class Sift final : public Detector {
     // A blob of Gaussian profile answers strongest between the two scales whose difference was
     // taken, and OpenCV names the finer one.
     return detectors::answer(found.keypoints, found.descriptors,
-                             0.5 * std::exp2(0.5 / octave_layers_));
+                             0.5 * std::exp2(0.5 / asked_.settings.octave_layers));
   }
 
-  int max_keypoints_ = 4000;
-  int buckets_ = 16;
-  int octave_layers_ = 3;
-  double contrast_threshold_ = 0.04;
-  double edge_threshold_ = 10.0;
-  double sigma_px_ = 1.6;
+  detectors::SiftParameters asked_;
   cv::Ptr<cv::SIFT> detector_;
   cv::Mat grey_;
   bool selection_drops_much_ = false;

@@ -10,6 +10,7 @@
 #include "common/answer.hpp"
 #include "common/grey_image.hpp"
 #include "common/selection.hpp"
+#include "common/sift_parameters.hpp"
 #include "search.hpp"
 
 namespace weft::sift_fast {
@@ -43,24 +44,10 @@ Box box_of(const Array<std::uint8_t>& mask) {
 /// SIFT with vector instructions, in whole numbers.
 class SiftFast final : public Detector {
  public:
-  static constexpr About kAbout{
-      .reference = "Lowe, Distinctive image features from scale-invariant keypoints, IJCV 2004",
-      .reads = "region"};
+  static constexpr About kAbout{.reference = detectors::kSiftReference, .reads = "region"};
 
   explicit SiftFast(Params& p) {
-    p.read("max_keypoints", max_keypoints_, "", {0, 1000000},
-           "strongest keypoints kept, spread over the image; 0 keeps all");
-    p.read("buckets", buckets_, "", {1, 256},
-           "cells per side over which the cap spreads the keypoints; 1 does not spread them");
-    p.read("octave_layers", settings_.octave_layers, "", {1, 10}, "scales per octave");
-    p.read("contrast_threshold", settings_.contrast_threshold, "", {0, 1},
-           "weakest blob, as a part of the range of grey levels; divided by octave_layers");
-    p.read("edge_threshold", settings_.edge_threshold, "", {1, 1000},
-           "largest ratio of principal curvatures; larger lets more edges pass");
-    p.read("sigma_px", settings_.sigma_px, "px", {1, 10},
-           "blur of the first scale, in px of the first octave");
-    p.read("upsample", settings_.upsample,
-           "begin with the image enlarged twice: finds smaller blobs for four times the work");
+    asked_.read(p);
     p.read("margin_px", margin_px_, "px", {0, 10000},
            "pixels around the region that blurs and descriptors take into account");
   }
@@ -85,7 +72,7 @@ class SiftFast final : public Detector {
   }
 
  private:
-  void make_search() { search_ = std::make_unique<Search>(settings_); }
+  void make_search() { search_ = std::make_unique<Search>(asked_.settings); }
 
   /// The pixels of octaves up to 3 lie on the same places with and without a region.
   void choose_box(cv::Size image, const Array<std::uint8_t>* mask) {
@@ -106,9 +93,9 @@ class SiftFast final : public Detector {
   /// A spot with its place and scale in px of the image. The enlarged image has its pixel edges on
   /// those of the image.
   cv::KeyPoint in_image(const Spot& spot) const {
-    const int octave = spot.octave - (settings_.upsample ? 1 : 0);
+    const int octave = spot.octave - (asked_.settings.upsample ? 1 : 0);
     const float pitch_px = std::ldexp(1.0F, octave);
-    const float edge_px = settings_.upsample ? 0.25F : 0.0F;
+    const float edge_px = asked_.settings.upsample ? 0.25F : 0.0F;
     return {static_cast<float>(box_.x) + (spot.x * pitch_px - edge_px),
             static_cast<float>(box_.y) + (spot.y * pitch_px - edge_px),
             spot.scale * pitch_px,
@@ -131,9 +118,11 @@ class SiftFast final : public Detector {
   /// angles, and then to keypoints.
   std::span<const Spot> choose(std::span<const Spot> extrema, cv::Size image,
                                const Array<std::uint8_t>* mask, int threads) {
-    take(extrema, selector_.choose(in_image(extrema), image, mask, max_keypoints_, buckets_));
+    take(extrema,
+         selector_.choose(in_image(extrema), image, mask, asked_.max_keypoints, asked_.buckets));
     const std::span<const Spot> oriented = search_->orient(chosen_, threads);
-    take(oriented, selector_.choose(in_image(oriented), image, nullptr, max_keypoints_, buckets_));
+    take(oriented, selector_.choose(in_image(oriented), image, nullptr, asked_.max_keypoints,
+                                    asked_.buckets));
     return chosen_;
   }
 
@@ -141,7 +130,7 @@ class SiftFast final : public Detector {
     // A blob of Gaussian profile answers strongest between the two blurs whose difference was
     // taken.
     auto result = detectors::answer(in_image(chosen), cv::Mat(0, kDescriptorLength, CV_32F),
-                                    std::exp2(0.5 / settings_.octave_layers));
+                                    std::exp2(0.5 / asked_.settings.octave_layers));
     if (chosen.empty()) return result;
     result->descriptors =
         Array<float>({static_cast<std::int64_t>(chosen.size()), kDescriptorLength});
@@ -149,10 +138,8 @@ class SiftFast final : public Detector {
     return result;
   }
 
-  int max_keypoints_ = 4000;
-  int buckets_ = 16;
+  detectors::SiftParameters asked_;
   int margin_px_ = 16;
-  Settings settings_;
   std::unique_ptr<Search> search_;
   cv::Mat grey_;
   Box box_;

@@ -25,19 +25,7 @@ SiftGpu::SiftGpu(Params& p) {
   device_.read(p);
   p.component("fallback", fallback_,
               "the detector in place of this one, with parameters of its own; see without_device");
-  p.read("max_keypoints", max_keypoints_, "", {0, 1000000},
-         "strongest keypoints kept, spread over the image; 0 keeps all");
-  p.read("buckets", buckets_, "", {1, 256},
-         "cells per side over which the cap spreads the keypoints; 1 does not spread them");
-  p.read("octave_layers", settings_.octave_layers, "", {1, 10}, "scales per octave");
-  p.read("contrast_threshold", settings_.contrast_threshold, "", {0, 1},
-         "weakest blob, as a part of the range of grey levels; divided by octave_layers");
-  p.read("edge_threshold", settings_.edge_threshold, "", {1, 1000},
-         "largest ratio of principal curvatures; larger lets more edges pass");
-  p.read("sigma_px", settings_.sigma_px, "px", {1, 10},
-         "blur of the first scale, in px of the first octave");
-  p.read("upsample", settings_.upsample,
-         "begin with the image enlarged twice: finds smaller blobs for four times the work");
+  asked_.read(p);
 }
 
 /// Without waiting for descriptors on which the device may still be at work.
@@ -52,7 +40,7 @@ Result<void> SiftGpu::make_session(const std::shared_ptr<Device>& device,
   const int channels = pixels.ndim() == 3 ? 3 : 1;
   if (session_ != nullptr && session_->fits(*device, width, height, channels)) return {};
   let_go();
-  const ScalePlan plan(width, height, settings_);
+  const ScalePlan plan(width, height, asked_.settings);
   const std::uint64_t needed = Session::bytes_needed(plan, channels);
   const std::uint64_t largest = Session::largest_buffer_bytes(plan);
   if (needed > device->memory_bytes() || largest > device->largest_buffer_bytes()) {
@@ -65,16 +53,16 @@ Result<void> SiftGpu::make_session(const std::shared_ptr<Device>& device,
                      " in one piece; set upsample: false, give smaller images or choose another "
                      "device"};
   }
-  session_ = std::make_unique<Session>(device, width, height, channels, settings_);
+  session_ = std::make_unique<Session>(device, width, height, channels, asked_.settings);
   return {};
 }
 
 /// A spot with its place and scale in px of the image. The enlarged image has its pixel edges on
 /// those of the image.
 cv::KeyPoint SiftGpu::in_image(const Spot& spot) const {
-  const int octave = spot.octave - (settings_.upsample ? 1 : 0);
+  const int octave = spot.octave - (asked_.settings.upsample ? 1 : 0);
   const double pitch_px = std::exp2(octave);
-  const double edge_px = settings_.upsample ? 0.25 : 0.0;
+  const double edge_px = asked_.settings.upsample ? 0.25 : 0.0;
   return {static_cast<float>(spot.x * pitch_px - edge_px),
           static_cast<float>(spot.y * pitch_px - edge_px),
           static_cast<float>(spot.scale * pitch_px),
@@ -90,8 +78,9 @@ Result<Keypoints> SiftGpu::answer(const DetectorInput& in, const CancelledCheck&
   for (const Spot& spot : spots) keypoints.push_back(in_image(spot));
   const cv::Size size(static_cast<int>(in.image.pixels.dim(1)),
                       static_cast<int>(in.image.pixels.dim(0)));
-  const std::vector<int> order = detectors::selection(
-      keypoints, size, in.region ? &in.region->mask : nullptr, max_keypoints_, buckets_);
+  const std::vector<int> order =
+      detectors::selection(keypoints, size, in.region ? &in.region->mask : nullptr,
+                           asked_.max_keypoints, asked_.buckets);
 
   std::vector<Spot> selected;
   std::vector<cv::KeyPoint> selected_keypoints;
@@ -102,7 +91,7 @@ Result<Keypoints> SiftGpu::answer(const DetectorInput& in, const CancelledCheck&
   // A blob of Gaussian profile answers strongest between the two blurs whose difference was
   // taken.
   auto found = detectors::answer(selected_keypoints, cv::Mat(0, kDescriptorLength, CV_32F),
-                                 std::exp2(0.5 / settings_.octave_layers));
+                                 std::exp2(0.5 / asked_.settings.octave_layers));
   if (!selected.empty()) {
     found->descriptors =
         on_device<float>(session_->describe(selected),

@@ -15,11 +15,10 @@ namespace weft::sift_gpu {
 /// SIFT as OpenCV computes it, on a device that speaks OpenCL.
 class SiftGpu final : public Detector {
  public:
-  static constexpr About kAbout{
-      .reference = "Lowe, Distinctive image features from scale-invariant keypoints, IJCV 2004",
-      .determinism = "tolerance",
-      .reads = "region",
-      .device_memory = &kDeviceMemory<KeptDescriptors>};
+  static constexpr About kAbout{.reference = detectors::kSiftReference,
+                                .determinism = "tolerance",
+                                .reads = "region",
+                                .device_memory = &kDeviceMemory<KeptDescriptors>};
 
   explicit SiftGpu(Params& p);
   Result<void> prepare(const PrepareInput& /*in*/) override { return device_.prepare(); }
@@ -35,9 +34,7 @@ class SiftGpu final : public Detector {
 
   DeviceChoice device_;
   DetectorComponent fallback_{"detectors/sift"};
-  int max_keypoints_ = 4000;
-  int buckets_ = 16;
-  Settings settings_;
+  detectors::SiftParameters asked_;
   std::unique_ptr<Session> session_;
   Abandoned<Session> abandoned_;
 };

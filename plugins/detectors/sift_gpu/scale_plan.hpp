@@ -4,16 +4,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/sift_parameters.hpp"
+
 namespace weft::sift_gpu {
 
-/// What SIFT is asked for.
-struct Settings {
-  int octave_layers = 3;             ///< scales per octave
-  double contrast_threshold = 0.04;  ///< of grey levels 0 to 1, divided by octave_layers
-  double edge_threshold = 10.0;      ///< largest ratio of principal curvatures
-  double sigma_px = 1.6;             ///< blur of the first layer, px of the first octave
-  bool upsample = true;              ///< the first octave has twice the image's size
-};
+using Settings = detectors::SiftSettings;
 
 /// One octave of the pyramid, as the kernels read it: layers [octave_layers + 3,height,width] f32.
 struct Octave {

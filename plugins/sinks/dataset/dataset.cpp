@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <weft/core/output_folder.hpp>
 #include <weft/core/whole_file.hpp>
 #include <weft/data/record_view.hpp>
 #include <weft/sdk/sink.hpp>
@@ -48,12 +49,12 @@ class Dataset final : public Sink {
     contents_ = {};
     const fs::path folder(path_);
     for (const char* part : {"frames", "gt", "template"}) {
-      std::error_code status;
-      if (fs::exists(folder / part, status) && !fs::is_empty(folder / part, status)) {
+      if (!is_free_for_folder(folder / part)) {
         return Error{Errc::io,
                      (folder / part).string() +
                          " holds files already: choose another 'path', or move them away"};
       }
+      std::error_code status;
       fs::create_directories(folder / part, status);
       if (status) {
         return Error{Errc::io, "the folder " + (folder / part).string() + " cannot be made (" +

@@ -94,6 +94,23 @@ TEST_F(LaneTest, TimesEveryCallNestedOnesFirst) {
   EXPECT_TRUE(lane_.take_timings().empty());
 }
 
+TEST_F(LaneTest, GivesTheTimesOfOneFrameAndKeepsThoseOfOthers) {
+  Instance& good = instantiate("filters/zoo_good");
+  for (const std::uint64_t frame : {4U, 2U, 4U}) filter(good, frame);
+  const auto frames_of = [](const std::vector<Timing>& timings) {
+    std::vector<std::uint64_t> frames;
+    for (const Timing& timing : timings) {
+      if (timing.component == "filters") frames.push_back(timing.frame);
+    }
+    return frames;
+  };
+  EXPECT_THAT(frames_of(lane_.take_timings(4)), ::testing::ElementsAre(4, 4));
+  EXPECT_TRUE(lane_.take_timings(4).empty());
+  filter(good, kOfflineFrame);
+  filter(good, 1);
+  EXPECT_THAT(frames_of(lane_.take_timings()), ::testing::ElementsAre(1, 2, kOfflineFrame));
+}
+
 TEST_F(LaneTest, CountsProcessorTimeOfAllThreadsAndNoneOfWaiting) {
   filter(instantiate("filters/zoo_busy", "{threads: 3, each_ms: 10}"));
   filter(instantiate("filters/zoo_busy", "{threads: 0, sleep_ms: 40}"));

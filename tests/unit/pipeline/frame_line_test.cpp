@@ -133,7 +133,7 @@ TEST(FrameLine, AStepThatLooksBackWaitsUntilThatFrameIsSettled) {
 
 TEST(FrameLine, AStepWhoseComponentLaterStepsCallWaitsForThoseOfTheFrameBefore) {
   Diary diary;
-  FrameLine line({{}, {0, 3}, {}, {}, {}}, 4, 4);
+  FrameLine line({{}, {0, 2}, {}, {}, {}}, 4, 4);
   line.run(4, [&](std::size_t step, std::uint64_t frame) {
     if (frame == 30) return Answer::not_there;
     diary.write("begin ", step, frame);

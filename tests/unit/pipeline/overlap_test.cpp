@@ -3,19 +3,15 @@
 #include <gmock/gmock.h>
 
 #include <map>
-#include <nlohmann/json.hpp>
 
-#include "support/pipeline_fixture.hpp"
+#include "canceller.hpp"
 #include "support/run_lines.hpp"
 
 namespace weft {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 using testing::chain;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using testing::head;
 using testing::Ran;
 using testing::read_lines;
@@ -121,12 +117,9 @@ TEST_F(Overlap, StopsBehindTheFirstFrameWithAnError) {
 TEST_F(Overlap, LeavesWholeFramesInTheirOrderWhenItIsCancelled) {
   for (const std::string& options : kOverlaps) {
     SCOPED_TRACE(options);
-    struct Canceller : Ran {
-      std::atomic<bool> cancel{false};
-      void calling(const std::string& stage, const std::string&, std::uint64_t frame) override {
-        if (stage == "matchers" && frame == 5) cancel = true;
-      }
-    } ran;
+    Canceller ran([](const std::string& call, std::uint64_t frame) {
+      return call == "matchers match" && frame == 5;
+    });
     const auto [pipeline, report] =
         check(chain({{"sources", "{frames: 40}"}, {"sinks", "{path: lines.txt}"}}, options));
     ASSERT_TRUE(report.ok()) << report.text();

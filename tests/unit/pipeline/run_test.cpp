@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
+#include "canceller.hpp"
 #include "host/records/npz.hpp"
 #include "pipeline/runs/run_folder.hpp"
-#include "support/pipeline_fixture.hpp"
 #include "support/run_lines.hpp"
 
 namespace weft {
@@ -260,7 +260,7 @@ TEST_F(Runs, StopAtTheFirstErrorIfToldTo) {
 }
 
 TEST_F(Runs, StopWhenTheyAreCancelled) {
-  struct Canceller : Ran {
+  struct Stopper : Ran {
     std::atomic<bool> cancel{false};
     void frame_done(const FrameResult& frame) override {
       Ran::frame_done(frame);
@@ -275,19 +275,11 @@ TEST_F(Runs, StopWhenTheyAreCancelled) {
 }
 
 TEST_F(Runs, LeaveNothingWhenTheyAreCancelledBeforeTheFirstFrame) {
-  struct Canceller : Ran {
-    std::string at;
-    std::atomic<bool> cancel{false};
-    void calling(const std::string& stage, const std::string& what, std::uint64_t) override {
-      if (stage + " " + what == at) cancel = true;
-    }
-  };
   for (const char* at :
        {"sources load", "sources open", "templates load", "templates build", "detectors load",
         "detectors prepare", "detectors detect", "solvers load", "solvers prepare", "sinks load",
         "sinks open", "sources read", "filters filter"}) {
-    Canceller ran;
-    ran.at = at;
+    Canceller ran([at](const std::string& call, std::uint64_t) { return call == at; });
     const auto [pipeline, report] = check(chain({{"sinks", "{path: lines.txt}"}}));
     const auto summary = run_pipeline(pipeline, path("run"), ran, ran.cancel);
     EXPECT_TRUE(ran.cancel) << at;
@@ -300,12 +292,9 @@ TEST_F(Runs, LeaveNothingWhenTheyAreCancelledBeforeTheFirstFrame) {
 }
 
 TEST_F(Runs, WriteAFrameWithAllSinksOrWithNone) {
-  struct Canceller : Ran {
-    std::atomic<bool> cancel{false};
-    void calling(const std::string&, const std::string& what, std::uint64_t frame) override {
-      if (what == "write" && frame == 1) cancel = true;
-    }
-  } ran;
+  Canceller ran([](const std::string& call, std::uint64_t frame) {
+    return call == "sinks write" && frame == 1;
+  });
   const auto [pipeline, report] = check(chain({{"sinks", "{path: lines.txt}"}}));
   const auto summary = run_pipeline(pipeline, path("run"), ran, ran.cancel);
   ASSERT_TRUE(summary);

@@ -223,22 +223,23 @@ std::uint64_t handle_of(const Instance& instance) { return instance.handle; }
 
 void Lane::note(Timing timing) {
   const std::lock_guard lock(timings_mutex_);
-  timings_.push_back(std::move(timing));
+  timings_[timing.frame].push_back(std::move(timing));
 }
 
 std::vector<Timing> Lane::take_timings() {
   const std::lock_guard lock(timings_mutex_);
-  return std::exchange(timings_, {});
+  std::vector<Timing> taken;
+  for (auto& [frame, timings] : std::exchange(timings_, {})) {
+    taken.insert(taken.end(), std::make_move_iterator(timings.begin()),
+                 std::make_move_iterator(timings.end()));
+  }
+  return taken;
 }
 
 std::vector<Timing> Lane::take_timings(std::uint64_t frame) {
   const std::lock_guard lock(timings_mutex_);
-  const auto others = std::stable_partition(timings_.begin(), timings_.end(),
-                                            [&](const Timing& one) { return one.frame == frame; });
-  std::vector<Timing> taken(std::make_move_iterator(timings_.begin()),
-                            std::make_move_iterator(others));
-  timings_.erase(timings_.begin(), others);
-  return taken;
+  auto taken = timings_.extract(frame);
+  return taken ? std::move(taken.mapped()) : std::vector<Timing>{};
 }
 
 void Lane::let_finish(Instance& instance) { instance.is_let_finish = true; }

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -97,10 +98,11 @@ class Lane {
   /// Evaluates a warp record at points, by its producer.
   Outcome evaluate(const Record& warp, const Points& points, std::uint64_t frame);
 
-  /// Calls since the last time this was asked, in order of their end.
+  /// Calls since the last time this was asked, frame by frame, those of no frame last; of a frame
+  /// in order of their end.
   std::vector<Timing> take_timings();
 
-  /// The same of one frame; from any thread.
+  /// Those of one frame; from any thread.
   std::vector<Timing> take_timings(std::uint64_t frame);
 
   /// Set from any thread to make plugins stop.
@@ -146,7 +148,7 @@ class Lane {
   int threads_a_call_ = 1;
   ProcessorTime processor_time_ = ProcessorTime::of_process;
   std::mutex timings_mutex_;
-  std::vector<Timing> timings_;
+  std::map<std::uint64_t, std::vector<Timing>> timings_;  ///< by frame
   std::atomic<std::uint64_t> next_revision_;
   std::atomic<bool> cancel_{false};
   std::function<bool()> watched_;

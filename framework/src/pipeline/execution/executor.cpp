@@ -162,13 +162,13 @@ std::vector<StepRule> Executor::rules() const {
       int& back = rules[i].frames_back;
       if (lag > 0) back = back == 0 ? lag : std::min(back, lag);
     }
-    rules[i].busy_until = stages_[i].rules.samples ? last_user_of_warp(i) : i;
+    if (stages_[i].rules.samples) rules[i].busy_for = steps_to_last_user_of_warp(i);
   }
   return rules;
 }
 
 /// Who reads a warp may have the component that made it evaluate it.
-std::size_t Executor::last_user_of_warp(std::size_t stage) const {
+std::size_t Executor::steps_to_last_user_of_warp(std::size_t stage) const {
   const auto reads = [&](const Node& node) {
     return std::any_of(node.inputs.begin(), node.inputs.end(), [&](const InputLink& link) {
       const ValueInfo& value = graph_.values[to_index(link.value)];
@@ -176,12 +176,14 @@ std::size_t Executor::last_user_of_warp(std::size_t stage) const {
       return is_own || value.slot == "previous.warp";
     });
   };
-  if (std::any_of(graph_.sinks.begin(), graph_.sinks.end(), reads)) return stages_.size();
+  if (std::any_of(graph_.sinks.begin(), graph_.sinks.end(), reads)) {
+    return stages_.size() - stage + graph_.sinks.size();
+  }
   std::size_t last = stage;
   for (std::size_t i = stage + 1; i < stages_.size(); ++i) {
     if (reads(*stages_[i].node)) last = i;
   }
-  return last;
+  return last - stage;
 }
 
 void Executor::restart() {

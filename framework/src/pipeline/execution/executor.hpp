@@ -36,7 +36,7 @@ class Executor {
   void run_stage(std::size_t stage, FrameResult& result);
   void end(FrameResult& result);
 
-  /// One a stage; `busy_until` is the index of a stage, or their number for the sinks.
+  /// One a stage; behind the stages come the end of the frame and the sinks.
   std::vector<StepRule> rules() const;
 
   /// The next frame is the first of a sequence: nothing is fed back to it. What components keep for
@@ -61,7 +61,7 @@ class Executor {
   Result<host::RecordPtr> detect_on_template(const StageConfig& stage, host::Instance* instance);
   void place_given(const FrameInput& input, FrameResult& result) const;
   void place_past(std::size_t value, FrameResult& result) const;
-  std::size_t last_user_of_warp(std::size_t stage) const;
+  std::size_t steps_to_last_user_of_warp(std::size_t stage) const;
   void keep_call(const Stage& stage, const host::Outcome& outcome, FrameResult& result) const;
   std::string why_not_called(const Stage& stage, const FrameResult& result) const;
   StageReport answer(Stage& stage, FrameResult& result);

@@ -65,7 +65,7 @@ std::optional<FrameLine::Turn> FrameLine::next_turn() {
 
 bool FrameLine::may_go(std::uint64_t frame, std::size_t step) const {
   const StepRule& rule = rules_[step];
-  if (frame > 0 && !has_passed(frame - 1, std::max(step, rule.busy_until))) return false;
+  if (frame > 0 && !has_passed(frame - 1, step + rule.busy_for)) return false;
   const auto back = static_cast<std::uint64_t>(rule.frames_back);
   return back == 0 || frame < back || has_passed(frame - back, settled_);
 }

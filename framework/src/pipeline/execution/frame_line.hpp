@@ -17,9 +17,9 @@ namespace weft {
 struct StepRule {
   /// [frames] That far back, a frame must be settled; 0: none. Steps that read `previous.T@lag`.
   int frames_back = 0;
-  /// The frame before must have taken this step too; 0 or less than the step itself: none. Steps
-  /// whose component later steps of a frame call again, as those of a warp do.
-  std::size_t busy_until = 0;
+  /// [steps] The frame before must have taken so many steps behind this one too. Steps whose
+  /// component later steps of a frame call again, as those of a warp do.
+  std::size_t busy_for = 0;
 };
 
 /// Frames on their way through the same steps, several at a time: each frame takes the steps one

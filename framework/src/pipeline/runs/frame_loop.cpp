@@ -82,30 +82,43 @@ FrameOnItsWay FrameLoop::begin(PipelineInput::Frame read) {
   return {std::move(read), std::move(result)};
 }
 
-void FrameLoop::take(std::size_t step, FrameOnItsWay& frame) {
-  FrameResult& result = frame.result;
-  if (step < settled()) return executor_->run_stage(step, result);
-  if (step > settled()) {
-    result.stages.push_back(write(sinks_[step - settled() - 1], result));
-    return;
+std::vector<FrameStep> FrameLoop::steps() const {
+  using Kind = FrameStep::Kind;
+  const std::vector<StepRule> of_stages = executor_->rules();
+  std::vector<FrameStep> steps{{Kind::read}};
+  for (std::size_t i = 0; i < of_stages.size(); ++i) {
+    steps.push_back({Kind::stage, i, of_stages[i]});
   }
+  steps.push_back({Kind::end});
+  const std::size_t behind_end = steps.size();
+  for (std::size_t i = 0; i < sinks_.size(); ++i) steps.push_back({Kind::sink, i});
+  steps.push_back({Kind::file});
+  // What comes after the end of a frame is all of it, or nothing.
+  steps[behind_end].rule.busy_for = sinks_.size();
+  return steps;
+}
+
+void FrameLoop::take(const FrameStep& step, FrameOnItsWay& frame) {
+  using Kind = FrameStep::Kind;
+  FrameResult& result = frame.result;
+  if (step.kind == Kind::stage) executor_->run_stage(step.index, result);
+  if (step.kind == Kind::end) end(frame);
+  if (step.kind == Kind::sink) result.stages.push_back(write(sinks_[step.index], result));
+}
+
+void FrameLoop::end(FrameOnItsWay& frame) {
+  FrameResult& result = frame.result;
   executor_->end(result);
   result.stages.insert(result.stages.begin(), frame.read.report);
   if (monitor_) monitor_->add(pipeline_.graph, result);
 }
 
-std::vector<StepRule> FrameLoop::rules() const {
-  std::vector<StepRule> rules = executor_->rules();
-  for (StepRule& rule : rules) {
-    if (rule.busy_until == settled()) rule.busy_until += sinks_.size();
-  }
-  rules.resize(steps());
-  return rules;
-}
-
 FrameResult FrameLoop::process(const PipelineInput::Frame& read) {
   FrameOnItsWay frame = begin(read);
-  for (std::size_t step = 0; step <= settled(); ++step) take(step, frame);
+  for (std::size_t i = 0; i < pipeline_.graph.stages.size(); ++i) {
+    executor_->run_stage(i, frame.result);
+  }
+  end(frame);
   return std::move(frame.result);
 }
 

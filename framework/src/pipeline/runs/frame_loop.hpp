@@ -24,6 +24,14 @@ struct FrameOnItsWay {
   FrameResult result;  ///< the report of the source comes first, from the end of the stages on
 };
 
+/// What happens to a frame of a run.
+struct FrameStep {
+  enum class Kind { read, stage, end, sink, file };
+  Kind kind;
+  std::size_t index = 0;  ///< of the stage or the sink
+  StepRule rule{};
+};
+
 /// An opened pipeline, frame by frame: what a run does with a frame before it is filed.
 class FrameLoop {
  public:
@@ -43,13 +51,12 @@ class FrameLoop {
   /// A frame that no stage has seen.
   FrameOnItsWay begin(PipelineInput::Frame read);
 
-  /// What happens to a frame next, in `steps()` steps: each stage, what ends the frame and
-  /// shows it to the monitor of the set-up, each sink. Steps of several frames may overlap as their
-  /// rules say. The stages and the end of a frame are the first `settled() + 1` of them.
-  void take(std::size_t step, FrameOnItsWay& frame);
-  std::vector<StepRule> rules() const;
-  std::size_t steps() const { return settled() + 1 + sinks_.size(); }
-  std::size_t settled() const { return pipeline_.graph.stages.size(); }
+  /// All steps of a frame in their order: it is read, goes through each stage, ends and is settled,
+  /// goes to each sink, is filed. Steps of several frames may overlap as their rules say.
+  std::vector<FrameStep> steps() const;
+
+  /// A stage, the end or a sink; a frame is read and filed by who drives the loop.
+  void take(const FrameStep& step, FrameOnItsWay& frame);
 
   /// `begin`, all stages and the end.
   FrameResult process(const PipelineInput::Frame& read);
@@ -73,6 +80,7 @@ class FrameLoop {
   FrameLoop(const CheckedPipeline& pipeline, host::Lane& lane, PipelineInput input)
       : pipeline_(pipeline), lane_(lane), input_(std::move(input)) {}
   void watch_set_up();
+  void end(FrameOnItsWay& frame);
   StageReport write(const Sink& sink, const FrameResult& result);
 
   const CheckedPipeline& pipeline_;

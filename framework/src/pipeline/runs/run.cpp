@@ -155,33 +155,31 @@ class Run {
     for (const std::string& stage : dumped_) loop_->executor().keep_calls_of(stage);
   }
 
-  /// The steps of a frame are: it is read, what FrameLoop does with it, it is filed.
   void take_all_frames() {
-    std::vector<StepRule> rules{{}};
-    for (StepRule rule : loop_->rules()) {
-      if (rule.busy_until > 0) ++rule.busy_until;
-      rules.push_back(rule);
+    const std::vector<FrameStep> steps = loop_->steps();
+    std::vector<StepRule> rules;
+    std::size_t settled = 0;
+    for (const FrameStep& step : steps) {
+      if (step.kind == FrameStep::Kind::end) settled = rules.size();
+      rules.push_back(step.rule);
     }
-    rules.emplace_back();
-    // What comes after the end of a frame is all of it, or nothing.
-    rules[loop_->settled() + 2].busy_until = rules.size() - 1;
     const auto at_once = to_index(pipeline_.config.frames_at_once);
     on_their_way_.resize(at_once);
-    FrameLine line(std::move(rules), 1 + loop_->settled(), at_once);
+    FrameLine line(std::move(rules), settled, at_once);
     line.run(workers_of(pipeline_.config),
-             [&](std::size_t step, std::uint64_t index) { return take(step, index); });
+             [&](std::size_t step, std::uint64_t index) { return take(steps[step], index); });
   }
 
-  FrameLine::Answer take(std::size_t step, std::uint64_t index) {
+  FrameLine::Answer take(const FrameStep& step, std::uint64_t index) {
+    using Kind = FrameStep::Kind;
     using enum FrameLine::Answer;
     std::optional<FrameOnItsWay>& frame = on_their_way_[index % on_their_way_.size()];
-    if (step == 0) return read(index, frame) ? passed : not_there;
-    const std::size_t of_loop = step - 1;
-    if (of_loop == loop_->settled() && frame->result.failed() && cancel_.load()) {
+    if (step.kind == Kind::read) return read(index, frame) ? passed : not_there;
+    if (step.kind == Kind::end && frame->result.failed() && cancel_.load()) {
       return not_there;  // cut short: this is no result
     }
-    if (of_loop < loop_->steps()) {
-      loop_->take(of_loop, *frame);
+    if (step.kind != Kind::file) {
+      loop_->take(step, *frame);
       return passed;
     }
     const bool goes_on = file(*frame);

@@ -11,6 +11,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <weft/core/output_folder.hpp>
 #include <weft/core/statistics.hpp>
 #include <weft/core/version.hpp>
 #include <weft/core/whole_file.hpp>
@@ -234,10 +235,8 @@ host::NamedRecords frame_records(const Graph& graph, const FrameResult& frame,
 Result<RunFolder> RunFolder::create(const std::string& path) {
   const Error taken =
       io_error(path, "exists and is not an empty folder; choose another with --out");
+  if (!is_free_for_folder(path)) return taken;
   std::error_code code;
-  if (fs::exists(path, code) && !(fs::is_directory(path, code) && fs::is_empty(path, code))) {
-    return taken;
-  }
   fs::create_directories(path, code);
   // Of two runs that begin together one makes this folder.
   if (!code && !fs::create_directory(path + "/frames", code) && !code) return taken;

@@ -8,6 +8,7 @@
 #include <opencv2/features2d.hpp>
 
 #include "common/tests/detector_suite.hpp"
+#include "common/tests/sift_blob_suite.hpp"
 
 namespace weft::detectors {
 namespace {
@@ -19,6 +20,7 @@ using testing::PluginUnderTest;
 INSTANTIATE_TEST_SUITE_P(Sift, DetectorSuite,
                          ::testing::Values(DetectorCase{
                              "detectors/sift", "contrast_threshold: 0.02", "sigma_px: 0.5"}));
+INSTANTIATE_TEST_SUITE_P(Sift, SiftOnBlobs, ::testing::Values("detectors/sift"));
 
 TEST(Sift, IsOpenCvsSiftApartFromPlaceAndOrder) {
   const Image image = texture(160, 120, 3);
