@@ -26,11 +26,13 @@ class ObjectSearch {
       : matches_(matches), options_(options), rng_(rng), annealing_(matches, options.annealing) {}
 
   std::optional<Found> run(const std::optional<Track>& track) {
-    std::optional<Candidate> free = best_of(draw_seeds(matches_, all(), options_.most_draws, rng_));
     std::optional<Candidate> tracked;
     if (track) tracked = annealed(annealing_.start_along(track->flat_px, track->image_px));
+    const bool is_sure = tracked && confidence_of(*tracked) >= options_.sure;
+    std::optional<Candidate> free = best_of(draw_seeds(matches_, all(), options_.most_draws, rng_),
+                                            is_sure ? &tracked->solution : nullptr);
     if (!free && !tracked) return {};
-    if (tracked && (!free || confidence_of(*tracked) >= options_.sure)) {
+    if (tracked && (!free || is_sure)) {
       const double rival = free && apart(*tracked, *free) ? ratio(*free, *tracked) : 0.0;
       return found(*tracked, true, rival, rival > 1.0 ? kAmbiguous : 1.0);
     }
@@ -50,12 +52,14 @@ class ObjectSearch {
     return {std::move(start), std::move(solution)};
   }
 
-  std::optional<Candidate> best_of(const Seeds& seeds) {
+  /// Nothing where all seeds lead to the solution that is `known` already.
+  std::optional<Candidate> best_of(const Seeds& seeds, const Solution* known) {
     draws_ = std::max(draws_, seeds.draws);
     std::optional<Candidate> best;
     for (const Seed& seed : seeds.best) {
       if (seed.score < kWeakSeed * seeds.best.front().score) break;
       Start start = start_from(matches_, seed);
+      if (known != nullptr && explained(start, seed.threshold_px, *known)) continue;
       if (best && explained(start, seed.threshold_px, best->solution)) continue;
       Candidate next = annealed(std::move(start));
       if (!best || next.solution.log_likelihood > best->solution.log_likelihood) {

@@ -12,58 +12,25 @@
 namespace weft::particle_sft {
 namespace {
 
-constexpr double kTooClose2 = 1e-18;  // m^2
-constexpr int kStallWindow = 200;     // the step of a swinging sheet falls and rises for about 100
+constexpr int kStallWindow = 200;  // the step of a swinging sheet falls and rises for about 100
 constexpr double kStallFactor = 0.99;
 constexpr int kAskEvery = 8;
 
-/// Puts a vertex on its ray, or part of the way. One behind the camera goes in front of it.
-void put_on_ray(const RayConstraint& seen, double* y) {
-  double* p = y + 3 * static_cast<std::ptrdiff_t>(seen.vertices[0]);
-  const double depth = std::abs(p[0] * seen.ray[0] + p[1] * seen.ray[1] + p[2] * seen.ray[2]);
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double target = depth * seen.ray[k];
-    p[k] = seen.trust == 1.0 ? target : p[k] + seen.trust * (target - p[k]);
-  }
-}
-
-template <class Springs>
-void sweep(const Springs& springs, double stiffness, double* y) {
-  const double half = 0.5 * stiffness;
-  for (const auto& spring : springs) {
-    double* a = y + spring.i;
-    double* b = y + spring.j;
-    const double dx = b[0] - a[0], dy = b[1] - a[1], dz = b[2] - a[2];
-    const double length2 = dx * dx + dy * dy + dz * dz;
-    if (length2 < kTooClose2) continue;
-    const double share = half - half * spring.rest_length_m / std::sqrt(length2);
-    a[0] += share * dx;
-    a[1] += share * dy;
-    a[2] += share * dz;
-    b[0] -= share * dx;
-    b[1] -= share * dy;
-    b[2] -= share * dz;
-  }
-}
-
 /// Between two parts the host may be asked.
-template <class Spring>
-void sweep_in_parts(const std::vector<Spring>& springs, double stiffness, double* y) {
-  constexpr std::size_t kPart = 65536;
-  for (std::size_t first = 0; first < springs.size(); first += kPart) {
-    const std::span part(springs.data() + first, std::min(kPart, springs.size() - first));
-    worked(static_cast<std::int64_t>(part.size()));
-    sweep(part, stiffness, y);
+void sweep_in_parts(const std::vector<SpringQuad>& quads, double stiffness, Particle* y) {
+  constexpr std::size_t kPart = 16384;
+  for (std::size_t first = 0; first < quads.size(); first += kPart) {
+    const std::size_t count = std::min(kPart, quads.size() - first);
+    worked(static_cast<std::int64_t>(4 * count));
+    sweep(quads.data() + first, count, 0.5 * stiffness, y);
   }
 }
 
 /// Moves a point of the surface to the border of its sphere if it is outside: a vertex itself, the
 /// corners of a face in proportion to their weights.
-void bring_into_sphere(const KnownSurfacePoint& sphere, double* y) {
+void bring_into_sphere(const KnownSurfacePoint& sphere, Particle* y) {
   using Place = Eigen::Map<Eigen::Vector3d>;
-  const auto corner = [&](std::size_t k) {
-    return Place(y + 3 * static_cast<std::ptrdiff_t>(sphere.vertices[k]));
-  };
+  const auto corner = [&](std::size_t k) { return Place(y[sphere.vertices[k]].m.data()); };
   const bool at_vertex = sphere.vertex >= 0;
   Eigen::Vector3d offset = corner(0) - sphere.centre_m;
   double squares = 1.0;
@@ -104,18 +71,26 @@ std::vector<std::uint8_t> held_vertices(const std::vector<RayConstraint>& rays,
 }
 
 void Relaxation::load(const ParticleSystem& system) {
-  const auto pack = [](const std::vector<DistanceConstraint>& from, std::vector<Spring>& to) {
+  const auto spare = static_cast<std::int32_t>(shares_.size());
+  const auto pack = [&](const std::vector<DistanceConstraint>& from, std::vector<SpringQuad>& to) {
     to.clear();
-    for (const DistanceConstraint& c : from) to.push_back({3 * c.i, 3 * c.j, c.rest_length_m});
+    QuadBuilder builder(spare);
+    for (const DistanceConstraint& c : from) {
+      add(c.i, c.j, c.rest_length_m, builder, to);
+    }
   };
   pack(system.stretch, stretch_);
   pack(system.bending, bending_);
   at_vertices_.clear();
   in_faces_.clear();
   std::fill(shares_.begin(), shares_.end(), 0.0);
+  QuadBuilder builder(spare);
   for (const RayConstraint& seen : system.rays) {
-    (seen.at_vertex() ? at_vertices_ : in_faces_).push_back(seen);
-    if (seen.at_vertex()) continue;
+    if (seen.at_vertex()) {
+      add(seen.vertices[0], seen.ray, seen.trust, builder, at_vertices_);
+      continue;
+    }
+    in_faces_.push_back(seen);
     for (std::size_t c = 0; c < 3; ++c) {
       shares_[to_index(seen.vertices[c])] += std::abs(seen.weights[c]);
     }
@@ -124,66 +99,62 @@ void Relaxation::load(const ParticleSystem& system) {
 
 /// Moves every vertex by the weighted mean of what the points in its faces lack to their rays
 /// (simultaneous, as in SART). One after the other they would amplify the velocity.
-void Relaxation::pull_faces(double* y) {
-  std::fill(pull_m_.begin(), pull_m_.end(), 0.0);
+void Relaxation::pull_faces(Particle* y) {
+  std::fill(pull_.begin(), pull_.end(), Particle{});
   for (const RayConstraint& seen : in_faces_) {
     double point[3] = {0.0, 0.0, 0.0};
     for (std::size_t c = 0; c < 3; ++c) {
-      const double* p = y + 3 * static_cast<std::ptrdiff_t>(seen.vertices[c]);
+      const auto& p = y[seen.vertices[c]].m;
       for (std::size_t k = 0; k < 3; ++k) point[k] += seen.weights[c] * p[k];
     }
     const double depth =
         std::abs(point[0] * seen.ray[0] + point[1] * seen.ray[1] + point[2] * seen.ray[2]);
     for (std::size_t c = 0; c < 3; ++c) {
-      const std::size_t first = 3 * to_index(seen.vertices[c]);
+      auto& pull = pull_[to_index(seen.vertices[c])].m;
       for (std::size_t k = 0; k < 3; ++k) {
-        pull_m_[first + k] += seen.trust * seen.weights[c] * (depth * seen.ray[k] - point[k]);
+        pull[k] += seen.trust * seen.weights[c] * (depth * seen.ray[k] - point[k]);
       }
     }
   }
   for (std::size_t v = 0; v < shares_.size(); ++v) {
     if (shares_[v] == 0.0) continue;
-    for (std::size_t k = 0; k < 3; ++k) y[3 * v + k] += pull_m_[3 * v + k] / shares_[v];
+    for (std::size_t k = 0; k < 3; ++k) y[v].m[k] += pull_[v].m[k] / shares_[v];
   }
 }
 
-/// One iteration on the coordinates x; the rms step in m.
-double Relaxation::iterate(const ParticleSystem& system, const RelaxationOptions& options,
-                           double* x) {
-  const std::size_t size = fresh_m_.size();
-  double* y = fresh_m_.data();
-  double* velocity = velocity_m_.data();
-  const double kept = 1.0 - options.damping;
-  for (std::size_t k = 0; k < size; ++k) y[k] = x[k] + kept * velocity[k];
-  for (const RayConstraint& seen : at_vertices_) put_on_ray(seen, y);
+/// One iteration; the rms step in m.
+double Relaxation::iterate(const ParticleSystem& system, const RelaxationOptions& options) {
+  const std::size_t count = shares_.size();
+  Particle* y = fresh_.data();
+  predict(place_.data(), velocity_.data(), 1.0 - options.damping, count, y);
+  put_on_rays(at_vertices_, y);
   if (!in_faces_.empty()) pull_faces(y);
   for (int inner = 0; inner < options.solver_iterations; ++inner) {
     sweep_in_parts(stretch_, options.stretch_stiffness, y);
     sweep_in_parts(bending_, options.bend_stiffness, y);
     for (const KnownSurfacePoint& sphere : system.spheres) bring_into_sphere(sphere, y);
   }
-  double sum2 = 0.0;
-  for (std::size_t k = 0; k < size; ++k) {
-    velocity[k] = y[k] - x[k];
-    sum2 += velocity[k] * velocity[k];
-    x[k] = y[k];
-  }
-  return std::sqrt(3.0 * sum2 / static_cast<double>(size));
+  const double sum2 = take_step(y, count, place_.data(), velocity_.data());
+  return std::sqrt(sum2 / static_cast<double>(count));
 }
 
 RelaxationResult Relaxation::run(const ParticleSystem& system, const RelaxationOptions& options,
                                  Points3& vertices_m, const std::function<bool()>& cancelled) {
-  const auto size = to_index(vertices_m.size());
-  fresh_m_.resize(size);
-  pull_m_.resize(size);
-  shares_.resize(size / 3);
+  using Places = Eigen::Map<Points3, 0, Eigen::OuterStride<4>>;
+  const std::size_t size = to_index(vertices_m.rows()) + 1;
+  place_.assign(size, {});
+  fresh_.assign(size, {});
+  velocity_.assign(size, {});
+  pull_.resize(size);
+  shares_.resize(size - 1);
   load(system);
-  velocity_m_.assign(size, 0.0);
+  Places places_m(place_.front().m.data(), vertices_m.rows(), 3);
+  places_m = vertices_m;
   RelaxationResult result;
   double smallest = std::numeric_limits<double>::infinity();
   double smallest_before = smallest;
   while (result.iterations < options.max_iterations) {
-    const double step = iterate(system, options, vertices_m.data());
+    const double step = iterate(system, options);
     ++result.iterations;
     result.last_step_m = step;
     if (!std::isfinite(step)) result.stop = Stop::not_finite;
@@ -196,6 +167,7 @@ RelaxationResult Relaxation::run(const ParticleSystem& system, const RelaxationO
     }
     if (result.stop != Stop::iterations) break;
   }
+  vertices_m = places_m;
   return result;
 }
 

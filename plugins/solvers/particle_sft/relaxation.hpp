@@ -10,6 +10,8 @@
 #include <weft/geometry/known_surface.hpp>
 #include <weft/geometry/types.hpp>
 
+#include "particles.hpp"
+
 namespace weft::particle_sft {
 
 /// A point of the surface, sum_k weights[k] X[vertices[k]], and the ray on which it is seen.
@@ -72,19 +74,15 @@ class Relaxation {
                        Points3& vertices_m, const std::function<bool()>& cancelled);
 
  private:
-  struct Spring {
-    std::int32_t i, j;  ///< first coordinate of each end
-    double rest_length_m;
-  };
-
   void load(const ParticleSystem& system);
-  void pull_faces(double* y);
-  double iterate(const ParticleSystem& system, const RelaxationOptions& options, double* x);
+  void pull_faces(Particle* y);
+  double iterate(const ParticleSystem& system, const RelaxationOptions& options);
 
-  std::vector<Spring> stretch_, bending_;
-  std::vector<RayConstraint> at_vertices_, in_faces_;
-  std::vector<double> shares_;                         ///< [V] weights of the points in faces
-  std::vector<double> fresh_m_, velocity_m_, pull_m_;  ///< [3V]
+  std::vector<SpringQuad> stretch_, bending_;
+  std::vector<RayQuad> at_vertices_;
+  std::vector<RayConstraint> in_faces_;
+  std::vector<double> shares_;                             ///< [V] weights of points in faces
+  std::vector<Particle> place_, fresh_, velocity_, pull_;  ///< [V+1]
 };
 
 }  // namespace weft::particle_sft
