@@ -12,7 +12,7 @@ namespace {
 
 using testing::Input;
 using testing::input;
-using testing::Outcome;
+using testing::PluginAnswer;
 using testing::PluginUnderTest;
 
 /// A call that takes long.
@@ -31,10 +31,10 @@ class Patience {
   }
 
   /// Calls until the end, or until it is told to stop with its `last` question.
-  Outcome call(int last = 0) {
+  PluginAnswer call(int last = 0) {
     asks_ = 0;
     plugin_.watch([this, last] { return ++asks_ >= last && last > 0; });
-    Outcome outcome = plugin_.process(work_.method, work_.inputs);
+    PluginAnswer outcome = plugin_.process(work_.method, work_.inputs);
     plugin_.watch(nullptr);
     return outcome;
   }
@@ -50,7 +50,7 @@ class Patience {
 void expect_patience(const Work& work, const SheetScene& scene) {
   SCOPED_TRACE(work.id + " " + work.params);
   Patience first(work, scene);
-  const Outcome whole = first.call();
+  const PluginAnswer whole = first.call();
   EXPECT_NE(whole.status, WEFT_ERROR) << whole.message;
   const int asks = first.asks();
   std::cout << work.id << " asks " << asks << " times\n";
@@ -99,7 +99,7 @@ TEST(Patience, WarpsAskAtManyPoints) {
     ASSERT_TRUE(fitter.prepare(scene.templ, scene.camera));
     const std::vector<Input> to_fit{input("correspondences", scene.matches(3000, 1.0)),
                                     input("template", scene.templ)};
-    const Outcome fitted = fitter.process(0, to_fit);
+    const PluginAnswer fitted = fitter.process(0, to_fit);
     ASSERT_EQ(fitted.status, WEFT_OK) << fitted.message;
     Points points;
     points.xy_px = scene.templ.flat_px;

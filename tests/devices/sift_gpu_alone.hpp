@@ -12,15 +12,15 @@
 namespace weft::sift_gpu {
 
 using detectors::texture;
-using testing::Outcome;
+using testing::PluginAnswer;
 using testing::PluginUnderTest;
 
-inline Outcome detect(PluginUnderTest& plugin, const Image& image) {
+inline PluginAnswer detect(PluginUnderTest& plugin, const Image& image) {
   return plugin.process(0, {testing::input("image", image)});
 }
 
 /// Whether two answers are equal to the bit; false if either has no keypoints.
-inline bool same_keypoints(const Outcome& a, const Outcome& b) {
+inline bool same_keypoints(const PluginAnswer& a, const PluginAnswer& b) {
   const auto first = a.get<Keypoints>(), second = b.get<Keypoints>();
   if (a.status != WEFT_OK || b.status != WEFT_OK || !first || !second) return false;
   const auto equal = [](const auto& one, const auto& other) {

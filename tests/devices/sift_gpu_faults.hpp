@@ -32,7 +32,8 @@ inline constexpr int kMany = 30, kSamples = 12;
 /// With enough keypoints, and few pixels for many frames.
 inline Image plain() { return texture(48, 32, kSeed); }
 
-inline Outcome match(PluginUnderTest& matcher, const Outcome& templ, const Outcome& image) {
+inline PluginAnswer match(PluginUnderTest& matcher, const PluginAnswer& templ,
+                          const PluginAnswer& image) {
   return matcher.process(0, {image.hand_on("keypoints", "keypoints"),
                              templ.hand_on("keypoints", "template_keypoints")});
 }
@@ -52,7 +53,7 @@ class FaultsTest : public ::testing::Test {
   ~FaultsTest() override { driver_.work(); }
 
   /// Expects what the README promises for a failure: an error of the frame with its cause.
-  static void expect_cause(const Outcome& outcome, const std::string& function, cl_int code) {
+  static void expect_cause(const PluginAnswer& outcome, const std::string& function, cl_int code) {
     EXPECT_EQ(outcome.status, WEFT_ERROR);
     EXPECT_EQ(outcome.code, Errc::plugin_failure);
     EXPECT_THAT(outcome.message, ::testing::HasSubstr(function));
@@ -63,7 +64,7 @@ class FaultsTest : public ::testing::Test {
 
   struct Frame {
     std::function<void()> get_ready;
-    std::function<Outcome()> run;
+    std::function<PluginAnswer()> run;
     std::function<void()> expect_next_as_ever;
   };
   using Fail = void (FaultyDriver::*)(const std::string&, int, cl_int);
@@ -76,7 +77,7 @@ class FaultsTest : public ::testing::Test {
                                  CL_OUT_OF_HOST_MEMORY, CL_INVALID_COMMAND_QUEUE};
     frame.get_ready();
     driver_.work();
-    const Outcome clean = frame.run();
+    const PluginAnswer clean = frame.run();
     ASSERT_EQ(clean.status, WEFT_OK) << clean.message;
     auto calls = driver_.calls();
     calls.erase("clReleaseCommandQueue");
@@ -101,12 +102,13 @@ class FaultsTest : public ::testing::Test {
   }
 
   /// A call that its host cancels once the driver has put it off a few times.
-  Outcome cancelled_while_hanging(PluginUnderTest& plugin, const std::function<Outcome()>& call) {
+  PluginAnswer cancelled_while_hanging(PluginUnderTest& plugin,
+                                       const std::function<PluginAnswer()>& call) {
     std::jthread host([&](const std::stop_token& over) {
       while (driver_.put_off() < 3 && !over.stop_requested()) std::this_thread::yield();
       plugin.cancel() = !over.stop_requested();
     });
-    Outcome outcome = call();
+    PluginAnswer outcome = call();
     host.request_stop();
     host.join();
     plugin.cancel() = false;

@@ -14,7 +14,7 @@ class DetectorFaults : public FaultsTest {
   // The copy is made here: its device is lost in some tests.
   DetectorFaults() { EXPECT_TRUE(expected_.get<Keypoints>()); }
 
-  Outcome detect() {
+  PluginAnswer detect() {
     detector_.forget();
     return sift_gpu::detect(detector_, image_);
   }
@@ -36,7 +36,7 @@ class DetectorFaults : public FaultsTest {
 
   Image image_ = plain();
   PluginUnderTest clean_{"detectors/sift_gpu"}, detector_{"detectors/sift_gpu"};
-  Outcome expected_ = sift_gpu::detect(clean_, image_);
+  PluginAnswer expected_ = sift_gpu::detect(clean_, image_);
 };
 
 class LostDetector : LeaksOnPurpose, public DetectorFaults {};
@@ -56,8 +56,8 @@ TEST_F(LostDetector, ADeviceThatIsLostAtAnyCallIsOpenedAnewForTheNextFrame) {
 }
 
 TEST_F(DetectorFaults, ACopyThatFailsSaysWhyAndTheNextSucceeds) {
-  Outcome there;
-  const auto copy = [&]() -> Outcome {
+  PluginAnswer there;
+  const auto copy = [&]() -> PluginAnswer {
     const auto here = there.outputs.front().second->in_host_memory();
     if (here) return {};
     return {WEFT_ERROR, here.error().code, here.error().message, {}, {}};
@@ -80,7 +80,7 @@ TEST_F(DetectorFaults, ACachedProgramThatIsRefusedIsCompiledAgain) {
 TEST_F(DetectorFaults, KernelsThatCannotBeBuiltAreAnErrorWithTheCause) {
   lose_device();
   driver_.refuse_all("clBuildProgram", CL_BUILD_PROGRAM_FAILURE);
-  const Outcome outcome = detect();
+  const PluginAnswer outcome = detect();
   EXPECT_EQ(outcome.status, WEFT_ERROR);
   EXPECT_EQ(outcome.code, Errc::unsupported);
   EXPECT_THAT(outcome.message, HasSubstr("the kernels do not compile on "));
@@ -98,14 +98,14 @@ TEST_F(DetectorFaults, AWaitThatNeverEndsIsCancelledWithItsCallAndLetGoOnceItEnd
   ASSERT_EQ(waits, 3) << "for two counts and the keypoints";
   for (int n = 1; n <= waits; ++n) {
     driver_.hang(n);
-    const Outcome cancelled = cancelled_while_hanging(detector_, [&] { return detect(); });
+    const PluginAnswer cancelled = cancelled_while_hanging(detector_, [&] { return detect(); });
     EXPECT_EQ(cancelled.status, WEFT_CANCELLED) << n;
     EXPECT_EQ(cancelled.code, Errc::cancelled) << n;
-    const Outcome meanwhile = detect();
+    const PluginAnswer meanwhile = detect();
     EXPECT_EQ(driver_.calls("clReleaseCommandQueue"), 0) << "what may be written to is kept";
     EXPECT_TRUE(same_keypoints(meanwhile, expected_));
     driver_.work();
-    const Outcome afterwards = detect();
+    const PluginAnswer afterwards = detect();
     EXPECT_EQ(driver_.calls("clReleaseCommandQueue"), 1) << "and let go";
     EXPECT_TRUE(same_keypoints(afterwards, expected_));
   }
@@ -116,12 +116,12 @@ TEST_F(DetectorFaults, AnImageOfAnotherSizeDoesNotWaitForDescriptorsThatAreStill
   detector_.forget();
   EXPECT_EQ(sift_gpu::detect(detector_, other).status, WEFT_OK);
   driver_.hang(1);
-  const Outcome meanwhile = detect();
+  const PluginAnswer meanwhile = detect();
   EXPECT_GT(driver_.put_off(), 0) << "the descriptors of the other image";
   EXPECT_EQ(driver_.calls("clReleaseCommandQueue"), 0) << "what may be written to is kept";
   EXPECT_TRUE(same_keypoints(meanwhile, expected_));
   driver_.work();
-  const Outcome afterwards = detect();
+  const PluginAnswer afterwards = detect();
   EXPECT_EQ(driver_.calls("clReleaseCommandQueue"), 1) << "and let go";
   EXPECT_TRUE(same_keypoints(afterwards, expected_));
 }
@@ -133,7 +133,7 @@ TEST_F(LostDetector, ADeviceThatIsLostWhileACancelledWaitHangsIsOpenedAnew) {
   driver_.lose("clEnqueueNDRangeKernel", 1, CL_OUT_OF_RESOURCES);
   expect_cause(detect(), "clEnqueueNDRangeKernel", CL_OUT_OF_RESOURCES);
   for (int frame = 0; frame < 3; ++frame) {
-    const Outcome outcome = detect();
+    const PluginAnswer outcome = detect();
     EXPECT_TRUE(same_keypoints(outcome, expected_)) << frame << ": " << outcome.message;
   }
 }
@@ -143,7 +143,7 @@ TEST_F(LostDetector, ACancelledDetectorMayBeEndedWhileItsWaitHangs) {
     PluginUnderTest ended("detectors/sift_gpu");
     sift_gpu::detect(ended, image_);
     driver_.hang(2);
-    const Outcome cancelled =
+    const PluginAnswer cancelled =
         cancelled_while_hanging(ended, [&] { return sift_gpu::detect(ended, image_); });
     EXPECT_EQ(cancelled.status, WEFT_CANCELLED);
   }
@@ -154,7 +154,7 @@ TEST_F(DetectorFaults, DriversThatCannotNameTheirDevicesAreAnErrorWithTheCause) 
   for (const char* function : {"clGetPlatformIDs", "clGetDeviceIDs"}) {
     lose_device();
     driver_.refuse_all(function, CL_OUT_OF_HOST_MEMORY);
-    const Outcome outcome = detect();
+    const PluginAnswer outcome = detect();
     EXPECT_EQ(outcome.status, WEFT_ERROR);
     EXPECT_THAT(outcome.message, AllOf(HasSubstr("there is no OpenCL device"),
                                        HasSubstr(std::string(function) + " failed with -6 (")));
@@ -168,7 +168,7 @@ TEST_F(DetectorFaults, TheFallbackAnswersWhileALostDeviceCannotBeOpened) {
   EXPECT_TRUE(same_keypoints(sift_gpu::detect(detector, image_), expected_));
   lose_device();
   driver_.refuse_all("clCreateContext", CL_DEVICE_NOT_AVAILABLE);
-  const Outcome found = sift_gpu::detect(detector, image_);
+  const PluginAnswer found = sift_gpu::detect(detector, image_);
   EXPECT_EQ(found.status, WEFT_DEGENERATE);
   EXPECT_THAT(found.message, HasSubstr("found by the fallback: clCreateContext failed with -2 ("));
   driver_.work();
@@ -189,7 +189,7 @@ class NoDevice : public DetectorFaults, public ::testing::WithParamInterface<con
 TEST_P(NoDevice, IsAnErrorThatSaysWhatToInstallUntilThereIsOne) {
   take_away();
   for (int frame = 0; frame < 2; ++frame) {
-    const Outcome outcome = detect();
+    const PluginAnswer outcome = detect();
     EXPECT_EQ(outcome.status, WEFT_ERROR);
     EXPECT_EQ(outcome.code, Errc::not_found);
     EXPECT_THAT(outcome.message,
@@ -204,14 +204,14 @@ TEST_P(NoDevice, TheFallbackAnswersAndItsFramesAreFlaggedUntilThereIsOne) {
   const std::string params = "{without_device: fallback}";
   PluginUnderTest detector("detectors/sift_gpu", params), matcher("matchers/gpu", params);
   PluginUnderTest sift("detectors/sift"), descriptor("matchers/descriptor");
-  const Outcome sifted = sift_gpu::detect(sift, image_);
+  const PluginAnswer sifted = sift_gpu::detect(sift, image_);
   take_away();
   for (int frame = 0; frame < 2; ++frame) {
-    const Outcome found = sift_gpu::detect(detector, image_);
+    const PluginAnswer found = sift_gpu::detect(detector, image_);
     EXPECT_EQ(found.status, WEFT_DEGENERATE);
     EXPECT_THAT(found.message, HasSubstr("found by the fallback: there is no OpenCL device"));
     EXPECT_EQ(found.get<Keypoints>()->count(), sifted.get<Keypoints>()->count());
-    const Outcome matched = sift_gpu::match(matcher, found, found);
+    const PluginAnswer matched = sift_gpu::match(matcher, found, found);
     EXPECT_EQ(matched.status, WEFT_DEGENERATE);
     EXPECT_THAT(matched.message, HasSubstr("found by the fallback: there is no OpenCL device"));
     EXPECT_EQ(matched.get<Correspondences>()->count(),

@@ -30,12 +30,13 @@ double resident_mib() {
 TEST(SiftGpuPlugin, TenThousandFramesDoNotMakeThemGrow) {
   PluginUnderTest plugin("detectors/sift_gpu"), matcher("matchers/gpu");
   const Image image = texture(64, 48, 87);
-  const Outcome first = detect(plugin, image);
+  const PluginAnswer first = detect(plugin, image);
   double warm_mib = 0.0;
   for (int frame = 1; frame < kFrames; ++frame) {
-    const Outcome outcome = detect(plugin, image);
-    const Outcome matches = matcher.process(0, {outcome.hand_on("keypoints", "keypoints"),
-                                                first.hand_on("keypoints", "template_keypoints")});
+    const PluginAnswer outcome = detect(plugin, image);
+    const PluginAnswer matches =
+        matcher.process(0, {outcome.hand_on("keypoints", "keypoints"),
+                            first.hand_on("keypoints", "template_keypoints")});
     if (frame % 1000 == 0) {
       EXPECT_TRUE(same_keypoints(outcome, first)) << frame;
       EXPECT_EQ(matches.status, WEFT_OK) << matches.message;

@@ -17,7 +17,7 @@ Image noisy() {
   return image;
 }
 
-bool same_matches(const Outcome& a, const Outcome& b) {
+bool same_matches(const PluginAnswer& a, const PluginAnswer& b) {
   const auto one = a.get<Correspondences>(), other = b.get<Correspondences>();
   if (a.status != WEFT_OK || b.status != WEFT_OK || !one || !other) return false;
   const auto equal = [](const auto& x, const auto& y) {
@@ -35,7 +35,7 @@ class MatcherFaults : public FaultsTest {
     templ_ = sift_gpu::detect(detector_, plain());
     image_ = sift_gpu::detect(detector_, noisy());
   }
-  Outcome match() {
+  PluginAnswer match() {
     matcher_->forget();
     return sift_gpu::match(*matcher_, templ_, image_);
   }
@@ -70,11 +70,11 @@ class MatcherFaults : public FaultsTest {
   static constexpr const char* kParams = "{mutual: true}";
   PluginUnderTest detector_{"detectors/sift_gpu"}, clean_{"matchers/gpu", kParams};
   std::optional<PluginUnderTest> matcher_{std::in_place, "matchers/gpu", kParams};
-  Outcome templ_ = sift_gpu::detect(detector_, plain());
-  Outcome image_ = sift_gpu::detect(detector_, noisy());
-  const Outcome expected_ = sift_gpu::match(clean_, templ_, image_);
+  PluginAnswer templ_ = sift_gpu::detect(detector_, plain());
+  PluginAnswer image_ = sift_gpu::detect(detector_, noisy());
+  const PluginAnswer expected_ = sift_gpu::match(clean_, templ_, image_);
   // Copies in host memory, and that from which they borrow.
-  const Outcome templ_at_first_ = templ_, image_at_first_ = image_;
+  const PluginAnswer templ_at_first_ = templ_, image_at_first_ = image_;
   const std::optional<Keypoints> templ_here_ = templ_at_first_.get<Keypoints>();
   const std::optional<Keypoints> image_here_ = image_at_first_.get<Keypoints>();
 };
@@ -121,13 +121,13 @@ TEST_F(LostMatcher, TheTemplateOfALostDeviceIsAnErrorOfEveryFrameAndTheNextRunWo
   for (int frame = 0; frame < 3; ++frame) {
     image_ = sift_gpu::detect(detector_, noisy());
     EXPECT_EQ(image_.status, WEFT_OK) << image_.message;
-    const Outcome outcome = match();
+    const PluginAnswer outcome = match();
     expect_cause(outcome, "", CL_OUT_OF_RESOURCES);
     EXPECT_THAT(outcome.message, HasSubstr("lost with their device; start the run again"));
   }
   PluginUnderTest detector("detectors/sift_gpu"), matcher("matchers/gpu", kParams);
-  const Outcome templ = sift_gpu::detect(detector, plain());
-  const Outcome image = sift_gpu::detect(detector, noisy());
+  const PluginAnswer templ = sift_gpu::detect(detector, plain());
+  const PluginAnswer image = sift_gpu::detect(detector, noisy());
   EXPECT_TRUE(same_matches(sift_gpu::match(matcher, templ, image), expected_));
 }
 
@@ -139,7 +139,7 @@ TEST_F(MatcherFaults, AWaitThatNeverEndsIsCancelledWithItsCall) {
   ASSERT_GE(waits, 3) << "for the image's descriptors, the pairs and the best queries";
   for (int n = 1; n <= waits; ++n) {
     driver_.hang(n);
-    const Outcome cancelled = cancelled_while_hanging(*matcher_, [&] { return match(); });
+    const PluginAnswer cancelled = cancelled_while_hanging(*matcher_, [&] { return match(); });
     EXPECT_EQ(cancelled.status, WEFT_CANCELLED) << n;
     EXPECT_EQ(cancelled.code, Errc::cancelled) << n;
     driver_.work();
@@ -161,7 +161,7 @@ TEST_F(MatcherFaults, ACopyForAMatcherOnTheProcessorIsCancelledWithItsCall) {
   PluginUnderTest descriptor("matchers/descriptor", kParams);
   detect_both();
   driver_.hang(1);
-  const Outcome cancelled = cancelled_while_hanging(
+  const PluginAnswer cancelled = cancelled_while_hanging(
       descriptor, [&] { return sift_gpu::match(descriptor, templ_, image_); });
   EXPECT_EQ(cancelled.status, WEFT_CANCELLED);
   driver_.work();

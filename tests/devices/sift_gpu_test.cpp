@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 TEST(SiftGpuPlugin, TakesItsDeviceByIndexOrName) {
   const Image image = texture(64, 48, 81);
   PluginUnderTest usual("detectors/sift_gpu");
-  const Outcome expected = detect(usual, image);
+  const PluginAnswer expected = detect(usual, image);
   const std::string name = all_devices().front().getInfo<CL_DEVICE_NAME>();
   for (const std::string& device : {std::string("0"), std::string("'0'"), "'" + name + "'"}) {
     PluginUnderTest plugin("detectors/sift_gpu", "{device: " + device + "}");
@@ -23,7 +23,7 @@ TEST(SiftGpuPlugin, TakesItsDeviceByIndexOrName) {
 
 TEST(SiftGpuPlugin, AnswersAnUnknownDeviceWithWhatThereIs) {
   PluginUnderTest plugin("detectors/sift_gpu", "{device: no such device}");
-  const Outcome outcome = detect(plugin, texture(64, 48, 81));
+  const PluginAnswer outcome = detect(plugin, texture(64, 48, 81));
   EXPECT_EQ(outcome.status, WEFT_ERROR);
   EXPECT_EQ(outcome.code, Errc::not_found);
   EXPECT_THAT(outcome.message, HasSubstr("'no such device'"));
@@ -65,8 +65,8 @@ TEST(SiftGpuPlugin, RefusesAnImageForWhichTheDeviceIsTooSmallAndTakesTheNext) {
 
   PluginUnderTest plugin("detectors/sift_gpu"), other("detectors/sift_gpu");
   const Image image = texture(64, 48, 82);
-  const Outcome expected = detect(other, image);
-  const Outcome outcome = detect(plugin, huge);
+  const PluginAnswer expected = detect(other, image);
+  const PluginAnswer outcome = detect(plugin, huge);
   EXPECT_EQ(outcome.status, WEFT_ERROR);
   EXPECT_EQ(outcome.code, Errc::unsupported);
   const std::string size = std::to_string(side) + " x " + std::to_string(side);
@@ -84,11 +84,11 @@ bool may_be_too_fast() {
 TEST(SiftGpuPlugin, StopsWhenItsCallIsCancelledAndAnswersTheNext) {
   const Image image = texture(160, 120, 83);
   PluginUnderTest plugin("detectors/sift_gpu"), other("detectors/sift_gpu");
-  const Outcome expected = detect(other, image);
+  const PluginAnswer expected = detect(other, image);
   detect(plugin, image);  // opened, so that what is cancelled is the work
   for (int i = 0; i < 3; ++i) {
     plugin.cancel() = true;
-    const Outcome outcome = detect(plugin, image);
+    const PluginAnswer outcome = detect(plugin, image);
     plugin.cancel() = false;
     if (outcome.status == WEFT_OK && may_be_too_fast()) {
       EXPECT_TRUE(same_keypoints(outcome, expected));
@@ -103,7 +103,7 @@ TEST(SiftGpuPlugin, StopsWhenItsCallIsCancelledAndAnswersTheNext) {
 TEST(SiftGpuPlugin, MayBeEndedRightAfterACancelledCall) {
   const Image image = texture(160, 120, 84);
   PluginUnderTest survivor("detectors/sift_gpu");
-  const Outcome expected = detect(survivor, image);
+  const PluginAnswer expected = detect(survivor, image);
   {
     PluginUnderTest plugin("detectors/sift_gpu");
     detect(plugin, image);
@@ -116,12 +116,12 @@ TEST(SiftGpuPlugin, MayBeEndedRightAfterACancelledCall) {
 TEST(SiftGpuPlugin, TwoInTwoThreadsAnswerAsEachAlone) {
   constexpr int kRounds = 5;
   const std::vector<Image> images{texture(120, 90, 85), texture(100, 110, 86)};
-  std::vector<Outcome> alone;
+  std::vector<PluginAnswer> alone;
   for (const Image& image : images) {
     PluginUnderTest plugin("detectors/sift_gpu");
     alone.push_back(detect(plugin, image));
   }
-  std::vector<std::vector<Outcome>> together(images.size());
+  std::vector<std::vector<PluginAnswer>> together(images.size());
   std::vector<std::thread> threads;
   for (std::size_t i = 0; i < images.size(); ++i) {
     threads.emplace_back([&, i] {
@@ -134,7 +134,7 @@ TEST(SiftGpuPlugin, TwoInTwoThreadsAnswerAsEachAlone) {
   for (std::thread& thread : threads) thread.join();
   for (std::size_t i = 0; i < images.size(); ++i) {
     ASSERT_EQ(together[i].size(), to_index(kRounds));
-    for (const Outcome& outcome : together[i]) {
+    for (const PluginAnswer& outcome : together[i]) {
       EXPECT_TRUE(same_keypoints(outcome, alone[i]));
     }
   }

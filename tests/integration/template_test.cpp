@@ -111,14 +111,14 @@ class ObjectFilm : public ::testing::Test {
                                    ", image_width_px: 320, image_height_px: 240, focal_px: 400, "
                                    "noise_grey: 0, period_s: 1.6, " +
                                    more + "}");
-    const Outcome opened = source_->process(0, {});
+    const PluginAnswer opened = source_->process(0, {});
     ASSERT_EQ(opened.status, WEFT_OK) << opened.message;
     const Camera camera = *opened.get<Camera>();
     pinhole_ = {camera.fx, camera.fy, camera.cx, camera.cy};
   }
 
   GroundTruth truth(std::uint64_t frame) {
-    const Outcome outcome = source_->process(2, {}, frame);
+    const PluginAnswer outcome = source_->process(2, {}, frame);
     EXPECT_EQ(outcome.status, WEFT_OK) << outcome.message;
     return *outcome.get<GroundTruth>();
   }

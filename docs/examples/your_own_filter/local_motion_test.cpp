@@ -18,7 +18,7 @@ TEST(LocalMotion, SeparatesMatchesOfABentSheetFromJumps) {
       draw_matches(templ, make_camera(), truth_m, {.correct_rate = 0.8}, rng);
 
   PluginUnderTest filter("filters/local_motion", "{max_deviation_px: 20}");
-  const Outcome outcome = filter.process(0, {input("correspondences", drawn.matches)});
+  const PluginAnswer outcome = filter.process(0, {input("correspondences", drawn.matches)});
   ASSERT_EQ(outcome.status, WEFT_OK) << outcome.message;
   const auto mask = *outcome.get<weft::InlierMask>();
   const Eigen::VectorXd jumps_px =

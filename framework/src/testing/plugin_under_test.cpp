@@ -10,7 +10,7 @@ struct PluginUnderTest::Host {
   explicit Host(std::uint64_t run_seed)
       : registry(host::Registry::scan(host::search_path({}))), lane(run_seed, {}) {}
 
-  Outcome keep(host::Outcome outcome) {
+  PluginAnswer keep(host::Outcome outcome) {
     for (const auto& [slot, record] : outcome.outputs) kept.push_back(record);
     return {outcome.status, outcome.error.code, outcome.error.message, outcome.error.where,
             std::move(outcome.outputs)};
@@ -57,14 +57,14 @@ Result<void> PluginUnderTest::prepare(const Template& templ, const Camera& camer
   return host_->lane.prepare(*host_->instance, *hold(templ), *hold(camera));
 }
 
-Outcome PluginUnderTest::process(int method, const std::vector<Input>& inputs,
-                                 std::uint64_t frame) {
+PluginAnswer PluginUnderTest::process(int method, const std::vector<Input>& inputs,
+                                      std::uint64_t frame) {
   std::vector<weft_record> views;
   for (const Input& given : inputs) views.push_back(given.record->view(given.slot.c_str()));
   return host_->keep(host_->lane.call(*host_->instance, method, views, frame));
 }
 
-Outcome PluginUnderTest::evaluate(const Warp& warp, const Points& points) {
+PluginAnswer PluginUnderTest::evaluate(const Warp& warp, const Points& points) {
   return host_->keep(host_->lane.evaluate(*hold(warp), points, 0));
 }
 

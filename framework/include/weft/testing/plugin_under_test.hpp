@@ -29,9 +29,9 @@ Input input(const char* slot, const RecordType& typed) {
   return {slot, hold(typed)};
 }
 
-/// What a call came to. Record structs got from it live as long as the PluginUnderTest, or until it
-/// forgets.
-struct Outcome {
+/// What a component answered to a call. Record structs got from it live as long as the
+/// PluginUnderTest, or until it forgets.
+struct PluginAnswer {
   weft_status status = WEFT_OK;
   Errc code = {};  ///< unless all is well
   std::string message;
@@ -68,8 +68,8 @@ class PluginUnderTest {
   ~PluginUnderTest();
 
   Result<void> prepare(const Template& templ, const Camera& camera);
-  Outcome process(int method, const std::vector<Input>& inputs, std::uint64_t frame = 0);
-  Outcome evaluate(const Warp& warp, const Points& points);
+  PluginAnswer process(int method, const std::vector<Input>& inputs, std::uint64_t frame = 0);
+  PluginAnswer evaluate(const Warp& warp, const Points& points);
 
   /// Set from any thread to make the component stop.
   std::atomic<bool>& cancel();

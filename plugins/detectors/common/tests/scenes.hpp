@@ -47,7 +47,7 @@ inline Image texture(int width, int height, std::uint64_t seed) {
 }
 
 inline Keypoints detect(testing::PluginUnderTest& plugin, const Image& image) {
-  const testing::Outcome out = plugin.process(0, {testing::input("image", image)});
+  const testing::PluginAnswer out = plugin.process(0, {testing::input("image", image)});
   EXPECT_TRUE(out.status == WEFT_OK || out.status == WEFT_DEGENERATE) << out.message;
   return out.get<Keypoints>().value();
 }

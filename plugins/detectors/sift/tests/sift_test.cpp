@@ -14,7 +14,7 @@ namespace weft::detectors {
 namespace {
 
 using testing::input;
-using testing::Outcome;
+using testing::PluginAnswer;
 using testing::PluginUnderTest;
 
 INSTANTIATE_TEST_SUITE_P(Sift, DetectorSuite,
@@ -63,8 +63,8 @@ TEST(Sift, DescribesASelectionOfCoarseKeypointsAsAmongAll) {
     for (int x = 65; x < 76; ++x) region.mask(y, x) = 1;
   }
   PluginUnderTest plugin("detectors/sift");
-  const Outcome first = plugin.process(0, {input("image", image), input("region", region)});
-  const Outcome second = plugin.process(0, {input("image", image), input("region", region)});
+  const PluginAnswer first = plugin.process(0, {input("image", image), input("region", region)});
+  const PluginAnswer second = plugin.process(0, {input("image", image), input("region", region)});
   const Keypoints all_described = first.get<Keypoints>().value();
   ASSERT_GT(all_described.count(), 0);
   EXPECT_GT(*std::min_element(all_described.octave.data(),

@@ -20,10 +20,10 @@ using matchers::random_descriptors;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::input;
-using testing::Outcome;
+using testing::PluginAnswer;
 using testing::PluginUnderTest;
 
-Outcome match(PluginUnderTest& plugin, const Keypoints& templ, const Keypoints& image) {
+PluginAnswer match(PluginUnderTest& plugin, const Keypoints& templ, const Keypoints& image) {
   return plugin.process(0, {input("keypoints", image), input("template_keypoints", templ)});
 }
 
@@ -49,7 +49,7 @@ Keypoints noisy_copies(const Keypoints& others, std::int64_t count, Rng& rng) {
 void expect_same_matches(const std::string& params, const Keypoints& templ,
                          const Keypoints& image) {
   PluginUnderTest reference("matchers/descriptor", params), gpu("matchers/gpu", params);
-  const Outcome expected = match(reference, templ, image), got = match(gpu, templ, image);
+  const PluginAnswer expected = match(reference, templ, image), got = match(gpu, templ, image);
   ASSERT_EQ(got.status, expected.status) << params << ": " << got.message;
   EXPECT_EQ(got.message, expected.message);
   if (expected.status != WEFT_OK) return;
@@ -185,22 +185,24 @@ TEST(GpuMatcher, AnswersTheSameFreshAndWarm) {
 /// Descriptors that the library keeps on the device, and the same here.
 class OnTheDevice : public ::testing::Test {
  protected:
-  Outcome detect(std::uint32_t seed) {
+  PluginAnswer detect(std::uint32_t seed) {
     return detector_.process(0, {input("image", texture(160, 120, seed))});
   }
-  static Outcome match(PluginUnderTest& matcher, const Outcome& templ, const Outcome& image) {
+  static PluginAnswer match(PluginUnderTest& matcher, const PluginAnswer& templ,
+                            const PluginAnswer& image) {
     return matcher.process(0, {image.hand_on("keypoints", "keypoints"),
                                templ.hand_on("keypoints", "template_keypoints")});
   }
-  static Outcome match_here(PluginUnderTest& matcher, const Outcome& templ, const Outcome& image) {
+  static PluginAnswer match_here(PluginUnderTest& matcher, const PluginAnswer& templ,
+                                 const PluginAnswer& image) {
     return detectors::match(matcher, templ.get<Keypoints>().value(),
                             image.get<Keypoints>().value());
   }
-  static bool is_there(const Outcome& found) {
+  static bool is_there(const PluginAnswer& found) {
     return read_record<Keypoints>(testing::view_of(found.outputs.front().second))
         ->descriptors.is_on_device();
   }
-  static void expect_equal(const Outcome& a, const Outcome& b) {
+  static void expect_equal(const PluginAnswer& a, const PluginAnswer& b) {
     const auto one = a.get<Correspondences>().value(), other = b.get<Correspondences>().value();
     ASSERT_GT(one.count(), 10);
     ASSERT_EQ(one.count(), other.count());
@@ -215,13 +217,14 @@ class OnTheDevice : public ::testing::Test {
 };
 
 TEST_F(OnTheDevice, DescriptorsGiveTheMatchesThatTheirCopiesGive) {
-  const Outcome templ = detect(38), image = detect(38), other = detect(39);
+  const PluginAnswer templ = detect(38), image = detect(38), other = detect(39);
   ASSERT_TRUE(is_there(templ) && is_there(image));
   for (const char* params :
        {"{}", "{root_sift: false, mutual: true}", "{direction: image_to_template, ratio: 1}"}) {
     PluginUnderTest there("matchers/gpu", params), here("matchers/gpu", params);
-    for (const Outcome* frame : {&image, &other, &image}) {
-      const Outcome expected = match_here(here, templ, *frame), got = match(there, templ, *frame);
+    for (const PluginAnswer* frame : {&image, &other, &image}) {
+      const PluginAnswer expected = match_here(here, templ, *frame),
+                         got = match(there, templ, *frame);
       ASSERT_EQ(got.status, expected.status) << got.message;
       if (frame == &image) expect_equal(got, expected);
     }
@@ -229,9 +232,9 @@ TEST_F(OnTheDevice, DescriptorsGiveTheMatchesThatTheirCopiesGive) {
 }
 
 TEST_F(OnTheDevice, DescriptorsOfOneSideMayBeHere) {
-  const Outcome templ = detect(38), image = detect(38);
+  const PluginAnswer templ = detect(38), image = detect(38);
   PluginUnderTest matcher("matchers/gpu");
-  const Outcome expected = match(matcher, templ, image);
+  const PluginAnswer expected = match(matcher, templ, image);
   expect_equal(matcher.process(0, {image.hand_on("keypoints", "keypoints"),
                                    input("template_keypoints", templ.get<Keypoints>().value())}),
                expected);
@@ -241,15 +244,15 @@ TEST_F(OnTheDevice, DescriptorsOfOneSideMayBeHere) {
 }
 
 TEST_F(OnTheDevice, DescriptorsStayAsTheyAreWhileSomebodyHoldsThemAndTheirPlaceIsUsedAgainAfter) {
-  const auto expect_those_of = [](std::uint32_t seed, const Outcome& outcome) {
+  const auto expect_those_of = [](std::uint32_t seed, const PluginAnswer& outcome) {
     PluginUnderTest fresh("detectors/sift_gpu");
-    const Outcome again = fresh.process(0, {input("image", texture(160, 120, seed))});
+    const PluginAnswer again = fresh.process(0, {input("image", texture(160, 120, seed))});
     const auto expected = again.get<Keypoints>()->descriptors;
     const auto found = outcome.get<Keypoints>()->descriptors;
     ASSERT_EQ(found.size(), expected.size());
     EXPECT_TRUE(std::equal(found.data(), found.data() + found.size(), expected.data())) << seed;
   };
-  const Outcome held = detect(38);
+  const PluginAnswer held = detect(38);
   for (std::uint32_t seed = 40; seed < 45; ++seed) {
     expect_those_of(seed, detect(seed));
     detector_.forget();  // the next answer goes where this one was
@@ -263,12 +266,12 @@ bool may_be_too_fast() {
 }
 
 TEST_F(OnTheDevice, ACancelledMatchStopsAndIsTakenUpByTheNext) {
-  const Outcome templ = detect(38), image = detect(38);
+  const PluginAnswer templ = detect(38), image = detect(38);
   PluginUnderTest matcher("matchers/gpu");
-  const Outcome expected = match(matcher, templ, image);
+  const PluginAnswer expected = match(matcher, templ, image);
   for (int i = 0; i < 3; ++i) {
     matcher.cancel() = true;
-    const Outcome stopped = match(matcher, templ, image);
+    const PluginAnswer stopped = match(matcher, templ, image);
     matcher.cancel() = false;
     if (stopped.status == WEFT_OK && may_be_too_fast()) {
       expect_equal(stopped, expected);
@@ -281,12 +284,12 @@ TEST_F(OnTheDevice, ACancelledMatchStopsAndIsTakenUpByTheNext) {
 }
 
 TEST_F(OnTheDevice, DescriptorsAreCopiedForAMatcherOnTheProcessor) {
-  const Outcome templ = detect(38), image = detect(38);
+  const PluginAnswer templ = detect(38), image = detect(38);
   PluginUnderTest matcher("matchers/descriptor"),
       fallen_back("matchers/gpu", "{device: no such thing, without_device: fallback}");
-  const Outcome got = match(matcher, templ, image);
+  const PluginAnswer got = match(matcher, templ, image);
   expect_equal(got, match_here(matcher, templ, image));
-  const Outcome nested = match(fallen_back, templ, image);
+  const PluginAnswer nested = match(fallen_back, templ, image);
   EXPECT_EQ(nested.status, WEFT_DEGENERATE);
   expect_equal(nested, got);
 }
@@ -295,7 +298,7 @@ TEST(GpuMatcher, RefusesWhatItCannotCompareAndSaysWhatToUse) {
   Rng rng(36);
   const Keypoints binary = hamming_keypoints(random_bytes(5, 32, rng));
   PluginUnderTest plugin("matchers/gpu");
-  const Outcome hamming = match(plugin, binary, binary);
+  const PluginAnswer hamming = match(plugin, binary, binary);
   EXPECT_EQ(hamming.status, WEFT_ERROR);
   EXPECT_THAT(hamming.message, HasSubstr("use matchers/descriptor"));
   expect_same_matches("{}", l2_rows({}), l2_rows({{1, 2}, {3, 4}}));
@@ -308,7 +311,7 @@ TEST(GpuMatcher, NamesTheDevicesThereAreWhenNoneFits) {
   PluginUnderTest plugin("matchers/gpu", "{device: no such thing}");
   Rng rng(37);
   const Keypoints keypoints = l2_keypoints(random_descriptors(5, 8, rng));
-  const Outcome out = match(plugin, keypoints, keypoints);
+  const PluginAnswer out = match(plugin, keypoints, keypoints);
   EXPECT_EQ(out.status, WEFT_ERROR);
   EXPECT_THAT(out.message, AllOf(HasSubstr("no OpenCL device is 'no such thing'; there are: 0: "),
                                  HasSubstr("or set without_device: fallback")));
@@ -318,7 +321,7 @@ TEST(WithoutADevice, TheFallbackAnswersAndEveryFrameSaysSo) {
   const std::string params = "{device: no such thing, without_device: fallback}";
   PluginUnderTest detector("detectors/sift_gpu", params), sift("detectors/sift");
   const Image image = texture(160, 120, 38);
-  const Outcome found = detector.process(0, {input("image", image)});
+  const PluginAnswer found = detector.process(0, {input("image", image)});
   EXPECT_EQ(found.status, WEFT_DEGENERATE);
   EXPECT_THAT(found.message,
               HasSubstr("found by the fallback: no OpenCL device is 'no such thing'"));
@@ -326,7 +329,7 @@ TEST(WithoutADevice, TheFallbackAnswersAndEveryFrameSaysSo) {
   EXPECT_EQ(keypoints.count(), detect(sift, image).count());
 
   PluginUnderTest matcher("matchers/gpu", params);
-  const Outcome matched = match(matcher, keypoints, keypoints);
+  const PluginAnswer matched = match(matcher, keypoints, keypoints);
   EXPECT_EQ(matched.status, WEFT_DEGENERATE);
   EXPECT_THAT(matched.message, HasSubstr("found by the fallback: "));
   EXPECT_GT(matched.get<Correspondences>()->count(), 50);

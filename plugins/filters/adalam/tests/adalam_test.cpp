@@ -48,7 +48,7 @@ TEST(AdaLam, KeepsTheContractOfFilters) {
 TEST(AdaLam, SaysWhereNothingAgrees) {
   FilterBench bench("filters/adalam");
   EXPECT_EQ(bench.run(flat_matches({6, 1.0, 0.0, 2.0}, 61).matches).status, WEFT_NO_RESULT);
-  const Outcome noise = bench.run(flat_matches({60, 0.0, 0.0, 2.0}, 62).matches);
+  const PluginAnswer noise = bench.run(flat_matches({60, 0.0, 0.0, 2.0}, 62).matches);
   EXPECT_EQ(noise.status, WEFT_DEGENERATE) << noise.message;
 }
 

@@ -21,7 +21,7 @@ Rates mean_rates(const SceneSpec& spec, std::initializer_list<std::uint64_t> see
   return mean;
 }
 
-double confidence_of(const Outcome& outcome) {
+double confidence_of(const PluginAnswer& outcome) {
   const auto mask = outcome.get<InlierMask>();
   return mask ? mask->diag.value("confidence", -1.0) : 0.0;
 }
@@ -64,7 +64,7 @@ TEST(Aem, IsNotSureWhereNothingIsCorrect) {
   FilterBench bench("filters/aem");
   for (const int count : {50, 200}) {
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-      const Outcome outcome = bench.run(draw_scene({Kind::paper, count, 0.0}, seed).matches);
+      const PluginAnswer outcome = bench.run(draw_scene({Kind::paper, count, 0.0}, seed).matches);
       EXPECT_NE(outcome.status, WEFT_OK) << count << " matches, seed " << seed;
     }
   }
@@ -123,7 +123,7 @@ TwoSheets two_sheets(int of_sheet, int of_copy) {
   return both;
 }
 
-Outcome run_after(FilterBench& bench, const Correspondences& matches, const Shape& previous) {
+PluginAnswer run_after(FilterBench& bench, const Correspondences& matches, const Shape& previous) {
   return bench.plugin.process(0,
                               {input("correspondences", matches), input("template", bench.templ),
                                input("camera", make_camera()), input("previous.shape", previous)});
@@ -131,11 +131,11 @@ Outcome run_after(FilterBench& bench, const Correspondences& matches, const Shap
 
 TEST(Aem, SaysThatACopyIsAsLikely) {
   FilterBench bench("filters/aem");
-  const Outcome equal = bench.run(two_sheets(100, 100).matches);
+  const PluginAnswer equal = bench.run(two_sheets(100, 100).matches);
   EXPECT_EQ(equal.status, WEFT_DEGENERATE) << equal.message;
   EXPECT_LT(confidence_of(equal), 0.7);
   const TwoSheets larger = two_sheets(140, 60);
-  const Outcome outcome = bench.run(larger.matches);
+  const PluginAnswer outcome = bench.run(larger.matches);
   EXPECT_EQ(outcome.status, WEFT_OK) << outcome.message;
   EXPECT_LT(rates_of(*outcome.get<InlierMask>(), larger.on_sheet).fpr_percent, 1.0);
 }
@@ -143,9 +143,9 @@ TEST(Aem, SaysThatACopyIsAsLikely) {
 TEST(Aem, PrefersThePreviousShapeToALikelierCopyAndSaysSo) {
   const TwoSheets sheets = two_sheets(60, 140);
   FilterBench bench("filters/aem");
-  const Outcome alone = bench.run(sheets.matches);
+  const PluginAnswer alone = bench.run(sheets.matches);
   EXPECT_LT(rates_of(*alone.get<InlierMask>(), sheets.on_copy).fpr_percent, 1.0);
-  const Outcome tracked = run_after(bench, sheets.matches, sheets.sheet);
+  const PluginAnswer tracked = run_after(bench, sheets.matches, sheets.sheet);
   const auto mask = tracked.get<InlierMask>();
   EXPECT_EQ(tracked.status, WEFT_DEGENERATE);
   EXPECT_EQ(mask->diag.value("tracked", 0.0), 1.0);
@@ -198,7 +198,7 @@ TEST(Aem, SaysWhereThereIsNoSheet) {
       LabelledMatches line = drawn;
       Array<double>& points = in_image ? line.matches.image_px : line.matches.template_px;
       for (std::int64_t i = 0; i < 60; ++i) points(i, 1) = 100.0 + slope * points(i, 0);
-      const Outcome outcome = bench.run(line.matches);
+      const PluginAnswer outcome = bench.run(line.matches);
       EXPECT_EQ(outcome.status, WEFT_NO_RESULT) << in_image << " " << slope << outcome.message;
     }
   }
@@ -219,7 +219,7 @@ TEST(Aem, KeepsAllMatchesWithoutNoiseAndNoneThatWasRejectedBefore) {
   const InlierMask mask = bench.mask(drawn.matches);
   for (std::int64_t i = 0; i < 80; ++i) EXPECT_EQ(mask.kept(i), i == 3 ? 0 : 1) << i;
   drawn.matches.kept(3) = 1;
-  const Outcome outcome = bench.run(drawn.matches);
+  const PluginAnswer outcome = bench.run(drawn.matches);
   EXPECT_EQ(outcome.status, WEFT_ERROR);
   EXPECT_NE(outcome.message.find("match 3 "), std::string::npos) << outcome.message;
 }

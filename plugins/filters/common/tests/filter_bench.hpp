@@ -38,12 +38,12 @@ inline const SheetSpec kSheet{};
 struct FilterBench {
   FilterBench(const std::string& id, const std::string& params = "{}") : plugin(id, params) {}
 
-  Outcome run(const Correspondences& matches) {
+  PluginAnswer run(const Correspondences& matches) {
     return plugin.process(0, {input("correspondences", matches), input("template", templ),
                               input("camera", make_camera())});
   }
   InlierMask mask(const Correspondences& matches) {
-    const Outcome outcome = run(matches);
+    const PluginAnswer outcome = run(matches);
     EXPECT_TRUE(outcome.status == WEFT_OK || outcome.status == WEFT_DEGENERATE) << outcome.message;
     return *outcome.get<InlierMask>();
   }
@@ -129,7 +129,7 @@ inline void expect_filter_contract(const std::string& id, const Correspondences&
   }
   Correspondences changed = reordered(matches, rows);
   changed.image_px(7, 1) = std::numeric_limits<double>::quiet_NaN();
-  const Outcome refused = bench.run(changed);
+  const PluginAnswer refused = bench.run(changed);
   EXPECT_EQ(refused.status, WEFT_ERROR);
   EXPECT_NE(refused.message.find("match 7"), std::string::npos) << refused.message;
   changed.kept(7) = 0;

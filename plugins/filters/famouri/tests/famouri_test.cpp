@@ -49,7 +49,7 @@ TEST(Famouri, NeedsNeighbourhoods) {
   EXPECT_EQ(bench.run(flat_matches({8, 1.0, 0.0, 2.0}, 61).matches).status, WEFT_NO_RESULT);
   EXPECT_EQ(bench.run(flat_matches({9, 1.0, 0.0, 2.0}, 61).matches).status, WEFT_OK);
   FilterBench strict("filters/famouri", "{tau1: 1}");
-  const Outcome alone = strict.run(flat_matches({60, 0.0, 0.0, 2.0}, 44).matches);
+  const PluginAnswer alone = strict.run(flat_matches({60, 0.0, 0.0, 2.0}, 44).matches);
   EXPECT_EQ(alone.status, WEFT_DEGENERATE) << alone.message;
   const InlierMask mask = *alone.get<InlierMask>();
   for (std::int64_t i = 0; i < 60; ++i) EXPECT_EQ(mask.kept(i), 0) << i;
@@ -64,7 +64,7 @@ TEST(Famouri, RejectsMatchesWhoseNeighboursLieOnALine) {
     }
   }
   FilterBench bench("filters/famouri");
-  const Outcome outcome = bench.run(drawn.matches);
+  const PluginAnswer outcome = bench.run(drawn.matches);
   EXPECT_EQ(outcome.status, WEFT_OK) << outcome.message;
   EXPECT_EQ(outcome.get<InlierMask>()->diag.value("with_common_neighbours", 0.0), 40.0);
   EXPECT_EQ(outcome.get<InlierMask>()->diag.value("kept_matches", -1.0), 0.0);

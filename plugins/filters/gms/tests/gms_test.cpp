@@ -58,7 +58,7 @@ TEST(Gms, HasNoResultWithoutStatistics) {
   const LabelledMatches drawn = flat_matches({299, 1.0, 0.5, 2.0}, 51);
   EXPECT_EQ(bench.run(drawn.matches).status, WEFT_NO_RESULT);
   EXPECT_NE(few.run(drawn.matches).status, WEFT_NO_RESULT);
-  const Outcome noise = bench.run(flat_matches({400, 0.0, 0.0, 2.0}, 52).matches);
+  const PluginAnswer noise = bench.run(flat_matches({400, 0.0, 0.0, 2.0}, 52).matches);
   EXPECT_EQ(noise.status, WEFT_DEGENERATE) << noise.message;
 }
 

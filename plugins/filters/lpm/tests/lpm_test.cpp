@@ -30,7 +30,7 @@ TEST(Lpm, NeedsNeighbourhoods) {
   EXPECT_EQ(bench.run(flat_matches({8, 1.0, 0.0, 2.0}, 41).matches).status, WEFT_NO_RESULT);
   EXPECT_EQ(bench.run(flat_matches({60, 1.0, 0.0, 2.0}, 42).matches).status, WEFT_OK);
   FilterBench strict("filters/lpm", "{first_lambda: 0}");
-  const Outcome noise = strict.run(flat_matches({40, 0.0, 0.0, 2.0}, 43).matches);
+  const PluginAnswer noise = strict.run(flat_matches({40, 0.0, 0.0, 2.0}, 43).matches);
   EXPECT_EQ(noise.status, WEFT_DEGENERATE) << noise.message;
 }
 

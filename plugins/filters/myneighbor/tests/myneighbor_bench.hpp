@@ -65,14 +65,14 @@ inline LabelledMatches bent_matches(int count, double correct_rate, std::uint64_
                       rng);
 }
 
-inline Outcome run_on(PluginUnderTest& filter, const Correspondences& matches) {
+inline PluginAnswer run_on(PluginUnderTest& filter, const Correspondences& matches) {
   return filter.process(0, {input("correspondences", matches), input("template", kTemplate)});
 }
 
 /// Keeps its plugins, and so their answers, until the end of the test.
 class MyNeighborTest : public ::testing::Test {
  protected:
-  Outcome run(const Correspondences& matches, const std::string& params = "{}") {
+  PluginAnswer run(const Correspondences& matches, const std::string& params = "{}") {
     return run_on(plugins_.emplace_back("filters/myneighbor", params), matches);
   }
 

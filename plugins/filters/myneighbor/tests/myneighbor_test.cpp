@@ -21,7 +21,7 @@ class MyNeighbor : public MyNeighborTest {};
 TEST_F(MyNeighbor, KeepsAllMatchesOfASimilarity) {
   Rng rng(1);
   const Points2 points = uniform_points(300, rng);
-  const Outcome outcome = run(make_matches(points, similar(points)));
+  const PluginAnswer outcome = run(make_matches(points, similar(points)));
   ASSERT_EQ(outcome.status, WEFT_OK) << outcome.message;
   const auto mask = *outcome.get<InlierMask>();
   for (int i = 0; i < 300; ++i) {
@@ -35,7 +35,7 @@ TEST_F(MyNeighbor, KeepsAllMatchesOfASimilarity) {
 
 TEST_F(MyNeighbor, AnswersForFiftyMatches) {
   const LabelledMatches drawn = bent_matches(50, 0.7, 2);
-  const Outcome outcome = run(drawn.matches);
+  const PluginAnswer outcome = run(drawn.matches);
   ASSERT_EQ(outcome.status, WEFT_OK) << outcome.message;
   const auto mask = *outcome.get<InlierMask>();
   int agreed = 0;

@@ -94,10 +94,10 @@ TEST_F(MyNeighborSpecialCases, HasNoResultForMatchesOnALine) {
   const Points2 points = uniform_points(40, rng);
   Points2 line(40, 2);
   for (int i = 0; i < 40; ++i) line.row(i) << 10.0 + 8.0 * i, 20.0 + 4.0 * i;
-  const Outcome in_template = run(make_matches(line, similar(points)));
+  const PluginAnswer in_template = run(make_matches(line, similar(points)));
   EXPECT_EQ(in_template.status, WEFT_NO_RESULT);
   EXPECT_NE(in_template.message.find("template"), std::string::npos) << in_template.message;
-  const Outcome in_image = run(make_matches(points, line));
+  const PluginAnswer in_image = run(make_matches(points, line));
   EXPECT_EQ(in_image.status, WEFT_NO_RESULT);
   EXPECT_NE(in_image.message.find("image"), std::string::npos) << in_image.message;
 }
@@ -110,14 +110,14 @@ TEST_F(MyNeighborSpecialCases, RefusesIllegalMatches) {
   EXPECT_EQ(run(matches).status, WEFT_ERROR);
   matches = make_matches(points, similar(points));
   matches.face(7) = 90;  // the template has 90 faces
-  const Outcome outcome = run(matches);
+  const PluginAnswer outcome = run(matches);
   EXPECT_EQ(outcome.status, WEFT_ERROR);
   EXPECT_NE(outcome.message.find("match 7"), std::string::npos) << outcome.message;
 }
 
 TEST_F(MyNeighborSpecialCases, AnswersOrDeclinesWhenNothingIsRight) {
   for (const std::uint64_t seed : {17U, 18U, 19U}) {
-    const Outcome outcome = run(bent_matches(100, 0.0, seed).matches);
+    const PluginAnswer outcome = run(bent_matches(100, 0.0, seed).matches);
     EXPECT_NE(outcome.status, WEFT_ERROR) << outcome.message;
   }
 }
@@ -129,7 +129,7 @@ TEST_F(MyNeighborSpecialCases, FlagsAWarpThatTurnsPartOfTheMeshOverAsDegenerate)
   for (Eigen::Index i = 0; i < 400; ++i) {
     if (points(i, 0) > 600.0) image.row(i) << 600.0 - image(i, 0), image(i, 1) + 320.0;
   }
-  const Outcome outcome = run(make_matches(points, image));
+  const PluginAnswer outcome = run(make_matches(points, image));
   EXPECT_EQ(outcome.status, WEFT_DEGENERATE);
   EXPECT_EQ(outcome.get<InlierMask>()->diag.value("warp_suspicious", 0), 1.0);
 }
@@ -138,7 +138,7 @@ TEST_F(MyNeighborSpecialCases, FlagsATinyObjectAsDegenerate) {
   Rng rng(21);
   const Points2 points = uniform_points(60, rng);
   PluginUnderTest filter("filters/myneighbor");
-  const Outcome outcome =
+  const PluginAnswer outcome =
       filter.process(0, {input("correspondences", make_matches(points, 0.02 * points)),
                          input("template", kTemplate), input("camera", make_camera())});
   EXPECT_EQ(outcome.status, WEFT_DEGENERATE);
@@ -150,7 +150,7 @@ TEST_F(MyNeighborSpecialCases, NeedsMoreThanFiftySelectedMatchesInTheAuthorsMode
   const Points2 fifty = uniform_points(50, rng), more = uniform_points(51, rng);
   EXPECT_EQ(run(make_matches(fifty, similar(fifty)), "{mode: authors_code}").status,
             WEFT_NO_RESULT);
-  const Outcome outcome = run(make_matches(more, similar(more)), "{mode: authors_code}");
+  const PluginAnswer outcome = run(make_matches(more, similar(more)), "{mode: authors_code}");
   ASSERT_EQ(outcome.status, WEFT_OK) << outcome.message;
   const auto mask = *outcome.get<InlierMask>();
   EXPECT_NEAR(mask.diag.value("threshold_px", 0), 0.07 * mask.diag.value("l_s_px", 0), 1e-9);
@@ -189,7 +189,7 @@ TEST_F(MyNeighborSpecialCases, TakesTheSmallestFactorsWhereFewAreSelected) {
 TEST_F(MyNeighborSpecialCases, WeighsAllAlikeWhereNoNeighbourChanged) {
   Rng rng(26);
   const Points2 points = uniform_points(60, rng);
-  const Outcome outcome = run(make_matches(points, similar(points)), "{weighted_fit: true}");
+  const PluginAnswer outcome = run(make_matches(points, similar(points)), "{weighted_fit: true}");
   EXPECT_EQ(outcome.status, WEFT_OK) << outcome.message;
   EXPECT_EQ(outcome.get<InlierMask>()->diag.value("kept_matches", 0), 60.0);
 }
@@ -197,7 +197,7 @@ TEST_F(MyNeighborSpecialCases, WeighsAllAlikeWhereNoNeighbourChanged) {
 TEST_F(MyNeighborSpecialCases, HasNoResultWhereTheWarpIsAPointOrNotFinite) {
   Rng rng(27);
   const Points2 points = uniform_points(60, rng);
-  const Outcome point = run(make_matches(points, 1e-200 * points));
+  const PluginAnswer point = run(make_matches(points, 1e-200 * points));
   EXPECT_EQ(point.status, WEFT_NO_RESULT);
   EXPECT_EQ(point.message, "the warp shrinks the template to a point");
   EXPECT_EQ(run(make_matches(points, 1e200 * points)).status, WEFT_NO_RESULT);
@@ -206,8 +206,8 @@ TEST_F(MyNeighborSpecialCases, HasNoResultWhereTheWarpIsAPointOrNotFinite) {
 TEST_F(MyNeighborSpecialCases, HasNoResultWhereTheWarpHasNone) {
   Rng rng(28);
   const Points2 points = uniform_points(20, rng);
-  const Outcome outcome = run(make_matches(points, similar(points)),
-                              "{warp: {use: warps/bbs, params: {lambda_px2: 0, ridge: 0}}}");
+  const PluginAnswer outcome = run(make_matches(points, similar(points)),
+                                   "{warp: {use: warps/bbs, params: {lambda_px2: 0, ridge: 0}}}");
   EXPECT_EQ(outcome.status, WEFT_NO_RESULT);
   EXPECT_EQ(outcome.message.find("step I: "), 0U) << outcome.message;
 }
@@ -215,8 +215,9 @@ TEST_F(MyNeighborSpecialCases, HasNoResultWhereTheWarpHasNone) {
 TEST_F(MyNeighborSpecialCases, HandsOnThatItsWarpIsDegenerate) {
   Rng rng(29);
   const Points2 points = uniform_points(20, rng);
-  const Outcome outcome = run(make_matches(points, similar(points)),
-                              "{warp: {use: warps/bbs, params: {lambda_px2: 1e-11, ridge: 0}}}");
+  const PluginAnswer outcome =
+      run(make_matches(points, similar(points)),
+          "{warp: {use: warps/bbs, params: {lambda_px2: 1e-11, ridge: 0}}}");
   EXPECT_EQ(outcome.status, WEFT_DEGENERATE);
   EXPECT_EQ(outcome.message, "the matches hardly determine the warp");
 }

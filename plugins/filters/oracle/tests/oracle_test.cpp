@@ -28,7 +28,7 @@ class OracleTest : public ::testing::Test {
     truth_.kind = "mesh";
   }
 
-  Outcome run(const std::string& params = "{}") {
+  PluginAnswer run(const std::string& params = "{}") {
     oracle_.emplace("filters/oracle", params);
     return oracle_->process(0, {input("correspondences", drawn_.matches), input("template", templ_),
                                 input("camera", make_camera()), input("ground_truth", truth_)});
@@ -94,7 +94,7 @@ TEST_F(OracleTest, GivesNoResultWhereNoMatchIsLeft) {
   EXPECT_EQ(run().status, WEFT_NO_RESULT);
   Rng rng(kSeed);
   drawn_ = draw_matches(templ_, make_camera(), truth_.points_m.matrix<3>(), {0}, rng);
-  const Outcome outcome = run();
+  const PluginAnswer outcome = run();
   EXPECT_EQ(outcome.status, WEFT_NO_RESULT);
   EXPECT_EQ(outcome.message, "no match is left to judge: 0 of 0");
 }
@@ -115,7 +115,7 @@ TEST_F(OracleTest, LeavesRejectedWhatAnEarlierFilterRejected) {
 TEST_F(OracleTest, NamesAFaceThatTheTruthHasNoPointsFor) {
   truth_.faces = make_array<std::int32_t>(templ_.faces.matrix<3>());
   truth_.faces(4, 0) = 60;
-  const Outcome outcome = run();
+  const PluginAnswer outcome = run();
   EXPECT_EQ(outcome.status, WEFT_ERROR);
   EXPECT_NE(outcome.message.find("the faces of the truth: face 4"), std::string::npos)
       << outcome.message;

@@ -60,7 +60,7 @@ TEST(Pizarro, JudgesFewMatchesByOneAffineMap) {
   FilterBench bench("filters/pizarro");
   LabelledMatches drawn = flat_matches({11, 1.0, 0.0, 2.0}, 41);
   drawn.matches.image_px(4, 0) += 90.0;
-  const Outcome outcome = bench.run(drawn.matches);
+  const PluginAnswer outcome = bench.run(drawn.matches);
   EXPECT_EQ(outcome.status, WEFT_DEGENERATE) << outcome.message;
   const auto mask = *outcome.get<InlierMask>();
   for (std::int64_t i = 0; i < 11; ++i) EXPECT_EQ(mask.kept(i), i == 4 ? 0 : 1) << i;
@@ -87,7 +87,7 @@ TEST(Pizarro, HasNoResultWhereNeighboursPredictNothing) {
   LabelledMatches drawn = flat_matches({30, 1.0, 0.0, 2.0}, 45);
   for (std::int64_t i = 0; i < 30; ++i) drawn.matches.template_px(i, 1) = 100.0;  // on a line
   FilterBench bench("filters/pizarro");
-  const Outcome outcome = bench.run(drawn.matches);
+  const PluginAnswer outcome = bench.run(drawn.matches);
   EXPECT_EQ(outcome.status, WEFT_NO_RESULT);
   EXPECT_NE(outcome.message.find("agrees"), std::string::npos) << outcome.message;
 }

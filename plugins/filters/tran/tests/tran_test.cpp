@@ -84,7 +84,7 @@ TEST(Tran, HasNoResultWhereFewerThanSixMatchesAgree) {
   FilterBench bench("filters/tran");
   const Correspondences six = flat_matches({6, 1.0, 0.0, 2.0}, 53).matches;
   EXPECT_EQ(bench.run(six).status, WEFT_OK);
-  const Outcome five = bench.run(reordered(six, {0, 1, 2, 3, 4}));
+  const PluginAnswer five = bench.run(reordered(six, {0, 1, 2, 3, 4}));
   EXPECT_EQ(five.status, WEFT_NO_RESULT);
   EXPECT_NE(five.message.find("low consensus: only 5"), std::string::npos) << five.message;
 }

@@ -27,7 +27,7 @@ TEST(Vfc, KeepsTheContractOfFilters) {
 TEST(Vfc, SaysWhereNothingFollowsAField) {
   FilterBench bench("filters/vfc");
   EXPECT_EQ(bench.run(flat_matches({3, 1.0, 0.0, 2.0}, 41).matches).status, WEFT_NO_RESULT);
-  const Outcome noise = bench.run(flat_matches({200, 0.0, 0.0, 2.0}, 42).matches);
+  const PluginAnswer noise = bench.run(flat_matches({200, 0.0, 0.0, 2.0}, 42).matches);
   EXPECT_EQ(noise.status, WEFT_DEGENERATE) << noise.message;
 }
 

@@ -23,17 +23,17 @@ using matchers::random_bytes;
 using matchers::random_descriptors;
 using ::testing::HasSubstr;
 using testing::input;
-using testing::Outcome;
+using testing::PluginAnswer;
 using testing::PluginUnderTest;
 
-Outcome match(PluginUnderTest& plugin, const Keypoints& templ, const Keypoints& image) {
+PluginAnswer match(PluginUnderTest& plugin, const Keypoints& templ, const Keypoints& image) {
   return plugin.process(0, {input("keypoints", image), input("template_keypoints", templ)});
 }
 
 Correspondences matches_of(const Keypoints& templ, const Keypoints& image,
                            const std::string& params = "{}") {
   PluginUnderTest plugin("matchers/descriptor", params);
-  const Outcome out = match(plugin, templ, image);
+  const PluginAnswer out = match(plugin, templ, image);
   EXPECT_EQ(out.status, WEFT_OK) << out.message;
   const Correspondences found = out.get<Correspondences>().value();
   Correspondences copy;  // outlives the plugin
@@ -51,7 +51,7 @@ Correspondences matches_of(const Keypoints& templ, const Keypoints& image,
 std::string refusal(const Keypoints& templ, const Keypoints& image,
                     const std::string& params = "{}") {
   PluginUnderTest plugin("matchers/descriptor", params);
-  const Outcome out = match(plugin, templ, image);
+  const PluginAnswer out = match(plugin, templ, image);
   EXPECT_EQ(out.status, WEFT_ERROR);
   return out.message;
 }
@@ -59,7 +59,7 @@ std::string refusal(const Keypoints& templ, const Keypoints& image,
 std::string no_result_reason(const Keypoints& templ, const Keypoints& image,
                              const std::string& params = "{}") {
   PluginUnderTest plugin("matchers/descriptor", params);
-  const Outcome out = match(plugin, templ, image);
+  const PluginAnswer out = match(plugin, templ, image);
   EXPECT_EQ(out.status, WEFT_NO_RESULT);
   return out.message;
 }
@@ -94,7 +94,7 @@ TEST(DescriptorMatcher, FillsEveryFieldOfAMatch) {
   image.angle_rad(1) = 0.1;
 
   PluginUnderTest plugin("matchers/descriptor", "{root_sift: false}");
-  const Outcome out = match(plugin, templ, image);
+  const PluginAnswer out = match(plugin, templ, image);
   ASSERT_EQ(out.status, WEFT_OK) << out.message;
   const Correspondences found = out.get<Correspondences>().value();
   ASSERT_EQ(found.count(), 2);
@@ -124,7 +124,7 @@ TEST(DescriptorMatcher, AngleDifferencesLieAboveMinusPiAndUpToPi) {
   const std::array expected{pi, pi, -0.5 * pi, pi, -0.5};
   for (int i = 0; i < 5; ++i) image.angle_rad(i) = given[to_index(i)];
   PluginUnderTest plugin("matchers/descriptor");
-  const Outcome out = match(plugin, templ, image);
+  const PluginAnswer out = match(plugin, templ, image);
   const Correspondences found = out.get<Correspondences>().value();
   ASSERT_EQ(found.count(), 5);
   for (int i = 0; i < 5; ++i) {
@@ -265,7 +265,7 @@ TEST(DescriptorMatcher, AnswersTheSameAfterOtherInputs) {
   PluginUnderTest fresh("matchers/descriptor", "{ratio: 1, one_to_one: false}");
   PluginUnderTest warm("matchers/descriptor", "{ratio: 1, one_to_one: false}");
   match(warm, larger, larger);
-  const Outcome a = match(fresh, templ, image), b = match(warm, templ, image);
+  const PluginAnswer a = match(fresh, templ, image), b = match(warm, templ, image);
   const Correspondences x = a.get<Correspondences>().value(), y = b.get<Correspondences>().value();
   ASSERT_EQ(x.count(), 70);
   ASSERT_EQ(y.count(), 70);
@@ -320,7 +320,7 @@ TEST(DescriptorMatcher, RefusesNumbersThatMeanNothing) {
 TEST(DescriptorMatcher, SurvivesDescriptorsWhoseSquaresOverflow) {
   const Keypoints huge = l2_rows({{3e38F, 0}, {0, 3e38F}, {1, 1}});
   PluginUnderTest plugin("matchers/descriptor", "{root_sift: false}");
-  const Outcome out = match(plugin, huge, huge);
+  const PluginAnswer out = match(plugin, huge, huge);
   EXPECT_NE(out.status, WEFT_ERROR) << out.message;
 }
 

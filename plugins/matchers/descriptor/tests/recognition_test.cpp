@@ -18,7 +18,7 @@ namespace weft::descriptor {
 namespace {
 
 using testing::input;
-using testing::Outcome;
+using testing::PluginAnswer;
 using testing::PluginUnderTest;
 
 constexpr int kWidth = 300, kHeight = 240;
@@ -124,11 +124,12 @@ TEST_P(Recognition, FindsMostKeypointsAgainAndMatchesThemRight) {
   const Eigen::Matrix3d h = homography(turn_rad, scale, tilt);
   const cv::Mat texture = make_texture();
   PluginUnderTest sift("detectors/sift"), matcher("matchers/descriptor");
-  const Outcome of_texture = sift.process(0, {input("image", as_image(texture))});
-  const Outcome of_image = sift.process(0, {input("image", as_image(warped(texture, h, scale)))});
+  const PluginAnswer of_texture = sift.process(0, {input("image", as_image(texture))});
+  const PluginAnswer of_image =
+      sift.process(0, {input("image", as_image(warped(texture, h, scale)))});
   const Keypoints templ = of_texture.get<Keypoints>().value();
   const Keypoints image = of_image.get<Keypoints>().value();
-  const Outcome out =
+  const PluginAnswer out =
       matcher.process(0, {input("keypoints", image), input("template_keypoints", templ)});
   ASSERT_EQ(out.status, WEFT_OK) << out.message;
   const Correspondences matches = out.get<Correspondences>().value();
@@ -166,9 +167,9 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(SelfRecognition, ATextureMatchesItselfPointByPoint) {
   PluginUnderTest sift("detectors/sift");
   PluginUnderTest matcher("matchers/descriptor", "{one_to_one: false, duplicate_radius_px: 0}");
-  const Outcome detected = sift.process(0, {input("image", as_image(make_texture()))});
+  const PluginAnswer detected = sift.process(0, {input("image", as_image(make_texture()))});
   const Keypoints keypoints = detected.get<Keypoints>().value();
-  const Outcome out =
+  const PluginAnswer out =
       matcher.process(0, {input("keypoints", keypoints), input("template_keypoints", keypoints)});
   ASSERT_EQ(out.status, WEFT_OK) << out.message;
   const Correspondences matches = out.get<Correspondences>().value();

@@ -15,7 +15,7 @@ namespace {
 using matchers::keypoints_on_grid;
 using matchers::random_descriptors;
 using testing::input;
-using testing::Outcome;
+using testing::PluginAnswer;
 using testing::PluginUnderTest;
 using testing::PoseSpec;
 using testing::SheetSpec;
@@ -106,8 +106,8 @@ struct Past {
   }
 };
 
-Outcome run(PluginUnderTest& plugin, const Print& print, const Keypoints& seen,
-            const std::optional<Past>& past) {
+PluginAnswer run(PluginUnderTest& plugin, const Print& print, const Keypoints& seen,
+                 const std::optional<Past>& past) {
   std::vector<testing::Input> inputs{input("keypoints", seen),
                                      input("template_keypoints", print.keypoints),
                                      input("template", print.templ), input("camera", print.camera)};
@@ -120,7 +120,7 @@ Outcome run(PluginUnderTest& plugin, const Print& print, const Keypoints& seen,
 
 using Pairs = std::set<std::pair<int, int>>;
 
-Pairs pairs_of(const Outcome& out) {
+Pairs pairs_of(const PluginAnswer& out) {
   EXPECT_EQ(out.status, WEFT_OK) << out.message;
   const Correspondences matches = out.get<Correspondences>().value();
   Pairs pairs;
@@ -130,7 +130,7 @@ Pairs pairs_of(const Outcome& out) {
   return pairs;
 }
 
-double evidence(const Outcome& out, const char* name) {
+double evidence(const PluginAnswer& out, const char* name) {
   return out.get<Correspondences>()->diag.value(name, -1.0);
 }
 
@@ -157,7 +157,7 @@ TEST(GuidedMatcher, FollowsASheetThatMovesALittle) {
       const std::string params =
           std::string("{direction: ") + direction + ", mutual: " + mutual + "}";
       PluginUnderTest plugin("matchers/guided", params);
-      const Outcome out = run(plugin, print, seen, Past(print, {}));
+      const PluginAnswer out = run(plugin, print, seen, Past(print, {}));
       const Pairs found = pairs_of(out);
       EXPECT_EQ(evidence(out, "fallback"), 0.0);
       EXPECT_EQ(evidence(out, "guided"), static_cast<double>(found.size()));
@@ -181,19 +181,19 @@ TEST(GuidedMatcher, SearchesTheWholeImageWhereNothingSaysWhereToLook) {
   const Keypoints seen = picture.keypoints();
   const Pairs whole = by_whole_search(print, seen, "{}");
   PluginUnderTest plugin("matchers/guided");
-  const Outcome first = run(plugin, print, seen, {});
+  const PluginAnswer first = run(plugin, print, seen, {});
   EXPECT_EQ(pairs_of(first), whole);
   EXPECT_EQ(evidence(first, "fallback"), 1.0);
   for (const ShapeState state : {ShapeState::weak, ShapeState::predicted, ShapeState::lost}) {
     Past past(print, {});
     past.shape.state = static_cast<std::int32_t>(state);
-    const Outcome out = run(plugin, print, seen, past);
+    const PluginAnswer out = run(plugin, print, seen, past);
     EXPECT_EQ(pairs_of(out), whole);
     EXPECT_EQ(evidence(out, "fallback"), 2.0);
   }
   Past doubtful(print, {});
   doubtful.shape.confidence = 0.3;
-  const Outcome out = run(plugin, print, seen, doubtful);
+  const PluginAnswer out = run(plugin, print, seen, doubtful);
   EXPECT_EQ(pairs_of(out), whole);
   EXPECT_EQ(evidence(out, "fallback"), 3.0);
   EXPECT_EQ(evidence(out, "guided"), 0.0);
@@ -207,7 +207,7 @@ TEST(GuidedMatcher, FindsASheetThatJumpsInTheSameFrame) {
     picture.add(print, jump);
     const Keypoints seen = picture.keypoints();
     PluginUnderTest plugin("matchers/guided");
-    const Outcome out = run(plugin, print, seen, Past(print, {}));
+    const PluginAnswer out = run(plugin, print, seen, Past(print, {}));
     const Pairs found = pairs_of(out);
     EXPECT_EQ(evidence(out, "fallback"), 4.0);
     EXPECT_EQ(found, by_whole_search(print, seen, "{}"));
@@ -222,7 +222,7 @@ TEST(GuidedMatcher, DoesNotTakeMatchesToAnythingForASheetThatWasHardlySeen) {
   const Keypoints seen = picture.keypoints();
   // Weak ratios let many wrong matches pass: more than the previous frame kept.
   PluginUnderTest plugin("matchers/guided", "{ratio: 0.95, whole: {use: matchers/descriptor}}");
-  const Outcome out = run(plugin, print, seen, Past(print, {}, 40));
+  const PluginAnswer out = run(plugin, print, seen, Past(print, {}, 40));
   EXPECT_EQ(evidence(out, "fallback"), 4.0) << evidence(out, "agreeing");
   EXPECT_GT(correct(pairs_of(out)), 0.9 * kOnSheet);
 }
@@ -234,7 +234,7 @@ TEST(GuidedMatcher, FollowsAMotionWithinTheRadiusAndFindsOneBeyond) {
     Picture picture(10);
     picture.add(print, {.x_m = moved_m});
     PluginUnderTest plugin("matchers/guided", "{radius_px: 30}");
-    const Outcome out = run(plugin, print, picture.keypoints(), Past(print, {}));
+    const PluginAnswer out = run(plugin, print, picture.keypoints(), Past(print, {}));
     EXPECT_EQ(evidence(out, "fallback"), fallback) << moved_m;
     EXPECT_GT(correct(pairs_of(out)), 0.9 * kOnSheet);
   }
@@ -251,7 +251,7 @@ TEST(GuidedMatcher, LeavesAPosterThatLooksAlikeForTheSheet) {
       "{direction: image_to_template, whole: {use: matchers/descriptor, params: {direction: "
       "image_to_template}}}";
   PluginUnderTest plugin("matchers/guided", back);
-  const Outcome out = run(plugin, print, seen, Past(print, {.distance_m = 1.2, .x_m = -0.2}));
+  const PluginAnswer out = run(plugin, print, seen, Past(print, {.distance_m = 1.2, .x_m = -0.2}));
   EXPECT_EQ(evidence(out, "fallback"), 4.0);
   EXPECT_GT(correct(pairs_of(out)), 0.9 * kOnSheet);
 }
@@ -274,7 +274,7 @@ TEST(GuidedMatcher, FollowsASheetOfWhichAThirdIsCovered) {
   Picture picture(16);
   picture.add(print, {.y_m = 0.005}, [](int i) { return i % 3 != 0; });
   PluginUnderTest plugin("matchers/guided");
-  const Outcome out = run(plugin, print, picture.keypoints(), Past(print, {}));
+  const PluginAnswer out = run(plugin, print, picture.keypoints(), Past(print, {}));
   EXPECT_EQ(evidence(out, "fallback"), 0.0);
   EXPECT_GT(evidence(out, "agreeing"), 0.6 * kOnSheet);
 }
@@ -288,8 +288,8 @@ TEST(GuidedMatcher, AnswersTheSameAfterOtherFrames) {
   PluginUnderTest fresh("matchers/guided"), warm("matchers/guided");
   run(warm, print, before, Past(print, {}));
   run(warm, print, before, {});
-  const Outcome a = run(fresh, print, seen, Past(print, {}));
-  const Outcome b = run(warm, print, seen, Past(print, {}));
+  const PluginAnswer a = run(fresh, print, seen, Past(print, {}));
+  const PluginAnswer b = run(warm, print, seen, Past(print, {}));
   EXPECT_EQ(pairs_of(a), pairs_of(b));
   const Correspondences x = a.get<Correspondences>().value(), y = b.get<Correspondences>().value();
   for (std::int64_t n = 0; n < x.count(); ++n) EXPECT_EQ(x.ratio(n), y.ratio(n));
@@ -300,7 +300,7 @@ TEST(GuidedMatcher, TooFewKeypointsGiveNoResultWithTheReason) {
   PluginUnderTest plugin("matchers/guided");
   for (const int count : {0, 1}) {
     Keypoints seen = matchers::l2_keypoints(Array<float>({count, 128}));
-    const Outcome out = run(plugin, print, seen, Past(print, {}));
+    const PluginAnswer out = run(plugin, print, seen, Past(print, {}));
     EXPECT_EQ(out.status, WEFT_NO_RESULT);
     EXPECT_THAT(out.message, ::testing::HasSubstr("needs at least 2"));
   }

@@ -17,7 +17,7 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::Input;
-using testing::Outcome;
+using testing::PluginAnswer;
 using testing::PluginUnderTest;
 
 /// A match by its places; the index tells matches apart in the output, as scale_ratio.
@@ -59,7 +59,7 @@ Correspondences matches_of(const std::vector<Match>& matches) {
   return record;
 }
 
-Outcome merge(PluginUnderTest& plugin, const std::vector<Correspondences>& inputs) {
+PluginAnswer merge(PluginUnderTest& plugin, const std::vector<Correspondences>& inputs) {
   std::vector<Input> given;
   for (const Correspondences& one : inputs) given.push_back(testing::input("correspondences", one));
   return plugin.process(0, given);
@@ -68,7 +68,7 @@ Outcome merge(PluginUnderTest& plugin, const std::vector<Correspondences>& input
 std::vector<double> merged(const std::vector<Correspondences>& inputs,
                            const std::string& params = "{}") {
   PluginUnderTest plugin("matchers/merge", params);
-  const Outcome outcome = merge(plugin, inputs);
+  const PluginAnswer outcome = merge(plugin, inputs);
   EXPECT_EQ(outcome.status, WEFT_OK) << outcome.message;
   const auto record = outcome.get<Correspondences>().value();
   return {record.scale_ratio.data(), record.scale_ratio.data() + record.count()};
@@ -117,7 +117,7 @@ TEST(Merge, HasTheLeastConfidenceOfTheInputsThatHaveMatches) {
   auto a = matches_of({{10, 100, 1}}), b = matches_of({{30, 300, 3}}), none = matches_of({});
   const auto c = matches_of({{50, 500, 2}});
   const auto said = [&](const std::vector<Correspondences>& inputs) {
-    const Outcome outcome = merge(plugin, inputs);
+    const PluginAnswer outcome = merge(plugin, inputs);
     const auto record = outcome.get<Correspondences>().value();
     return record.confidence.present() ? *record.confidence.data() : -1.0;
   };
@@ -189,10 +189,10 @@ TEST(Merge, AnEmptyInputAddsNothing) {
 
 TEST(Merge, WithoutMatchesThereIsNoResult) {
   PluginUnderTest plugin("matchers/merge");
-  const Outcome none = plugin.process(0, {});
+  const PluginAnswer none = plugin.process(0, {});
   EXPECT_EQ(none.status, WEFT_NO_RESULT);
   EXPECT_THAT(none.message, HasSubstr("no stage"));
-  const Outcome empty = merge(plugin, {matches_of({}), matches_of({})});
+  const PluginAnswer empty = merge(plugin, {matches_of({}), matches_of({})});
   EXPECT_EQ(empty.status, WEFT_NO_RESULT);
   EXPECT_THAT(empty.message, HasSubstr("empty"));
 }
@@ -207,7 +207,7 @@ TEST(Merge, RefusesMatchesThatAreNotFinite) {
        : which == 1 ? record.image_px(1, 0)
        : which == 2 ? record.score(1)
                     : record.ratio(1)) = bad;
-      const Outcome out = merge(plugin, {matches_of({{10, 100, 1}}), record});
+      const PluginAnswer out = merge(plugin, {matches_of({{10, 100, 1}}), record});
       EXPECT_EQ(out.status, WEFT_ERROR);
       EXPECT_THAT(out.message, AllOf(HasSubstr("match 1 of input 2"), HasSubstr("NaN")));
     }

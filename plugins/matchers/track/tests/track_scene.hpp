@@ -106,8 +106,9 @@ struct TrackScene {
     return shape;
   }
 
-  testing::Outcome track(testing::PluginUnderTest& plugin, const Image& image, const Shape& before,
-                         const std::optional<Correspondences>& matches = {}) const {
+  testing::PluginAnswer track(testing::PluginUnderTest& plugin, const Image& image,
+                              const Shape& before,
+                              const std::optional<Correspondences>& matches = {}) const {
     std::vector<testing::Input> inputs{
         testing::input("image", image), testing::input("template", templ),
         testing::input("camera", camera), testing::input("previous.shape", before)};

@@ -13,7 +13,7 @@ namespace weft::track {
 namespace {
 
 using ::testing::HasSubstr;
-using weft::testing::Outcome;
+using weft::testing::PluginAnswer;
 using weft::testing::PluginUnderTest;
 
 constexpr int kSeed = 21;
@@ -27,7 +27,7 @@ class TrackedSheet : public ::testing::Test {
   TrackedSheet() { std::cout << "seed " << kSeed << "\n"; }
 
   /// What is found of a sheet that stood at `before_` and is now at `now`.
-  Outcome follow(const DevelopableSheet& now, const std::string& params = "{}") {
+  PluginAnswer follow(const DevelopableSheet& now, const std::string& params = "{}") {
     PluginUnderTest plugin("matchers/track", params);
     return scene_.track(plugin, scene_.image_of(now, rng_), scene_.shape_of(before_));
   }
@@ -40,7 +40,7 @@ class TrackedSheet : public ::testing::Test {
 TEST_F(TrackedSheet, IsFollowedToAFractionOfAPixel) {
   const DevelopableSheet now =
       scene_.bent(0.32, {.distance_m = 0.552, .x_m = 0.003, .tilt_y_rad = 0.12, .roll_rad = 0.02});
-  const Outcome outcome = follow(now);
+  const PluginAnswer outcome = follow(now);
   ASSERT_EQ(outcome.status, WEFT_OK) << outcome.message;
   const auto matches = *outcome.get<Correspondences>();
   const std::vector<double> errors = scene_.errors_px(matches, now);
@@ -60,7 +60,7 @@ TEST_F(TrackedSheet, IsFollowedToAFractionOfAPixel) {
 TEST_F(TrackedSheet, IsFoundFortyPixelsAway) {
   const DevelopableSheet now =
       scene_.bent(0.35, {.distance_m = 0.55, .x_m = 0.022, .y_m = -0.015, .tilt_y_rad = 0.1});
-  const Outcome outcome = follow(now);
+  const PluginAnswer outcome = follow(now);
   ASSERT_EQ(outcome.status, WEFT_OK) << outcome.message;
   EXPECT_LT(mean(scene_.errors_px(*outcome.get<Correspondences>(), now)), 0.1);
   EXPECT_NE(follow(now, "{search_px: 8}").status, WEFT_OK);
@@ -70,7 +70,7 @@ TEST_F(TrackedSheet, IsFollowedThroughATurnAndABendAtOnce) {
   const DevelopableSheet now = scene_.bent(
       0.25,
       {.distance_m = 0.53, .x_m = 0.01, .tilt_x_rad = 0.08, .tilt_y_rad = 0.2, .roll_rad = 0.08});
-  const Outcome outcome = follow(now);
+  const PluginAnswer outcome = follow(now);
   // Parts that come into sight are missed by so much a turn.
   ASSERT_EQ(outcome.status, WEFT_DEGENERATE);
   EXPECT_THAT(outcome.message, HasSubstr("weak: the sheet turned, grew or sheared by "));
@@ -86,7 +86,7 @@ TEST_F(TrackedSheet, DoesNotMindBrightnessAndContrast) {
     image.pixels.data()[i] = static_cast<std::uint8_t>(60.0 + 0.5 * image.pixels.data()[i]);
   }
   PluginUnderTest plugin("matchers/track");
-  const Outcome outcome = scene_.track(plugin, image, scene_.shape_of(before_));
+  const PluginAnswer outcome = scene_.track(plugin, image, scene_.shape_of(before_));
   ASSERT_EQ(outcome.status, WEFT_OK) << outcome.message;
   EXPECT_LT(mean(scene_.errors_px(*outcome.get<Correspondences>(), now)), 0.12);
 }
@@ -102,7 +102,7 @@ TEST_F(TrackedSheet, IsNotSeenThroughWhatCoversIt) {
       }
     }
     PluginUnderTest plugin("matchers/track");
-    const Outcome outcome = scene_.track(plugin, image, scene_.shape_of(before_));
+    const PluginAnswer outcome = scene_.track(plugin, image, scene_.shape_of(before_));
     const auto matches = outcome.get<Correspondences>();
     ASSERT_TRUE(matches) << outcome.message;
     for (std::int64_t i = 0; i < matches->count(); ++i) {
@@ -141,7 +141,7 @@ TEST_F(TrackedSheet, IsDoubtedWhereThePreviousShapeWasDoubtful) {
   shape.confidence = 0.2;
   EXPECT_THAT(scene_.track(plugin, image, shape).message, HasSubstr("a confidence of 20 %"));
   shape.state = static_cast<std::int32_t>(ShapeState::weak);
-  const Outcome weak = scene_.track(plugin, image, shape);
+  const PluginAnswer weak = scene_.track(plugin, image, shape);
   EXPECT_EQ(weak.status, WEFT_DEGENERATE);
   EXPECT_THAT(weak.message, HasSubstr("the previous shape is weak"));
   shape.state = static_cast<std::int32_t>(ShapeState::lost);
@@ -151,11 +151,11 @@ TEST_F(TrackedSheet, IsDoubtedWhereThePreviousShapeWasDoubtful) {
 TEST_F(TrackedSheet, KeepsThePointsOfItsMatchesAndRefillsTheRest) {
   PluginUnderTest plugin("matchers/track");
   const Image image = scene_.image_of(before_, rng_);
-  const Outcome first = scene_.track(plugin, image, scene_.shape_of(before_));
+  const PluginAnswer first = scene_.track(plugin, image, scene_.shape_of(before_));
   Correspondences matches = *first.get<Correspondences>();
   const std::int64_t all = matches.count();
   for (std::int64_t i = 0; i < all; i += 4) matches.kept(i) = 0;  // as a filter would
-  const Outcome second = scene_.track(plugin, image, scene_.shape_of(before_), matches);
+  const PluginAnswer second = scene_.track(plugin, image, scene_.shape_of(before_), matches);
   ASSERT_EQ(second.status, WEFT_OK) << second.message;
   const auto again = *second.get<Correspondences>();
   EXPECT_EQ(again.diag.value("followed", 0.0), static_cast<double>(all - (all + 3) / 4));

@@ -17,7 +17,7 @@ namespace {
 
 using weft::Sightlines;
 using weft::testing::input;
-using weft::testing::Outcome;
+using weft::testing::PluginAnswer;
 using weft::testing::PluginUnderTest;
 
 constexpr std::uint64_t kSeed = 20240917;
@@ -58,7 +58,7 @@ struct Scene {
     }
   }
 
-  Outcome run(const std::string& params = "{}", const weft::Visibility* visibility = nullptr) {
+  PluginAnswer run(const std::string& params = "{}", const weft::Visibility* visibility = nullptr) {
     plugins.push_back(std::make_unique<PluginUnderTest>("passes/salient_cells", params));
     std::vector<weft::testing::Input> inputs{input("template", templ), input("camera", camera),
                                              input("warp_samples", samples),
@@ -85,7 +85,7 @@ std::vector<std::int32_t> corners(const Scene& scene, const std::vector<std::int
 TEST(SalientCells, OneMatchSelectsTheThreeVerticesOfItsFace) {
   Scene scene;
   scene.one_match_in({37});
-  const Outcome out = scene.run();
+  const PluginAnswer out = scene.run();
   ASSERT_EQ(out.status, WEFT_DEGENERATE) << out.message;
   const Sightlines lines = out.get<Sightlines>().value();
   EXPECT_EQ(ids(lines), corners(scene, {37}));
@@ -106,7 +106,7 @@ TEST(SalientCells, MatchesEverywhereSelectAllVerticesAscending) {
   std::vector<std::int32_t> faces(weft::to_index(scene.templ.faces.rows()));
   std::iota(faces.begin(), faces.end(), 0);
   scene.one_match_in(faces);
-  const Outcome out = scene.run();
+  const PluginAnswer out = scene.run();
   ASSERT_EQ(out.status, WEFT_OK) << out.message;
   const Sightlines lines = out.get<Sightlines>().value();
   std::vector<std::int32_t> all(60);
@@ -232,7 +232,7 @@ TEST(SalientCells, WeightsGrowWithTheMatchesAroundAVertex) {
 TEST(SalientCells, MatchesThemselvesCanBeTheSightlines) {
   Scene scene;
   scene.matches.kept(3) = 0;
-  const Outcome out = scene.run("{mode: matches}");
+  const PluginAnswer out = scene.run("{mode: matches}");
   ASSERT_EQ(out.status, WEFT_OK) << out.message;
   const Sightlines lines = out.get<Sightlines>().value();
   ASSERT_EQ(lines.count(), 399);
@@ -250,7 +250,7 @@ TEST(SalientCells, MatchesThemselvesCanBeTheSightlines) {
 TEST(SalientCells, TooFewSightlinesAreNoResult) {
   Scene scene;
   scene.one_match_in({4});
-  const Outcome few = scene.run("{min_sightlines: 4}");
+  const PluginAnswer few = scene.run("{min_sightlines: 4}");
   EXPECT_EQ(few.status, WEFT_NO_RESULT);
   EXPECT_EQ(few.message, "too few sightlines: 3 of at least 4");
   scene.samples.valid(scene.templ.faces(4, 0)) = 0;
@@ -268,7 +268,7 @@ TEST(SalientCells, NoMatchesAreNoResult) {
 TEST(SalientCells, AFaceThatTheTemplateLacksIsAnError) {
   Scene scene;
   scene.one_match_in({4, 90});
-  const Outcome out = scene.run();
+  const PluginAnswer out = scene.run();
   EXPECT_EQ(out.status, WEFT_ERROR);
   EXPECT_THAT(out.message, ::testing::HasSubstr("face 90"));
 }
@@ -283,14 +283,14 @@ TEST(SalientCells, SamplesOfAnotherTemplateAreAnError) {
 TEST(SalientCells, FewSightlinesOrLittleCoverageAreFlagged) {
   Scene scene;
   scene.one_match_in({0, 20, 40, 60, 80});  // 5 of 90 faces, but more than 8 vertices
-  const Outcome little = scene.run();
+  const PluginAnswer little = scene.run();
   EXPECT_EQ(little.status, WEFT_DEGENERATE);
   EXPECT_GE(little.get<Sightlines>()->count(), 8);
   EXPECT_EQ(little.message, std::to_string(little.get<Sightlines>()->count()) +
                                 " sightlines cover 6 % of the template");
   scene.draw(400);
   std::fill_n(scene.samples.valid.data(), 53, std::uint8_t{0});
-  const Outcome few = scene.run();
+  const PluginAnswer few = scene.run();
   EXPECT_EQ(few.status, WEFT_DEGENERATE);
   EXPECT_EQ(few.get<Sightlines>()->count(), 7);
   EXPECT_GT(few.get<Sightlines>()->coverage, 0.9);

@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 using weft::SightReason;
 using weft::Visibility;
 using weft::testing::input;
-using weft::testing::Outcome;
+using weft::testing::PluginAnswer;
 using weft::testing::PluginUnderTest;
 
 constexpr std::uint64_t kSeed = 20240918;
@@ -67,7 +67,7 @@ class SelfOcclusion : public ::testing::Test {
     return weft::testing::draw_matches(templ_, camera_, vertices_m, spec, rng).matches;
   }
 
-  Outcome run(std::vector<weft::testing::Input> inputs, const std::string& params = "{}") {
+  PluginAnswer run(std::vector<weft::testing::Input> inputs, const std::string& params = "{}") {
     inputs.push_back(input("template", templ_));
     inputs.push_back(input("camera", camera_));
     plugins_.push_back(std::make_unique<PluginUnderTest>("passes/self_occlusion", params));
@@ -75,7 +75,7 @@ class SelfOcclusion : public ::testing::Test {
   }
 
   Visibility look(std::vector<weft::testing::Input> inputs, const std::string& params = "{}") {
-    const Outcome out = run(std::move(inputs), params);
+    const PluginAnswer out = run(std::move(inputs), params);
     EXPECT_EQ(out.status, WEFT_OK) << out.message;
     return out.get<Visibility>().value();
   }
@@ -199,7 +199,7 @@ TEST_F(SelfOcclusion, LooksAtAFreshPreviousShapeThenAtTheWarpThenAtNothing) {
     EXPECT_EQ(by_warp.diag.value("looked_at", -1.0), 2.0);
     for (std::int64_t v = 0; v < 60; ++v) EXPECT_EQ(by_warp.visible(v), is_folded(v) ? 0 : 1) << v;
   }
-  const Outcome nothing = run({input("previous.shape", before)});
+  const PluginAnswer nothing = run({input("previous.shape", before)});
   EXPECT_EQ(nothing.status, WEFT_NO_RESULT);
   EXPECT_THAT(nothing.message, HasSubstr("neither a shape nor a warp"));
 }
@@ -219,12 +219,12 @@ TEST_F(SelfOcclusion, KeepsWhatItKnewOfASheetThatIsSeenEdgeOn) {
 
 TEST_F(SelfOcclusion, RefusesWhatIsOfAnotherTemplate) {
   weft::Points3 fewer_m = flat_m_.topRows(59);
-  const Outcome shape_refused = run({input("shape", shape(fewer_m))});
+  const PluginAnswer shape_refused = run({input("shape", shape(fewer_m))});
   EXPECT_EQ(shape_refused.status, WEFT_ERROR);
   EXPECT_THAT(shape_refused.message, HasSubstr("59"));
   weft::Correspondences strange = matches(10, flat_m_);
   strange.face(3) = 90;
-  const Outcome face_refused =
+  const PluginAnswer face_refused =
       run({input("shape", shape(flat_m_)), input("correspondences", strange)});
   EXPECT_EQ(face_refused.status, WEFT_ERROR);
   EXPECT_THAT(face_refused.message, HasSubstr("match 3 lies in face 90"));

@@ -21,7 +21,7 @@ using weft::Array;
 using weft::GroundTruth;
 using weft::Image;
 using weft::testing::input;
-using weft::testing::Outcome;
+using weft::testing::PluginAnswer;
 using weft::testing::PluginUnderTest;
 using weft::testing::RecordFile;
 

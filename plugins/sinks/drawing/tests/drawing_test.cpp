@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 using weft::Array;
 using weft::Template;
 using weft::testing::input;
-using weft::testing::Outcome;
+using weft::testing::PluginAnswer;
 using weft::testing::PluginUnderTest;
 
 constexpr int kOpen = 0, kWrite = 1, kFinish = 2;
@@ -31,16 +31,16 @@ class DrawingTest : public ::testing::Test {
     fs::remove_all(folder_, ignored);
   }
 
-  Outcome write(const Template& templ, const std::string& more) const {
+  PluginAnswer write(const Template& templ, const std::string& more) const {
     PluginUnderTest sink("sinks/drawing",
                          "{path: '" + (folder_ / "it.png").string() + "'" + more + "}");
     static_cast<void>(sink.process(kOpen, {}));
-    Outcome outcome = sink.process(kWrite, {input("template", templ)});
+    PluginAnswer outcome = sink.process(kWrite, {input("template", templ)});
     static_cast<void>(sink.process(kFinish, {}));
     return outcome;
   }
   cv::Mat drawn(const Template& templ, const std::string& more = {}) const {
-    const Outcome outcome = write(templ, more);
+    const PluginAnswer outcome = write(templ, more);
     EXPECT_EQ(outcome.status, WEFT_OK) << outcome.message;
     return cv::imread((folder_ / "it.png").string(), cv::IMREAD_UNCHANGED);
   }
@@ -114,7 +114,7 @@ TEST_F(DrawingTest, IsWrittenOnce) {
 
 TEST_F(DrawingTest, SaysWhichFileCannotBeWritten) {
   fs::create_directories(folder_ / "it.png");
-  const Outcome outcome = write(half_sheet(), "");
+  const PluginAnswer outcome = write(half_sheet(), "");
   EXPECT_EQ(outcome.status, WEFT_ERROR);
   EXPECT_THAT(outcome.message, ::testing::HasSubstr("cannot be written"));
 }

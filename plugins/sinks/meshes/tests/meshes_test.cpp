@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 using weft::Shape;
 using weft::Template;
 using weft::testing::input;
-using weft::testing::Outcome;
+using weft::testing::PluginAnswer;
 using weft::testing::PluginUnderTest;
 
 constexpr int kOpen = 0, kWrite = 1, kFinish = 2;
@@ -204,11 +204,11 @@ TEST_F(MeshesSink, RefusesAShapeThatIsNoShapeOfThisTemplate) {
   Shape other = shape_;
   other.vertices_m = weft::Array<double>({3, 3});
   other.source = weft::Array<std::uint8_t>({3});
-  const Outcome wrong_count = plugin.process(kWrite, {input("shape", other)}, 0);
+  const PluginAnswer wrong_count = plugin.process(kWrite, {input("shape", other)}, 0);
   EXPECT_EQ(wrong_count.status, WEFT_ERROR);
   EXPECT_THAT(wrong_count.message, HasSubstr("3 vertices, the template 20"));
   shape_.vertices_m(4, 1) = std::numeric_limits<double>::quiet_NaN();
-  const Outcome not_finite = plugin.process(kWrite, {input("shape", shape_)}, 1);
+  const PluginAnswer not_finite = plugin.process(kWrite, {input("shape", shape_)}, 1);
   EXPECT_EQ(not_finite.status, WEFT_ERROR);
   EXPECT_THAT(not_finite.message, HasSubstr("not finite"));
   EXPECT_EQ(file_count(), 0U);
@@ -218,7 +218,7 @@ TEST_F(MeshesSink, NamesTheFolderThatCannotBeMade) {
   std::ofstream(folder_ / "out") << "a file where a folder is needed";
   auto plugin = sink();
   ASSERT_TRUE(plugin.prepare(templ_, camera_));
-  const Outcome refused = plugin.process(kOpen, {});
+  const PluginAnswer refused = plugin.process(kOpen, {});
   EXPECT_EQ(refused.status, WEFT_ERROR);
   EXPECT_THAT(refused.message, HasSubstr(meshes().string()));
 }
@@ -228,7 +228,7 @@ TEST_F(MeshesSink, NamesTheFileThatCannotBeWritten) {
   ASSERT_TRUE(plugin.prepare(templ_, camera_));
   ASSERT_EQ(plugin.process(kOpen, {}).status, WEFT_OK);
   fs::remove_all(meshes());
-  const Outcome refused = plugin.process(kWrite, {input("shape", shape_)}, 5);
+  const PluginAnswer refused = plugin.process(kWrite, {input("shape", shape_)}, 5);
   EXPECT_EQ(refused.status, WEFT_ERROR);
   EXPECT_THAT(refused.where, EndsWith("000005.ply"));
 }

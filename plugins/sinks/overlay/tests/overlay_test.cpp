@@ -26,7 +26,7 @@ using weft::Shape;
 using weft::ShapeState;
 using weft::testing::input;
 using weft::testing::Input;
-using weft::testing::Outcome;
+using weft::testing::PluginAnswer;
 using weft::testing::PluginUnderTest;
 
 constexpr int kOpen = 0, kWrite = 1, kFinish = 2;
@@ -73,7 +73,7 @@ class OverlaySink : public ::testing::Test {
                            "{path: '" + (folder_ / name).string() + "'" + more + "}");
   }
 
-  Outcome open(PluginUnderTest& plugin) const {
+  PluginAnswer open(PluginUnderTest& plugin) const {
     const auto prepared = plugin.prepare(templ_, camera_);
     EXPECT_TRUE(prepared) << prepared.error().message;
     return plugin.process(kOpen, {});
@@ -91,7 +91,7 @@ class OverlaySink : public ::testing::Test {
     PluginUnderTest plugin("sinks/overlay", "{path: '" + (folder_ / "s.avi").string() +
                                                 "', stills_every: 1" + more + "}");
     EXPECT_EQ(open(plugin).status, WEFT_OK);
-    const Outcome written = plugin.process(kWrite, list, 3);
+    const PluginAnswer written = plugin.process(kWrite, list, 3);
     EXPECT_EQ(written.status, WEFT_OK) << written.message;
     return cv::imread((folder_ / "s" / "000003.png").string());
   }
@@ -141,7 +141,7 @@ TEST_F(OverlaySink, FailsToFinishAVideoThatLacksFrames) {
   }
   ASSERT_GT(fs::file_size(folder_ / "view.mkv"), 10'000U);
   fs::remove(folder_ / "view.mkv");  // as if nothing of it had reached the disk
-  const Outcome finished = plugin.process(kFinish, {});
+  const PluginAnswer finished = plugin.process(kFinish, {});
   EXPECT_EQ(finished.status, WEFT_ERROR);
   EXPECT_THAT(finished.message, HasSubstr("view.mkv has 0 of 200 frames"));
 }
@@ -324,7 +324,7 @@ TEST_F(OverlaySink, AFrameOfAnotherSizeIsAnErrorOfThatFrame) {
   small.pixels = weft::Array<std::uint8_t>({10, 20});
   auto list = inputs();
   list[0] = input("image", small);
-  const Outcome refused = plugin.process(kWrite, list, 0);
+  const PluginAnswer refused = plugin.process(kWrite, list, 0);
   EXPECT_EQ(refused.status, WEFT_ERROR);
   EXPECT_THAT(refused.message, HasSubstr("20 x 10"));
   EXPECT_EQ(plugin.process(kWrite, inputs(), 1).status, WEFT_OK);
@@ -371,7 +371,7 @@ TEST_F(OverlaySink, MakesStillsSmallerButNeverLarger) {
 
 TEST_F(OverlaySink, RefusesFormatsThatAKilledRunWouldLeaveBroken) {
   auto plugin = sink("", "view.mp4");
-  const Outcome refused = open(plugin);
+  const PluginAnswer refused = open(plugin);
   EXPECT_EQ(refused.status, WEFT_ERROR);
   EXPECT_THAT(refused.message, ::testing::AllOf(HasSubstr("view.mp4"), HasSubstr(".avi")));
 }
@@ -379,7 +379,7 @@ TEST_F(OverlaySink, RefusesFormatsThatAKilledRunWouldLeaveBroken) {
 TEST_F(OverlaySink, NamesTheVideoThatCannotBeWritten) {
   std::ofstream(folder_ / "file") << "a file where a folder is needed";
   auto plugin = sink("", "file/view.avi");
-  const Outcome refused = open(plugin);
+  const PluginAnswer refused = open(plugin);
   EXPECT_EQ(refused.status, WEFT_ERROR);
   EXPECT_THAT(refused.message, HasSubstr("file/view.avi"));
 }

@@ -12,13 +12,13 @@
 namespace weft::brunet_mdh {
 namespace {
 
-using testing::Outcome;
+using testing::PluginAnswer;
 using testing::PluginUnderTest;
 
 constexpr const char* kId = "solvers/brunet_mdh";
 constexpr std::uint64_t kSeed = 20240917;
 
-Shape solved(const Outcome& out) {
+Shape solved(const PluginAnswer& out) {
   EXPECT_EQ(out.status, WEFT_OK) << out.message;
   return out.get<Shape>().value();
 }
@@ -229,7 +229,7 @@ TEST(BrunetMdh, ANewTemplateReplacesTheCache) {
 TEST(BrunetMdh, AnUnfinishedIterationIsFlagged) {
   const Scene scene = Scene::bent(0.25);
   PluginUnderTest plugin(kId, "{max_iterations: 3}");
-  const Outcome out = scene.run(plugin);
+  const PluginAnswer out = scene.run(plugin);
   EXPECT_EQ(out.status, WEFT_DEGENERATE);
   EXPECT_THAT(out.message, ::testing::HasSubstr("max_iterations"));
   EXPECT_EQ(out.get<Shape>().value().shape_state(), ShapeState::weak);
@@ -264,7 +264,7 @@ TEST(BrunetMdh, RaysThatCoincideAreNoResult) {
   Scene scene = Scene::bent(0.25);
   for (std::int64_t i = 0; i < 60; ++i) scene.aim(i, {300.0, 200.0});
   PluginUnderTest plugin(kId);
-  const Outcome out = scene.run(plugin);
+  const PluginAnswer out = scene.run(plugin);
   EXPECT_EQ(out.status, WEFT_NO_RESULT);
   EXPECT_THAT(out.message, ::testing::HasSubstr("coincide"));
 }
@@ -273,7 +273,7 @@ TEST(BrunetMdh, SightlinesOfAnotherTemplateAreAnError) {
   Scene scene = Scene::bent(0.25);
   scene.lines.vertex(5) = 60;
   PluginUnderTest plugin(kId);
-  const Outcome out = scene.run(plugin);
+  const PluginAnswer out = scene.run(plugin);
   EXPECT_EQ(out.status, WEFT_ERROR);
   EXPECT_THAT(out.message, ::testing::HasSubstr("sightline 5"));
 }
@@ -298,7 +298,7 @@ TEST(BrunetMdh, APointThatComesToLieBehindTheCameraIsFlagged) {
   Scene scene = Scene::bent(0.25);
   scene.lines.ray.matrix<3>().row(33) *= -1.0;
   PluginUnderTest plugin(kId, "{yield_tension: 0}");
-  const Outcome out = scene.run(plugin);
+  const PluginAnswer out = scene.run(plugin);
   EXPECT_EQ(out.status, WEFT_DEGENERATE);
   EXPECT_THAT(out.message, ::testing::HasSubstr("behind the camera"));
   const Shape shape = out.get<Shape>().value();
@@ -310,7 +310,7 @@ TEST(BrunetMdh, ATemplateThatIsNotFiniteIsAnError) {
   Scene scene = Scene::bent(0.25);
   scene.templ.vertices_m(3, 2) = std::nan("");
   PluginUnderTest plugin(kId);
-  const Outcome out = scene.run(plugin);
+  const PluginAnswer out = scene.run(plugin);
   EXPECT_EQ(out.status, WEFT_ERROR);
   EXPECT_THAT(out.message, ::testing::HasSubstr("finite"));
 }

@@ -26,7 +26,7 @@ Correspondences matches_of(const Scene& scene, double off_px) {
 
 /// A shape and the memory that it lies in.
 struct Solved {
-  testing::Outcome outcome;
+  testing::PluginAnswer outcome;
   Shape shape = outcome.get<Shape>().value();
 };
 

@@ -11,10 +11,10 @@ namespace weft::particle_sft {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::Outcome;
+using testing::PluginAnswer;
 using testing::PluginUnderTest;
 
-Shape given(const Outcome& out) {
+Shape given(const PluginAnswer& out) {
   EXPECT_TRUE(out.status == WEFT_OK || out.status == WEFT_DEGENERATE) << out.message;
   const Shape shape = out.get<Shape>().value();
   EXPECT_TRUE(shape.vertices_m.matrix<3>().allFinite());
@@ -62,7 +62,7 @@ TEST(ParticleSftDegenerate, WithoutAStartItsReasonIsGiven) {
   Scene scene = Scene::bent(0.25);
   for (std::int64_t i = 0; i < 60; ++i) scene.aim(i, {300.0, 200.0});
   PluginUnderTest plugin(kId);
-  const Outcome out = scene.run(plugin);
+  const PluginAnswer out = scene.run(plugin);
   EXPECT_EQ(out.status, WEFT_NO_RESULT);
   EXPECT_THAT(out.message, HasSubstr("coincide"));
 }
@@ -84,7 +84,7 @@ TEST(ParticleSftDegenerate, SightlinesWithoutWeightDoNotCount) {
   Scene scene = Scene::bent(0.25);
   for (std::int64_t i = 2; i < 60; ++i) scene.lines.weight(i) = 0.0;
   PluginUnderTest plugin(kId);
-  const Outcome out = scene.run(plugin);
+  const PluginAnswer out = scene.run(plugin);
   EXPECT_EQ(out.status, WEFT_NO_RESULT);
   EXPECT_EQ(out.message, "too few sightlines: 2 of at least 3");
 }
@@ -93,7 +93,7 @@ TEST(ParticleSftDegenerate, NumbersThatAreNotFiniteAreErrorsThatNameTheirPlace) 
   Scene scene = Scene::bent(0.25);
   PluginUnderTest plugin(kId);
   const KnownPoints known = known_points({4, 5}, Points3::Constant(2, 3, std::nan("")), 0.01);
-  const Outcome point = scene.run(plugin, nullptr, &known);
+  const PluginAnswer point = scene.run(plugin, nullptr, &known);
   EXPECT_EQ(point.status, WEFT_ERROR);
   EXPECT_THAT(point.message, HasSubstr("known point 0"));
   scene.lines.ray(7, 1) = std::nan("");

@@ -217,10 +217,10 @@ TEST(HiddenBend, BringsASolverNearerToWhatItCannotSee) {
   }
   scene.look();
   testing::PluginUnderTest plugin(kId), flat(kId, "{continue_uncovered_bend: false}");
-  const testing::Outcome without = scene.run(flat);
+  const testing::PluginAnswer without = scene.run(flat);
   ASSERT_EQ(without.status, WEFT_OK) << without.message;
   const Shape first = without.get<Shape>().value();
-  const testing::Outcome with = plugin.process(
+  const testing::PluginAnswer with = plugin.process(
       0, {testing::input("template", scene.templ), testing::input("camera", scene.camera),
           testing::input("sightlines", scene.lines), testing::input("previous.shape", first),
           testing::input("visibility", sight)});
@@ -234,7 +234,8 @@ TEST(HiddenBend, BringsASolverNearerToWhatItCannotSee) {
     return sum;
   };
   EXPECT_LT(hidden_error_m(with.get<Shape>().value()), 0.5 * hidden_error_m(first));
-  const testing::Outcome uncovered = scene.run(plugin);  // in sight, but nothing was recognised
+  const testing::PluginAnswer uncovered =
+      scene.run(plugin);  // in sight, but nothing was recognised
   ASSERT_EQ(uncovered.status, WEFT_OK) << uncovered.message;
   EXPECT_LT(hidden_error_m(uncovered.get<Shape>().value()), 0.5 * hidden_error_m(first));
 }
@@ -310,7 +311,7 @@ struct OpenedHalfCylinder {
   }
 
   double side_error_m(testing::PluginUnderTest& plugin) const {
-    const testing::Outcome outcome = plugin.process(
+    const testing::PluginAnswer outcome = plugin.process(
         0, {testing::input("template", scene.templ), testing::input("camera", scene.camera),
             testing::input("sightlines", scene.lines),
             testing::input("previous.shape", shape_of(sides_bent_back())),

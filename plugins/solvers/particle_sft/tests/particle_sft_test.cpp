@@ -11,10 +11,10 @@
 namespace weft::particle_sft {
 namespace {
 
-using testing::Outcome;
+using testing::PluginAnswer;
 using testing::PluginUnderTest;
 
-Shape solved(const Outcome& out) {
+Shape solved(const PluginAnswer& out) {
   EXPECT_EQ(out.status, WEFT_OK) << out.message;
   return out.get<Shape>().value();
 }
@@ -214,7 +214,7 @@ TEST(ParticleSft, KnownPointsTooFarApartAreReportedAndRelaxed) {
   centres_m(0, 0) -= 0.1;
   const KnownPoints known = known_points({0, 9}, centres_m, 0.002);
   PluginUnderTest plugin(kId);
-  const Outcome out = scene.run(plugin, nullptr, &known);
+  const PluginAnswer out = scene.run(plugin, nullptr, &known);
   EXPECT_EQ(out.status, WEFT_DEGENERATE);
   EXPECT_THAT(out.message, ::testing::HasSubstr("known points"));
   const Shape shape = out.get<Shape>().value();
@@ -226,7 +226,7 @@ TEST(ParticleSft, AKnownPointOnAMissingVertexIsAnError) {
   const Scene scene = Scene::bent(0.25);
   const KnownPoints known = known_points({60}, Points3::Ones(1, 3), 0.0);
   PluginUnderTest plugin(kId);
-  const Outcome out = scene.run(plugin, nullptr, &known);
+  const PluginAnswer out = scene.run(plugin, nullptr, &known);
   EXPECT_EQ(out.status, WEFT_ERROR);
   EXPECT_THAT(out.message, ::testing::HasSubstr("vertex 60"));
 }
@@ -268,7 +268,7 @@ TEST(ParticleSft, AShapeThatThreeOf142MatchesSupportIsWeak) {
   Correspondences matches = matches_of(scene, 142);
   for (std::int64_t i = 3; i < matches.count(); ++i) matches.image_px(i, 1) += 25.0;
   PluginUnderTest plugin(kId);
-  const Outcome out = scene.run(plugin, &previous, nullptr, &matches);
+  const PluginAnswer out = scene.run(plugin, &previous, nullptr, &matches);
   const Shape shape = out.get<Shape>().value();
   EXPECT_EQ(shape.diag.value("agreeing_matches", -1.0), 3.0);
   EXPECT_EQ(shape.shape_state(), ShapeState::weak);
@@ -281,7 +281,7 @@ TEST(ParticleSft, TooLittleEvidenceIsNoResult) {
   EXPECT_EQ(scene.run(plugin, nullptr, nullptr, &few).status, WEFT_NO_RESULT);
   scene.seen = {0, 1};
   scene.look();
-  const Outcome out = scene.run(plugin);
+  const PluginAnswer out = scene.run(plugin);
   EXPECT_EQ(out.status, WEFT_NO_RESULT);
   EXPECT_EQ(out.message, "too few sightlines: 2 of at least 3");
 }
@@ -313,7 +313,7 @@ TEST(ParticleSft, ABrokenTemplateIsAnErrorNotACrash) {
   Scene scene = Scene::bent(0.25);
   scene.templ.faces(0, 0) = 777;
   PluginUnderTest plugin(kId);
-  const Outcome out = scene.run(plugin);
+  const PluginAnswer out = scene.run(plugin);
   EXPECT_EQ(out.status, WEFT_ERROR);
   EXPECT_THAT(out.message, ::testing::HasSubstr("777"));
 }

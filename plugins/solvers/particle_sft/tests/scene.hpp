@@ -102,9 +102,9 @@ struct Scene {
     lines.ray.matrix<3>().row(i) = unit_ray(testing::pinhole(camera), pixel).transpose();
   }
 
-  testing::Outcome run(testing::PluginUnderTest& plugin, const Shape* previous = nullptr,
-                       const KnownPoints* known = nullptr,
-                       const Correspondences* matches = nullptr) const {
+  testing::PluginAnswer run(testing::PluginUnderTest& plugin, const Shape* previous = nullptr,
+                            const KnownPoints* known = nullptr,
+                            const Correspondences* matches = nullptr) const {
     std::vector<testing::Input> inputs{testing::input("template", templ),
                                        testing::input("camera", camera),
                                        testing::input("sightlines", lines)};

@@ -122,7 +122,7 @@ TEST(Frex, HasTheNoiseThatIsAsked) {
 std::string refusal(const std::string& text) {
   try {
     PluginUnderTest plugin("sources/frex", text);
-    const Outcome opened = plugin.process(kOpen, {});
+    const PluginAnswer opened = plugin.process(kOpen, {});
     return opened.status == WEFT_OK ? "" : opened.message;
   } catch (const std::runtime_error& error) {
     return error.what();

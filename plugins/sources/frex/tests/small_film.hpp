@@ -31,13 +31,13 @@ class SmallFilm {
  public:
   explicit SmallFilm(const std::string& more = "", std::uint64_t run_seed = 1)
       : plugin_("sources/frex", params(more), run_seed) {
-    const Outcome opened = plugin_.process(kOpen, {});
+    const PluginAnswer opened = plugin_.process(kOpen, {});
     if (opened.status != WEFT_OK) throw std::runtime_error(opened.message);
     camera = *opened.get<Camera>();
   }
 
-  Outcome read(std::uint64_t frame) {
-    Outcome outcome = plugin_.process(kRead, {}, frame);
+  PluginAnswer read(std::uint64_t frame) {
+    PluginAnswer outcome = plugin_.process(kRead, {}, frame);
     if (outcome.status != WEFT_OK) throw std::runtime_error(outcome.message);
     return outcome;
   }

@@ -18,10 +18,10 @@ inline constexpr double kPosterPitch_mm = 0.25;
 struct OpenedSource : PluginUnderTest {
   explicit OpenedSource(const std::string& params, const std::string& id = "sources/frex_video")
       : PluginUnderTest(id, params) {
-    const Outcome opened = process(kOpen, {});
+    const PluginAnswer opened = process(kOpen, {});
     EXPECT_EQ(opened.status, WEFT_OK) << opened.message;
   }
-  Outcome frame(int index) { return process(kRead, {}, static_cast<std::uint64_t>(index)); }
+  PluginAnswer frame(int index) { return process(kRead, {}, static_cast<std::uint64_t>(index)); }
 };
 
 /// Distances in mm of the truth of some frames from the exact one.
@@ -30,7 +30,7 @@ inline std::vector<double> truth_errors_mm(const FilmedSheet& filmed, std::span<
   OpenedSource source(filmed.scene(", truth: " + truth, ", noise_grey: 1.5"));
   std::vector<double> errors_mm;
   for (const int index : frames) {
-    const Outcome frame = source.frame(index);
+    const PluginAnswer frame = source.frame(index);
     EXPECT_EQ(frame.status, WEFT_OK) << index << frame.message;
     const auto found = frame.get<GroundTruth>();
     if (!found) continue;
@@ -56,10 +56,10 @@ inline void expect_the_print_as_if_filmed(FilmedSheet& sheet_film, std::span<con
   OpenedSource blank(sheet_film.film("white.png", ", noise_grey: 0"), "sources/synthetic");
   std::vector<double> differences_grey, flow_px;
   for (const int index : frames) {
-    const Outcome frame = made.frame(index);
+    const PluginAnswer frame = made.frame(index);
     ASSERT_EQ(frame.status, WEFT_OK) << index << frame.message;
     const cv::Mat3b picture = view(frame.get<Image>()->pixels);
-    const Outcome filmed_frame = filmed.frame(index), blank_frame = blank.frame(index);
+    const PluginAnswer filmed_frame = filmed.frame(index), blank_frame = blank.frame(index);
     const cv::Mat1b expected = view(filmed_frame.get<Image>()->pixels);
     const cv::Mat1b brightness = view(blank_frame.get<Image>()->pixels);
     const auto uv_m = frame.get<GroundTruth>()->uv_m;

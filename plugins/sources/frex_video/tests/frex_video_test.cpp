@@ -22,7 +22,7 @@ using weft::testing::kCount;
 using weft::testing::kOpen;
 using weft::testing::kRead;
 using weft::testing::OpenedSource;
-using weft::testing::Outcome;
+using weft::testing::PluginAnswer;
 using weft::testing::PluginUnderTest;
 using weft::testing::view;
 
@@ -30,7 +30,7 @@ constexpr int kFrames[] = {170};
 
 std::string refusal(const std::string& params) {
   PluginUnderTest source("sources/frex_video", params);
-  const Outcome outcome = source.process(kOpen, {});
+  const PluginAnswer outcome = source.process(kOpen, {});
   EXPECT_EQ(outcome.status, WEFT_ERROR) << params;
   return outcome.message;
 }
@@ -54,7 +54,7 @@ TEST_F(FrexVideo, KnowsTheSurfaceBetterThanEachMarkerByItself) {
 
 TEST_F(FrexVideo, GivesATruthThatAgreesWithItself) {
   OpenedSource source(filmed_->scene());
-  const Outcome frame = source.frame(58);
+  const PluginAnswer frame = source.frame(58);
   ASSERT_EQ(frame.status, WEFT_OK) << frame.message;
   const GroundTruth truth = *frame.get<GroundTruth>();
   ASSERT_GT(truth.count(), 2000);
@@ -94,8 +94,8 @@ TEST_F(FrexVideo, GivesATruthThatAgreesWithItself) {
 
 TEST_F(FrexVideo, GivesTheSameBytesInAnyOrder) {
   OpenedSource one(filmed_->scene()), other(filmed_->scene());
-  const Outcome first = one.frame(17), later = other.frame(58), second = one.frame(58);
-  const Outcome again = other.frame(17);
+  const PluginAnswer first = one.frame(17), later = other.frame(58), second = one.frame(58);
+  const PluginAnswer again = other.frame(17);
   for (const auto& [a, b] : {std::pair{first, again}, std::pair{second, later}}) {
     const Image image = *a.get<Image>(), same = *b.get<Image>();
     EXPECT_TRUE(std::equal(image.pixels.data(), image.pixels.data() + image.pixels.size(),
@@ -110,7 +110,7 @@ TEST_F(FrexVideo, GivesTheSameBytesInAnyOrder) {
 TEST_F(FrexVideo, LeavesOutFramesWithoutTheSheetAndSaysWhy) {
   OpenedSource source(filmed_->scene("", ", invisible_frames: [1]"));
   EXPECT_EQ(source.process(kCount, {}).get<weft::Count>()->frames, 200);
-  const Outcome empty = source.frame(1);
+  const PluginAnswer empty = source.frame(1);
   EXPECT_EQ(empty.status, WEFT_DEGENERATE);
   EXPECT_THAT(empty.message, HasSubstr("of 100 markers 0 are found"));
   EXPECT_TRUE(empty.get<weft::Time>());
@@ -126,7 +126,7 @@ TEST_F(FrexVideo, ReadsAVideoToItsEnd) {
                          cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 30.0, {640, 480});
   for (int index = 0; index < 3; ++index) {
     cv::Mat picture;
-    const Outcome frame = film.frame(10 * index);
+    const PluginAnswer frame = film.frame(10 * index);
     cv::cvtColor(view(frame.get<Image>()->pixels), picture, cv::COLOR_GRAY2BGR);
     // The second one is a mirror image, as some programs record the user.
     if (index == 1) cv::flip(picture, picture, 1);
@@ -153,7 +153,7 @@ TEST_F(FrexVideo, PutsPicturesOfAnyShapeInTheMiddleOfWhitePaper) {
                       "}, layout: '" + filmed_->folder.path("sheet.yaml") + "', texture: '" +
                       filmed_->folder.path("upright.png") +
                       "', background: white, noise_grey: 0, ambient: 1}");
-  const Outcome frame = source.frame(0);
+  const PluginAnswer frame = source.frame(0);
   ASSERT_EQ(frame.status, WEFT_OK) << frame.message;
   const cv::Mat3b picture = view(frame.get<Image>()->pixels);
   // 105 mm of 297 mm wide, in the middle of a sheet that is 405.9 px wide.

@@ -26,18 +26,18 @@ class Held {
                 "{frames: {use: sources/synthetic, params: {texture: " WEFT_TEXTURES
                 "sheet_texture.png, image_width_px: 64, image_height_px: 48, focal_px: 80}}, " +
                     params + "}") {
-    const Outcome opened = plugin_.process(kOpen, {});
+    const PluginAnswer opened = plugin_.process(kOpen, {});
     if (opened.status != WEFT_OK) throw std::runtime_error(opened.message);
   }
 
-  Outcome read(std::uint64_t frame) { return plugin_.process(kRead, {}, frame); }
+  PluginAnswer read(std::uint64_t frame) { return plugin_.process(kRead, {}, frame); }
 
  private:
   PluginUnderTest plugin_;
 };
 
 /// What each gripper says less what is true [P,3], mm; it must name a true point of the template.
-Points3 errors_mm(const Outcome& frame) {
+Points3 errors_mm(const PluginAnswer& frame) {
   const KnownPoints known = frame.get<KnownPoints>().value();
   const GroundTruth truth = frame.get<GroundTruth>().value();
   Points3 errors(known.count(), 3);
@@ -57,7 +57,7 @@ Points3 errors_mm(const Outcome& frame) {
 
 TEST(Grippers, HoldThePlacesThatTheyAreNamedFor) {
   Held held("count: 8, radius_mm: 3");
-  const Outcome frame = held.read(20);
+  const PluginAnswer frame = held.read(20);
   ASSERT_EQ(frame.status, WEFT_OK) << frame.message;
   EXPECT_TRUE(frame.get<Image>() && frame.get<Time>());
   EXPECT_EQ(errors_mm(frame).cwiseAbs().maxCoeff(), 0.0);

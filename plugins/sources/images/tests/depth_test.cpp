@@ -45,10 +45,10 @@ TEST_P(DepthOfSize, IsThatOfTheFileInMetres) {
   const FrameFolder folder;
   fill(folder, size);
   auto source = with_depth(folder);
-  const Outcome opened = source.process(kOpen, {});
+  const PluginAnswer opened = source.process(kOpen, {});
   ASSERT_EQ(opened.status, WEFT_OK) << opened.message;
   EXPECT_FALSE(source.process(kRead, {}, 0).get<GroundTruth>().has_value());
-  const Outcome read = source.process(kRead, {}, 1);
+  const PluginAnswer read = source.process(kRead, {}, 1);
   const auto truth = read.get<GroundTruth>();
   ASSERT_TRUE(truth.has_value()) << read.message;
   EXPECT_EQ(truth->kind, "depth");
@@ -94,7 +94,7 @@ TEST(Depth, WithoutAFrameIsRefused) {
   const FrameFolder folder;
   fill(folder);
   folder.write_image("depth/c.png", depth_of({8, 6}));
-  const Outcome opened = with_depth(folder).process(kOpen, {});
+  const PluginAnswer opened = with_depth(folder).process(kOpen, {});
   EXPECT_EQ(opened.status, WEFT_ERROR);
   EXPECT_THAT(opened.message, HasSubstr("c.png: belongs to no frame: no image has the stem 'c'"));
 }
@@ -104,7 +104,7 @@ TEST(Depth, OfTwoFramesWithOneStemIsRefused) {
   fill(folder);
   folder.write_frame("frames/b.bmp");
   auto source = images_source(folder, "frames/*", "depth: '" + folder.path("depth/*.png") + "'");
-  const Outcome opened = source.process(kOpen, {});
+  const PluginAnswer opened = source.process(kOpen, {});
   EXPECT_EQ(opened.status, WEFT_ERROR);
   EXPECT_THAT(opened.message, HasSubstr("two frames have the stem 'b'"));
 }
@@ -116,7 +116,7 @@ TEST(Depth, ThatIsNoDepthImageOfTheCameraFailsItsFrame) {
   ASSERT_EQ(source.process(kOpen, {}).status, WEFT_OK);
   const auto message = [&](const cv::Mat& image) {
     folder.write_image("depth/b.png", image);
-    const Outcome read = source.process(kRead, {}, 1);
+    const PluginAnswer read = source.process(kRead, {}, 1);
     EXPECT_EQ(read.status, WEFT_ERROR);
     return read.message;
   };

@@ -18,11 +18,11 @@ using weft::testing::images_source;
 using weft::testing::kCount;
 using weft::testing::kOpen;
 using weft::testing::kRead;
-using weft::testing::Outcome;
+using weft::testing::PluginAnswer;
 using weft::testing::PluginUnderTest;
 
 std::int64_t opened_count(PluginUnderTest& source) {
-  const Outcome opened = source.process(kOpen, {});
+  const PluginAnswer opened = source.process(kOpen, {});
   EXPECT_EQ(opened.status, WEFT_OK) << opened.message;
   return source.process(kCount, {}).get<weft::Count>()->frames;
 }
@@ -36,7 +36,7 @@ void fill(cv::Mat& image) {
 
 /// The message with which open() fails.
 std::string refusal(PluginUnderTest source) {
-  const Outcome opened = source.process(kOpen, {});
+  const PluginAnswer opened = source.process(kOpen, {});
   EXPECT_EQ(opened.status, WEFT_ERROR);
   return opened.message;
 }
@@ -54,7 +54,7 @@ TEST(ImagesSource, GivesFramesInBytewiseOrderWithTheirTime) {
   ASSERT_EQ(opened_count(source), 4);
   const std::vector<std::string> stems{"B11", "a", "b10", "b9"};
   for (std::uint64_t i = 0; i < 4; ++i) {
-    const Outcome frame = source.process(kRead, {}, i);
+    const PluginAnswer frame = source.process(kRead, {}, i);
     ASSERT_EQ(frame.status, WEFT_OK) << frame.message;
     const auto image = frame.get<weft::Image>();
     EXPECT_EQ(image->stem, stems[i]);
@@ -138,7 +138,7 @@ TEST(ImagesSource, AFrameThatCannotBeUsedIsAnErrorOfThatFrameOnly) {
                                                        {"5.png", "damaged"},
                                                        {}};
   for (std::uint64_t i = 0; i < 7; ++i) {
-    const Outcome frame = source.process(kRead, {}, i);
+    const PluginAnswer frame = source.process(kRead, {}, i);
     EXPECT_EQ(frame.status, expected[i].empty() ? WEFT_OK : WEFT_ERROR) << i;
     for (const std::string& part : expected[i]) EXPECT_THAT(frame.message, HasSubstr(part));
   }
@@ -150,7 +150,7 @@ TEST(ImagesSource, AFrameBeyondTheLastIsAnError) {
   folder.write_frame("frames/0.png");
   PluginUnderTest source = images_source(folder);
   ASSERT_EQ(opened_count(source), 1);
-  const Outcome frame = source.process(kRead, {}, 1);
+  const PluginAnswer frame = source.process(kRead, {}, 1);
   EXPECT_EQ(frame.status, WEFT_ERROR);
   EXPECT_THAT(frame.message, HasSubstr("no frame 1"));
 }
@@ -202,7 +202,7 @@ TEST(ImagesSource, ReadsTheKinectPaperSequence) {
   ASSERT_EQ(opened_count(source), 100);
   int with_truth = 0, apart = 0;
   for (std::uint64_t i = 0; i < 100; ++i) {
-    const Outcome frame = source.process(kRead, {}, i);
+    const PluginAnswer frame = source.process(kRead, {}, i);
     ASSERT_EQ(frame.status, WEFT_OK) << frame.message;
     const auto truth = frame.get<weft::GroundTruth>();
     if (!truth) continue;

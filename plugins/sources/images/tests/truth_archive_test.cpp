@@ -15,7 +15,7 @@ using weft::testing::FrameFolder;
 using weft::testing::images_source;
 using weft::testing::kOpen;
 using weft::testing::kRead;
-using weft::testing::Outcome;
+using weft::testing::PluginAnswer;
 using weft::testing::PluginUnderTest;
 
 /// Three frames, the second with an archive of this name.
@@ -70,7 +70,7 @@ TEST(TruthArchives, AreAnErrorOfTheirFrameWhenTheyAreDamaged) {
   folder.write("gt/010.npz", "no archive");
   auto images = source(folder);
   ASSERT_EQ(images.process(kOpen, {}).status, WEFT_OK);
-  const Outcome damaged = images.process(kRead, {}, 2);
+  const PluginAnswer damaged = images.process(kRead, {}, 2);
   EXPECT_EQ(damaged.status, WEFT_ERROR);
   EXPECT_THAT(damaged.message, HasSubstr("010.npz"));
   EXPECT_EQ(images.process(kRead, {}, 1).status, WEFT_OK);

@@ -15,7 +15,7 @@ using weft::testing::FrameFolder;
 using weft::testing::images_source;
 using weft::testing::kOpen;
 using weft::testing::kRead;
-using weft::testing::Outcome;
+using weft::testing::PluginAnswer;
 using weft::testing::PluginUnderTest;
 
 const std::string kHeader = "point_id,template_x_mm,template_y_mm,u_px,v_px,X_mm,Y_mm,Z_mm\n";
@@ -39,13 +39,13 @@ std::string refusal_of(const std::string& content) {
   const FrameFolder folder;
   fill(folder);
   folder.write("gt/009_a.csv", content);
-  const Outcome opened = source_with_truth(folder).process(kOpen, {});
+  const PluginAnswer opened = source_with_truth(folder).process(kOpen, {});
   EXPECT_EQ(opened.status, WEFT_ERROR) << content;
   return opened.message;
 }
 
 std::string refusal_of(const FrameFolder& folder, const std::string& more = "") {
-  const Outcome opened = source_with_truth(folder, more).process(kOpen, {});
+  const PluginAnswer opened = source_with_truth(folder, more).process(kOpen, {});
   EXPECT_EQ(opened.status, WEFT_ERROR);
   return opened.message;
 }
@@ -56,7 +56,7 @@ TEST(Truth, BelongsToTheFrameOfItsStemAndIsInMetres) {
   folder.write("gt/009_mdh_301.csv", kHeader + kRow + "m1,0,1,3,4,5,6,7e2\n");
   folder.write("gt/010.csv", kHeader + kRow);
   auto source = source_with_truth(folder, "apart: {\"009\": texture source}");
-  const Outcome opened = source.process(kOpen, {});
+  const PluginAnswer opened = source.process(kOpen, {});
   ASSERT_EQ(opened.status, WEFT_OK) << opened.message;
   EXPECT_FALSE(source.process(kRead, {}, 0).get<GroundTruth>().has_value());
   const auto truth = source.process(kRead, {}, 1).get<GroundTruth>();
@@ -83,7 +83,7 @@ TEST(Truth, ReadsColumnsInAnyOrderWithForeignLineEnds) {
                "\xEF\xBB\xBFZ_mm, Y_mm,X_mm,v_px,u_px,template_y_mm,template_x_mm,point_id\r\n"
                "3,2,1,0,0,5,4,p\r\n\r\n");
   auto source = source_with_truth(folder);
-  const Outcome opened = source.process(kOpen, {});
+  const PluginAnswer opened = source.process(kOpen, {});
   ASSERT_EQ(opened.status, WEFT_OK) << opened.message;
   const auto truth = source.process(kRead, {}, 1).get<GroundTruth>();
   ASSERT_TRUE(truth.has_value());
@@ -123,7 +123,7 @@ TEST(Truth, BelongsToTheFrameWhoseStemHasUnderscores) {
   folder.write("gt/a_b_mdh_301.csv", kHeader + kRow);
   folder.write("gt/frame_0001.csv", kHeader + kRow);
   auto source = source_with_truth(folder);
-  const Outcome opened = source.process(kOpen, {});
+  const PluginAnswer opened = source.process(kOpen, {});
   ASSERT_EQ(opened.status, WEFT_OK) << opened.message;
   const char* const kinds[] = {"c", "mdh_301", ""};
   for (std::uint64_t frame = 0; frame < 3; ++frame) {
@@ -140,7 +140,7 @@ TEST(Truth, BelongsToTheFrameOfTheLongestStemThatItsNameBeginsWith) {
   folder.write("gt/a_b.csv", kHeader + kRow);
   folder.write("gt/a_bc.csv", kHeader + kRow);
   auto source = source_with_truth(folder);
-  const Outcome opened = source.process(kOpen, {});
+  const PluginAnswer opened = source.process(kOpen, {});
   ASSERT_EQ(opened.status, WEFT_OK) << opened.message;
   EXPECT_EQ(source.process(kRead, {}, 0).get<GroundTruth>()->kind, "bc");
   EXPECT_EQ(source.process(kRead, {}, 1).get<GroundTruth>()->kind, "");
@@ -182,7 +182,7 @@ TEST(Truth, RefusesFramesThatItCannotTellApart) {
   folder.write_frame("frames/009.bmp");
   folder.write("gt/009_a.csv", kHeader + kRow);
   auto ambiguous = images_source(folder, "frames/*", "truth: '" + folder.path("gt/*.csv") + "'");
-  const Outcome refused = ambiguous.process(kOpen, {});
+  const PluginAnswer refused = ambiguous.process(kOpen, {});
   EXPECT_EQ(refused.status, WEFT_ERROR);
   EXPECT_THAT(refused.message, AllOf(HasSubstr("009.bmp"), HasSubstr("009.png")));
   auto without_truth = images_source(folder, "frames/*");

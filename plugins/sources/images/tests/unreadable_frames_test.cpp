@@ -22,7 +22,7 @@ using weft::testing::kCount;
 using weft::testing::kOpen;
 using weft::testing::kRead;
 using weft::testing::mistakes_of;
-using weft::testing::Outcome;
+using weft::testing::PluginAnswer;
 using weft::testing::PluginUnderTest;
 
 std::string bytes_of(const std::string& path) {
@@ -47,18 +47,18 @@ TEST(ImagesSource, TakesEveryMatchOfThePatternForAFrame) {
   const FrameFolder folder;
   add_unreadable(folder);
   PluginUnderTest source = images_source(folder);
-  const Outcome opened = source.process(kOpen, {});
+  const PluginAnswer opened = source.process(kOpen, {});
   ASSERT_EQ(opened.status, WEFT_OK) << opened.message;
   EXPECT_EQ(source.process(kCount, {}).get<weft::Count>()->frames, 8);
   const std::vector<std::string> reasons{"no such file",   "it is a folder", "no regular file",
                                          "can be decoded", "is 9 x 6 px",    "cut off"};
   for (std::uint64_t i = 0; i < reasons.size(); ++i) {
-    const Outcome frame = source.process(kRead, {}, i + 1);
+    const PluginAnswer frame = source.process(kRead, {}, i + 1);
     EXPECT_EQ(frame.status, WEFT_ERROR) << i + 1;
     EXPECT_THAT(frame.message, AllOf(HasSubstr(folder.path("frames/" + std::to_string(i + 1))),
                                      HasSubstr(reasons[i])));
   }
-  const Outcome last = source.process(kRead, {}, 7);
+  const PluginAnswer last = source.process(kRead, {}, 7);
   ASSERT_EQ(last.status, WEFT_OK) << last.message;
   EXPECT_EQ(last.get<weft::Image>()->stem, "7");
 }
@@ -74,10 +74,10 @@ TEST(ImagesSource, LeavesTruthWithItsFramesWhenOneCannotBeRead) {
   PluginUnderTest source =
       images_source(folder, "frames/*.png", "truth: '" + folder.path("gt/*") + "'");
   ASSERT_EQ(source.process(kOpen, {}).status, WEFT_OK);
-  const Outcome broken = source.process(kRead, {}, 0);
+  const PluginAnswer broken = source.process(kRead, {}, 0);
   EXPECT_EQ(broken.status, WEFT_ERROR);
   EXPECT_THAT(broken.message, HasSubstr("gt/0.npz"));
-  const Outcome last = source.process(kRead, {}, 7);
+  const PluginAnswer last = source.process(kRead, {}, 7);
   ASSERT_EQ(last.status, WEFT_OK) << last.message;
   EXPECT_DOUBLE_EQ(last.get<weft::GroundTruth>()->points_m(0, 2), 0.7);
 }
@@ -87,7 +87,7 @@ TEST(ImagesSource, RefusesASizeThatNoFrameHas) {
   folder.write_camera();
   folder.write_image("frames/a.png", cv::Mat(480, 640, CV_8UC1, cv::Scalar::all(1)));
   folder.write_image("frames/b.png", cv::Mat(480, 640, CV_8UC1, cv::Scalar::all(2)));
-  const Outcome opened = images_source(folder).process(kOpen, {});
+  const PluginAnswer opened = images_source(folder).process(kOpen, {});
   EXPECT_EQ(opened.status, WEFT_ERROR);
   EXPECT_THAT(opened.message, AllOf(HasSubstr("a.png: is 640 x 480 px"), HasSubstr("8 x 6 px")));
 }
@@ -97,7 +97,7 @@ TEST(ImagesSource, RefusesAPathOfWhichNothingCanBeRead) {
   folder.write_camera();
   fs::create_directory(folder.path("frames"));
   ASSERT_EQ(mkfifo(folder.path("frames/a.png").c_str(), 0600), 0);
-  const Outcome opened = images_source(folder).process(kOpen, {});
+  const PluginAnswer opened = images_source(folder).process(kOpen, {});
   EXPECT_EQ(opened.status, WEFT_ERROR);
   EXPECT_THAT(opened.message, AllOf(HasSubstr("a.png"), HasSubstr("no regular file")));
   EXPECT_THAT(mistakes_of("sources/images", "{path: '" + folder.path("frames/*.png") +

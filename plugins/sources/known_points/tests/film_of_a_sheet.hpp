@@ -78,9 +78,9 @@ class Film {
                 "sheet_texture.png, image_width_px: 64, image_height_px: 48, focal_px: 80, " +
                     frames + "}}, path: '" + rows + "'" + more + "}") {}
 
-  Outcome open() { return plugin_.process(kOpen, {}); }
+  PluginAnswer open() { return plugin_.process(kOpen, {}); }
   std::int64_t count() { return plugin_.process(kCount, {}).get<Count>()->frames; }
-  Outcome read(std::uint64_t frame) { return plugin_.process(kRead, {}, frame); }
+  PluginAnswer read(std::uint64_t frame) { return plugin_.process(kRead, {}, frame); }
 
  private:
   PluginUnderTest plugin_;

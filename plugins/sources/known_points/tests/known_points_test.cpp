@@ -33,12 +33,12 @@ std::string row_at(double time_s, double x_mm) {
 }
 
 void expect_open(Film& film) {
-  const Outcome opened = film.open();
+  const PluginAnswer opened = film.open();
   ASSERT_EQ(opened.status, WEFT_OK) << opened.message;
 }
 
 /// X of the only known point, mm; NaN without one.
-double only_x_mm(const Outcome& frame) {
+double only_x_mm(const PluginAnswer& frame) {
   const auto known = frame.get<KnownPoints>();
   if (!known) return std::nan("");
   EXPECT_EQ(known->count(), 1);
@@ -50,7 +50,7 @@ TEST(KnownPointSource, GivesEachFrameItsRowsAndWhatTheOtherSourceKnows) {
   Film film(folder.with("rows.csv", kByFrame));
   expect_open(film);
   EXPECT_EQ(film.count(), 10);
-  const Outcome second = film.read(2);
+  const PluginAnswer second = film.read(2);
   ASSERT_EQ(second.status, WEFT_OK) << second.message;
   EXPECT_TRUE(second.get<Image>() && second.get<Time>() && second.get<GroundTruth>());
   const auto known = second.get<KnownPoints>();
@@ -143,7 +143,7 @@ TEST(KnownPointSource, MistakesInFilesAreNamedWithLineAndColumn) {
       {head + "3,1,2,3,600\n3,1,2,3,600\n", ":3:1: gives the same point twice"}};
   const Folder folder;
   for (const auto& [content, message] : csv) {
-    const Outcome opened = Film(folder.with("rows.csv", content)).open();
+    const PluginAnswer opened = Film(folder.with("rows.csv", content)).open();
     EXPECT_EQ(opened.status, WEFT_ERROR) << content;
     EXPECT_THAT(opened.message, HasSubstr(message)) << content;
     EXPECT_THAT(opened.message, StartsWith(folder.path("rows.csv")));
@@ -159,7 +159,7 @@ TEST(KnownPointSource, MistakesInFilesAreNamedWithLineAndColumn) {
       {kByTime + "{\"frame\": 1, \"vertex\": 2, \"X_mm\": 1, \"Y_mm\": 1, \"Z_mm\": 1}\n",
        ":3:1: mixes"}};
   for (const auto& [content, message] : json) {
-    const Outcome opened = Film(folder.with("rows.jsonl", content)).open();
+    const PluginAnswer opened = Film(folder.with("rows.jsonl", content)).open();
     EXPECT_EQ(opened.status, WEFT_ERROR) << content;
     EXPECT_THAT(opened.message, HasSubstr(message)) << content;
   }
@@ -173,7 +173,7 @@ TEST(KnownPointSource, APipeIsReadAsFramesNeedIt) {
   const Writer writer(path);
   writer.say(row_at(0.0, 10.0) + row_at(0.05, 15.0) + row_at(0.12, 22.0));
   EXPECT_NEAR(only_x_mm(film.read(0)), 10.0, 1e-9);
-  const Outcome first = film.read(1);
+  const PluginAnswer first = film.read(1);
   EXPECT_EQ(first.status, WEFT_OK) << first.message;
   EXPECT_NEAR(only_x_mm(first), 20.0, 1e-6);
   writer.say(row_at(0.25, 35.0));
@@ -185,22 +185,22 @@ TEST(KnownPointSource, APipeThatIsSilentOrHasEndedIsSaidSo) {
   const std::string path = folder.with_pipe("robot");
   Film film(path, ", wait_ms: 20");
   expect_open(film);
-  const Outcome none = film.read(0);
+  const PluginAnswer none = film.read(0);
   EXPECT_EQ(none.status, WEFT_DEGENERATE);
   EXPECT_THAT(none.message, HasSubstr("silent for 20 ms: no row has come"));
   EXPECT_TRUE(none.get<Image>());
   {
     const Writer writer(path);
     writer.say(row_at(0.1, 10.0));
-    const Outcome late = film.read(1);
+    const PluginAnswer late = film.read(1);
     EXPECT_EQ(late.status, WEFT_DEGENERATE);  // a later row would have shown that this is all
     EXPECT_NEAR(only_x_mm(late), 10.0, 1e-9);
     writer.say(row_at(0.2, 20.0));
   }
-  const Outcome last = film.read(2);
+  const PluginAnswer last = film.read(2);
   EXPECT_EQ(last.status, WEFT_OK) << last.message;
   EXPECT_NEAR(only_x_mm(last), 20.0, 1e-9);
-  const Outcome after = film.read(4);
+  const PluginAnswer after = film.read(4);
   EXPECT_EQ(after.status, WEFT_DEGENERATE);
   EXPECT_THAT(after.message, HasSubstr("the pipe has ended: the last row is of 0.200000"));
   EXPECT_FALSE(after.get<KnownPoints>());
@@ -214,10 +214,10 @@ TEST(KnownPointSource, AMistakeInAPipeCostsOneFrame) {
   const Writer writer(path);
   writer.say(row_at(0.0, 10.0) + "\n{\"time_s\": 0.1, \"vertex\": }\n" + row_at(0.11, 11.0) +
              row_at(0.3, 30.0));
-  const Outcome broken = film.read(0);
+  const PluginAnswer broken = film.read(0);
   EXPECT_EQ(broken.status, WEFT_ERROR);
   EXPECT_THAT(broken.message, HasSubstr("robot:3:27: is not JSON"));
-  const Outcome next = film.read(1);
+  const PluginAnswer next = film.read(1);
   EXPECT_EQ(next.status, WEFT_OK) << next.message;
   EXPECT_NEAR(only_x_mm(next), 11.0 - 0.1, 1.0);
   EXPECT_NEAR(only_x_mm(film.read(2)), 20.0, 1.0);
@@ -226,7 +226,7 @@ TEST(KnownPointSource, AMistakeInAPipeCostsOneFrame) {
 TEST(KnownPointSource, WhatIsMissingIsSaidAtTheStart) {
   const Folder folder;
   EXPECT_THROW(Film(folder.path("none.csv")), std::runtime_error);
-  const Outcome broken =
+  const PluginAnswer broken =
       Film(folder.with("rows.csv", kByFrame), "", "frames: 10, cut_frames: [10]").open();
   EXPECT_EQ(broken.status, WEFT_ERROR);
   EXPECT_THAT(broken.message, HasSubstr("cut_frames"));

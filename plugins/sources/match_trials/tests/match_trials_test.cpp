@@ -20,11 +20,11 @@ class Trials {
  public:
   explicit Trials(const std::string& params = "{}", std::uint64_t run_seed = 1)
       : plugin_("sources/match_trials", params, run_seed) {
-    const Outcome opened = plugin_.process(kOpen, {});
+    const PluginAnswer opened = plugin_.process(kOpen, {});
     if (opened.status != WEFT_OK) throw std::runtime_error(opened.message);
     camera = *opened.get<Camera>();
   }
-  Outcome read(std::uint64_t trial) { return plugin_.process(kRead, {}, trial); }
+  PluginAnswer read(std::uint64_t trial) { return plugin_.process(kRead, {}, trial); }
   std::int64_t count() { return plugin_.process(kCount, {}).get<Count>()->frames; }
 
   Camera camera;
@@ -38,7 +38,7 @@ struct Trial {
   GroundTruth truth;
 };
 
-Trial trial_of(const Outcome& outcome) {
+Trial trial_of(const PluginAnswer& outcome) {
   if (outcome.status != WEFT_OK) throw std::runtime_error(outcome.message);
   return {*outcome.get<Correspondences>(), *outcome.get<GroundTruth>()};
 }
@@ -124,14 +124,14 @@ TEST(MatchTrials, HaveTheSameShapesAndTemplatePointsAtEveryCorrectRate) {
 
 TEST(MatchTrials, SayWhatToChangeWhereNoShapeIsAccepted) {
   Trials trials("{max_strain: 0, max_draws: 3}");
-  const Outcome outcome = trials.read(0);
+  const PluginAnswer outcome = trials.read(0);
   EXPECT_EQ(outcome.status, WEFT_ERROR);
   EXPECT_EQ(outcome.message.rfind("none of 3 shapes", 0), 0U) << outcome.message;
 }
 
 TEST(MatchTrials, RefuseATrialThatDoesNotExist) {
   Trials trials("{trials: 2}");
-  const Outcome outcome = trials.read(2);
+  const PluginAnswer outcome = trials.read(2);
   EXPECT_EQ(outcome.status, WEFT_ERROR);
   EXPECT_EQ(outcome.message, "there is no trial 2: the source has 2, counted from 0");
 }

@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 
 const std::string kPlaces = "template_x_px,template_y_px,image_x_px,image_y_px";
 
-Outcome opened(PluginUnderTest& source) { return source.process(kOpen, {}); }
+PluginAnswer opened(PluginUnderTest& source) { return source.process(kOpen, {}); }
 
 TEST(Matches, AreReadAFileAFrameInTheOrderOfTheirNames) {
   const FrameFolder folder;
@@ -23,14 +23,14 @@ TEST(Matches, AreReadAFileAFrameInTheOrderOfTheirNames) {
   folder.write("sets/b.csv", kPlaces + "\n1,2,3,4\n5,6,7,8.5\n");
   folder.write("sets/a.csv", kPlaces + "\n0.25,0.5,1e0,2\n");
   auto source = matches_source(folder, "sets/*.csv", "fps: 10");
-  const Outcome camera = opened(source);
+  const PluginAnswer camera = opened(source);
   ASSERT_EQ(camera.status, WEFT_OK) << camera.message;
   EXPECT_EQ(camera.get<Camera>()->fy, 11.0);
   EXPECT_EQ(source.process(kCount, {}).get<Count>()->frames, 2);
   const auto first = source.process(kRead, {}, 0).get<Correspondences>();
   ASSERT_TRUE(first && first->count() == 1);
   EXPECT_EQ(first->template_px(0, 0), 0.25);
-  const Outcome second = source.process(kRead, {}, 1);
+  const PluginAnswer second = source.process(kRead, {}, 1);
   const auto matches = second.get<Correspondences>();
   ASSERT_TRUE(matches && matches->count() == 2);
   EXPECT_EQ(matches->template_px(1, 1), 6.0);
@@ -109,7 +109,7 @@ TEST(Matches, HaveTruePointsFromTheFileOfTheirStem) {
   folder.write("gt/000001_mdh.csv",
                "point_id,template_x_mm,template_y_mm,u_px,v_px,X_mm,Y_mm,Z_mm\nm,1,2,3,4,5,6,7\n");
   auto source = matches_source(folder, "all.csv", "truth: '" + folder.path("gt/*.csv") + "'");
-  const Outcome camera = opened(source);
+  const PluginAnswer camera = opened(source);
   ASSERT_EQ(camera.status, WEFT_OK) << camera.message;
   const auto truth = source.process(kRead, {}, 1).get<GroundTruth>();
   ASSERT_TRUE(truth.has_value());
@@ -130,7 +130,7 @@ TEST(Matches, LoseTheDistortionOfTheLens) {
   folder.write("a.csv", kPlaces + "\n1,2," + text(fx * x * (1.0 + k1 * r2) + cx) + "," +
                             text(fy * y * (1.0 + k1 * r2) + cy) + "\n");
   auto source = matches_source(folder, "a.csv");
-  const Outcome camera = opened(source);
+  const PluginAnswer camera = opened(source);
   ASSERT_EQ(camera.status, WEFT_OK) << camera.message;
   const auto matches = source.process(kRead, {}, 0).get<Correspondences>();
   ASSERT_TRUE(matches.has_value());

@@ -24,12 +24,12 @@ class Opened {
  public:
   explicit Opened(const std::string& more = "", std::uint64_t run_seed = 1)
       : plugin_("sources/synthetic", with_texture(more), run_seed) {
-    const Outcome opened = plugin_.process(kOpen, {});
+    const PluginAnswer opened = plugin_.process(kOpen, {});
     if (opened.status != WEFT_OK) throw std::runtime_error(opened.message);
     camera = *opened.get<Camera>();
   }
 
-  Outcome read(std::uint64_t frame) { return plugin_.process(kRead, {}, frame); }
+  PluginAnswer read(std::uint64_t frame) { return plugin_.process(kRead, {}, frame); }
   std::vector<std::uint8_t> pixels(std::uint64_t frame) {
     const Array<std::uint8_t> array = read(frame).get<Image>()->pixels;
     return {array.data(), array.data() + array.size()};
@@ -58,7 +58,7 @@ TEST(SyntheticSource, AnswersWithItsCameraAndCount) {
 
 TEST(SyntheticSource, NamesAndTimesItsFrames) {
   Opened source("fps: 25");
-  const Outcome frame = source.read(12);
+  const PluginAnswer frame = source.read(12);
   ASSERT_EQ(frame.status, WEFT_OK) << frame.message;
   EXPECT_EQ(frame.get<Image>()->stem, "000012");
   EXPECT_DOUBLE_EQ(frame.get<Time>()->t_s, 0.48);
@@ -158,7 +158,7 @@ TEST(SyntheticSource, ShowsTheBackgroundInInvisibleFramesAndStillKnowsTheTruth) 
 std::string refusal(const std::string& params) {
   try {
     PluginUnderTest plugin("sources/synthetic", params);
-    const Outcome opened = plugin.process(kOpen, {});
+    const PluginAnswer opened = plugin.process(kOpen, {});
     return opened.status == WEFT_OK ? "" : opened.message;
   } catch (const std::runtime_error& error) {
     return error.what();

@@ -20,7 +20,7 @@ using weft::testing::FrameFolder;
 using weft::testing::kCount;
 using weft::testing::kOpen;
 using weft::testing::kRead;
-using weft::testing::Outcome;
+using weft::testing::PluginAnswer;
 using weft::testing::PluginUnderTest;
 
 constexpr int kWidth = 64, kHeight = 48, kBits = 8, kFrames = 40;
@@ -56,7 +56,7 @@ void write_video(const std::string& path, int frames = kFrames, int backend = cv
 
 struct OpenedSource : PluginUnderTest {
   explicit OpenedSource(const std::string& params) : PluginUnderTest("sources/video", params) {
-    const Outcome opened = process(kOpen, {});
+    const PluginAnswer opened = process(kOpen, {});
     EXPECT_EQ(opened.status, WEFT_OK) << opened.message;
     EXPECT_EQ(process(kCount, {}).get<weft::Count>()->frames, -1);
   }
@@ -81,7 +81,7 @@ class VideoSource : public ::testing::Test {
   }
   std::string refusal(const std::string& more) const {
     PluginUnderTest source("sources/video", params(more));
-    const Outcome outcome = source.process(kOpen, {});
+    const PluginAnswer outcome = source.process(kOpen, {});
     EXPECT_EQ(outcome.status, WEFT_ERROR) << more;
     return outcome.message;
   }
@@ -101,7 +101,7 @@ class VideoSource : public ::testing::Test {
 std::vector<int> numbers(PluginUnderTest& source) {
   std::vector<int> found;
   for (std::uint64_t i = 0; i < 2 * kFrames; ++i) {
-    const Outcome frame = source.process(kRead, {}, i);
+    const PluginAnswer frame = source.process(kRead, {}, i);
     if (frame.status == WEFT_NO_RESULT) break;
     EXPECT_EQ(frame.status, WEFT_OK) << frame.message;
     found.push_back(number_in(*frame.get<weft::Image>()));
@@ -113,7 +113,7 @@ TEST_F(VideoSource, GivesEachFrameOnceAndThenNoResult) {
   write_video(folder_.path("clip.avi"));
   OpenedSource source = opened("clip.avi");
   for (int i = 0; i < kFrames; ++i) {
-    const Outcome frame = source.process(kRead, {}, static_cast<std::uint64_t>(i));
+    const PluginAnswer frame = source.process(kRead, {}, static_cast<std::uint64_t>(i));
     ASSERT_EQ(frame.status, WEFT_OK) << frame.message;
     const auto image = frame.get<weft::Image>();
     EXPECT_THAT(std::vector<std::int64_t>({image->pixels.rows(), image->pixels.size()}),
@@ -130,7 +130,7 @@ TEST_F(VideoSource, GivesEachFrameOnceAndThenNoResult) {
 
 /// Frames in random order, past the end too, against the frames in order.
 void expect_same_in_any_order(OpenedSource source, OpenedSource shuffled) {
-  std::vector<Outcome> in_order;
+  std::vector<PluginAnswer> in_order;
   for (std::uint64_t i = 0; i < kFrames; ++i) {
     in_order.push_back(source.process(kRead, {}, i));
     ASSERT_EQ(number_in(*in_order.back().get<weft::Image>()), static_cast<int>(i));
@@ -140,7 +140,7 @@ void expect_same_in_any_order(OpenedSource source, OpenedSource shuffled) {
   weft::Rng rng(kSeed);
   for (int draw = 0; draw < 60; ++draw) {
     const auto i = rng.below(kFrames + 3);
-    const Outcome frame = shuffled.process(kRead, {}, i);
+    const PluginAnswer frame = shuffled.process(kRead, {}, i);
     ASSERT_EQ(frame.status, i < kFrames ? WEFT_OK : WEFT_NO_RESULT) << i << frame.message;
     if (i >= kFrames) continue;
     const auto image = frame.get<weft::Image>(), expected = in_order[i].get<weft::Image>();
@@ -178,7 +178,7 @@ TEST_F(VideoSource, TakesTheTimesOfTheContainer) {
   folder_.write("uneven.mkv", bytes);
   OpenedSource source = opened("uneven.mkv");
   for (std::uint64_t i = 0; i < times_ms.size(); ++i) {
-    const Outcome frame = source.process(kRead, {}, i);
+    const PluginAnswer frame = source.process(kRead, {}, i);
     ASSERT_EQ(frame.status, WEFT_OK) << frame.message;
     EXPECT_NEAR(frame.get<weft::Time>()->t_s, times_ms[i] * 1e-3, 1e-9);
     EXPECT_EQ(number_in(*frame.get<weft::Image>()), static_cast<int>(i));
@@ -188,7 +188,7 @@ TEST_F(VideoSource, TakesTheTimesOfTheContainer) {
 TEST_F(VideoSource, SkipsTheStartTakesEveryStepThFrameAndStops) {
   write_video(folder_.path("clip.avi"));
   OpenedSource some = opened("clip.avi", ", start_s: 1, step: 7, max_frames: 3");
-  const Outcome second = some.process(kRead, {}, 1);
+  const PluginAnswer second = some.process(kRead, {}, 1);
   EXPECT_NEAR(second.get<weft::Time>()->t_s, 7 / kFps, 1e-9);
   EXPECT_EQ(second.get<weft::Image>()->stem, "clip_000017");
   EXPECT_THAT(numbers(some), ElementsAre(10, 17, 24));
@@ -201,7 +201,7 @@ TEST_F(VideoSource, RemovesTheDistortionOfTheLens) {
   write_video(folder_.path("clip.avi"));
   const auto white = [&](const std::string& distortion) {
     write_camera(kWidth, distortion);
-    const Outcome frame = opened("clip.avi").process(kRead, {}, 0b11);
+    const PluginAnswer frame = opened("clip.avi").process(kRead, {}, 0b11);
     const auto image = *frame.get<weft::Image>();
     std::int64_t count = 0;
     for (std::int64_t u = 0; u < kWidth; ++u) {
@@ -250,7 +250,7 @@ TEST_F(VideoSource, AVideoThatWasCutOffIsAnErrorOfTheFirstMissingFrameOnly) {
   EXPECT_GT(end, 10U);
   EXPECT_LT(end, 25U);
   for (int repeat = 0; repeat < 2; ++repeat) {
-    const Outcome missing = source.process(kRead, {}, end);
+    const PluginAnswer missing = source.process(kRead, {}, end);
     EXPECT_EQ(missing.status, WEFT_ERROR);
     EXPECT_THAT(missing.message, AllOf(HasSubstr("half.avi"), HasSubstr("4.000 s")));
     EXPECT_EQ(source.process(kRead, {}, end + 1).status, WEFT_NO_RESULT);

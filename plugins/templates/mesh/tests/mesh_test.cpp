@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 using weft::Points2;
 using weft::Points3;
 using weft::Template;
-using weft::testing::Outcome;
+using weft::testing::PluginAnswer;
 using weft::testing::PluginUnderTest;
 
 constexpr int kColumns = 13, kRows = 7;
@@ -98,7 +98,7 @@ class MeshTemplate : public ::testing::Test {
     return (folder_ / name).string();
   }
 
-  Outcome build(const std::string& mesh, const std::string& more = "") {
+  PluginAnswer build(const std::string& mesh, const std::string& more = "") {
     const std::string texture = (folder_ / "t.png").string();
     plugins_.push_back(std::make_unique<PluginUnderTest>(
         "templates/mesh", "{mesh: '" + mesh + "', texture: '" + texture + "'" + more + "}"));
@@ -106,7 +106,7 @@ class MeshTemplate : public ::testing::Test {
   }
 
   Template built(const std::string& text, const std::string& more = "") {
-    const Outcome outcome = build(write(text), more);
+    const PluginAnswer outcome = build(write(text), more);
     EXPECT_EQ(outcome.status, WEFT_OK) << outcome.message;
     auto templ = outcome.get<Template>();
     if (!templ) throw std::runtime_error("no template");
@@ -114,7 +114,7 @@ class MeshTemplate : public ::testing::Test {
   }
 
   std::string refusal(const std::string& text, const std::string& more = "") {
-    const Outcome outcome = build(write(text), more);
+    const PluginAnswer outcome = build(write(text), more);
     EXPECT_EQ(outcome.status, WEFT_ERROR) << text;
     return outcome.message;
   }
@@ -210,7 +210,7 @@ TEST_F(MeshTemplate, SaysWhatToChangeWhenTheWholeMeshCannotBeUsed) {
     bare.erase(at, std::min(bare.find_first_of(" \n", at), bare.size()) - at);
   }
   EXPECT_THAT(refusal(bare, ", coordinates: flattened"), HasSubstr("the surface is closed"));
-  const Outcome missing = build(folder_.string());
+  const PluginAnswer missing = build(folder_.string());
   EXPECT_EQ(missing.status, WEFT_ERROR);
   EXPECT_THAT(missing.message, HasSubstr("it is a folder"));
 }
@@ -230,7 +230,7 @@ TEST_F(MeshTemplate, FlattensNothingButADisc) {
 }
 
 TEST_F(MeshTemplate, SaysThatPartsDoNotTouch) {
-  const Outcome outcome = build(
+  const PluginAnswer outcome = build(
       write("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 0\nvt 0 0\nvt .4 0\nvt 0 .4\nvt .6 "
             ".6\nvt 1 .6\nvt .6 1\nf 1/1 2/2 3/3\nf 4/4 5/5 6/6\n"));
   EXPECT_EQ(outcome.status, WEFT_DEGENERATE);

@@ -16,7 +16,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using weft::Template;
-using weft::testing::Outcome;
+using weft::testing::PluginAnswer;
 using weft::testing::PluginUnderTest;
 
 class OutlineTemplate : public ::testing::Test {
@@ -37,14 +37,14 @@ class OutlineTemplate : public ::testing::Test {
     return path;
   }
 
-  Outcome build(const std::string& photo, const std::string& more) {
+  PluginAnswer build(const std::string& photo, const std::string& more) {
     plugins_.push_back(std::make_unique<PluginUnderTest>("templates/outline",
                                                          "{photo: '" + photo + "', " + more + "}"));
     return plugins_.back()->process(0, {});
   }
 
   Template built(const std::string& photo, const std::string& more) {
-    const Outcome outcome = build(photo, more);
+    const PluginAnswer outcome = build(photo, more);
     EXPECT_EQ(outcome.status, WEFT_OK) << outcome.message;
     auto templ = outcome.get<Template>();
     if (!templ) throw std::runtime_error("no template");
@@ -139,7 +139,7 @@ TEST_F(OutlineTemplate, TakesTheOutlineFromAMaskOrFromTransparency) {
 TEST_F(OutlineTemplate, SaysThatAnObjectMayBeCutOff) {
   cv::Mat photo(300, 420, CV_8UC3, cv::Scalar(238, 236, 240));
   cv::circle(photo, {40, 150}, 90, cv::Scalar(160, 70, 30), cv::FILLED);
-  const Outcome outcome = build(write("cut.png", photo), "length_m: 0.1");
+  const PluginAnswer outcome = build(write("cut.png", photo), "length_m: 0.1");
   EXPECT_EQ(outcome.status, WEFT_DEGENERATE);
   EXPECT_THAT(outcome.message, HasSubstr("reaches the border"));
   EXPECT_TRUE(outcome.get<Template>());
@@ -153,7 +153,7 @@ TEST_F(OutlineTemplate, RefusesAnObjectThatFallsApart) {
     }
   }
   const std::string path = write("print.png", photo);
-  const Outcome outcome = build(path, "length_m: 0.3, smallest_hole: 0");
+  const PluginAnswer outcome = build(path, "length_m: 0.3, smallest_hole: 0");
   EXPECT_EQ(outcome.status, WEFT_ERROR);
   EXPECT_THAT(outcome.message, HasSubstr("print.png: the object falls apart: "));
   EXPECT_THAT(outcome.message, HasSubstr("smallest_hole: 1 fills the holes"));
@@ -172,7 +172,7 @@ TEST_F(OutlineTemplate, SaysWhatToChangeWhenThereIsNoOutline) {
   const std::string empty = write("table.png", table), photo = write("p.png", ellipse());
   const std::string black = write("black.png", cv::Mat::zeros(300, 420, CV_8UC1));
   const std::string small = write("small.png", cv::Mat::zeros(30, 42, CV_8UC1));
-  const std::vector<std::pair<Outcome, std::string>> cases{
+  const std::vector<std::pair<PluginAnswer, std::string>> cases{
       {build(empty, "length_m: 0.1"), "table.png: no object stands out"},
       {build(photo, "length_m: 0.1, mask: '" + black + "'"), "mask of the object is empty"},
       {build(photo, "length_m: 0.1, mask: '" + small + "'"), "size of the photograph, 420 x 300"},

@@ -21,7 +21,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using weft::Template;
 using weft::testing::mistakes_of;
-using weft::testing::Outcome;
+using weft::testing::PluginAnswer;
 using weft::testing::PluginUnderTest;
 
 /// A pattern in which no two neighbours are alike.
@@ -56,14 +56,14 @@ class RectangularTemplate : public ::testing::Test {
   }
 
   /// Params: the texture and, after it, `more`.
-  Outcome build(const std::string& texture, const std::string& more) {
+  PluginAnswer build(const std::string& texture, const std::string& more) {
     plugins_.push_back(std::make_unique<PluginUnderTest>(
         "templates/rectangular", "{texture: '" + texture + "'" + more + "}"));
     return plugins_.back()->process(0, {});
   }
 
   Template built(const std::string& texture, const std::string& more) {
-    const Outcome outcome = build(texture, more);
+    const PluginAnswer outcome = build(texture, more);
     EXPECT_EQ(outcome.status, WEFT_OK) << outcome.message;
     auto templ = outcome.get<Template>();
     if (!templ) throw std::runtime_error("no template");
@@ -180,7 +180,7 @@ TEST_F(RectangularTemplate, SaysWhatToChangeWhenTheTextureIsUnusable) {
       {write("deep.png", cv::Mat::zeros(4, 4, CV_16UC1)), "8 bits"},
       {write("clear.png", cv::Mat::zeros(4, 4, CV_8UC4)), "transparent everywhere"}};
   for (const auto& [texture, reason] : cases) {
-    const Outcome outcome = build(texture, ", width_m: 0.1");
+    const PluginAnswer outcome = build(texture, ", width_m: 0.1");
     EXPECT_EQ(outcome.status, WEFT_ERROR) << texture;
     EXPECT_THAT(outcome.message, AllOf(HasSubstr(texture), HasSubstr(reason)));
     EXPECT_THAT(mistakes_of("templates/rectangular", "{texture: '" + texture + "', width_m: 1}"),

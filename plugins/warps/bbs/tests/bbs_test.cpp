@@ -12,7 +12,7 @@ using weft::Rng;
 using weft::testing::affine;
 using weft::testing::diag;
 using weft::testing::matches_at;
-using weft::testing::Outcome;
+using weft::testing::PluginAnswer;
 using weft::testing::PluginUnderTest;
 using weft::testing::uniform_points;
 using weft::testing::WarpBench;
@@ -25,7 +25,7 @@ struct Bench : WarpBench {
 TEST(BbsWarp, ReproducesAffineMapsExactly) {
   Bench bench;
   Rng rng(1);
-  const Outcome outcome = bench.fit(matches_at(uniform_points(25, rng), affine));
+  const PluginAnswer outcome = bench.fit(matches_at(uniform_points(25, rng), affine));
   ASSERT_EQ(outcome.status, WEFT_OK) << outcome.message;
   const auto warp = *outcome.get<weft::Warp>();
   EXPECT_LT(bench.worst_error(warp, uniform_points(200, rng), affine), 1e-8);
@@ -37,7 +37,7 @@ TEST(BbsWarp, ReproducesAffineMapsExactly) {
 TEST(BbsWarp, FollowsASmoothMap) {
   Bench bench("{smoothing: dimensionless, lambda: 0.001}");
   Rng rng(2);
-  const Outcome outcome = bench.fit(matches_at(uniform_points(1000, rng), wavy));
+  const PluginAnswer outcome = bench.fit(matches_at(uniform_points(1000, rng), wavy));
   ASSERT_EQ(outcome.status, WEFT_OK) << outcome.message;
   EXPECT_LT(bench.worst_error(*outcome.get<weft::Warp>(), uniform_points(200, rng), wavy), 0.1);
 }
@@ -169,7 +169,7 @@ TEST(BbsWarp, FlagsMatchesOnALineAsDegenerate) {
   Bench bench;
   Points2 line(30, 2);
   for (int i = 0; i < 30; ++i) line.row(i) << 20.0 + 30.0 * i, 100.0 + 10.0 * i;
-  const Outcome outcome = bench.fit(matches_at(line, affine));
+  const PluginAnswer outcome = bench.fit(matches_at(line, affine));
   EXPECT_EQ(outcome.status, WEFT_DEGENERATE);
   EXPECT_LT(bench.worst_error(*outcome.get<weft::Warp>(), line, affine), 1e-6);
 }
@@ -184,7 +184,7 @@ TEST(BbsWarp, HasNoResultWhenNothingPenalisesWhatTheMatchesLeaveFree) {
   Rng rng(9);
   const Correspondences matches = matches_at(uniform_points(20, rng), affine);
   EXPECT_EQ(bench.fit(matches).status, WEFT_NO_RESULT);
-  const Outcome weak = nearly.fit(matches);
+  const PluginAnswer weak = nearly.fit(matches);
   EXPECT_EQ(weak.status, WEFT_DEGENERATE);
   EXPECT_EQ(weak.message, "the matches hardly determine the warp");
 }
@@ -207,7 +207,7 @@ TEST(BbsWarp, RefusesNumbersThatAreNotFinite) {
   Rng rng(11);
   Correspondences matches = matches_at(uniform_points(20, rng), affine);
   matches.image_px(5, 1) = std::nan("");
-  const Outcome outcome = bench.fit(matches);
+  const PluginAnswer outcome = bench.fit(matches);
   EXPECT_EQ(outcome.status, WEFT_ERROR);
   EXPECT_NE(outcome.message.find("match 5"), std::string::npos) << outcome.message;
   matches.kept(5) = 0;

@@ -45,10 +45,10 @@ inline const testing::SheetSpec kSheet{};
 struct WarpBench {
   WarpBench(const std::string& id, const std::string& params) : plugin(id, params) {}
 
-  Outcome fit(const Correspondences& matches) {
+  PluginAnswer fit(const Correspondences& matches) {
     return plugin.process(0, {input("correspondences", matches), input("template", templ)});
   }
-  Outcome fit(const Correspondences& matches, const Weights& weights) {
+  PluginAnswer fit(const Correspondences& matches, const Weights& weights) {
     return plugin.process(0, {input("correspondences", matches), input("template", templ),
                               input("weights", weights)});
   }
@@ -81,7 +81,7 @@ inline void expect_guesses(WarpBench& bench) {
   two << 100.0, 50.0, 700.0, 400.0;
   elsewhere << 0.0, 0.0, 900.0, 20.0, 300.0, 500.0;
   const auto expect = [&](const Points2& points, const Map& map) {
-    const Outcome outcome = bench.fit(matches_at(points, map));
+    const PluginAnswer outcome = bench.fit(matches_at(points, map));
     ASSERT_EQ(outcome.status, WEFT_DEGENERATE) << outcome.message;
     EXPECT_NE(outcome.message.find("guess"), std::string::npos) << outcome.message;
     EXPECT_LT(bench.worst_error(*outcome.get<Warp>(), elsewhere, map), 1e-6) << points.rows();

@@ -12,7 +12,7 @@ using weft::Rng;
 using weft::testing::affine;
 using weft::testing::diag;
 using weft::testing::matches_at;
-using weft::testing::Outcome;
+using weft::testing::PluginAnswer;
 using weft::testing::PluginUnderTest;
 using weft::testing::uniform_points;
 using weft::testing::WarpBench;
@@ -30,7 +30,7 @@ INSTANTIATE_TEST_SUITE_P(Centres, TpsWarp, ::testing::Values("grid", "matches"))
 TEST_P(TpsWarp, ReproducesAffineMapsExactly) {
   WarpBench bench = TpsWarp::bench();
   Rng rng(1);
-  const Outcome outcome = bench.fit(matches_at(uniform_points(25, rng), affine));
+  const PluginAnswer outcome = bench.fit(matches_at(uniform_points(25, rng), affine));
   ASSERT_EQ(outcome.status, WEFT_OK) << outcome.message;
   const auto warp = *outcome.get<weft::Warp>();
   EXPECT_LT(bench.worst_error(warp, uniform_points(200, rng), affine), 1e-6);
@@ -40,7 +40,7 @@ TEST_P(TpsWarp, ReproducesAffineMapsExactly) {
 TEST_P(TpsWarp, FollowsASmoothMap) {
   WarpBench bench = TpsWarp::bench(", lambda: 1e-8");
   Rng rng(2);
-  const Outcome outcome = bench.fit(matches_at(uniform_points(600, rng), wavy));
+  const PluginAnswer outcome = bench.fit(matches_at(uniform_points(600, rng), wavy));
   ASSERT_EQ(outcome.status, WEFT_OK) << outcome.message;
   EXPECT_LT(bench.worst_error(*outcome.get<weft::Warp>(), uniform_points(200, rng), wavy), 0.5);
 }
@@ -101,7 +101,7 @@ TEST_P(TpsWarp, HasNoResultWithoutMatchesAndAGuessForALine) {
   EXPECT_EQ(bench.fit(matches_at(Points2(0, 2), affine)).status, WEFT_NO_RESULT);
   Points2 line(30, 2);
   for (int i = 0; i < 30; ++i) line.row(i) << 20.0 + 30.0 * i, 100.0 + 10.0 * i;
-  const Outcome outcome = bench.fit(matches_at(line, affine));
+  const PluginAnswer outcome = bench.fit(matches_at(line, affine));
   EXPECT_EQ(outcome.status, WEFT_DEGENERATE);
   EXPECT_LT(bench.worst_error(*outcome.get<weft::Warp>(), line, affine), 1e-6);
 }
@@ -155,7 +155,7 @@ TEST(TpsWarpAlone, RefusesAModelThatIsNotItsOwn) {
   Rng rng(9);
   const Correspondences matches = matches_at(uniform_points(40, rng), affine);
   auto foreign = *bbs.fit(matches).get<weft::Warp>();
-  const Outcome outcome =
+  const PluginAnswer outcome =
       bench.plugin.evaluate(foreign, {weft::make_array<double>(uniform_points(3, rng)), 0});
   EXPECT_EQ(outcome.status, WEFT_ERROR);
   EXPECT_THAT(outcome.message, HasSubstr("'warps/bbs'"));
