@@ -89,16 +89,19 @@ ImageMotion image_motion(const ParticleSystem& system, const Pinhole& camera,
   Eigen::Array2d low = Eigen::Array2d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Array2d high = -low;
   Eigen::Vector2d moved = Eigen::Vector2d::Zero();
+  double apart_px = 0.0;
   for (const RayConstraint& seen : system.rays) {
     const Eigen::Vector2d measured =
         project(camera, Eigen::Vector3d(seen.ray[0], seen.ray[1], seen.ray[2]));
-    moved += measured - project(camera, seen_point_m(seen, vertices_m));
+    const Eigen::Vector2d gap = measured - project(camera, seen_point_m(seen, vertices_m));
+    moved += gap;
+    apart_px += gap.norm();
     low = low.min(measured.array());
     high = high.max(measured.array());
   }
   const double moved_px = moved.norm() / static_cast<double>(system.rays.size());
   return {std::isfinite(moved_px) ? moved_px : std::numeric_limits<double>::infinity(),
-          (high - low).matrix().norm()};
+          apart_px / static_cast<double>(system.rays.size()), (high - low).matrix().norm()};
 }
 
 Points3 depth_mirrored(const Points3& vertices_m) {

@@ -25,6 +25,9 @@ namespace {
 constexpr double kLostResidualPx = 6.0;
 // An object that jumped by this share of its size is found anew.
 constexpr double kJump = 0.25;
+// One that is within this share of its size was followed from the frame before; behind a cut it may
+// have bent while it stayed in its place.
+constexpr double kNear = 0.03;
 // Of the vertices: where so many are a guess that contradicts itself, the shape is weak.
 constexpr double kUnknownShare = 0.1;
 
@@ -40,6 +43,8 @@ class ParticleSft final : public Solver {
 
   explicit ParticleSft(Params& p) {
     p.read("damping", options_.damping, "", {0.0, 1.0}, "velocity lost in an iteration");
+    p.read("tracked_damping", tracked_damping_, "", {0.0, 1.0},
+           "the same from a previous shape that is within 3 % of the object's size in the image");
     p.read("stretch_stiffness", options_.stretch_stiffness, "", {0.0, 1.0},
            "share of an edge's excess that is taken back at once");
     p.read("bend_stiffness", options_.bend_stiffness, "", {0.0, 1.0},
@@ -98,13 +103,19 @@ class ParticleSft final : public Solver {
   /// where the result is doubtful, other starts are tried as well.
   Result<void> run_starts(const SolverInput& in, std::vector<Candidate>& candidates) {
     const std::optional<Points3> previous = previous_vertices(in);
-    const bool tracked = previous && is_tracked(in, *previous);
+    const ImageMotion motion =
+        previous ? image_motion(frame_.system, pinhole(in), *previous) : ImageMotion{};
+    const bool tracked = previous && is_tracked(in, motion);
     if (previous) {
-      if (auto run = relax(in, StartKind::previous, *previous, candidates); !run) return run;
+      RelaxationOptions options = options_;
+      if (tracked && motion.apart_px <= kNear * motion.diagonal_px)
+        options.damping = tracked_damping_;
+      auto run = relax(in, StartKind::previous, *previous, options, candidates);
+      if (!run) return run;
     }
     if (tracked && !candidates.back().doubtful()) return {};
     if (previous && !tracked) {
-      auto run = relax(in, StartKind::mirrored, depth_mirrored(*previous), candidates);
+      auto run = relax(in, StartKind::mirrored, depth_mirrored(*previous), options_, candidates);
       if (!run) return run;
     }
     const auto convex = start_.solve(asked_of_start(in));
@@ -115,7 +126,8 @@ class ParticleSft final : public Solver {
     if (convex->vertices_m.rows() != mesh_.vertex_count()) {
       return Error{Errc::plugin_failure, "the start has another number of vertices"};
     }
-    return relax(in, StartKind::convex, mesh_.smoothed(convex->vertices_m.matrix<3>()), candidates);
+    return relax(in, StartKind::convex, mesh_.smoothed(convex->vertices_m.matrix<3>()), options_,
+                 candidates);
   }
 
   /// The start is told the radii that this frame's known points have here.
@@ -137,15 +149,14 @@ class ParticleSft final : public Solver {
     return vertices_m;
   }
 
-  bool is_tracked(const SolverInput& in, const Points3& previous_m) const {
+  static bool is_tracked(const SolverInput& in, const ImageMotion& motion) {
     const ShapeState state = in.previous_shape->shape_state();
     if (state != ShapeState::estimated && state != ShapeState::weak) return false;
-    const ImageMotion motion = image_motion(frame_.system, pinhole(in), previous_m);
     return motion.moved_px <= kJump * motion.diagonal_px;
   }
 
   Result<void> relax(const SolverInput& in, StartKind start, const Points3& from_m,
-                     std::vector<Candidate>& candidates) {
+                     const RelaxationOptions& options, std::vector<Candidate>& candidates) {
     Candidate candidate{start, from_m, {}, {}};
     frame_.system.bending = mesh_.bending();
     if (!frame_.hidden.empty()) {
@@ -153,7 +164,7 @@ class ParticleSft final : public Solver {
       candidate.vertices_m = std::move(bend.shape_m);
       frame_.system.bending = std::move(bend.bending);
     }
-    candidate.relaxation = relaxation_.run(frame_.system, options_, candidate.vertices_m,
+    candidate.relaxation = relaxation_.run(frame_.system, options, candidate.vertices_m,
                                            [&] { return in.call.cancelled(); });
     if (candidate.relaxation.stop == Stop::cancelled) {
       return Error{Errc::cancelled, "cancelled"};
@@ -231,6 +242,7 @@ class ParticleSft final : public Solver {
   }
 
   RelaxationOptions options_;
+  double tracked_damping_ = 0.008;
   FrameOptions frame_options_;
   SolverComponent start_{"solvers/brunet_mdh"};
   double start_smoothing_ = 1.5;
@@ -248,5 +260,5 @@ class ParticleSft final : public Solver {
 }  // namespace weft::particle_sft
 
 using weft::particle_sft::ParticleSft;
-WEFT_PLUGIN(ParticleSft, "solvers/particle_sft", "1.4.0",
+WEFT_PLUGIN(ParticleSft, "solvers/particle_sft", "1.5.0",
             "Shape from sightlines by position based dynamics, tracked from frame to frame.")

@@ -86,6 +86,22 @@ TEST(ParticleSft, ContinuesFromThePreviousShape) {
   EXPECT_LT(scene.mean_error_m(shape), 0.002);
 }
 
+TEST(ParticleSft, DampsNearStartsAloneByTheirOwnDamping) {
+  const Scene scene = Scene::bent(0.25);
+  const Shape previous = shape_of(Scene::bent(0.27, {0.602, 0.001, 0, 0.01, 0, 0}).truth_m);
+  PluginUnderTest usual(kId), damped(kId, "{tracked_damping: 0.05}");
+  const Shape slow = solved(scene.run(usual, &previous)),
+              fast = solved(scene.run(damped, &previous));
+  EXPECT_LT(fast.diag.value("iterations", 0.0), slow.diag.value("iterations", 0.0));
+  EXPECT_LT(scene.mean_error_m(fast), 0.002);
+  const Shape moved = shape_of(Scene::bent(0.27, {0.6, 0.03, 0, 0, 0, 0}).truth_m);
+  const Shape usual_moved = solved(scene.run(usual, &moved));
+  EXPECT_EQ(usual_moved.vertices_m.matrix<3>(),
+            solved(scene.run(damped, &moved)).vertices_m.matrix<3>());
+  const Shape usual_convex = solved(scene.run(usual)), damped_convex = solved(scene.run(damped));
+  EXPECT_EQ(usual_convex.vertices_m.matrix<3>(), damped_convex.vertices_m.matrix<3>());
+}
+
 TEST(ParticleSft, TriesAllStartsAfterALoss) {
   const Scene scene = Scene::bent(0.25);
   const Points3 before_m = Scene::bent(0.3).truth_m;
