@@ -8,7 +8,7 @@ source scripts/common.sh
 
 usage() {
   cat <<'TEXT'
-usage: scripts/test.sh [--ci [--since REV] | --long [--all]] [--jobs N] [--without-...]
+usage: scripts/test.sh [--ci [--since REV] | --long [--all]] [--coverage] [--jobs N] [--without-...]
 
 Installs missing packages, builds the preset release and runs its tests labelled `quick`. Exits 1 if
 anything failed.
@@ -19,11 +19,13 @@ anything failed.
             what changed since REV (default: since the branch left main, on main since the commit
             before); scripts/tidy.py says more
   --long    all of --ci, with clang-tidy over everything, and: the tests labelled `long` in both
-            presets, those of asan with its test preset asan-stack, the quick tests in the presets
-            tsan and coverage (which prints the share of lines that they run), and the benchmarks of
-            the stages (build/benchmarks.log). What the preset tsan and clang-tidy passed before and
-            is unchanged since is skipped
+            presets, those of asan with its test preset asan-stack, the quick tests in the preset
+            tsan (of plugins, those that start threads), and the benchmarks of the stages
+            (build/benchmarks.log). What the preset tsan and clang-tidy passed before and is
+            unchanged since is skipped
   --all     skip nothing of that
+  --coverage
+            also: the quick tests in the preset coverage, and the share of lines that they run
   --without-contrib, --without-opencl, --without-pocl
             install less, see scripts/bootstrap.sh --help; what is not there is not tested
   --jobs N  compile and test N at a time (default: cores + 1, at most one for each 3 GiB of memory)
@@ -43,6 +45,7 @@ refuse() {
 ci=0
 long=0
 all=0
+coverage=0
 since=
 without=()
 jobs=$(weft_jobs)
@@ -51,6 +54,7 @@ while (($#)); do
     --ci) ci=1 ;;
     --long) long=1 ;;
     --all) all=1 ;;
+    --coverage) coverage=1 ;;
     --without-*) without+=("$1") ;;
     --since)
       since=${2:-}
@@ -78,7 +82,7 @@ fi
 
 summary=()
 skipped=()
-coverage=
+covered=
 failures=0
 
 # note RESULT SECONDS NAME [DETAIL]
@@ -201,10 +205,10 @@ run_benchmarks() {
       --benchmark_out=build/benchmarks.json --benchmark_out_format=json
 }
 
-coverage() {
+report_coverage() {
   build coverage || return 0
   if step "coverage tests" build/coverage/coverage.log measure_coverage; then
-    coverage=$(grep '^TOTAL' build/coverage/coverage.txt | awk '{print $4 " of " $2 " lines"}')
+    covered=$(grep '^TOTAL' build/coverage/coverage.txt | awk '{print $4 " of " $2 " lines"}')
   fi
 }
 
@@ -224,14 +228,14 @@ fi
 if ((long)); then
   build_and_test_tsan
   step benchmarks build/benchmarks.log run_benchmarks || true
-  coverage
 fi
+((coverage == 0)) || report_coverage
 
 echo
 echo "Summary"
 printf '  %s\n' "${summary[@]}"
-if [[ -n $coverage ]]; then
-  echo "Line coverage by the quick tests: $coverage; build/coverage/coverage.html"
+if [[ -n $covered ]]; then
+  echo "Line coverage by the quick tests: $covered; build/coverage/coverage.html"
 fi
 if ((${#skipped[@]})); then
   echo "Skipped tests"
