@@ -14,6 +14,9 @@ inline constexpr double kHighStrain = 0.02;
 // ... as it is with more than three times the usual noise; a shape in place has 1 to 2.
 inline constexpr double kHighEnergy = 9.0;
 
+// Where one edge in twenty is strained by more, a part may have folded over, such as a corner.
+inline constexpr double kCreased = 0.01;
+
 /// Where an iteration began; the numbers are those of diag.start.
 enum class StartKind { previous = 0, convex = 1, mirrored = 2 };
 
@@ -28,7 +31,9 @@ struct Candidate {
     return relaxation.stop != Stop::not_finite && !fit.mirrored && std::isfinite(fit.energy);
   }
   bool good() const { return fit.residual_px < kHighResidualPx && fit.strain < kHighStrain; }
-  bool doubtful() const { return !usable() || !good() || fit.energy > kHighEnergy; }
+  bool doubtful() const {
+    return !usable() || !good() || fit.energy > kHighEnergy || fit.crease > kCreased;
+  }
 };
 
 }  // namespace weft::particle_sft

@@ -14,6 +14,7 @@ namespace weft::particle_sft {
 struct Fit {
   double residual_px = 0.0;  ///< [] px, median distance of the seen points to their rays
   double strain = 0.0;       ///< [] mean |l / l0 - 1| over the edges
+  double crease = 0.0;       ///< [] 95th percentile of |l / l0 - 1| over the edges
   double energy = 0.0;       ///< [] mean trust (residual / 0.5 px)^2 + mean (strain / 0.02)^2
   bool mirrored = false;     ///< most seen faces turn the other way than in the image
 };
