@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Follows sheets with pipelines/tracked.yaml through what a tracker loses them by.
+// Follows sheets with pipelines/tracked.yaml and dense.yaml through what a tracker loses them by.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -77,6 +77,33 @@ TEST_F(TrackedSheets, AreFollowedBehindAnArmOrDetected) {
   }
   EXPECT_LT(metrics.all.solved_error.mean_mm, 1.5);
   EXPECT_LT(metrics.all.solved_error.worst_mm, 5.0);
+}
+
+class DenseSheets : public TrackedSheets {};
+
+TEST_F(DenseSheets, AreDetectedInTheFirstFrameAloneAndHalfAsFarOffAsWithoutFlow) {
+  const auto sparse = measure("demo.yaml", "source: {params: {frames: 30}}\n");
+  const auto dense = measure("dense.yaml", "source: {params: {frames: 30}}\n");
+  EXPECT_EQ(dense.counts.solved(), 30);
+  EXPECT_EQ(detected(), 1);
+  EXPECT_LT(dense.all.solved_error.mean_mm, 0.6 * sparse.all.solved_error.mean_mm);
+  EXPECT_LT(dense.all.solved_error.worst_mm, 0.6 * sparse.all.solved_error.worst_mm);
+}
+
+TEST_F(DenseSheets, AreDetectedInTheFrameOfACutAndBehindAGap) {
+  const auto metrics = measure("dense.yaml",
+                               "source: {params: {frames: 24, distance_m: 0.6, tilt_rad: 0.4, "
+                               "cut_frames: [7, 15], invisible_frames: [11, 19, 20]}}\n");
+  const std::set<std::size_t> invisible{11, 19, 20}, behind{0, 7, 12, 15, 21};
+  for (std::size_t i = 0; i < witness_.frames.size(); ++i) {
+    const bool is_seen = invisible.count(i) == 0;
+    const ShapeState expected = is_seen ? ShapeState::estimated : ShapeState::predicted;
+    EXPECT_EQ(witness_.frames[i].state, expected) << "frame " << i;
+    if (behind.count(i) == 0 && is_seen) {
+      EXPECT_FALSE(witness_.frames[i].is_detected) << "frame " << i;
+    }
+  }
+  EXPECT_LT(metrics.all.solved_error.worst_mm, 1.5);
 }
 
 }  // namespace

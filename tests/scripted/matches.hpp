@@ -153,10 +153,13 @@ class PatternMatcher final : public weft::Matcher {
   Eigen::Vector2d extent_ = Eigen::Vector2d::Zero();
 };
 
-/// All matches of several matchers, one behind the other.
+/// All matches of several matchers, one behind the other; one that is there to unite them, or one
+/// that reads them beside an image.
+template <bool kUnites>
 class Merger final : public weft::Matcher {
  public:
-  static constexpr weft::About kAbout{.reads = "correspondences"};
+  static constexpr weft::About kAbout{.reads =
+                                          kUnites ? "correspondences" : "image correspondences"};
 
   explicit Merger(weft::Params&) {}
 

@@ -6,8 +6,8 @@
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/face_locator.hpp>
 
-#include "patch.hpp"
-#include "picture.hpp"
+#include "common/view/patch.hpp"
+#include "common/view/picture.hpp"
 
 namespace weft::track {
 namespace {
@@ -18,10 +18,10 @@ constexpr float kLeastStrength = 1.0F;  // [(grey level/px)^2] mean over the win
 
 /// How well a place can be told from its surroundings: the smaller eigenvalue of the mean
 /// structure tensor, 0 at the border.
-Picture strength_of(const Picture& grey) {
+view::Picture strength_of(const view::Picture& grey) {
   const int width = grey.width, height = grey.height;
-  Picture xx, xy, yy, strength;
-  for (Picture* picture : {&xx, &xy, &yy, &strength}) {
+  view::Picture xx, xy, yy, strength;
+  for (view::Picture* picture : {&xx, &xy, &yy, &strength}) {
     picture->resize(width, height);
     std::fill(picture->values.begin(), picture->values.end(), 0.0F);
   }
@@ -55,7 +55,7 @@ Picture strength_of(const Picture& grey) {
 }
 
 /// 1 where all pixels within `margin` belong to the object and lie on its mesh.
-std::vector<std::uint8_t> interior_of(const Picture& grey, const Template& templ,
+std::vector<std::uint8_t> interior_of(const view::Picture& grey, const Template& templ,
                                       const FaceLocator& locator, int halvings, int margin) {
   const auto width = static_cast<std::ptrdiff_t>(grey.width);
   std::vector<std::uint8_t> inside(grey.values.size());
@@ -118,16 +118,17 @@ int halvings_for(const Template& templ, const Camera& camera) {
 Result<void> TexturePoints::load(const Template& templ, const Camera& camera, int most) {
   const auto locator = FaceLocator::create(templ.flat_px.matrix<2>(), templ.faces.matrix<3>(), 0.0);
   if (!locator) return locator.error();
-  Picture grey;
-  read_grey(templ.texture, grey);
+  view::Picture grey;
+  view::read_grey(templ.texture, grey);
   int halvings = 0;
   for (const int wanted = halvings_for(templ, camera);
-       halvings < wanted && std::min(grey.width, grey.height) > 4 * Patch::kSide; ++halvings) {
-    Picture half;
-    halve(grey, half);
+       halvings < wanted && std::min(grey.width, grey.height) > 4 * view::Patch::kSide;
+       ++halvings) {
+    view::Picture half;
+    view::halve(grey, half);
     grey = std::move(half);
   }
-  const Picture strength = strength_of(grey);
+  const view::Picture strength = strength_of(grey);
   const std::vector<std::uint8_t> inside = interior_of(grey, templ, *locator, halvings, kMargin);
   cell_px_ = std::sqrt(area_of(templ) / most);
   columns_ = static_cast<int>(std::ceil(static_cast<double>(templ.texture.dim(1)) / cell_px_));

@@ -84,9 +84,10 @@ class Track final : public Matcher {
                                            static_cast<std::uint64_t>(camera.height_px)};
     if (templ.revision != 0 && key == loaded_) return {};
     loaded_ = {};
-    if (templ.texture.dim(0) < Patch::kSide || templ.texture.dim(1) < Patch::kSide) {
+    if (templ.texture.dim(0) < view::Patch::kSide || templ.texture.dim(1) < view::Patch::kSide) {
       return Error{Errc::invalid_data, "the texture must have at least " +
-                                           std::to_string(Patch::kSide) + " px along each side"};
+                                           std::to_string(view::Patch::kSide) +
+                                           " px along each side"};
     }
     view_.load(templ);
     auto points = points_.load(templ, camera, max_points_);
@@ -204,8 +205,8 @@ class Track final : public Matcher {
 
   std::array<std::uint64_t, 3> loaded_{};
   TexturePoints points_;
-  PredictedView view_;
-  Pyramid image_;
+  view::PredictedView view_{kFinestDrawn};
+  view::Pyramid image_;
   Tracker tracker_;
   std::vector<std::int64_t> best_;  ///< by cell, the match of the previous frame, -1 for none
   std::vector<Target> targets_;

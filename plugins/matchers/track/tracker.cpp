@@ -28,7 +28,7 @@ bool is_found(const Target& target) {
   return target.fate == Fate::found && target.correlation >= kAlike;
 }
 
-bool is_inside(const Eigen::Vector2d& place_px, const Picture& image) {
+bool is_inside(const Eigen::Vector2d& place_px, const view::Picture& image) {
   return place_px.x() >= 0.0 && place_px.y() >= 0.0 &&
          place_px.x() < static_cast<double>(image.width) &&
          place_px.y() < static_cast<double>(image.height);
@@ -36,8 +36,8 @@ bool is_inside(const Eigen::Vector2d& place_px, const Picture& image) {
 
 }  // namespace
 
-void Tracker::find(const PredictedView& view, const Pyramid& image, const TrackerOptions& options,
-                   std::vector<Target>& targets) {
+void Tracker::find(const view::PredictedView& view, const view::Pyramid& image,
+                   const TrackerOptions& options, std::vector<Target>& targets) {
   const int reach = static_cast<int>(std::ceil(options.search_px / (1 << kSheetLevel)));
   shift_ = search_.find(view.level(kSheetLevel), image.level(kSheetLevel), reach);
   const Eigen::Vector2d shift_px =
@@ -59,43 +59,45 @@ void Tracker::find(const PredictedView& view, const Pyramid& image, const Tracke
 
 /// The patch of a target for pixels of a level, at the place where the target is looked for. Beside
 /// the border of what is drawn it is the nearest piece that was drawn wholly.
-Patch::Fit Tracker::take(const PredictedView& view, int level, const Target& target) {
-  Patch::Fit fit = Patch::Fit::not_drawn;
+view::Patch::Fit Tracker::take(const view::PredictedView& view, int level, const Target& target) {
+  view::Patch::Fit fit = view::Patch::Fit::not_drawn;
   for (const auto& [dx, dy] : kAsides) {
     fit = take(view, level, target, dx, dy);
-    if (fit != Patch::Fit::not_drawn) break;
+    if (fit != view::Patch::Fit::not_drawn) break;
   }
   return fit;
 }
 
 /// That which lies so many px of the level beside it.
-Patch::Fit Tracker::take(const PredictedView& view, int level, const Target& target, int dx,
-                         int dy) {
+view::Patch::Fit Tracker::take(const view::PredictedView& view, int level, const Target& target,
+                               int dx, int dy) {
   const double scale = 1 << level;
   const auto first = [&](double place_px, int aside) {
-    return static_cast<int>(std::lround(at_level(place_px, level))) - Patch::kSide / 2 + aside;
+    return static_cast<int>(std::lround(view::at_level(place_px, level))) - view::Patch::kSide / 2 +
+           aside;
   };
   const Eigen::Vector2d& expected_px = target.expected_px;
-  if (level >= PredictedView::kFinestDrawn) {
+  if (level >= view.finest()) {
     return patch_.take(view.level(level), first(expected_px.x(), dx), first(expected_px.y(), dy));
   }
   const Eigen::Matrix2d to_view = (Eigen::Matrix2d::Identity() + motion_.slope()).inverse();
   const Eigen::Vector2d middle_px = expected_px + to_view * (scale * Eigen::Vector2d(dx, dy));
-  if (!view.is_drawn(middle_px, scale * (0.5 * Patch::kSide))) return Patch::Fit::not_drawn;
+  if (!view.is_drawn(middle_px, scale * (0.5 * view::Patch::kSide)))
+    return view::Patch::Fit::not_drawn;
   const Eigen::Vector2d place_px = expected_px + target.by_px;
   const int x = first(place_px.x(), dx), y = first(place_px.y(), dy);
   const Eigen::Vector2d corner_px =
       scale * Eigen::Vector2d(x - 0.5, y - 0.5) - Eigen::Vector2d::Constant(0.5);  // of the border
-  const Lattice lattice{expected_px + to_view * (corner_px - place_px), scale * to_view.col(0),
-                        scale * to_view.col(1)};
+  const view::Lattice lattice{expected_px + to_view * (corner_px - place_px),
+                              scale * to_view.col(0), scale * to_view.col(1)};
   view.sample(target.point.face, level, lattice, samples_);
   return patch_.take(samples_, x, y);
 }
 
-void Tracker::align(const PredictedView& view, const Pyramid& image, int level,
+void Tracker::align(const view::PredictedView& view, const view::Pyramid& image, int level,
                     std::vector<Target>& targets) {
   const double scale = 1 << level;
-  const bool is_drawn = level >= PredictedView::kFinestDrawn;
+  const bool is_drawn = level >= view.finest();
   for (std::size_t i = 0; i < targets.size(); ++i) {
     Target& target = targets[i];
     // What was found at a quarter of the size is near enough for the full one.
@@ -103,18 +105,19 @@ void Tracker::align(const PredictedView& view, const Pyramid& image, int level,
     worked(100);
     target.fate = Fate::hidden;
     if (!is_inside(target.expected_px + target.by_px, image.level(0))) continue;
-    const Patch::Fit fit = take(view, level, target);
-    if (fit != Patch::Fit::usable) {
-      target.fate = fit == Patch::Fit::flat ? Fate::flat : Fate::hidden;
+    const view::Patch::Fit fit = take(view, level, target);
+    if (fit != view::Patch::Fit::usable) {
+      target.fate = fit == view::Patch::Fit::flat ? Fate::flat : Fate::hidden;
       continue;
     }
     // A patch that was drawn begins where it was expected, one that was made where it is now.
     const Eigen::Vector2d begin_px = is_drawn ? target.by_px : Eigen::Vector2d(0.0, 0.0);
     const Eigen::Vector2f start = (begin_px / scale).cast<float>();
-    const Alignment found = patch_.find_in(image.level(level), start.x(), start.y(), kReach_px);
+    const view::Alignment found =
+        patch_.find_in(image.level(level), start.x(), start.y(), kReach_px);
     target.correlation = found.correlation;
-    if (found.end == Alignment::End::left_image) continue;
-    target.fate = found.end == Alignment::End::converged ? Fate::found : Fate::unlike;
+    if (found.end == view::Alignment::End::left_image) continue;
+    target.fate = found.end == view::Alignment::End::converged ? Fate::found : Fate::unlike;
     if (target.fate != Fate::found) continue;
     target.by_px += scale * Eigen::Vector2d(found.dx, found.dy) - begin_px;
     deviations_px_[i] = patch_.deviation_px(found.correlation);

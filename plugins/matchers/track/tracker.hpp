@@ -4,14 +4,17 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "coarse_search.hpp"
+#include "common/view/coarse_search.hpp"
+#include "common/view/patch.hpp"
+#include "common/view/picture.hpp"
+#include "common/view/predicted_view.hpp"
 #include "motion.hpp"
-#include "patch.hpp"
-#include "picture.hpp"
-#include "predicted_view.hpp"
 #include "texture_points.hpp"
 
 namespace weft::track {
+
+/// Level from which on the view is drawn: finer pieces are made where they are wanted.
+inline constexpr int kFinestDrawn = 2;
 
 /// What became of a point.
 enum class Fate {
@@ -46,27 +49,28 @@ struct TrackerOptions {
 /// fitted to what was found. It leads those that were not, and turns and scales the patches.
 class Tracker {
  public:
-  void find(const PredictedView& view, const Pyramid& image, const TrackerOptions& options,
-            std::vector<Target>& targets);
+  void find(const view::PredictedView& view, const view::Pyramid& image,
+            const TrackerOptions& options, std::vector<Target>& targets);
 
   /// Of the whole sheet in the last call.
-  const CoarseShift& shift() const { return shift_; }
+  const view::CoarseShift& shift() const { return shift_; }
   /// How much the sheet turned, grew or sheared in the image since it was expected: the largest
   /// stretch of the affine field that was fitted last.
   double change() const;
 
  private:
-  void align(const PredictedView& view, const Pyramid& image, int level,
+  void align(const view::PredictedView& view, const view::Pyramid& image, int level,
              std::vector<Target>& targets);
-  Patch::Fit take(const PredictedView& view, int level, const Target& target);
-  Patch::Fit take(const PredictedView& view, int level, const Target& target, int dx, int dy);
+  view::Patch::Fit take(const view::PredictedView& view, int level, const Target& target);
+  view::Patch::Fit take(const view::PredictedView& view, int level, const Target& target, int dx,
+                        int dy);
   void lead(std::vector<Target>& targets, int level);
   void judge(const TrackerOptions& options, std::vector<Target>& targets);
 
-  CoarseSearch search_;
-  CoarseShift shift_;
-  Patch patch_;
-  Samples samples_;
+  view::CoarseSearch search_;
+  view::CoarseShift shift_;
+  view::Patch patch_;
+  view::Samples samples_;
   Motion motion_;  ///< by the levels so far
   std::vector<Moved> moved_;
   std::vector<double> scratch_;

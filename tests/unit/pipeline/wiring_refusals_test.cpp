@@ -34,6 +34,19 @@ TEST_F(WiringRefusals, SaysWhatANamedStageMakesInstead) {
             "5:41: 'lines' is a sink, which makes nothing to be read");
 }
 
+TEST_F(WiringRefusals, LetsAMatcherThatReadsMoreThanMatchesHaveTheLatestOrNone) {
+  const auto refusals = [&](const std::string& stages) {
+    return lines(check(head() + "stages:\n" + stages).second);
+  };
+  const std::string matcher = "  - {use: matchers/test.pattern}\n";
+  EXPECT_THAT(refusals("  - {use: matchers/test.beside}\n"), IsEmpty());
+  EXPECT_THAT(refusals(matcher + "  - {use: matchers/test.beside}\n"), IsEmpty());
+  EXPECT_THAT(refusals(matcher + matcher +
+                       "  - {use: matchers/test.beside, from: {correspondences: [matchers, "
+                       "matchers#2]}}\n"),
+              IsEmpty());
+}
+
 TEST_F(WiringRefusals, RefusesAMergerThatIsGivenOnlyTheLatest) {
   const auto refusals = [&](const std::string& stages) {
     return lines(check(head() + "stages:\n" + stages).second);

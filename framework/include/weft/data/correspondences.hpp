@@ -25,6 +25,7 @@ struct Correspondences {
   Array<double> ratio;                    ///< [N] to the second nearest distance
   Array<double> scale_ratio;              ///< [N] image scale / template scale
   Array<double> angle_difference_rad;     ///< [N] rad, image minus template, in (-pi, pi]
+  Array<double> covariance_px2;           ///< [N,2,2] px^2, of image_px
   Array<std::uint8_t> kept;               ///< [N] 1 unless a filter rejected it
   Array<double> score;                    ///< [N] larger is more trusted; 1 before any filter
   Array<double> confidence;               ///< [] that what is kept is the object, by the filters
@@ -49,6 +50,7 @@ struct Correspondences {
     visit(self.scale_ratio, Field{"scale_ratio", "N", "", "image scale / template scale", true});
     visit(self.angle_difference_rad,
           Field{"angle_difference_rad", "N", "rad", "image minus template", true});
+    visit(self.covariance_px2, Field{"covariance_px2", "N,2,2", "px^2", "of image_px", true});
     visit(self.kept, Field{"kept", "N", "0 or 1", "1 unless a filter rejected it"});
     visit(self.score, Field{"score", "N", "", "larger is more trusted"});
     visit(self.confidence,

@@ -15,6 +15,7 @@ struct MatcherInput {
   std::optional<Image> image{};
   std::optional<Template> templ{};
   std::optional<Camera> camera{};
+  std::optional<Shape> shape{};  ///< of an earlier solver of this frame
   std::optional<Image> previous_image{};
   std::optional<Correspondences> previous_correspondences{};  ///< with the marks of filters
   std::optional<Shape> previous_shape{};                      ///< may be `lost`: see its state
@@ -27,6 +28,7 @@ struct MatcherInput {
     visit("image", self.image);
     visit("template", self.templ);
     visit("camera", self.camera);
+    visit("shape", self.shape);
     visit("previous.image", self.previous_image);
     visit("previous.correspondences", self.previous_correspondences);
     visit("previous.shape", self.previous_shape);

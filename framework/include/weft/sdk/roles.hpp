@@ -21,7 +21,7 @@ namespace weft {
 ///   templates build: -> template*
 ///   detectors detect: image*, region -> keypoints*
 ///   matchers match: keypoints, template_keypoints, correspondences, image, template, camera,
-///       previous.image, previous.correspondences, previous.shape -> correspondences*
+///       shape, previous.image, previous.correspondences, previous.shape -> correspondences*
 ///   filters filter: correspondences*, template, camera, previous.shape, ground_truth ->
 ///       inlier_mask*
 ///   warps fit: correspondences*, template*, weights -> warp*

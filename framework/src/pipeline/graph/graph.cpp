@@ -116,7 +116,8 @@ class Wiring {
         demands_of(stage, rules_of(stage.role).main_method(), problems_);
     check_from(stage, demands);
     for (const Demand& demand : demands) {
-      const bool unites = takes_several(stage, demand.slot);
+      // Who reads other things too takes matches for evidence, of which the latest will do.
+      const bool unites = takes_several(stage, demand.slot) && demands.size() == 1;
       if (unites && chosen(stage, demand.slot) == nullptr && !has_broken_rule(stage)) {
         if (perhaps_.count(demand.slot) > 0 || stage.component.installed == nullptr) continue;
         if (has_stray_rule(stage, demands)) continue;

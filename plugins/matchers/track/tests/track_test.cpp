@@ -6,11 +6,24 @@
 #include <numeric>
 
 #include "../motion.hpp"
-#include "../patch.hpp"
-#include "track_scene.hpp"
+#include "common/view/patch.hpp"
+#include "common/view/tests/printed_scene.hpp"
 
 namespace weft::track {
 namespace {
+
+/// A printed sheet that is followed.
+struct TrackScene : view::PrintedScene {
+  testing::PluginAnswer track(testing::PluginUnderTest& plugin, const Image& image,
+                              const Shape& before,
+                              const std::optional<Correspondences>& matches = {}) const {
+    std::vector<testing::Input> inputs{
+        testing::input("image", image), testing::input("template", templ),
+        testing::input("camera", camera), testing::input("previous.shape", before)};
+    if (matches) inputs.push_back(testing::input("previous.correspondences", *matches));
+    return plugin.process(0, inputs);
+  }
+};
 
 using ::testing::HasSubstr;
 using weft::testing::PluginAnswer;
@@ -177,8 +190,8 @@ TEST_F(TrackedSheet, IsAnsweredTheSameWithColours) {
 }
 
 /// A smooth picture, displaced.
-ViewLevel waves(double dx, double dy) {
-  ViewLevel level;
+view::ViewLevel waves(double dx, double dy) {
+  view::ViewLevel level;
   level.grey.resize(64, 48);
   level.drawn.assign(level.grey.values.size(), 1);
   for (int y = 0; y < 48; ++y) {
@@ -192,31 +205,33 @@ ViewLevel waves(double dx, double dy) {
 }
 
 TEST(TrackedPatch, FindsADisplacementBelowAPixel) {
-  Patch patch;
-  ASSERT_EQ(patch.take(waves(0.0, 0.0), 26, 18), Patch::Fit::usable);
-  const Alignment found = patch.find_in(waves(1.3, -0.7).grey, 0.0F, 0.0F, 5.0F);
-  EXPECT_EQ(found.end, Alignment::End::converged);
+  view::Patch patch;
+  ASSERT_EQ(patch.take(waves(0.0, 0.0), 26, 18), view::Patch::Fit::usable);
+  const view::Alignment found = patch.find_in(waves(1.3, -0.7).grey, 0.0F, 0.0F, 5.0F);
+  EXPECT_EQ(found.end, view::Alignment::End::converged);
   EXPECT_NEAR(found.dx, 1.3, 0.03);
   EXPECT_NEAR(found.dy, -0.7, 0.03);
   EXPECT_GT(found.correlation, 0.99F);
 }
 
 TEST(TrackedPatch, SaysWhyItCannotBeUsedOrFound) {
-  Patch patch;
-  ViewLevel view = waves(0.0, 0.0);
-  EXPECT_EQ(patch.take(view, 0, 18), Patch::Fit::not_drawn) << "its border is beyond the view";
+  view::Patch patch;
+  view::ViewLevel view = waves(0.0, 0.0);
+  EXPECT_EQ(patch.take(view, 0, 18), view::Patch::Fit::not_drawn)
+      << "its border is beyond the view";
   view.drawn[20 * 64 + 30] = 0;
-  EXPECT_EQ(patch.take(view, 26, 18), Patch::Fit::not_drawn);
-  ViewLevel edge = waves(0.0, 0.0);
+  EXPECT_EQ(patch.take(view, 26, 18), view::Patch::Fit::not_drawn);
+  view::ViewLevel edge = waves(0.0, 0.0);
   for (int y = 0; y < 48; ++y) {
     for (int x = 0; x < 64; ++x) edge.grey.row(y)[x] = x < 32 ? 40.0F : 200.0F;
   }
-  EXPECT_EQ(patch.take(edge, 26, 18), Patch::Fit::flat) << "it may slide along the edge";
-  ASSERT_EQ(patch.take(waves(0.0, 0.0), 26, 18), Patch::Fit::usable);
-  EXPECT_EQ(patch.find_in(waves(0.0, 0.0).grey, 40.0F, 0.0F, 5.0F).end, Alignment::End::left_image);
-  Picture empty;
+  EXPECT_EQ(patch.take(edge, 26, 18), view::Patch::Fit::flat) << "it may slide along the edge";
+  ASSERT_EQ(patch.take(waves(0.0, 0.0), 26, 18), view::Patch::Fit::usable);
+  EXPECT_EQ(patch.find_in(waves(0.0, 0.0).grey, 40.0F, 0.0F, 5.0F).end,
+            view::Alignment::End::left_image);
+  view::Picture empty;
   empty.resize(64, 48);
-  EXPECT_EQ(patch.find_in(empty, 0.0F, 0.0F, 5.0F).end, Alignment::End::no_contrast);
+  EXPECT_EQ(patch.find_in(empty, 0.0F, 0.0F, 5.0F).end, view::Alignment::End::no_contrast);
 }
 
 TEST(TrackedMotion, IsAffineThroughMostPointsWhateverTheOthersSay) {

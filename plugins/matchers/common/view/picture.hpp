@@ -7,7 +7,7 @@
 #include <weft/core/index.hpp>
 #include <weft/data/array.hpp>
 
-namespace weft::track {
+namespace weft::view {
 
 inline constexpr int kLanes = 4;
 typedef float Lanes __attribute__((vector_size(kLanes * sizeof(float))));
@@ -55,4 +55,4 @@ class Pyramid {
 /// One channel of `pixels`, in `grey`.
 void read_grey(const Array<std::uint8_t>& pixels, Picture& grey);
 
-}  // namespace weft::track
+}  // namespace weft::view

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "picture.hpp"
+#include "common/view/picture.hpp"
 
 #include <weft/core/stop_check.hpp>
 
-namespace weft::track {
+namespace weft::view {
 
 void Picture::resize(int new_width, int new_height) {
   width = new_width;
@@ -48,4 +48,4 @@ void Pyramid::load(const Array<std::uint8_t>& pixels) {
   for (std::size_t k = 1; k < levels_.size(); ++k) halve(levels_[k - 1], levels_[k]);
 }
 
-}  // namespace weft::track
+}  // namespace weft::view

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "predicted_view.hpp"
+#include "common/view/predicted_view.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/camera_model.hpp>
 
-namespace weft::track {
+namespace weft::view {
 namespace {
 
 constexpr double kNearest_m = 0.01;
@@ -87,7 +88,7 @@ bool PredictedView::draw(const Camera& camera, const Points3View& vertices_m) {
   project(camera, vertices_m);
   if (!open_window(camera)) return false;
   for (std::int32_t f = 0; f < faces_.rows(); ++f) draw_face(f);
-  ViewLevel& view = levels_[0];
+  ViewLevel& view = levels_[to_index(finest_)];
   view.drawn.resize(to_index(view.grey.width * view.grey.height));
   bool is_any_drawn = false;
   for (std::size_t i = 0; i < view.drawn.size(); ++i) {
@@ -95,7 +96,9 @@ bool PredictedView::draw(const Camera& camera, const Points3View& vertices_m) {
     is_any_drawn = is_any_drawn | (view.drawn[i] != 0);
   }
   if (!is_any_drawn) return false;
-  for (std::size_t k = 1; k < levels_.size(); ++k) halve_view(levels_[k - 1], levels_[k]);
+  for (std::size_t k = to_index(finest_) + 1; k < levels_.size(); ++k) {
+    halve_view(levels_[k - 1], levels_[k]);
+  }
   return true;
 }
 
@@ -112,9 +115,9 @@ void PredictedView::project(const Camera& camera, const Points3View& vertices_m)
 
 /// The part of the image that the shape may cover, empty of everything.
 bool PredictedView::open_window(const Camera& camera) {
-  const double scale = 1 << kFinestDrawn;
-  const auto width = static_cast<int>(camera.width_px >> kFinestDrawn);
-  const auto height = static_cast<int>(camera.height_px >> kFinestDrawn);
+  const double scale = 1 << finest_;
+  const auto width = static_cast<int>(camera.width_px >> finest_);
+  const auto height = static_cast<int>(camera.height_px >> finest_);
   double low_x = width, low_y = height, high_x = -1.0, high_y = -1.0;
   for (const Vertex& vertex : vertices_) {
     if (!vertex.is_in_front) continue;
@@ -124,21 +127,20 @@ bool PredictedView::open_window(const Camera& camera) {
     high_y = std::max(high_y, vertex.y / scale + 1.0);
   }
   // Levels of a window that begins at such a pixel line up.
-  constexpr int kStep = 1 << (kLevels - 1 - kFinestDrawn);
-  const auto begin = [](double low) {
-    return static_cast<int>(std::max(low, 0.0)) / kStep * kStep;
-  };
+  const int step = 1 << (kLevels - 1 - finest_);
+  const auto begin = [&](double low) { return static_cast<int>(std::max(low, 0.0)) / step * step; };
   const auto end = [](double high, int size) {
     return static_cast<int>(std::min(high + 1.0, static_cast<double>(size)));
   };
-  ViewLevel& view = levels_[0];
+  ViewLevel& view = levels_[to_index(finest_)];
   view.x0 = begin(low_x);
   view.y0 = begin(low_y);
   const int columns = end(high_x, width) - view.x0, rows = end(high_y, height) - view.y0;
-  if (columns < kStep || rows < kStep) return false;
+  if (columns < step || rows < step) return false;
   view.grey.resize(columns, rows);
   std::fill(view.grey.values.begin(), view.grey.values.end(), kNothing);
   nearness_.assign(view.grey.values.size(), 0.0F);
+  if (with_faces_) view.face.assign(view.grey.values.size(), -1);
   return true;
 }
 
@@ -186,8 +188,8 @@ PredictedView::FaceMap PredictedView::map_of(std::int32_t face, int level,
 }
 
 void PredictedView::draw_face(std::int32_t face) {
-  const ViewLevel& view = levels_[0];
-  const FaceMap map = map_of(face, kFinestDrawn, {view.x0, view.y0});
+  const ViewLevel& view = levels_[to_index(finest_)];
+  const FaceMap map = map_of(face, finest_, {view.x0, view.y0});
   if (map.texture == nullptr) return;
   if (!(map.low.y() < view.grey.height && map.high.y() >= 0.0)) return;
   const int first = static_cast<int>(std::ceil(std::max(map.low.y(), 0.0)));
@@ -205,13 +207,13 @@ void PredictedView::draw_face(std::int32_t face) {
       }
     }
     if (!(from <= to)) continue;
-    draw_row(map, y, static_cast<int>(std::ceil(from)), static_cast<int>(std::floor(to)));
+    draw_row(map, face, y, static_cast<int>(std::ceil(from)), static_cast<int>(std::floor(to)));
   }
 }
 
-void PredictedView::draw_row(const FaceMap& map, int y, int x_begin, int x_end) {
+void PredictedView::draw_row(const FaceMap& map, std::int32_t face, int y, int x_begin, int x_end) {
   worked(std::max(x_end - x_begin, 0) + 1);
-  ViewLevel& view = levels_[0];
+  ViewLevel& view = levels_[to_index(finest_)];
   const std::size_t at = to_index(y) * to_index(view.grey.width);
   for (int x = x_begin; x <= x_end; x += kLanes) {
     const auto along_row = [&](const Linear& value) {
@@ -231,6 +233,9 @@ void PredictedView::draw_row(const FaceMap& map, int y, int x_begin, int x_end) 
     const Lanes nearest = left >= 0.0F ? nearness : Lanes{};
     store_lanes(nearest > nearness_before ? nearest : nearness_before, nearness_at);
     store_lanes(nearest > nearness_before ? grey : grey_before, grey_at);
+    for (int k = 0; with_faces_ && k < kLanes; ++k) {
+      if (nearest[k] > nearness_before[k]) view.face[at + to_index(x + k)] = face;
+    }
   }
 }
 
@@ -272,13 +277,13 @@ void PredictedView::sample(std::int32_t face, int level, const Lattice& lattice,
 }
 
 bool PredictedView::is_drawn(const Eigen::Vector2d& place_px, double radius_px) const {
-  const ViewLevel& view = levels_[0];
+  const ViewLevel& view = levels_[to_index(finest_)];
   const Eigen::Vector2d radius = Eigen::Vector2d::Constant(radius_px);
   const Eigen::Vector2d low = place_px - radius, high = place_px + radius;
-  const double left = std::round(at_level(low.x(), kFinestDrawn)) - view.x0;
-  const double top = std::round(at_level(low.y(), kFinestDrawn)) - view.y0;
-  const double right = std::round(at_level(high.x(), kFinestDrawn)) - view.x0;
-  const double bottom = std::round(at_level(high.y(), kFinestDrawn)) - view.y0;
+  const double left = std::round(at_level(low.x(), finest_)) - view.x0;
+  const double top = std::round(at_level(low.y(), finest_)) - view.y0;
+  const double right = std::round(at_level(high.x(), finest_)) - view.x0;
+  const double bottom = std::round(at_level(high.y(), finest_)) - view.y0;
   if (!(left >= 0 && top >= 0 && right < view.grey.width && bottom < view.grey.height))
     return false;
   for (int y = static_cast<int>(top); y <= static_cast<int>(bottom); ++y) {
@@ -327,4 +332,21 @@ Eigen::Matrix2d PredictedView::jacobian(std::int32_t face) const {
   return px * uv.inverse();
 }
 
-}  // namespace weft::track
+Eigen::Vector3d PredictedView::weights_at(std::int32_t face,
+                                          const Eigen::Vector2d& place_px) const {
+  std::array<Eigen::Vector2d, 3> px;
+  Eigen::Vector3d nearness;
+  for (int k = 0; k < 3; ++k) {
+    const Vertex& vertex = vertices_[to_index(faces_(face, k))];
+    px[to_index(k)] = {vertex.x, vertex.y};
+    nearness[k] = vertex.nearness;
+  }
+  // Weights in the image, then, in space, those times nearness.
+  const Eigen::Vector3d in_image(cross(px[1] - place_px, px[2] - place_px),
+                                 cross(px[2] - place_px, px[0] - place_px),
+                                 cross(px[0] - place_px, px[1] - place_px));
+  const Eigen::Vector3d weights = in_image.cwiseProduct(nearness);
+  return weights / weights.sum();
+}
+
+}  // namespace weft::view

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "coarse_search.hpp"
+#include "common/view/coarse_search.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <weft/core/stop_check.hpp>
 
-namespace weft::track {
+namespace weft::view {
 namespace {
 
 constexpr float kPricePerPx = 0.01F;  // [1/px] correlation that a pixel farther must gain
@@ -87,4 +87,4 @@ CoarseShift CoarseSearch::find(const ViewLevel& view, const Picture& image, int 
   return best;
 }
 
-}  // namespace weft::track
+}  // namespace weft::view

@@ -11,19 +11,19 @@
 #include <weft/testing/plugin_under_test.hpp>
 #include <weft/testing/synthetic.hpp>
 
-namespace weft::track {
+namespace weft::view {
 
 /// A printed sheet before a camera, drawn by formula.
-struct TrackScene {
+struct PrintedScene {
   testing::SheetSpec sheet{.columns = 13, .rows = 9, .width_px = 900, .height_px = 539};
   Camera camera = testing::make_camera();
   Template templ = printed();
 
   /// Blots of many sizes: a print without repetition.
-  Template printed() const {
+  Template printed(std::uint64_t seed = 5) const {
     Template made = testing::make_template(sheet);
     made.revision = 11;
-    Rng rng(5);
+    Rng rng(seed);
     Array<std::uint8_t>& texture = made.texture;
     std::vector<double> grey(to_index(texture.size()), 128.0);
     const std::int64_t width = texture.dim(1), height = texture.dim(0);
@@ -106,16 +106,6 @@ struct TrackScene {
     return shape;
   }
 
-  testing::PluginAnswer track(testing::PluginUnderTest& plugin, const Image& image,
-                              const Shape& before,
-                              const std::optional<Correspondences>& matches = {}) const {
-    std::vector<testing::Input> inputs{
-        testing::input("image", image), testing::input("template", templ),
-        testing::input("camera", camera), testing::input("previous.shape", before)};
-    if (matches) inputs.push_back(testing::input("previous.correspondences", *matches));
-    return plugin.process(0, inputs);
-  }
-
   /// [px] of each match from where it belongs.
   std::vector<double> errors_px(const Correspondences& matches,
                                 const DevelopableSheet& truth) const {
@@ -129,4 +119,4 @@ struct TrackScene {
   }
 };
 
-}  // namespace weft::track
+}  // namespace weft::view

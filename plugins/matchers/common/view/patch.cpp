@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "patch.hpp"
+#include "common/view/patch.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace weft::track {
+namespace weft::view {
 namespace {
 
 constexpr int kMostSteps = 12;
@@ -52,6 +52,15 @@ Patch::Fit Patch::take(const ViewLevel& view, int x, int y) {
   }
   if (all_drawn == 0) return Fit::not_drawn;
   return take_rows(view.grey.row(top) + left, view.grey.width);
+}
+
+Patch::Fit Patch::take(const Picture& image, int x, int y) {
+  x_ = x;
+  y_ = y;
+  if (x < 1 || y < 1 || x + kSide + 1 > image.width || y + kSide + 1 > image.height) {
+    return Fit::not_drawn;
+  }
+  return take_rows(image.row(y) + x, image.width);
 }
 
 Patch::Fit Patch::take(const Samples& samples, int x, int y) {
@@ -118,20 +127,33 @@ Patch::Sums Patch::correlate(const Picture& image, int x, int y, float sub_x, fl
   return {sum_of(values), sum_of(squares), sum_of(along_t), sum_of(along_x), sum_of(along_y)};
 }
 
+bool Patch::is_inside(const Picture& image, float place_x, float place_y) const {
+  return place_x >= 0.0F && place_y >= 0.0F && place_x + kSide < static_cast<float>(image.width) &&
+         place_y + kSide < static_cast<float>(image.height);
+}
+
+float Patch::correlation_at(const Picture& image, float dx, float dy) const {
+  const float place_x = static_cast<float>(x_) + dx, place_y = static_cast<float>(y_) + dy;
+  if (!is_inside(image, place_x, place_y)) return 0.0F;
+  const int x = static_cast<int>(place_x), y = static_cast<int>(place_y);
+  const Sums sums =
+      correlate(image, x, y, place_x - static_cast<float>(x), place_y - static_cast<float>(y));
+  return sums.spread2() > kPixels ? sums.along_t / std::sqrt(sums.spread2()) : 0.0F;
+}
+
 Alignment Patch::find_in(const Picture& image, float dx, float dy, float reach_px) const {
   Alignment found{Alignment::End::wandered, dx, dy, 0.0F};
   for (int step = 0; step < kMostSteps; ++step) {
     const float place_x = static_cast<float>(x_) + found.dx;
     const float place_y = static_cast<float>(y_) + found.dy;
-    if (!(place_x >= 0.0F && place_y >= 0.0F && place_x + kSide < static_cast<float>(image.width) &&
-          place_y + kSide < static_cast<float>(image.height))) {
+    if (!is_inside(image, place_x, place_y)) {
       found.end = Alignment::End::left_image;
       return found;
     }
     const int x = static_cast<int>(place_x), y = static_cast<int>(place_y);
     const Sums sums =
         correlate(image, x, y, place_x - static_cast<float>(x), place_y - static_cast<float>(y));
-    const float spread2 = sums.squares - sums.values * sums.values / kPixels;
+    const float spread2 = sums.spread2();
     if (!(spread2 > kPixels)) {  // one grey level
       found.end = Alignment::End::no_contrast;
       return found;
@@ -154,10 +176,17 @@ Alignment Patch::find_in(const Picture& image, float dx, float dy, float reach_p
   return found;
 }
 
-float Patch::deviation_px(float correlation) const {
+Eigen::Matrix2d Patch::covariance_px2(float correlation) const {
   // |i - t|^2 = 2 (1 - correlation), spread over all pixels.
+  const double noise2 = 2.0 * std::max(1.0 - static_cast<double>(correlation), 0.0) / kPixels;
+  Eigen::Matrix2d inverse;
+  inverse << inverse_xx_, inverse_xy_, inverse_xy_, inverse_yy_;
+  return noise2 * inverse;
+}
+
+float Patch::deviation_px(float correlation) const {
   const float noise2 = 2.0F * std::max(1.0F - correlation, 0.0F) / kPixels;
   return std::sqrt(noise2 / least_slope2_);
 }
 
-}  // namespace weft::track
+}  // namespace weft::view

@@ -3,10 +3,10 @@
 
 #include <array>
 
-#include "picture.hpp"
-#include "predicted_view.hpp"
+#include "common/view/picture.hpp"
+#include "common/view/predicted_view.hpp"
 
-namespace weft::track {
+namespace weft::view {
 
 /// Where a patch was found.
 struct Alignment {
@@ -33,12 +33,19 @@ class Patch {
   /// Takes the piece whose first pixel is (x,y) of this level of the image. It and a border of one
   /// pixel must have been drawn, and it must have structure along all directions.
   Fit take(const ViewLevel& view, int x, int y);
+  /// The same of an image.
+  Fit take(const Picture& image, int x, int y);
   /// The same of a piece with its border.
   Fit take(const Samples& samples, int x, int y);
 
   /// Looks for it in `image`, beginning at a displacement; may go `reach_px` away from there.
   Alignment find_in(const Picture& image, float dx, float dy, float reach_px) const;
 
+  /// Of the patch with the image under it, moved by so much; 0 beyond the image.
+  float correlation_at(const Picture& image, float dx, float dy) const;
+
+  /// Covariance [px^2] of the place, where all that differs between patch and image is noise.
+  Eigen::Matrix2d covariance_px2(float correlation) const;
   /// Standard deviation [px] of the place along its worst direction, where all that differs
   /// between patch and image is noise.
   float deviation_px(float correlation) const;
@@ -46,7 +53,9 @@ class Patch {
  private:
   struct Sums {
     float values, squares, along_t, along_x, along_y;
+    float spread2() const { return squares - values * values / static_cast<float>(kSize); }
   };
+  bool is_inside(const Picture& image, float place_x, float place_y) const;
   Fit take_rows(const float* first, int stride);
   Sums correlate(const Picture& image, int x, int y, float sub_x, float sub_y) const;
 
@@ -56,4 +65,4 @@ class Patch {
   float least_slope2_ = 0.0F;  ///< [1/px^2] smallest eigenvalue of the normal matrix
 };
 
-}  // namespace weft::track
+}  // namespace weft::view

@@ -10,15 +10,16 @@
 #include <weft/data/template.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "picture.hpp"
+#include "common/view/picture.hpp"
 
-namespace weft::track {
+namespace weft::view {
 
 /// A part of the image at one level: where it begins, what is drawn and where.
 struct ViewLevel {
   int x0 = 0, y0 = 0;                 ///< [] px of this level, of the first pixel
   Picture grey{};                     ///< anything where nothing is drawn
   std::vector<std::uint8_t> drawn{};  ///< [height * width] 1 where the texture is seen
+  std::vector<std::int32_t> face{};   ///< [height * width] nearest one, -1: none; finest level only
 
   const std::uint8_t* drawn_row(int y) const {
     return drawn.data() + to_index(y) * to_index(grey.width);
@@ -38,13 +39,17 @@ struct Lattice {
 };
 
 /// The template's texture as the camera would see it on a shape, without light and noise. All of it
-/// is drawn at a quarter of the image's size and less: each face with perspective from the halved
+/// is drawn at the size of its finest level and less: each face with perspective from the halved
 /// copy of the texture that has about one texel a pixel; a depth buffer hides what lies behind, and
-/// a face seen from its back shows nothing. At full size pieces of it are made where they are
+/// a face seen from its back shows nothing. At finer levels pieces of it are made where they are
 /// wanted, as if the face there went on.
 class PredictedView {
  public:
-  static constexpr int kFinestDrawn = 2;  ///< level
+  /// Levels from `finest` on are drawn, with the faces seen at that one if they are wanted.
+  explicit PredictedView(int finest, bool with_faces = false)
+      : finest_(finest), with_faces_(with_faces) {}
+
+  int finest() const { return finest_; }
 
   /// What is the same in all frames: keeps the texture's pyramid and the mesh. The texture has at
   /// least two pixels along each side.
@@ -53,8 +58,8 @@ class PredictedView {
   /// False where no texture falls on the image. `vertices_m` [V,3] m, camera frame.
   bool draw(const Camera& camera, const Points3View& vertices_m);
 
-  /// From kFinestDrawn on.
-  const ViewLevel& level(int k) const { return levels_[to_index(k - kFinestDrawn)]; }
+  /// From the finest on.
+  const ViewLevel& level(int k) const { return levels_[to_index(k)]; }
 
   /// Whether all within `radius_px` of the place, along both axes, is drawn: to the nearest pixel
   /// of the finest level that is.
@@ -68,6 +73,9 @@ class PredictedView {
   Eigen::Vector2d place_px(std::int32_t face, const Eigen::Vector3d& weights) const;
   /// d(x,y)/d(u,v) of a face, px/px; the mean over its perspective.
   Eigen::Matrix2d jacobian(std::int32_t face) const;
+  /// The weights of the corners at the point of a face that is seen at a place of the image; the
+  /// face is in front of the camera.
+  Eigen::Vector3d weights_at(std::int32_t face, const Eigen::Vector2d& place_px) const;
 
  private:
   /// A vertex before the camera: pixel, and what is linear in it once divided by depth.
@@ -94,7 +102,7 @@ class PredictedView {
   bool open_window(const Camera& camera);
   FaceMap map_of(std::int32_t face, int level, const Eigen::Vector2d& origin_px) const;
   void draw_face(std::int32_t face);
-  void draw_row(const FaceMap& map, int y, int x_begin, int x_end);
+  void draw_row(const FaceMap& map, std::int32_t face, int y, int x_begin, int x_end);
   bool is_object(float u, float v, double scale) const;
 
   std::vector<Picture> textures_;  ///< each half the one before
@@ -102,8 +110,10 @@ class PredictedView {
   Faces faces_;
   Array<std::uint8_t> mask_;  ///< a copy; absent where the texture has no holes
   std::vector<Vertex> vertices_;
-  std::vector<float> nearness_;  ///< [1/m] of the nearest surface drawn, by pixel
-  std::array<ViewLevel, kLevels - kFinestDrawn> levels_;
+  std::vector<float> nearness_;            ///< [1/m] of the nearest surface drawn, by pixel
+  std::array<ViewLevel, kLevels> levels_;  ///< from finest_ on
+  int finest_;
+  bool with_faces_;
 };
 
-}  // namespace weft::track
+}  // namespace weft::view

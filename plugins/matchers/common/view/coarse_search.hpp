@@ -3,10 +3,10 @@
 
 #include <vector>
 
-#include "picture.hpp"
-#include "predicted_view.hpp"
+#include "common/view/picture.hpp"
+#include "common/view/predicted_view.hpp"
 
-namespace weft::track {
+namespace weft::view {
 
 /// The displacement of the whole view that fits the image best.
 struct CoarseShift {
@@ -33,4 +33,4 @@ class CoarseSearch {
   float drawn_ = 0.0F;
 };
 
-}  // namespace weft::track
+}  // namespace weft::view

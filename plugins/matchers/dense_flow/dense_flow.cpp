@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+#include <weft/core/index.hpp>
+#include <weft/sdk/matcher.hpp>
+
+#include "common/view/coarse_search.hpp"
+#include "common/view/picture.hpp"
+#include "common/view/predicted_view.hpp"
+#include "flow_grid.hpp"
+
+namespace weft::dense_flow {
+namespace {
+
+constexpr double kSameCorrelation = 0.01;
+// Residuals of neighbouring pixels resemble each other: three know as much as one would alone.
+constexpr double kPixelsAlike = 3.0;
+constexpr int kSheetLevel = view::kLevels - 1;  // where the whole sheet is looked for
+
+std::string percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }
+
+std::string tenths(double value) {
+  const long scaled = std::lround(10.0 * value);
+  return std::to_string(scaled / 10) + "." + std::to_string(std::abs(scaled % 10));
+}
+
+/// Draws the texture on a shape that is nearly right and finds how each piece of it moved.
+class DenseFlow final : public Matcher {
+ public:
+  static constexpr About kAbout{
+      .reference =
+          "Kroeger et al., Fast optical flow using dense inverse search, ECCV 2016; Baker and "
+          "Matthews, Lucas-Kanade 20 years on: a unifying framework, IJCV 2004",
+      .needs = "image template camera",
+      .reads = "shape previous.shape correspondences"};
+
+  explicit DenseFlow(Params& p) {
+    p.read("spacing_px", options_.spacing_px, "px", {2, 64},
+           "from match to match, in the picture of `halvings`");
+    p.read("halvings", halvings_, "", {0, 2},
+           "how often the image is halved before: 1 takes a quarter of the time");
+    p.read("search_px", search_px_, "px", {0, 400},
+           "how far the sheet as a whole may be from the shape");
+    p.read("min_correlation", min_correlation_, "", {0, 1},
+           "a match is kept if image and drawn texture correlate so well, normalised");
+    p.read("max_round_trip_px", max_round_trip_px_, "px", {0.01, 100},
+           "a match is kept if the way back from the image ends within this");
+    p.read("max_deviation_px", max_deviation_px_, "px", {0.1, 1000},
+           "a match is kept if it moved within this of the median of its neighbours");
+    p.read("min_share", min_share_, "", {0, 1},
+           "there is no result if fewer of the places with texture are found");
+    p.read("max_disagreement_px", max_disagreement_px_, "px", {0.1, 1000},
+           "there is no result if the median of the other matches is so far off");
+    p.read("min_matches", min_matches_, "", {1, 10000}, "there is no result if fewer are found");
+    options_.min_correlation = static_cast<float>(min_correlation_);
+    options_.max_round_trip_px = static_cast<float>(max_round_trip_px_);
+    options_.max_deviation_px = static_cast<float>(max_deviation_px_);
+    view_.emplace(halvings_, true);
+  }
+
+  Result<void> prepare(const PrepareInput& in) override { return load(in.templ); }
+
+  Result<Correspondences> match(const MatcherInput& in) override {
+    if (!in.image || !in.templ || !in.camera) return no_result("there is no image");
+    const Shape* shape = in.shape ? &*in.shape : in.previous_shape ? &*in.previous_shape : nullptr;
+    if (shape == nullptr) return no_result("there is no shape to begin with");
+    if (auto fits = check(in, *shape); !fits) return fits.error();
+    if (shape->shape_state() == ShapeState::lost) return no_result("the shape is lost");
+    if (auto ready = load(*in.templ); !ready) return ready.error();
+    if (!view_->draw(*in.camera, shape->vertices_m.matrix<3>())) {
+      return no_result("the shape shows nothing of the texture in the image");
+    }
+    image_.load(in.image->pixels);
+    const int reach = static_cast<int>(std::ceil(search_px_ / (1 << kSheetLevel)));
+    const view::CoarseShift shift =
+        search_.find(view_->level(kSheetLevel), image_.level(kSheetLevel), reach);
+    const Eigen::Vector2d start_px =
+        static_cast<double>(1 << kSheetLevel) * Eigen::Vector2d(shift.dx, shift.dy);
+    grid_.find(*view_, image_, start_px, options_, workers_, in.call.threads());
+    return answer(in.correspondences);
+  }
+
+ private:
+  static Result<void> check(const MatcherInput& in, const Shape& shape) {
+    const Array<std::uint8_t>& pixels = in.image->pixels;
+    const bool has_size = pixels.dim(0) == in.camera->height_px &&
+                          pixels.dim(1) == in.camera->width_px && pixels.rows() > 0;
+    if (!has_size || (pixels.ndim() == 3 && pixels.dim(2) != 3)) {
+      return Error{Errc::invalid_data,
+                   "the image must have the size of the camera and one or three channels"};
+    }
+    if (shape.vertices_m.rows() != in.templ->flat_px.rows()) {
+      return Error{Errc::invalid_data, "the shape must have as many vertices as the template"};
+    }
+    return {};
+  }
+
+  /// Once for a template.
+  Result<void> load(const Template& templ) {
+    if (templ.revision != 0 && templ.revision == loaded_) return {};
+    loaded_ = 0;
+    if (templ.texture.dim(0) < view::Patch::kSide || templ.texture.dim(1) < view::Patch::kSide) {
+      return Error{Errc::invalid_data, "the texture must have at least " +
+                                           std::to_string(view::Patch::kSide) +
+                                           " px along each side"};
+    }
+    view_->load(templ);
+    flat_px_ = templ.flat_px.matrix<2>();
+    faces_ = templ.faces.matrix<3>();
+    loaded_ = templ.revision;
+    return {};
+  }
+
+  struct Tally {
+    std::array<std::int64_t, kFates> fates{};
+    double correlation_before = 0.0, correlation = 0.0;  ///< sums over what was found
+    std::int64_t of(Fate fate) const { return fates[to_index(static_cast<int>(fate))]; }
+    /// Places that show a texture which could be found.
+    std::int64_t in_sight() const {
+      return of(Fate::unlike) + of(Fate::one_way) + of(Fate::astray) + of(Fate::found);
+    }
+  };
+
+  Tally count() const {
+    Tally tally;
+    for (int row = 0; row < grid_.rows(); ++row) {
+      for (int column = 0; column < grid_.columns(); ++column) {
+        const Node& node = grid_.node(column, row);
+        ++tally.fates[to_index(static_cast<int>(node.fate))];
+        if (node.fate != Fate::found) continue;
+        tally.correlation_before += static_cast<double>(node.correlation_before);
+        tally.correlation += static_cast<double>(node.correlation);
+      }
+    }
+    return tally;
+  }
+
+  Result<Correspondences> answer(const std::vector<Correspondences>& others) {
+    const Tally tally = count();
+    const std::int64_t found = tally.of(Fate::found), in_sight = tally.in_sight();
+    const std::string of =
+        std::to_string(found) + " of " + std::to_string(in_sight) + " places are found";
+    if (found < min_matches_) return no_result(of);
+    const double share = static_cast<double>(found) / static_cast<double>(in_sight);
+    if (share < min_share_) {
+      return no_result("too far from the shape: " + of + ", less than " + percent(min_share_));
+    }
+    const double before = tally.correlation_before / static_cast<double>(found);
+    const double after = tally.correlation / static_cast<double>(found);
+    if (after < before - kSameCorrelation) {
+      return no_result("the image looks more like the shape as it is than like what was found");
+    }
+    const std::optional<double> off_px = disagreement_px(others);
+    if (off_px && *off_px > max_disagreement_px_) {
+      return no_result("the other matches are " + tenths(*off_px) + " px off in the median");
+    }
+    Correspondences matches = collect(found);
+    matches.diag.set("share", share);
+    matches.diag.set("correlation_before", before);
+    matches.diag.set("correlation", after);
+    matches.diag.set("hidden", static_cast<double>(tally.of(Fate::hidden)));
+    matches.diag.set("flat", static_cast<double>(tally.of(Fate::flat)));
+    matches.diag.set("unlike", static_cast<double>(tally.of(Fate::unlike)));
+    matches.diag.set("one_way", static_cast<double>(tally.of(Fate::one_way)));
+    matches.diag.set("astray", static_cast<double>(tally.of(Fate::astray)));
+    if (off_px) matches.diag.set("disagreement_px", *off_px);
+    return matches;
+  }
+
+  double scale() const { return static_cast<double>(1 << halvings_); }
+  /// From px of the grid's level to those of the image.
+  Eigen::Vector2d to_image(const Eigen::Vector2d& place) const {
+    return (scale() * (place.array() + 0.5) - 0.5).matrix();
+  }
+
+  /// Median distance [px] of kept matches from where the flow says that they are; nothing where
+  /// too few can be compared.
+  std::optional<double> disagreement_px(const std::vector<Correspondences>& others) {
+    constexpr std::size_t kFewest = 8;
+    distances_px_.clear();
+    for (const Correspondences& matches : others) {
+      for (std::int64_t i = 0; i < matches.count(); ++i) {
+        if (matches.kept(i) == 0 || matches.face(i) < 0) continue;
+        const Eigen::Vector3d weights = matches.barycentrics.matrix<3>().row(i);
+        const Eigen::Vector2d expected_px = view_->place_px(matches.face(i), weights);
+        const Node* node = grid_.nearest_found({view::at_level(expected_px.x(), halvings_),
+                                                view::at_level(expected_px.y(), halvings_)});
+        if (node == nullptr) continue;
+        const Eigen::Vector2d place_px = expected_px + scale() * node->by_px.cast<double>();
+        const Eigen::Vector2d seen_px = matches.image_px.matrix<2>().row(i);
+        distances_px_.push_back((seen_px - place_px).norm());
+      }
+    }
+    if (distances_px_.size() < kFewest) return std::nullopt;
+    const auto middle =
+        distances_px_.begin() + static_cast<std::ptrdiff_t>(distances_px_.size() / 2);
+    std::nth_element(distances_px_.begin(), middle, distances_px_.end());
+    return *middle;
+  }
+
+  Correspondences collect(std::int64_t most) const {
+    Correspondences out;
+    out.template_px = Array<double>({most, 2});
+    out.image_px = Array<double>({most, 2});
+    out.face = Array<std::int32_t>({most});
+    out.barycentrics = Array<double>({most, 3});
+    out.kept = Array<std::uint8_t>({most});
+    out.score = Array<double>({most});
+    out.covariance_px2 = Array<double>({most, 2, 2});
+    const view::ViewLevel& drawn = view_->level(halvings_);
+    // A patch's pixels are used by several nodes, which know no more than one of them does.
+    const double uses =
+        std::max(1.0, static_cast<double>(view::Patch::kSize) /
+                          static_cast<double>(options_.spacing_px * options_.spacing_px));
+    std::int64_t n = 0;
+    for (int row = 0; row < grid_.rows(); ++row) {
+      for (int column = 0; column < grid_.columns(); ++column) {
+        const Node& node = grid_.node(column, row);
+        if (node.fate != Fate::found) continue;
+        const Eigen::Vector2i place = grid_.place_px(column, row);
+        const std::int32_t face =
+            drawn.face[to_index(place.y() - drawn.y0) * to_index(drawn.grey.width) +
+                       to_index(place.x() - drawn.x0)];
+        const Eigen::Vector2d place_px = to_image(place.cast<double>());
+        const Eigen::Vector3d weights = view_->weights_at(face, place_px);
+        const Eigen::Vector2d seen_px = place_px + scale() * node.by_px.cast<double>();
+        Eigen::RowVector2d texel = Eigen::RowVector2d::Zero();
+        for (int k = 0; k < 3; ++k) texel += weights[k] * flat_px_.row(faces_(face, k));
+        out.template_px.matrix<2>().row(n) = texel;
+        out.image_px.matrix<2>().row(n) = seen_px.transpose();
+        out.face(n) = face;
+        out.barycentrics.matrix<3>().row(n) = weights.transpose();
+        out.kept(n) = 1;
+        out.score(n) = static_cast<double>(node.correlation);
+        const Eigen::Matrix2d covariance =
+            scale() * scale() * kPixelsAlike * uses * node.covariance_px2.cast<double>();
+        for (int k = 0; k < 4; ++k) out.covariance_px2.row(n)[k] = covariance(k / 2, k % 2);
+        ++n;
+      }
+    }
+    return out;
+  }
+
+  FlowOptions options_;
+  int halvings_ = 0;
+  double search_px_ = 16.0;
+  double min_correlation_ = 0.7;
+  double max_round_trip_px_ = 1.0;
+  double max_deviation_px_ = 2.0;
+  double min_share_ = 0.6;
+  double max_disagreement_px_ = 3.0;
+  int min_matches_ = 50;
+
+  std::uint64_t loaded_ = 0;
+  Points2 flat_px_;
+  Faces faces_;
+  std::optional<view::PredictedView> view_;
+  view::Pyramid image_;
+  view::CoarseSearch search_;
+  FlowGrid grid_;
+  Workers workers_;
+  std::vector<double> distances_px_;
+};
+
+}  // namespace
+}  // namespace weft::dense_flow
+
+WEFT_PLUGIN(weft::dense_flow::DenseFlow, "matchers/dense_flow", "1.0.0",
+            "Finds each piece of the texture near a shape that is nearly right.")
