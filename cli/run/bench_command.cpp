@@ -45,6 +45,13 @@ T need(Result<T> result, const std::string& file) {
   end(std::move(error), exit_code);
 }
 
+/// What was measured; a frame with an error ends the command.
+template <class T>
+T need(Result<T> measured) {
+  if (!measured) end(measured.error(), kFramesFailed);
+  return *std::move(measured);
+}
+
 /// Where the sinks write, if they take part; nothing of it is kept.
 class Scratch {
  public:
@@ -153,9 +160,13 @@ bench::Report measure_all(const BenchOptions& options, const std::vector<bench::
   report.speed = bench::measure_machine(processor_ms);
   now_running("the pipelines");
   const bool show = !options.quiet && isatty(STDERR_FILENO) != 0;
-  const auto samples =
-      bench::measure(report.settings, measured, show ? show_progress : bench::Progress());
-  if (!samples) end(samples.error(), kFramesFailed);
+  const auto progress = show ? show_progress : bench::Progress();
+  const auto samples = need(bench::measure(report.settings, measured, progress));
+  std::vector<std::vector<bench::Overlapped>> overlapped(subjects.size());
+  if (options.overlap) {
+    now_running("the pipelines, several frames at once");
+    overlapped = need(bench::measure_overlap(report.settings, measured, progress));
+  }
   report.speed = better_of(report.speed, bench::measure_machine(processor_ms));
   if (entries.size() > 1) report.baseline = entries.back().name;
   now_running("the pipelines once more, each in a process that counts");
@@ -163,7 +174,9 @@ bench::Report measure_all(const BenchOptions& options, const std::vector<bench::
     const auto counts =
         count(entries[i], report.settings, options.with_sinks, context, interrupted);
     report.pipelines.push_back(
-        bench::report_of(entries[i], *subjects[i], (*samples)[i], counts, report.speed));
+        bench::report_of(entries[i], *subjects[i], samples[i], counts, report.speed));
+    if (!options.overlap) continue;
+    add_overlap(*subjects[i], overlapped[i], report.settings.warmup, report.pipelines.back());
   }
   report.ratios = bench::ratios_of(report.pipelines, report.baseline);
   return report;

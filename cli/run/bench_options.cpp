@@ -42,6 +42,9 @@ void add_bench_options(CLI::App& command, BenchOptions& options) {
       ->allow_extra_args(false);
   command.add_flag("--with-sinks", options.with_sinks,
                    "Run the sinks too; what they write goes to a temporary folder");
+  command.add_flag("--overlap", options.overlap,
+                   "Measure frames per second and the latency of a frame too, with as many frames "
+                   "at once as frames_at_once and threads of each pipeline allow");
   text("--json", options.json, "Write all figures into this file");
   add_overwrite(command, options.overwrite);
   command.add_flag("--quiet", options.quiet, "No progress");
@@ -88,6 +91,7 @@ std::string command_of(const BenchOptions& options, const bench::Settings& how,
   add("--set-all", options.settings_of_all);
   command += fmt::format(" --frames {} --warmup {} --repetitions {} --block {}", how.frames,
                          how.warmup, how.repetitions, how.block);
+  command += options.overlap ? " --overlap" : "";
   return command + (options.with_sinks ? " --with-sinks" : "");
 }
 

@@ -15,7 +15,8 @@ struct BenchOptions {
   std::vector<std::string> against, settings, settings_of_all;
   bench::Settings how;
   bool frames_given = false, with_sinks = false, quiet = false, overwrite = false;
-  bool counts = false;  ///< run one pipeline once and print what was counted
+  bool overlap = false;  ///< measure several frames at once too
+  bool counts = false;   ///< run one pipeline once and print what was counted
 };
 
 void add_bench_options(CLI::App& command, BenchOptions& options);

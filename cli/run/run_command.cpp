@@ -150,7 +150,9 @@ void run(const std::string& file, std::string folder, const std::vector<std::str
     fmt::print(stderr, "warning: {}: {} ({} of {} frames)\n", warning.component, warning.text,
                warning.frames, summary->frames);
   }
-  fmt::print("{} frames, {} failed{}{}: {}\n", summary->frames, summary->failed,
+  const bool drops = pipeline.config.latest_only;
+  fmt::print("{} frames{}, {} failed{}{}: {}\n", summary->frames,
+             drops ? fmt::format(", {} dropped", summary->dropped) : "", summary->failed,
              summary->warnings.empty() ? "" : fmt::format(", {} warned", summary->warnings.size()),
              summary->stopped ? ", stopped early" : "", summary->folder);
   const bool gave_up = pipeline.config.stop_on_error && summary->failed > 0;

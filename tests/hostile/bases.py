@@ -63,7 +63,7 @@ ALL_PARAMETERS: dict[str, list[str]] = {
     for component, known in PARAMETERS.items()}
 
 ROOT_KEYS = ["weft", "source", "template", "stages", "sinks", "seed", "lost_after", "on_error",
-             "max_failed", "frames_at_once", "threads", "extends", "without"]
+             "max_failed", "frames_at_once", "threads", "realtime", "extends", "without"]
 STAGE_KEYS = ["use", "params", "as", "from", "when", "template_params", "isolate", "deadline_ms"]
 
 

@@ -147,6 +147,36 @@ TEST_F(Bench, RunsSinksWhenAsked) {
   EXPECT_EQ(part(all["pipelines"][0], "sinks")["wall_ms"]["n"], kFrames * kRepetitions);
 }
 
+TEST_F(Bench, MeasuresFramesThatOverlapWhenAsked) {
+  write(chain({{"sources", "{frames: 9}"}}, "frames_at_once: 3\nthreads: 2"), "a.yaml");
+  const Ended ended = bench({"a.yaml", "--against", "a.yaml", "--set", "frames_at_once=1",
+                             "--overlap", "--json", "overlap.json"});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("overlapped, 3 frames at once on 2 threads: "));
+  EXPECT_THAT(ended.out, HasSubstr("a / a#2"));
+  const json all = json::parse(read_text(path("overlap.json")));
+  EXPECT_THAT(all["command"].get<std::string>(), HasSubstr(" --overlap"));
+  const std::vector<std::pair<int, int>> expected = {{1, 1}, {3, 2}};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const json& overlap = all["pipelines"][i]["overlap"];
+    EXPECT_EQ(overlap["frames_at_once"], expected[i].first);
+    EXPECT_EQ(overlap["threads"], expected[i].second);
+    EXPECT_EQ(overlap["frames_per_s"]["n"], kRepetitions);
+    EXPECT_EQ(overlap["frames_per_s_each"].size(), kRepetitions);
+    EXPECT_GT(overlap["frames_per_s"]["median"], 0.0);
+    EXPECT_EQ(overlap["latency_ms"]["n"], kFrames * kRepetitions);
+    EXPECT_LE(overlap["latency_ms"]["median"], overlap["latency_ms"]["p99"]);
+  }
+  bool compared = false;
+  for (const json& ratio : all["ratios"]) {
+    if (ratio["part"] != "overlapped") continue;
+    EXPECT_EQ(ratio["wall"]["pairs"], kRepetitions);
+    compared = true;
+  }
+  EXPECT_TRUE(compared);
+  EXPECT_TRUE(measured()["pipelines"][0]["overlap"].is_null()) << "not asked for";
+}
+
 TEST_F(Bench, LaysSettingsOverTheFirstPipelineOrOverAll) {
   write(chain(), "a.yaml");
   const Ended ended = bench({"a.yaml", "--against", "a.yaml", "--set-all", "source.frames=9",

@@ -8,6 +8,7 @@
 
 #include "support/child.hpp"
 #include "support/pipeline_fixture.hpp"
+#include "support/run_lines.hpp"
 
 namespace weft {
 namespace {
@@ -79,12 +80,33 @@ class IsolationTest : public testing::PipelineTest {
   }
 
   /// A chain whose filter is deadly and isolated.
-  std::string deadly(const std::string& params, const std::string& keys = "") const {
-    std::string text = testing::chain({{"sources", "{frames: 4}"}});
+  std::string deadly(const std::string& params, const std::string& keys = "",
+                     const std::string& options = "") const {
+    std::string text = testing::chain({{"sources", "{frames: 4}"}}, options);
     const std::string filter = "{use: filters/test.scripted, params: {}}";
     text.replace(text.find(filter), filter.size(),
                  "{use: filters/zoo_deadly, params: " + params + ", isolate: process" + keys + "}");
     return text;
+  }
+
+  /// The run folders of the text with one frame after another and with several at once hold the
+  /// same; its lines.
+  std::vector<json> the_same_in_parallel(const std::string& params, const std::string& keys) {
+    const std::string serial = "max_failed: 1\nthreads: 2\n";
+    run(write(deadly(params, keys, serial + "frames_at_once: 1")), path("serial"), {"--quiet"});
+    const Ended ended = run(write(deadly(params, keys, serial + "frames_at_once: 4")),
+                            path("parallel"), {"--quiet"});
+    EXPECT_EQ(ended.exit_code, 0) << ended.err;
+    EXPECT_EQ(shapes(path("parallel")), shapes(path("serial")));
+    const auto lines_of = [&](const char* folder) {
+      std::vector<json> lines = testing::timeless(path(folder));
+      for (json& line : lines) {
+        for (json& stage : line["stages"]) stage.erase("diag.process");  // its id
+      }
+      return lines;
+    };
+    EXPECT_EQ(lines_of("parallel"), lines_of("serial"));
+    return lines_of("parallel");
   }
 
   std::string shapes(const std::string& out) const {
@@ -119,6 +141,37 @@ TEST_F(IsolationTest, AWorkerThatHangsCostsOneFrame) {
   ASSERT_EQ(lines.size(), 4U);
   EXPECT_THAT(lines[2], HasSubstr("its worker gave no answer within 1000 ms and was ended"));
   EXPECT_THAT(lines[3], HasSubstr("\"failed\":false"));
+}
+
+TEST_F(IsolationTest, InAParallelRunAWorkerThatDiesOrHangsCostsItsFrameAndNoOther) {
+  const std::vector<std::vector<std::string>> deeds = {
+      {"{deed: crash, frame: 1}", "", "its worker died of signal 11"},
+      {"{deed: hang, frame: 1}", ", deadline_ms: 1000", "gave no answer within 1000 ms"}};
+  for (const auto& deed : deeds) {
+    SCOPED_TRACE(deed[0]);
+    const std::vector<json> lines = the_same_in_parallel(deed[0], deed[1]);
+    ASSERT_EQ(lines.size(), 4U);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      EXPECT_EQ(lines[i]["failed"], i == 1) << lines[i];
+    }
+    EXPECT_THAT(lines[1].dump(), HasSubstr(deed[2]));
+    for (const char* folder : {"serial", "parallel"}) fs::remove_all(path(folder));
+  }
+}
+
+TEST_F(IsolationTest, AnIsolatedStageMayUseItsShareOfTheThreads) {
+  for (const auto& [options, share] : std::map<std::string, double>{
+           {"frames_at_once: 1\nthreads: 6\n", 6.0}, {"frames_at_once: 2\nthreads: 6\n", 3.0}}) {
+    const std::string text = testing::head("{frames: 2}") + options +
+                             "stages:\n  - {use: matchers/test.pattern}\n"
+                             "  - {use: filters/test.random, isolate: process}\n"
+                             "  - {use: warps/test.scripted}\n  - {use: passes/test.scripted}\n"
+                             "  - {use: solvers/test.scripted}\n";
+    const Ended ended = run(write(text), path("run"), {"--quiet"});
+    ASSERT_EQ(ended.exit_code, 0) << ended.err;
+    EXPECT_EQ(testing::timeless(path("run"))[1]["stages"][2]["diag.threads"], share);
+    fs::remove_all(path("run"));
+  }
 }
 
 TEST_F(IsolationTest, WhatLiesOnADeviceCrossesAsACopy) {
@@ -167,8 +220,11 @@ TEST_F(IsolationTest, WorkersEndWhenTheirHostIsKilled) {
 TEST_F(IsolationTest, AnInterruptReachesTheStageAndDropsTheFrame) {
   std::string here = deadly("{frame: 2, deed: obey}");
   here.replace(here.find(", isolate: process"), std::string(", isolate: process").size(), "");
+  const std::string parallel = "frames_at_once: 4\nthreads: 4";
   for (const std::string& text :
-       {deadly("{frame: 2, deed: obey}"), deadly("{frame: 2, deed: hang}"), here}) {
+       {deadly("{frame: 2, deed: obey}"), deadly("{frame: 2, deed: hang}"), here,
+        deadly("{frame: 2, deed: obey}", "", parallel),
+        deadly("{frame: 2, deed: hang}", "", parallel)}) {
     fs::remove_all(path("run"));
     Child host(command(write(text), path("run")), path("printed"));
     ASSERT_TRUE(comes_true([&] { return read_lines(path("run/frames.jsonl")).size() >= 2; }));
@@ -178,7 +234,9 @@ TEST_F(IsolationTest, AnInterruptReachesTheStageAndDropsTheFrame) {
     const Ended ended = host.wait();
     EXPECT_EQ(ended.exit_code, 0) << ended.err;
     EXPECT_THAT(ended.out, HasSubstr("2 frames, 0 failed, stopped early"));
-    EXPECT_EQ(read_lines(path("run/frames.jsonl")).size(), 2U);
+    const std::vector<json> lines = testing::timeless(path("run"));
+    ASSERT_EQ(lines.size(), 2U);
+    for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(lines[i]["frame"], i);
     for (const pid_t worker : workers) EXPECT_TRUE(is_gone(worker));
   }
 }

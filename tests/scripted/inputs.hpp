@@ -20,6 +20,7 @@ class FrameSource final : public weft::Source {
   explicit FrameSource(weft::Params& p) : script_(p) {
     p.read("frames", frames_, "", {0, 1e6}, "how many");
     p.read("unknown_count", unknown_count_, "end with no_result instead of a count");
+    p.read("live", live_, "say that frames come by themselves");
     p.read("focal_px", focal_px_, "px", {-1e6, 1e6}, "of the camera");
     p.read("sleep_ms", sleep_ms_, "ms", {0, 10'000}, "time that each frame takes");
     p.read("known_vertex", known_vertex_, "", {-1, 1e6}, "vertex that is known, -1 for none");
@@ -42,6 +43,7 @@ class FrameSource final : public weft::Source {
   }
 
   std::int64_t count() const override { return unknown_count_ ? -1 : frames_; }
+  bool live() const override { return live_; }
 
   weft::Result<weft::SourceFrame> read(std::int64_t index, const weft::Call& call) override {
     if (index >= frames_) return weft::no_result("the end");
@@ -68,6 +70,7 @@ class FrameSource final : public weft::Source {
   Script script_;
   int frames_ = 3;
   bool unknown_count_ = false;
+  bool live_ = false;
   double focal_px_ = kFocal_px;
   int sleep_ms_ = 0;
   int known_vertex_ = -1;

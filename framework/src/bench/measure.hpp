@@ -23,6 +23,16 @@ struct FrameSpent {
   std::vector<PartSpent> parts;  ///< one for each of Subject::parts()
 };
 
+/// The frames of a sequence on their way through a pipeline, several at once. The next frame enters
+/// as soon as it may: none waits for a source.
+struct Overlapped {
+  struct Passage {
+    double entered_ms = 0.0, left_ms = 0.0;  ///< [] ms since the sequence began
+  };
+  std::vector<Passage> frames;
+  host::Spent whole;  ///< by all frames together
+};
+
 /// What is measured: something that runs frames it has at hand.
 class Subject {
  public:
@@ -36,6 +46,9 @@ class Subject {
 
   /// Fails with the error that a stage had, or with cancelled.
   virtual Result<FrameSpent> run(std::int64_t frame) = 0;
+
+  /// Runs the first frames as a sequence, as many at once as a run would. Fails as run().
+  virtual Result<Overlapped> run_overlapping(std::int64_t frames) = 0;
 };
 
 /// What a frame came to that took `here` of this process; what workers did for it is added.

@@ -134,13 +134,62 @@ Result<FrameSpent> PipelineSubject::run(std::int64_t frame) {
   const bool failed = result.failed();
   if (!failed) loop_->finish(result);
   const host::Spent here = watch.spent();
-  if (result.failed()) {
-    Error error = error_of(result, cancel_.load());
-    error.where = pipeline_.config.file;
-    return error;
-  }
+  if (result.failed()) return blamed(result);
   note(result);
   return spent_in(result, here);
+}
+
+Error PipelineSubject::blamed(const FrameResult& result) const {
+  Error error = error_of(result, cancel_.load());
+  error.where = pipeline_.config.file;
+  return error;
+}
+
+Result<Overlapped> PipelineSubject::run_overlapping(std::int64_t frames) {
+  using Kind = FrameStep::Kind;
+  using enum FrameLine::Answer;
+  restart();
+  Overlapped run;
+  run.frames.resize(to_index(frames));
+  std::vector<std::optional<FrameOnItsWay>> on_their_way(to_index(pipeline_.config.frames_at_once));
+  std::optional<Error> error;
+  double workers_ms = 0.0;
+  const host::Stopwatch watch;
+  const auto since_begin_ms = [&] {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() -
+                                                     watch.start())
+        .count();
+  };
+  const std::vector<FrameStep> steps = loop_->steps();
+  const auto take = [&](std::size_t step, std::uint64_t place) {
+    if (place >= run.frames.size()) return not_there;
+    std::optional<FrameOnItsWay>& frame = on_their_way[place % on_their_way.size()];
+    if (steps[step].kind == Kind::read) {
+      run.frames[place].entered_ms = since_begin_ms();
+      frame.emplace(loop_->begin(frames_[place]));
+      return passed;
+    }
+    if (steps[step].kind != Kind::file) loop_->take(steps[step], *frame);
+    // Frames come to these steps in their order: the first error is that of the first frame.
+    const bool may_fail = steps[step].kind == Kind::end || steps[step].kind == Kind::file;
+    if (may_fail && frame->result.failed()) {
+      if (!error) error = blamed(frame->result);
+      return not_there;
+    }
+    if (steps[step].kind != Kind::file) return passed;
+    lane_->take_timings(frame->result.index);
+    for (const StageReport& report : frame->result.stages) {
+      workers_ms += report.worker_processor_ms;
+    }
+    frame.reset();
+    run.frames[place].left_ms = since_begin_ms();
+    return passed;
+  };
+  line_of(steps, on_their_way.size()).run(workers_of(pipeline_.config), take);
+  if (error) return *error;
+  run.whole = watch.spent();
+  run.whole.processor_ms += workers_ms;
+  return run;
 }
 
 void PipelineSubject::note(const FrameResult& result) {

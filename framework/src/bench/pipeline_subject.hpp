@@ -33,6 +33,7 @@ class PipelineSubject final : public Subject {
   const std::vector<std::string>& parts() const override { return parts_; }
   void restart() override { loop_->restart(); }
   Result<FrameSpent> run(std::int64_t frame) override;
+  Result<Overlapped> run_overlapping(std::int64_t frames) override;
 
   /// Ids of the components of the parts; a part with one of its own for the template has that too.
   std::vector<std::string> components() const;
@@ -53,6 +54,7 @@ class PipelineSubject final : public Subject {
       : pipeline_(std::move(pipeline)), cancel_(cancel) {}
   Result<void> open_all(std::int64_t frames);
   void note(const FrameResult& result);
+  Error blamed(const FrameResult& result) const;
 
   CheckedPipeline pipeline_;
   const std::atomic<bool>& cancel_;

@@ -122,6 +122,14 @@ PipelineReport report_of(const Entry& entry, const PipelineSubject& subject,
   return report;
 }
 
+void add_overlap(const PipelineSubject& subject, const std::vector<Overlapped>& repetitions,
+                 std::int64_t warmup, PipelineReport& report) {
+  report.overlap = figures_of(repetitions, warmup);
+  report.overlap->frames_at_once = subject.config().frames_at_once;
+  report.overlap->threads = workers_of(subject.config());
+  report.parts.push_back(overlapped_part(repetitions, warmup));
+}
+
 std::vector<RatioReport> ratios_of(const std::vector<PipelineReport>& pipelines,
                                    const std::string& baseline) {
   std::vector<RatioReport> ratios;

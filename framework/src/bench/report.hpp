@@ -9,6 +9,7 @@
 #include "bench/counts.hpp"
 #include "bench/figures.hpp"
 #include "bench/machine_speed.hpp"
+#include "bench/overlap.hpp"
 #include "bench/pipeline_subject.hpp"
 
 namespace weft::bench {
@@ -39,7 +40,8 @@ struct PipelineReport {
   std::vector<Row> rows;
   std::vector<Part> parts;  ///< what the rows are of, but for the source
   std::optional<Counts> counts;
-  std::string why_no_counts;  ///< empty when there are
+  std::string why_no_counts;                ///< empty when there are
+  std::optional<OverlapFigures> overlap{};  ///< where it was asked for
 };
 
 /// How one pipeline's part compares with another one's.
@@ -65,6 +67,10 @@ double times_floor(const Row& row);
 PipelineReport report_of(const Entry& entry, const PipelineSubject& subject,
                          const std::vector<Sample>& samples, const Result<Counts>& counts,
                          const MachineSpeed& speed);
+
+/// Adds what was measured of frames that overlap.
+void add_overlap(const PipelineSubject& subject, const std::vector<Overlapped>& repetitions,
+                 std::int64_t warmup, PipelineReport& report);
 
 /// The frame and all parts that both have by name; of the first pipeline over each other one, and
 /// of each over the baseline.

@@ -63,6 +63,16 @@ ordered_json memory_of(const std::optional<Counts>& counts) {
           {"above_loaded_kib", counts->peak_kib - counts->loaded_kib}};
 }
 
+ordered_json overlap_of(const std::optional<OverlapFigures>& overlap) {
+  if (!overlap) return nullptr;
+  return {{"frames_at_once", overlap->frames_at_once},
+          {"threads", overlap->threads},
+          {"frames_per_s", json_of(overlap->frames_per_s_spread)},
+          {"frames_per_s_each", overlap->frames_per_s},
+          {"latency_ms", json_of(overlap->latency_ms)},
+          {"cores", number(overlap->cores)}};
+}
+
 /// The whole frames one by one, for those who want other statistics.
 ordered_json samples_of(const PipelineReport& pipeline) {
   ordered_json all = ordered_json::array();
@@ -87,6 +97,7 @@ ordered_json json_of(const PipelineReport& pipeline) {
           {"settings", pipeline.entry.settings},
           {"states", pipeline.states},
           {"parts", parts},
+          {"overlap", overlap_of(pipeline.overlap)},
           {"memory", memory_of(pipeline.counts)},
           {"why_no_counts", pipeline.why_no_counts.empty() ? ordered_json(nullptr)
                                                            : ordered_json(pipeline.why_no_counts)},

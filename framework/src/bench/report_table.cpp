@@ -63,6 +63,18 @@ Line line_of(const Report& report, const PipelineReport& pipeline, const Row& ro
   return line;
 }
 
+std::string overlap_text(const OverlapFigures& overlap) {
+  const auto [least, most] =
+      std::minmax_element(overlap.frames_per_s.begin(), overlap.frames_per_s.end());
+  return fmt::format(
+      "overlapped, {} frames at once on {} threads: {} frames/s ({} to {}), latency ms p50 {}, "
+      "p95 {}, p99 {}, {} cores\n",
+      overlap.frames_at_once, overlap.threads, figure(overlap.frames_per_s_spread.median, "{:.2f}"),
+      figure(*least, "{:.2f}"), figure(*most, "{:.2f}"), ms_text(overlap.latency_ms.median),
+      ms_text(overlap.latency_ms.p95), ms_text(overlap.latency_ms.p99),
+      figure(overlap.cores, "{:.2f}"));
+}
+
 std::string text_of(const Report& report, const PipelineReport& pipeline) {
   std::string states;
   for (const auto& [state, count] : pipeline.states) {
@@ -79,6 +91,7 @@ std::string text_of(const Report& report, const PipelineReport& pipeline) {
   std::vector<Line> lines{head};
   for (const Row& row : pipeline.rows) lines.push_back(line_of(report, pipeline, row));
   text += aligned(lines, 2);
+  if (pipeline.overlap) text += overlap_text(*pipeline.overlap);
   if (pipeline.counts) {
     const Counts& counts = *pipeline.counts;
     text += fmt::format("memory: {:.1f} MiB at most, {:.1f} above the {:.1f} of its libraries\n",

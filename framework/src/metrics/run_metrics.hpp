@@ -16,6 +16,7 @@ struct RunMetrics {
   Alignment alignment = Alignment::none;
   bool has_solver = true;    ///< without one there are no shapes, no groups and no failures
   bool interrupted = false;  ///< the run was killed while it wrote a frame's line
+  std::int64_t dropped = 0;  ///< [frames] of the source that a run of `realtime: latest` left out
   std::vector<std::string> truth_users;  ///< components that may have read the truth
   FrameCounts counts;
   double strain_mean = kUnknown;       ///< [] mean over all solved frames

@@ -75,7 +75,7 @@ class FrexVideo final : public Source {
     if (!camera) return camera.error();
     const auto count = frames_.count(call);
     if (!count) return count.error();
-    count_ = count->frames;
+    count_ = *count;
     if (auto ready = make_background(*camera); !ready) return ready.error();
     pinhole_ = {camera->fx, camera->fy, camera->cx, camera->cy};
     auto maker = SceneMaker::create(*layout, scene::MipTexture(*texture), *camera, scene_);
@@ -88,7 +88,8 @@ class FrexVideo final : public Source {
     return camera;
   }
 
-  std::int64_t count() const override { return count_; }
+  std::int64_t count() const override { return count_.frames; }
+  bool live() const override { return count_.live != 0; }
 
   /// A frame in which the sheet is not found has no image and no truth: it is degenerate rather
   /// than no_result, which would be the end of a video.
@@ -185,7 +186,7 @@ class FrexVideo final : public Source {
   SceneOptions scene_;
   double noise_grey_ = 2.0;
 
-  std::int64_t count_ = -1;
+  Count count_;
   Pinhole pinhole_;
   cv::Mat behind_;
   std::optional<MarkerFinder> finder_;

@@ -63,13 +63,14 @@ class Grippers final : public Source {
     if (!camera) return camera.error();
     const auto count = frames_.count(call);
     if (!count) return count.error();
-    frame_count_ = count->frames;
+    frame_count_ = *count;
     Rng rng = stream(kOffset, 0);
     offset_m_ = kMetresPerMillimetre * offset_mm_ * random_direction(rng);
     return camera;
   }
 
-  std::int64_t count() const override { return frame_count_; }
+  std::int64_t count() const override { return frame_count_.frames; }
+  bool live() const override { return frame_count_.live != 0; }
 
   Result<SourceFrame> read(std::int64_t index, const Call& call) override {
     auto given = frames_.read(call);
@@ -123,7 +124,7 @@ class Grippers final : public Source {
   double radius_mm_ = -1.0;
   std::int64_t seed_ = 1;
 
-  std::int64_t frame_count_ = -1;
+  Count frame_count_;
   Eigen::Vector3d offset_m_ = Eigen::Vector3d::Zero();
 };
 

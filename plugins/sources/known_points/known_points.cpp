@@ -49,12 +49,13 @@ class KnownPointSource final : public Source {
     if (!camera) return camera.error();
     const auto count = frames_.count(call);
     if (!count) return count.error();
-    count_ = count->frames;
+    count_ = *count;
     feed_ = *std::move(feed);
     return camera;
   }
 
-  std::int64_t count() const override { return count_; }
+  std::int64_t count() const override { return count_.frames; }
+  bool live() const override { return count_.live != 0; }
 
   Result<SourceFrame> read(std::int64_t index, const Call& call) override {
     if (!feed_) return Error{Errc::invalid_value, "the source is not open: open it first"};
@@ -97,7 +98,7 @@ class KnownPointSource final : public Source {
   FeedOptions feed_options_;
   double clock_offset_s_ = 0.0;
   std::vector<double> camera_from_robot_;
-  std::int64_t count_ = -1;
+  Count count_;
   std::optional<RowFeed> feed_;
 };
 

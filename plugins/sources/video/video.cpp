@@ -55,6 +55,8 @@ class Video final : public Source {
   /// Not even of a file: what its header says is an estimate, or wrong if the file was cut off.
   std::int64_t count() const override { return -1; }
 
+  bool live() const override { return device_ >= 0; }
+
   Result<SourceFrame> read(std::int64_t index, const Call& call) override {
     if (index < 0) return Error{Errc::invalid_value, "frames are counted from 0"};
     if (max_frames_ > 0 && index >= max_frames_) return no_result("'max_frames' were read");

@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include "bench/overlap.hpp"
+
 namespace weft::bench {
 namespace {
 
@@ -20,6 +22,11 @@ class Scripted final : public Subject {
     if (frame == fails_at) return Error{Errc::invalid_data, "as scripted", name_};
     const auto ms = static_cast<double>(frame);
     return FrameSpent{{ms + 0.5, ms, {}}, {{StageStatus::ok, {ms, ms, {}}}}};
+  }
+  Result<Overlapped> run_overlapping(std::int64_t frames) override {
+    log_ += name_ + "0-" + std::to_string(frames) + " ";
+    if (fails_at >= 0) return Error{Errc::invalid_data, "as scripted", name_};
+    return Overlapped{};
   }
 
   std::int64_t fails_at = -1;
@@ -88,6 +95,18 @@ TEST(Measure, TellsEachTurnThatIsDone) {
   };
   ASSERT_TRUE(measure({5, 0, 1, 2}, subjects, progress));
   EXPECT_THAT(told, ElementsAre(1, 2, 3));
+}
+
+TEST(Measure, OverlapsTheFramesOfARepetitionInOneTurn) {
+  std::string log;
+  Scripted a("a", log), b("b", log);
+  Subject* const subjects[] = {&a, &b};
+  const auto repetitions = measure_overlap({4, 1, 3, 2}, subjects, {});
+  ASSERT_TRUE(repetitions);
+  EXPECT_EQ(log, "a0-5 b0-5 b0-5 a0-5 a0-5 b0-5 ");
+  EXPECT_EQ(repetitions->front().size(), 3U);
+  b.fails_at = 0;
+  EXPECT_EQ(measure_overlap({4, 1, 3, 2}, subjects, {}).error().where, "b");
 }
 
 }  // namespace

@@ -85,6 +85,20 @@ TEST(RunReader, RefusesTwoLinesOfOneFrame) {
 
 constexpr const char* kEnds = R"({"end": "end.json", "components": []})";
 
+TEST(RunReader, CountsTheFramesThatARunLeftOutOnPurpose) {
+  TestRun run;
+  for (const char* frame : {"2", "3", "7"}) {
+    run.append_line(std::string("{\"frame\": ") + frame +
+                    ", \"state\": \"none\", \"failed\": false}\n");
+  }
+  EXPECT_THAT(failure(run).message, HasSubstr("has no line of frame 0"));
+  run.write_text("manifest.json", R"({"realtime": "latest", "components": []})");
+  const auto reader = RunReader::open(run.folder());
+  ASSERT_TRUE(reader) << reader.error().message;
+  EXPECT_EQ(reader->lines().size(), 3U);
+  EXPECT_EQ(reader->dropped(), 5);
+}
+
 TEST(RunReader, NoticesALineThatIsMissing) {
   TestRun between;
   for (const char* frame : {"0", "2"}) {

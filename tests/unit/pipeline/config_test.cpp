@@ -20,7 +20,7 @@ TEST_F(Config, ReadsEveryKey) {
   const auto [config, report] =
       load(chain({},
                  "seed: 18446744073\nlost_after: 0\non_error: stop\nmax_failed: 2\n"
-                 "frames_at_once: 3\nthreads: 2"));
+                 "frames_at_once: 3\nthreads: 2\nrealtime: latest"));
   ASSERT_TRUE(report.ok()) << report.text();
   EXPECT_EQ(config.seed, 18446744073U);
   EXPECT_EQ(config.lost_after, 0);
@@ -28,6 +28,7 @@ TEST_F(Config, ReadsEveryKey) {
   EXPECT_EQ(config.max_failed, 2);
   EXPECT_EQ(config.frames_at_once, 3);
   EXPECT_EQ(config.threads, 2);
+  EXPECT_TRUE(config.latest_only);
   EXPECT_EQ(config.source->component.component().id, "sources/test.scripted");
   EXPECT_EQ(config.templ->component.component().id, "templates/test.scripted");
   EXPECT_EQ(config.stages.size(), 6U);
@@ -43,6 +44,7 @@ TEST_F(Config, HasTheDocumentedDefaults) {
   EXPECT_EQ(config.max_failed, 0);
   EXPECT_EQ(config.frames_at_once, 1);
   EXPECT_EQ(config.threads, 0);
+  EXPECT_FALSE(config.latest_only);
   EXPECT_THAT(config.stages, IsEmpty());
   EXPECT_THAT(config.sinks, IsEmpty());
 }
@@ -130,7 +132,9 @@ TEST_F(Config, RefusesOptionsOutOfRange) {
       {"frames_at_once: 0", "'frames_at_once' must be a whole number from 1 to 64"},
       {"threads: -1", "'threads' must be a whole number from 0 to 256"},
       {"on_error: skip", "'on_error' must be one of: continue, stop"},
-      {"on_error: [stop]", "'on_error' must be one of: continue, stop"}};
+      {"on_error: [stop]", "'on_error' must be one of: continue, stop"},
+      {"realtime: newest", "'realtime' must be one of: all, latest"},
+      {"realtime:", "'realtime' must be one of: all, latest"}};
   for (const auto& [option, message] : cases) {
     EXPECT_THAT(lines(load(chain({}, option)).second), ElementsAre(HasSubstr(message))) << option;
   }
@@ -203,7 +207,7 @@ TEST_F(Config, KnowsTheKeysThatLayFilesOverOneAnother) {
               ElementsAre("4:1: a pipeline has no key 'withuot'; did you mean 'without'?"));
   EXPECT_THAT(
       lines(load(head() + "zzz: 1\n").second),
-      ElementsAre(::testing::EndsWith("max_failed, frames_at_once, threads, extends, without")));
+      ElementsAre(::testing::EndsWith("frames_at_once, threads, realtime, extends, without")));
 }
 
 TEST_F(Config, SaysWhyAFileCannotBeRead) {

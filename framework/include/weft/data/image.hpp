@@ -33,10 +33,12 @@ struct Time {
 struct Count {
   static constexpr const char* kType = "count/1";
   std::int64_t frames = -1;  ///< [] number of frames, -1 when unknown (a camera, a stream)
+  std::int64_t live = 0;     ///< [] 1 where frames come by themselves, as those of a camera do
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit(self.frames, Field{"frames", "", "", "number of frames, -1 when unknown"});
+    visit(self.live, Field{"live", "", "0 or 1", "1 where frames come by themselves", true});
   }
 };
 

@@ -26,6 +26,9 @@ class Source {
   virtual Result<Camera> open(const Call& call) = 0;
   /// Number of frames, -1 when unknown.
   virtual std::int64_t count() const = 0;
+  /// Whether frames come by themselves, as those of a camera do: `read` waits for the next one, and
+  /// one that is not read in time is lost. Asked after `open`.
+  virtual bool live() const { return false; }
   /// Frame `index`, from 0. A frame that cannot be read is an error of that frame only. When the
   /// count is unknown, no_result is the end.
   virtual Result<SourceFrame> read(std::int64_t index, const Call& call) = 0;
@@ -46,8 +49,9 @@ class Source {
       return call.run<EmptyInput>("camera", [&](const auto& in) { return open(in.call); });
     }
     if (call.method() == 1) {
-      return call.run<EmptyInput>("count",
-                                  [&](const auto&) { return Result<Count>(Count{count()}); });
+      return call.run<EmptyInput>("count", [&](const auto&) {
+        return Result<Count>(Count{count(), live() ? 1 : 0});
+      });
     }
     const auto read_frame = [&](const EmptyInput& in) {
       return read(static_cast<std::int64_t>(in.call.frame()), in.call);
@@ -71,7 +75,7 @@ struct SourceComponent : ComponentHandle {
   Result<Camera> open(const Call& call) const {
     return detail::invoke<Camera>(call, handle, 0, {});
   }
-  /// Number of frames, -1 when unknown.
+  /// Number of frames, -1 when unknown, and whether they come by themselves.
   Result<Count> count(const Call& call) const { return detail::invoke<Count>(call, handle, 1, {}); }
   /// What it knows of the frame that the call is about.
   Result<SourceFrame> read(const Call& call) const {

@@ -169,7 +169,7 @@ PipelineDocument Grid::document(const Cell& cell) const {
 
 std::pair<CheckedPipeline, ConfigReport> Grid::load(const Cell& cell,
                                                     PipelineDocument document) const {
-  auto loaded = check_pipeline(plan_.pipeline, std::move(document), *registry_, {}, checks_.get());
+  auto loaded = check_cell(plan_.pipeline, std::move(document), *registry_, {}, checks_.get());
   if (!plan_.seeds.empty()) loaded.first.config.seed = cell.seed;
   return loaded;
 }

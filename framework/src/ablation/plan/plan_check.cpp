@@ -6,7 +6,6 @@
 
 #include "ablation/plan/plan_parts.hpp"
 #include "metrics/forms/metric_path.hpp"
-#include "pipeline/runs/run.hpp"
 
 namespace weft::evaluation {
 namespace {
@@ -73,9 +72,9 @@ class PartsCheck {
   void lay(const std::vector<std::size_t>& values, std::size_t data) {
     if (parts_ == kMostParts) return;
     ++parts_;
-    const auto [pipeline, report] = check_pipeline(
-        plan_.pipeline, laid_over(base_, patches_of(values, data), settings_, paths_), registry_,
-        plan_.source.folder, &checks_);
+    const auto [pipeline, report] =
+        check_cell(plan_.pipeline, laid_over(base_, patches_of(values, data), settings_, paths_),
+                   registry_, plan_.source.folder, &checks_);
     std::vector<std::string> filters;
     for (const StageConfig& stage : pipeline.config.stages) {
       if (rules_of(stage.role).marks) filters.push_back(stage.name);
@@ -155,6 +154,24 @@ std::size_t pipelines_of(const Plan& plan) {
 }
 
 }  // namespace
+
+std::pair<CheckedPipeline, ConfigReport> check_cell(const std::string& file,
+                                                    PipelineDocument document,
+                                                    const host::Registry& registry,
+                                                    const std::string& output_folder,
+                                                    host::ComponentChecks* checks) {
+  const yaml::Node* realtime = document.root.find("realtime");
+  const auto at = realtime != nullptr ? realtime->at : yaml::Position{};
+  auto checked = check_pipeline(file, std::move(document), registry, output_folder, checks);
+  if (checked.first.config.latest_only) {
+    checked.second.problems.push_back(
+        {at,
+         "with 'realtime: latest' each run takes other frames, so that cells cannot be compared; "
+         "set realtime: all for an ablation"});
+    checked.second.sort();
+  }
+  return checked;
+}
 
 std::pair<Plan, ConfigReport> load_plan(const std::string& file, const host::Registry& registry,
                                         const std::vector<std::string>& settings,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ablation/plan/plan.hpp"
+#include "pipeline/runs/run.hpp"
 
 namespace weft::evaluation {
 
@@ -66,6 +67,14 @@ class PlanValues {
   std::vector<yaml::Problem>& problems_;
   std::vector<yaml::Problem> of_text_;  ///< mistakes of YAML
 };
+
+/// Checks the pipeline of a cell: as weft::check_pipeline does, and whether another run of it takes
+/// the same frames.
+std::pair<CheckedPipeline, ConfigReport> check_cell(const std::string& file,
+                                                    PipelineDocument document,
+                                                    const host::Registry& registry,
+                                                    const std::string& output_folder,
+                                                    host::ComponentChecks* checks);
 
 /// All metrics that a plan names.
 std::vector<std::pair<std::string, yaml::Position>> metrics_of(const Plan& plan);

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -82,8 +83,15 @@ class Lane {
   /// made. With more than one caller, processor time is that of the calling thread alone.
   void divide_threads(int threads, int callers);
 
+  /// Whose processor time counts from now on, and that of which thread does not.
+  void count_processor_time(ProcessorTime counted, std::optional<clockid_t> apart = {}) {
+    processor_time_ = counted;
+    apart_ = apart;
+  }
+  ProcessorTime processor_time() const { return processor_time_; }
+
   /// Measures as the lane does.
-  Stopwatch stopwatch() const { return Stopwatch(processor_time_); }
+  Stopwatch stopwatch() const { return Stopwatch(processor_time_, apart_); }
 
   /// Gives template and camera to an instance and to those nested in it.
   Result<void> prepare(Instance& instance, const Record& templ, const Record& camera);
@@ -147,6 +155,7 @@ class Lane {
   std::vector<std::unique_ptr<Instance>> instances_;  ///< handle - 1 is the index
   int threads_a_call_ = 1;
   ProcessorTime processor_time_ = ProcessorTime::of_process;
+  std::optional<clockid_t> apart_;
   std::mutex timings_mutex_;
   std::map<std::uint64_t, std::vector<Timing>> timings_;  ///< by frame
   std::atomic<std::uint64_t> next_revision_;

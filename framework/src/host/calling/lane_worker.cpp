@@ -15,6 +15,7 @@ Result<void> Lane::open_workplace() {
   if (block == nullptr) return Error{Errc::io, "there is no room in shared memory"};
   auto* cancel = std::construct_at(static_cast<std::atomic<bool>*>(block.get()), false);
   workplace_ = std::make_unique<Workplace>(Workplace{run_seed_,
+                                                     threads_a_call_,
                                                      std::make_shared<SharedInputs>(arena_),
                                                      {block, cancel},
                                                      [this] { return is_cancelled(); },

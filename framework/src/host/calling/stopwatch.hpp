@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <time.h>
+
 #include <chrono>
+#include <optional>
 
 #include "host/calling/allocation_count.hpp"
 
@@ -23,7 +26,10 @@ enum class ProcessorTime { of_process, of_thread };
 /// Measures what is spent from its making on.
 class Stopwatch {
  public:
-  explicit Stopwatch(ProcessorTime counted = ProcessorTime::of_process);
+  /// Of a process, what the thread of the clock `apart` spends does not count: it does something
+  /// else meanwhile.
+  explicit Stopwatch(ProcessorTime counted = ProcessorTime::of_process,
+                     std::optional<clockid_t> apart = {});
 
   std::chrono::steady_clock::time_point start() const { return start_; }
 
@@ -32,6 +38,7 @@ class Stopwatch {
 
  private:
   ProcessorTime counted_;
+  std::optional<clockid_t> apart_;
   std::chrono::steady_clock::time_point start_;
   double processor_start_ms_;
   Allocations allocated_;

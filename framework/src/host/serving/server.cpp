@@ -58,6 +58,7 @@ class Server {
     const auto* cancel = static_cast<const std::atomic<bool>*>(
         inputs_->at(hello.cancel_offset, sizeof(std::atomic<bool>)));
     lane_.watch([cancel] { return cancel != nullptr && cancel->load(); });
+    lane_.divide_threads(hello.threads, 1);
   }
 
   ReplyMessage answer(const Message& message) {

@@ -43,16 +43,18 @@ struct PlacedRecord {
 
 enum class MessageKind : std::uint32_t { hello = 1, create, prepare, process, log, reply };
 
-/// The first message: who calls, and where the cancel flag stands in the host's memory.
+/// The first message: who calls, where the cancel flag stands in the host's memory, and how many
+/// threads a call may use.
 struct HelloMessage {
   std::string version;
   std::uint64_t run_seed = 0, inputs_reserve_bytes = 0, outputs_reserve_bytes = 0;
   std::uint64_t cancel_offset = 0;
+  std::int32_t threads = 1;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit(self.version), visit(self.run_seed), visit(self.inputs_reserve_bytes);
-    visit(self.outputs_reserve_bytes), visit(self.cancel_offset);
+    visit(self.outputs_reserve_bytes), visit(self.cancel_offset), visit(self.threads);
   }
 };
 

@@ -75,9 +75,12 @@ Result<void> Worker::start() {
   loans_ = std::make_shared<Loans>(*outputs, workplace_.inputs);
   known_.clear();
   kept_.clear();
-  const HelloMessage hello{kVersion, workplace_.run_seed, arena.memory().reserve_bytes(),
+  const HelloMessage hello{kVersion,
+                           workplace_.run_seed,
+                           arena.memory().reserve_bytes(),
                            loans_->memory().reserve_bytes(),
-                           *arena.memory().offset_of(workplace_.cancel.get())};
+                           *arena.memory().offset_of(workplace_.cancel.get()),
+                           workplace_.threads};
   const auto met = converse(MessageKind::hello, pack(hello));
   if (!met) return met.error();
   if (met->status != WEFT_OK) {

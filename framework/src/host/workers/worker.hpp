@@ -19,6 +19,7 @@ namespace weft::host {
 /// What the workers of one lane share.
 struct Workplace {
   std::uint64_t run_seed = 0;
+  int threads = 1;  ///< that a call may use
   std::shared_ptr<SharedInputs> inputs;
   std::shared_ptr<std::atomic<bool>> cancel;  ///< in memory that workers read
   std::function<bool()> cancelled;

@@ -85,6 +85,11 @@ std::string counts_text(const RunMetrics& metrics) {
   if (metrics.interrupted) {
     text += fmt::format("  {} frames; the run did not finish\n", counts.frames);
   }
+  if (metrics.dropped > 0) {
+    text += fmt::format(
+        "  {} frames of the source were dropped (realtime: latest): another run takes others\n",
+        metrics.dropped);
+  }
   for (const std::string& id : metrics.truth_users) {
     text += fmt::format("  {} may read the ground truth: these figures are no measurement\n",
                         printable(id));

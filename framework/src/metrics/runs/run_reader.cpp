@@ -156,6 +156,7 @@ Result<RunReader> RunReader::open(const std::string& folder) {
   if (auto taken = reader.take_scene(*std::move(scene), file); !taken) return taken.error();
   if (auto read = reader.read_lines(); !read) return read.error();
   if (auto read = reader.read_manifest(); !read) return read.error();
+  if (auto checked = reader.check_numbers(); !checked) return checked.error();
   return reader;
 }
 

@@ -77,6 +77,8 @@ class RunReader {
   /// The run did not come to its end: it was killed or stopped. A line that was cut off then is not
   /// among lines().
   bool interrupted() const { return interrupted_; }
+  /// [frames] of the source that the run left out between its own, with `realtime: latest`.
+  std::int64_t dropped() const { return dropped_; }
   /// Without a solver there are no shapes, and none is missing.
   bool has_solver() const { return has_solver_; }
   /// Components of the run that may read the ground truth: their results are no measurement.
@@ -95,6 +97,7 @@ class RunReader {
   explicit RunReader(std::string folder) : folder_(std::move(folder)) {}
   Result<void> take_scene(host::NamedRecords scene, const std::string& file);
   Result<void> read_lines();
+  Result<void> check_numbers();
   Result<void> read_manifest();
   Result<void> read_end(const std::string& file);
 
@@ -104,6 +107,8 @@ class RunReader {
   Camera camera_;
   std::vector<FrameLine> lines_;
   bool interrupted_ = false;
+  bool may_drop_ = false;
+  std::int64_t dropped_ = 0;
   bool cut_ = false;  ///< the last line has no line break
   bool has_solver_ = true;
   std::vector<std::string> truth_users_;

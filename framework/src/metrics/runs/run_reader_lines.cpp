@@ -75,8 +75,18 @@ Result<void> RunReader::read_lines() {
   if (twice != lines_.end()) {
     return damaged_run(file, "has two lines of frame " + std::to_string(twice->frame));
   }
-  for (std::size_t i = 0; i < lines_.size(); ++i) {
-    if (lines_[i].frame != i) return damaged_run(file, "has no line of frame " + std::to_string(i));
+  return {};
+}
+
+/// No frame is missing, unless the run was one that drops some.
+Result<void> RunReader::check_numbers() {
+  std::uint64_t next = 0;
+  for (const FrameLine& line : lines_) {
+    if (line.frame != next && !may_drop_) {
+      return damaged_run(folder_ + "/frames.jsonl", "has no line of frame " + std::to_string(next));
+    }
+    dropped_ += static_cast<std::int64_t>(line.frame - next);
+    next = line.frame + 1;
   }
   return {};
 }
@@ -87,6 +97,7 @@ Result<void> RunReader::read_manifest() {
   // A folder made by another program need not have one.
   if (!manifest && manifest.error().code == Errc::not_found) return {};
   if (!manifest) return damaged_run(file, manifest.error().message);
+  may_drop_ = manifest->value("realtime", json()) == "latest";
   const json end = manifest->value("end", json());  // runs of older programs say nothing of it
   if (end == "end.json") {
     if (auto read = read_end(folder_ + "/end.json"); !read) return read;

@@ -62,6 +62,7 @@ struct PipelineConfig {
   int max_failed = 0;          ///< failed frames that still count as success
   int frames_at_once = 1;      ///< most frames on their way through the stages
   int threads = 0;             ///< that work for a run; 0: one a processor core
+  bool latest_only = false;    ///< `realtime: latest`: frames that come meanwhile are dropped
   /// A mistake leaves open what some stages are called, so that names may be missing only by it.
   bool doubtful_names = false;
 };

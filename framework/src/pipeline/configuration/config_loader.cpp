@@ -41,10 +41,10 @@ class Loader {
       wirable_ = false;
       return problem(given.at, "a pipeline is a map with the keys weft, source, template, stages");
     }
-    const yaml::Node root =
-        with_keys_of(given, "a pipeline",
-                     {"weft", "source", "template", "stages", "sinks", "seed", "lost_after",
-                      "on_error", "max_failed", "frames_at_once", "threads", "extends", "without"});
+    const yaml::Node root = with_keys_of(
+        given, "a pipeline",
+        {"weft", "source", "template", "stages", "sinks", "seed", "lost_after", "on_error",
+         "max_failed", "frames_at_once", "threads", "realtime", "extends", "without"});
     check_version(root);
     read_options(root);
     config_.source = read_single(root, "source", kSource);
@@ -105,12 +105,19 @@ class Loader {
     config_.max_failed = static_cast<int>(max_failed);
     config_.frames_at_once = static_cast<int>(frames_at_once);
     config_.threads = static_cast<int>(threads);
-    if (const yaml::Node* on_error = root.find("on_error")) {
-      config_.stop_on_error = on_error->scalar == "stop";
-      if (on_error->scalar != "stop" && on_error->scalar != "continue") {
-        problem(on_error->at, "'on_error' must be one of: continue, stop");
-      }
+    config_.stop_on_error = read_choice(root, "on_error", "continue", "stop");
+    config_.latest_only = read_choice(root, "realtime", "all", "latest");
+  }
+
+  /// Whether a key has the second of two values; the first one is its default.
+  bool read_choice(const yaml::Node& root, const char* key, const std::string& first,
+                   const std::string& second) {
+    const yaml::Node* node = root.find(key);
+    if (node == nullptr) return false;
+    if (node->scalar != first && node->scalar != second) {
+      problem(node->at, std::string("'") + key + "' must be one of: " + first + ", " + second);
     }
+    return node->scalar == second;
   }
 
   std::optional<StageConfig> read_single(const yaml::Node& root, const char* key,

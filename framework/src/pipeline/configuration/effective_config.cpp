@@ -78,6 +78,7 @@ std::string effective_yaml(const PipelineConfig& config) {
         {"threads", config.threads, untouched.threads}}) {
     if (value != usual) add(key, yaml::plain_node(std::to_string(value)));
   }
+  if (config.latest_only) add("realtime", yaml::plain_node("latest"));
   add("source", effective_stage(*config.source));
   add("template", effective_stage(*config.templ));
   add("stages", list(config.stages));

@@ -127,6 +127,7 @@ FrameResult Executor::begin(const FrameInput& input) {
   FrameResult result;
   result.index = input.index;
   result.place = begun_++;
+  result.dropped_before = input.dropped_before;
   result.values.resize(graph_.values.size());
   result.causes.resize(graph_.values.size());
   place_given(input, result);
@@ -233,7 +234,8 @@ StageReport Executor::take(const StageAnswer& answer, const Stage& stage, FrameR
 std::string Executor::why_not_called(const Stage& stage, const FrameResult& result) const {
   if (!stage.config->when) return {};
   const auto every = static_cast<std::uint64_t>(stage.config->when->every);
-  if (every > 0 && result.index % every == 0) return {};
+  // A multiple that was dropped is made up for by the next frame.
+  if (every > 0 && result.index % every <= result.dropped_before) return {};
   std::string reasons;
   for (const int other : stage.node->not_ok) {
     const StageReport& report = result.stages[to_index(other)];

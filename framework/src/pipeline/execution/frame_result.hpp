@@ -33,7 +33,8 @@ struct StageReport {
 struct FrameInput {
   std::uint64_t index = 0;
   host::NamedRecords records;
-  std::string failure;  ///< empty when the source could read the frame
+  std::string failure;               ///< empty when the source could read the frame
+  std::uint64_t dropped_before = 0;  ///< frames between the last one and this one, never seen
 
   /// Null when the source gave no such record.
   host::RecordPtr find(std::string_view slot) const;
@@ -56,7 +57,8 @@ struct StageCall {
 
 struct FrameResult {
   std::uint64_t index = 0;
-  std::uint64_t place = 0;  ///< frames of this executor that began before it
+  std::uint64_t place = 0;           ///< frames of this executor that began before it
+  std::uint64_t dropped_before = 0;  ///< see FrameInput
   std::string stem;
   std::vector<StageReport> stages;
   std::vector<host::RecordPtr> values;  ///< one for each of Graph::values, null where absent

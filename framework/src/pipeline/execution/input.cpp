@@ -44,7 +44,9 @@ Result<void> PipelineInput::open_source() {
   const auto count =
       output_of(lane_->call(*source_, kCountFrames, {}, host::kOfflineFrame), "count");
   if (!count) return count.error();
-  frames_ = host::view_as<Count>(**count)->frames;
+  const auto counted = host::view_as<Count>(**count);
+  frames_ = counted->frames;
+  is_live_ = counted->live != 0;
   return {};
 }
 

@@ -18,6 +18,8 @@ class PipelineInput {
   const host::RecordPtr& camera() const { return camera_; }
   /// [frames] -1 when unknown.
   std::int64_t frames() const { return frames_; }
+  /// Frames come by themselves: one that is not read in time is lost.
+  bool is_live() const { return is_live_; }
 
   struct Frame {
     FrameInput input;
@@ -42,6 +44,7 @@ class PipelineInput {
   host::RecordPtr template_;
   std::optional<MatchPlacer> placer_;
   std::int64_t frames_ = -1;
+  bool is_live_ = false;
 };
 
 }  // namespace weft

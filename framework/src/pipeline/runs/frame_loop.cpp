@@ -34,7 +34,19 @@ Result<std::unique_ptr<host::Lane>> lane_of(const PipelineConfig& config, host::
   }
   auto lane = std::make_unique<host::Lane>(config.seed, std::move(log), std::move(arena));
   lane->divide_threads(threads_of(config), workers_of(config));
+  // The thread that reads ahead is another one.
+  if (config.latest_only) lane->count_processor_time(host::ProcessorTime::of_thread);
   return lane;
+}
+
+FrameLine line_of(const std::vector<FrameStep>& steps, std::size_t frames_at_once) {
+  std::vector<StepRule> rules;
+  std::size_t settled = 0;
+  for (const FrameStep& step : steps) {
+    if (step.kind == FrameStep::Kind::end) settled = rules.size();
+    rules.push_back(step.rule);
+  }
+  return FrameLine(std::move(rules), settled, frames_at_once);
 }
 
 Result<std::unique_ptr<FrameLoop>> FrameLoop::open(const CheckedPipeline& pipeline,

@@ -32,6 +32,9 @@ struct FrameStep {
   StepRule rule{};
 };
 
+/// A line for frames that take these steps.
+FrameLine line_of(const std::vector<FrameStep>& steps, std::size_t frames_at_once);
+
 /// An opened pipeline, frame by frame: what a run does with a frame before it is filed.
 class FrameLoop {
  public:

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/runs/run.hpp"
 
-#include <algorithm>
-#include <map>
 #include <mutex>
 #include <weft/core/index.hpp>
 
 #include "pipeline/runs/dump.hpp"
-#include "pipeline/runs/frame_loop.hpp"
+#include "pipeline/runs/frame_writer.hpp"
+#include "pipeline/runs/latest_frames.hpp"
 #include "pipeline/runs/run_folder.hpp"
 #include "pipeline/runs/trace.hpp"
+#include "pipeline/runs/warning_log.hpp"
 
 namespace weft {
 namespace {
@@ -30,60 +30,15 @@ void need(const Result<void>& result) {
   if (!result) throw Failed{result.error()};
 }
 
-/// Counts what components warn of, each text once a frame. Frames may warn in any order: they are
-/// counted when they are filed.
-class WarningLog {
- public:
-  /// From any thread.
-  void note(const std::string& component, int level, const std::string& text, std::uint64_t frame) {
-    constexpr int kWarning = 2;
-    if (level < kWarning) return;
-    const std::lock_guard lock(mutex_);
-    Told& told = told_[frame];
-    const std::pair what{component, text};
-    if (std::find(told.begin(), told.end(), what) == told.end()) told.push_back(what);
-    if (frame == host::kOfflineFrame) file_told(frame, 0);
-  }
-
-  void file(std::uint64_t frame) {
-    const std::lock_guard lock(mutex_);
-    file_told(frame, 1);
-  }
-
-  std::vector<RunWarning> take() { return std::move(warnings_); }
-
- private:
-  using Told = std::vector<std::pair<std::string, std::string>>;  ///< component, text
-
-  void file_told(std::uint64_t frame, std::int64_t frames) {
-    constexpr std::size_t kMost = 100;
-    for (const auto& [component, text] : std::exchange(told_[frame], {})) {
-      const auto same = [&, &by = component, &said = text](const RunWarning& warning) {
-        return warning.component == by && warning.text == said;
-      };
-      auto known = std::find_if(warnings_.begin(), warnings_.end(), same);
-      if (known == warnings_.end()) {
-        if (warnings_.size() == kMost) continue;
-        known = warnings_.insert(known, {component, text, 0});
-      }
-      known->frames += frames;
-    }
-    told_.erase(frame);
-  }
-
-  std::mutex mutex_;
-  std::map<std::uint64_t, Told> told_;  ///< by frame, not yet filed
-  std::vector<RunWarning> warnings_;
-};
-
 class Run {
  public:
   Run(const CheckedPipeline& pipeline, const std::string& folder, RunObserver& observer,
-      const std::atomic<bool>& cancel, const std::vector<std::string>& dumped)
+      const std::atomic<bool>& cancel, const std::vector<std::string>& dumped, Clock& clock)
       : pipeline_(pipeline),
         observer_(observer),
         cancel_(cancel),
         dumped_(dumped),
+        clock_(clock),
         lane_(need(lane_of(
             pipeline.config,
             [this](const std::string& component, int level, const std::string& text,
@@ -100,7 +55,8 @@ class Run {
   RunSummary run() {
     try {
       open();
-      observer_.started(loop_->input().frames());
+      // Nobody knows how many a run takes that drops some.
+      observer_.started(pipeline_.config.latest_only ? -1 : loop_->input().frames());
       take_all_frames();
     } catch (const Failed& failed) {
       static_cast<void>(finish());  // the first error is the one to report
@@ -126,7 +82,9 @@ class Run {
       folder_.reset();
     }
     if (folder_) {
-      need(folder_->end(summary_.frames, summary_.failed, summary_.stopped));
+      const bool drops = pipeline_.config.latest_only;
+      need(folder_->end(summary_.frames, summary_.failed, summary_.stopped,
+                        drops ? std::optional(summary_.dropped) : std::nullopt));
       summary_.folder = folder_->path();
     }
     return summary_;
@@ -156,25 +114,58 @@ class Run {
   }
 
   void take_all_frames() {
-    const std::vector<FrameStep> steps = loop_->steps();
-    std::vector<StepRule> rules;
-    std::size_t settled = 0;
-    for (const FrameStep& step : steps) {
-      if (step.kind == FrameStep::Kind::end) settled = rules.size();
-      rules.push_back(step.rule);
-    }
+    std::vector<FrameStep> steps = loop_->steps();
+    // The newest frame is taken when it can go on, and grows old nowhere.
+    if (pipeline_.config.latest_only) steps.front().rule.busy_for = 1;
     const auto at_once = to_index(pipeline_.config.frames_at_once);
     on_their_way_.resize(at_once);
-    FrameLine line(std::move(rules), settled, at_once);
-    line.run(workers_of(pipeline_.config),
-             [&](std::size_t step, std::uint64_t index) { return take(steps[step], index); });
+    FrameLine line = line_of(steps, at_once);
+    start_threads(at_once);
+    std::exception_ptr failure;
+    try {
+      line.run(workers_of(pipeline_.config),
+               [&](std::size_t step, std::uint64_t place) { return take(steps[step], place); });
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    end_reading();
+    lane_->count_processor_time(lane_->processor_time());
+    if (writer_) writer_->close();  // a failure of its own is that of an earlier frame
+    if (failure) std::rethrow_exception(failure);
   }
 
-  FrameLine::Answer take(const FrameStep& step, std::uint64_t index) {
+  /// Those that work beside the frames on their way.
+  void start_threads(std::size_t at_once) {
+    if (folder_) {
+      writer_ = std::make_unique<FrameWriter>(at_once, [this](FrameOnItsWay& f) { keep(f); });
+      lane_->count_processor_time(lane_->processor_time(), writer_->processor_clock());
+    }
+    if (!pipeline_.config.latest_only) return;
+    PipelineInput& input = loop_->input();
+    const auto drop = [this](std::uint64_t index) {
+      lane_->take_timings(index);
+      warnings_.forget(index);
+    };
+    latest_ = std::make_unique<LatestFrames>(
+        LatestFrames::Source{[&input](std::uint64_t index) { return input.read(index); }, drop,
+                             input.frames(), input.is_live()},
+        clock_);
+  }
+
+  /// A source that waits for a frame is told to stop: nobody wants it any more.
+  void end_reading() {
+    if (!latest_) return;
+    latest_->stop();
+    lane_->cancel() = true;
+    latest_.reset();
+    lane_->cancel() = false;
+  }
+
+  FrameLine::Answer take(const FrameStep& step, std::uint64_t place) {
     using Kind = FrameStep::Kind;
     using enum FrameLine::Answer;
-    std::optional<FrameOnItsWay>& frame = on_their_way_[index % on_their_way_.size()];
-    if (step.kind == Kind::read) return read(index, frame) ? passed : not_there;
+    std::optional<FrameOnItsWay>& frame = on_their_way_[place % on_their_way_.size()];
+    if (step.kind == Kind::read) return read(place, frame) ? passed : not_there;
     if (step.kind == Kind::end && frame->result.failed() && cancel_.load()) {
       return not_there;  // cut short: this is no result
     }
@@ -182,27 +173,39 @@ class Run {
       loop_->take(step, *frame);
       return passed;
     }
-    const bool goes_on = file(*frame);
+    const bool goes_on = file(*std::move(frame));
     frame.reset();
     return goes_on ? passed : last;
   }
 
   /// False where there is no such frame, or none is wanted.
-  bool read(std::uint64_t index, std::optional<FrameOnItsWay>& frame) {
+  bool read(std::uint64_t place, std::optional<FrameOnItsWay>& frame) {
     const std::int64_t count = loop_->input().frames();
-    if (cancel_.load() || (count >= 0 && index >= static_cast<std::uint64_t>(count))) return false;
-    auto read = loop_->input().read(index);
+    const bool is_there = latest_ || count < 0 || place < static_cast<std::uint64_t>(count);
+    if (cancel_.load() || !is_there) return false;
+    auto read =
+        latest_ ? latest_->take([this] { return cancel_.load(); }) : loop_->input().read(place);
     if (!read) return false;
     frame.emplace(loop_->begin(*std::move(read)));
     return true;
   }
 
   /// False when the run ends here.
-  bool file(FrameOnItsWay& frame) {
+  bool file(FrameOnItsWay frame) {
     FrameResult& result = frame.result;
     for (const host::Timing& timing : lane_->take_timings(result.index)) {
       result.timings.push_back(timing);
     }
+    const bool stops = result.failed() && pipeline_.config.stop_on_error;
+    summary_.stopped = summary_.stopped || stops;
+    if (writer_) return writer_->put(std::move(frame)) && !stops;
+    keep(frame);
+    return !stops;
+  }
+
+  /// Frame by frame, in their order.
+  void keep(const FrameOnItsWay& frame) {
+    const FrameResult& result = frame.result;
     if (folder_) {
       need(folder_->add(pipeline_.graph, result, frame.read.input.find("ground_truth")));
       need(trace_->add(result));
@@ -210,10 +213,9 @@ class Run {
     }
     warnings_.file(result.index);
     ++summary_.frames;
+    summary_.dropped += static_cast<std::int64_t>(result.dropped_before);
     summary_.failed += result.failed() ? 1 : 0;
     observer_.frame_done(result);
-    summary_.stopped = result.failed() && pipeline_.config.stop_on_error;
-    return !summary_.stopped;
   }
 
   /// Finishes sinks and trace; the first error counts.
@@ -230,6 +232,7 @@ class Run {
   RunObserver& observer_;
   const std::atomic<bool>& cancel_;
   const std::vector<std::string>& dumped_;  ///< names of stages
+  Clock& clock_;
   WarningLog warnings_;
   std::mutex announcing_;
   std::unique_ptr<host::Lane> lane_;
@@ -239,16 +242,20 @@ class Run {
   std::optional<Dump> dump_;
   std::unique_ptr<FrameLoop> loop_;
   std::vector<std::optional<FrameOnItsWay>> on_their_way_;  ///< by frame, modulo their number
-  RunSummary summary_;
+  RunSummary summary_;  ///< what is counted of frames is of who keeps them
+  std::unique_ptr<LatestFrames> latest_;
+  std::unique_ptr<FrameWriter> writer_;  ///< where there is a folder
 };
 
 }  // namespace
 
 Result<RunSummary> run_pipeline(const CheckedPipeline& pipeline, const std::string& output_folder,
                                 RunObserver& observer, const std::atomic<bool>& cancel,
-                                const std::vector<std::string>& dumped) {
+                                const std::vector<std::string>& dumped, Clock* clock) {
+  SteadyClock of_machine;
+  Clock& used = clock != nullptr ? *clock : of_machine;
   try {
-    return Run(pipeline, output_folder, observer, cancel, dumped).run();
+    return Run(pipeline, output_folder, observer, cancel, dumped, used).run();
   } catch (const Failed& failed) {
     return failed.error;
   }

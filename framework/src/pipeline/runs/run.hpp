@@ -8,15 +8,18 @@
 #include "host/loading/component_checks.hpp"
 #include "pipeline/execution/executor.hpp"
 #include "pipeline/execution/run_warning.hpp"
+#include "pipeline/runs/clock.hpp"
 
 namespace weft {
 
-/// Told about the progress of a run, from the thread that runs it.
+/// Told about the progress of a run, from the threads that run it.
 class RunObserver {
  public:
   virtual ~RunObserver() = default;
   /// `frames` is -1 when unknown.
   virtual void started(std::int64_t frames) = 0;
+  /// In the order of the frames, one at a time, when what the run folder has of it is written;
+  /// later frames may be on their way by then.
   virtual void frame_done(const FrameResult& frame) = 0;
   /// What runs from now on; `frame` is host::kOfflineFrame before and after the frames.
   virtual void calling(const std::string& /*stage*/, const std::string& /*what*/,
@@ -26,9 +29,10 @@ class RunObserver {
 struct RunSummary {
   std::string folder;
   std::int64_t frames = 0;
-  std::int64_t failed = 0;  ///< frames with an error in a stage, the source or a sink
-  bool stopped = false;     ///< by on_error: stop, or cancelled
-  bool cancelled = false;   ///< without a frame, also when it was not yet open: no folder is left
+  std::int64_t failed = 0;   ///< frames with an error in a stage, the source or a sink
+  std::int64_t dropped = 0;  ///< frames of the source between those, with `realtime: latest`
+  bool stopped = false;      ///< by on_error: stop, or cancelled
+  bool cancelled = false;    ///< without a frame, also when it was not yet open: no folder is left
   std::vector<RunWarning> warnings;  ///< the first of each text, at most 100
 };
 
@@ -58,9 +62,11 @@ std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file,
 /// leaves no run folder, only what the sinks write. Fails with the
 /// first error before the first frame, or when the run folder cannot be written; errors of single
 /// frames are recorded and counted. `cancel` may be set from another thread or a signal handler.
-/// The calls of the stages `dumped` are written too, see Dump.
+/// The calls of the stages `dumped` are written too, see Dump. With `realtime: latest`, `clock`
+/// says when the frames of a source that is not live are there; null: that of the machine.
 Result<RunSummary> run_pipeline(const CheckedPipeline& pipeline, const std::string& output_folder,
                                 RunObserver& observer, const std::atomic<bool>& cancel,
-                                const std::vector<std::string>& dumped = {});
+                                const std::vector<std::string>& dumped = {},
+                                Clock* clock = nullptr);
 
 }  // namespace weft

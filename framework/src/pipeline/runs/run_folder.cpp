@@ -69,15 +69,14 @@ ordered_json provenance(const PipelineConfig& config) {
       add_components(stage.component, stage.name, components);
     }
   }
-  return {{"weft", kVersion},
-          {"git", host::source_revision()},
-          {"pipeline", config.file},
-          {"sources", source_names(config.sources)},
-          {"seed", config.seed},
-          {"reproducible", true},
-          {"end", kEndFile},
-          {"machine", {{"processor", host::processor_name()}, {"system", system.release}}},
-          {"components", std::move(components)}};
+  ordered_json facts{{"weft", kVersion},        {"git", host::source_revision()},
+                     {"pipeline", config.file}, {"sources", source_names(config.sources)},
+                     {"seed", config.seed},     {"reproducible", !config.latest_only}};
+  if (config.latest_only) facts["realtime"] = "latest";
+  facts["end"] = kEndFile;
+  facts["machine"] = {{"processor", host::processor_name()}, {"system", system.release}};
+  facts["components"] = std::move(components);
+  return facts;
 }
 
 std::string frame_name(std::uint64_t index) {
@@ -296,8 +295,10 @@ Result<void> RunFolder::add(const Graph& graph, const FrameResult& frame,
                       why_not_written(std::error_code(errno, std::generic_category())) + ")");
 }
 
-Result<void> RunFolder::end(std::int64_t frames, std::int64_t failed, bool stopped) const {
-  const ordered_json summary{{"frames", frames}, {"failed", failed}, {"stopped", stopped}};
+Result<void> RunFolder::end(std::int64_t frames, std::int64_t failed, bool stopped,
+                            std::optional<std::int64_t> dropped) const {
+  ordered_json summary{{"frames", frames}, {"failed", failed}, {"stopped", stopped}};
+  if (dropped) summary["dropped"] = *dropped;
   return write_whole(dump(summary) + "\n", path_ + "/" + kEndFile);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <fstream>
+#include <optional>
 #include <string>
 
 #include "pipeline/execution/executor.hpp"
@@ -38,8 +39,10 @@ class RunFolder {
   Result<void> add(const Graph& graph, const FrameResult& frame,
                    const host::RecordPtr& ground_truth);
 
-  /// Writes end.json: how many frames there are, so that a reader knows that none is missing.
-  Result<void> end(std::int64_t frames, std::int64_t failed, bool stopped) const;
+  /// Writes end.json: how many frames there are, so that a reader knows that none is missing, and
+  /// how many were dropped where that may be.
+  Result<void> end(std::int64_t frames, std::int64_t failed, bool stopped,
+                   std::optional<std::int64_t> dropped) const;
 
   /// Removes the folder with all that is in it: it was new or empty, so that all is of this run.
   void withdraw();

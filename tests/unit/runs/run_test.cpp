@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
+#include <future>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <set>
+#include <thread>
 
 #include "canceller.hpp"
 #include "host/records/npz.hpp"
@@ -268,10 +271,66 @@ TEST_F(Runs, StopWhenTheyAreCancelled) {
     }
   } ran;
   const auto [pipeline, report] = check(chain({{"sources", "{frames: 9}"}}));
-  const auto summary = run_pipeline(pipeline, path("run"), ran, ran.cancel);
+  const auto summary = run_pipeline(pipeline, "", ran, ran.cancel);
   ASSERT_TRUE(summary);
   EXPECT_EQ(summary->frames, 2);
   EXPECT_TRUE(summary->stopped);
+}
+
+TEST_F(Runs, WriteAFrameWhileTheNextOneIsOnItsWay) {
+  struct Slow : Ran {
+    void calling(const std::string& stage, const std::string& what, std::uint64_t frame) override {
+      if (stage + " " + what == "solvers solve" && frame == 1) is_on_its_way.set_value();
+    }
+    void frame_done(const FrameResult& frame) override {
+      Ran::frame_done(frame);
+      if (frame.index > 0) return;
+      const auto waited = is_on_its_way.get_future().wait_for(std::chrono::minutes(1));
+      EXPECT_EQ(waited, std::future_status::ready);
+    }
+    std::promise<void> is_on_its_way;
+  } ran;
+  const std::atomic<bool> cancel{false};
+  const auto [pipeline, report] = check(chain({{"sources", "{frames: 4}"}}));
+  const auto summary = run_pipeline(pipeline, path("run"), ran, cancel);
+  ASSERT_TRUE(summary) << summary.error().message;
+  EXPECT_EQ(ran.states(), "estimated estimated estimated estimated");
+  EXPECT_EQ(timeless(path("run")).size(), 4U);
+}
+
+TEST_F(Runs, WriteAllFramesThatWereThroughWhenTheyAreCancelled) {
+  struct Stopper : Ran {
+    std::atomic<bool> cancel{false};
+    void frame_done(const FrameResult& frame) override {
+      Ran::frame_done(frame);
+      if (frame.index == 1) cancel = true;
+    }
+  } ran;
+  const auto [pipeline, report] =
+      check(chain({{"sources", "{frames: 40}"}, {"sinks", "{path: lines.txt}"}}));
+  const auto summary = run_pipeline(pipeline, path("run"), ran, ran.cancel);
+  ASSERT_TRUE(summary) << summary.error().message;
+  EXPECT_TRUE(summary->stopped);
+  EXPECT_GE(summary->frames, 2);
+  EXPECT_LE(summary->frames, 4) << "one is with the writer, one on its way";
+  const auto lines = timeless(path("run"));
+  ASSERT_EQ(lines.size(), static_cast<std::size_t>(summary->frames));
+  for (std::size_t i = 0; i < lines.size(); ++i) EXPECT_EQ(lines[i]["frame"], i);
+  EXPECT_EQ(read_lines(path("run/lines.txt")).size(), lines.size());
+}
+
+TEST_F(Runs, NeedNoOtherThreadWithoutAFolder) {
+  struct Where : Ran {
+    void frame_done(const FrameResult&) override { threads.insert(std::this_thread::get_id()); }
+    void calling(const std::string&, const std::string&, std::uint64_t) override {
+      threads.insert(std::this_thread::get_id());
+    }
+    std::set<std::thread::id> threads;
+  } ran;
+  const std::atomic<bool> cancel{false};
+  const auto [pipeline, report] = check(chain());
+  ASSERT_TRUE(run_pipeline(pipeline, "", ran, cancel));
+  EXPECT_THAT(ran.threads, ElementsAre(std::this_thread::get_id()));
 }
 
 TEST_F(Runs, LeaveNothingWhenTheyAreCancelledBeforeTheFirstFrame) {

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pipeline/execution/run_warning.hpp"
+
+namespace weft {
+
+/// Counts what components warn of, each text once a frame. Frames may warn in any order: they are
+/// counted when they are filed. From any thread.
+class WarningLog {
+ public:
+  void note(const std::string& component, int level, const std::string& text, std::uint64_t frame);
+
+  /// The frame is one of those that are counted.
+  void file(std::uint64_t frame);
+
+  /// The frame is none of them.
+  void forget(std::uint64_t frame);
+
+  std::vector<RunWarning> take();
+
+ private:
+  using Told = std::vector<std::pair<std::string, std::string>>;  ///< component, text
+
+  void file_told(std::uint64_t frame, std::int64_t frames);
+
+  std::mutex mutex_;
+  std::map<std::uint64_t, Told> told_;  ///< by frame, not yet filed
+  std::vector<RunWarning> warnings_;
+};
+
+}  // namespace weft

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every pipeline of this repository with several frames at once against one after another.
+#include <algorithm>
+#include <cstdlib>
+
+#include "overlapping_pipelines.hpp"
+
+namespace weft {
+namespace {
+
+namespace fs = std::filesystem;
+
+#if defined(WEFT_SANITIZED)
+constexpr const char* kFrames = "4";
+#else
+constexpr const char* kFrames = "8";
+#endif
+
+std::vector<std::string> all_pipelines() {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(WEFT_PIPELINES)) {
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+class EveryPipeline : public testing::OverlappingPipelines,
+                      public ::testing::WithParamInterface<std::string> {
+ protected:
+  /// Those whose source has another parameter for it than `frames`.
+  std::vector<std::string> few_frames(const std::string& pipeline) const override {
+    const std::string few = std::string("=") + kFrames;
+    if (pipeline == "matches.yaml") return {};  // it has three
+    if (pipeline == "match_trials.yaml") return {"source.trials" + few};
+    if (pipeline == "known_points.yaml") return {"source.frames.frames" + few};
+    if (pipeline == "kinect_paper.yaml") {
+      return {"source.path=" + folder_ + "/data/frames/*.png",
+              "source.truth=" + folder_ + "/data/gt/*.csv"};
+    }
+    return {"source.frames" + few};
+  }
+
+  /// The first frames of the recorded sequence and their truth, by links; false where it is not
+  /// there.
+  bool few_recorded_frames() const {
+    const char* root = std::getenv("WEFT_DATA");
+    const fs::path data = fs::path(root != nullptr ? root : "") / "kinect_paper";
+    if (root == nullptr || !fs::exists(data)) return false;
+    for (const char* kind : {"frames", "gt"}) {
+      fs::create_directories(folder_ + "/data/" + kind);
+      for (const auto& entry : fs::directory_iterator(data / kind)) {
+        const std::string name = entry.path().filename().string();
+        if (name < "010") fs::create_symlink(entry.path(), folder_ + "/data/" + kind + "/" + name);
+      }
+    }
+    return true;
+  }
+};
+
+TEST_P(EveryPipeline, GivesTheSameWithAnyNumberOfFramesAtOnce) {
+  const std::string& pipeline = GetParam();
+  if (pipeline == "kinect_paper.yaml" && !few_recorded_frames()) {
+    GTEST_SKIP() << "WEFT_DATA does not name a folder that holds kinect_paper/";
+  }
+#if defined(WEFT_SANITIZED)
+  if (pipeline.starts_with("robusft_gpu")) {
+    GTEST_SKIP() << "the compiler of the kernels takes half a minute: counts in release alone";
+  }
+#endif
+  const std::vector<std::string> stages = stages_of(pipeline);
+  ASSERT_FALSE(stages.empty());
+  expect_the_same(pipeline, {{"frames_at_once=2", "threads=2"},
+                             {"frames_at_once=4", "threads=4"},
+                             {"frames_at_once=3", "threads=3",
+                              stages[stages.size() / 2] + ".isolate=process"}});
+}
+
+INSTANTIATE_TEST_SUITE_P(Pipelines, EveryPipeline, ::testing::ValuesIn(all_pipelines()),
+                         [](const auto& info) { return fs::path(info.param).stem().string(); });
+
+}  // namespace
+}  // namespace weft
