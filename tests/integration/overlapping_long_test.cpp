@@ -33,8 +33,11 @@ class EveryPipeline : public testing::OverlappingPipelines,
     const std::string few = std::string("=") + kFrames;
     if (pipeline == "matches.yaml") return {};  // it has three
     if (pipeline == "match_trials.yaml") return {"source.trials" + few};
+    if (pipeline == "cuts.yaml") {
+      return {"source.frames" + few, "source.cut_frames=[2]", "source.invisible_frames=[1]"};
+    }
     if (pipeline == "known_points.yaml") return {"source.frames.frames" + few};
-    if (pipeline == "kinect_paper.yaml") {
+    if (pipeline == "kinect_paper.yaml" || pipeline == "kinect_dense.yaml") {
       return {"source.path=" + folder_ + "/data/frames/*.png",
               "source.truth=" + folder_ + "/data/gt/*.csv"};
     }
@@ -77,7 +80,7 @@ TEST_P(EveryPipeline, GivesTheSameWithAnyNumberOfFramesAtOnce) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Pipelines, EveryPipeline, ::testing::ValuesIn(all_pipelines()),
-                         [](const auto& info) { return fs::path(info.param).stem().string(); });
+                         [](const auto& each) { return fs::path(each.param).stem().string(); });
 
 }  // namespace
 }  // namespace weft

@@ -59,6 +59,7 @@ struct OpenedSource : PluginUnderTest {
     const PluginAnswer opened = process(kOpen, {});
     EXPECT_EQ(opened.status, WEFT_OK) << opened.message;
     EXPECT_EQ(process(kCount, {}).get<weft::Count>()->frames, -1);
+    EXPECT_EQ(process(kCount, {}).get<weft::Count>()->live, 0) << "a file waits";
   }
 };
 
