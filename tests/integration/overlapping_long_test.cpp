@@ -25,6 +25,8 @@ std::vector<std::string> all_pipelines() {
   return names;
 }
 
+bool is_recorded(const std::string& pipeline) { return pipeline.starts_with("kinect_"); }
+
 class EveryPipeline : public testing::OverlappingPipelines,
                       public ::testing::WithParamInterface<std::string> {
  protected:
@@ -37,7 +39,7 @@ class EveryPipeline : public testing::OverlappingPipelines,
       return {"source.frames" + few, "source.cut_frames=[2]", "source.invisible_frames=[1]"};
     }
     if (pipeline == "known_points.yaml") return {"source.frames.frames" + few};
-    if (pipeline == "kinect_paper.yaml" || pipeline == "kinect_dense.yaml") {
+    if (is_recorded(pipeline)) {
       return {"source.path=" + folder_ + "/data/frames/*.png",
               "source.truth=" + folder_ + "/data/gt/*.csv"};
     }
@@ -63,7 +65,7 @@ class EveryPipeline : public testing::OverlappingPipelines,
 
 TEST_P(EveryPipeline, GivesTheSameWithAnyNumberOfFramesAtOnce) {
   const std::string& pipeline = GetParam();
-  if (pipeline == "kinect_paper.yaml" && !few_recorded_frames()) {
+  if (is_recorded(pipeline) && !few_recorded_frames()) {
     GTEST_SKIP() << "WEFT_DATA does not name a folder that holds kinect_paper/";
   }
 #if defined(WEFT_SANITIZED)
