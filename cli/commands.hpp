@@ -16,6 +16,7 @@ inline constexpr int kNotUsable = 1;  ///< of doctor
 inline constexpr int kDifferent = 1;  ///< of replay
 inline constexpr int kBadConfiguration = 2;
 inline constexpr int kInputOutput = 3;
+inline constexpr int kComponentExited = 4;
 
 /// What all commands share.
 struct Context {

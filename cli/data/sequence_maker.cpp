@@ -11,6 +11,7 @@
 
 #include "cli/output/new_file.hpp"
 #include "cli/run/interruption.hpp"
+#include "cli/run/sudden_end.hpp"
 #include "pipeline/runs/run.hpp"
 #include "yaml/yaml.hpp"
 
@@ -39,8 +40,9 @@ class SequenceProgress final : public RunObserver {
         fmt::format("\r{}{} frames", done_, total_ < 0 ? "" : fmt::format("/{}", total_)).c_str(),
         stderr);
   }
-  void calling(const std::string& stage, const std::string& what, std::uint64_t frame) override {
-    now_running(stage, what, frame);
+  void calling(const std::string& stage, const std::string& component, const std::string& what,
+               std::uint64_t frame) override {
+    now_running(stage, component, what, frame);
   }
   void end_line() const {
     if (!quiet_ && done_ > 0) fmt::print(stderr, "\n");
@@ -96,7 +98,10 @@ void make_sequence(const std::string& pipeline_text, const std::string& folder,
   }
   const std::atomic<bool>& interrupted = watch_for_interruption();
   SequenceProgress progress(quiet);
-  const auto summary = run_pipeline(pipeline, "", progress, interrupted);
+  const auto summary = [&] {
+    const SuddenEndWatch watch;
+    return run_pipeline(pipeline, "", progress, interrupted);
+  }();
   progress.end_line();
   if (!summary) {
     print_error(summary.error());

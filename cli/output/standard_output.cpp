@@ -2,6 +2,7 @@
 #include "cli/output/standard_output.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -18,8 +19,18 @@ void guard_standard_streams() {
     // The lowest number is free, because those below are open.
     if (fcntl(stream, F_GETFD) < 0) static_cast<void>(open("/dev/null", O_RDONLY));
   }
-  std::signal(SIGXFSZ, SIG_IGN);
+  for (const int signal : {SIGXFSZ, SIGPIPE}) std::signal(signal, SIG_IGN);
 }
+
+namespace {
+
+/// Such as of `weft records | head`: that is no failure to talk about.
+bool nobody_reads() {
+  pollfd output{STDOUT_FILENO, POLLOUT, 0};
+  return poll(&output, 1, 0) == 1 && (output.revents & POLLERR) != 0;
+}
+
+}  // namespace
 
 bool standard_output_failed() {
   errno = 0;
@@ -27,6 +38,7 @@ bool standard_output_failed() {
   const bool flushed = std::fflush(stdout) == 0;
   if (flushed && std::ferror(stdout) == 0) return false;
   const std::error_code code(errno, std::generic_category());
+  if (nobody_reads()) return true;
   print_error({Errc::io,
                "the standard output cannot be written" +
                    (code ? " (" + why_not_written(code) + ")" : std::string()),

@@ -14,6 +14,7 @@
 #include "cli/run/bench_options.hpp"
 #include "cli/run/interruption.hpp"
 #include "cli/run/run_settings.hpp"
+#include "cli/run/sudden_end.hpp"
 #include "host/loading/processor.hpp"
 
 namespace weft::cli {
@@ -191,6 +192,7 @@ void print_counts(const BenchOptions& options, const CheckedPipeline& pipeline,
 
 void bench_pipelines(const BenchOptions& options, Context& context) {
   const std::atomic<bool>& interrupted = watch_for_interruption();
+  const SuddenEndWatch watch;
   if (!options.json.empty()) {
     const auto free = check_new_file(options.json, options.overwrite);
     if (!free) end(free.error(), kInputOutput);

@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstring>
 
+#include "cli/run/sudden_end.hpp"
 #include "host/calling/lane.hpp"
 
 namespace weft::cli {
@@ -46,6 +47,7 @@ const std::atomic<bool>& watch_for_interruption() {
 }
 
 void now_running(const std::string& what) {
+  now_running_here(what);
   const std::size_t next = 1 - current.load();
   Line& line = lines[next];
   const std::string text = "\ninterrupted twice, ended at once; running: ";
@@ -56,10 +58,11 @@ void now_running(const std::string& what) {
   current.store(next);
 }
 
-void now_running(const std::string& stage, const std::string& what, std::uint64_t frame) {
+void now_running(const std::string& stage, const std::string& component, const std::string& what,
+                 std::uint64_t frame) {
   now_running(frame == host::kOfflineFrame
-                  ? fmt::format("{} ({}), outside of the frames", stage, what)
-                  : fmt::format("{} ({}), frame {}", stage, what, frame));
+                  ? fmt::format("{} ({}: {}), outside of the frames", stage, component, what)
+                  : fmt::format("{} ({}: {}), frame {}", stage, component, what, frame));
 }
 
 }  // namespace weft::cli

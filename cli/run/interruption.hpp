@@ -15,11 +15,13 @@ inline constexpr int kInterruptedTwice = 130;
 /// ran.
 const std::atomic<bool>& watch_for_interruption();
 
-/// What a second interrupt says was running: "the plan is read".
+/// What a second interrupt, or a component that ends the process, is said to have run into: "the
+/// plan is read".
 void now_running(const std::string& what);
 
-/// The same, of a component in a frame; before the first frame and after the last one
-/// host::kOfflineFrame.
-void now_running(const std::string& stage, const std::string& what, std::uint64_t frame);
+/// The same, of what a component does in a frame, by the thread that calls it; before the first
+/// frame and after the last one host::kOfflineFrame.
+void now_running(const std::string& stage, const std::string& component, const std::string& what,
+                 std::uint64_t frame);
 
 }  // namespace weft::cli

@@ -8,6 +8,8 @@
 
 #include "cli/commands.hpp"
 #include "cli/output/new_file.hpp"
+#include "cli/run/interruption.hpp"
+#include "cli/run/sudden_end.hpp"
 #include "pipeline/runs/replay.hpp"
 
 namespace weft::cli {
@@ -107,7 +109,11 @@ Result<Summary> replay(const ReplayOptions& options, const Context& context) {
 }
 
 void run(const ReplayOptions& options, Context& context) {
-  const auto summary = replay(options, context);
+  now_running("the dumped calls of " + options.stage);
+  const auto summary = [&] {
+    const SuddenEndWatch watch;
+    return replay(options, context);
+  }();
   if (!summary) {
     print_error(summary.error());
     context.exit_code = exit_code_of(summary.error());

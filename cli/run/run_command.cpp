@@ -10,6 +10,7 @@
 #include "cli/commands.hpp"
 #include "cli/run/interruption.hpp"
 #include "cli/run/run_settings.hpp"
+#include "cli/run/sudden_end.hpp"
 #include "pipeline/runs/run.hpp"
 
 namespace weft::cli {
@@ -46,8 +47,9 @@ class Progress final : public RunObserver {
     if (show_bar_) draw_bar(frame);
   }
 
-  void calling(const std::string& stage, const std::string& what, std::uint64_t frame) override {
-    now_running(stage, what, frame);
+  void calling(const std::string& stage, const std::string& component, const std::string& what,
+               std::uint64_t frame) override {
+    now_running(stage, component, what, frame);
   }
 
   void clear_bar() const {
@@ -133,7 +135,10 @@ void run(const std::string& file, std::string folder, const std::vector<std::str
     return;
   }
   Progress progress(quiet);
-  const auto summary = run_pipeline(pipeline, folder, progress, interrupted, dumped);
+  const auto summary = [&] {
+    const SuddenEndWatch watch;
+    return run_pipeline(pipeline, folder, progress, interrupted, dumped);
+  }();
   if (!summary) {
     print_error(summary.error());
     const bool io = summary.error().code == Errc::io;
@@ -190,6 +195,7 @@ void add_run_command(CLI::App& app, Context& context) {
       "  1  more frames had an error, or one had with on_error: stop\n"
       "  2  the command line or the pipeline is wrong, or a component could not start\n"
       "  3  a file or folder could not be read or written after the checks\n"
+      "  4  a component called exit(); stderr names it\n"
       "  130, 143  a second SIGINT or SIGTERM ended it at once; stderr names the stage that ran");
   command->callback([&context, options] {
     run(options->pipeline, options->folder, options->settings, options->dumped, options->quiet,

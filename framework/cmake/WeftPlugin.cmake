@@ -6,12 +6,12 @@
 #
 # Builds <role>_<name>.so, which exports nothing but `weft_library`, and beside it the manifest
 # <role>_<name>.plugin.yaml; both in FOLDER where it is given, else in this tree's plugin folder or
-# another tree's build folder. The same function serves this tree and, after find_package(weft), any
-# other. Tests are built where GTest and weft_testing exist; they are linked with the plugin's
+# another tree's build folder; `cmake --install` puts both into lib/weft/plugins. The same function serves this tree and, after find_package(weft), any
+# other. Tests are built where GTest and weft::testing exist; they are linked with the plugin's
 # objects, so that they can test its parts as well as call it through the contract.
 #
-# Where weft_contract exists, each component of the library is held to the contract of its role, by
-# the test <role>_<name>_contract. CONTRACT gives what it needs for that, as weft_contract reads it:
+# Where weft::contract exists, each component of the library is held to the contract of its role, by
+# the test <role>_<name>_contract. CONTRACT gives what it needs for that, as that program reads it:
 #   "{texture: FILE, width_m: 0.2}"   parameters, such as those that are required
 #   deviates "with 0 matches"         a check that fails, as the component's page says
 #   skipped "a camera is needed"      why it cannot be checked; told, and no success
@@ -73,13 +73,18 @@ function(weft_add_plugin id)
     add_dependencies(weft_plugins ${name}_manifest)
   endif()
 
+  if(NOT arg_FOLDER AND NOT arg_BROKEN)
+    install(TARGETS ${name} LIBRARY DESTINATION lib/weft/plugins COMPONENT plugins)
+    install(FILES ${manifest} DESTINATION lib/weft/plugins COMPONENT plugins)
+  endif()
+
   weft_is_worth_testing(own_tests_tell ${CMAKE_CURRENT_SOURCE_DIR})
-  if(TARGET weft_testing AND TARGET GTest::gtest_main AND own_tests_tell)
+  if(TARGET weft::testing AND TARGET GTest::gtest_main AND own_tests_tell)
     weft_add_plugin_test(${name} ${name}_test quick "${arg_TESTS}")
     weft_add_plugin_test(${name} ${name}_long_test long "${arg_LONG_TESTS}")
   endif()
   # Sanitizers see the plugin's own tests.
-  if(TARGET weft_contract AND WEFT_BUILD_TESTS AND NOT arg_BROKEN AND NOT WEFT_SANITIZE)
+  if(TARGET weft::contract AND NOT arg_BROKEN AND NOT WEFT_SANITIZE)
     weft_add_contract_test(${name}_contract ${manifest} "${arg_CONTRACT}")
   endif()
 endfunction()
@@ -102,11 +107,21 @@ function(weft_is_worth_testing result folder)
   set(${result} FALSE PARENT_SCOPE)
 endfunction()
 
+# weft_plugin_path(RESULT): where tests find plugins, as in WEFT_PLUGIN_PATH.
+function(weft_plugin_path result)
+  if(PROJECT_NAME STREQUAL "weft")
+    set(${result} ${PROJECT_BINARY_DIR}/lib/weft/plugins PARENT_SCOPE)
+  else()
+    set(${result} "${PROJECT_BINARY_DIR}:${weft_PLUGIN_FOLDER}" PARENT_SCOPE)
+  endif()
+endfunction()
+
 # A component that lacks a device is skipped, with the reason.
 function(weft_add_contract_test test manifest arguments)
-  add_test(NAME ${test} COMMAND weft_contract ${manifest} ${arguments})
+  weft_plugin_path(plugin_path)
+  add_test(NAME ${test} COMMAND weft::contract ${manifest} ${arguments})
   set_tests_properties(${test} PROPERTIES LABELS quick SKIP_RETURN_CODE 77
-    ENVIRONMENT "WEFT_PLUGIN_PATH=${PROJECT_BINARY_DIR}/lib/weft/plugins")
+    ENVIRONMENT "WEFT_PLUGIN_PATH=${plugin_path}")
 endfunction()
 
 function(weft_add_plugin_test name test label sources)
@@ -122,7 +137,7 @@ endfunction()
 function(weft_add_test name label)
   cmake_parse_arguments(PARSE_ARGV 2 arg "" "" "SOURCES;LINK")
   add_executable(${name} ${arg_SOURCES})
-  target_link_libraries(${name} PRIVATE weft_testing GTest::gmock GTest::gtest_main ${arg_LINK})
+  target_link_libraries(${name} PRIVATE weft::testing GTest::gmock GTest::gtest_main ${arg_LINK})
   if(TARGET weft_options)
     target_link_libraries(${name} PRIVATE weft_options weft_test_options)
   endif()
@@ -134,9 +149,10 @@ function(weft_add_test name label)
   endif()
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests
     UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)
+  weft_plugin_path(plugin_path)
   add_test(NAME ${name} COMMAND ${name})
   set_tests_properties(${name} PROPERTIES LABELS ${label}
-    ENVIRONMENT "WEFT_PLUGIN_PATH=${PROJECT_BINARY_DIR}/lib/weft/plugins")
+    ENVIRONMENT "WEFT_PLUGIN_PATH=${plugin_path}")
   if(label STREQUAL "long")
     weft_build_with_long_tests(${name})
     set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)

@@ -59,6 +59,15 @@ class LostOutput : public testing::PipelineTest {
   }
 };
 
+TEST_F(LostOutput, APipeThatNobodyReadsEndsNoRun) {
+  const std::string file = write(chain());
+  const Ended ended = weft(R"(("$0" "$@"; echo $? > code) | true)", {"run", file, "--out", "kept"});
+  EXPECT_EQ(read_lines(path("code")), std::vector<std::string>{"3"});
+  EXPECT_EQ(ended.err, "");
+  EXPECT_EQ(read_lines(path("kept/frames.jsonl")).size(), 3U);
+  EXPECT_TRUE(fs::exists(path("kept/end.json")));
+}
+
 TEST_F(LostOutput, OfEveryCommandIsAnErrorWithCodeThree) {
   const std::string file = write(chain());
   ASSERT_EQ(weft({"run", file, "--out", "kept", "--dump", "warps"}).exit_code, 0);

@@ -240,8 +240,8 @@ TEST_F(Program, ASecondInterruptEndsItAtOnceAndNamesWhatRan) {
     child.send(signal);
     const Ended ended = child.wait();
     EXPECT_EQ(ended.exit_code, 128 + signal);
-    EXPECT_THAT(ended.err, HasSubstr("interrupted twice, ended at once; running: sources (read), "
-                                     "frame 1"));
+    EXPECT_THAT(ended.err, HasSubstr("interrupted twice, ended at once; running: sources "
+                                     "(sources/test.scripted: read), frame 1"));
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Components that would take their host with them: made to run in a worker.
 #include <signal.h>
+#include <sys/mman.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -13,13 +14,40 @@
 
 namespace {
 
-enum class Deed { none, crash, abort, exit, kill, hang, obey, scribble, log, large };
+enum class Deed {
+  none,
+  crash,
+  abort,
+  exit,
+  kill,
+  hang,
+  obey,
+  scribble,
+  log,
+  large,
+  fault,
+  overflow,
+  terminate,
+  quit
+};
 enum class Place { process, create, prepare };
 
 /// Dies of a signal as it does without anybody's handler for it.
 void die_of(int signal) {
   ::signal(signal, SIG_DFL);
   raise(signal);
+}
+
+void write_where_nothing_is() {
+  void* const nothing = mmap(nullptr, 4096, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  *static_cast<volatile int*>(nothing) = 1;
+}
+
+/// Calls itself until the stack is full: only the caller knows that `more` never changes.
+int fill_the_stack(const volatile bool& more) {
+  volatile char room[4096];
+  room[0] = 1;
+  return (more ? fill_the_stack(more) : 0) + room[0];
 }
 
 /// Writes into every socket of the process, one of which leads to the host.
@@ -44,7 +72,11 @@ class Deadly final : public weft::Filter {
               {"obey", Deed::obey},
               {"scribble", Deed::scribble},
               {"log", Deed::log},
-              {"large", Deed::large}},
+              {"large", Deed::large},
+              {"fault", Deed::fault},
+              {"overflow", Deed::overflow},
+              {"terminate", Deed::terminate},
+              {"quit", Deed::quit}},
              "what it does");
     p.choice("where", where_,
              {{"process", Place::process}, {"create", Place::create}, {"prepare", Place::prepare}},
@@ -86,6 +118,13 @@ class Deadly final : public weft::Filter {
     if (deed_ == Deed::kill) die_of(SIGKILL);
     if (deed_ == Deed::exit) _exit(7);
     if (deed_ == Deed::scribble) scribble();
+    if (deed_ == Deed::fault) write_where_nothing_is();
+    if (deed_ == Deed::overflow) {
+      const volatile bool more = true;
+      std::printf("%d", fill_the_stack(more));
+    }
+    if (deed_ == Deed::terminate) std::thread([] { throw 1; }).join();
+    if (deed_ == Deed::quit) std::exit(0);
     while (deed_ == Deed::hang) std::this_thread::sleep_for(std::chrono::hours(1));
   }
 

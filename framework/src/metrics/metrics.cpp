@@ -284,6 +284,7 @@ Result<RunMetrics> evaluate_run(const std::string& folder, const EvaluationOptio
   RunMetrics metrics = evaluator->finish(reader->has_solver());
   metrics.run = name_of(folder);
   metrics.interrupted = reader->interrupted();
+  metrics.source_frames = reader->source_frames();
   metrics.dropped = reader->dropped();
   metrics.truth_users = reader->truth_users();
   return metrics;

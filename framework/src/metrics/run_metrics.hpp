@@ -14,8 +14,9 @@ namespace weft::evaluation {
 struct RunMetrics {
   std::string run;  ///< name of the folder
   Alignment alignment = Alignment::none;
-  bool has_solver = true;    ///< without one there are no shapes, no groups and no failures
-  bool interrupted = false;  ///< the run was killed while it wrote a frame's line
+  bool has_solver = true;           ///< without one there are no shapes, no groups and no failures
+  bool interrupted = false;         ///< the run was killed while it wrote a frame's line
+  std::int64_t source_frames = -1;  ///< of the source; -1 where nobody knows
   std::int64_t dropped = 0;  ///< [frames] of the source that a run of `realtime: latest` left out
   std::vector<std::string> truth_users;  ///< components that may have read the truth
   FrameCounts counts;

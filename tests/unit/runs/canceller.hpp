@@ -15,7 +15,8 @@ struct Canceller : testing::Ran {
   using IsIt = std::function<bool(const std::string& call, std::uint64_t frame)>;
 
   explicit Canceller(IsIt is_it) : is_it_(std::move(is_it)) {}
-  void calling(const std::string& stage, const std::string& what, std::uint64_t frame) override {
+  void calling(const std::string& stage, const std::string& /*component*/, const std::string& what,
+               std::uint64_t frame) override {
     if (is_it_(stage + " " + what, frame)) cancel = true;
   }
 

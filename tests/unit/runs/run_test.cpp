@@ -279,7 +279,8 @@ TEST_F(Runs, StopWhenTheyAreCancelled) {
 
 TEST_F(Runs, WriteAFrameWhileTheNextOneIsOnItsWay) {
   struct Slow : Ran {
-    void calling(const std::string& stage, const std::string& what, std::uint64_t frame) override {
+    void calling(const std::string& stage, const std::string& /*component*/,
+                 const std::string& what, std::uint64_t frame) override {
       if (stage + " " + what == "solvers solve" && frame == 1) is_on_its_way.set_value();
     }
     void frame_done(const FrameResult& frame) override {
@@ -322,7 +323,8 @@ TEST_F(Runs, WriteAllFramesThatWereThroughWhenTheyAreCancelled) {
 TEST_F(Runs, NeedNoOtherThreadWithoutAFolder) {
   struct Where : Ran {
     void frame_done(const FrameResult&) override { threads.insert(std::this_thread::get_id()); }
-    void calling(const std::string&, const std::string&, std::uint64_t) override {
+    void calling(const std::string&, const std::string&, const std::string&,
+                 std::uint64_t) override {
       threads.insert(std::this_thread::get_id());
     }
     std::set<std::thread::id> threads;

@@ -42,7 +42,7 @@ Lane::~Lane() = default;
 Result<Instance*> Lane::instantiate(const ComponentSpec& spec, const std::string& stage,
                                     const std::string& path) {
   if (is_cancelled()) return not_begun(spec.component().id);
-  if (path.empty()) announce(stage, "load", kOfflineFrame);
+  if (path.empty()) announce(stage, spec.component().id, "load", kOfflineFrame);
   const auto table = load(*spec.installed);
   if (!table) return table.error();
   auto made = std::make_unique<Instance>(spec, stage, path);
@@ -101,7 +101,7 @@ weft_call Lane::make_call(const Instance& instance, Scope& scope, int method,
 
 Result<void> Lane::prepare(Instance& instance, const Record& templ, const Record& camera) {
   if (is_cancelled()) return not_begun(instance.id);
-  announce(instance.name(), "prepare", kOfflineFrame);
+  announce(instance.name(), instance.id, "prepare", kOfflineFrame);
   if (instance.worker != nullptr) {
     return instance.worker->prepare({{"template", templ.alias()}, {"camera", camera.alias()}});
   }
@@ -127,7 +127,7 @@ Outcome Lane::call(Instance& instance, int method, std::span<const weft_record> 
                    std::uint64_t frame) {
   const std::vector<RoleMethod>& methods = instance.rules.role.methods;
   const auto index = to_index(method);
-  announce(instance.name(), index < methods.size() ? methods[index].name : "", frame);
+  announce(instance.name(), instance.id, index < methods.size() ? methods[index].name : "", frame);
   return enter(instance, method, inputs, frame, 0);
 }
 

@@ -55,9 +55,10 @@ class Lane {
  public:
   using Log = std::function<void(const std::string& component, int level, const std::string& text,
                                  std::uint64_t frame)>;
-  /// What is about to run: a stage, what it does ("load", "prepare", a method), for which frame.
-  using Announce =
-      std::function<void(const std::string& stage, const std::string& what, std::uint64_t frame)>;
+  /// What is about to run: a stage, the id of its component, what it does ("load", "prepare", a
+  /// method), for which frame. Called by the thread that runs it.
+  using Announce = std::function<void(const std::string& stage, const std::string& component,
+                                      const std::string& what, std::uint64_t frame)>;
 
   /// Outputs stand in `arena` where one is given, which isolated instances need. Revisions count
   /// from `first_revision` on.
@@ -145,8 +146,9 @@ class Lane {
                            std::span<const weft_record> inputs, weft_error* error);
   Instance* find(std::uint64_t handle) const;
   void note(Timing timing);
-  void announce(const std::string& stage, const std::string& what, std::uint64_t frame) const {
-    if (announce_) announce_(stage, what, frame);
+  void announce(const std::string& stage, const std::string& component, const std::string& what,
+                std::uint64_t frame) const {
+    if (announce_) announce_(stage, component, what, frame);
   }
 
   std::uint64_t run_seed_;

@@ -28,7 +28,7 @@ Result<Instance*> Lane::instantiate_isolated(const ComponentSpec& spec, const st
   if (is_cancelled()) {
     return Error{Errc::cancelled, "cancelled before it began", spec.component().id};
   }
-  announce(stage, "load", kOfflineFrame);
+  announce(stage, spec.component().id, "load", kOfflineFrame);
   if (auto open = open_workplace(); !open) return open.error();
   Instance& instance = add(std::make_unique<Instance>(spec, stage, ""));
   const CreateMessage create{instance.handle, stage, "", Recipe::of(spec)};

@@ -83,7 +83,9 @@ std::string counts_text(const RunMetrics& metrics) {
     text += '\n';
   }
   if (metrics.interrupted) {
-    text += fmt::format("  {} frames; the run did not finish\n", counts.frames);
+    const std::string of_all =
+        metrics.source_frames < 0 ? "" : fmt::format(" of {}", metrics.source_frames);
+    text += fmt::format("  {}{} frames; the run did not finish\n", counts.frames, of_all);
   }
   if (metrics.dropped > 0) {
     text += fmt::format(

@@ -77,6 +77,8 @@ class RunReader {
   /// The run did not come to its end: it was killed or stopped. A line that was cut off then is not
   /// among lines().
   bool interrupted() const { return interrupted_; }
+  /// [frames] of the source; -1 where nobody knows.
+  std::int64_t source_frames() const { return source_frames_; }
   /// [frames] of the source that the run left out between its own, with `realtime: latest`.
   std::int64_t dropped() const { return dropped_; }
   /// Without a solver there are no shapes, and none is missing.
@@ -108,6 +110,7 @@ class RunReader {
   std::vector<FrameLine> lines_;
   bool interrupted_ = false;
   bool may_drop_ = false;
+  std::int64_t source_frames_ = -1;
   std::int64_t dropped_ = 0;
   bool cut_ = false;  ///< the last line has no line break
   bool has_solver_ = true;

@@ -98,6 +98,8 @@ Result<void> RunReader::read_manifest() {
   if (!manifest && manifest.error().code == Errc::not_found) return {};
   if (!manifest) return damaged_run(file, manifest.error().message);
   may_drop_ = manifest->value("realtime", json()) == "latest";
+  const json source_frames = manifest->value("source_frames", json());
+  if (source_frames.is_number_unsigned()) source_frames_ = source_frames.get<std::int64_t>();
   const json end = manifest->value("end", json());  // runs of older programs say nothing of it
   if (end == "end.json") {
     if (auto read = read_end(folder_ + "/end.json"); !read) return read;

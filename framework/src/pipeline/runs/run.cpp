@@ -45,11 +45,11 @@ class Run {
                    std::uint64_t frame) { warnings_.note(component, level, text, frame); }))),
         folder_path_(folder) {
     lane_->watch([this] { return cancel_.load(); });
-    lane_->announce_to(
-        [this](const std::string& stage, const std::string& what, std::uint64_t frame) {
-          const std::lock_guard lock(announcing_);
-          observer_.calling(stage, what, frame);
-        });
+    lane_->announce_to([this](const std::string& stage, const std::string& component,
+                              const std::string& what, std::uint64_t frame) {
+      const std::lock_guard lock(announcing_);
+      observer_.calling(stage, component, what, frame);
+    });
   }
 
   RunSummary run() {
@@ -107,7 +107,7 @@ class Run {
   void open_folder() {
     const RecordPtr &templ = loop_->input().templ(), &camera = loop_->input().camera();
     folder_.emplace(need(RunFolder::create(folder_path_)));
-    need(folder_->begin(pipeline_.config, *templ, *camera));
+    need(folder_->begin(pipeline_.config, *templ, *camera, loop_->input().frames()));
     trace_.emplace(need(Trace::create(folder_->path() + "/trace.json")));
     dump_.emplace(need(Dump::create(folder_->path(), pipeline_.config, dumped_, templ, camera)));
     for (const std::string& stage : dumped_) loop_->executor().keep_calls_of(stage);

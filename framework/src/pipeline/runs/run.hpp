@@ -21,9 +21,10 @@ class RunObserver {
   /// In the order of the frames, one at a time, when what the run folder has of it is written;
   /// later frames may be on their way by then.
   virtual void frame_done(const FrameResult& frame) = 0;
-  /// What runs from now on; `frame` is host::kOfflineFrame before and after the frames.
-  virtual void calling(const std::string& /*stage*/, const std::string& /*what*/,
-                       std::uint64_t /*frame*/) {}
+  /// What runs from now on in this thread: the component of a stage; `frame` is host::kOfflineFrame
+  /// before and after the frames.
+  virtual void calling(const std::string& /*stage*/, const std::string& /*component*/,
+                       const std::string& /*what*/, std::uint64_t /*frame*/) {}
 };
 
 struct RunSummary {

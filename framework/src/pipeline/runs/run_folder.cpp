@@ -247,12 +247,14 @@ Result<RunFolder> RunFolder::create(const std::string& path) {
 }
 
 Result<void> RunFolder::begin(const PipelineConfig& config, const host::Record& templ,
-                              const host::Record& camera) {
+                              const host::Record& camera, std::int64_t source_frames) {
   if (auto written = write_whole(effective_yaml(config), path_ + "/pipeline.yaml"); !written) {
     return written;
   }
-  const std::string manifest = dump(provenance(config), 2) + "\n";
-  if (auto written = write_whole(manifest, path_ + "/manifest.json"); !written) return written;
+  ordered_json manifest = provenance(config);
+  if (source_frames >= 0) manifest["source_frames"] = source_frames;
+  if (auto written = write_whole(dump(manifest, 2) + "\n", path_ + "/manifest.json"); !written)
+    return written;
   const auto borrow = [](const host::Record& record) {
     return host::RecordPtr(&record, [](const host::Record*) {});
   };

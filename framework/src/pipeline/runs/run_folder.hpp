@@ -31,9 +31,10 @@ class RunFolder {
 
   const std::string& path() const { return path_; }
 
-  /// Writes configuration, provenance and template, before the first frame.
+  /// Writes configuration, provenance and template, before the first frame. The source has so many
+  /// frames, -1 where nobody knows.
   Result<void> begin(const PipelineConfig& config, const host::Record& templ,
-                     const host::Record& camera);
+                     const host::Record& camera, std::int64_t source_frames);
 
   /// Writes one frame of the graph; its line is flushed.
   Result<void> add(const Graph& graph, const FrameResult& frame,

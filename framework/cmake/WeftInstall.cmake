@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+#
+# What `cmake --install` puts where, and the Debian packages of it (`cpack`): weft, weft-plugins and
+# weft-dev. The program finds plugins, worker and report beside itself, so that a folder of it can be
+# moved. weft_add_plugin installs its plugin by itself.
+
+include(CMakePackageConfigHelpers)
+set(package lib/cmake/weft)
+
+install(TARGETS weft weft_worker EXPORT weftTargets RUNTIME DESTINATION bin COMPONENT runtime)
+if(TARGET weft_count_allocations)
+  install(TARGETS weft_count_allocations LIBRARY DESTINATION lib/weft COMPONENT runtime)
+endif()
+install(DIRECTORY ${PROJECT_BINARY_DIR}/share/weft/report DESTINATION share/weft COMPONENT runtime)
+install(DIRECTORY pipelines DESTINATION share/weft COMPONENT runtime)
+install(FILES LICENSE NOTICE README.md CHANGELOG.md CITATION.cff DESTINATION share/doc/weft
+  COMPONENT runtime)
+
+install(DIRECTORY framework/include/weft DESTINATION include COMPONENT dev)
+install(TARGETS weft_contract EXPORT weftTargets RUNTIME DESTINATION bin COMPONENT dev)
+install(TARGETS weft_sdk weft_describe EXPORT weftTargets ARCHIVE DESTINATION lib COMPONENT dev)
+install(TARGETS weft_testing weft_host EXPORT weftTestingTargets ARCHIVE DESTINATION lib
+  COMPONENT dev)
+foreach(set weftTargets weftTestingTargets)
+  install(EXPORT ${set} NAMESPACE weft:: DESTINATION ${package} COMPONENT dev)
+endforeach()
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/weftConfig.cmake.in
+  ${PROJECT_BINARY_DIR}/installed/weftConfig.cmake INSTALL_DESTINATION ${package})
+# Until the boundary is frozen, host and plugin must match in each minor version.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/installed/weftConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
+configure_file(${CMAKE_CURRENT_LIST_DIR}/weft.pc.in ${PROJECT_BINARY_DIR}/installed/weft.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/installed/weftConfig.cmake
+  ${PROJECT_BINARY_DIR}/installed/weftConfigVersion.cmake
+  ${CMAKE_CURRENT_LIST_DIR}/WeftPlugin.cmake ${CMAKE_CURRENT_LIST_DIR}/WeftOpenCV.cmake
+  ${CMAKE_CURRENT_LIST_DIR}/weft_plugin.map DESTINATION ${package} COMPONENT dev)
+install(FILES ${PROJECT_BINARY_DIR}/installed/weft.pc DESTINATION lib/pkgconfig COMPONENT dev)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME weft)
+set(CPACK_PACKAGE_VENDOR Weft)
+set(CPACK_PACKAGE_CONTACT "Weft maintainers")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY
+  "3D shape of a deforming surface from one camera and a template")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL runtime plugins dev)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS ON)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME weft)
+set(CPACK_DEBIAN_PLUGINS_PACKAGE_NAME weft-plugins)
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME weft-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, cmake (>= 3.25)")
+set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "The program weft, its report page and its pipelines.")
+set(CPACK_COMPONENT_PLUGINS_DESCRIPTION "The plugins of Weft: sources to sinks.")
+set(CPACK_COMPONENT_DEV_DESCRIPTION "Headers and CMake functions to write plugins for Weft.")
+set(CPACK_COMPONENT_PLUGINS_DEPENDS runtime)
+set(CPACK_COMPONENT_DEV_DEPENDS runtime)
+include(CPack)

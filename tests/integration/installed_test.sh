@@ -1,0 +1,75 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Installs the build of WEFT_BUILD_DIR, moves it, and uses it as composers and plugin authors would.
+set -eu
+
+: "${WEFT_BUILD_DIR:?is not set: the folder of a build}"
+repository=$(cd "$(dirname "$0")/../.." && pwd)
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+
+fail() {
+  echo "installed_test: $1" >&2
+  exit 1
+}
+
+cd "$folder"
+cmake --install "$WEFT_BUILD_DIR" --prefix "$folder/here" >/dev/null
+mv here elsewhere
+prefix=$folder/elsewhere
+PATH=$prefix/bin:$PATH
+unset WEFT_PLUGIN_PATH || true
+
+for text in include lib/cmake lib/pkgconfig lib/weft/plugins/*.yaml; do
+  # shellcheck disable=SC2086
+  for place in "$repository" "$WEFT_BUILD_DIR" "$folder/here"; do
+    if grep -rlF "$place" "$prefix"/$text; then fail "the files above name $place"; fi
+  done
+done
+
+echo "-- a composer"
+weft doctor >doctor.txt || fail "$(cat doctor.txt)"
+weft run "$prefix/share/weft/pipelines/demo.yaml" --set source.frames=2 --quiet --out run
+weft run "$prefix/share/weft/pipelines/demo.yaml" --set source.frames=2 --quiet --out apart \
+  --set filters.isolate=process
+test "$(grep -c '"state":"estimated"' run/frames.jsonl apart/frames.jsonl | grep -c ':2$')" = 2 ||
+  fail "the sheet was not found in two frames"
+
+echo "-- an author in C"
+printf '#include <weft/abi.h>\nint main(void) { return WEFT_OK; }\n' >probe.c
+# shellcheck disable=SC2046
+cc -std=c99 -pedantic-errors -Wall -Wextra -Werror \
+  $(PKG_CONFIG_PATH=$prefix/lib/pkgconfig pkg-config --cflags weft) probe.c -o probe
+./probe
+
+echo "-- an author in C++"
+cp -r "$repository/docs/examples/your_own_filter" plugin
+cmake -S plugin -B build -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$prefix" \
+  ${CXX:+-DCMAKE_CXX_COMPILER="$CXX"} >/dev/null
+cmake --build build >/dev/null
+(cd build && ctest --output-on-failure --no-tests=error) || fail "the contract is not kept"
+cmake --install build --prefix "$prefix" >/dev/null
+weft plugins show filters/local_motion | grep -q radius_px || fail "the plugin is not installed"
+
+echo "-- an author with tests"
+mkdir tests
+cat >tests/CMakeLists.txt <<'TEXT'
+cmake_minimum_required(VERSION 3.25)
+project(tests LANGUAGES CXX)
+enable_testing()
+find_package(GTest REQUIRED)
+find_package(weft REQUIRED COMPONENTS testing)
+weft_add_plugin(filters/tested SOURCES tested.cpp TESTS tested_test.cpp)
+TEXT
+sed 's/LocalMotion/Tested/; s/struct LocalMotion/struct Tested/; s/LocalMotion(/Tested(/; s/(LocalMotion,/(Tested,/;
+     s|filters/local_motion|filters/tested|' plugin/local_motion.cpp >tests/tested.cpp
+cat >tests/tested_test.cpp <<'TEXT'
+#include <gtest/gtest.h>
+#include <weft/testing/plugin_under_test.hpp>
+
+TEST(Tested, CanBeMade) { weft::testing::PluginUnderTest plugin("filters/tested", "{}"); }
+TEXT
+cmake -S tests -B tested -DCMAKE_PREFIX_PATH="$prefix" ${CXX:+-DCMAKE_CXX_COMPILER="$CXX"} >/dev/null
+cmake --build tested >/dev/null
+(cd tested && ctest --output-on-failure --no-tests=error) || fail "the tests do not pass"
+echo "installed_test: all is well"

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a component that ends the process leaves behind, in runs as users start them.
+#include <gmock/gmock.h>
+
+#include "support/child.hpp"
+#include "support/pipeline_fixture.hpp"
+
+namespace weft {
+namespace {
+
+using testing::Child;
+using testing::Ended;
+using ::testing::HasSubstr;
+using testing::read_lines;
+
+class SuddenEnd : public testing::PipelineTest {
+ protected:
+  Ended weft(const std::vector<std::string>& arguments) const {
+    std::vector<std::string> words{WEFT_PROGRAM, "--plugin-path", WEFT_TEST_PLUGINS,
+                                   "--plugin-path", WEFT_DEADLY_FOLDER};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    return Child(words, path("printed")).wait();
+  }
+
+  /// Four frames; in the second one the filter does the deed, in the process of the host.
+  std::string of(const std::string& deed) const {
+    std::string text = testing::chain({{"sources", "{frames: 4}"}});
+    const std::string filter = "{use: filters/test.scripted, params: {}}";
+    return text.replace(text.find(filter), filter.size(),
+                        "{use: filters/zoo_deadly, params: {deed: " + deed + ", frame: 1}}");
+  }
+};
+
+TEST_F(SuddenEnd, IsToldWithStagePluginAndFrameAndIsNoSuccess) {
+  const std::vector<std::pair<std::string, std::string>> deeds{
+      {"fault", "ended the process (SIGSEGV"},
+      {"overflow", "ended the process (SIGSEGV"},
+      {"terminate", "ended the process (SIGABRT"},
+      {"quit", "called exit()"}};
+  for (const auto& [deed, end] : deeds) {
+    const std::string out = path(deed);
+    const Ended ended = weft({"run", write(of(deed)), "--out", out, "--quiet"});
+    // Sanitizers end a process of which a signal told them with an exit code.
+    EXPECT_NE(ended.exit_code, 0) << deed;
+    if (deed == "quit") {
+      EXPECT_EQ(ended.exit_code, 4);
+    }
+    EXPECT_THAT(ended.err, HasSubstr("filters (filters/zoo_deadly: filter), frame 1: " + end))
+        << deed;
+    EXPECT_THAT(ended.err, HasSubstr("Try isolate: process at its stage")) << deed;
+    // The frame before may still have been on its way to the folder.
+    const std::size_t written = read_lines(out + "/frames.jsonl").size();
+    EXPECT_LE(written, 1U) << deed;
+    const Ended measured = weft({"eval", out});
+    EXPECT_EQ(measured.exit_code, 0) << measured.err;
+    EXPECT_THAT(measured.out,
+                HasSubstr(std::to_string(written) + " of 4 frames; the run did not finish"))
+        << deed;
+  }
+}
+
+TEST_F(SuddenEnd, IsToldOfAThreadThatRunsBesideOthers) {
+  const std::string at_once = "threads: 2\nframes_at_once: 3\n";
+  const std::string text = of("fault");
+  const std::string file = write(text.substr(0, 8) + at_once + text.substr(8));
+  const Ended ended = weft({"run", file, "--out", path("run"), "--quiet"});
+  EXPECT_THAT(ended.err, HasSubstr("filters (filters/zoo_deadly: filter), frame 1: ended"));
+}
+
+TEST_F(SuddenEnd, CostsOneFrameInAProcessOfItsOwn) {
+  for (const std::string deed : {"fault", "overflow", "terminate", "quit", "exit"}) {
+    const Ended ended = weft({"run", write(of(deed)), "--out", path(deed), "--quiet", "--set",
+                              "filters.isolate=process"});
+    EXPECT_EQ(ended.exit_code, 1) << deed << ended.err;
+    EXPECT_EQ(read_lines(path(deed) + "/frames.jsonl").size(), 4U) << deed;
+  }
+}
+
+}  // namespace
+}  // namespace weft
