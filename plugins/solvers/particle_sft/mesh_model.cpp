@@ -2,9 +2,7 @@
 #include "mesh_model.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
-#include <limits>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/mesh_topology.hpp>
@@ -82,23 +80,6 @@ Points3 MeshModel::smoothed(const Points3& rough_m) const {
   const Points3 placed_m = transform_points(*rigid, rest_m_);
   const Eigen::MatrixX3d offsets_m = rough_m - placed_m;
   return placed_m + smoother_.solve(offsets_m);
-}
-
-double MeshModel::surface_length_m(const KnownSurfacePoint& from,
-                                   const KnownSurfacePoint& to) const {
-  const Eigen::Vector3d origin = from.on(rest_m_), target = to.on(rest_m_);
-  if (flat_ || (from.face >= 0 && from.face == to.face)) return (origin - target).norm();
-  std::array<PathStart, 3> starts;
-  for (std::size_t k = 0; k < 3; ++k) {
-    starts[k] = {from.vertices[k], (rest_m_.row(from.vertices[k]).transpose() - origin).norm()};
-  }
-  const std::vector<double> paths_m = path_lengths_m(rest_m_, neighbours_, starts);
-  double length_m = std::numeric_limits<double>::infinity();
-  for (const std::int32_t v : to.vertices) {
-    const double rest_of_way_m = (rest_m_.row(v).transpose() - target).norm();
-    length_m = std::min(length_m, paths_m[to_index(v)] + rest_of_way_m);
-  }
-  return length_m;
 }
 
 }  // namespace weft::particle_sft

@@ -7,10 +7,11 @@
 #include <weft/core/result.hpp>
 #include <weft/data/template.hpp>
 #include <weft/geometry/distance_constraints.hpp>
-#include <weft/geometry/known_surface.hpp>
 #include <weft/geometry/mesh_adjacency.hpp>
 #include <weft/geometry/mesh_bending.hpp>
 #include <weft/geometry/types.hpp>
+
+#include "common/known_spheres.hpp"
 
 namespace weft::particle_sft {
 
@@ -45,9 +46,8 @@ class MeshModel {
   /// rigidly to `rough`. Returns `rough_m` where smoothing is 0.
   Points3 smoothed(const Points3& rough_m) const;
 
-  /// Length along the surface between two of its points, in m: straight on a flat template and in
-  /// one face, else on edges; infinite where there is no path.
-  double surface_length_m(const KnownSurfacePoint& from, const KnownSurfacePoint& to) const;
+  /// For lengths along the surface.
+  solvers::RestMesh at_rest() const { return {rest_m_, neighbours_, flat_}; }
 
  private:
   Points3 rest_m_;

@@ -11,27 +11,25 @@
 #include <weft/geometry/mesh_adjacency.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "mesh_model.hpp"
-#include "relaxation.hpp"
+namespace weft::solvers {
 
-namespace weft::particle_sft {
-
-/// [V] 1 for vertices that cannot be seen, and for those without a ray that are joined to them by
-/// such vertices: next to a rim nothing is recognised either. Empty where nothing is hidden; what
-/// is outside the image is not. Fails on a visibility of another mesh.
+/// [V] 1 for vertices that cannot be seen, and for those that are not measured (`measured` [V] is
+/// 0) and are joined to them by such vertices: next to a rim nothing is recognised either. Empty
+/// where nothing is hidden; what is outside the image is not. Fails on a visibility of another
+/// mesh.
 Result<std::vector<std::uint8_t>> hidden_part(const Visibility& visibility,
-                                              const std::vector<RayConstraint>& rays,
+                                              const std::vector<std::uint8_t>& measured,
                                               const IndexLists& neighbours);
 
-/// Adds all vertices without a ray: on a template that is curved at rest the distances alone do not
-/// tell its bend from the opposite one, so they are laid out as well.
-void add_unmeasured(const std::vector<RayConstraint>& rays, Eigen::Index vertex_count,
-                    std::vector<std::uint8_t>& hidden);
+/// Adds all vertices that are not measured: on a template that is curved at rest the distances
+/// alone do not tell its bend from the opposite one, so they are laid out as well.
+void add_unmeasured(const std::vector<std::uint8_t>& measured, std::vector<std::uint8_t>& hidden);
 
-/// Adds the parts without a ray that reach the border of the mesh and are wider than one ring of
-/// vertices: what the rays surround, or are next to, is held well enough by the distances.
-void add_uncovered(const std::vector<RayConstraint>& rays, const MeshModel& mesh,
-                   std::vector<std::uint8_t>& hidden);
+/// Adds the parts that are not measured, reach the border of the mesh (`border`, its vertices) and
+/// are wider than one ring of vertices: what measured vertices surround, or are next to, is held
+/// well enough by the distances.
+void add_uncovered(const std::vector<std::uint8_t>& measured, const IndexLists& neighbours,
+                   const std::vector<std::int32_t>& border, std::vector<std::uint8_t>& hidden);
 
 /// What a hidden part is taken to look like.
 struct HiddenBend {
@@ -95,4 +93,4 @@ class BendContinuation {
   double reach_px_ = 0.0;  ///< px, of the texture
 };
 
-}  // namespace weft::particle_sft
+}  // namespace weft::solvers

@@ -15,7 +15,7 @@
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/mesh_bending.hpp>
 
-namespace weft::particle_sft {
+namespace weft::solvers {
 namespace {
 
 constexpr double kReachInEdges = 3.0, kReachInDiagonals = 0.24;  // the larger one
@@ -90,7 +90,7 @@ std::optional<double> expected_bend(const std::vector<SeenBend>& seen,
 }  // namespace
 
 Result<std::vector<std::uint8_t>> hidden_part(const Visibility& visibility,
-                                              const std::vector<RayConstraint>& rays,
+                                              const std::vector<std::uint8_t>& measured,
                                               const IndexLists& neighbours) {
   const Eigen::Index count = neighbours.size();
   if (visibility.visible.rows() != count) {
@@ -99,7 +99,6 @@ Result<std::vector<std::uint8_t>> hidden_part(const Visibility& visibility,
                                          " vertices, the template " + std::to_string(count) +
                                          ": use one template throughout"};
   }
-  const std::vector<std::uint8_t> measured = held_vertices(rays, {}, count);
   std::vector<std::uint8_t> hidden(measured.size(), 0);
   std::vector<std::int32_t> front;
   const auto hide = [&](std::int32_t v) {
@@ -119,26 +118,23 @@ Result<std::vector<std::uint8_t>> hidden_part(const Visibility& visibility,
   return hidden;
 }
 
-void add_unmeasured(const std::vector<RayConstraint>& rays, Eigen::Index vertex_count,
-                    std::vector<std::uint8_t>& hidden) {
-  const std::vector<std::uint8_t> measured = held_vertices(rays, {}, vertex_count);
+void add_unmeasured(const std::vector<std::uint8_t>& measured, std::vector<std::uint8_t>& hidden) {
   hidden.resize(measured.size(), 0);
   for (std::size_t v = 0; v < hidden.size(); ++v) {
     if (measured[v] == 0) hidden[v] = 1;
   }
 }
 
-void add_uncovered(const std::vector<RayConstraint>& rays, const MeshModel& mesh,
-                   std::vector<std::uint8_t>& hidden) {
-  const std::vector<std::uint8_t> measured = held_vertices(rays, {}, mesh.vertex_count());
+void add_uncovered(const std::vector<std::uint8_t>& measured, const IndexLists& neighbours,
+                   const std::vector<std::int32_t>& border, std::vector<std::uint8_t>& hidden) {
   const auto touches_measured = [&](std::int32_t v) {
-    const auto around = mesh.neighbours()[v];
+    const auto around = neighbours[v];
     return std::any_of(around.begin(), around.end(),
                        [&](std::int32_t next) { return has(measured, next); });
   };
   std::vector<std::uint8_t> visited = measured;
   std::vector<std::int32_t> part;
-  for (const std::int32_t start : mesh.border()) {
+  for (const std::int32_t start : border) {
     part.clear();
     const auto reach = [&](std::int32_t v) {
       if (has(visited, v)) return;
@@ -147,7 +143,7 @@ void add_uncovered(const std::vector<RayConstraint>& rays, const MeshModel& mesh
     };
     reach(start);
     for (std::size_t k = 0; k < part.size(); ++k) {
-      for (const std::int32_t next : mesh.neighbours()[part[k]]) reach(next);
+      for (const std::int32_t next : neighbours[part[k]]) reach(next);
     }
     if (std::all_of(part.begin(), part.end(), touches_measured)) continue;
     hidden.resize(measured.size(), 0);
@@ -345,4 +341,4 @@ HiddenBend BendContinuation::continued(const Points3View& shape_m,
   return result;
 }
 
-}  // namespace weft::particle_sft
+}  // namespace weft::solvers
