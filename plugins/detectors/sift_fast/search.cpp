@@ -46,6 +46,7 @@ void Search::plan(int width, int height) {
   if (count > done_capacity_) {
     done_ = std::make_unique<std::atomic<bool>[]>(count);
     done_capacity_ = count;
+    candidates_.resize(count);
     found_.resize(count);
   }
   width_ = width;
@@ -67,12 +68,17 @@ bool Search::wait_for(const Task& task) {
 }
 
 void Search::search(const Task& task, Worker& worker) {
+  const auto found =
+      find_extrema(pyramid_.octave(task.octave), task.rows, refinement_.weakest(), worker.extrema);
+  candidates_[to_index(task.id)].assign(found.begin(), found.end());
+}
+
+/// A refinement may walk to any row: it waits until all are made.
+void Search::refine(const Task& task) {
   std::vector<Spot>& found = found_[to_index(task.id)];
   found.clear();
-  const Octave& octave = pyramid_.octave(task.octave);
-  for (const Candidate& at :
-       find_extrema(octave, task.rows, refinement_.weakest(), worker.extrema)) {
-    auto spot = refinement_.refine(octave, at.x, at.y, at.layer);
+  for (const Candidate& at : candidates_[to_index(task.id)]) {
+    auto spot = refinement_.refine(pyramid_.octave(task.octave), at.x, at.y, at.layer);
     if (!spot) continue;
     spot->octave = task.octave;
     found.push_back(*spot);
@@ -104,6 +110,27 @@ void Search::carry_out(const Task& task, const GreyImage& image, Worker& worker)
   }
 }
 
+template <class Each>
+void Search::for_each(std::size_t count, int threads, Each each) {
+  reserve_workers(threads);
+  next_ = 0;
+  given_up_ = false;
+  auto work = [&](int worker) {
+    try {
+      for (std::size_t begin = next_.fetch_add(kAtATime); begin < count && !given_up_;
+           begin = next_.fetch_add(kAtATime)) {
+        const std::size_t end = std::min(begin + kAtATime, count);
+        for (std::size_t i = begin; i < end; ++i) each(workers_[to_index(worker)], i);
+        if (worker == 0) worked(kPassesOfKeypoint * static_cast<std::int64_t>(end - begin));
+      }
+    } catch (...) {
+      given_up_ = true;
+      throw;
+    }
+  };
+  pool_.run(threads, std::ref(work));
+}
+
 std::span<const Spot> Search::find(const GreyImage& image, int threads) {
   plan(image.width, image.height);
   reserve_workers(threads);
@@ -125,7 +152,9 @@ std::span<const Spot> Search::find(const GreyImage& image, int threads) {
     }
   };
   pool_.run(threads, std::ref(work));
-
+  for_each(tasks.size(), threads, [&](Worker&, std::size_t i) {
+    if (tasks[i].kind == Task::Kind::search) refine(tasks[i]);
+  });
   gather(tasks);
   return extrema_;
 }
@@ -156,27 +185,6 @@ void Search::gather(std::span<const Task> tasks) {
       extrema_.push_back(spot);
     }
   }
-}
-
-template <class Each>
-void Search::for_each(std::size_t count, int threads, Each each) {
-  reserve_workers(threads);
-  next_ = 0;
-  given_up_ = false;
-  auto work = [&](int worker) {
-    try {
-      for (std::size_t begin = next_.fetch_add(kAtATime); begin < count && !given_up_;
-           begin = next_.fetch_add(kAtATime)) {
-        const std::size_t end = std::min(begin + kAtATime, count);
-        for (std::size_t i = begin; i < end; ++i) each(workers_[to_index(worker)], i);
-        if (worker == 0) worked(kPassesOfKeypoint * static_cast<std::int64_t>(end - begin));
-      }
-    } catch (...) {
-      given_up_ = true;
-      throw;
-    }
-  };
-  pool_.run(threads, std::ref(work));
 }
 
 const Plane& Search::layer_of(const Spot& spot) const {

@@ -56,6 +56,7 @@ class Search {
   void reserve_workers(int threads);
   void carry_out(const Task& task, const GreyImage& image, Worker& worker);
   void search(const Task& task, Worker& worker);
+  void refine(const Task& task);
   void gather(std::span<const Task> tasks);
   /// Whether all that a task needs is done; false when another thread has given up.
   bool wait_for(const Task& task);
@@ -78,8 +79,9 @@ class Search {
   std::atomic<std::size_t> next_{0};
   std::atomic<bool> given_up_{false};
 
-  std::vector<std::vector<Spot>> found_;  ///< of each task
-  std::vector<int> seen_;                 ///< hash table of `extrema_`
+  std::vector<std::vector<Candidate>> candidates_;  ///< of each task
+  std::vector<std::vector<Spot>> found_;            ///< of each task
+  std::vector<int> seen_;                           ///< hash table of `extrema_`
   std::vector<Spot> extrema_, keypoints_;
   std::vector<float> angles_;  ///< of each extremum, room for Orientation::kMostAngles
   std::vector<std::size_t> angle_counts_;

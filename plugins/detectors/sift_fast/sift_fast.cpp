@@ -151,5 +151,5 @@ class SiftFast final : public Detector {
 }  // namespace
 }  // namespace weft::sift_fast
 
-WEFT_PLUGIN(weft::sift_fast::SiftFast, "detectors/sift_fast", "1.0.0",
+WEFT_PLUGIN(weft::sift_fast::SiftFast, "detectors/sift_fast", "1.0.1",
             "Finds SIFT keypoints as detectors/sift does, with vector instructions.")

@@ -6,9 +6,11 @@
 #include <string>
 #include <vector>
 #include <weft/core/index.hpp>
+#include <weft/core/statistics.hpp>
 #include <weft/sdk/matcher.hpp>
 
 #include "common/view/coarse_search.hpp"
+#include "common/view/inputs.hpp"
 #include "common/view/picture.hpp"
 #include "common/view/predicted_view.hpp"
 #include "flow_grid.hpp"
@@ -19,7 +21,6 @@ namespace {
 constexpr double kSameCorrelation = 0.01;
 // Residuals of neighbouring pixels resemble each other: three know as much as one would alone.
 constexpr double kPixelsAlike = 3.0;
-constexpr int kSheetLevel = view::kLevels - 1;  // where the whole sheet is looked for
 
 std::string percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }
 
@@ -45,20 +46,17 @@ class DenseFlow final : public Matcher {
            "how often the image is halved before: 1 takes a quarter of the time");
     p.read("search_px", search_px_, "px", {0, 400},
            "how far the sheet as a whole may be from the shape");
-    p.read("min_correlation", min_correlation_, "", {0, 1},
+    p.read("min_correlation", options_.min_correlation, "", {0, 1},
            "a match is kept if image and drawn texture correlate so well, normalised");
-    p.read("max_round_trip_px", max_round_trip_px_, "px", {0.01, 100},
+    p.read("max_round_trip_px", options_.max_round_trip_px, "px", {0.01, 100},
            "a match is kept if the way back from the image ends within this");
-    p.read("max_deviation_px", max_deviation_px_, "px", {0.1, 1000},
+    p.read("max_deviation_px", options_.max_deviation_px, "px", {0.1, 1000},
            "a match is kept if it moved within this of the median of its neighbours");
     p.read("min_share", min_share_, "", {0, 1},
            "there is no result if fewer of the places with texture are found");
     p.read("max_disagreement_px", max_disagreement_px_, "px", {0.1, 1000},
            "there is no result if the median of the other matches is so far off");
     p.read("min_matches", min_matches_, "", {1, 10000}, "there is no result if fewer are found");
-    options_.min_correlation = static_cast<float>(min_correlation_);
-    options_.max_round_trip_px = static_cast<float>(max_round_trip_px_);
-    options_.max_deviation_px = static_cast<float>(max_deviation_px_);
     view_.emplace(halvings_, true);
   }
 
@@ -68,46 +66,25 @@ class DenseFlow final : public Matcher {
     if (!in.image || !in.templ || !in.camera) return no_result("there is no image");
     const Shape* shape = in.shape ? &*in.shape : in.previous_shape ? &*in.previous_shape : nullptr;
     if (shape == nullptr) return no_result("there is no shape to begin with");
-    if (auto fits = check(in, *shape); !fits) return fits.error();
+    const auto fits = view::check_frame(*in.image, *in.camera, *in.templ, *shape, "the shape");
+    if (!fits) return fits.error();
     if (shape->shape_state() == ShapeState::lost) return no_result("the shape is lost");
     if (auto ready = load(*in.templ); !ready) return ready.error();
     if (!view_->draw(*in.camera, shape->vertices_m.matrix<3>())) {
       return no_result("the shape shows nothing of the texture in the image");
     }
     image_.load(in.image->pixels);
-    const int reach = static_cast<int>(std::ceil(search_px_ / (1 << kSheetLevel)));
-    const view::CoarseShift shift =
-        search_.find(view_->level(kSheetLevel), image_.level(kSheetLevel), reach);
-    const Eigen::Vector2d start_px =
-        static_cast<double>(1 << kSheetLevel) * Eigen::Vector2d(shift.dx, shift.dy);
-    grid_.find(*view_, image_, start_px, options_, workers_, in.call.threads());
+    const view::CoarseShift shift = search_.find(*view_, image_, search_px_);
+    grid_.find(*view_, image_, shift.by_px(), options_, workers_, in.call.threads());
     return answer(in.correspondences);
   }
 
  private:
-  static Result<void> check(const MatcherInput& in, const Shape& shape) {
-    const Array<std::uint8_t>& pixels = in.image->pixels;
-    const bool has_size = pixels.dim(0) == in.camera->height_px &&
-                          pixels.dim(1) == in.camera->width_px && pixels.rows() > 0;
-    if (!has_size || (pixels.ndim() == 3 && pixels.dim(2) != 3)) {
-      return Error{Errc::invalid_data,
-                   "the image must have the size of the camera and one or three channels"};
-    }
-    if (shape.vertices_m.rows() != in.templ->flat_px.rows()) {
-      return Error{Errc::invalid_data, "the shape must have as many vertices as the template"};
-    }
-    return {};
-  }
-
   /// Once for a template.
   Result<void> load(const Template& templ) {
     if (templ.revision != 0 && templ.revision == loaded_) return {};
     loaded_ = 0;
-    if (templ.texture.dim(0) < view::Patch::kSide || templ.texture.dim(1) < view::Patch::kSide) {
-      return Error{Errc::invalid_data, "the texture must have at least " +
-                                           std::to_string(view::Patch::kSide) +
-                                           " px along each side"};
-    }
+    if (auto large = view::check_texture(templ); !large) return large;
     view_->load(templ);
     flat_px_ = templ.flat_px.matrix<2>();
     faces_ = templ.faces.matrix<3>();
@@ -196,10 +173,7 @@ class DenseFlow final : public Matcher {
       }
     }
     if (distances_px_.size() < kFewest) return std::nullopt;
-    const auto middle =
-        distances_px_.begin() + static_cast<std::ptrdiff_t>(distances_px_.size() / 2);
-    std::nth_element(distances_px_.begin(), middle, distances_px_.end());
-    return *middle;
+    return median_in_place(distances_px_);
   }
 
   Correspondences collect(std::int64_t most) const {
@@ -248,9 +222,6 @@ class DenseFlow final : public Matcher {
   FlowOptions options_;
   int halvings_ = 0;
   double search_px_ = 16.0;
-  double min_correlation_ = 0.7;
-  double max_round_trip_px_ = 1.0;
-  double max_deviation_px_ = 2.0;
   double min_share_ = 0.6;
   double max_disagreement_px_ = 3.0;
   int min_matches_ = 50;

@@ -123,7 +123,8 @@ void FlowGrid::search(const view::PredictedView& view, const view::Pyramid& imag
   node.correlation = found.correlation;
   node.fate = Fate::unlike;
   if (found.end != Alignment::End::converged) return;
-  if (found.correlation < (is_finest ? options_.min_correlation : kAlike)) return;
+  if (found.correlation < (is_finest ? static_cast<float>(options_.min_correlation) : kAlike))
+    return;
   node.by_px = {found.dx, found.dy};
   node.fate = Fate::found;
   if (!is_finest) return;
@@ -145,7 +146,7 @@ bool FlowGrid::comes_back(const ViewLevel& view, const Picture& image, int colum
   const Alignment found = patch.find_in(view.grey, expected.x(), expected.y(), kReach_px);
   if (found.end != Alignment::End::converged) return false;
   const Eigen::Vector2f off = Eigen::Vector2f(found.dx, found.dy) - expected;
-  return off.norm() <= options_.max_round_trip_px;
+  return off.norm() <= static_cast<float>(options_.max_round_trip_px);
 }
 
 /// What moved otherwise than the median of what was found around it.
@@ -169,7 +170,7 @@ void FlowGrid::reject_astray() {
       const bool is_alone = count < kFewestNeighbours;
       const bool is_off = !is_alone && std::max(std::abs(node.by_px.x() - median_of(dx, count)),
                                                 std::abs(node.by_px.y() - median_of(dy, count))) >
-                                           options_.max_deviation_px;
+                                           static_cast<float>(options_.max_deviation_px);
       astray_[to_index(row * grid_.columns + column)] = is_alone || is_off ? 1 : 0;
     }
   }

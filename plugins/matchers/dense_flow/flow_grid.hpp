@@ -36,10 +36,10 @@ struct Node {
 };
 
 struct FlowOptions {
-  int spacing_px = 4;            ///< [] px of the finest level, from node to node
-  float min_correlation = 0.7F;  ///< []
-  float max_round_trip_px = 1.0F;
-  float max_deviation_px = 2.0F;  ///< from the median of the neighbours
+  int spacing_px = 4;              ///< [] px of the finest level, from node to node
+  double min_correlation = 0.7;    ///< []
+  double max_round_trip_px = 1.0;  ///< [] px of the finest level
+  double max_deviation_px = 2.0;   ///< [] px of each level, from the median of the neighbours
 };
 
 /// The displacement between a predicted view and an image, at the nodes of a grid: in the manner of

@@ -6,6 +6,7 @@
 #include <weft/core/index.hpp>
 #include <weft/sdk/matcher.hpp>
 
+#include "common/view/inputs.hpp"
 #include "tracker.hpp"
 
 namespace weft::track {
@@ -48,8 +49,10 @@ class Track final : public Matcher {
     if (!in.image || !in.templ || !in.camera || !in.previous_shape) {
       return no_result("there is no shape of an earlier frame to begin with");
     }
-    if (auto fits = check(in); !fits) return fits.error();
     const Shape& shape = *in.previous_shape;
+    const auto fits =
+        view::check_frame(*in.image, *in.camera, *in.templ, shape, "the previous shape");
+    if (!fits) return fits.error();
     if (shape.shape_state() == ShapeState::lost) return no_result("the previous shape is lost");
     if (auto ready = load(*in.templ, *in.camera); !ready) return ready.error();
     if (!view_.draw(*in.camera, shape.vertices_m.matrix<3>())) {
@@ -62,21 +65,6 @@ class Track final : public Matcher {
   }
 
  private:
-  static Result<void> check(const MatcherInput& in) {
-    const Array<std::uint8_t>& pixels = in.image->pixels;
-    const bool has_size = pixels.dim(0) == in.camera->height_px &&
-                          pixels.dim(1) == in.camera->width_px && pixels.rows() > 0;
-    if (!has_size || (pixels.ndim() == 3 && pixels.dim(2) != 3)) {
-      return Error{Errc::invalid_data,
-                   "the image must have the size of the camera and one or three channels"};
-    }
-    if (in.previous_shape->vertices_m.rows() != in.templ->flat_px.rows()) {
-      return Error{Errc::invalid_data,
-                   "the previous shape must have as many vertices as the template"};
-    }
-    return {};
-  }
-
   /// Once for a template and a camera.
   Result<void> load(const Template& templ, const Camera& camera) {
     const std::array<std::uint64_t, 3> key{templ.revision,
@@ -84,11 +72,7 @@ class Track final : public Matcher {
                                            static_cast<std::uint64_t>(camera.height_px)};
     if (templ.revision != 0 && key == loaded_) return {};
     loaded_ = {};
-    if (templ.texture.dim(0) < view::Patch::kSide || templ.texture.dim(1) < view::Patch::kSide) {
-      return Error{Errc::invalid_data, "the texture must have at least " +
-                                           std::to_string(view::Patch::kSide) +
-                                           " px along each side"};
-    }
+    if (auto large = view::check_texture(templ); !large) return large;
     view_.load(templ);
     auto points = points_.load(templ, camera, max_points_);
     if (points) loaded_ = key;

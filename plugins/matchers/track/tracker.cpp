@@ -8,7 +8,6 @@
 namespace weft::track {
 namespace {
 
-constexpr int kSheetLevel = 3;             // where the whole sheet is looked for
 constexpr int kFirstLevel = 2;             // where patches are looked for first
 constexpr float kAlike = 0.6F;             // [] correlation of a patch that may lead others
 constexpr double kFollowsOthers_px = 2.5;  // [px of the level] from the affine field
@@ -38,10 +37,8 @@ bool is_inside(const Eigen::Vector2d& place_px, const view::Picture& image) {
 
 void Tracker::find(const view::PredictedView& view, const view::Pyramid& image,
                    const TrackerOptions& options, std::vector<Target>& targets) {
-  const int reach = static_cast<int>(std::ceil(options.search_px / (1 << kSheetLevel)));
-  shift_ = search_.find(view.level(kSheetLevel), image.level(kSheetLevel), reach);
-  const Eigen::Vector2d shift_px =
-      static_cast<double>(1 << kSheetLevel) * Eigen::Vector2d(shift_.dx, shift_.dy);
+  shift_ = search_.find(view, image, options.search_px);
+  const Eigen::Vector2d shift_px = shift_.by_px();
   for (Target& target : targets) {
     target.expected_px = view.place_px(target.point.face, target.point.weights);
     target.by_px = shift_px;

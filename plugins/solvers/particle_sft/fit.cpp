@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <limits>
 #include <vector>
-#include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
 #include <weft/geometry/mesh_validation.hpp>
 
@@ -76,15 +75,12 @@ Fit assess(const MeshModel& mesh, const ParticleSystem& system, const Sightlines
   }
   data /= static_cast<double>(residuals.size());
   fit.residual_px = median_in_place(residuals);
-  std::vector<double> edge_strains = strains(mesh.stretch(), vertices_m);
+  const std::vector<double> edge_strains = strains(mesh.stretch(), vertices_m);
   double lengths = 0.0;
   for (const double strain : edge_strains) lengths += std::pow(strain / kUsualStrain, 2);
   fit.strain = mean(edge_strains);
   fit.energy = data + lengths / static_cast<double>(edge_strains.size());
-  const auto rank =
-      static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(edge_strains.size() - 1));
-  std::nth_element(edge_strains.begin(), edge_strains.begin() + rank, edge_strains.end());
-  fit.crease = edge_strains[to_index(rank)];
+  fit.crease = percentile(edge_strains, 95.0);
   fit.mirrored = turns_the_other_way(mesh, sightlines, camera, vertices_m);
   return fit;
 }

@@ -173,9 +173,9 @@ class Run {
       loop_->take(step, *frame);
       return passed;
     }
-    const bool goes_on = file(*std::move(frame));
+    FrameOnItsWay through = std::move(*frame);
     frame.reset();
-    return goes_on ? passed : last;
+    return file(std::move(through)) ? passed : last;
   }
 
   /// False where there is no such frame, or none is wanted.

@@ -74,6 +74,20 @@ TEST(SiftFastSameness, TheBitsAreThoseOfOneThreadForAnyNumberOfThem) {
   }
 }
 
+TEST(SiftFastSameness, AnImageGivesTheSameWhateverImageWasBefore) {
+  // A refinement that walks far reads rows that its strip does not need.
+  Search used{Settings{}};
+  for (std::uint64_t seed = 100; seed < 108; ++seed) {
+    const Image image = detectors::texture(640, 480, seed);
+    Search fresh{Settings{}};
+    const Answer expected = answer_of(fresh, image, 1);
+    for (const int threads : {1, 2}) {
+      EXPECT_TRUE(same(answer_of(used, image, threads), expected))
+          << "seed " << seed << ", " << threads << " threads";
+    }
+  }
+}
+
 /// Lets Highway choose among all instructions again.
 class Instructions : public ::testing::Test {
  protected:

@@ -69,8 +69,9 @@ float CoarseSearch::correlation_at(int dx, int dy) const {
   return (sum_of(it) - sum_of(i) * sum_of(t) / count) / std::sqrt(spread_t * spread_i);
 }
 
-CoarseShift CoarseSearch::find(const ViewLevel& view, const Picture& image, int reach_px) {
-  lay_out(view, reach_px, image);
+CoarseShift CoarseSearch::find(const PredictedView& view, const Pyramid& image, double search_px) {
+  const int reach_px = static_cast<int>(std::ceil(search_px / (1 << kSheetLevel)));
+  lay_out(view.level(kSheetLevel), reach_px, image.level(kSheetLevel));
   CoarseShift best{0, 0, correlation_at(0, 0)};
   float best_score = best.correlation;
   for (int dy = -reach_; dy <= reach_; ++dy) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iostream>
 #include <limits>
+#include <weft/core/statistics.hpp>
 
 #include "common/view/tests/printed_scene.hpp"
 
@@ -22,12 +23,6 @@ double share_below(const std::vector<double>& values, double limit) {
   const auto below =
       std::count_if(values.begin(), values.end(), [&](double v) { return v < limit; });
   return static_cast<double>(below) / static_cast<double>(values.size());
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 class DenseFlow : public ::testing::Test {
