@@ -56,6 +56,15 @@ struct SeenBend {
   double per_m;                      ///< [] rad/m, against the rest shape
 };
 
+/// Leaves every second, third ... so that there are at most so many.
+void keep_evenly(std::vector<SeenBend>& bends, std::size_t most) {
+  if (bends.size() <= most) return;
+  const std::size_t stride = (bends.size() + most - 1) / most;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < bends.size(); i += stride) bends[kept++] = bends[i];
+  bends.resize(kept);
+}
+
 /// What those near a place and across a similar direction let expect there; nothing where too few
 /// are. Their mean as far as the line through them, by distance, has not brought it to 0: a bend
 /// that fades towards the rim is not taken to go on, one that grows not to grow further.
@@ -208,8 +217,9 @@ double BendContinuation::angle_rad(const Hinge& hinge, const Points3View& shape_
   return std::atan2(to_d.dot(frame.front), to_d.dot(frame.away));
 }
 
-std::vector<double> BendContinuation::continued_angles(
-    const Points3View& shape_m, const std::vector<std::uint8_t>& hidden) const {
+std::vector<double> BendContinuation::continued_angles(const Points3View& shape_m,
+                                                       const std::vector<std::uint8_t>& hidden,
+                                                       std::size_t most_seen) const {
   // What is hidden pulls at the edges next to it.
   const std::vector<std::uint8_t> unsure = with_rim(hidden);
   std::vector<SeenBend> seen, away_from_rim;
@@ -222,6 +232,8 @@ std::vector<double> BendContinuation::continued_angles(
     if (!touches(hinge, unsure)) away_from_rim.push_back(seen.back());
   }
   if (seen.empty()) return {};
+  keep_evenly(seen, most_seen);
+  keep_evenly(away_from_rim, most_seen);
   for (std::size_t h = 0; h < hinges_.size(); ++h) {
     const Hinge& hinge = hinges_[h];
     if (!touches(hinge, hidden)) continue;

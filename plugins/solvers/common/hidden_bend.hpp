@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 #include <weft/core/result.hpp>
 #include <weft/data/template.hpp>
@@ -64,6 +66,18 @@ class BendContinuation {
   HiddenBend continued(const Points3View& shape_m, const std::vector<std::uint8_t>& hidden,
                        const std::vector<DistanceConstraint>& bending) const;
 
+  /// By how much the surface bends across each of edges() where it goes on so, in rad, positive
+  /// where the front is hollow; elsewhere as it does. Empty where no edge is seen. Of more seen
+  /// edges than `most_seen` every second, third ... is read.
+  std::vector<double> continued_angles(
+      const Points3View& shape_m, const std::vector<std::uint8_t>& hidden,
+      std::size_t most_seen = std::numeric_limits<std::size_t>::max()) const;
+  /// The vertices at both ends of edge `e` of edge_count().
+  std::array<std::int32_t, 2> edge(std::size_t e) const {
+    return {hinges_[e].vertex[0], hinges_[e].vertex[1]};
+  }
+  std::size_t edge_count() const { return hinges_.size(); }
+
  private:
   /// The edge (a, b) between the faces (a, b, c) and (b, a, d), c left and d right of it as the
   /// camera sees the front.
@@ -80,9 +94,6 @@ class BendContinuation {
   static bool touches(const Hinge& hinge, const std::vector<std::uint8_t>& marked);
   std::vector<std::uint8_t> with_rim(const std::vector<std::uint8_t>& hidden) const;
   static double angle_rad(const Hinge& hinge, const Points3View& shape_m);
-  /// For each edge, in rad; empty where no edge is seen.
-  std::vector<double> continued_angles(const Points3View& shape_m,
-                                       const std::vector<std::uint8_t>& hidden) const;
   void lay_out(const std::vector<double>& angles_rad, std::vector<std::uint8_t> placed,
                Points3& shape_m) const;
   /// Of the hidden parts, those whose edges a layout keeps: [V] 1 for their vertices.

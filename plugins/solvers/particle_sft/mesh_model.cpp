@@ -6,7 +6,6 @@
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/mesh_topology.hpp>
-#include <weft/geometry/rigid_alignment.hpp>
 #include <weft/geometry/surface_distance.hpp>
 
 namespace weft::particle_sft {
@@ -52,34 +51,8 @@ Result<void> MeshModel::build(const Template& templ, double smoothing) {
   }
   flat_ = coplanar(rest_m_);
   hinges_ = bending_hinges(rest_m_, faces_, *topology);
-  smooths_ = smoothing > 0.0;
-  if (!smooths_) return {};
-
-  const double edge_m = mean_edge_length(rest_m_, topology->edges);
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Eigen::Index v = 0; v < rest_m_.rows(); ++v) entries.emplace_back(v, v, 1.0);
-  for (const BendingHinge& hinge : hinges_) {
-    const double weight = smoothing * edge_m * edge_m * hinge.weight;
-    for (std::size_t r = 0; r < 4; ++r) {
-      for (std::size_t c = 0; c < 4; ++c) {
-        entries.emplace_back(hinge.vertex[r], hinge.vertex[c],
-                             weight * hinge.coefficient_per_m[r] * hinge.coefficient_per_m[c]);
-      }
-    }
-  }
-  Eigen::SparseMatrix<double> normal(rest_m_.rows(), rest_m_.rows());
-  normal.setFromTriplets(entries.begin(), entries.end());
-  smoother_.compute(normal);
+  smoother_.build(rest_m_, *topology, hinges_, smoothing);
   return {};
-}
-
-Points3 MeshModel::smoothed(const Points3& rough_m) const {
-  if (!smooths_) return rough_m;
-  const auto rigid = align_points(rest_m_, rough_m);
-  if (!rigid) return rough_m;
-  const Points3 placed_m = transform_points(*rigid, rest_m_);
-  const Eigen::MatrixX3d offsets_m = rough_m - placed_m;
-  return placed_m + smoother_.solve(offsets_m);
 }
 
 }  // namespace weft::particle_sft

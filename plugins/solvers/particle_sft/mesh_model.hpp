@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/SparseCholesky>
-#include <Eigen/SparseCore>
 #include <vector>
 #include <weft/core/result.hpp>
 #include <weft/data/template.hpp>
@@ -11,6 +9,7 @@
 #include <weft/geometry/mesh_bending.hpp>
 #include <weft/geometry/types.hpp>
 
+#include "common/bend_smoother.hpp"
 #include "common/known_spheres.hpp"
 
 namespace weft::particle_sft {
@@ -41,10 +40,8 @@ class MeshModel {
   const Points3& rest_m() const { return rest_m_; }  ///< [V,3] m
   const std::vector<BendingHinge>& hinges() const { return hinges_; }
 
-  /// The shape [V,3] nearest to `rough_m` that bends less: the minimum of |X - rough|^2 + smoothing
-  /// s^2 (bending energy of X - X_rest), s the mean edge length and X_rest the rest mesh brought
-  /// rigidly to `rough`. Returns `rough_m` where smoothing is 0.
-  Points3 smoothed(const Points3& rough_m) const;
+  /// With fewer creases, by BendSmoother.
+  Points3 smoothed(const Points3& rough_m) const { return smoother_.smoothed(rough_m); }
 
   /// For lengths along the surface.
   solvers::RestMesh at_rest() const { return {rest_m_, neighbours_, flat_}; }
@@ -57,8 +54,7 @@ class MeshModel {
   bool flat_ = true;
   std::vector<DistanceConstraint> stretch_, bending_;
   std::vector<BendingHinge> hinges_;
-  bool smooths_ = false;
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> smoother_;
+  solvers::BendSmoother smoother_;
 };
 
 }  // namespace weft::particle_sft
