@@ -85,34 +85,17 @@ Fit assess(const MeshModel& mesh, const ParticleSystem& system, const Sightlines
   return fit;
 }
 
-ImageMotion image_motion(const ParticleSystem& system, const Pinhole& camera,
-                         const Points3& vertices_m) {
-  Eigen::Array2d low = Eigen::Array2d::Constant(std::numeric_limits<double>::infinity());
-  Eigen::Array2d high = -low;
-  Eigen::Vector2d moved = Eigen::Vector2d::Zero();
-  double apart_px = 0.0;
-  for (const RayConstraint& seen : system.rays) {
-    const Eigen::Vector2d measured =
-        project(camera, Eigen::Vector3d(seen.ray[0], seen.ray[1], seen.ray[2]));
-    const Eigen::Vector2d gap = measured - project(camera, seen_point_m(seen, vertices_m));
-    moved += gap;
-    apart_px += gap.norm();
-    low = low.min(measured.array());
-    high = high.max(measured.array());
+solvers::ImageMotion image_motion(const ParticleSystem& system, const Pinhole& camera,
+                                  const Points3& vertices_m) {
+  const auto count = static_cast<Eigen::Index>(system.rays.size());
+  Points2 measured_px(count, 2), projected_px(count, 2);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const RayConstraint& seen = system.rays[to_index(i)];
+    const Eigen::Vector3d ray(seen.ray[0], seen.ray[1], seen.ray[2]);
+    measured_px.row(i) = project(camera, ray).transpose();
+    projected_px.row(i) = project(camera, seen_point_m(seen, vertices_m)).transpose();
   }
-  const double moved_px = moved.norm() / static_cast<double>(system.rays.size());
-  return {std::isfinite(moved_px) ? moved_px : std::numeric_limits<double>::infinity(),
-          apart_px / static_cast<double>(system.rays.size()), (high - low).matrix().norm()};
-}
-
-Points3 depth_mirrored(const Points3& vertices_m) {
-  Points3 mirrored = vertices_m;
-  const double middle_m = vertices_m.col(2).mean();
-  for (Eigen::Index v = 0; v < mirrored.rows(); ++v) {
-    const double factor = (2.0 * middle_m - mirrored(v, 2)) / mirrored(v, 2);
-    if (factor > 0.0 && std::isfinite(factor)) mirrored.row(v) *= factor;
-  }
-  return mirrored;
+  return solvers::image_motion(measured_px, projected_px);
 }
 
 }  // namespace weft::particle_sft

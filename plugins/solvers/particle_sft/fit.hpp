@@ -5,6 +5,7 @@
 #include <weft/data/sightlines.hpp>
 #include <weft/geometry/camera_model.hpp>
 
+#include "common/image_motion.hpp"
 #include "mesh_model.hpp"
 #include "relaxation.hpp"
 
@@ -29,19 +30,8 @@ std::vector<RayConstraint> ray_constraints(const Sightlines& lines, const Faces&
 /// The point that a ray constraint holds.
 Eigen::Vector3d seen_point_m(const RayConstraint& seen, const Points3& vertices_m);
 
-/// How far a shape is from where the object is seen now.
-struct ImageMotion {
-  double moved_px = 0.0;  ///< [] px, between the means of measured and projected points; infinite
-                          ///< if one of them is not in front of the camera
-  double apart_px = 0.0;  ///< [] px, mean distance between measured and projected points
-  double diagonal_px = 0.0;  ///< [] px, of the bounding box of the measured points
-};
-
-ImageMotion image_motion(const ParticleSystem& system, const Pinhole& camera,
-                         const Points3& vertices_m);
-
-/// Mirrors the depths of all vertices at the mean depth, each on its own ray: the other shape that
-/// looks alike from far away. Vertices that would not be in front of the camera stay.
-Points3 depth_mirrored(const Points3& vertices_m);
+/// How far a shape is from where the rays see the object.
+solvers::ImageMotion image_motion(const ParticleSystem& system, const Pinhole& camera,
+                                  const Points3& vertices_m);
 
 }  // namespace weft::particle_sft

@@ -7,9 +7,9 @@
 #include <weft/core/index.hpp>
 #include <weft/geometry/check_sightlines.hpp>
 
+#include "common/hidden_bend.hpp"
+#include "common/known_spheres.hpp"
 #include "fit.hpp"
-#include "hidden_bend.hpp"
-#include "known_spheres.hpp"
 
 namespace weft::particle_sft {
 namespace {
@@ -38,21 +38,24 @@ Result<void> FrameConstraints::read(const SolverInput& in, const MeshModel& mesh
                      std::to_string(options.min_sightlines));
   }
   if (auto enough = check_match_count(in); !enough) return enough;
+  const std::vector<std::uint8_t> measured = held_vertices(system.rays, {}, mesh.vertex_count());
   hidden.clear();
   if (in.visibility && options.continue_hidden_bend) {
-    auto part = hidden_part(*in.visibility, system.rays, mesh.neighbours());
+    auto part = solvers::hidden_part(*in.visibility, measured, mesh.neighbours());
     if (!part) return part.error();
     hidden = *std::move(part);
-    if (!mesh.is_flat()) add_unmeasured(system.rays, mesh.vertex_count(), hidden);
+    if (!mesh.is_flat()) solvers::add_unmeasured(measured, hidden);
   }
-  if (options.continue_uncovered_bend) add_uncovered(system.rays, mesh, hidden);
+  if (options.continue_uncovered_bend) {
+    solvers::add_uncovered(measured, mesh.neighbours(), mesh.border(), hidden);
+  }
   system.spheres.clear();
   inconsistent_pairs = 0;
   if (!in.known_points) return {};
   auto spheres = known_surface_points(*in.known_points, in.templ, options.known_radius_m);
   if (!spheres) return spheres.error();
   system.spheres = *std::move(spheres);
-  inconsistent_pairs = make_consistent(mesh, system.spheres);
+  inconsistent_pairs = solvers::make_consistent(mesh.at_rest(), system.spheres);
   return {};
 }
 

@@ -2,13 +2,10 @@
 #include "mesh_model.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
-#include <limits>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/mesh_topology.hpp>
-#include <weft/geometry/rigid_alignment.hpp>
 #include <weft/geometry/surface_distance.hpp>
 
 namespace weft::particle_sft {
@@ -54,51 +51,8 @@ Result<void> MeshModel::build(const Template& templ, double smoothing) {
   }
   flat_ = coplanar(rest_m_);
   hinges_ = bending_hinges(rest_m_, faces_, *topology);
-  smooths_ = smoothing > 0.0;
-  if (!smooths_) return {};
-
-  const double edge_m = mean_edge_length(rest_m_, topology->edges);
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Eigen::Index v = 0; v < rest_m_.rows(); ++v) entries.emplace_back(v, v, 1.0);
-  for (const BendingHinge& hinge : hinges_) {
-    const double weight = smoothing * edge_m * edge_m * hinge.weight;
-    for (std::size_t r = 0; r < 4; ++r) {
-      for (std::size_t c = 0; c < 4; ++c) {
-        entries.emplace_back(hinge.vertex[r], hinge.vertex[c],
-                             weight * hinge.coefficient_per_m[r] * hinge.coefficient_per_m[c]);
-      }
-    }
-  }
-  Eigen::SparseMatrix<double> normal(rest_m_.rows(), rest_m_.rows());
-  normal.setFromTriplets(entries.begin(), entries.end());
-  smoother_.compute(normal);
+  smoother_.build(rest_m_, *topology, hinges_, smoothing);
   return {};
-}
-
-Points3 MeshModel::smoothed(const Points3& rough_m) const {
-  if (!smooths_) return rough_m;
-  const auto rigid = align_points(rest_m_, rough_m);
-  if (!rigid) return rough_m;
-  const Points3 placed_m = transform_points(*rigid, rest_m_);
-  const Eigen::MatrixX3d offsets_m = rough_m - placed_m;
-  return placed_m + smoother_.solve(offsets_m);
-}
-
-double MeshModel::surface_length_m(const KnownSurfacePoint& from,
-                                   const KnownSurfacePoint& to) const {
-  const Eigen::Vector3d origin = from.on(rest_m_), target = to.on(rest_m_);
-  if (flat_ || (from.face >= 0 && from.face == to.face)) return (origin - target).norm();
-  std::array<PathStart, 3> starts;
-  for (std::size_t k = 0; k < 3; ++k) {
-    starts[k] = {from.vertices[k], (rest_m_.row(from.vertices[k]).transpose() - origin).norm()};
-  }
-  const std::vector<double> paths_m = path_lengths_m(rest_m_, neighbours_, starts);
-  double length_m = std::numeric_limits<double>::infinity();
-  for (const std::int32_t v : to.vertices) {
-    const double rest_of_way_m = (rest_m_.row(v).transpose() - target).norm();
-    length_m = std::min(length_m, paths_m[to_index(v)] + rest_of_way_m);
-  }
-  return length_m;
 }
 
 }  // namespace weft::particle_sft

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/SparseCholesky>
-#include <Eigen/SparseCore>
 #include <vector>
 #include <weft/core/result.hpp>
 #include <weft/data/template.hpp>
 #include <weft/geometry/distance_constraints.hpp>
-#include <weft/geometry/known_surface.hpp>
 #include <weft/geometry/mesh_adjacency.hpp>
 #include <weft/geometry/mesh_bending.hpp>
 #include <weft/geometry/types.hpp>
+
+#include "common/bend_smoother.hpp"
+#include "common/known_spheres.hpp"
 
 namespace weft::particle_sft {
 
@@ -40,14 +40,11 @@ class MeshModel {
   const Points3& rest_m() const { return rest_m_; }  ///< [V,3] m
   const std::vector<BendingHinge>& hinges() const { return hinges_; }
 
-  /// The shape [V,3] nearest to `rough_m` that bends less: the minimum of |X - rough|^2 + smoothing
-  /// s^2 (bending energy of X - X_rest), s the mean edge length and X_rest the rest mesh brought
-  /// rigidly to `rough`. Returns `rough_m` where smoothing is 0.
-  Points3 smoothed(const Points3& rough_m) const;
+  /// With fewer creases, by BendSmoother.
+  Points3 smoothed(const Points3& rough_m) const { return smoother_.smoothed(rough_m); }
 
-  /// Length along the surface between two of its points, in m: straight on a flat template and in
-  /// one face, else on edges; infinite where there is no path.
-  double surface_length_m(const KnownSurfacePoint& from, const KnownSurfacePoint& to) const;
+  /// For lengths along the surface.
+  solvers::RestMesh at_rest() const { return {rest_m_, neighbours_, flat_}; }
 
  private:
   Points3 rest_m_;
@@ -57,8 +54,7 @@ class MeshModel {
   bool flat_ = true;
   std::vector<DistanceConstraint> stretch_, bending_;
   std::vector<BendingHinge> hinges_;
-  bool smooths_ = false;
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> smoother_;
+  solvers::BendSmoother smoother_;
 };
 
 }  // namespace weft::particle_sft

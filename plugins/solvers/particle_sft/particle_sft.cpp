@@ -10,11 +10,12 @@
 #include <weft/sdk/solver.hpp>
 
 #include "candidate.hpp"
+#include "common/hidden_bend.hpp"
+#include "common/image_motion.hpp"
 #include "confidence.hpp"
 #include "covariance.hpp"
 #include "fit.hpp"
 #include "frame_constraints.hpp"
-#include "hidden_bend.hpp"
 #include "mesh_model.hpp"
 #include "relaxation.hpp"
 
@@ -103,8 +104,8 @@ class ParticleSft final : public Solver {
   /// where the result is doubtful, other starts are tried as well.
   Result<void> run_starts(const SolverInput& in, std::vector<Candidate>& candidates) {
     const std::optional<Points3> previous = previous_vertices(in);
-    const ImageMotion motion =
-        previous ? image_motion(frame_.system, pinhole(in), *previous) : ImageMotion{};
+    const solvers::ImageMotion motion =
+        previous ? image_motion(frame_.system, pinhole(in), *previous) : solvers::ImageMotion{};
     const bool tracked = previous && is_tracked(in, motion);
     if (previous) {
       RelaxationOptions options = options_;
@@ -115,7 +116,8 @@ class ParticleSft final : public Solver {
     }
     if (tracked && !candidates.back().doubtful()) return {};
     if (previous && !tracked) {
-      auto run = relax(in, StartKind::mirrored, depth_mirrored(*previous), options_, candidates);
+      auto run =
+          relax(in, StartKind::mirrored, solvers::depth_mirrored(*previous), options_, candidates);
       if (!run) return run;
     }
     const auto convex = start_.solve(asked_of_start(in));
@@ -149,7 +151,7 @@ class ParticleSft final : public Solver {
     return vertices_m;
   }
 
-  static bool is_tracked(const SolverInput& in, const ImageMotion& motion) {
+  static bool is_tracked(const SolverInput& in, const solvers::ImageMotion& motion) {
     const ShapeState state = in.previous_shape->shape_state();
     if (state != ShapeState::estimated && state != ShapeState::weak) return false;
     return motion.moved_px <= kJump * motion.diagonal_px;
@@ -160,7 +162,7 @@ class ParticleSft final : public Solver {
     Candidate candidate{start, from_m, {}, {}};
     frame_.system.bending = mesh_.bending();
     if (!frame_.hidden.empty()) {
-      HiddenBend bend = continuation_.continued(from_m, frame_.hidden, mesh_.bending());
+      solvers::HiddenBend bend = continuation_.continued(from_m, frame_.hidden, mesh_.bending());
       candidate.vertices_m = std::move(bend.shape_m);
       frame_.system.bending = std::move(bend.bending);
     }
@@ -170,7 +172,7 @@ class ParticleSft final : public Solver {
       return Error{Errc::cancelled, "cancelled"};
     }
     if (!frame_.hidden.empty()) {  // distances alone do not tell a bend from its opposite
-      HiddenBend bend = continuation_.continued(candidate.vertices_m, frame_.hidden, {});
+      solvers::HiddenBend bend = continuation_.continued(candidate.vertices_m, frame_.hidden, {});
       candidate.vertices_m = std::move(bend.shape_m);
       candidate.torn_vertices = bend.torn_vertices;
     }
@@ -250,7 +252,7 @@ class ParticleSft final : public Solver {
 
   MeshModel mesh_;
   std::uint64_t mesh_revision_ = 0;
-  BendContinuation continuation_;
+  solvers::BendContinuation continuation_;
   FrameConstraints frame_;
   Relaxation relaxation_;
   ShapeCovariance covariance_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hidden_bend.hpp"
+#include "common/hidden_bend.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,6 +16,12 @@
 
 namespace weft::particle_sft {
 namespace {
+
+using solvers::add_uncovered;
+using solvers::add_unmeasured;
+using solvers::BendContinuation;
+using solvers::hidden_part;
+using solvers::HiddenBend;
 
 constexpr int kColumns = 13, kRows = 9;
 
@@ -174,7 +180,8 @@ TEST(HiddenBend, TakesPartsWithoutARayThatReachTheBorderForUncovered) {
     if (!is_ringed(v) && !is_corner(v)) rays.push_back({{v, v, v}, {1, 0, 0}, {0, 0, 1}, 1.0});
   }
   std::vector<std::uint8_t> uncovered;
-  add_uncovered(rays, mesh, uncovered);
+  add_uncovered(held_vertices(rays, {}, mesh.vertex_count()), mesh.neighbours(), mesh.border(),
+                uncovered);
   ASSERT_EQ(uncovered.size(), to_index(kColumns * kRows));
   for (std::int32_t v = 0; v < kColumns * kRows; ++v) {
     EXPECT_EQ(uncovered[to_index(v)] != 0, is_corner(v)) << v;
@@ -188,18 +195,19 @@ TEST(HiddenBend, TakesTheUnmeasuredVerticesBesideAHiddenOneAsHidden) {
   for (std::int32_t v = 0; v < kColumns * kRows; ++v) {
     if (v % kColumns < 6 && v != 0) rays.push_back({{v, v, v}, {1, 0, 0}, {0, 0, 1}, 1.0});
   }
-  EXPECT_TRUE(hidden_part(seen, rays, scene.neighbours)->empty()) << "unmeasured is not hidden";
+  const std::vector<std::uint8_t> measured = held_vertices(rays, {}, kColumns * kRows);
+  EXPECT_TRUE(hidden_part(seen, measured, scene.neighbours)->empty()) << "unmeasured is not hidden";
   seen.visible(12) = 0;
   seen.reason(12) = static_cast<std::uint8_t>(SightReason::outside);
-  EXPECT_TRUE(hidden_part(seen, rays, scene.neighbours)->empty()) << "nor is what is outside";
+  EXPECT_TRUE(hidden_part(seen, measured, scene.neighbours)->empty()) << "nor is what is outside";
   seen.reason(12) = static_cast<std::uint8_t>(SightReason::hidden);
-  const auto hidden = hidden_part(seen, rays, scene.neighbours);
+  const auto hidden = hidden_part(seen, measured, scene.neighbours);
   ASSERT_TRUE(hidden);
   for (std::int32_t v = 0; v < kColumns * kRows; ++v) {
     EXPECT_EQ((*hidden)[to_index(v)], v % kColumns >= 6 ? 1 : 0) << v;
   }
   seen.visible = Array<std::uint8_t>({5});
-  EXPECT_FALSE(hidden_part(seen, rays, scene.neighbours));
+  EXPECT_FALSE(hidden_part(seen, measured, scene.neighbours));
 }
 
 TEST(HiddenBend, BringsASolverNearerToWhatItCannotSee) {
@@ -254,10 +262,11 @@ Visibility all_in_sight(std::int64_t count) {
 TEST(HiddenBend, AddsEveryVertexWithoutARayToTheHiddenOnes) {
   const std::vector<RayConstraint> rays{{{0, 1, 2}, {0.5, 0.3, 0.2}, {0, 0, 1}, 1.0}};
   std::vector<std::uint8_t> hidden{0, 1, 0, 0, 1};
-  add_unmeasured(rays, 5, hidden);
+  const std::vector<std::uint8_t> measured = held_vertices(rays, {}, 5);
+  add_unmeasured(measured, hidden);
   EXPECT_EQ(hidden, (std::vector<std::uint8_t>{0, 1, 0, 1, 1}));
   std::vector<std::uint8_t> nothing_hidden;
-  add_unmeasured(rays, 5, nothing_hidden);
+  add_unmeasured(measured, nothing_hidden);
   EXPECT_EQ(nothing_hidden, (std::vector<std::uint8_t>{0, 0, 0, 1, 1}));
 }
 

@@ -228,14 +228,14 @@ TEST(Fit, KnowsAShapeFromItsMirrorImage) {
 
 TEST(Fit, MirroringTheDepthKeepsTheImage) {
   const Scene scene = Scene::bent(0.25, {0.6, 0.0, 0.0, 0.3, 0.0, 0.0});
-  const Points3 mirrored_m = depth_mirrored(scene.truth_m);
+  const Points3 mirrored_m = solvers::depth_mirrored(scene.truth_m);
   const auto pinhole = testing::pinhole(scene.camera);
   EXPECT_LT((project_points(pinhole, mirrored_m) - project_points(pinhole, scene.truth_m))
                 .cwiseAbs()
                 .maxCoeff(),
             1e-9);
   EXPECT_NEAR(mirrored_m.col(2).mean(), scene.truth_m.col(2).mean(), 1e-12);
-  EXPECT_LT((depth_mirrored(mirrored_m) - scene.truth_m).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_LT((solvers::depth_mirrored(mirrored_m) - scene.truth_m).cwiseAbs().maxCoeff(), 1e-12);
 }
 
 }  // namespace

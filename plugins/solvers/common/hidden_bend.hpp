@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 #include <weft/core/result.hpp>
 #include <weft/data/template.hpp>
@@ -11,27 +13,25 @@
 #include <weft/geometry/mesh_adjacency.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "mesh_model.hpp"
-#include "relaxation.hpp"
+namespace weft::solvers {
 
-namespace weft::particle_sft {
-
-/// [V] 1 for vertices that cannot be seen, and for those without a ray that are joined to them by
-/// such vertices: next to a rim nothing is recognised either. Empty where nothing is hidden; what
-/// is outside the image is not. Fails on a visibility of another mesh.
+/// [V] 1 for vertices that cannot be seen, and for those that are not measured (`measured` [V] is
+/// 0) and are joined to them by such vertices: next to a rim nothing is recognised either. Empty
+/// where nothing is hidden; what is outside the image is not. Fails on a visibility of another
+/// mesh.
 Result<std::vector<std::uint8_t>> hidden_part(const Visibility& visibility,
-                                              const std::vector<RayConstraint>& rays,
+                                              const std::vector<std::uint8_t>& measured,
                                               const IndexLists& neighbours);
 
-/// Adds all vertices without a ray: on a template that is curved at rest the distances alone do not
-/// tell its bend from the opposite one, so they are laid out as well.
-void add_unmeasured(const std::vector<RayConstraint>& rays, Eigen::Index vertex_count,
-                    std::vector<std::uint8_t>& hidden);
+/// Adds all vertices that are not measured: on a template that is curved at rest the distances
+/// alone do not tell its bend from the opposite one, so they are laid out as well.
+void add_unmeasured(const std::vector<std::uint8_t>& measured, std::vector<std::uint8_t>& hidden);
 
-/// Adds the parts without a ray that reach the border of the mesh and are wider than one ring of
-/// vertices: what the rays surround, or are next to, is held well enough by the distances.
-void add_uncovered(const std::vector<RayConstraint>& rays, const MeshModel& mesh,
-                   std::vector<std::uint8_t>& hidden);
+/// Adds the parts that are not measured, reach the border of the mesh (`border`, its vertices) and
+/// are wider than one ring of vertices: what measured vertices surround, or are next to, is held
+/// well enough by the distances.
+void add_uncovered(const std::vector<std::uint8_t>& measured, const IndexLists& neighbours,
+                   const std::vector<std::int32_t>& border, std::vector<std::uint8_t>& hidden);
 
 /// What a hidden part is taken to look like.
 struct HiddenBend {
@@ -66,6 +66,18 @@ class BendContinuation {
   HiddenBend continued(const Points3View& shape_m, const std::vector<std::uint8_t>& hidden,
                        const std::vector<DistanceConstraint>& bending) const;
 
+  /// By how much the surface bends across each of edges() where it goes on so, in rad, positive
+  /// where the front is hollow; elsewhere as it does. Empty where no edge is seen. Of more seen
+  /// edges than `most_seen` every second, third ... is read.
+  std::vector<double> continued_angles(
+      const Points3View& shape_m, const std::vector<std::uint8_t>& hidden,
+      std::size_t most_seen = std::numeric_limits<std::size_t>::max()) const;
+  /// The vertices at both ends of edge `e` of edge_count().
+  std::array<std::int32_t, 2> edge(std::size_t e) const {
+    return {hinges_[e].vertex[0], hinges_[e].vertex[1]};
+  }
+  std::size_t edge_count() const { return hinges_.size(); }
+
  private:
   /// The edge (a, b) between the faces (a, b, c) and (b, a, d), c left and d right of it as the
   /// camera sees the front.
@@ -82,9 +94,6 @@ class BendContinuation {
   static bool touches(const Hinge& hinge, const std::vector<std::uint8_t>& marked);
   std::vector<std::uint8_t> with_rim(const std::vector<std::uint8_t>& hidden) const;
   static double angle_rad(const Hinge& hinge, const Points3View& shape_m);
-  /// For each edge, in rad; empty where no edge is seen.
-  std::vector<double> continued_angles(const Points3View& shape_m,
-                                       const std::vector<std::uint8_t>& hidden) const;
   void lay_out(const std::vector<double>& angles_rad, std::vector<std::uint8_t> placed,
                Points3& shape_m) const;
   /// Of the hidden parts, those whose edges a layout keeps: [V] 1 for their vertices.
@@ -95,4 +104,4 @@ class BendContinuation {
   double reach_px_ = 0.0;  ///< px, of the texture
 };
 
-}  // namespace weft::particle_sft
+}  // namespace weft::solvers

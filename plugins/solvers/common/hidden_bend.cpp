@@ -15,7 +15,7 @@
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/mesh_bending.hpp>
 
-namespace weft::particle_sft {
+namespace weft::solvers {
 namespace {
 
 constexpr double kReachInEdges = 3.0, kReachInDiagonals = 0.24;  // the larger one
@@ -56,6 +56,15 @@ struct SeenBend {
   double per_m;                      ///< [] rad/m, against the rest shape
 };
 
+/// Leaves every second, third ... so that there are at most so many.
+void keep_evenly(std::vector<SeenBend>& bends, std::size_t most) {
+  if (bends.size() <= most) return;
+  const std::size_t stride = (bends.size() + most - 1) / most;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < bends.size(); i += stride) bends[kept++] = bends[i];
+  bends.resize(kept);
+}
+
 /// What those near a place and across a similar direction let expect there; nothing where too few
 /// are. Their mean as far as the line through them, by distance, has not brought it to 0: a bend
 /// that fades towards the rim is not taken to go on, one that grows not to grow further.
@@ -90,7 +99,7 @@ std::optional<double> expected_bend(const std::vector<SeenBend>& seen,
 }  // namespace
 
 Result<std::vector<std::uint8_t>> hidden_part(const Visibility& visibility,
-                                              const std::vector<RayConstraint>& rays,
+                                              const std::vector<std::uint8_t>& measured,
                                               const IndexLists& neighbours) {
   const Eigen::Index count = neighbours.size();
   if (visibility.visible.rows() != count) {
@@ -99,7 +108,6 @@ Result<std::vector<std::uint8_t>> hidden_part(const Visibility& visibility,
                                          " vertices, the template " + std::to_string(count) +
                                          ": use one template throughout"};
   }
-  const std::vector<std::uint8_t> measured = held_vertices(rays, {}, count);
   std::vector<std::uint8_t> hidden(measured.size(), 0);
   std::vector<std::int32_t> front;
   const auto hide = [&](std::int32_t v) {
@@ -119,26 +127,23 @@ Result<std::vector<std::uint8_t>> hidden_part(const Visibility& visibility,
   return hidden;
 }
 
-void add_unmeasured(const std::vector<RayConstraint>& rays, Eigen::Index vertex_count,
-                    std::vector<std::uint8_t>& hidden) {
-  const std::vector<std::uint8_t> measured = held_vertices(rays, {}, vertex_count);
+void add_unmeasured(const std::vector<std::uint8_t>& measured, std::vector<std::uint8_t>& hidden) {
   hidden.resize(measured.size(), 0);
   for (std::size_t v = 0; v < hidden.size(); ++v) {
     if (measured[v] == 0) hidden[v] = 1;
   }
 }
 
-void add_uncovered(const std::vector<RayConstraint>& rays, const MeshModel& mesh,
-                   std::vector<std::uint8_t>& hidden) {
-  const std::vector<std::uint8_t> measured = held_vertices(rays, {}, mesh.vertex_count());
+void add_uncovered(const std::vector<std::uint8_t>& measured, const IndexLists& neighbours,
+                   const std::vector<std::int32_t>& border, std::vector<std::uint8_t>& hidden) {
   const auto touches_measured = [&](std::int32_t v) {
-    const auto around = mesh.neighbours()[v];
+    const auto around = neighbours[v];
     return std::any_of(around.begin(), around.end(),
                        [&](std::int32_t next) { return has(measured, next); });
   };
   std::vector<std::uint8_t> visited = measured;
   std::vector<std::int32_t> part;
-  for (const std::int32_t start : mesh.border()) {
+  for (const std::int32_t start : border) {
     part.clear();
     const auto reach = [&](std::int32_t v) {
       if (has(visited, v)) return;
@@ -147,7 +152,7 @@ void add_uncovered(const std::vector<RayConstraint>& rays, const MeshModel& mesh
     };
     reach(start);
     for (std::size_t k = 0; k < part.size(); ++k) {
-      for (const std::int32_t next : mesh.neighbours()[part[k]]) reach(next);
+      for (const std::int32_t next : neighbours[part[k]]) reach(next);
     }
     if (std::all_of(part.begin(), part.end(), touches_measured)) continue;
     hidden.resize(measured.size(), 0);
@@ -212,8 +217,9 @@ double BendContinuation::angle_rad(const Hinge& hinge, const Points3View& shape_
   return std::atan2(to_d.dot(frame.front), to_d.dot(frame.away));
 }
 
-std::vector<double> BendContinuation::continued_angles(
-    const Points3View& shape_m, const std::vector<std::uint8_t>& hidden) const {
+std::vector<double> BendContinuation::continued_angles(const Points3View& shape_m,
+                                                       const std::vector<std::uint8_t>& hidden,
+                                                       std::size_t most_seen) const {
   // What is hidden pulls at the edges next to it.
   const std::vector<std::uint8_t> unsure = with_rim(hidden);
   std::vector<SeenBend> seen, away_from_rim;
@@ -226,6 +232,8 @@ std::vector<double> BendContinuation::continued_angles(
     if (!touches(hinge, unsure)) away_from_rim.push_back(seen.back());
   }
   if (seen.empty()) return {};
+  keep_evenly(seen, most_seen);
+  keep_evenly(away_from_rim, most_seen);
   for (std::size_t h = 0; h < hinges_.size(); ++h) {
     const Hinge& hinge = hinges_[h];
     if (!touches(hinge, hidden)) continue;
@@ -345,4 +353,4 @@ HiddenBend BendContinuation::continued(const Points3View& shape_m,
   return result;
 }
 
-}  // namespace weft::particle_sft
+}  // namespace weft::solvers

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+#include <weft/geometry/mesh_adjacency.hpp>
+#include <weft/geometry/types.hpp>
+
+namespace weft::gauss_newton {
+
+/// Vertices that are eliminated together.
+struct EliminationNode {
+  std::int32_t first = 0;            ///< [] place of its first vertex in the order
+  std::int32_t count = 0;            ///< [] vertices, at places that follow each other
+  std::vector<std::int32_t> border;  ///< [.] places of later vertices that it is coupled to then
+  std::int32_t parent = -1;          ///< [] node that comes next with its border; -1 for the last
+};
+
+/// In what order the vertices are eliminated.
+struct EliminationTree {
+  std::vector<std::int32_t> place;     ///< [V] of each vertex in the order
+  std::vector<EliminationNode> nodes;  ///< in their order: a subtree stands before its parent
+};
+
+/// Nested dissection (George, SIAM Journal on Numerical Analysis 10, 1973): a part of the mesh is
+/// halved across its longest side, and the vertices of one half that are coupled to the other come
+/// last. `coupled` lists of each vertex all that it shares a block of the matrix with. The order
+/// depends on the arguments alone.
+EliminationTree nested_dissection(const Points3View& rest_m, const IndexLists& coupled);
+
+}  // namespace weft::gauss_newton

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "energy.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <weft/core/index.hpp>
+#include <weft/core/stop_check.hpp>
+
+#include "terms.hpp"
+
+namespace weft::gauss_newton {
+namespace {
+
+constexpr double kMostTurn = 1.0;  // rad, along an arc: the formulas are for smaller ones
+constexpr double kTooClose_m = 1e-9;
+
+double squared_turn(const Arc& arc, double per_m) {
+  const double turn = std::clamp(per_m * arc.rest_m, -kMostTurn, kMostTurn);
+  return turn * turn;
+}
+
+/// The arc keeps the length that it has at rest, where its chord was rest_m.
+double chord_m(const Arc& arc, double per_m) {
+  return arc.rest_m * (1.0 + (squared_turn(arc, arc.rest_per_m) - squared_turn(arc, per_m)) / 24.0);
+}
+
+/// Sums over the observations of a face.
+struct FaceSums {
+  /// Of J^T J: xx, yy, xz, yz and zz for the products of weights 00, 11, 22, 01, 12, 20.
+  double squares[6][5] = {};
+  double slopes[3][3] = {};  ///< of J^T r for each weight
+
+  void add(const double* b, double inverse_z, double px, double py, double jx, double jy,
+           double weight, double rx, double ry) {
+    jx *= inverse_z;
+    jy *= inverse_z;
+    const double xx = weight * jx * jx, yy = weight * jy * jy;
+    const double block[5] = {xx, yy, -xx * px, -yy * py, xx * px * px + yy * py * py};
+    const double products[6] = {b[0] * b[0], b[1] * b[1], b[2] * b[2],
+                                b[0] * b[1], b[1] * b[2], b[2] * b[0]};
+    for (std::size_t k = 0; k < 6; ++k) {
+      for (std::size_t j = 0; j < 5; ++j) squares[k][j] += products[k] * block[j];
+    }
+    const double gx = weight * jx * rx, gy = weight * jy * ry, gz = -(gx * px + gy * py);
+    for (std::size_t k = 0; k < 3; ++k) {
+      slopes[k][0] += b[k] * gx;
+      slopes[k][1] += b[k] * gy;
+      slopes[k][2] += b[k] * gz;
+    }
+  }
+
+  Eigen::Matrix3d block(std::size_t k) const {
+    const double* s = squares[k];
+    Eigen::Matrix3d result;
+    result << s[0], 0.0, s[2], 0.0, s[1], s[3], s[2], s[3], s[4];
+    return result;
+  }
+};
+
+}  // namespace
+
+void Energy::prepare(const MeshModel& mesh) {
+  mesh_ = &mesh;
+  normals_.resize(mesh.faces.rows(), 3);
+  fronts_.resize(mesh.faces.rows(), 3);
+  angles_rad_.resize(mesh.hinges.size());
+  edge_chords_m_.resize(mesh.edges.size());
+  rises_m_.resize(mesh.edges.size());
+  pair_chords_m_.resize(mesh.pairs.size());
+}
+
+void Energy::follow(const Points3& vertices_m, double share) {
+  face_normals(vertices_m, mesh_->faces, normals_);
+  for (std::size_t h = 0; h < angles_rad_.size(); ++h) {
+    const double now_rad = angle_rad(mesh_->hinges[h], normals_, vertices_m);
+    angles_rad_[h] = share == 1.0 ? now_rad : angles_rad_[h] + share * (now_rad - angles_rad_[h]);
+  }
+  for (Eigen::Index f = 0; f < normals_.rows(); ++f) {
+    const double area2 = normals_.row(f).norm();
+    fronts_.row(f) = normals_.row(f) / (area2 > 0.0 ? area2 : 1.0);
+  }
+  for (std::size_t e = 0; e < edge_chords_m_.size(); ++e) {
+    const Arc& edge = mesh_->edges[e];
+    const double per_m = curvature_per_m(*mesh_, edge, angles_rad_);
+    edge_chords_m_[e] = chord_m(edge, per_m);
+    rises_m_[e] = 0.5 * edge.rest_m * std::clamp(per_m * edge.rest_m, -kMostTurn, kMostTurn);
+  }
+  for (std::size_t p = 0; p < pair_chords_m_.size(); ++p) {
+    const Arc& pair = mesh_->pairs[p];
+    pair_chords_m_[p] = chord_m(pair, curvature_per_m(*mesh_, pair, angles_rad_));
+  }
+}
+
+Eigen::Vector3d Energy::surface_point_m(const Points3& vertices_m, std::int32_t face,
+                                        const std::array<double, 3>& weights) const {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  double rise_m = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto corner = static_cast<Eigen::Index>(k);
+    point += weights[k] * vertices_m.row(mesh_->faces(face, corner)).transpose();
+    rise_m +=
+        weights[k] * weights[(k + 1) % 3] * rises_m_[to_index(mesh_->face_arcs(face, corner))];
+  }
+  return point - rise_m * fronts_.row(face).transpose();
+}
+
+template <bool wants_derivatives>
+double Energy::observed(const FrameData& frame, const Trust& trust, const Points3& vertices_m,
+                        const Derivatives& to) const {
+  const Pinhole camera = frame.camera;
+  double energy = 0.0;
+  for (const SeenFace& seen : frame.faces) {
+    worked(static_cast<std::int64_t>(seen.end - seen.first));
+    Eigen::Vector3d corners[3];
+    double rises_m[3];
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      corners[k] = vertices_m.row(mesh_->faces(seen.face, k)).transpose();
+      rises_m[k] = rises_m_[to_index(mesh_->face_arcs(seen.face, k))];
+    }
+    const Eigen::Vector3d front = fronts_.row(seen.face).transpose();
+    FaceSums sums;
+    for (std::size_t i = seen.first; i < seen.end; ++i) {
+      const Observation& o = frame.observations[i];
+      const double* b = o.weights.data();
+      const double rise_m =
+          b[0] * b[1] * rises_m[0] + b[1] * b[2] * rises_m[1] + b[2] * b[0] * rises_m[2];
+      const Eigen::Vector3d p =
+          b[0] * corners[0] + b[1] * corners[1] + b[2] * corners[2] - rise_m * front;
+      if (!(p.z() > 0.0)) return std::numeric_limits<double>::infinity();
+      const double inverse_z = 1.0 / p.z(), px = p.x() * inverse_z, py = p.y() * inverse_z;
+      const double rx = (camera.fx * px + camera.cx - o.seen_px[0]) * o.per_px;
+      const double ry = (camera.fy * py + camera.cy - o.seen_px[1]) * o.per_px;
+      const double weight = trust.weight(rx * rx + ry * ry, energy);
+      if constexpr (wants_derivatives) {
+        sums.add(b, inverse_z, px, py, camera.fx * o.per_px, camera.fy * o.per_px, weight, rx, ry);
+      }
+    }
+    if constexpr (wants_derivatives) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto corner = static_cast<Eigen::Index>(k);
+        const std::int32_t v = mesh_->faces(seen.face, corner);
+        to.matrix->diagonal[to_index(v)] += sums.block(k);
+        const Arc& edge = mesh_->edges[to_index(mesh_->face_arcs(seen.face, corner))];
+        to.matrix->coupling[to_index(edge.coupling)] += sums.block(3 + k);
+        if (to.gradient == nullptr) continue;
+        to.gradient->row(v) += Eigen::Map<const Eigen::RowVector3d>(sums.slopes[k]);
+      }
+    }
+  }
+  return energy;
+}
+
+template <bool wants_derivatives>
+double Energy::stretched(const std::vector<Arc>& arcs, const std::vector<double>& chords_m,
+                         double strain, const Points3& vertices_m, const Derivatives& to) const {
+  double energy = 0.0;
+  for (std::size_t e = 0; e < arcs.size(); ++e) {
+    worked_in_loop(static_cast<std::int64_t>(e), 5);
+    const Arc& arc = arcs[e];
+    const Eigen::Vector3d apart = (vertices_m.row(arc.j) - vertices_m.row(arc.i)).transpose();
+    const double length_m = apart.norm(), per_m = 1.0 / (strain * arc.rest_m);
+    const double residual = (length_m - chords_m[e]) * per_m;
+    energy += residual * residual;
+    if constexpr (wants_derivatives) {
+      if (length_m < kTooClose_m) continue;
+      const Eigen::Vector3d slope = per_m / length_m * apart;
+      to.gradient->row(arc.j) += residual * slope.transpose();
+      to.gradient->row(arc.i) -= residual * slope.transpose();
+      // What is longer than it should be resists being moved aside, too.
+      const Eigen::Vector3d unit = apart / length_m;
+      const double aside = std::max(residual, 0.0) * per_m / length_m;
+      add_square(arc,
+                 slope * slope.transpose() +
+                     aside * (Eigen::Matrix3d::Identity() - unit * unit.transpose()),
+                 *to.matrix);
+    }
+  }
+  return energy;
+}
+
+template <bool wants_derivatives>
+double Energy::bent(const std::vector<double>& expected_rad, double bend_rad,
+                    const Points3& vertices_m, const Derivatives& to) {
+  face_normals(vertices_m, mesh_->faces, normals_);
+  double energy = 0.0;
+  for (std::size_t h = 0; h < mesh_->hinges.size(); ++h) {
+    worked_in_loop(static_cast<std::int64_t>(h), 20);
+    const Hinge& hinge = mesh_->hinges[h];
+    const double per_rad = std::sqrt(hinge.weight / 3.0) / bend_rad;
+    const double residual = (angle_rad(hinge, normals_, vertices_m) - expected_rad[h]) * per_rad;
+    energy += residual * residual;
+    if constexpr (wants_derivatives) {
+      HingeSlopes slopes = angle_slopes(hinge, normals_, vertices_m);
+      for (std::size_t k = 0; k < 4; ++k) {
+        slopes[k] *= per_rad;
+        to.gradient->row(hinge.vertex[k]) += residual * slopes[k].transpose();
+      }
+      add_square(hinge, slopes, *to.matrix);
+    }
+  }
+  return energy;
+}
+
+template <bool wants_derivatives>
+double Energy::held(const FrameData& frame, double known_m, const Points3& vertices_m,
+                    const Derivatives& to) const {
+  const double per_m = 1.0 / known_m;
+  double energy = 0.0;
+  for (const KnownSurfacePoint& known : frame.spheres) {
+    const Eigen::Vector3d apart = known.on(vertices_m) - known.centre_m;
+    const double length_m = apart.norm(), beyond_m = length_m - known.radius_m;
+    if (!(beyond_m > 0.0)) continue;
+    energy += per_m * per_m * beyond_m * beyond_m;
+    if constexpr (wants_derivatives) {
+      const Eigen::Vector3d out = apart / length_m;
+      // Along the sphere a point is free, as far as the sphere is flat; at a radius of 0 it is not.
+      const double across = beyond_m / length_m;
+      const Eigen::Matrix3d block =
+          per_m * per_m *
+          ((1.0 - across) * out * out.transpose() + across * Eigen::Matrix3d::Identity());
+      add_square(*mesh_, known, block, *to.matrix);
+      for (std::size_t k = 0; k < 3; ++k) {
+        to.gradient->row(known.vertices[k]) +=
+            known.weights[k] * per_m * per_m * beyond_m * out.transpose();
+      }
+    }
+  }
+  return energy;
+}
+
+template <bool wants_derivatives>
+double Energy::sum(const FrameData& frame, const Expectation& expected, const Scales& scales,
+                   const Points3& vertices_m, const Derivatives& to) {
+  constexpr bool d = wants_derivatives;
+  double energy = observed<d>(frame, scales.trust, vertices_m, to);
+  energy += stretched<d>(mesh_->edges, edge_chords_m_, scales.strain, vertices_m, to);
+  if (scales.pair_strain > 0.0) {
+    energy += stretched<d>(mesh_->pairs, pair_chords_m_, scales.pair_strain, vertices_m, to);
+  }
+  if (scales.bend_rad > 0.0) {
+    energy += bent<d>(expected.bends_rad, scales.bend_rad, vertices_m, to);
+  }
+  energy += held<d>(frame, scales.known_m, vertices_m, to);
+  if (!(scales.previous_m > 0.0)) return energy;
+  const double per_m2 = 1.0 / (scales.previous_m * scales.previous_m);
+  energy += per_m2 * (vertices_m - expected.previous_m).squaredNorm();
+  if constexpr (wants_derivatives) {
+    *to.gradient += per_m2 * (vertices_m - expected.previous_m);
+    for (Eigen::Matrix3d& block : to.matrix->diagonal) block.diagonal().array() += per_m2;
+  }
+  return energy;
+}
+
+double Energy::value(const FrameData& frame, const Expectation& expected, const Scales& scales,
+                     const Points3& vertices_m) {
+  return sum<false>(frame, expected, scales, vertices_m, {});
+}
+
+double Energy::linearise(const FrameData& frame, const Expectation& expected, const Scales& scales,
+                         const Points3& vertices_m, Points3& gradient, BlockMatrix& matrix) {
+  gradient.setZero();
+  matrix.set_zero();
+  return sum<true>(frame, expected, scales, vertices_m, {&gradient, &matrix});
+}
+
+void Energy::add_observations(const FrameData& frame, const Scales& scales,
+                              const Points3& vertices_m, BlockMatrix& matrix) {
+  observed<true>(frame, scales.trust, vertices_m, {nullptr, &matrix});
+}
+
+}  // namespace weft::gauss_newton

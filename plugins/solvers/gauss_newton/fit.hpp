@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+#include <weft/geometry/types.hpp>
+
+#include "common/image_motion.hpp"
+#include "energy.hpp"
+#include "mesh/mesh_model.hpp"
+
+namespace weft::gauss_newton {
+
+/// How well a shape explains the observations and keeps the lengths.
+struct Fit {
+  double residual_px = 0.0;  ///< [] px, median distance of observations to where the shape has them
+  double residual = 0.0;     ///< [] the same in units of their noise
+  double far_share = 0.0;    ///< [] of the observations, those more than 3 px off
+  double far_around = 0.0;   ///< [] the most of it among four or more around one vertex
+  double strain = 0.0;       ///< [] mean |l / l0 - 1| over the edges
+  double crease = 0.0;       ///< [] 95th percentile of it
+  double back_share = 0.0;   ///< [] of the faces with observations, those that show their back
+};
+
+/// Measures shapes; keeps its memory.
+class FitGauge {
+ public:
+  /// `energy` follows the shape. Points that are not in front of the camera are infinitely far off.
+  Fit measure(const MeshModel& mesh, const FrameData& frame, const Energy& energy,
+              const Points3& vertices_m);
+
+  /// How far a shape is from where the observations are, its faces taken for flat.
+  solvers::ImageMotion motion(const MeshModel& mesh, const FrameData& frame,
+                              const Points3& vertices_m);
+
+  /// Whether the median of the observed points is behind the camera.
+  bool is_behind(const MeshModel& mesh, const FrameData& frame, const Points3& vertices_m);
+
+ private:
+  double far_around(const MeshModel& mesh, const FrameData& frame);
+
+  std::vector<double> first_, second_;
+  std::vector<std::array<int, 2>> seen_around_;  ///< [V] observations in faces of it, those far off
+  Points2 measured_px_, projected_px_;
+};
+
+}  // namespace weft::gauss_newton

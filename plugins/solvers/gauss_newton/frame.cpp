@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "frame.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <weft/core/index.hpp>
+
+#include "common/hidden_bend.hpp"
+#include "common/known_spheres.hpp"
+
+namespace weft::gauss_newton {
+namespace {
+
+constexpr int kFewestMatches = 10;  // with less the object is lost
+
+/// From points of the image on a line no surface follows: all that is seen of one is seen from the
+/// side.
+bool lie_on_a_line(const std::vector<Observation>& observations) {
+  constexpr double kFlattest = 1e-3;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d squares = Eigen::Matrix2d::Zero();
+  for (const Observation& seen : observations)
+    mean += Eigen::Map<const Eigen::Vector2d>(seen.seen_px.data());
+  mean /= static_cast<double>(observations.size());
+  for (const Observation& seen : observations) {
+    const Eigen::Vector2d off = Eigen::Map<const Eigen::Vector2d>(seen.seen_px.data()) - mean;
+    squares += off * off.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> spread(squares, Eigen::EigenvaluesOnly);
+  return !(spread.eigenvalues()[0] > kFlattest * kFlattest * spread.eigenvalues()[1]);
+}
+
+/// Where the matches are wired, too few of them mean that the object is lost.
+Result<void> check_match_count(const SolverInput& in) {
+  if (!in.correspondences) return {};
+  const Array<std::uint8_t>& kept = in.correspondences->kept;
+  const auto count = kept.rows() - std::count(kept.data(), kept.data() + kept.rows(), 0);
+  if (count >= kFewestMatches) return {};
+  return no_result("lost: " + std::to_string(count) + " matches of at least " +
+                   std::to_string(kFewestMatches));
+}
+
+}  // namespace
+
+Result<void> Frame::read(const SolverInput& in, const MeshModel& mesh) {
+  if (auto read = reader_.read(in, mesh, options.seen, data); !read) return read;
+  if (data.observations.size() < to_index(options.min_sightlines)) {
+    return no_result("too few points seen: " + std::to_string(data.observations.size()) +
+                     " of at least " + std::to_string(options.min_sightlines));
+  }
+  if (auto enough = check_match_count(in); !enough) return enough;
+  if (lie_on_a_line(data.observations)) {
+    return no_result("the points seen lie on a line of the image, or in one place");
+  }
+  held.assign(to_index(mesh.vertex_count()), 0);
+  for (const SeenFace& seen : data.faces) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      bool is_held = false;
+      for (std::size_t i = seen.first; i < seen.end && !is_held; ++i) {
+        is_held = data.observations[i].weights[k] != 0.0;
+      }
+      const std::int32_t v = mesh.faces(seen.face, static_cast<Eigen::Index>(k));
+      if (is_held) held[to_index(v)] = 1;
+    }
+  }
+  if (auto found = find_hidden(in, mesh); !found) return found;
+  data.spheres.clear();
+  inconsistent_pairs = 0;
+  if (!in.known_points) return {};
+  auto spheres = known_surface_points(*in.known_points, in.templ, options.known_radius_m);
+  if (!spheres) return spheres.error();
+  data.spheres = *std::move(spheres);
+  inconsistent_pairs = solvers::make_consistent(mesh.at_rest(), data.spheres);
+  for (const KnownSurfacePoint& known : data.spheres) {
+    for (const std::int32_t v : known.vertices) held[to_index(v)] = 1;
+  }
+  return {};
+}
+
+Result<void> Frame::find_hidden(const SolverInput& in, const MeshModel& mesh) {
+  hidden.clear();
+  if (in.visibility && options.continue_hidden_bend) {
+    auto part = solvers::hidden_part(*in.visibility, held, mesh.neighbours);
+    if (!part) return part.error();
+    hidden = *std::move(part);
+    if (!mesh.is_flat) solvers::add_unmeasured(held, hidden);
+  }
+  if (options.continue_uncovered_bend) {
+    solvers::add_uncovered(held, mesh.neighbours, mesh.border, hidden);
+  }
+  return {};
+}
+
+}  // namespace weft::gauss_newton

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+#include <weft/core/index.hpp>
+#include <weft/sdk/solver.hpp>
+
+#include "candidate.hpp"
+#include "common/image_motion.hpp"
+#include "confidence.hpp"
+#include "covariance.hpp"
+#include "fit.hpp"
+#include "frame.hpp"
+#include "frontal_start.hpp"
+#include "search.hpp"
+
+namespace weft::gauss_newton {
+namespace {
+
+// A shape that is further from what was seen is lost.
+constexpr double kLostResidualPx = 6.0;
+// An object that jumped by this share of its size is found anew.
+constexpr double kJump = 0.25;
+
+/// Robust nonlinear least squares on the vertices: matches against lengths along the surface.
+class GaussNewton final : public Solver {
+ public:
+  static constexpr About kAbout{
+      .reference =
+          "Collins, Bartoli, Realtime Shape-from-Template, ISMAR (2015); George, Nested "
+          "dissection of a regular finite element mesh, SIAM Journal on Numerical Analysis 10 "
+          "(1973)",
+      .reads = "correspondences sightlines previous.shape known_points visibility"};
+
+  explicit GaussNewton(Params& p) {
+    search_.scales.trust = {3.0, true};
+    FrameOptions& frame = frame_.options;
+    p.choice("data", frame.seen.data,
+             {{"matches", Data::matches}, {"sightlines", Data::sightlines}, {"both", Data::both}},
+             "what counts as seen; matches: where they are wired, else sightlines");
+    p.read("match_noise_px", frame.seen.match_noise_px, "px", {1e-3, 100.0},
+           "standard deviation of a match along u and v");
+    p.read("sightline_noise_px", frame.seen.sightline_noise_px, "px", {1e-3, 100.0},
+           "of a sightline of weight 1");
+    p.read("outlier", search_.scales.trust.scale, "", {0.1, 1e6},
+           "standard deviations at which something seen has a quarter of its weight");
+    p.read("strain", search_.scales.strain, "", {1e-5, 1.0},
+           "how far an edge may be from its length: standard deviation");
+    p.read("pair_strain", search_.scales.pair_strain, "", {0.0, 1.0},
+           "the same of the opposite vertices of adjacent faces; 0: as far as they will");
+    p.read("bend_rad", search_.scales.bend_rad, "rad", {0.0, 100.0},
+           "how far a square of the mesh may bend from what is expected; 0: as far as it will");
+    p.read("previous_m", search_.scales.previous_m, "m", {0.0, 100.0},
+           "how far a vertex may be from the previous shape; 0: as far as it will");
+    p.read("known_radius_m", frame.known_radius_m, "m", {0.0, 1.0},
+           "radius of known points whose own is negative; 0 holds them exactly");
+    p.read("min_sightlines", frame.min_sightlines, "", {3, 1000000},
+           "with fewer points seen there is no result for the frame");
+    p.read("max_iterations", search_.options.max_iterations, "", {1, 1000000}, "of one start");
+    p.read("tolerance_m", search_.options.tolerance_m, "m", {0.0, 1.0},
+           "rms step at which to stop");
+    p.component("start", start_, "shape from which an object is found without a previous shape");
+    p.read("start_smoothing", start_smoothing_, "squared mean edge lengths", {0.0, 1e6},
+           "how strongly the bends of that shape are smoothed; 0: not at all");
+    p.read(
+        "continue_hidden_bend", frame.continue_hidden_bend,
+        "go on with the bend of the seen part where a visibility says that the surface is hidden");
+    p.read("continue_uncovered_bend", frame.continue_uncovered_bend,
+           "go on with it too where the surface may be seen, but nothing was recognised up to its "
+           "border");
+    p.read("covariance", wants_covariance_, "say how uncertain each vertex is");
+  }
+
+  Result<Shape> solve(const SolverInput& in) override {
+    if (auto ready = prepare_mesh(in.templ); !ready) return ready.error();
+    if (auto read = frame_.read(in, mesh_); !read) return read.error();
+    tried_ = 0;
+    best_ = -1;
+    if (auto run = run_starts(in); !run) return run.error();
+    if (best_ < 0) {
+      return no_result("no start led to a shape that faces the camera as the image does");
+    }
+    return build_shape(in, candidates_[to_index(best_)]);
+  }
+
+ private:
+  Result<void> prepare_mesh(const Template& templ) {
+    if (mesh_revision_ != 0 && templ.revision == mesh_revision_) return {};
+    mesh_revision_ = 0;
+    if (auto built = mesh_.build(templ, start_smoothing_); !built) return built;
+    if (auto ready = search_.prepare(templ, mesh_); !ready) return ready;
+    if (wants_covariance_) covariance_.prepare(mesh_);
+    mesh_revision_ = templ.revision;
+    return {};
+  }
+
+  /// A tracked object continues from the previous shape. Without one, after a loss or a jump, and
+  /// where the result is doubtful, other starts are tried as well.
+  Result<void> run_starts(const SolverInput& in) {
+    const bool has_previous = is_start(in.previous_shape);
+    bool tracked = false;
+    if (has_previous) {
+      start_m_ = in.previous_shape->vertices_m.matrix<3>();
+      tracked = is_tracked(in, gauge_.motion(mesh_, frame_.data, start_m_));
+      run_start(StartKind::previous);
+    }
+    if (tracked && !candidates_.front().doubtful()) return {};
+    if (has_previous && !tracked) {
+      start_m_ = solvers::depth_mirrored(in.previous_shape->vertices_m.matrix<3>());
+      run_start(StartKind::mirrored);
+    }
+    const auto convex = start_.solve(asked_of_start(in));
+    if (!convex) {
+      if (convex.error().code != Errc::no_result || tried_ == 0) return convex.error();
+      return {};
+    }
+    if (convex->vertices_m.rows() != mesh_.vertex_count()) {
+      return Error{Errc::plugin_failure, "the start has another number of vertices"};
+    }
+    start_m_ = mesh_.smoother.smoothed(convex->vertices_m.matrix<3>());
+    run_start(StartKind::convex);
+    if (start_smoothing_ > 0.0 && candidates_[tried_ - 1].doubtful()) {
+      start_m_ = convex->vertices_m.matrix<3>();
+      run_start(StartKind::rough);
+    }
+    if (!candidates_[to_index(std::max(best_, 0))].doubtful()) return {};
+    const std::optional<Points3> frontal = frontal_start(frame_.data, mesh_);
+    if (!frontal) return {};
+    start_m_ = *frontal;
+    run_start(StartKind::rigid);
+    return {};
+  }
+
+  void run_start(StartKind kind) {
+    Candidate& candidate = candidates_[tried_];
+    candidate.start = kind;
+    candidate.vertices_m = start_m_;
+    if (gauge_.is_behind(mesh_, frame_.data, start_m_)) candidate.vertices_m *= -1.0;
+    search_.run(frame_, candidate);
+    candidate.fit = gauge_.measure(mesh_, frame_.data, search_.energy(), candidate.vertices_m);
+    const bool better =
+        candidate.usable() &&
+        (best_ < 0 || candidate.result.energy < candidates_[to_index(best_)].result.energy);
+    if (better) best_ = static_cast<int>(tried_);
+    ++tried_;
+  }
+
+  /// The start is told the radii that this frame's known points have here, and of matches where
+  /// there are no sightlines.
+  SolverInput asked_of_start(const SolverInput& in) const {
+    SolverInput asked = in;
+    if (!asked.sightlines) asked.sightlines = sightlines_of(frame_.data, mesh_.faces);
+    if (!asked.known_points) return asked;
+    Array<double> radius_m({asked.known_points->count()});
+    for (std::size_t p = 0; p < frame_.data.spheres.size(); ++p) {
+      radius_m(static_cast<std::int64_t>(p)) = frame_.data.spheres[p].radius_m;
+    }
+    asked.known_points->radius_m = std::move(radius_m);
+    return asked;
+  }
+
+  bool is_start(const std::optional<Shape>& previous) const {
+    if (!previous || previous->shape_state() == ShapeState::none) return false;
+    const auto vertices_m = previous->vertices_m.matrix<3>();
+    return vertices_m.rows() == mesh_.vertex_count() && vertices_m.allFinite();
+  }
+
+  static bool is_tracked(const SolverInput& in, const solvers::ImageMotion& motion) {
+    const ShapeState state = in.previous_shape->shape_state();
+    if (state != ShapeState::estimated && state != ShapeState::weak) return false;
+    return motion.moved_px <= kJump * motion.diagonal_px;
+  }
+
+  Result<Shape> build_shape(const SolverInput& in, const Candidate& best) {
+    if (best.fit.residual_px >= kLostResidualPx) {
+      return no_result("lost: the median point is " + std::to_string(best.fit.residual_px) +
+                       " px from where it was seen");
+    }
+    const ShapeEvidence evidence =
+        shape_evidence(in.templ, in.camera, best.vertices_m, in.correspondences, in.sightlines);
+    Shape shape;
+    shape.vertices_m = make_array<double>(best.vertices_m);
+    shape.confidence = confidence(best.fit, evidence) * confidence_of_filters(in.correspondences);
+    shape.source = Array<std::uint8_t>({mesh_.vertex_count()});
+    std::copy(frame_.held.begin(), frame_.held.end(), shape.source.data());
+    if (wants_covariance_) add_covariance(best, shape);
+    explain(best, shape.diag);
+    if (frame_.inconsistent_pairs > 0) {
+      return degenerate(std::move(shape),
+                        std::to_string(frame_.inconsistent_pairs) +
+                            " pairs of known points are further apart than the surface allows");
+    }
+    return shape;
+  }
+
+  void add_covariance(const Candidate& best, Shape& shape) {
+    search_.energy().follow(best.vertices_m);
+    const HoldingNoise noise = holding_noise(
+        {best.fit.residual, frame_.data.observations.size(), frame_.held.size(),
+         covariance_.curvature_per_m(best.vertices_m, frame_.held), mesh_.diagonal_m()});
+    shape.covariance_m2 = Array<double>({mesh_.vertex_count(), 3, 3});
+    const bool known =
+        covariance_.compute(frame_.data, search_.scales, frame_.held, best.vertices_m, noise,
+                            search_.energy(), search_.factor(), shape.covariance_m2.data());
+    if (!known) shape.covariance_m2 = {};
+  }
+
+  void explain(const Candidate& best, Diagnostics& diag) const {
+    diag.set("iterations", best.result.iterations);
+    diag.set("approach_iterations", best.approach_iterations);
+    diag.set("stop", static_cast<double>(best.result.stop));
+    diag.set("last_step_m", best.result.last_step_m);
+    diag.set("energy", best.result.energy);
+    diag.set("observations", static_cast<double>(frame_.data.observations.size()));
+    diag.set("residual_px", best.fit.residual_px);
+    diag.set("far_share", best.fit.far_share);
+    diag.set("far_around", best.fit.far_around);
+    diag.set("crease", best.fit.crease);
+    diag.set("strain", best.fit.strain);
+    diag.set("start", static_cast<double>(best.start));
+    diag.set("starts_tried", static_cast<double>(tried_));
+    diag.set("inconsistent_known_points", frame_.inconsistent_pairs);
+  }
+
+  SolverComponent start_{"solvers/brunet_mdh"};
+  double start_smoothing_ = 1.5;
+  bool wants_covariance_ = true;
+
+  MeshModel mesh_;
+  std::uint64_t mesh_revision_ = 0;
+  Frame frame_;
+  ShapeSearch search_;
+  FitGauge gauge_;
+  ShapeCovariance covariance_;
+  Points3 start_m_;
+  std::array<Candidate, 5> candidates_;
+  std::size_t tried_ = 0;
+  int best_ = -1;
+};
+
+}  // namespace
+}  // namespace weft::gauss_newton
+
+using weft::gauss_newton::GaussNewton;
+WEFT_PLUGIN(GaussNewton, "solvers/gauss_newton", "1.0.0",
+            "Shape from matches by robust least squares, keeping lengths along the surface.")

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+
+#include "scene.hpp"
+
+namespace weft::gauss_newton {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::PluginAnswer;
+using testing::PluginUnderTest;
+
+Shape given(const PluginAnswer& out) {
+  EXPECT_TRUE(out.status == WEFT_OK || out.status == WEFT_DEGENERATE) << out.message;
+  const Shape shape = out.get<Shape>().value();
+  EXPECT_TRUE(shape.vertices_m.matrix<3>().allFinite());
+  return shape;
+}
+
+/// Matches of the smooth sheet that a pose bends, and where its vertices are.
+struct Matched {
+  Scene scene;
+  Correspondences matches;
+
+  Matched(const BentPose& bent, testing::MatchSpec spec, std::uint64_t seed)
+      : scene(Scene::bent(bent.radius_m, bent.pose)) {
+    Rng rng(seed);
+    const auto sheet = testing::make_cylinder(reference_sheet(), bent.radius_m, 0.3, bent.pose);
+    matches = testing::draw_matches(scene.templ, scene.camera, sheet, spec, rng).matches;
+  }
+  PluginAnswer run(PluginUnderTest& plugin, const Shape* previous = nullptr,
+                   const KnownPoints* known = nullptr) const {
+    return scene.run(plugin, previous, known, &matches);
+  }
+};
+
+struct Errors {
+  double mean_mm = 0.0, worst_mm = 0.0;
+};
+
+/// Over the 24 reference poses, from the convex start or beside the truth.
+Errors errors_of(const testing::MatchSpec& spec, bool is_near, const std::string& params = "{}") {
+  std::cout << "seeds from " << kSeed << "\n";
+  PluginUnderTest plugin(kId, params);
+  Errors errors;
+  std::uint64_t seed = kSeed;
+  for (const BentPose& bent : reference_poses()) {
+    const Matched matched(bent, spec, seed++);
+    testing::PoseSpec before = bent.pose;
+    before.x_m += 0.01;
+    const Shape previous = shape_of(Scene::bent(1.1 * bent.radius_m, before).truth_m);
+    const Shape shape = given(matched.run(plugin, is_near ? &previous : nullptr));
+    const double error_mm = 1e3 * matched.scene.mean_error_m(shape);
+    errors.mean_mm += error_mm / 24.0;
+    errors.worst_mm = std::max(errors.worst_mm, error_mm);
+  }
+  std::cout << "mean " << errors.mean_mm << " mm, worst " << errors.worst_mm << " mm\n";
+  return errors;
+}
+
+TEST(GaussNewton, ExactMatchesOfABentSheetGiveItsShape) {
+  for (const bool is_near : {true, false}) {
+    const Errors errors = errors_of({300, 1.0, 0.0}, is_near);
+    EXPECT_LT(errors.mean_mm, 0.3);
+    EXPECT_LT(errors.worst_mm, 0.6);
+  }
+}
+
+TEST(GaussNewton, HalfAPixelOfNoiseCostsLessThanAMillimetre) {
+  for (const bool is_near : {true, false}) {
+    const Errors errors = errors_of({300, 1.0, 0.5}, is_near);
+    EXPECT_LT(errors.mean_mm, 0.6);
+    EXPECT_LT(errors.worst_mm, 1.5);
+  }
+}
+
+TEST(GaussNewton, AThirdOfWrongMatchesIsLeftAlone) {
+  const Errors clean = errors_of({300, 1.0, 0.5}, true), wrong = errors_of({400, 0.7, 0.5}, true);
+  EXPECT_LT(wrong.mean_mm, clean.mean_mm + 0.2);
+}
+
+TEST(GaussNewton, ContinuesFromThePreviousShape) {
+  const Matched matched({0.25, {0.6, 0, 0, 0, 0, 0}}, {300, 1.0, 0.0}, kSeed);
+  const Shape previous = shape_of(Scene::bent(0.3, {0.61, 0.005, 0, 0.05, 0, 0}).truth_m);
+  PluginUnderTest plugin(kId);
+  const Shape shape = given(matched.run(plugin, &previous));
+  EXPECT_EQ(shape.diag.value("start", -1.0), 0.0);
+  EXPECT_EQ(shape.diag.value("starts_tried", 0.0), 1.0);
+  EXPECT_EQ(shape.shape_state(), ShapeState::estimated);
+}
+
+TEST(GaussNewton, LeavesAPreviousShapeThatIsFoldedOrBehindTheCamera) {
+  const Matched matched({0.25, {0.6, 0, 0, 0, 0, 0}}, {300, 1.0, 0.0}, kSeed);
+  Points3 folded_m = matched.scene.truth_m;
+  for (Eigen::Index v = 0; v < 60; ++v) {
+    if (v % 10 >= 5) folded_m.row(v) = matched.scene.truth_m.row(v - 2 * (v % 10) + 9);
+  }
+  const Points3 in_a_point = Points3(Eigen::RowVector3d(0.0, 0.0, 0.6).replicate(60, 1));
+  for (const Points3& wrong : {folded_m, Points3(-matched.scene.truth_m), in_a_point}) {
+    const Shape previous = shape_of(wrong);
+    PluginUnderTest plugin(kId);
+    EXPECT_LT(1e3 * matched.scene.mean_error_m(given(matched.run(plugin, &previous))), 1.0);
+  }
+}
+
+TEST(GaussNewton, SolvesFromSightlinesWhereNoMatchesAreWired) {
+  const Scene scene = Scene::bent(0.25);
+  PluginUnderTest plugin(kId);
+  EXPECT_LT(1e3 * scene.mean_error_m(given(scene.run(plugin))), 1.0);
+}
+
+TEST(GaussNewton, KnownPointsAreHeldWithinTheirRadius) {
+  const Matched matched({0.25, {0.6, 0, 0, 0, 0, 0}}, {300, 1.0, 0.0}, kSeed);
+  Points3 centres_m(2, 3);
+  centres_m << matched.scene.truth_m.row(0), matched.scene.truth_m.row(9);
+  centres_m.col(1).array() += 0.006;
+  PluginUnderTest plugin(kId);
+  for (const double radius_m : {0.0, 0.004}) {
+    const KnownPoints known = known_points({0, 9}, centres_m, radius_m);
+    const Shape shape = given(matched.run(plugin, nullptr, &known));
+    for (Eigen::Index p = 0; p < 2; ++p) {
+      const Eigen::RowVector3d vertex_m = shape.vertices_m.matrix<3>().row(p == 0 ? 0 : 9);
+      EXPECT_LE((vertex_m - centres_m.row(p)).norm(), radius_m + 1e-9);
+    }
+  }
+}
+
+TEST(GaussNewton, GivesTheSameBytesFreshAndWarm) {
+  const Matched first({0.12, {0.6, 0, 0, 0.3, 0, 0}}, {300, 0.8, 0.5}, kSeed);
+  const Matched second({-0.25, {0.6, 0, 0, 0, 0.3, 0}}, {100, 0.8, 0.5}, kSeed + 1);
+  PluginUnderTest warm(kId), fresh(kId);
+  given(first.run(warm));
+  EXPECT_EQ(given(second.run(warm)).vertices_m.matrix<3>(),
+            given(second.run(fresh)).vertices_m.matrix<3>());
+}
+
+TEST(GaussNewtonDegenerate, TooFewMatchesAreNoResultWithTheNumbers) {
+  PluginUnderTest plugin(kId);
+  for (const int count : {0, 3, 9}) {
+    const Matched few({0.25, {0.6, 0, 0, 0, 0, 0}}, {count, 1.0, 0.0}, kSeed);
+    const PluginAnswer out = few.run(plugin);
+    EXPECT_EQ(out.status, WEFT_NO_RESULT);
+    EXPECT_THAT(out.message, HasSubstr(std::to_string(count)));
+  }
+}
+
+TEST(GaussNewtonDegenerate, MatchesOnALineOrInOnePlaceAreNoResult) {
+  for (const bool in_one_place : {true, false}) {
+    Matched matched({0.25, {0.6, 0, 0, 0, 0, 0}}, {60, 1.0, 0.0}, kSeed);
+    for (std::int64_t i = 0; i < matched.matches.count(); ++i) {
+      matched.matches.image_px(i, 1) = 240.0;
+      if (in_one_place) matched.matches.image_px(i, 0) = 320.0;
+    }
+    PluginUnderTest plugin(kId);
+    const PluginAnswer out = matched.run(plugin);
+    EXPECT_EQ(out.status, WEFT_NO_RESULT);
+    EXPECT_THAT(out.message, HasSubstr("on a line"));
+  }
+}
+
+TEST(GaussNewtonDegenerate, MatchesThatContradictEachOtherAreNoShapeToBeTrusted) {
+  const Matched matched({0.25, {0.6, 0, 0, 0, 0, 0}}, {300, 0.02, 0.0}, kSeed);
+  PluginUnderTest plugin(kId);
+  const PluginAnswer out = matched.run(plugin);
+  if (out.status == WEFT_NO_RESULT) return;
+  EXPECT_NE(given(out).shape_state(), ShapeState::estimated);
+}
+
+TEST(GaussNewtonDegenerate, NumbersThatAreNotFiniteAreNamed) {
+  Matched matched({0.25, {0.6, 0, 0, 0, 0, 0}}, {60, 1.0, 0.0}, kSeed);
+  matched.matches.image_px(7, 0) = std::nan("");
+  PluginUnderTest plugin(kId);
+  const PluginAnswer out = matched.run(plugin);
+  EXPECT_EQ(out.status, WEFT_ERROR);
+  EXPECT_THAT(out.message, HasSubstr("7"));
+}
+
+TEST(GaussNewtonDegenerate, KnownPointsFurtherApartThanTheSurfaceAllowsAreRelaxed) {
+  const Matched matched({0.25, {0.6, 0, 0, 0, 0, 0}}, {300, 1.0, 0.0}, kSeed);
+  Points3 apart_m(2, 3);
+  apart_m << matched.scene.truth_m.row(0), matched.scene.truth_m.row(9);
+  apart_m(0, 0) -= 0.05;
+  apart_m(1, 0) += 0.05;
+  const KnownPoints known = known_points({0, 9}, apart_m, 0.0);
+  PluginUnderTest plugin(kId);
+  const PluginAnswer out = matched.run(plugin, nullptr, &known);
+  EXPECT_EQ(out.status, WEFT_DEGENERATE);
+  EXPECT_THAT(out.message, HasSubstr("further apart than the surface allows"));
+}
+
+}  // namespace
+}  // namespace weft::gauss_newton
