@@ -51,8 +51,10 @@ try {
     if (!/^(file|data|blob):/.test(request.url())) complaints.push(`asks for ${request.url()}`);
   });
   await page.setViewport({ width: 1200, height: 900 });
+  // Other tests may have the processor.
+  page.setDefaultTimeout(180000);
   await page.goto(pathToFileURL(file).href);
-  await page.waitForSelector("html[data-ready=true]", { timeout: 15000 });
+  await page.waitForSelector("html[data-ready=true]", { timeout: 180000 });
 
   // Curves: a line for each of the eight combinations with an error.
   assert.equal(await marks(page, "figure-distribution", "line"), 8);
