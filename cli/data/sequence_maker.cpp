@@ -98,10 +98,9 @@ void make_sequence(const std::string& pipeline_text, const std::string& folder,
   }
   const std::atomic<bool>& interrupted = watch_for_interruption();
   SequenceProgress progress(quiet);
-  const auto summary = [&] {
-    const SuddenEndWatch watch;
-    return run_pipeline(pipeline, "", progress, interrupted);
-  }();
+  const SuddenEndWatch watch;
+  const auto summary = run_pipeline(pipeline, "", progress, interrupted);
+  now_running("the summary");
   progress.end_line();
   if (!summary) {
     print_error(summary.error());

@@ -110,10 +110,8 @@ Result<Summary> replay(const ReplayOptions& options, const Context& context) {
 
 void run(const ReplayOptions& options, Context& context) {
   now_running("the dumped calls of " + options.stage);
-  const auto summary = [&] {
-    const SuddenEndWatch watch;
-    return replay(options, context);
-  }();
+  const SuddenEndWatch watch;
+  const auto summary = replay(options, context);
   if (!summary) {
     print_error(summary.error());
     context.exit_code = exit_code_of(summary.error());

@@ -135,10 +135,9 @@ void run(const std::string& file, std::string folder, const std::vector<std::str
     return;
   }
   Progress progress(quiet);
-  const auto summary = [&] {
-    const SuddenEndWatch watch;
-    return run_pipeline(pipeline, folder, progress, interrupted, dumped);
-  }();
+  const SuddenEndWatch watch;
+  const auto summary = run_pipeline(pipeline, folder, progress, interrupted, dumped);
+  now_running("the summary");
   if (!summary) {
     print_error(summary.error());
     const bool io = summary.error().code == Errc::io;
