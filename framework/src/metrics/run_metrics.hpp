@@ -40,7 +40,6 @@ struct RunMetrics {
           self.alignment);
     visit({"has_solver", "without one there are no shapes"}, self.has_solver);
     visit({"interrupted", "the run was killed while it wrote a frame's line"}, self.interrupted);
-    visit({"source_frames", "frames of the source; -1 where nobody knows"}, self.source_frames);
     visit({"dropped", "frames of the source that a run of `realtime: latest` left out"},
           self.dropped);
     visit({"truth_users", "components that may have read the truth"}, self.truth_users);
