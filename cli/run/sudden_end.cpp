@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/run/sudden_end.hpp"
 
+#include <dlfcn.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -98,16 +99,14 @@ void on_exit_of_component() {
   if (!is_watching) return;
   say_what_ran();
   say(": called exit(); frames in the run folder stay. Try isolate: process at its stage: this "
-      "then "
-      "costs one frame\n");
+      "then costs one frame\n");
   _exit(kComponentExited);
 }
 
 }  // namespace
 
 SuddenEndWatch::SuddenEndWatch() {
-  static const bool is_registered =
-      std::atexit(on_exit_of_component) == 0 && std::at_quick_exit(on_exit_of_component) == 0;
+  static const bool is_registered = std::at_quick_exit(on_exit_of_component) == 0;
   is_watching = is_registered;
   struct sigaction action {};
   action.sa_sigaction = on_deadly;
@@ -134,3 +133,14 @@ void now_running_here(const std::string& what) {
 }
 
 }  // namespace weft::cli
+
+/// Stands before the C library's for all that the process loads: that one destroys what other
+/// threads still use, and what they do then would be told in place of the call. The return from
+/// main() does not pass here.
+extern "C" [[noreturn]] void exit(int code) noexcept {
+  weft::cli::on_exit_of_component();
+  using Exit = void (*)(int);
+  const auto next = reinterpret_cast<Exit>(dlsym(RTLD_NEXT, "exit"));
+  if (next != nullptr) next(code);
+  _exit(code);
+}

@@ -43,6 +43,11 @@ void write_where_nothing_is() {
   *static_cast<volatile int*>(nothing) = 1;
 }
 
+/// Is in use until the process ends, and faults where it is destroyed before.
+struct InUse {
+  ~InUse() { write_where_nothing_is(); }
+};
+
 /// Calls itself until the stack is full: only the caller knows that `more` never changes.
 int fill_the_stack(const volatile bool& more) {
   volatile char room[4096];
@@ -124,7 +129,10 @@ class Deadly final : public weft::Filter {
       std::printf("%d", fill_the_stack(more));
     }
     if (deed_ == Deed::terminate) std::thread([] { throw 1; }).join();
-    if (deed_ == Deed::quit) std::exit(0);
+    if (deed_ == Deed::quit) {
+      static const InUse by_other_threads;
+      std::exit(0);
+    }
     while (deed_ == Deed::hang) std::this_thread::sleep_for(std::chrono::hours(1));
   }
 
