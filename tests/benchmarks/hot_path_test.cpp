@@ -41,6 +41,21 @@ TEST(HotPath, SolversAllocateNothingInTheirLoop) {
   EXPECT_EQ(made("{max_iterations: 5, solver_iterations: 50, tolerance_m: 0}"), few);
 }
 
+TEST(HotPath, GaussNewtonAllocatesForItsAnswerAlone) {
+  const SheetScene scene;
+  const auto made = [&](const std::string& params, int matches) {
+    Component solver("solvers/gauss_newton", params, scene.templ, scene.camera);
+    return allocations_of(solver, {{"template", record_of(scene.templ)},
+                                   {"camera", record_of(scene.camera)},
+                                   {"correspondences", record_of(scene.matches(matches, 1.0))},
+                                   {"previous.shape", record_of(scene.previous)}});
+  };
+  // A tolerance of 0 is never met, so that all iterations are run.
+  const std::uint64_t few = made("{max_iterations: 5, tolerance_m: 0}", 300);
+  EXPECT_EQ(made("{max_iterations: 100, tolerance_m: 0}", 300), few);
+  EXPECT_EQ(made("{max_iterations: 5, tolerance_m: 0}", 3000), few);
+}
+
 TEST(HotPath, FastSiftAllocatesForItsAnswerAlone) {
   const SheetScene scene;
   const auto made = [&](const std::string& params) {

@@ -28,22 +28,25 @@ double chord_m(const Arc& arc, double per_m) {
 
 /// Sums over the observations of a face.
 struct FaceSums {
-  /// Of J^T J: xx, yy, xz, yz and zz for the products of weights 00, 11, 22, 01, 12, 20.
-  double squares[6][5] = {};
+  /// Of J^T J: xx, xy, yy, xz, yz and zz for the products of weights 00, 11, 22, 01, 12, 20.
+  double squares[6][6] = {};
   double slopes[3][3] = {};  ///< of J^T r for each weight
 
-  void add(const double* b, double inverse_z, double px, double py, double jx, double jy,
+  /// The point is seen at (px, py) where f = 1; `j` is d(whitened residual)/d(px, py), lower.
+  void add(const double* b, double inverse_z, double px, double py, const Whitening& j,
            double weight, double rx, double ry) {
-    jx *= inverse_z;
-    jy *= inverse_z;
-    const double xx = weight * jx * jx, yy = weight * jy * jy;
-    const double block[5] = {xx, yy, -xx * px, -yy * py, xx * px * px + yy * py * py};
+    const double ax = j.xx * inverse_z, bx = j.yx * inverse_z, by = j.yy * inverse_z;
+    const double az = -ax * px, bz = -(bx * px + by * py);
+    const double block[6] = {
+        weight * (ax * ax + bx * bx), weight * bx * by, weight * by * by,
+        weight * (ax * az + bx * bz), weight * by * bz, weight * (az * az + bz * bz)};
     const double products[6] = {b[0] * b[0], b[1] * b[1], b[2] * b[2],
                                 b[0] * b[1], b[1] * b[2], b[2] * b[0]};
     for (std::size_t k = 0; k < 6; ++k) {
-      for (std::size_t j = 0; j < 5; ++j) squares[k][j] += products[k] * block[j];
+      for (std::size_t i = 0; i < 6; ++i) squares[k][i] += products[k] * block[i];
     }
-    const double gx = weight * jx * rx, gy = weight * jy * ry, gz = -(gx * px + gy * py);
+    const double gx = weight * (ax * rx + bx * ry), gy = weight * by * ry;
+    const double gz = -(gx * px + gy * py);
     for (std::size_t k = 0; k < 3; ++k) {
       slopes[k][0] += b[k] * gx;
       slopes[k][1] += b[k] * gy;
@@ -54,7 +57,7 @@ struct FaceSums {
   Eigen::Matrix3d block(std::size_t k) const {
     const double* s = squares[k];
     Eigen::Matrix3d result;
-    result << s[0], 0.0, s[2], 0.0, s[1], s[3], s[2], s[3], s[4];
+    result << s[0], s[1], s[3], s[1], s[2], s[4], s[3], s[4], s[5];
     return result;
   }
 };
@@ -130,11 +133,14 @@ double Energy::observed(const FrameData& frame, const Trust& trust, const Points
           b[0] * corners[0] + b[1] * corners[1] + b[2] * corners[2] - rise_m * front;
       if (!(p.z() > 0.0)) return std::numeric_limits<double>::infinity();
       const double inverse_z = 1.0 / p.z(), px = p.x() * inverse_z, py = p.y() * inverse_z;
-      const double rx = (camera.fx * px + camera.cx - o.seen_px[0]) * o.per_px;
-      const double ry = (camera.fy * py + camera.cy - o.seen_px[1]) * o.per_px;
+      const double off_x = camera.fx * px + camera.cx - o.seen_px[0];
+      const double off_y = camera.fy * py + camera.cy - o.seen_px[1];
+      const double rx = o.white.xx * off_x, ry = o.white.yx * off_x + o.white.yy * off_y;
       const double weight = trust.weight(rx * rx + ry * ry, energy);
       if constexpr (wants_derivatives) {
-        sums.add(b, inverse_z, px, py, camera.fx * o.per_px, camera.fy * o.per_px, weight, rx, ry);
+        const Whitening slopes{camera.fx * o.white.xx, camera.fx * o.white.yx,
+                               camera.fy * o.white.yy};
+        sums.add(b, inverse_z, px, py, slopes, weight, rx, ry);
       }
     }
     if constexpr (wants_derivatives) {

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/known_surface.hpp>
@@ -15,11 +17,30 @@
 
 namespace weft::gauss_newton {
 
+/// W of a covariance (W^T W)^-1: where e has that covariance, W e has the standard deviation 1 in
+/// each direction.
+struct Whitening {
+  double xx = 0.0, yx = 0.0, yy = 0.0;  ///< 1/px, of the lower triangle
+
+  /// Of the same standard deviation along u and v.
+  static Whitening of_deviation(double deviation_px) {
+    return {1.0 / deviation_px, 0.0, 1.0 / deviation_px};
+  }
+  /// Of a covariance [[uu, uv], [uv, vv]], px^2; nothing where that is not positive definite.
+  static std::optional<Whitening> of_covariance(double uu, double uv, double vv) {
+    const double u = std::sqrt(uu), along = uv / u, v = std::sqrt(vv - along * along);
+    const Whitening white{1.0 / u, -along / (u * v), 1.0 / v};
+    const double least = std::min(white.xx, white.yy);
+    if (!(least > 0.0) || !std::isfinite(white.xx + white.yx + white.yy)) return std::nullopt;
+    return white;
+  }
+};
+
 /// A point in a face and where it was seen.
 struct Observation {
   std::array<double, 3> weights{};  ///< [3] in the face, sum 1
   std::array<double, 2> seen_px{};  ///< [2] px
-  double per_px = 0.0;              ///< [] 1/px, the reciprocal of its standard deviation
+  Whitening white;                  ///< of where it was seen
 };
 
 /// The observations of one face, which stand one after the other.
@@ -79,7 +100,7 @@ struct Expectation {
 };
 
 /// The sum of squares that a shape X minimises,
-///   sum_i rho(|pi(p_i(X)) - u_i| / sigma_i)                         observations, rho of Trust
+///   sum_i rho(|W_i (pi(p_i(X)) - u_i)|)                             observations, rho of Trust
 ///   + sum_edges ((|d| - c) / (strain l0))^2                         lengths of edges
 ///   + sum_pairs ((|d| - c) / (pair_strain l0))^2                    and of opposite vertices
 ///   + sum_hinges w ((angle - expected) / bend_rad)^2 / 3            bends

@@ -25,6 +25,10 @@ Eigen::Vector3d flat_point_m(const MeshModel& mesh, std::int32_t face, const Obs
   return point;
 }
 
+double finite_or_far(double distance) {
+  return std::isnan(distance) ? std::numeric_limits<double>::infinity() : distance;
+}
+
 template <class Visit>
 void each_observation(const FrameData& frame, const Visit& visit) {
   for (const SeenFace& seen : frame.faces) {
@@ -44,10 +48,12 @@ Fit FitGauge::measure(const MeshModel& mesh, const FrameData& frame, const Energ
     const Eigen::Vector2d seen_px(seen.seen_px[0], seen.seen_px[1]);
     const Eigen::Vector2d shown_px =
         project(frame.camera, energy.surface_point_m(vertices_m, face, seen.weights));
-    const double off_px = (shown_px - seen_px).norm();
-    first_.push_back(std::isnan(off_px) ? std::numeric_limits<double>::infinity() : off_px);
-    second_.push_back(first_.back() * seen.per_px);
-    if (!(off_px <= kFarPx)) far += 1.0;
+    const Eigen::Vector2d off_px = shown_px - seen_px;
+    const double whitened = std::hypot(seen.white.xx * off_px.x(),
+                                       seen.white.yx * off_px.x() + seen.white.yy * off_px.y());
+    first_.push_back(finite_or_far(off_px.norm()));
+    second_.push_back(finite_or_far(whitened));
+    if (!(first_.back() <= kFarPx)) far += 1.0;
   });
   fit.far_share = far / static_cast<double>(first_.size());
   fit.far_around = far_around(mesh, frame);

@@ -43,7 +43,9 @@ class GaussNewton final : public Solver {
              {{"matches", Data::matches}, {"sightlines", Data::sightlines}, {"both", Data::both}},
              "what counts as seen; matches: where they are wired, else sightlines");
     p.read("match_noise_px", frame.seen.match_noise_px, "px", {1e-3, 100.0},
-           "standard deviation of a match along u and v");
+           "standard deviation, along u and v, of a match without a covariance");
+    p.read("covariance_noise_px", frame.seen.covariance_noise_px, "px", {0.0, 100.0},
+           "standard deviation that is added to the covariance of a match that has one");
     p.read("sightline_noise_px", frame.seen.sightline_noise_px, "px", {1e-3, 100.0},
            "of a sightline of weight 1");
     p.read("outlier", search_.scales.trust.scale, "", {0.1, 1e6},
@@ -246,5 +248,5 @@ class GaussNewton final : public Solver {
 }  // namespace weft::gauss_newton
 
 using weft::gauss_newton::GaussNewton;
-WEFT_PLUGIN(GaussNewton, "solvers/gauss_newton", "1.0.0",
+WEFT_PLUGIN(GaussNewton, "solvers/gauss_newton", "1.1.0",
             "Shape from matches by robust least squares, keeping lengths along the surface.")

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
@@ -13,6 +14,14 @@ namespace {
 
 Error mistake(const std::string& what, std::int64_t i, const std::string& problem) {
   return {Errc::invalid_data, what + " " + std::to_string(i) + " " + problem};
+}
+
+/// Of a covariance [2,2] px^2 to which noise along u and v is added.
+std::optional<Whitening> whitening(const double* covariance_px2, double noise2_px2) {
+  const double uv = 0.5 * (covariance_px2[1] + covariance_px2[2]);
+  if (!(covariance_px2[0] >= 0.0 && covariance_px2[3] >= 0.0)) return std::nullopt;
+  return Whitening::of_covariance(covariance_px2[0] + noise2_px2, uv,
+                                  covariance_px2[3] + noise2_px2);
 }
 
 /// [F] 1 for faces of which no corner is seen. A corner outside the image says nothing.
@@ -52,7 +61,7 @@ Result<void> ObservationReader::read(const SolverInput& in, const MeshModel& mes
   const bool takes_matches = in.correspondences && options.data != Data::sightlines;
   const bool takes_lines = in.sightlines && (options.data != Data::matches || !takes_matches);
   if (takes_matches) {
-    auto added = add_matches(*in.correspondences, mesh, options.match_noise_px);
+    auto added = add_matches(*in.correspondences, mesh, options);
     if (!added) return added;
   }
   if (takes_lines) {
@@ -64,7 +73,9 @@ Result<void> ObservationReader::read(const SolverInput& in, const MeshModel& mes
 }
 
 Result<void> ObservationReader::add_matches(const Correspondences& matches, const MeshModel& mesh,
-                                            double noise_px) {
+                                            const ObservationOptions& options) {
+  const Whitening alike = Whitening::of_deviation(options.match_noise_px);
+  const double noise2 = options.covariance_noise_px * options.covariance_noise_px;
   for (std::int64_t i = 0; i < matches.count(); ++i) {
     worked_in_loop(i, 3);
     const std::int32_t face = matches.face(i);
@@ -78,7 +89,12 @@ Result<void> ObservationReader::add_matches(const Correspondences& matches, cons
     const double* weights = matches.barycentrics.row(i);
     std::copy_n(weights, 3, seen.weights.begin());
     seen.seen_px = {matches.image_px(i, 0), matches.image_px(i, 1)};
-    seen.per_px = 1.0 / noise_px;
+    seen.white = alike;
+    if (matches.covariance_px2.present()) {
+      const auto white = whitening(matches.covariance_px2.row(i), noise2);
+      if (!white) return mistake("match", i, "has no positive definite covariance: leave it out");
+      seen.white = *white;
+    }
     const double sum = weights[0] + weights[1] + weights[2] + seen.seen_px[0] + seen.seen_px[1];
     if (!std::isfinite(sum)) return mistake("match", i, "is not finite: leave it out");
     add(face, seen);
@@ -103,7 +119,7 @@ Result<void> ObservationReader::add_sightlines(const Sightlines& lines, const Me
       seen.weights[k] = vertex >= 0 ? at_vertex : lines.barycentrics(i, corner);
     }
     seen.seen_px = {lines.pixel_px(i, 0), lines.pixel_px(i, 1)};
-    seen.per_px = std::sqrt(lines.weight(i)) / noise_px;
+    seen.white = Whitening::of_deviation(noise_px / std::sqrt(lines.weight(i)));
     if (!std::isfinite(seen.seen_px[0] + seen.seen_px[1])) {
       return mistake("sightline", i, "has no finite pixel");
     }

@@ -16,16 +16,18 @@ namespace weft::gauss_newton {
 enum class Data { matches, sightlines, both };
 
 struct ObservationOptions {
-  Data data = Data::matches;        ///< [] matches: where they are wired, else sightlines
-  double match_noise_px = 1.0;      ///< [] px
-  double sightline_noise_px = 1.0;  ///< [] px, of a weight of 1
+  Data data = Data::matches;          ///< [] matches: where they are wired, else sightlines
+  double match_noise_px = 1.0;        ///< [] px, of a match without a covariance
+  double covariance_noise_px = 0.25;  ///< [] px, beside the covariance of a match that has one
+  double sightline_noise_px = 1.0;    ///< [] px, of a weight of 1
 };
 
 /// Reads matches and sightlines and sorts them by face. Those in faces that a visibility says are
 /// hidden altogether are left out.
 class ObservationReader {
  public:
-  /// Fails on indices that the mesh lacks and on numbers that are not finite. Allocates only for
+  /// Fails on indices that the mesh lacks, on numbers that are not finite and on covariances that
+  /// are none. Allocates only for
   /// more observations than before.
   Result<void> read(const SolverInput& in, const MeshModel& mesh, const ObservationOptions& options,
                     FrameData& frame);
@@ -36,7 +38,8 @@ class ObservationReader {
     Observation seen;
   };
 
-  Result<void> add_matches(const Correspondences& matches, const MeshModel& mesh, double noise_px);
+  Result<void> add_matches(const Correspondences& matches, const MeshModel& mesh,
+                           const ObservationOptions& options);
   Result<void> add_sightlines(const Sightlines& lines, const MeshModel& mesh, double noise_px);
   void add(std::int32_t face, const Observation& seen) {
     if (hidden_.empty() || hidden_[static_cast<std::size_t>(face)] == 0)

@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <iostream>
+#include <limits>
+#include <weft/core/index.hpp>
 
 #include "scene.hpp"
 
@@ -42,7 +45,7 @@ struct Bent {
         }
         const Eigen::Vector2d pixel = project(frame.camera, point);
         seen.seen_px = {pixel.x() + 3.0 * rng.normal(), pixel.y() + 3.0 * rng.normal()};
-        seen.per_px = 0.5 + rng.uniform();
+        seen.white = {0.5 + rng.uniform(), rng.uniform() - 0.5, 0.5 + rng.uniform()};
         frame.observations.push_back(seen);
       }
       frame.faces.push_back({static_cast<std::int32_t>(f), first, frame.observations.size()});
@@ -89,6 +92,67 @@ TEST(Energy, ItsGradientIsThatOfFiniteDifferences) {
       EXPECT_NEAR(gradient.data()[k], half, 1e-4 * gradient.cwiseAbs().maxCoeff()) << k;
     }
   }
+}
+
+TEST(Energy, TheMatrixOfObservationsIsItsSecondDerivativeWhereTheyAreMet) {
+  Bent bent;
+  bent.frame.spheres.clear();
+  for (const SeenFace& seen : bent.frame.faces) {
+    Observation& met = bent.frame.observations[seen.first];
+    const Eigen::Vector2d pixel = project(
+        bent.frame.camera, bent.energy.surface_point_m(bent.vertices_m, seen.face, met.weights));
+    for (std::size_t i = seen.first; i < seen.end; ++i) {
+      bent.frame.observations[i].weights = met.weights;
+      bent.frame.observations[i].seen_px = {pixel.x(), pixel.y()};
+    }
+  }
+  Scales scales;
+  scales.trust = {1e6, true};
+  scales.strain = 1e6;
+  scales.pair_strain = scales.bend_rad = 0.0;
+  BlockMatrix matrix;
+  matrix.diagonal.assign(60, Eigen::Matrix3d::Zero());
+  matrix.coupling.assign(bent.mesh.couplings.size(), Eigen::Matrix3d::Zero());
+  bent.energy.add_observations(bent.frame, scales, bent.vertices_m, matrix);
+  Rng rng(kShapeSeed + 1);
+  for (int trial = 0; trial < 5; ++trial) {
+    Points3 along(60, 3);
+    for (Eigen::Index k = 0; k < along.size(); ++k) along.data()[k] = rng.normal();
+    double expected = 0.0;
+    for (Eigen::Index v = 0; v < 60; ++v) {
+      expected += along.row(v) * matrix.diagonal[to_index(v)] * along.row(v).transpose();
+    }
+    for (std::size_t c = 0; c < matrix.coupling.size(); ++c) {
+      const auto [i, j] = bent.mesh.couplings[c];
+      expected += 2.0 * along.row(i) * matrix.coupling[c] * along.row(j).transpose();
+    }
+    constexpr double kStep_m = 1e-5;
+    const auto there = [&](double step_m) {
+      return bent.energy.value(bent.frame, bent.expected, scales, bent.vertices_m + step_m * along);
+    };
+    const double found = 0.5 * (there(kStep_m) + there(-kStep_m)) / (kStep_m * kStep_m);
+    EXPECT_NEAR(found, expected, 1e-4 * expected);
+  }
+}
+
+TEST(Whitening, GivesEachDirectionOfItsCovarianceTheDeviationOne) {
+  const auto white = Whitening::of_covariance(4.0, 1.2, 0.5);
+  ASSERT_TRUE(white);
+  Eigen::Matrix2d covariance, factor;
+  covariance << 4.0, 1.2, 1.2, 0.5;
+  factor << white->xx, 0.0, white->yx, white->yy;
+  EXPECT_LT((factor * covariance * factor.transpose() - Eigen::Matrix2d::Identity()).norm(), 1e-12);
+}
+
+TEST(Whitening, IsNotThereForWhatIsNotPositiveDefinite) {
+  const double nan = std::nan(""), infinite = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(Whitening::of_covariance(0.0, 0.0, 1.0));
+  EXPECT_FALSE(Whitening::of_covariance(1.0, 1.0, 1.0));
+  EXPECT_FALSE(Whitening::of_covariance(1.0, 2.0, 1.0));
+  EXPECT_FALSE(Whitening::of_covariance(-1.0, 0.0, 1.0));
+  EXPECT_FALSE(Whitening::of_covariance(nan, 0.0, 1.0));
+  EXPECT_FALSE(Whitening::of_covariance(1.0, nan, 1.0));
+  EXPECT_FALSE(Whitening::of_covariance(infinite, 0.0, 1.0));
 }
 
 TEST(Energy, IsInfiniteBehindTheCamera) {

@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iostream>
+#include <limits>
+#include <vector>
+#include <weft/data/visibility.hpp>
 
 #include "scene.hpp"
 
@@ -82,6 +86,90 @@ TEST(GaussNewton, HalfAPixelOfNoiseCostsLessThanAMillimetre) {
 TEST(GaussNewton, AThirdOfWrongMatchesIsLeftAlone) {
   const Errors clean = errors_of({300, 1.0, 0.5}, true), wrong = errors_of({400, 0.7, 0.5}, true);
   EXPECT_LT(wrong.mean_mm, clean.mean_mm + 0.2);
+}
+
+/// Each match is off by 4 px along a direction of its own and by 0.1 px across it, and says so.
+void blur(Correspondences& matches, std::uint64_t seed) {
+  std::cout << "seed of the blur " << seed << "\n";
+  Rng rng(seed);
+  matches.covariance_px2 = Array<double>({matches.count(), 2, 2});
+  for (std::int64_t i = 0; i < matches.count(); ++i) {
+    const double turn_rad = std::acos(-1.0) * rng.uniform();
+    const Eigen::Vector2d along(std::cos(turn_rad), std::sin(turn_rad)),
+        across = {-along.y(), along.x()};
+    const Eigen::Matrix2d covariance =
+        16.0 * along * along.transpose() + 0.01 * across * across.transpose();
+    for (int k = 0; k < 4; ++k) matches.covariance_px2.row(i)[k] = covariance(k / 2, k % 2);
+    const Eigen::Vector2d off = 4.0 * rng.normal() * along + 0.1 * rng.normal() * across;
+    matches.image_px.matrix<2>().row(i) += off.transpose();
+  }
+}
+
+TEST(GaussNewton, TrustsAMatchAlongEachDirectionAsItsCovarianceSays) {
+  Matched matched({0.25, {0.6, 0, 0, 0.3, 0, 0}}, {300, 1.0, 0.0}, kSeed);
+  const Shape previous = shape_of(Scene::bent(0.28, {0.61, 0.005, 0, 0.3, 0, 0}).truth_m);
+  blur(matched.matches, kSeed + 1);
+  PluginUnderTest plugin(kId);
+  const double told_m = matched.scene.mean_error_m(given(matched.run(plugin, &previous)));
+  matched.matches.covariance_px2 = {};
+  const double untold_m = matched.scene.mean_error_m(given(matched.run(plugin, &previous)));
+  EXPECT_LT(1e3 * told_m, 0.5);
+  EXPECT_LT(told_m, 0.5 * untold_m);
+}
+
+TEST(GaussNewton, TheSameCovarianceForAllIsTheSameNoiseForAll) {
+  Matched matched({0.25, {0.6, 0, 0, 0.3, 0, 0}}, {300, 0.8, 0.5}, kSeed);
+  PluginUnderTest by_noise(kId, "{match_noise_px: 0.7}"),
+      by_covariance(kId, "{covariance_noise_px: 0}");
+  const Shape expected = given(matched.run(by_noise));
+  matched.matches.covariance_px2 = Array<double>({matched.matches.count(), 2, 2});
+  for (std::int64_t i = 0; i < matched.matches.count(); ++i) {
+    double* covariance = matched.matches.covariance_px2.row(i);
+    covariance[0] = covariance[3] = 0.7 * 0.7;
+    covariance[1] = covariance[2] = 0.0;
+  }
+  const Shape found = given(matched.run(by_covariance));
+  const Points3 apart_m = found.vertices_m.matrix<3>() - expected.vertices_m.matrix<3>();
+  EXPECT_LT(apart_m.cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST(GaussNewton, GoesOnWithTheBendOfTheSeenPartWhereTheSheetIsHidden) {
+  Matched matched({0.12, {0.6, 0, 0, 0, 0, 0}}, {600, 1.0, 0.0}, kSeed);
+  Visibility sight;
+  sight.visible = Array<std::uint8_t>({60});
+  sight.reason = Array<std::uint8_t>({60});
+  sight.score = Array<double>({60});
+  for (std::int64_t v = 0; v < 60; ++v) {
+    const bool is_seen = v % 10 >= 2 && v % 10 <= 7;
+    sight.visible(v) = is_seen ? 1 : 0;
+    sight.reason(v) = static_cast<std::uint8_t>(is_seen ? SightReason::seen : SightReason::hidden);
+    sight.score(v) = is_seen ? 1.0 : 0.0;
+  }
+  const auto faces = matched.scene.templ.faces.matrix<3>();
+  for (std::int64_t i = 0; i < matched.matches.count(); ++i) {
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      if (sight.visible(faces(matched.matches.face(i), k)) == 0) matched.matches.kept(i) = 0;
+    }
+  }
+  const auto error_m = [&](const std::string& params) {
+    PluginUnderTest plugin(kId, params);
+    const Shape shape = given(plugin.process(0, {testing::input("template", matched.scene.templ),
+                                                 testing::input("camera", matched.scene.camera),
+                                                 testing::input("correspondences", matched.matches),
+                                                 testing::input("sightlines", matched.scene.lines),
+                                                 testing::input("visibility", sight)}));
+    double sum_m = 0.0;
+    for (std::int64_t v = 0; v < 60; ++v) {
+      const Eigen::RowVector3d off_m =
+          shape.vertices_m.matrix<3>().row(v) - matched.scene.truth_m.row(v);
+      sum_m += sight.visible(v) == 0 ? off_m.norm() / 24.0 : 0.0;
+    }
+    return sum_m;
+  };
+  const double with_m = error_m("{}");
+  const double without_m = error_m("{continue_hidden_bend: false, continue_uncovered_bend: false}");
+  std::cout << "hidden part " << 1e3 * with_m << " mm, without " << 1e3 * without_m << " mm\n";
+  EXPECT_LT(with_m, 0.5 * without_m);
 }
 
 TEST(GaussNewton, ContinuesFromThePreviousShape) {
@@ -178,6 +266,25 @@ TEST(GaussNewtonDegenerate, NumbersThatAreNotFiniteAreNamed) {
   const PluginAnswer out = matched.run(plugin);
   EXPECT_EQ(out.status, WEFT_ERROR);
   EXPECT_THAT(out.message, HasSubstr("7"));
+}
+
+TEST(GaussNewtonDegenerate, CovariancesThatAreNoneAreNamed) {
+  const Matched exact({0.25, {0.6, 0, 0, 0, 0, 0}}, {60, 1.0, 0.0}, kSeed);
+  const double nan = std::nan(""), infinite = std::numeric_limits<double>::infinity();
+  for (const auto& wrong : std::vector<std::array<double, 4>>{
+           {nan, 0, 0, 1}, {1, nan, 0, 1}, {infinite, 0, 0, 1}, {-1, 0, 0, 1}, {1, 5, 5, 1}}) {
+    Matched matched = exact;
+    matched.matches.covariance_px2 = Array<double>({60, 2, 2});
+    for (std::int64_t i = 0; i < 60; ++i) {
+      const std::array<double, 4> right{0.01, 0.0, 0.0, 0.01};
+      const auto& values = i == 7 ? wrong : right;
+      std::copy(values.begin(), values.end(), matched.matches.covariance_px2.row(i));
+    }
+    PluginUnderTest plugin(kId);
+    const PluginAnswer out = matched.run(plugin);
+    EXPECT_EQ(out.status, WEFT_ERROR);
+    EXPECT_THAT(out.message, HasSubstr("match 7"));
+  }
 }
 
 TEST(GaussNewtonDegenerate, KnownPointsFurtherApartThanTheSurfaceAllowsAreRelaxed) {
