@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+#include <weft/core/index.hpp>
+#include <weft/geometry/camera_model.hpp>
+#include <weft/geometry/mesh_topology.hpp>
+#include <weft/sdk/pass.hpp>
+
+namespace weft::near_shape {
+namespace {
+
+/// A box of pixels, ends included.
+struct Box {
+  double left_px, top_px, right_px, bottom_px;
+};
+
+Box box_around(const Points2& corners_px) {
+  const Eigen::RowVector2d least = corners_px.colwise().minCoeff();
+  const Eigen::RowVector2d most = corners_px.colwise().maxCoeff();
+  return {least[0], least[1], most[0], most[1]};
+}
+
+/// Marks the pixels whose centre lies in the box.
+void mark(const Box& box, Array<std::uint8_t>& mask) {
+  const auto inside = [](double at_px, std::int64_t size) {
+    return static_cast<std::int64_t>(std::clamp(at_px, 0.0, static_cast<double>(size)));
+  };
+  const std::int64_t left = inside(std::ceil(box.left_px), mask.dim(1));
+  const std::int64_t right = inside(std::floor(box.right_px) + 1.0, mask.dim(1));
+  const std::int64_t top = inside(std::ceil(box.top_px), mask.dim(0));
+  const std::int64_t bottom = inside(std::floor(box.bottom_px) + 1.0, mask.dim(0));
+  for (std::int64_t y = top; left < right && y < bottom; ++y) {
+    std::fill_n(mask.row(y) + left, right - left, std::uint8_t{1});
+  }
+}
+
+/// The part of the image in which the surface can be, by its shape of the frame before.
+class NearShape final : public Pass {
+ public:
+  static constexpr About kAbout{.reads = "previous.shape", .produces = "region"};
+
+  explicit NearShape(Params& p) {
+    p.read("margin", margin_, "", {0.0, 10.0},
+           "how far the surface may have moved, relative to the longer side of its box in the "
+           "image");
+    p.read("least_confidence", least_confidence_, "", {0.0, 1.0},
+           "a previous shape of less confidence is not trusted");
+    p.read("longest_age", longest_age_, "frames", {1, 1000000},
+           "nor one that was measured so many frames before the previous one");
+  }
+
+  Result<PassOutput> run(const PassInput& in) override {
+    const auto& shape = in.previous_shape;
+    if (shape && shape->vertices_m.rows() != in.templ.vertices_m.rows()) {
+      return Error{Errc::invalid_data,
+                   "the previous shape has " + std::to_string(shape->vertices_m.rows()) +
+                       " vertices, the template " + std::to_string(in.templ.vertices_m.rows()) +
+                       ": use one template throughout"};
+    }
+    const FacesView faces = in.templ.faces.matrix<3>();
+    if (auto checked = check_face_indices(faces, in.templ.vertices_m.rows()); !checked) {
+      return checked.error();
+    }
+    if (const std::string why = why_not_trusted(shape); !why.empty()) return whole(in, why);
+    const Pinhole camera{in.camera.fx, in.camera.fy, in.camera.cx, in.camera.cy};
+    const Points2 pixels = project_points(camera, shape->vertices_m.matrix<3>());
+    if (!pixels.allFinite()) return whole(in, "the previous shape reaches behind the camera");
+    PassOutput out;
+    out.region = around(pixels, faces, in.camera);
+    const Array<std::uint8_t>& mask = out.region->mask;
+    if (std::find(mask.data(), mask.data() + mask.size(), 1) == mask.data() + mask.size()) {
+      return whole(in, "the previous shape lies outside of the image");
+    }
+    return out;
+  }
+
+ private:
+  /// Empty where it is.
+  std::string why_not_trusted(const std::optional<Shape>& shape) const {
+    if (!shape) return "there is no previous shape";
+    if (shape->shape_state() == ShapeState::lost) return "the previous shape is lost";
+    if (shape->age_frames >= longest_age_) {
+      return "the previous shape was measured " + std::to_string(shape->age_frames) +
+             " frames before the previous one";
+    }
+    return shape->confidence >= least_confidence_ ? "" : "the previous shape is not sure enough";
+  }
+
+  static Result<PassOutput> whole(const PassInput& in, const std::string& why) {
+    PassOutput out;
+    out.region = filled(in.camera, 1);
+    return degenerate(std::move(out), why + ": the whole image is searched");
+  }
+
+  static Region filled(const Camera& camera, std::uint8_t value) {
+    Array<std::uint8_t> mask({camera.height_px, camera.width_px});
+    std::fill_n(mask.data(), mask.size(), value);
+    return {std::move(mask)};
+  }
+
+  Region around(const Points2& pixels, const FacesView& faces, const Camera& camera) const {
+    const Box all = box_around(pixels);
+    const double grown_px =
+        margin_ * std::max(all.right_px - all.left_px, all.bottom_px - all.top_px);
+    Region region = filled(camera, 0);
+    for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+      Points2 corners_px(3, 2);
+      for (Eigen::Index k = 0; k < 3; ++k) corners_px.row(k) = pixels.row(faces(f, k));
+      const Box box = box_around(corners_px);
+      mark({box.left_px - grown_px, box.top_px - grown_px, box.right_px + grown_px,
+            box.bottom_px + grown_px},
+           region.mask);
+    }
+    return region;
+  }
+
+  double margin_ = 0.15;
+  double least_confidence_ = 0.5;
+  std::int64_t longest_age_ = 1;
+};
+
+}  // namespace
+}  // namespace weft::near_shape
+
+using weft::near_shape::NearShape;
+WEFT_PLUGIN(NearShape, "passes/near_shape", "1.0.0",
+            "The part of the image around the previous shape, for detectors.")
