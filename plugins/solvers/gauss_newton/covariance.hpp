@@ -7,7 +7,7 @@
 #include <vector>
 #include <weft/geometry/types.hpp>
 
-#include "cholesky/block_cholesky.hpp"
+#include "common/cholesky/block_cholesky.hpp"
 #include "energy.hpp"
 #include "mesh/mesh_model.hpp"
 

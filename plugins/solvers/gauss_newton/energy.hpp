@@ -12,10 +12,13 @@
 #include <weft/geometry/known_surface.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "cholesky/block_cholesky.hpp"
+#include "common/cholesky/block_cholesky.hpp"
 #include "mesh/mesh_model.hpp"
 
 namespace weft::gauss_newton {
+
+using solvers::BlockCholesky;
+using solvers::BlockMatrix;
 
 /// W of a covariance (W^T W)^-1: where e has that covariance, W e has the standard deviation 1 in
 /// each direction.

@@ -4,7 +4,7 @@
 #include <weft/core/result.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "cholesky/block_cholesky.hpp"
+#include "common/cholesky/block_cholesky.hpp"
 #include "energy.hpp"
 #include "mesh/mesh_model.hpp"
 

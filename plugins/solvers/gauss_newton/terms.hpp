@@ -6,10 +6,12 @@
 #include <weft/geometry/known_surface.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "cholesky/block_cholesky.hpp"
+#include "common/cholesky/block_cholesky.hpp"
 #include "mesh/mesh_model.hpp"
 
 namespace weft::gauss_newton {
+
+using solvers::BlockMatrix;
 
 /// How the angle of a hinge changes with each of its vertices, in rad/m; 0 where the hinge has
 /// shrunk to nothing.

@@ -1,35 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covariance.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdlib>
-#include <numeric>
 #include <weft/core/index.hpp>
-#include <weft/core/stop_check.hpp>
 
 namespace weft::particle_sft {
 namespace {
 
 constexpr double kPriorM = 0.3;
-constexpr double kMiB = 1024.0 * 1024.0, kMostBytes = 1024.0 * kMiB;  // 38,000 vertices of a square
 constexpr double kLeastRadiusM = 5e-4;  // a known point that is held exactly is known this well
-
-/// Vertices by their place along the longest principal axis of the mesh.
-std::vector<std::int32_t> along_longest_axis(const Points3& rest_m) {
-  const Points3 centred_m = rest_m.rowwise() - rest_m.colwise().mean();
-  const Eigen::Matrix3d spread = centred_m.transpose() * centred_m;
-  const Eigen::Vector3d axis =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(2);
-  const Eigen::VectorXd along_m = centred_m * axis;
-  std::vector<std::int32_t> order(to_index(rest_m.rows()));
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::int32_t a, std::int32_t b) { return along_m[a] < along_m[b]; });
-  return order;
-}
 
 double width_m(const BendingHinge& hinge) {
   return (1.0 / hinge.coefficient_per_m[2] + 1.0 / hinge.coefficient_per_m[3]) / 3.0;
@@ -68,35 +49,30 @@ HoldingNoise holding_noise(const ShapeSigns& signs) {
 }
 
 Result<void> ShapeCovariance::build(const MeshModel& mesh) {
-  hinges_ = mesh.hinges();
-  rest_bends_rad_.clear();
-  for (const BendingHinge& hinge : hinges_) {
-    rest_bends_rad_.push_back(bend_rad(hinge, mesh.rest_m()));
+  couplings_ = {};
+  for (const DistanceConstraint& edge : mesh.stretch()) couplings_.of(edge.i, edge.j);
+  hinges_.clear();
+  for (const BendingHinge& hinge : mesh.hinges()) {
+    CoupledHinge coupled{hinge, bend_rad(hinge, mesh.rest_m()), {}};
+    auto pair = coupled.pair.begin();
+    for (std::size_t r = 0; r < 4; ++r) {
+      for (std::size_t c = r + 1; c < 4; ++c) {
+        *pair++ = couplings_.of(hinge.vertex[r], hinge.vertex[c]);
+      }
+    }
+    hinges_.push_back(coupled);
   }
-  const std::vector<std::int32_t> order = along_longest_axis(mesh.rest_m());
-  place_.resize(order.size());
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    place_[to_index(order[k])] = 3 * static_cast<Eigen::Index>(k);
+  if (auto fits = factor_.analyse(mesh.rest_m(), couplings_.pairs()); !fits) {
+    Error error = fits.error();
+    error.message = "covariance: " + error.message + ", or set covariance: false";
+    return error;
   }
-  Eigen::Index apart = 0;
-  const auto join = [&](std::int32_t i, std::int32_t j) {
-    apart = std::max(apart, std::abs(place_[to_index(i)] - place_[to_index(j)]));
-  };
-  for (const DistanceConstraint& pair : mesh.stretch()) join(pair.i, pair.j);
-  for (const DistanceConstraint& pair : mesh.bending()) join(pair.i, pair.j);
-  size_ = 3 * static_cast<Eigen::Index>(order.size());
-  below_ = std::min(apart + 2, size_ - 1);
-  const double bytes = 8.0 * static_cast<double>(size_) * static_cast<double>(below_ + 1);
-  if (bytes > kMostBytes) {
-    return Error{Errc::unsupported,
-                 "the covariance of " + std::to_string(order.size()) + " vertices needs " +
-                     std::to_string(std::llround(bytes / kMiB)) + " MiB, more than " +
-                     std::to_string(std::llround(kMostBytes / kMiB)) +
-                     ": set covariance: false, or give a template with fewer vertices"};
-  }
-  band_.resize(to_index(size_ + (size_ - 1) * below_));
-  column_.resize(below_);
-  shared_.resize(size_);
+  const auto vertices = to_index(mesh.vertex_count());
+  matrix_.diagonal.resize(vertices);
+  matrix_.coupling.resize(couplings_.pairs().size());
+  inverse_.resize(vertices);
+  shared_.resize(mesh.vertex_count(), 3);
+  solved_.resize(mesh.vertex_count(), 3);
   return {};
 }
 
@@ -104,10 +80,10 @@ double ShapeCovariance::curvature_per_m(const Points3& vertices_m,
                                         const std::vector<std::uint8_t>& seen) const {
   double squares = 0.0;
   std::size_t count = 0;
-  for (std::size_t h = 0; h < hinges_.size(); ++h) {
-    if (!all_seen(hinges_[h], seen)) continue;
-    const double turn_rad = bend_rad(hinges_[h], vertices_m) - rest_bends_rad_[h];
-    squares += std::pow(turn_rad / width_m(hinges_[h]), 2);
+  for (const auto& [hinge, rest_rad, pair] : hinges_) {
+    if (!all_seen(hinge, seen)) continue;
+    const double turn_rad = bend_rad(hinge, vertices_m) - rest_rad;
+    squares += std::pow(turn_rad / width_m(hinge), 2);
     ++count;
   }
   return count == 0 ? 0.0 : std::sqrt(squares / static_cast<double>(count));
@@ -116,8 +92,7 @@ double ShapeCovariance::curvature_per_m(const Points3& vertices_m,
 bool ShapeCovariance::compute(const ParticleSystem& system, const std::vector<std::uint8_t>& seen,
                               const Pinhole& camera, const Points3& vertices_m,
                               const HoldingNoise& noise, double* covariance_m2) {
-  std::fill(band_.begin(), band_.end(), 0.0);
-  for (Eigen::Index i = 0; i < size_; ++i) at(i, i) = 1.0 / (kPriorM * kPriorM);
+  matrix_.set_zero();
   add_rays(system, camera, vertices_m, noise.ray_px);
   add_edges(system, seen, vertices_m, noise);
   add_bends(seen, noise);
@@ -130,17 +105,22 @@ bool ShapeCovariance::compute(const ParticleSystem& system, const std::vector<st
       }
     }
   }
-  if (!factorise()) return false;
-  const double shared = noise.common_strain > 0.0 ? share_of_common(noise.common_strain) : 0.0;
-  if (!(shared >= 0.0) || !std::isfinite(shared)) return false;
-  invert();
-  for (const Eigen::Index from : place_) {
-    for (Eigen::Index r = 0; r < 3; ++r) {
-      for (Eigen::Index c = 0; c < 3; ++c) {
-        *covariance_m2++ = at(from + std::max(r, c), from + std::min(r, c)) +
-                           shared * shared_[from + r] * shared_[from + c];
-      }
-    }
+  if (!factor_.factorise(matrix_, 1.0 / (kPriorM * kPriorM))) return false;
+  double shared_m2 = 0.0;
+  if (noise.common_strain > 0.0) {
+    // The inverse of H with the border of e is H^-1 + v g g^T, g = H^-1 h, v = 1 / (h_ee - h^T g).
+    solved_ = shared_;
+    factor_.solve(solved_);
+    const double left =
+        edge_weights_ + std::pow(noise.common_strain, -2) - shared_.cwiseProduct(solved_).sum();
+    if (!(left > 0.0) || !std::isfinite(left)) return false;
+    shared_m2 = 1.0 / left;
+  }
+  factor_.inverse_blocks(inverse_);
+  for (std::size_t v = 0; v < inverse_.size(); ++v) {
+    const Eigen::Vector3d of_e = solved_.row(static_cast<Eigen::Index>(v)).transpose();
+    if (shared_m2 > 0.0) inverse_[v] += shared_m2 * of_e * of_e.transpose();
+    std::copy_n(inverse_[v].data(), 9, covariance_m2 + 9 * v);
   }
   return true;
 }
@@ -179,94 +159,39 @@ void ShapeCovariance::add_edges(const ParticleSystem& system, const std::vector<
     const bool is_seen = seen[to_index(edge.i)] != 0 && seen[to_index(edge.j)] != 0;
     const double weight = is_seen ? known : unknown;
     const Eigen::Matrix3d block = weight * along * along.transpose();
-    add_block(edge.i, edge.i, block);
-    add_block(edge.j, edge.j, block);
-    add_block(edge.i, edge.j, -block);
-    add_block(edge.j, edge.i, -block);
-    shared_.segment<3>(place_[to_index(edge.i)]) += weight * along;
-    shared_.segment<3>(place_[to_index(edge.j)]) -= weight * along;
+    matrix_.diagonal[to_index(edge.i)] += block;
+    matrix_.diagonal[to_index(edge.j)] += block;
+    matrix_.coupling[to_index(couplings_.at(edge.i, edge.j))] -= block;
+    shared_.row(edge.i) += weight * along.transpose();
+    shared_.row(edge.j) -= weight * along.transpose();
     edge_weights_ += weight;
   }
 }
 
 void ShapeCovariance::add_bends(const std::vector<std::uint8_t>& seen, const HoldingNoise& noise) {
-  for (const BendingHinge& hinge : hinges_) {
+  for (const auto& [hinge, rest_rad, pairs] : hinges_) {
     double variance = noise.bend_rad * noise.bend_rad;
     if (!all_seen(hinge, seen)) {
       variance += 3.0 * noise.unseen_bend * noise.unseen_bend / hinge.weight;
     }
+    const auto* pair = pairs.data();
+    const auto& factor = hinge.coefficient_per_m;
     for (std::size_t r = 0; r < 4; ++r) {
-      for (std::size_t c = 0; c < 4; ++c) {
-        add_block(hinge.vertex[r], hinge.vertex[c],
-                  hinge.coefficient_per_m[r] * hinge.coefficient_per_m[c] / variance *
-                      Eigen::Matrix3d::Identity());
+      matrix_.diagonal[to_index(hinge.vertex[r])].diagonal().array() +=
+          factor[r] * factor[r] / variance;
+      for (std::size_t c = r + 1; c < 4; ++c) {
+        matrix_.coupling[to_index(*pair++)].diagonal().array() += factor[r] * factor[c] / variance;
       }
     }
   }
 }
 
-/// Keeps what is in the lower half.
 void ShapeCovariance::add_block(std::int32_t row, std::int32_t column,
                                 const Eigen::Matrix3d& block) {
-  const Eigen::Index first = place_[to_index(row)];
-  const Eigen::Index second = place_[to_index(column)];
-  if (first < second) return;
-  for (Eigen::Index c = 0; c < 3; ++c) {
-    for (Eigen::Index r = first == second ? c : 0; r < 3; ++r) {
-      at(first + r, second + c) += block(r, c);
-    }
-  }
-}
-
-/// H = L D L^T with 1 / D on the diagonal, L below it.
-bool ShapeCovariance::factorise() {
-  for (Eigen::Index j = 0; j < size_; ++j) {
-    const double pivot = at(j, j);
-    if (!(pivot > 0.0) || !std::isfinite(pivot)) return false;
-    at(j, j) = 1.0 / pivot;
-    const Eigen::Index below = std::min(below_, size_ - 1 - j);
-    if (below == 0) continue;
-    worked(below * below / 16);
-    Eigen::Map<Eigen::VectorXd> column(&at(j + 1, j), below);
-    window(j + 1, below).selfadjointView<Eigen::Lower>().rankUpdate(column, -1.0 / pivot);
-    column /= pivot;
-  }
-  return true;
-}
-
-/// Replaces the column h of the common strain by g = H^-1 h; returns the variance of that strain,
-/// v = 1 / (h_ee - h^T g): the inverse of H with its border is H^-1 + v g g^T.
-double ShapeCovariance::share_of_common(double common_strain) {
-  double left = edge_weights_ + 1.0 / (common_strain * common_strain);
-  for (Eigen::Index j = 0; j < size_; ++j) {  // y = L^-1 h, left = h_ee - y^T D^-1 y
-    const Eigen::Index below = std::min(below_, size_ - 1 - j);
-    left -= shared_[j] * shared_[j] * at(j, j);
-    if (below > 0) {
-      shared_.segment(j + 1, below) -=
-          shared_[j] * Eigen::Map<const Eigen::VectorXd>(&at(j + 1, j), below);
-    }
-  }
-  for (Eigen::Index j = size_ - 1; j >= 0; --j) {
-    const Eigen::Index below = std::min(below_, size_ - 1 - j);
-    shared_[j] *= at(j, j);
-    if (below > 0) {
-      shared_[j] -= shared_.segment(j + 1, below)
-                        .dot(Eigen::Map<const Eigen::VectorXd>(&at(j + 1, j), below));
-    }
-  }
-  return 1.0 / left;
-}
-
-/// From the last row: Z = H^-1 has Z_ij = [i = j] / D_j - sum_k L_kj Z_ik, k > j, i >= j.
-void ShapeCovariance::invert() {
-  for (Eigen::Index j = size_ - 2; j >= 0; --j) {
-    const Eigen::Index below = std::min(below_, size_ - 1 - j);
-    Eigen::Map<Eigen::VectorXd> column(&at(j + 1, j), below);
-    auto solved = column_.head(below);
-    worked(below * below / 16);
-    solved.noalias() = window(j + 1, below).selfadjointView<Eigen::Lower>() * column;
-    at(j, j) += column.dot(solved);
-    column = -solved;
+  if (row == column) {
+    matrix_.diagonal[to_index(row)] += block;
+  } else if (row < column) {
+    matrix_.coupling[to_index(couplings_.at(row, column))] += block;
   }
 }
 

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 #include <weft/geometry/camera_model.hpp>
 
+#include "common/cholesky/block_cholesky.hpp"
+#include "common/cholesky/couplings.hpp"
 #include "mesh_model.hpp"
 #include "relaxation.hpp"
 
@@ -50,8 +53,7 @@ HoldingNoise holding_noise(const ShapeSigns& signs);
 /// noise, whatever the mesh. The direction of an unseen edge is not known well enough to say what
 /// lengthens it, hence unseen_strain.
 ///
-/// H is a band in the order of the vertices along the template's longest axis, bordered by e; of
-/// its inverse only the band is computed (Erisman and Tinney, CACM 18, 1975).
+/// H is sparse as the mesh is, bordered by e; of its inverse only diagonal blocks are computed.
 class ShapeCovariance {
  public:
   Result<void> build(const MeshModel& mesh);
@@ -72,23 +74,22 @@ class ShapeCovariance {
   void add_edges(const ParticleSystem& system, const std::vector<std::uint8_t>& seen,
                  const Points3& vertices_m, const HoldingNoise& noise);
   void add_bends(const std::vector<std::uint8_t>& seen, const HoldingNoise& noise);
+  /// Of a pair of blocks beside the diagonal the one above it is kept.
   void add_block(std::int32_t row, std::int32_t column, const Eigen::Matrix3d& block);
-  bool factorise();
-  double share_of_common(double common_strain);
-  void invert();
-  double& at(Eigen::Index row, Eigen::Index column) { return band_[row + column * below_]; }
-  auto window(Eigen::Index from, Eigen::Index size) {
-    return Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>(&at(from, from), size, size,
-                                                                Eigen::OuterStride<>(below_));
-  }
 
-  std::vector<Eigen::Index> place_;  ///< [V] first row of a vertex in H
-  std::vector<BendingHinge> hinges_;
-  std::vector<double> rest_bends_rad_;  ///< of the hinges
-  Eigen::Index size_ = 0, below_ = 0;   ///< rows of H, and of a column below its diagonal
-  std::vector<double> band_;            ///< lower half: H, then its factor, then its inverse
-  Eigen::VectorXd column_;
-  Eigen::VectorXd shared_;     ///< [3V] column of e in H, then H^-1 times it
+  /// A hinge and, of its corners (r, c), r < c, the numbers of the pairs.
+  struct CoupledHinge {
+    BendingHinge hinge;
+    double rest_rad;
+    std::array<std::int32_t, 6> pair;
+  };
+
+  std::vector<CoupledHinge> hinges_;
+  solvers::Couplings couplings_;
+  solvers::BlockMatrix matrix_;
+  solvers::BlockCholesky factor_;
+  std::vector<Eigen::Matrix3d> inverse_;
+  Points3 shared_, solved_;    ///< [V,3] column of e in H, and H^-1 times it
   double edge_weights_ = 0.0;  ///< of the edges, on the diagonal of e in H
 };
 

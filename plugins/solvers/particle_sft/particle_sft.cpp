@@ -262,5 +262,5 @@ class ParticleSft final : public Solver {
 }  // namespace weft::particle_sft
 
 using weft::particle_sft::ParticleSft;
-WEFT_PLUGIN(ParticleSft, "solvers/particle_sft", "1.5.1",
+WEFT_PLUGIN(ParticleSft, "solvers/particle_sft", "1.5.2",
             "Shape from sightlines by position based dynamics, tracked from frame to frame.")

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
-#include <unordered_map>
 #include <utility>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
@@ -15,30 +14,12 @@
 #include <weft/geometry/surface_distance.hpp>
 
 #include "bend_fit.hpp"
+#include "common/cholesky/couplings.hpp"
 
 namespace weft::gauss_newton {
 namespace {
 
-/// Numbers the pairs of vertices that terms join.
-class Couplings {
- public:
-  explicit Couplings(std::vector<std::array<std::int32_t, 2>>& pairs) : pairs_(pairs) {
-    pairs_.clear();
-  }
-
-  std::int32_t of(std::int32_t i, std::int32_t j) {
-    const auto [low, high] = std::minmax(i, j);
-    const auto key = static_cast<std::uint64_t>(low) << 32U | static_cast<std::uint64_t>(high);
-    const auto next = static_cast<std::int32_t>(pairs_.size());
-    const auto [found, is_new] = number_of_.try_emplace(key, next);
-    if (is_new) pairs_.push_back({low, high});
-    return found->second;
-  }
-
- private:
-  std::vector<std::array<std::int32_t, 2>>& pairs_;
-  std::unordered_map<std::uint64_t, std::int32_t> number_of_;
-};
+using solvers::Couplings;
 
 Result<std::vector<Arc>> arcs_of(const EdgesView& pairs, const Points3& rest_m,
                                  Couplings& couplings) {
@@ -86,7 +67,7 @@ Result<void> MeshModel::build(const Template& templ, double smoothing) {
   }
   const auto topology = build_topology(faces, rest_m.rows());
   if (!topology) return topology.error();
-  Couplings numbers(couplings);
+  Couplings numbers;
   auto of_edges = arcs_of(topology->edges, rest_m, numbers);
   if (!of_edges) return of_edges.error();
   edges = *std::move(of_edges);
@@ -136,6 +117,7 @@ Result<void> MeshModel::build(const Template& templ, double smoothing) {
     hinge.rest_rad = angle_rad(hinge, normals, rest_m);
     hinges.push_back(hinge);
   }
+  couplings = numbers.pairs();
 
   BendFit fit(*this, normals);
   shares.clear();

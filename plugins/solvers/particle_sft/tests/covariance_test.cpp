@@ -267,11 +267,11 @@ TEST(ShapeCovariance, DoesNotDependOnWhatWasComputedBefore) {
 
 TEST(ShapeCovariance, SaysWhatAMeshNeedsThatIsTooFineForIt) {
   MeshModel mesh;
-  ASSERT_TRUE(mesh.build(testing::make_template({.columns = 220, .rows = 220}), 0.0));
+  ASSERT_TRUE(mesh.build(testing::make_template({.columns = 350, .rows = 350}), 0.0));
   const auto refused = ShapeCovariance().build(mesh);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Errc::unsupported);
-  EXPECT_NE(refused.error().message.find("the covariance of 48400 vertices needs"),
+  EXPECT_NE(refused.error().message.find("covariance: the factor for 122500 vertices needs"),
             std::string::npos)
       << refused.error().message;
   EXPECT_NE(refused.error().message.find("set covariance: false"), std::string::npos);

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-namespace weft::gauss_newton {
+namespace weft::solvers {
 
 /// Columns that a product makes at once, and rows in whole bundles of which it does.
 inline constexpr std::size_t kTileColumns = 4, kTileRows = 8;
@@ -39,4 +39,4 @@ void subtract_multiple(double* column, const double* other, std::size_t count, d
 /// rounded up to 4, and for 7 more rows, of which those in the columns are 0.
 bool factorise_columns(const Panel& panel, std::size_t rows, std::size_t columns);
 
-}  // namespace weft::gauss_newton
+}  // namespace weft::solvers

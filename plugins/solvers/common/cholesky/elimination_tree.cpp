@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "elimination_tree.hpp"
+#include "common/cholesky/elimination_tree.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -7,7 +7,7 @@
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
-namespace weft::gauss_newton {
+namespace weft::solvers {
 namespace {
 
 constexpr std::size_t kLeafVertices = 16;
@@ -126,4 +126,4 @@ EliminationTree nested_dissection(const Points3View& rest_m, const IndexLists& c
   return Dissection(rest_m, coupled).run();
 }
 
-}  // namespace weft::gauss_newton
+}  // namespace weft::solvers

@@ -9,10 +9,10 @@
 #include <weft/core/result.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "dense_kernels.hpp"
-#include "elimination_tree.hpp"
+#include "common/cholesky/dense_kernels.hpp"
+#include "common/cholesky/elimination_tree.hpp"
 
-namespace weft::gauss_newton {
+namespace weft::solvers {
 
 /// A symmetric matrix of 3 x 3 blocks: one for each vertex, and one for each pair (i, j) of
 /// vertices that are coupled, in its rows those of i.
@@ -104,4 +104,4 @@ inline std::size_t panel_size(std::size_t rows, std::size_t columns) {
   return stride_for(rows) * rounded_up(columns, kTileColumns);
 }
 
-}  // namespace weft::gauss_newton
+}  // namespace weft::solvers

@@ -5,9 +5,9 @@
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
-#include "block_cholesky.hpp"
+#include "common/cholesky/block_cholesky.hpp"
 
-namespace weft::gauss_newton {
+namespace weft::solvers {
 
 void BlockCholesky::solve(Points3& values) {
   for (std::size_t v = 0; v < place_.size(); ++v) {
@@ -147,4 +147,4 @@ Panel BlockCholesky::invert(const Front& front) {
   return result;
 }
 
-}  // namespace weft::gauss_newton
+}  // namespace weft::solvers

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "block_cholesky.hpp"
+#include "common/cholesky/block_cholesky.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
-namespace weft::gauss_newton {
+namespace weft::solvers {
 namespace {
 
 constexpr double kMiB = 1024.0 * 1024.0, kMostBytes = 1024.0 * kMiB;
@@ -210,4 +210,4 @@ void BlockCholesky::make_update(const Front& front) {
                sizeof(double) * panel_size(front.border, front.border));
 }
 
-}  // namespace weft::gauss_newton
+}  // namespace weft::solvers

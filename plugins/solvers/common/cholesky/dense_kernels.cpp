@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "dense_kernels.hpp"
+#include "common/cholesky/dense_kernels.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace weft::gauss_newton {
+namespace weft::solvers {
 namespace {
 
 /// Turned by compilers into what the processor has. Without FMA, which rounds otherwise, all
@@ -101,4 +101,4 @@ bool factorise_columns(const Panel& panel, std::size_t rows, std::size_t columns
   return true;
 }
 
-}  // namespace weft::gauss_newton
+}  // namespace weft::solvers

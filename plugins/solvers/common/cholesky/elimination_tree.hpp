@@ -6,7 +6,7 @@
 #include <weft/geometry/mesh_adjacency.hpp>
 #include <weft/geometry/types.hpp>
 
-namespace weft::gauss_newton {
+namespace weft::solvers {
 
 /// Vertices that are eliminated together.
 struct EliminationNode {
@@ -28,4 +28,4 @@ struct EliminationTree {
 /// depends on the arguments alone.
 EliminationTree nested_dissection(const Points3View& rest_m, const IndexLists& coupled);
 
-}  // namespace weft::gauss_newton
+}  // namespace weft::solvers
