@@ -32,7 +32,7 @@ class SequenceProgress final : public RunObserver {
     ++done_;
     for (const StageReport& report : frame.stages) {
       if (report.status != StageStatus::error || !first_error_.empty()) continue;
-      first_error_ = fmt::format("frame {}: {}", frame.index, report.reason);
+      first_error_ = fmt::format("frame {}: {}", frame.index, report.reason.str());
     }
     if (quiet_) return;
     // Frames do not depend on whether somebody can read this.

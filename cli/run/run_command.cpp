@@ -41,7 +41,7 @@ class Progress final : public RunObserver {
       const bool first_error = stage.first_error.empty();
       if (report.status == StageStatus::error && first_error) {
         stage.first_error =
-            fmt::format("frame {} ({}): {}", frame.index, frame.stem, report.reason);
+            fmt::format("frame {} ({}): {}", frame.index, frame.stem, report.reason.str());
       }
     }
     if (show_bar_) draw_bar(frame);

@@ -42,7 +42,7 @@ Array<std::uint8_t> texture(int width, int height) {
     cv::GaussianBlur(noise, noise, {}, sigma_px);
     grey += 40.0 * sigma_px * noise;
   }
-  Array<std::uint8_t> pixels({height, width});
+  Array<std::uint8_t> pixels({height, width}, 0);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       pixels(y, x) = cv::saturate_cast<std::uint8_t>(grey.at<float>(y, x));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "allocations.hpp"
 #include "component.hpp"
+#include "host/calling/allocation_count.hpp"
 #include "scenes.hpp"
 
 namespace weft::bench {
@@ -11,9 +11,9 @@ namespace {
 /// What one warm call allocates, the host's records included.
 std::uint64_t allocations_of(Component& component, const host::NamedRecords& inputs) {
   for (int i = 0; i < 2; ++i) component.call(inputs);
-  const std::uint64_t before = allocations();
+  const std::uint64_t before = host::allocations_of_process().blocks;
   component.call(inputs);
-  return allocations() - before;
+  return host::allocations_of_process().blocks - before;
 }
 
 TEST(Allocations, AreCountedInPluginsToo) {

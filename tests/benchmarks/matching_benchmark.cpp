@@ -64,7 +64,7 @@ Keypoints with_bits(Keypoints keypoints, int count, std::uint64_t seed) {
   Rng rng(seed);
   keypoints.metric = "hamming";
   keypoints.descriptors = {};
-  keypoints.binary_descriptors = Array<std::uint8_t>({count, kBytes});
+  keypoints.binary_descriptors = Array<std::uint8_t>({count, kBytes}, 0);
   for (std::int64_t i = 0; i < keypoints.binary_descriptors.size(); ++i) {
     keypoints.binary_descriptors.data()[i] = static_cast<std::uint8_t>(rng.below(256));
   }

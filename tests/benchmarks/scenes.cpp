@@ -20,12 +20,12 @@ Points3 bent(const Template& templ, const testing::SheetSpec& sheet, double radi
 Sightlines sightlines_of(const Points3& points_m, const Camera& camera) {
   const auto count = static_cast<std::int64_t>(points_m.rows());
   Sightlines lines;
-  lines.vertex = Array<std::int32_t>({count});
-  lines.face = Array<std::int32_t>({count});
-  lines.barycentrics = Array<double>({count, 3});
-  lines.pixel_px = Array<double>({count, 2});
-  lines.ray = Array<double>({count, 3});
-  lines.weight = Array<double>({count});
+  lines.vertex = Array<std::int32_t>({count}, 0);
+  lines.face = Array<std::int32_t>({count}, 0);
+  lines.barycentrics = Array<double>({count, 3}, 0.0);
+  lines.pixel_px = Array<double>({count, 2}, 0.0);
+  lines.ray = Array<double>({count, 3}, 0.0);
+  lines.weight = Array<double>({count}, 0.0);
   lines.coverage = 1.0;
   for (std::int64_t i = 0; i < count; ++i) {
     const Eigen::RowVector3d point = points_m.row(i);
@@ -44,7 +44,7 @@ Shape shape_of(const Points3& vertices_m) {
   shape.vertices_m = make_array<double>(vertices_m);
   shape.state = static_cast<std::int32_t>(ShapeState::estimated);
   shape.confidence = 1.0;
-  shape.source = Array<std::uint8_t>({vertices_m.rows()});
+  shape.source = Array<std::uint8_t>({vertices_m.rows()}, 0);
   std::fill_n(shape.source.data(), vertices_m.rows(), std::uint8_t{1});
   return shape;
 }
@@ -70,15 +70,15 @@ Keypoints descriptors(int count, std::uint64_t seed) {
   constexpr int kLength = 128;
   Rng rng(seed);
   Keypoints keypoints;
-  keypoints.xy_px = Array<double>({count, 2});
-  keypoints.scale_px = Array<double>({count});
-  keypoints.angle_rad = Array<double>({count});
-  keypoints.response = Array<double>({count});
-  keypoints.octave = Array<std::int32_t>({count});
+  keypoints.xy_px = Array<double>({count, 2}, 0.0);
+  keypoints.scale_px = Array<double>({count}, 0.0);
+  keypoints.angle_rad = Array<double>({count}, 0.0);
+  keypoints.response = Array<double>({count}, 0.0);
+  keypoints.octave = Array<std::int32_t>({count}, 0);
   keypoints.metric = "l2";
-  keypoints.descriptors = Array<float>({count, kLength});
-  keypoints.face = Array<std::int32_t>({count});
-  keypoints.barycentrics = Array<double>({count, 3});
+  keypoints.descriptors = Array<float>({count, kLength}, 0.0F);
+  keypoints.face = Array<std::int32_t>({count}, 0);
+  keypoints.barycentrics = Array<double>({count, 3}, 0.0);
   for (int i = 0; i < count; ++i) {
     keypoints.xy_px(i, 0) = 640 * rng.uniform();
     keypoints.xy_px(i, 1) = 480 * rng.uniform();

@@ -2,8 +2,8 @@
 // Times of the stages on data of a fixed size, through the contract, on one thread.
 #include <benchmark/benchmark.h>
 
-#include "allocations.hpp"
 #include "component.hpp"
+#include "host/calling/allocation_count.hpp"
 #include "scenes.hpp"
 
 namespace weft::bench {
@@ -13,9 +13,9 @@ namespace {
 void run(benchmark::State& state, Component& component, const host::NamedRecords& inputs,
          int method = 0) {
   for (int i = 0; i < 3; ++i) component.call(inputs, method);
-  const std::uint64_t before = allocations();
+  const std::uint64_t before = host::allocations_of_process().blocks;
   for (auto each : state) benchmark::DoNotOptimize(component.call(inputs, method));
-  const auto made = static_cast<double>(allocations() - before);
+  const auto made = static_cast<double>(host::allocations_of_process().blocks - before);
   state.counters["allocations"] = made / static_cast<double>(state.iterations());
 }
 
@@ -58,9 +58,9 @@ void bbs_fit_and_evaluate(benchmark::State& state) {
     return warp.call({{"warp", fitted.find("warp")}, {"points", points}}, 1);
   };
   for (int i = 0; i < 3; ++i) both();
-  const std::uint64_t before = allocations();
+  const std::uint64_t before = host::allocations_of_process().blocks;
   for (auto each : state) benchmark::DoNotOptimize(both());
-  const auto made = static_cast<double>(allocations() - before);
+  const auto made = static_cast<double>(host::allocations_of_process().blocks - before);
   state.counters["allocations"] = made / static_cast<double>(state.iterations());
 }
 
@@ -109,7 +109,7 @@ void self_occlusion(benchmark::State& state) {
       testing::draw_matches(templ, camera, rolled_m, {300, 1.0, 0.5}, rng).matches;
   Shape shape;
   shape.vertices_m = make_array<double>(rolled_m);
-  shape.source = Array<std::uint8_t>({rolled_m.rows()});
+  shape.source = Array<std::uint8_t>({rolled_m.rows()}, 0);
   Component pass("passes/self_occlusion", "{}", templ, camera);
   run(state, pass,
       {{"template", record_of(templ)},

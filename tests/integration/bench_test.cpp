@@ -108,6 +108,7 @@ TEST_F(Bench, CountsWhatAFrameAllocatesAndTheMemoryOfAPipeline) {
     double most = 0.0;
     for (const json& each : pipeline["parts"]) {
       if (each["part"] == "sources" || each["part"] == "frame") continue;
+      if (each["part"] == "host") continue;  // it may ask for nothing
       EXPECT_GT(each["allocated_blocks"]["median"], 0.0) << each["part"];
       EXPECT_GT(each["allocated_bytes"]["median"], 0.0) << each["part"];
       most = std::max(most, each["allocated_bytes"]["median"].get<double>());

@@ -143,7 +143,7 @@ class FindingMatcher final : public weft::Matcher {
 
   weft::Result<weft::Correspondences> match(const weft::MatcherInput& in) override {
     weft::DetectorInput wanted{in.call};
-    wanted.image.pixels = weft::Array<std::uint8_t>({1, 1});
+    wanted.image.pixels = weft::Array<std::uint8_t>({1, 1}, 0);
     auto found = detector_.detect(wanted);
     if (!found) return found.error();
     weft::MatcherInput given = in;

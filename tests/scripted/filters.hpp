@@ -28,7 +28,8 @@ class EveryFilter final : public weft::Filter {
     if (auto failure = script_.failure(in.call)) return *failure;
     const std::int64_t count = in.correspondences.count();
     const std::int64_t length = script_.length(in.call, count);
-    weft::InlierMask mask{weft::Array<std::uint8_t>({length}), weft::Array<double>({length}), {}};
+    weft::InlierMask mask{
+        weft::Array<std::uint8_t>({length}, 0), weft::Array<double>({length}, 0.0), {}};
     double kept_before = 0.0;
     for (std::int64_t i = 0; i < length; ++i) {
       mask.kept(i) = every_ == 0 || i % every_ != 0 ? 1 : 0;
@@ -55,7 +56,8 @@ class RandomFilter final : public weft::Filter {
 
   weft::Result<weft::InlierMask> filter(const weft::FilterInput& in) override {
     const std::int64_t count = in.correspondences.count();
-    weft::InlierMask mask{weft::Array<std::uint8_t>({count}), weft::Array<double>({count}), {}};
+    weft::InlierMask mask{
+        weft::Array<std::uint8_t>({count}, 0), weft::Array<double>({count}, 0.0), {}};
     weft::Rng rng = in.call.rng();
     for (std::int64_t i = 0; i < count; ++i) mask.kept(i) = rng.uniform() < 0.7 ? 1 : 0;
     mask.diag.set("threads", in.call.threads());
@@ -76,7 +78,8 @@ class WarpedFilter final : public weft::Filter {
     const auto warp = warp_.fit(in.call, in.correspondences, *in.templ);
     if (!warp) return warp.error();
     const std::int64_t count = in.correspondences.count();
-    weft::InlierMask mask{weft::Array<std::uint8_t>({count}), weft::Array<double>({count}), {}};
+    weft::InlierMask mask{
+        weft::Array<std::uint8_t>({count}, 0), weft::Array<double>({count}, 0.0), {}};
     std::fill_n(mask.kept.data(), count, std::uint8_t{1});
     return mask;
   }
@@ -95,7 +98,8 @@ class TruthFilter final : public weft::Filter {
 
   weft::Result<weft::InlierMask> filter(const weft::FilterInput& in) override {
     const std::int64_t count = in.correspondences.count();
-    weft::InlierMask mask{weft::Array<std::uint8_t>({count}), weft::Array<double>({count}), {}};
+    weft::InlierMask mask{
+        weft::Array<std::uint8_t>({count}, 0), weft::Array<double>({count}, 0.0), {}};
     mask.diag.set("truths", static_cast<double>(in.ground_truth->count()));
     return mask;
   }

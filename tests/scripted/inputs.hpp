@@ -52,15 +52,16 @@ class FrameSource final : public weft::Source {
     weft::SourceFrame frame;
     frame.time = weft::Time{script_.number(call, 0.04 * static_cast<double>(index))};
     frame.image.emplace();
-    frame.image->pixels = weft::Array<std::uint8_t>({120, has(wrong_size_, call) ? 200 : 160});
+    frame.image->pixels = weft::Array<std::uint8_t>({120, has(wrong_size_, call) ? 200 : 160}, 0);
     frame.image->stem = "f" + std::to_string(index);
     if (known_vertex_ >= 0) {
-      frame.known_points = {weft::Array<std::int32_t>({1}), weft::Array<double>({1, 3}),
-                            weft::Array<double>({1})};
+      frame.known_points = {weft::Array<std::int32_t>({1}, 0), weft::Array<double>({1, 3}, 0.0),
+                            weft::Array<double>({1}, 0.0)};
       frame.known_points->vertex(0) = known_vertex_;
     }
     if (truth_) {
-      frame.ground_truth = {weft::Array<double>({1, 2}), weft::Array<double>({1, 3}), "made", ""};
+      frame.ground_truth = {weft::Array<double>({1, 2}, 0.0), weft::Array<double>({1, 3}, 0.0),
+                            "made", ""};
       frame.ground_truth->points_m(0, 2) = kDistance_m;
     }
     return frame;
@@ -100,8 +101,8 @@ class Sheet final : public weft::TemplateBuilder {
     const int width = (columns_ - 1) * kCell_px + 1, height = (rows_ - 1) * kCell_px + 1;
     const std::int64_t count = std::int64_t{columns_} * rows_;
     weft::Template sheet;
-    sheet.vertices_m = weft::Array<double>({count, 3});
-    sheet.flat_px = weft::Array<double>({count, 2});
+    sheet.vertices_m = weft::Array<double>({count, 3}, 0.0);
+    sheet.flat_px = weft::Array<double>({count, 2}, 0.0);
     for (std::int64_t v = 0; v < count; ++v) {
       sheet.flat_px(v, 0) = static_cast<double>(kCell_px * (v % columns_));
       sheet.flat_px(v, 1) = static_cast<double>(kCell_px * (v / columns_));
@@ -109,10 +110,10 @@ class Sheet final : public weft::TemplateBuilder {
       sheet.vertices_m(v, 1) = kPitch_m * sheet.flat_px(v, 1);
     }
     sheet.faces = weft::make_array<std::int32_t>(*weft::rectangular_grid_faces(columns_, rows_));
-    sheet.m_per_px = weft::Array<double>({2});
+    sheet.m_per_px = weft::Array<double>({2}, 0.0);
     sheet.m_per_px(0) = sheet.m_per_px(1) = kPitch_m;
-    sheet.texture = weft::Array<std::uint8_t>({height, width});
-    sheet.mask = weft::Array<std::uint8_t>({height, width});
+    sheet.texture = weft::Array<std::uint8_t>({height, width}, 0);
+    sheet.mask = weft::Array<std::uint8_t>({height, width}, 0);
     std::fill_n(sheet.mask.data(), sheet.mask.size(), std::uint8_t{1});
     spoil(sheet);
     return sheet;
@@ -124,8 +125,8 @@ class Sheet final : public weft::TemplateBuilder {
   void spoil(weft::Template& sheet) const {
     if (defect_ == Defect::index) sheet.faces(0, 0) = 1'000'000;
     if (defect_ == Defect::flipped) std::swap(sheet.faces(0, 0), sheet.faces(0, 1));
-    if (defect_ == Defect::mask_size) sheet.mask = weft::Array<std::uint8_t>({2, 2});
-    if (defect_ == Defect::no_faces) sheet.faces = weft::Array<std::int32_t>({0, 3});
+    if (defect_ == Defect::mask_size) sheet.mask = weft::Array<std::uint8_t>({2, 2}, 0);
+    if (defect_ == Defect::no_faces) sheet.faces = weft::Array<std::int32_t>({0, 3}, 0);
     if (defect_ == Defect::nan) {
       sheet.vertices_m(0, 0) = std::numeric_limits<double>::quiet_NaN();
     }

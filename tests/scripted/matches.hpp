@@ -26,13 +26,13 @@ class GridDetector final : public weft::Detector {
     const bool on_template = in.image.stem == "template";
     const std::int64_t count = script_.length(in.call, count_);
     weft::Keypoints points;
-    points.xy_px = weft::Array<double>({count, 2});
-    points.scale_px = weft::Array<double>({count});
-    points.angle_rad = weft::Array<double>({count});
-    points.response = weft::Array<double>({count_});
-    points.octave = weft::Array<std::int32_t>({count});
+    points.xy_px = weft::Array<double>({count, 2}, 0.0);
+    points.scale_px = weft::Array<double>({count}, 0.0);
+    points.angle_rad = weft::Array<double>({count}, 0.0);
+    points.response = weft::Array<double>({count_}, 0.0);
+    points.octave = weft::Array<std::int32_t>({count}, 0);
     points.metric = "l2";
-    points.descriptors = weft::Array<float>({count, 4});
+    points.descriptors = weft::Array<float>({count, 4}, 0.0F);
     for (std::int64_t k = 0; k < count; ++k) {
       const double u = first_px_ + 15.0 * static_cast<double>(k % 6);
       const double v = first_px_ + 12.0 * static_cast<double>(k / 6);
@@ -50,12 +50,12 @@ class GridDetector final : public weft::Detector {
 
 inline weft::Correspondences make_matches(std::int64_t count) {
   weft::Correspondences matches;
-  matches.template_px = weft::Array<double>({count, 2});
-  matches.image_px = weft::Array<double>({count, 2});
-  matches.face = weft::Array<std::int32_t>({count});
-  matches.barycentrics = weft::Array<double>({count, 3});
-  matches.kept = weft::Array<std::uint8_t>({count});
-  matches.score = weft::Array<double>({count});
+  matches.template_px = weft::Array<double>({count, 2}, 0.0);
+  matches.image_px = weft::Array<double>({count, 2}, 0.0);
+  matches.face = weft::Array<std::int32_t>({count}, 0);
+  matches.barycentrics = weft::Array<double>({count, 3}, 0.0);
+  matches.kept = weft::Array<std::uint8_t>({count}, 0);
+  matches.score = weft::Array<double>({count}, 0.0);
   std::fill_n(matches.kept.data(), count, std::uint8_t{1});
   std::fill_n(matches.score.data(), count, 1.0);
   return matches;

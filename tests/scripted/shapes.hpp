@@ -35,7 +35,7 @@ class AffineWarp final : public weft::WarpModel {
     if (solver.rank() < 3) return weft::no_result("the matches lie on a line");
     weft::Warp warp;
     warp.producer = "warps/test.scripted";
-    warp.domain_px = weft::Array<double>({4});
+    warp.domain_px = weft::Array<double>({4}, 0.0);
     warp.model.entries.push_back(
         {"model.affine", weft::make_array<double>(Eigen::MatrixX2d(solver.solve(pixels)))});
     return script_.answer(in.call, std::move(warp));
@@ -46,8 +46,8 @@ class AffineWarp final : public weft::WarpModel {
     const auto affine = in.warp.model.find("model.affine")->matrix<2>();
     const std::int64_t count = in.points.xy_px.rows() - (has(short_samples_, in.call) ? 1 : 0);
     weft::WarpSamples samples;
-    samples.xy_px = weft::Array<double>({count, 2});
-    samples.valid = weft::Array<std::uint8_t>({count});
+    samples.xy_px = weft::Array<double>({count, 2}, 0.0);
+    samples.valid = weft::Array<std::uint8_t>({count}, 0);
     for (std::int64_t i = 0; i < count; ++i) {
       const Eigen::RowVector3d texel(in.points.xy_px(i, 0), in.points.xy_px(i, 1), 1.0);
       samples.xy_px.matrix<2>().row(i) = texel * affine;
@@ -62,9 +62,9 @@ class AffineWarp final : public weft::WarpModel {
 };
 
 inline weft::Visibility all_visible(std::int64_t count) {
-  weft::Visibility visibility{weft::Array<std::uint8_t>({count}),
-                              weft::Array<double>({count}),
-                              weft::Array<std::uint8_t>({count}),
+  weft::Visibility visibility{weft::Array<std::uint8_t>({count}, 0),
+                              weft::Array<double>({count}, 0.0),
+                              weft::Array<std::uint8_t>({count}, 0),
                               {}};
   std::fill_n(visibility.visible.data(), count, std::uint8_t{1});
   return visibility;
@@ -87,12 +87,12 @@ class VertexPass final : public weft::Pass {
     const std::int64_t count = in.templ.vertices_m.rows();
     out.visibility = all_visible(script_.length(in.call, count));
     weft::Sightlines& lines = out.sightlines.emplace();
-    lines.vertex = weft::Array<std::int32_t>({count});
-    lines.face = weft::Array<std::int32_t>({count});
-    lines.barycentrics = weft::Array<double>({count, 3});
-    lines.pixel_px = weft::Array<double>({count, 2});
-    lines.ray = weft::Array<double>({count, 3});
-    lines.weight = weft::Array<double>({count});
+    lines.vertex = weft::Array<std::int32_t>({count}, 0);
+    lines.face = weft::Array<std::int32_t>({count}, 0);
+    lines.barycentrics = weft::Array<double>({count, 3}, 0.0);
+    lines.pixel_px = weft::Array<double>({count, 2}, 0.0);
+    lines.ray = weft::Array<double>({count, 3}, 0.0);
+    lines.weight = weft::Array<double>({count}, 0.0);
     lines.coverage = 1.0;
     for (std::int64_t v = 0; v < count; ++v) {
       const double x = in.warp_samples->xy_px(v, 0), y = in.warp_samples->xy_px(v, 1);
@@ -149,8 +149,8 @@ class PlaneSolver final : public weft::Solver {
     if (auto failure = script_.failure(in.call)) return *failure;
     const std::int64_t count = script_.length(in.call, in.templ.vertices_m.rows());
     weft::Shape shape;
-    shape.vertices_m = weft::Array<double>({count, 3});
-    shape.source = weft::Array<std::uint8_t>({count});
+    shape.vertices_m = weft::Array<double>({count, 3}, 0.0);
+    shape.source = weft::Array<std::uint8_t>({count}, 0);
     for (std::int64_t i = 0; i < in.sightlines->count(); ++i) {
       const std::int32_t v = in.sightlines->vertex(i);
       for (int k = 0; k < 3; ++k) {
@@ -194,8 +194,8 @@ class WarpSolver final : public weft::Solver {
     if (!samples) return samples.error();
     const std::int64_t count = in.templ.vertices_m.rows();
     weft::Shape shape;
-    shape.vertices_m = weft::Array<double>({count, 3});
-    shape.source = weft::Array<std::uint8_t>({count});
+    shape.vertices_m = weft::Array<double>({count, 3}, 0.0);
+    shape.source = weft::Array<std::uint8_t>({count}, 0);
     for (std::int64_t v = 0; v < count; ++v) {
       shape.vertices_m(v, 0) = (samples->xy_px(v, 0) - in.camera.cx) * kDistance_m / in.camera.fx;
       shape.vertices_m(v, 1) = (samples->xy_px(v, 1) - in.camera.cy) * kDistance_m / in.camera.fy;
@@ -215,7 +215,7 @@ class KnownSolver final : public weft::Solver {
   weft::Result<weft::Shape> solve(const weft::SolverInput& in) override {
     weft::Shape shape;
     shape.vertices_m = weft::make_array<double>(weft::Points3View(in.templ.vertices_m.matrix<3>()));
-    shape.source = weft::Array<std::uint8_t>({shape.vertices_m.rows()});
+    shape.source = weft::Array<std::uint8_t>({shape.vertices_m.rows()}, 0);
     shape.vertices_m(in.known_points->vertex(0), 2) = kDistance_m;
     return shape;
   }

@@ -51,11 +51,11 @@ TEST_F(Misbehaviour, ThrowingInPrepareIsAnErrorWithTheId) {
   Subject thrower(registry_, "filters/zoo_throws", "{in: prepare}");
   ASSERT_TRUE(thrower.created());
   Template templ;
-  templ.vertices_m = Array<double>({3, 3});
-  templ.flat_px = Array<double>({3, 2});
-  templ.faces = Array<std::int32_t>({1, 3});
-  templ.texture = Array<std::uint8_t>({4, 4});
-  templ.mask = Array<std::uint8_t>({4, 4});
+  templ.vertices_m = Array<double>({3, 3}, 0.0);
+  templ.flat_px = Array<double>({3, 2}, 0.0);
+  templ.faces = Array<std::int32_t>({1, 3}, 0);
+  templ.texture = Array<std::uint8_t>({4, 4}, 0);
+  templ.mask = Array<std::uint8_t>({4, 4}, 0);
   const auto ready = thrower.lane().prepare(**thrower.created(), *host::Record::copy_of(templ),
                                             *host::Record::copy_of(Camera{}));
   ASSERT_FALSE(ready);
@@ -107,11 +107,11 @@ TEST_F(Misbehaviour, OutputsThatNoReaderCouldUseAreErrors) {
 
 TEST_F(Misbehaviour, AnOutputThatAPassPromisedAndForgotIsAnError) {
   Template templ;
-  templ.vertices_m = Array<double>({4, 3});
-  templ.flat_px = Array<double>({4, 2});
-  templ.faces = Array<std::int32_t>({1, 3});
-  templ.texture = Array<std::uint8_t>({4, 4});
-  templ.mask = Array<std::uint8_t>({4, 4});
+  templ.vertices_m = Array<double>({4, 3}, 0.0);
+  templ.flat_px = Array<double>({4, 2}, 0.0);
+  templ.faces = Array<std::int32_t>({1, 3}, 0);
+  templ.texture = Array<std::uint8_t>({4, 4}, 0);
+  templ.mask = Array<std::uint8_t>({4, 4}, 0);
   const Camera camera;
   const RecordView<Template> template_view("template", templ);
   const RecordView<Camera> camera_view("camera", camera);

@@ -98,14 +98,14 @@ class Deadly final : public weft::Filter {
 
   weft::Result<weft::InlierMask> filter(const weft::FilterInput& in) override {
     const std::int64_t n = in.correspondences.count();
-    weft::InlierMask mask{weft::Array<std::uint8_t>({n}), weft::Array<double>({n}), {}};
+    weft::InlierMask mask{weft::Array<std::uint8_t>({n}, 0), weft::Array<double>({n}, 0.0), {}};
     mask.diag.set("prepared", prepared_ ? 1.0 : 0.0);
     mask.diag.set("process", static_cast<double>(getpid()));
     if (where_ != Place::process) return mask;
     if (frame_ >= 0 && static_cast<std::uint64_t>(frame_) != in.call.frame()) return mask;
     act();
     if (deed_ == Deed::log) in.call.log_warning("so far so good");
-    if (deed_ == Deed::large) mask.diag.set("large", weft::Array<double>({5'000'000}));
+    if (deed_ == Deed::large) mask.diag.set("large", weft::Array<double>({5'000'000}, 0.0));
     while (deed_ == Deed::obey) {
       if (in.call.cancelled()) return weft::Error{weft::Errc::cancelled, "as you wish"};
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -154,9 +154,9 @@ class Reader final : public weft::Pass {
     if (!samples) return samples.error();
     const std::int64_t count = samples->xy_px.rows();
     weft::PassOutput out;
-    out.visibility = {weft::Array<std::uint8_t>({count}),
-                      weft::Array<double>({count}),
-                      weft::Array<std::uint8_t>({count}),
+    out.visibility = {weft::Array<std::uint8_t>({count}, 0),
+                      weft::Array<double>({count}, 0.0),
+                      weft::Array<std::uint8_t>({count}, 0),
                       {}};
     for (std::int64_t v = 0; v < count; ++v) out.visibility->score(v) = samples->xy_px(v, 0);
     return out;

@@ -13,9 +13,9 @@ class Forgets final : public weft::Pass {
   weft::Result<weft::PassOutput> run(const weft::PassInput&) override {
     weft::PassOutput out;
     const std::int64_t n = vertices_;
-    out.visibility = weft::Visibility{weft::Array<std::uint8_t>({n}),
-                                      weft::Array<double>({n}),
-                                      weft::Array<std::uint8_t>({n}),
+    out.visibility = weft::Visibility{weft::Array<std::uint8_t>({n}, 0),
+                                      weft::Array<double>({n}, 0.0),
+                                      weft::Array<std::uint8_t>({n}, 0),
                                       {}};
     return out;
   }

@@ -31,7 +31,7 @@ class Good final : public weft::Filter {
 
   weft::Result<weft::InlierMask> filter(const weft::FilterInput& in) override {
     const std::int64_t n = in.correspondences.count();
-    weft::InlierMask mask{weft::Array<std::uint8_t>({n}), weft::Array<double>({n}), {}};
+    weft::InlierMask mask{weft::Array<std::uint8_t>({n}, 0), weft::Array<double>({n}, 0.0), {}};
     for (std::int64_t i = 0; i < n; ++i) {
       mask.kept(i) = 1;
       mask.score(i) = 1.0;
@@ -82,7 +82,7 @@ class Strict final : public weft::Filter {
 
   weft::Result<weft::InlierMask> filter(const weft::FilterInput& in) override {
     const std::int64_t n = in.correspondences.count();
-    weft::InlierMask mask{weft::Array<std::uint8_t>({n}), weft::Array<double>({n}), {}};
+    weft::InlierMask mask{weft::Array<std::uint8_t>({n}, 0), weft::Array<double>({n}, 0.0), {}};
     mask.diag.set("ratio", ratio_);
     mask.diag.set("rounds", rounds_);
     return weft::degenerate(std::move(mask), "keeps nothing");
@@ -108,8 +108,8 @@ class Shift final : public weft::WarpModel {
     if (always_fails_) return weft::no_result("told to fail");
     weft::Warp warp;
     warp.producer = "warps/zoo_shift";
-    warp.domain_px = weft::Array<double>({4});
-    weft::Array<double> shift({1});
+    warp.domain_px = weft::Array<double>({4}, 0.0);
+    weft::Array<double> shift({1}, 0.0);
     shift(0) = shift_px_;
     warp.model.entries.push_back({"model.shift_px", shift});
     return warp;
@@ -120,8 +120,8 @@ class Shift final : public weft::WarpModel {
     if (shift == nullptr) return weft::Error{weft::Errc::invalid_data, "not my warp"};
     const std::int64_t count = std::max<std::int64_t>(in.points.xy_px.rows() + extra_samples_, 0);
     weft::WarpSamples samples;
-    samples.xy_px = weft::Array<double>({count, 2});
-    samples.valid = weft::Array<std::uint8_t>({count});
+    samples.xy_px = weft::Array<double>({count, 2}, 0.0);
+    samples.valid = weft::Array<std::uint8_t>({count}, 0);
     for (std::int64_t i = 0; i < std::min(count, in.points.xy_px.rows()); ++i) {
       samples.xy_px(i, 0) = in.points.xy_px(i, 0) + (*shift)(0);
       samples.xy_px(i, 1) = in.points.xy_px(i, 1);

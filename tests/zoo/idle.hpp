@@ -10,6 +10,6 @@ class Idle final : public weft::Filter {
 
   weft::Result<weft::InlierMask> filter(const weft::FilterInput& in) override {
     const std::int64_t n = in.correspondences.count();
-    return weft::InlierMask{weft::Array<std::uint8_t>({n}), weft::Array<double>({n}), {}};
+    return weft::InlierMask{weft::Array<std::uint8_t>({n}, 0), weft::Array<double>({n}, 0.0), {}};
   }
 };

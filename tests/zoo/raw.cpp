@@ -122,8 +122,12 @@ std::int32_t process(void* self, const weft_call* call, const weft_record* input
   }
   auto* kept = static_cast<std::uint8_t*>(
       call->host->alloc(call, "inlier_mask", "inlier_mask/1", "kept", WEFT_U8, 1, &n));
-  call->host->alloc(call, "inlier_mask", "inlier_mask/1", "score", WEFT_F64, 1, &n);
-  for (std::int64_t i = 0; i < n; ++i) kept[i] = 1;
+  auto* score = static_cast<double*>(
+      call->host->alloc(call, "inlier_mask", "inlier_mask/1", "score", WEFT_F64, 1, &n));
+  for (std::int64_t i = 0; i < n; ++i) {
+    kept[i] = 1;
+    score[i] = 0.0;
+  }
   return WEFT_OK;
 }
 

@@ -39,7 +39,7 @@ class Throws final : public weft::Filter {
       throw_in(Place::process);
     }
     const std::int64_t n = in.correspondences.count();
-    weft::InlierMask mask{weft::Array<std::uint8_t>({n}), weft::Array<double>({n}), {}};
+    weft::InlierMask mask{weft::Array<std::uint8_t>({n}, 0), weft::Array<double>({n}, 0.0), {}};
     std::fill_n(mask.kept.data(), n, std::uint8_t{1});
     return mask;
   }

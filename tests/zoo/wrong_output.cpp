@@ -41,15 +41,16 @@ class WrongOutput final : public weft::Filter {
     const Mistake mistake = due ? mistake_ : Mistake::none;
     const std::int64_t n = in.correspondences.count();
     const std::int64_t length = mistake == Mistake::shorter ? n - 1 : n;
-    weft::InlierMask mask{weft::Array<std::uint8_t>({length}), weft::Array<double>({length}), {}};
+    weft::InlierMask mask{
+        weft::Array<std::uint8_t>({length}, 0), weft::Array<double>({length}, 0.0), {}};
     std::fill_n(mask.kept.data(), length, std::uint8_t{1});
-    if (mistake == Mistake::disagree) mask.score = weft::Array<double>({n + 2});
-    if (mistake == Mistake::two_columns) mask.score = weft::Array<double>({n, 2});
+    if (mistake == Mistake::disagree) mask.score = weft::Array<double>({n + 2}, 0.0);
+    if (mistake == Mistake::two_columns) mask.score = weft::Array<double>({n, 2}, 0.0);
     if (mistake == Mistake::nan) mask.score(n - 1) = std::nan("");
     if (mistake == Mistake::infinity) mask.score(0) = std::numeric_limits<double>::infinity();
     if (mistake == Mistake::absent) mask.kept = {};
     if (mistake == Mistake::bad_name) mask.diag.set("../../escape", 1.0);
-    if (mistake == Mistake::negative) mask.score = weft::Array<double>({n - 1000});
+    if (mistake == Mistake::negative) mask.score = weft::Array<double>({n - 1000}, 0.0);
     return mask;
   }
 

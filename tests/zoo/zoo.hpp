@@ -97,12 +97,12 @@ inline Resolved resolve(const host::Registry& registry, const std::string& id,
 /// `count` matches on a line, all kept, without a template.
 inline Correspondences make_matches(std::int64_t count) {
   Correspondences matches;
-  matches.template_px = Array<double>({count, 2});
-  matches.image_px = Array<double>({count, 2});
-  matches.face = Array<std::int32_t>({count});
-  matches.barycentrics = Array<double>({count, 3});
-  matches.kept = Array<std::uint8_t>({count});
-  matches.score = Array<double>({count});
+  matches.template_px = Array<double>({count, 2}, 0.0);
+  matches.image_px = Array<double>({count, 2}, 0.0);
+  matches.face = Array<std::int32_t>({count}, 0);
+  matches.barycentrics = Array<double>({count, 3}, 0.0);
+  matches.kept = Array<std::uint8_t>({count}, 0);
+  matches.score = Array<double>({count}, 0.0);
   for (std::int64_t i = 0; i < count; ++i) {
     matches.template_px(i, 0) = 10.0 + static_cast<double>(i);
     matches.kept(i) = 1;

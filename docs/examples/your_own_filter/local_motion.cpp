@@ -16,7 +16,7 @@ struct LocalMotion final : weft::Filter {
     const auto at = in.correspondences.template_px.matrix<2>();
     const Eigen::MatrixX2d motion = in.correspondences.image_px.matrix<2>() - at;
     std::int64_t n = in.correspondences.count(), judged = 0;
-    weft::InlierMask mask{weft::Array<std::uint8_t>({n}), weft::Array<double>({n}), {}};
+    weft::InlierMask mask{weft::Array<std::uint8_t>({n}, 0), weft::Array<double>({n}, 0.0), {}};
     for (std::int64_t i = 0; i < n; ++i) {
       if (!in.correspondences.kept(i)) continue;  // an earlier filter rejected it
       std::vector<double> u, v;

@@ -134,7 +134,9 @@ typedef struct weft_host {
   uint32_t struct_size;
   uint32_t reserved;
   /* A 64-byte aligned, contiguous, C-order array owned by the host, as part of the output record
-   * `slot` of type `type`. Asking again for the same array replaces it. Null when refused. */
+   * `slot` of type `type`. It is not cleared: who asks for it writes all of it, and a host that is
+   * built for debugging or with a sanitizer has filled it with 0xFF bytes, NaN where it is of
+   * floating point. Asking again for the same array replaces it. Null when refused. */
   void* (*alloc)(const weft_call* call, const char* slot, const char* type, const char* array,
                  int32_t dtype, int32_t ndim, const int64_t* shape);
   /* Non-zero when the plugin should return WEFT_CANCELLED; ask at least every 5 ms. */

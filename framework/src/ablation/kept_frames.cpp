@@ -14,8 +14,8 @@ using host::RecordPtr;
 RecordPtr without_texture(const Record& templ) {
   auto sheet = host::view_as<Template>(templ);
   if (!sheet) return nullptr;
-  sheet->texture = Array<std::uint8_t>({1, 1});
-  sheet->mask = Array<std::uint8_t>({1, 1});
+  sheet->texture = Array<std::uint8_t>({1, 1}, 0);
+  sheet->mask = Array<std::uint8_t>({1, 1}, 0);
   return Record::copy_of(*sheet);
 }
 

@@ -22,20 +22,21 @@ void show(Scene& scene, std::initializer_list<std::int64_t> shape, std::uint8_t 
   scene.image.pixels = Array<std::uint8_t>(shape);
   std::fill_n(scene.image.pixels.data(), scene.image.pixels.size(), grey);
   if (scene.image.pixels.size() > 0) {
-    scene.region.mask = Array<std::uint8_t>({scene.image.pixels.dim(0), scene.image.pixels.dim(1)});
+    scene.region.mask =
+        Array<std::uint8_t>({scene.image.pixels.dim(0), scene.image.pixels.dim(1)}, 0);
     std::fill_n(scene.region.mask.data(), scene.region.mask.size(), std::uint8_t{1});
   }
 }
 
 Keypoints no_keypoints(const Keypoints& like) {
   Keypoints none;
-  none.xy_px = Array<double>({0, 2});
-  none.scale_px = none.angle_rad = none.response = Array<double>({0});
-  none.octave = Array<std::int32_t>({0});
+  none.xy_px = Array<double>({0, 2}, 0.0);
+  none.scale_px = none.angle_rad = none.response = Array<double>({0}, 0.0);
+  none.octave = Array<std::int32_t>({0}, 0);
   none.metric = like.metric;
-  none.descriptors = Array<float>({0, like.descriptors.dim(1)});
-  if (like.face.present()) none.face = Array<std::int32_t>({0});
-  if (like.face.present()) none.barycentrics = Array<double>({0, 3});
+  none.descriptors = Array<float>({0, like.descriptors.dim(1)}, 0.0F);
+  if (like.face.present()) none.face = Array<std::int32_t>({0}, 0);
+  if (like.face.present()) none.barycentrics = Array<double>({0, 3}, 0.0);
   return none;
 }
 
@@ -50,7 +51,7 @@ const Change kChanges[] = {
     {"image", "with a colour image", Expect::answer,
      [](Scene& s) {
        const Array<std::uint8_t> grey = s.image.pixels;
-       s.image.pixels = Array<std::uint8_t>({grey.dim(0), grey.dim(1), 3});
+       s.image.pixels = Array<std::uint8_t>({grey.dim(0), grey.dim(1), 3}, 0);
        for (std::int64_t i = 0; i < s.image.pixels.size(); ++i) {
          s.image.pixels.data()[i] = grey.data()[i / 3];
        }
@@ -71,7 +72,7 @@ const Change kChanges[] = {
      [](Scene& s) { std::fill_n(s.region.mask.data(), s.region.mask.size(), std::uint8_t{0}); }},
     {"region", "with a region of another size", Expect::any,
      [](Scene& s) {
-       s.region.mask = Array<std::uint8_t>({10, 20});
+       s.region.mask = Array<std::uint8_t>({10, 20}, 0);
      }},
     {"keypoints", "with bits for descriptors", Expect::any,
      [](Scene& s) {
@@ -130,8 +131,8 @@ const Change kChanges[] = {
      }},
     {"visibility", "with nothing visible", Expect::any,
      [](Scene& s) {
-       s.visibility.visible = Array<std::uint8_t>({s.visibility.visible.rows()});
-       s.visibility.score = Array<double>({s.visibility.visible.rows()});
+       s.visibility.visible = Array<std::uint8_t>({s.visibility.visible.rows()}, 0);
+       s.visibility.score = Array<double>({s.visibility.visible.rows()}, 0.0);
      }},
 };
 

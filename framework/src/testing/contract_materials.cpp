@@ -43,11 +43,11 @@ void draw_discs(Array<std::uint8_t>& pixels, Rng& rng) {
 void describe(LabelledMatches& drawn, Rng& rng) {
   Correspondences& matches = drawn.matches;
   const std::int64_t count = matches.count();
-  matches.template_keypoint = Array<std::int32_t>({count});
-  matches.image_keypoint = Array<std::int32_t>({count});
+  matches.template_keypoint = Array<std::int32_t>({count}, 0);
+  matches.image_keypoint = Array<std::int32_t>({count}, 0);
   for (auto* values :
        {&matches.distance, &matches.ratio, &matches.scale_ratio, &matches.angle_difference_rad}) {
-    *values = Array<double>({count});
+    *values = Array<double>({count}, 0.0);
   }
   for (std::int64_t i = 0; i < count; ++i) {
     const bool correct = drawn.correct[to_index(i)] != 0;
@@ -63,12 +63,12 @@ Keypoints make_keypoints(const Points2View& places, Rng rng, double noise, Rng n
   const Eigen::Index count = places.rows();
   Keypoints keypoints;
   keypoints.xy_px = make_array<double>(places);
-  keypoints.scale_px = Array<double>({count});
-  keypoints.angle_rad = Array<double>({count});
-  keypoints.response = Array<double>({count});
-  keypoints.octave = Array<std::int32_t>({count});
+  keypoints.scale_px = Array<double>({count}, 0.0);
+  keypoints.angle_rad = Array<double>({count}, 0.0);
+  keypoints.response = Array<double>({count}, 0.0);
+  keypoints.octave = Array<std::int32_t>({count}, 0);
   keypoints.metric = "l2";
-  keypoints.descriptors = Array<float>({count, kDescriptorLength});
+  keypoints.descriptors = Array<float>({count, kDescriptorLength}, 0.0F);
   for (Eigen::Index i = 0; i < count; ++i) {
     keypoints.scale_px(i) = 3.0;
     keypoints.response(i) = 1.0 + rng.uniform();
@@ -83,7 +83,7 @@ Keypoints make_keypoints(const Points2View& places, Rng rng, double noise, Rng n
 Keypoints with_bits(Keypoints keypoints) {
   const std::int64_t count = keypoints.count();
   keypoints.metric = "hamming";
-  keypoints.binary_descriptors = Array<std::uint8_t>({count, kDescriptorLength / 8});
+  keypoints.binary_descriptors = Array<std::uint8_t>({count, kDescriptorLength / 8}, 0);
   for (std::int64_t i = 0; i < count; ++i) {
     for (std::int64_t d = 0; d + 1 < kDescriptorLength; ++d) {
       const bool bit = keypoints.descriptors(i, d) < keypoints.descriptors(i, d + 1);
@@ -99,8 +99,8 @@ WarpSamples sample_truth(const Template& templ, const Camera& camera,
   const TrueMap map{templ, camera, sheet};
   const auto points = templ.flat_px.matrix<2>();
   const Eigen::Index count = points.rows();
-  WarpSamples samples{Array<double>({count, 2}), Array<double>({count, 2, 2}),
-                      Array<double>({count, 2, 3}), Array<std::uint8_t>({count})};
+  WarpSamples samples{Array<double>({count, 2}, 0.0), Array<double>({count, 2, 2}, 0.0),
+                      Array<double>({count, 2, 3}, 0.0), Array<std::uint8_t>({count}, 0)};
   constexpr double kStep = 1.0;
   for (Eigen::Index i = 0; i < count; ++i) {
     const double u = points(i, 0), v = points(i, 1);
@@ -126,15 +126,17 @@ WarpSamples sample_truth(const Template& templ, const Camera& camera,
 Shape shape_at(const Points3& vertices_m) {
   Shape shape;
   shape.vertices_m = make_array<double>(vertices_m);
-  shape.source = Array<std::uint8_t>({vertices_m.rows()});
+  shape.source = Array<std::uint8_t>({vertices_m.rows()}, 0);
   std::fill_n(shape.source.data(), vertices_m.rows(), std::uint8_t{1});
   shape.confidence = 0.9;
   return shape;
 }
 
 Visibility all_visible(std::int64_t count) {
-  Visibility visibility{
-      Array<std::uint8_t>({count}), Array<double>({count}), Array<std::uint8_t>({count}), {}};
+  Visibility visibility{Array<std::uint8_t>({count}, 0),
+                        Array<double>({count}, 0.0),
+                        Array<std::uint8_t>({count}, 0),
+                        {}};
   std::fill_n(visibility.visible.data(), count, std::uint8_t{1});
   std::fill_n(visibility.score.data(), count, 1.0);
   return visibility;
@@ -150,7 +152,8 @@ GroundTruth truth_of(const Template& templ, const Points3& vertices_m) {
 }
 
 KnownPoints held_corners(const Points3& vertices_m) {
-  KnownPoints known{Array<std::int32_t>({2}), Array<double>({2, 3}), Array<double>({2})};
+  KnownPoints known{Array<std::int32_t>({2}, 0), Array<double>({2, 3}, 0.0),
+                    Array<double>({2}, 0.0)};
   const Eigen::Index last = vertices_m.rows() - 1;
   known.vertex(1) = static_cast<std::int32_t>(last);
   known.points_m.matrix<3>().row(0) = vertices_m.row(0);

@@ -18,7 +18,7 @@ Array<T> pick(const Array<T>& values, const std::vector<std::int64_t>& rows) {
   if (!values.present() || values.ndim() == 0) return values;
   const auto count = static_cast<std::int64_t>(rows.size());
   const std::int64_t width = values.row_elements();
-  Array<T> picked = values.ndim() == 2 ? Array<T>({count, width}) : Array<T>({count});
+  Array<T> picked = values.ndim() == 2 ? Array<T>({count, width}, 0) : Array<T>({count}, 0);
   for (std::int64_t i = 0; i < count; ++i) {
     std::copy_n(values.row(rows[to_index(i)]), width, picked.row(i));
   }
@@ -69,19 +69,19 @@ void Scene::follow_matches() {
     if (usable) seen.push_back(i);
   }
   const auto count = static_cast<std::int64_t>(seen.size());
-  sightlines.vertex = Array<std::int32_t>({count});
+  sightlines.vertex = Array<std::int32_t>({count}, 0);
   std::fill_n(sightlines.vertex.data(), count, -1);
   sightlines.face = pick(all.face, seen);
   sightlines.barycentrics = pick(all.barycentrics, seen);
   sightlines.pixel_px = pick(all.image_px, seen);
   sightlines.ray = make_array<double>(unit_rays(pinhole(camera), sightlines.pixel_px.matrix<2>()));
-  sightlines.weight = Array<double>({count});
+  sightlines.weight = Array<double>({count}, 0.0);
   std::fill_n(sightlines.weight.data(), count, 1.0);
   sightlines.coverage = std::min(1.0, static_cast<double>(count) / 40.0);
-  weights.weight = Array<double>({all.count()});
+  weights.weight = Array<double>({all.count()}, 0.0);
   std::fill_n(weights.weight.data(), all.count(), 0.75);
   ground_truth.match_xy_px = make_array<double>(matches.true_px);
-  ground_truth.match_label = Array<std::int8_t>({all.count()});
+  ground_truth.match_label = Array<std::int8_t>({all.count()}, 0);
   for (std::int64_t i = 0; i < all.count(); ++i) {
     ground_truth.match_label(i) = static_cast<std::int8_t>(matches.correct[to_index(i)]);
   }
@@ -180,10 +180,10 @@ Scene make_scene(int number) {
   scene.known_points = held_corners(vertices_m);
   scene.time.t_s = 0.04 * number;
   scene.image.stem = number == 0 ? "000000" : "000001";
-  scene.image.pixels = Array<std::uint8_t>({scene.camera.height_px, scene.camera.width_px});
+  scene.image.pixels = Array<std::uint8_t>({scene.camera.height_px, scene.camera.width_px}, 0);
   draw_discs(scene.image.pixels, rng);
   draw_sheet(scene.templ, scene.camera, sheet, scene.image.pixels);
-  scene.region.mask = Array<std::uint8_t>({scene.camera.height_px, scene.camera.width_px});
+  scene.region.mask = Array<std::uint8_t>({scene.camera.height_px, scene.camera.width_px}, 0);
   for (std::int64_t y = 0; y < scene.camera.height_px; ++y) {
     std::fill_n(scene.region.mask.row(y), scene.camera.width_px / 2, std::uint8_t{1});
   }

@@ -89,7 +89,7 @@ void check_warp(const Subject& subject, Checks& checks) {
   checks.expect(elsewhere.empty(), "by an instance that fitted nothing, " + elsewhere);
 
   checks.begin("evaluated at no point");
-  const Answer nothing = performer.evaluate(warp, {Array<double>({0, 2}), 0});
+  const Answer nothing = performer.evaluate(warp, {Array<double>({0, 2}, 0.0), 0});
   checks.expect(nothing.is_usable(), "says " + to_text(nothing));
   check_derivatives(performer, warp, points, 1, checks);
   check_derivatives(performer, warp, points, 2, checks);

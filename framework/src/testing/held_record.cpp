@@ -5,7 +5,7 @@
 
 namespace weft::testing {
 
-RecordMaker::RecordMaker(const char* type) : record_(std::make_shared<host::Record>(type)) {}
+RecordMaker::RecordMaker(const char* type) : record_(host::Record::make(type)) {}
 
 void* RecordMaker::operator()(const char* name, std::int32_t dtype, int ndim,
                               const std::int64_t* shape) {

@@ -12,8 +12,11 @@ struct PluginUnderTest::Host {
 
   PluginAnswer keep(host::Outcome outcome) {
     for (const auto& [slot, record] : outcome.outputs) kept.push_back(record);
-    return {outcome.status, outcome.error.code, outcome.error.message, outcome.error.where,
-            std::move(outcome.outputs)};
+    return {outcome.status,
+            outcome.error.code,
+            outcome.error.message,
+            outcome.error.where,
+            {outcome.outputs.begin(), outcome.outputs.end()}};
   }
 
   host::Registry registry;

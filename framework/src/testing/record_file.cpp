@@ -14,7 +14,7 @@ void write_record_file(const std::string& file, const char* slot, HeldRecord rec
 RecordFile::RecordFile(const std::string& file) {
   auto read = host::read_npz(file);
   if (!read) throw std::runtime_error(file + ": " + read.error().message);
-  records_ = *std::move(read);
+  records_.assign(read->begin(), read->end());
 }
 
 }  // namespace weft::testing

@@ -72,8 +72,8 @@ Template make_template(const SheetSpec& spec) {
   templ.faces =
       make_array<std::int32_t>(value_or_throw(rectangular_grid_faces(spec.columns, spec.rows)));
   templ.m_per_px = make_array<double>(pitch);
-  templ.texture = Array<std::uint8_t>({spec.height_px, spec.width_px});
-  templ.mask = Array<std::uint8_t>({spec.height_px, spec.width_px});
+  templ.texture = Array<std::uint8_t>({spec.height_px, spec.width_px}, 0);
+  templ.mask = Array<std::uint8_t>({spec.height_px, spec.width_px}, 0);
   std::fill_n(templ.texture.data(), templ.texture.size(), std::uint8_t{128});
   std::fill_n(templ.mask.data(), templ.mask.size(), std::uint8_t{1});
   return templ;

@@ -71,11 +71,10 @@ SheetRenderer::SheetRenderer(const Camera& camera, MipTexture print, const Point
 View SheetRenderer::render_nothing() const {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   View view{background_, {}, {}, {}, {}, {}};
-  view.coverage = Array<float>({height_, width_});
+  view.coverage = Array<float>({height_, width_}, 0.0F);
   view.hits.resize(background_.pixels.size());
-  view.depth_m = Array<float>({height_, width_});
-  view.uv_px = Array<float>({height_, width_, 2});
-  std::fill_n(view.uv_px.data(), view.uv_px.size(), kNone);
+  view.depth_m = Array<float>({height_, width_}, 0.0F);
+  view.uv_px = Array<float>({height_, width_, 2}, kNone);
   view.is_visible.resize(to_index(uv_px_.rows()));
   return view;
 }

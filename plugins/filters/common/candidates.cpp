@@ -72,10 +72,8 @@ InlierMask mask_of(const Correspondences& correspondences, const Candidates& can
                    std::span<const std::uint8_t> keep, std::span<const double> score) {
   const std::int64_t count = correspondences.count();
   InlierMask mask;
-  mask.kept = Array<std::uint8_t>({count});
-  mask.score = Array<double>({count});
-  std::fill_n(mask.kept.data(), count, std::uint8_t{0});
-  std::fill_n(mask.score.data(), count, 0.0);
+  mask.kept = Array<std::uint8_t>({count}, 0);
+  mask.score = Array<double>({count}, 0.0);
   const auto judge = [&](std::int64_t match, std::size_t k) {
     mask.kept(match) = keep[k];
     mask.score(match) = score[k];

@@ -95,7 +95,9 @@ Result<void> Consensus::collect(const FilterInput& in) {
   template_px_ = matches.template_px.matrix<2>()(candidates_, Eigen::all);
   image_px_ = matches.image_px.matrix<2>()(candidates_, Eigen::all);
   if (used_.rows() != matches.count()) used_ = Array<std::uint8_t>({matches.count()});
-  if (weights_.weight.rows() != matches.count()) weights_.weight = Array<double>({matches.count()});
+  if (weights_.weight.rows() != matches.count()) {
+    weights_.weight = Array<double>({matches.count()}, 0.0);
+  }
   return {};
 }
 

@@ -91,8 +91,8 @@ class MyNeighbor final : public weft::Filter {
     const Eigen::VectorXd none =
         Eigen::VectorXd::Constant(n, std::numeric_limits<double>::quiet_NaN());
     InlierMask mask;
-    mask.kept = weft::Array<std::uint8_t>({n});
-    mask.score = weft::Array<double>({n});
+    mask.kept = weft::Array<std::uint8_t>({n}, 0);
+    mask.score = weft::Array<double>({n}, 0.0);
     weft::Array<double> factor = weft::make_array<double>(none);
     weft::Array<double> distance = weft::make_array<double>(none);
     weft::Array<double> stage = weft::make_array<double>(none);

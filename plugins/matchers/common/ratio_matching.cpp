@@ -30,7 +30,7 @@ Correspondences correspondences(const std::vector<Match>& matches, const Keypoin
   out.template_keypoint = Array<std::int32_t>({count});
   out.image_keypoint = Array<std::int32_t>({count});
   out.face = Array<std::int32_t>({count});
-  out.barycentrics = Array<double>({count, 3});
+  out.barycentrics = Array<double>({count, 3}, 0.0);
   out.distance = Array<double>({count});
   out.ratio = Array<double>({count});
   out.scale_ratio = Array<double>({count});

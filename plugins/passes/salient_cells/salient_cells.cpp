@@ -19,13 +19,13 @@ constexpr double kLowCoverage = 0.1;
 /// What is put on a ray: the vertices of salient faces at their warped positions, or the matches.
 enum class Mode { vertices, matches };
 
-/// An empty record of `count` sightlines.
+/// A record of `count` sightlines, all weights in their faces 0.
 Sightlines make_sightlines(std::size_t count) {
   const auto n = static_cast<std::int64_t>(count);
   Sightlines lines;
   lines.vertex = Array<std::int32_t>({n});
   lines.face = Array<std::int32_t>({n});
-  lines.barycentrics = Array<double>({n, 3});
+  lines.barycentrics = Array<double>({n, 3}, 0.0);
   lines.pixel_px = Array<double>({n, 2});
   lines.ray = Array<double>({n, 3});
   lines.weight = Array<double>({n});

@@ -185,7 +185,7 @@ class BrunetMdh final : public Solver {
     if (!placed->allFinite()) return no_result("the depths are not finite");
     Shape shape;
     shape.vertices_m = make_array<double>(*placed);
-    shape.source = Array<std::uint8_t>({placed->rows()});
+    shape.source = Array<std::uint8_t>({placed->rows()}, 0);
     for (const SurfacePoint& point : problem_.points) {
       for (const std::int32_t v : surface_->support(point)) shape.source(v) = 1;
     }
@@ -225,7 +225,7 @@ class BrunetMdh final : public Solver {
     diag.set("max_tension", *std::max_element(depths.tensions.begin(), depths.tensions.end()));
     diag.set("yielding_distances", static_cast<double>(std::count_if(
                                        depths.tensions.begin(), depths.tensions.end(), yielding)));
-    Array<double> suspicion({static_cast<std::int64_t>(problem_.points.size())});
+    Array<double> suspicion({static_cast<std::int64_t>(problem_.points.size())}, 0.0);
     for (std::size_t e = 0; e < problem_.edges.size(); ++e) {
       suspicion(problem_.edges[e].i) += depths.tensions[e];
       suspicion(problem_.edges[e].j) += depths.tensions[e];

@@ -203,9 +203,8 @@ GroundTruth SceneMaker::marker_truth(const LocatedSheet& sheet) const {
 void SceneMaker::add_images(const LocatedSheet& sheet, const scene::View& view,
                             GroundTruth& truth) const {
   const std::int64_t height = view.image.height, width = view.image.width;
-  truth.depth_m = Array<float>({height, width});
-  truth.uv_m = Array<float>({height, width, 2});
-  std::fill_n(truth.uv_m.data(), truth.uv_m.size(), std::numeric_limits<float>::quiet_NaN());
+  truth.depth_m = Array<float>({height, width}, 0.0F);
+  truth.uv_m = Array<float>({height, width, 2}, std::numeric_limits<float>::quiet_NaN());
   for (int y = 0; y < height; ++y) {
     ask_to_go_on();
     for (int x = 0; x < width; ++x) {

@@ -41,9 +41,7 @@ Array<double> gathered(const MatchTable& table, Column x, Column y, const Rows& 
 
 template <class T>
 Array<T> all(std::size_t count, T value) {
-  Array<T> values({static_cast<std::int64_t>(count)});
-  std::fill_n(values.data(), count, value);
-  return values;
+  return Array<T>({static_cast<std::int64_t>(count)}, value);
 }
 
 bool is_one_of(double value, double least, double most) {
@@ -115,12 +113,12 @@ Correspondences MatchTable::matches(const std::vector<std::size_t>& rows) const 
   using enum Column;
   const auto count = static_cast<std::int64_t>(rows.size());
   Correspondences matches;
-  matches.template_px = Array<double>({count, 2});
+  matches.template_px = Array<double>({count, 2}, 0.0);
   if (has(template_x_px)) matches.template_px = gathered(*this, template_x_px, template_y_px, rows);
   if (has(template_x_m)) matches.template_xy_m = gathered(*this, template_x_m, template_y_m, rows);
   matches.image_px = gathered(*this, image_x_px, image_y_px, rows);
   matches.face = all<std::int32_t>(rows.size(), -1);
-  matches.barycentrics = Array<double>({count, 3});
+  matches.barycentrics = Array<double>({count, 3}, 0.0);
   matches.kept =
       has(kept) ? gathered<std::uint8_t>(*this, kept, rows) : all<std::uint8_t>(rows.size(), 1);
   matches.score = has(score) ? gathered<double>(*this, score, rows) : all(rows.size(), 1.0);

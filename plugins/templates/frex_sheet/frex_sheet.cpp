@@ -85,8 +85,7 @@ class FrexSheet final : public TemplateBuilder {
     templ.m_per_px = make_array<double>(Eigen::Vector2d::Constant(pitch_m));
     templ.texture = Array<std::uint8_t>({picture.rows, picture.cols});
     picture.copyTo(cv::Mat(picture.size(), CV_8U, templ.texture.data()));
-    templ.mask = Array<std::uint8_t>({picture.rows, picture.cols});
-    std::fill_n(templ.mask.data(), templ.mask.size(), std::uint8_t{1});
+    templ.mask = Array<std::uint8_t>({picture.rows, picture.cols}, 1);
     return templ;
   }
 

@@ -72,6 +72,7 @@ class Rectangular final : public TemplateBuilder {
         templ.flat_px(vertex, 1) = v;
         templ.vertices_m(vertex, 0) = pitch_u_m * u;
         templ.vertices_m(vertex, 1) = pitch_v_m * v;
+        templ.vertices_m(vertex, 2) = 0.0;
       }
     }
     return templ;

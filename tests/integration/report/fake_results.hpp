@@ -240,7 +240,7 @@ class FakeResults {
       }
       Shape shape;
       shape.vertices_m = make_array<double>(vertices_m);
-      shape.source = Array<std::uint8_t>({vertices_m.rows()});
+      shape.source = Array<std::uint8_t>({vertices_m.rows()}, 0);
       char slot[16];
       std::snprintf(slot, sizeof(slot), "%06d", t);
       records.emplace_back(std::string(slot) + ".shape", host::Record::copy_of(shape));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <stdexcept>
@@ -16,35 +17,41 @@ TEST(Array, IsAbsentByDefault) {
   EXPECT_EQ(absent.size(), 0);
 }
 
-TEST(Array, IsZeroAndAligned) {
+TEST(Array, IsAlignedAndFilledWhenAsked) {
   for (int i = 0; i < 50; ++i) {
     std::free(std::malloc(64));  // so that reused memory is likely
-    Array<float> array({3, 5});
+    Array<float> array({3, 5}, 2.5F);
     EXPECT_EQ(reinterpret_cast<std::uintptr_t>(array.data()) % 64, 0U);
     EXPECT_EQ(array.size(), 15);
-    for (std::int64_t k = 0; k < 15; ++k) EXPECT_EQ(array.data()[k], 0.0F);
+    for (std::int64_t k = 0; k < 15; ++k) EXPECT_EQ(array.data()[k], 2.5F);
     for (std::int64_t k = 0; k < 15; ++k) array.data()[k] = 7.0F;
   }
 }
 
-TEST(Array, AScalarIsZeroToo) {
-  for (int i = 0; i < 50; ++i) {
-    Array<double> scalar(std::initializer_list<std::int64_t>{});
-    EXPECT_EQ(scalar.ndim(), 0);
-    EXPECT_EQ(*scalar.data(), 0.0);
-    *scalar.data() = 3.5;
-  }
+TEST(Array, AScalarHasNoAxes) {
+  Array<double> scalar({}, -1.5);
+  EXPECT_EQ(scalar.ndim(), 0);
+  EXPECT_EQ(*scalar.data(), -1.5);
+  EXPECT_EQ(*make_scalar(3.5).data(), 3.5);
+}
+
+TEST(Array, WhatNobodyWroteIsNoNumberWhereItIsMarked) {
+  const Array<double> numbers({4, 2});
+  const Array<std::int32_t> indices({3});
+  if (!kMarksUnwritten) GTEST_SKIP() << "not in this build: it leaves memory as it finds it";
+  for (std::int64_t i = 0; i < 8; ++i) EXPECT_TRUE(std::isnan(numbers.data()[i]));
+  for (std::int64_t i = 0; i < 3; ++i) EXPECT_EQ(indices(i), -1);
 }
 
 TEST(Array, CopiesShareTheirMemory) {
-  Array<int> one({2});
+  Array<int> one({2}, 0);
   Array<int> two = one;
   two(1) = 9;
   EXPECT_EQ(one(1), 9);
 }
 
 TEST(Array, EmptyIsPresent) {
-  const Array<double> empty({0, 3});
+  const Array<double> empty({0, 3}, 0.0);
   EXPECT_TRUE(empty.present());
   EXPECT_EQ(empty.rows(), 0);
   EXPECT_EQ(empty.size(), 0);
@@ -52,9 +59,9 @@ TEST(Array, EmptyIsPresent) {
 }
 
 TEST(Array, IllegalShapesThrow) {
-  EXPECT_THROW(Array<double>({-1}), std::length_error);
-  EXPECT_THROW(Array<double>({-2, -3}), std::length_error);
-  EXPECT_THROW(Array<double>({1, 1, 1, 1, 1}), std::length_error);
+  EXPECT_THROW(Array<double>({-1}, 0.0), std::length_error);
+  EXPECT_THROW(Array<double>({-2, -3}, 0.0), std::length_error);
+  EXPECT_THROW(Array<double>({1, 1, 1, 1, 1}, 0.0), std::length_error);
 }
 
 TEST(Array, IsMadeFromEigenInRowOrder) {
@@ -72,7 +79,7 @@ TEST(Array, IsMadeFromEigenInRowOrder) {
 }
 
 TEST(Array, WritesThroughEigen) {
-  Array<double> array({2, 3});
+  Array<double> array({2, 3}, 0.0);
   array.matrix<3>().row(1) = Eigen::RowVector3d(1, 2, 3);
   EXPECT_EQ(array(1, 2), 3.0);
   EXPECT_EQ(array(0, 2), 0.0);

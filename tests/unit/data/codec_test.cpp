@@ -156,9 +156,9 @@ TEST(Codec, EveryArrayOfAnotherElementTypeIsRefused) {
 
 TEST(Codec, ArraysOfDifferentLengthsUnderOneLetterAreRefused) {
   KnownPoints points;
-  points.vertex = Array<std::int32_t>({4});
-  points.points_m = Array<double>({4, 3});
-  points.radius_m = Array<double>({3});
+  points.vertex = Array<std::int32_t>({4}, 0);
+  points.points_m = Array<double>({4, 3}, 0.0);
+  points.radius_m = Array<double>({3}, 0.0);
   const auto read = read_record<KnownPoints>(RecordView<KnownPoints>("", points).raw());
   ASSERT_FALSE(read);
   EXPECT_EQ(read.error().message,
@@ -173,9 +173,9 @@ TEST(Codec, ARecordOfAnotherTypeIsRefused) {
 }
 
 TEST(Codec, EvidenceThatCannotBeReadIsLeftOut) {
-  InlierMask mask{Array<std::uint8_t>({1}), Array<double>({1}), {}};
+  InlierMask mask{Array<std::uint8_t>({1}, 0), Array<double>({1}, 0.0), {}};
   mask.diag.set("good", 1.0);
-  mask.diag.set("torn", Array<double>({2, 2}));
+  mask.diag.set("torn", Array<double>({2, 2}, 0.0));
   const RecordView<InlierMask> view("", mask);
   std::vector<weft_array> arrays(view.raw().arrays, view.raw().arrays + view.raw().count);
   arrays.back().stride[1] = 24;
@@ -191,7 +191,7 @@ TEST(Codec, EvidenceThatCannotBeReadIsLeftOut) {
 TEST(Codec, ARefusedArrayIsNamed) {
   Store store;
   store.refused = "score";
-  const InlierMask mask{Array<std::uint8_t>({1}), Array<double>({1}), {}};
+  const InlierMask mask{Array<std::uint8_t>({1}, 0), Array<double>({1}, 0.0), {}};
   const auto written = write_record(mask, store);
   ASSERT_FALSE(written);
   EXPECT_EQ(written.error().code, Errc::plugin_failure);
@@ -205,7 +205,7 @@ TEST(Codec, RevisionAndProducerTravelWithTheRecord) {
   warp.producer_handle = 5;
   EXPECT_EQ(RecordView<Template>("", templ).raw().revision, 77U);
   EXPECT_EQ(RecordView<Warp>("", warp).raw().producer, 5U);
-  warp.domain_px = Array<double>({4});
+  warp.domain_px = Array<double>({4}, 0.0);
   const auto read = read_record<Warp>(RecordView<Warp>("", warp).raw());
   ASSERT_TRUE(read);
   EXPECT_EQ(read->producer_handle, 5U);

@@ -13,8 +13,8 @@ using ::testing::HasSubstr;
 
 /// One known point, at a place of the template if the vertex is -1.
 KnownPoints one_point(std::int32_t vertex, const Eigen::RowVector2d& xy_m = {0.0, 0.0}) {
-  KnownPoints known{Array<std::int32_t>({1}), Array<double>({1, 3}), Array<double>({1}),
-                    Array<double>({1, 2})};
+  KnownPoints known{Array<std::int32_t>({1}, 0), Array<double>({1, 3}, 0.0),
+                    Array<double>({1}, 0.0), Array<double>({1, 2}, 0.0)};
   known.vertex(0) = vertex;
   known.points_m(0, 2) = 0.6;
   known.radius_m(0) = 0.002;

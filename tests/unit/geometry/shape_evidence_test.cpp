@@ -25,12 +25,12 @@ struct Scene {
   explicit Scene(std::int64_t count, testing::SheetSpec sheet = {}) : spec(sheet) {
     std::cout << "seed " << kSeed << "\n";
     Rng rng(kSeed);
-    matches.template_px = Array<double>({count, 2});
-    matches.image_px = Array<double>({count, 2});
-    matches.face = Array<std::int32_t>({count});
-    matches.barycentrics = Array<double>({count, 3});
-    matches.kept = Array<std::uint8_t>({count});
-    matches.score = Array<double>({count});
+    matches.template_px = Array<double>({count, 2}, 0.0);
+    matches.image_px = Array<double>({count, 2}, 0.0);
+    matches.face = Array<std::int32_t>({count}, 0);
+    matches.barycentrics = Array<double>({count, 3}, 0.0);
+    matches.kept = Array<std::uint8_t>({count}, 0);
+    matches.score = Array<double>({count}, 0.0);
     for (std::int64_t i = 0; i < count; ++i) {
       const double a = rng.uniform(0.0, 0.5), b = rng.uniform(0.0, 0.5);
       const Eigen::Vector3d weights(a, b, 1.0 - a - b);
@@ -77,11 +77,11 @@ TEST(ShapeEvidence, HasNoMatchOutsideTheTemplateOrBehindTheCamera) {
 TEST(ShapeEvidence, CountsSightlinesAtVerticesAndInFaces) {
   const Scene scene(3);
   Sightlines lines;
-  lines.vertex = Array<std::int32_t>({3});
-  lines.face = Array<std::int32_t>({3});
+  lines.vertex = Array<std::int32_t>({3}, 0);
+  lines.face = Array<std::int32_t>({3}, 0);
   lines.barycentrics = scene.matches.barycentrics;
-  lines.pixel_px = Array<double>({3, 2});
-  lines.weight = Array<double>({3});
+  lines.pixel_px = Array<double>({3, 2}, 0.0);
+  lines.weight = Array<double>({3}, 0.0);
   for (std::int64_t i = 0; i < 3; ++i) {
     lines.vertex(i) = -1;
     lines.face(i) = scene.matches.face(i);

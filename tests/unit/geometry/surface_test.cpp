@@ -144,12 +144,12 @@ TEST(BendingHinges, SumToThreeTimesTheIntegralOfTheSquaredCurvature) {
 
 Sightlines two_sightlines() {
   Sightlines lines;
-  lines.vertex = Array<std::int32_t>({2});
-  lines.face = Array<std::int32_t>({2});
-  lines.barycentrics = Array<double>({2, 3});
-  lines.pixel_px = Array<double>({2, 2});
-  lines.ray = Array<double>({2, 3});
-  lines.weight = Array<double>({2});
+  lines.vertex = Array<std::int32_t>({2}, 0);
+  lines.face = Array<std::int32_t>({2}, 0);
+  lines.barycentrics = Array<double>({2, 3}, 0.0);
+  lines.pixel_px = Array<double>({2, 2}, 0.0);
+  lines.ray = Array<double>({2, 3}, 0.0);
+  lines.weight = Array<double>({2}, 0.0);
   lines.vertex(0) = 3;
   lines.vertex(1) = -1;
   lines.face(1) = 4;

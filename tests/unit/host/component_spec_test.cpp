@@ -72,10 +72,10 @@ TEST_F(ComponentSpecTest, ParametersReachTheComponent) {
   const auto instance = lane.instantiate(*resolved.spec, "filters");
   ASSERT_TRUE(instance) << instance.error().message;
   Template templ;
-  templ.vertices_m = Array<double>({3, 3});
-  templ.flat_px = Array<double>({3, 2});
-  templ.faces = Array<std::int32_t>({1, 3});
-  templ.texture = templ.mask = Array<std::uint8_t>({2, 2});
+  templ.vertices_m = Array<double>({3, 3}, 0.0);
+  templ.flat_px = Array<double>({3, 2}, 0.0);
+  templ.faces = Array<std::int32_t>({1, 3}, 0);
+  templ.texture = templ.mask = Array<std::uint8_t>({2, 2}, 0);
   const Correspondences matches = zoo::make_matches(3);
   const RecordView<Correspondences> view("correspondences", matches);
   const RecordView<Template> template_view("template", templ);

@@ -47,9 +47,9 @@ class DeviceArrays : public ::testing::Test {
     all_kept().clear();
     all_kept()[7].numbers = {1, 2, 3, 4, 5, 6};
     Keypoints points;
-    points.xy_px = Array<double>({2, 2});
-    points.scale_px = points.angle_rad = points.response = Array<double>({2});
-    points.octave = Array<std::int32_t>({2});
+    points.xy_px = Array<double>({2, 2}, 0.0);
+    points.scale_px = points.angle_rad = points.response = Array<double>({2}, 0.0);
+    points.octave = Array<std::int32_t>({2}, 0);
     points.metric = "l2";
     record_ = Record::copy_of(points);
   }
@@ -164,7 +164,9 @@ TEST_F(DeviceArrays, AreCheckedOnceTheyAreHere) {
 TEST_F(DeviceArrays, ThatAreInNoCatalogueAreIllegal) {
   const std::int64_t shape[] = {6};
   for (const char* name : {"diag.residual", "extra"}) {
-    Record record = *record_;
+    Record record(record_->type());
+    const weft_record all = record_->view("");
+    for (std::uint64_t i = 0; i < all.count; ++i) record.share(*record_, all.arrays[i].name);
     ASSERT_TRUE(record.adopt(name, WEFT_F32, 1, shape, kLibrary, 7, "detectors/a"));
     const auto valid = validate(record.view(""));
     ASSERT_FALSE(valid) << name;
@@ -190,7 +192,7 @@ TEST(OnDevice, KeepsTheContentsUntilTheLastReferenceIsGone) {
   auto array = on_device<float>(std::make_shared<const Rows>(Rows{&destroyed}), {2, 3});
   destroyed = 0;  // the temporary
   EXPECT_NE(device_contents<Rows>(array), nullptr);
-  EXPECT_EQ(device_contents<Rows>(Array<float>({2, 3})), nullptr);
+  EXPECT_EQ(device_contents<Rows>(Array<float>({2, 3}, 0.0F)), nullptr);
   const std::uint64_t handle = array.handle();
   table.retain(handle);
   array = {};

@@ -12,10 +12,10 @@ using ::testing::HasSubstr;
 class LaneTest : public ::testing::Test {
  protected:
   LaneTest() {
-    templ_.vertices_m = Array<double>({3, 3});
-    templ_.flat_px = Array<double>({3, 2});
-    templ_.faces = Array<std::int32_t>({1, 3});
-    templ_.texture = templ_.mask = Array<std::uint8_t>({2, 2});
+    templ_.vertices_m = Array<double>({3, 3}, 0.0);
+    templ_.flat_px = Array<double>({3, 2}, 0.0);
+    templ_.faces = Array<std::int32_t>({1, 3}, 0);
+    templ_.texture = templ_.mask = Array<std::uint8_t>({2, 2}, 0);
   }
 
   Instance& instantiate(const std::string& id, const std::string& params = "{}",
@@ -97,7 +97,7 @@ TEST_F(LaneTest, TimesEveryCallNestedOnesFirst) {
 TEST_F(LaneTest, GivesTheTimesOfOneFrameAndKeepsThoseOfOthers) {
   Instance& good = instantiate("filters/zoo_good");
   for (const std::uint64_t frame : {4U, 2U, 4U}) filter(good, frame);
-  const auto frames_of = [](const std::vector<Timing>& timings) {
+  const auto frames_of = [](const Timings& timings) {
     std::vector<std::uint64_t> frames;
     for (const Timing& timing : timings) {
       if (timing.component == "filters") frames.push_back(timing.frame);
@@ -114,7 +114,7 @@ TEST_F(LaneTest, GivesTheTimesOfOneFrameAndKeepsThoseOfOthers) {
 TEST_F(LaneTest, CountsProcessorTimeOfAllThreadsAndNoneOfWaiting) {
   filter(instantiate("filters/zoo_busy", "{threads: 3, each_ms: 10}"));
   filter(instantiate("filters/zoo_busy", "{threads: 0, sleep_ms: 40}"));
-  const std::vector<Timing> timings = lane_.take_timings();
+  const Timings timings = lane_.take_timings();
   ASSERT_EQ(timings.size(), 2U);
   EXPECT_GE(timings[0].took.processor_ms, 30.0);
   EXPECT_GE(timings[1].took.ms, 40.0);
@@ -151,7 +151,7 @@ TEST_F(LaneTest, AWarpIsEvaluatedByItsProducer) {
   const RecordView<Template> template_view("template", templ_);
   const weft_record inputs[] = {view.raw(), template_view.raw()};
   Points points;
-  points.xy_px = Array<double>({1, 2});
+  points.xy_px = Array<double>({1, 2}, 0.0);
   for (const auto& [instance, shift] : {std::pair{&near, 1.0}, {&far, 100.0}}) {
     const Outcome fitted = lane_.call(*instance, 0, inputs, 0);
     ASSERT_EQ(fitted.status, WEFT_OK) << fitted.error.message;
@@ -160,7 +160,7 @@ TEST_F(LaneTest, AWarpIsEvaluatedByItsProducer) {
     EXPECT_EQ(view_as<WarpSamples>(*samples.find("warp_samples"))->xy_px(0, 0), shift);
   }
   Warp orphan;
-  orphan.domain_px = Array<double>({4});
+  orphan.domain_px = Array<double>({4}, 0.0);
   EXPECT_EQ(lane_.evaluate(*Record::copy_of(orphan), points, 0).status, WEFT_ERROR);
 }
 

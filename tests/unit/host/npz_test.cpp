@@ -78,9 +78,9 @@ TEST(Npz, SlotsMayHaveDots) {
 TEST(Npz, MembersAreInNumpysFormat) {
   const TemporaryFolder folder;
   KnownPoints points;
-  points.vertex = Array<std::int32_t>({2});
-  points.points_m = Array<double>({2, 3});
-  points.radius_m = Array<double>({2});
+  points.vertex = Array<std::int32_t>({2}, 0);
+  points.points_m = Array<double>({2, 3}, 0.0);
+  points.radius_m = Array<double>({2}, 0.0);
   ASSERT_TRUE(write_npz(folder / "x.npz", {{"known_points", Record::copy_of(points)},
                                            {"time", Record::copy_of(Time{1.0})}}));
   const std::string file = read_file(folder / "x.npz");
@@ -140,7 +140,7 @@ TEST(Npz, WhatIsNoNpzFileIsAnError) {
 TEST(Npz, OneChangedByteOfAnArrayIsNoticed) {
   const TemporaryFolder folder;
   Region region;
-  region.mask = Array<std::uint8_t>({20, 20});
+  region.mask = Array<std::uint8_t>({20, 20}, 0);
   std::fill_n(region.mask.data(), 400, std::uint8_t{'m'});
   ASSERT_TRUE(write_npz(folder / "x.npz", {{"region", Record::copy_of(region)}}));
   std::string file = read_file(folder / "x.npz");

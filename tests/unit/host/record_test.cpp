@@ -19,13 +19,12 @@ using testing_data::random_record;
 
 constexpr std::int64_t kThree[] = {3, 3, 3, 3, 3};
 
-TEST(Record, AllocatesZeroedAlignedMemoryInCOrder) {
+TEST(Record, AllocatesAlignedMemoryInCOrder) {
   Record record("inlier_mask/1");
   const std::int64_t shape[] = {4, 3, 2};
   auto* data = static_cast<double*>(record.allocate("x", WEFT_F64, 3, shape));
   ASSERT_NE(data, nullptr);
   EXPECT_EQ(reinterpret_cast<std::uintptr_t>(data) % 64, 0U);
-  for (int i = 0; i < 24; ++i) EXPECT_EQ(data[i], 0.0);
   const weft_record view = record.view("slot");
   ASSERT_EQ(view.count, 1U);
   const weft_array& array = view.arrays[0];
@@ -172,7 +171,7 @@ TEST(Validate, PassesUnknownArraysAndEvidenceThrough) {
 
 TEST(CheckLengths, ComparesAMaskWithItsMatches) {
   const auto mask = [](std::int64_t n) {
-    return Record::copy_of(InlierMask{Array<std::uint8_t>({n}), Array<double>({n}), {}});
+    return Record::copy_of(InlierMask{Array<std::uint8_t>({n}, 0), Array<double>({n}, 0.0), {}});
   };
   Record matches("correspondences/1");
   matches.allocate("kept", WEFT_U8, 1, kThree);

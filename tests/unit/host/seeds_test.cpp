@@ -45,8 +45,8 @@ TEST(ContentRevision, DependsOnTheContentAlone) {
 
 TEST(ContentRevision, DependsOnTheShape) {
   Region wide, high;
-  wide.mask = Array<std::uint8_t>({2, 8});
-  high.mask = Array<std::uint8_t>({8, 2});
+  wide.mask = Array<std::uint8_t>({2, 8}, 0);
+  high.mask = Array<std::uint8_t>({8, 2}, 0);
   EXPECT_NE(content_revision(*Record::copy_of(wide)), content_revision(*Record::copy_of(high)));
 }
 

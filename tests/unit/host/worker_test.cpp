@@ -28,11 +28,11 @@ class WorkerTest : public ::testing::Test {
  protected:
   WorkerTest() {
     Template sheet;
-    sheet.vertices_m = Array<double>({3, 3});
-    sheet.flat_px = Array<double>({3, 2});
+    sheet.vertices_m = Array<double>({3, 3}, 0.0);
+    sheet.flat_px = Array<double>({3, 2}, 0.0);
     for (std::int64_t v = 0; v < 3; ++v) sheet.flat_px(v, 0) = static_cast<double>(10 * v);
-    sheet.faces = Array<std::int32_t>({1, 3});
-    sheet.texture = sheet.mask = Array<std::uint8_t>({2, 2});
+    sheet.faces = Array<std::int32_t>({1, 3}, 0);
+    sheet.texture = sheet.mask = Array<std::uint8_t>({2, 2}, 0);
     templ_ = Record::copy_of(sheet);
     camera_ = Record::copy_of(Camera{});
     templ_->set_revision(1001);
@@ -111,7 +111,7 @@ std::map<std::string, std::string> content(const Outcome& outcome) {
   return result;
 }
 
-std::vector<std::string> names(const std::vector<Timing>& timings) {
+std::vector<std::string> names(const Timings& timings) {
   std::vector<std::string> result;
   for (const Timing& timing : timings) result.push_back(timing.component);
   return result;
@@ -156,7 +156,7 @@ TEST_F(WorkerTest, WhatAWorkerComputedCountsAsProcessorTimeOfTheCall) {
   const Outcome outcome = filter(apart("filters/zoo_busy", "{threads: 2, each_ms: 10}"));
   ASSERT_EQ(outcome.status, WEFT_OK) << outcome.error.message;
   EXPECT_GE(outcome.worker_processor_ms, 20.0);
-  const std::vector<Timing> timings = lane_->take_timings();
+  const Timings timings = lane_->take_timings();
   ASSERT_EQ(timings.size(), 1U);
   EXPECT_GE(timings[0].took.processor_ms, outcome.worker_processor_ms);
 }
@@ -341,7 +341,7 @@ TEST_F(WorkerTest, IllegalOutputsAreCaught) {
 
 TEST_F(WorkerTest, AWarpIsEvaluatedByItsProducerWhereverThatLives) {
   Points points;
-  points.xy_px = Array<double>({1, 2});
+  points.xy_px = Array<double>({1, 2}, 0.0);
   Instance& far = apart("warps/zoo_shift", "{shift_px: 3}", 0, "warps");
   const Outcome fitted = fit(far);
   ASSERT_EQ(fitted.status, WEFT_OK) << fitted.error.message;

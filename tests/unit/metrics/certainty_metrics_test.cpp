@@ -78,13 +78,13 @@ FrameCertainty sheet_with_errors(double factor) {
   const Template sheet = testing::make_template(spec);
   const Points3 rest_m = sheet.vertices_m.matrix<3>();
   GroundTruth truth;
-  truth.template_xy_m = Array<double>({rest_m.rows(), 2});
-  truth.points_m = Array<double>({rest_m.rows(), 3});
+  truth.template_xy_m = Array<double>({rest_m.rows(), 2}, 0.0);
+  truth.points_m = Array<double>({rest_m.rows(), 3}, 0.0);
   truth.faces = sheet.faces;
   Shape shape;
-  shape.source = Array<std::uint8_t>({rest_m.rows()});
-  shape.vertices_m = Array<double>({rest_m.rows(), 3});
-  shape.covariance_m2 = Array<double>({rest_m.rows(), 3, 3});
+  shape.source = Array<std::uint8_t>({rest_m.rows()}, 0);
+  shape.vertices_m = Array<double>({rest_m.rows(), 3}, 0.0);
+  shape.covariance_m2 = Array<double>({rest_m.rows(), 3, 3}, 0.0);
   const Eigen::Vector3d axis = Eigen::Vector3d(0.3, -0.2, 1.0).normalized();
   for (std::int64_t v = 0; v < rest_m.rows(); ++v) {
     const double std_m = rng.uniform(0.001, 0.01);

@@ -21,14 +21,14 @@ class DepthMetricsTest : public ::testing::Test {
 
   DepthMetricsTest() {
     const Template& sheet = run_.sheet();
-    matches_.template_px = Array<double>({kMatches, 2});
-    matches_.image_px = Array<double>({kMatches, 2});
-    matches_.face = Array<std::int32_t>({kMatches});
-    matches_.barycentrics = Array<double>({kMatches, 3});
-    matches_.kept = Array<std::uint8_t>({kMatches});
-    matches_.score = Array<double>({kMatches});
-    mask_ = {Array<std::uint8_t>({kMatches}), Array<double>({kMatches}), {}};
-    depths_.depth_m = Array<float>({kMatches});
+    matches_.template_px = Array<double>({kMatches, 2}, 0.0);
+    matches_.image_px = Array<double>({kMatches, 2}, 0.0);
+    matches_.face = Array<std::int32_t>({kMatches}, 0);
+    matches_.barycentrics = Array<double>({kMatches, 3}, 0.0);
+    matches_.kept = Array<std::uint8_t>({kMatches}, 0);
+    matches_.score = Array<double>({kMatches}, 0.0);
+    mask_ = {Array<std::uint8_t>({kMatches}, 0), Array<double>({kMatches}, 0.0), {}};
+    depths_.depth_m = Array<float>({kMatches}, 0.0F);
     for (std::int64_t n = 0; n < kMatches; ++n) {
       Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
       for (int k = 0; k < 3; ++k) {
@@ -44,11 +44,11 @@ class DepthMetricsTest : public ::testing::Test {
 
   /// A frame whose shape is `z_mm` behind the true one.
   void add(double z_mm, bool with_depth = true) {
-    const GroundTruth truth{Array<double>({0, 2}), Array<double>({0, 3}), "depth", ""};
+    const GroundTruth truth{Array<double>({0, 2}, 0.0), Array<double>({0, 3}, 0.0), "depth", ""};
     run_.solved(z_mm, truth);
     Shape shape;
     shape.vertices_m = make_array<double>(run_.shifted(z_mm));
-    shape.source = Array<std::uint8_t>({shape.vertices_m.rows()});
+    shape.source = Array<std::uint8_t>({shape.vertices_m.rows()}, 0);
     host::NamedRecords records{{"shape", host::Record::copy_of(shape)},
                                {"ground_truth", host::Record::copy_of(truth)},
                                {"matchers.correspondences", host::Record::copy_of(matches_)}};
@@ -126,7 +126,7 @@ TEST_F(DepthMetricsTest, StandApartFromErrorsAtPoints) {
 }
 
 TEST_F(DepthMetricsTest, WithoutAnEntryForEachMatchAreDamage) {
-  depths_.depth_m = Array<float>({kMatches - 1});
+  depths_.depth_m = Array<float>({kMatches - 1}, 0.0F);
   add(0.0);
   const auto metrics = evaluate_run(run_.folder());
   ASSERT_FALSE(metrics);
@@ -137,7 +137,7 @@ class DepthsAt : public ::testing::TestWithParam<std::pair<int, int>> {};
 
 TEST_P(DepthsAt, AreThoseOfTheNearestPixel) {
   const auto [width, height] = GetParam();
-  Array<float> depth_m({height, width});
+  Array<float> depth_m({height, width}, 0.0F);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) depth_m(y, x) = static_cast<float>(x + 2000 * y);
   }

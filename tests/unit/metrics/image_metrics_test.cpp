@@ -25,7 +25,7 @@ GroundTruth grid_truth() {
 Shape shape_of(const Points3& vertices_m) {
   Shape shape;
   shape.vertices_m = make_array<double>(vertices_m);
-  shape.source = Array<std::uint8_t>({vertices_m.rows()});
+  shape.source = Array<std::uint8_t>({vertices_m.rows()}, 0);
   return shape;
 }
 
@@ -50,13 +50,13 @@ class ImageMetricsTest : public ::testing::Test {
     const Template& sheet = run_.sheet();
     const std::int64_t count = sheet.faces.rows();
     Correspondences matches;
-    matches.template_px = Array<double>({count, 2});
-    matches.image_px = Array<double>({count, 2});
-    matches.face = Array<std::int32_t>({count});
-    matches.barycentrics = Array<double>({count, 3});
-    matches.kept = Array<std::uint8_t>({count});
-    matches.score = Array<double>({count});
-    InlierMask mask{Array<std::uint8_t>({count}), Array<double>({count}), {}};
+    matches.template_px = Array<double>({count, 2}, 0.0);
+    matches.image_px = Array<double>({count, 2}, 0.0);
+    matches.face = Array<std::int32_t>({count}, 0);
+    matches.barycentrics = Array<double>({count, 3}, 0.0);
+    matches.kept = Array<std::uint8_t>({count}, 0);
+    matches.score = Array<double>({count}, 0.0);
+    InlierMask mask{Array<std::uint8_t>({count}, 0), Array<double>({count}, 0.0), {}};
     for (std::int64_t n = 0; n < count; ++n) {
       Eigen::RowVector2d template_px = Eigen::RowVector2d::Zero();
       for (int k = 0; k < 3; ++k) {
@@ -135,7 +135,7 @@ TEST_F(ImageMetricsTest, CallAMatchCorrectWithinTheToleranceThatIsAskedFor) {
 TEST_F(ImageMetricsTest, NameAFileWhoseMaskIsOfOtherMatches) {
   add({0, 0, 0});
   const auto [matches, mask] = filtered({});
-  const InlierMask shorter{Array<std::uint8_t>({3}), Array<double>({3}), {}};
+  const InlierMask shorter{Array<std::uint8_t>({3}, 0), Array<double>({3}, 0.0), {}};
   run_.write_npz(TestRun::frame_name(0),
                  {{"matchers.correspondences", host::Record::copy_of(matches)},
                   {"matchers.filters.inlier_mask", host::Record::copy_of(shorter)}});
@@ -205,7 +205,7 @@ TEST_F(ImageMetricsTest, AFrameWithAPointBehindTheCameraHasNoFigureAndIsCounted)
 TEST_F(ImageMetricsTest, EachFilterOfAChainIsJudgedByTheMatchesThatEnteredIt) {
   const auto [matches, first] = filtered({2, 5});
   InlierMask second = first;
-  second.kept = Array<std::uint8_t>({matches.count()});
+  second.kept = Array<std::uint8_t>({matches.count()}, 0);
   for (std::int64_t n = 0; n < matches.count(); ++n) second.kept(n) = n == 0 ? 0 : first.kept(n);
   run_.add(ShapeState::estimated, run_.vertices(), grid_truth());
   run_.write_npz(TestRun::frame_name(0),

@@ -17,7 +17,7 @@ using ::testing::ElementsAreArray;
 constexpr std::uint64_t kSeed = 4711;
 
 Array<std::uint8_t> mask_of(const std::vector<int>& kept) {
-  Array<std::uint8_t> mask({static_cast<std::int64_t>(kept.size())});
+  Array<std::uint8_t> mask({static_cast<std::int64_t>(kept.size())}, 0);
   std::copy(kept.begin(), kept.end(), mask.data());
   return mask;
 }

@@ -94,7 +94,7 @@ class TestRun {
       shape.vertices_m = make_array<double>(*vertices_m);
       shape.state = static_cast<std::int32_t>(state);
       shape.confidence = confidence_;
-      shape.source = Array<std::uint8_t>({vertices_m->rows()});
+      shape.source = Array<std::uint8_t>({vertices_m->rows()}, 0);
       records.emplace_back("shape", host::Record::copy_of(shape));
     }
     if (truth) records.emplace_back("ground_truth", host::Record::copy_of(*truth));

@@ -21,7 +21,7 @@ constexpr int kColumns = 4, kVertices = 12;
 GroundTruth truth_that_hides(const TestRun& run, int first_seen) {
   GroundTruth truth = TestRun::truth_at(run.sheet().vertices_m.matrix<3>().leftCols<2>(), "sight");
   truth.faces = run.sheet().faces;
-  truth.visible = Array<std::uint8_t>({kVertices});
+  truth.visible = Array<std::uint8_t>({kVertices}, 0);
   for (int v = 0; v < kVertices; ++v) truth.visible(v) = v % kColumns >= first_seen ? 1 : 0;
   return truth;
 }
@@ -29,9 +29,9 @@ GroundTruth truth_that_hides(const TestRun& run, int first_seen) {
 /// What a run says: it sees the columns from `first_seen` on.
 Visibility said(int first_seen) {
   Visibility visibility;
-  visibility.visible = Array<std::uint8_t>({kVertices});
-  visibility.reason = Array<std::uint8_t>({kVertices});
-  visibility.score = Array<double>({kVertices});
+  visibility.visible = Array<std::uint8_t>({kVertices}, 0);
+  visibility.reason = Array<std::uint8_t>({kVertices}, 0);
+  visibility.score = Array<double>({kVertices}, 0.0);
   for (int v = 0; v < kVertices; ++v) visibility.visible(v) = v % kColumns >= first_seen ? 1 : 0;
   return visibility;
 }
@@ -112,9 +112,9 @@ TEST(VisibilityMetrics, CountAllPointsTheSameWhicheverFrameTheyAreOf) {
 TEST(VisibilityMetrics, NeedAnEntryForEachVertex) {
   TestRun run;
   Visibility wrong = said(0);
-  wrong.visible = Array<std::uint8_t>({3});
-  wrong.reason = Array<std::uint8_t>({3});
-  wrong.score = Array<double>({3});
+  wrong.visible = Array<std::uint8_t>({3}, 0);
+  wrong.reason = Array<std::uint8_t>({3}, 0);
+  wrong.score = Array<double>({3}, 0.0);
   add_frame(run, truth_that_hides(run, 2), wrong);
   const auto refused = evaluate_run(run.folder());
   ASSERT_FALSE(refused);

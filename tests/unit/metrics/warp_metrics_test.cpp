@@ -31,9 +31,9 @@ struct Scene {
     warped_px.col(0).array() += 1.0;
     for (int k = 0; k < 3; ++k) warped_px(sheet.faces(0, k), 0) += 2.0;
     samples.xy_px = make_array<double>(warped_px);
-    matches.template_px = matches.image_px = Array<double>({1, 2});
-    matches.face = Array<std::int32_t>({1});
-    kept = Array<std::uint8_t>({1});
+    matches.template_px = matches.image_px = Array<double>({1, 2}, 0.0);
+    matches.face = Array<std::int32_t>({1}, 0);
+    kept = Array<std::uint8_t>({1}, 0);
     kept(0) = 1;
   }
 
@@ -63,7 +63,7 @@ TEST(WarpErrors, LeaveOutVerticesThatAreNotFiniteOrHaveNoTruth) {
   Scene scene;
   scene.samples.xy_px(11, 0) = std::nan("");
   EXPECT_EQ(scene.errors().other, 8);
-  scene.truth = {Array<double>({0, 2}), Array<double>({0, 3}), "none", ""};
+  scene.truth = {Array<double>({0, 2}, 0.0), Array<double>({0, 3}, 0.0), "none", ""};
   EXPECT_EQ(scene.errors().salient + scene.errors().other, 0);
 }
 

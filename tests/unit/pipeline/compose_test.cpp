@@ -13,17 +13,17 @@ namespace {
 
 host::RecordPtr two_matches() {
   Correspondences matches;
-  matches.template_px = matches.image_px = Array<double>({2, 2});
-  matches.face = Array<std::int32_t>({2});
-  matches.barycentrics = Array<double>({2, 3});
-  matches.kept = Array<std::uint8_t>({2});
-  matches.score = Array<double>({2});
+  matches.template_px = matches.image_px = Array<double>({2, 2}, 0.0);
+  matches.face = Array<std::int32_t>({2}, 0);
+  matches.barycentrics = Array<double>({2, 3}, 0.0);
+  matches.kept = Array<std::uint8_t>({2}, 0);
+  matches.score = Array<double>({2}, 0.0);
   return host::Record::copy_of(matches);
 }
 
 /// The matches after a filter, which may say how sure it is.
 host::RecordPtr filtered(const host::RecordPtr& matches, std::optional<double> confidence) {
-  InlierMask mask{Array<std::uint8_t>({2}), Array<double>({2}), {}};
+  InlierMask mask{Array<std::uint8_t>({2}, 0), Array<double>({2}, 0.0), {}};
   if (confidence) mask.confidence = make_scalar(*confidence);
   return *with_mask(*matches, *host::Record::copy_of(mask));
 }
@@ -51,14 +51,14 @@ TEST(Compose, TheLeastConfidenceOfTheFiltersStays) {
 Correspondences unplaced(const Points2& places, bool in_metres) {
   Correspondences matches;
   const std::int64_t count = places.rows();
-  matches.template_px = in_metres ? Array<double>({count, 2}) : make_array<double>(places);
+  matches.template_px = in_metres ? Array<double>({count, 2}, 0.0) : make_array<double>(places);
   if (in_metres) matches.template_xy_m = make_array<double>(places);
-  matches.image_px = Array<double>({count, 2});
-  matches.face = Array<std::int32_t>({count});
+  matches.image_px = Array<double>({count, 2}, 0.0);
+  matches.face = Array<std::int32_t>({count}, 0);
   std::fill_n(matches.face.data(), count, -1);
-  matches.barycentrics = Array<double>({count, 3});
-  matches.kept = Array<std::uint8_t>({count});
-  matches.score = Array<double>({count});
+  matches.barycentrics = Array<double>({count, 3}, 0.0);
+  matches.kept = Array<std::uint8_t>({count}, 0);
+  matches.score = Array<double>({count}, 0.0);
   return matches;
 }
 
@@ -132,9 +132,9 @@ TEST(Compose, MatchesInMetresAreRefusedForATemplateWithoutScale) {
 
 TEST(Compose, AShapeThatIsHeldClaimsNothing) {
   Shape shape;
-  shape.vertices_m = Array<double>({2, 3});
-  shape.source = Array<std::uint8_t>({2});
-  shape.covariance_m2 = Array<double>({2, 3, 3});
+  shape.vertices_m = Array<double>({2, 3}, 0.0);
+  shape.source = Array<std::uint8_t>({2}, 0);
+  shape.covariance_m2 = Array<double>({2, 3, 3}, 0.0);
   shape.confidence = 0.9;
   const host::RecordPtr aged = aged_shape(*host::Record::copy_of(shape), 1, 5);
   const Shape held = *host::view_as<Shape>(*aged);

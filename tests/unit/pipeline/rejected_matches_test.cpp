@@ -18,9 +18,9 @@ class CoherentRejectsTest : public ::testing::Test {
   /// Matches all over a texture of 800 x 600, seen where they are; the first `kept` are kept.
   Correspondences seen(std::int64_t count, std::int64_t kept) {
     Correspondences matches;
-    matches.template_px = Array<double>({count, 2});
-    matches.image_px = Array<double>({count, 2});
-    matches.kept = Array<std::uint8_t>({count});
+    matches.template_px = Array<double>({count, 2}, 0.0);
+    matches.image_px = Array<double>({count, 2}, 0.0);
+    matches.kept = Array<std::uint8_t>({count}, 0);
     for (std::int64_t i = 0; i < count; ++i) {
       matches.template_px(i, 0) = 800.0 * rng_.uniform();
       matches.template_px(i, 1) = 600.0 * rng_.uniform();
@@ -39,13 +39,13 @@ TEST_F(CoherentRejectsTest, AreHardlyAnyAmongMismatches) {
     matches.image_px(i, 0) = 800.0 * rng_.uniform();
     matches.image_px(i, 1) = 600.0 * rng_.uniform();
   }
-  EXPECT_LE(coherent_rejects(matches).count, 6);
+  EXPECT_LE(RejectedMatches().look(matches).count, 6);
 }
 
 TEST_F(CoherentRejectsTest, AreTheSecondPrintInView) {
   Correspondences matches = seen(400, 200);
   for (std::int64_t i = 200; i < 400; ++i) matches.image_px(i, 0) += 1000.0;
-  const CoherentRejects found = coherent_rejects(matches);
+  const CoherentRejects found = RejectedMatches().look(matches);
   EXPECT_GT(found.count, 190);
   EXPECT_LT(found.elsewhere, 20);
 }
@@ -57,7 +57,7 @@ TEST_F(CoherentRejectsTest, AreTheHalfOfThePrintThatLiesElsewhere) {
     matches.kept(i) = left ? 1 : 0;
     matches.image_px(i, 0) += left ? 400.0 : -400.0;
   }
-  const CoherentRejects found = coherent_rejects(matches);
+  const CoherentRejects found = RejectedMatches().look(matches);
   EXPECT_GT(found.count, 180);
   EXPECT_GT(found.elsewhere, 0.7 * found.count);
 }
@@ -65,13 +65,13 @@ TEST_F(CoherentRejectsTest, AreTheHalfOfThePrintThatLiesElsewhere) {
 TEST_F(CoherentRejectsTest, AreCountedAlsoAmongThousands) {
   Correspondences matches = seen(9000, 1000);
   for (std::int64_t i = 1000; i < 9000; ++i) matches.image_px(i, 0) += 1000.0;
-  EXPECT_NEAR(coherent_rejects(matches).count, 8000, 100);
+  EXPECT_NEAR(RejectedMatches().look(matches).count, 8000, 100);
 }
 
 TEST_F(CoherentRejectsTest, AreNoneWhereNothingOrEverythingIsKept) {
-  EXPECT_EQ(coherent_rejects(seen(100, 100)).count, 0);
-  EXPECT_EQ(coherent_rejects(seen(100, 0)).count, 0);
-  EXPECT_EQ(coherent_rejects(seen(0, 0)).count, 0);
+  EXPECT_EQ(RejectedMatches().look(seen(100, 100)).count, 0);
+  EXPECT_EQ(RejectedMatches().look(seen(100, 0)).count, 0);
+  EXPECT_EQ(RejectedMatches().look(seen(0, 0)).count, 0);
 }
 
 /// A corner of the image with many orientations is one place, not many that agree.
@@ -83,7 +83,7 @@ TEST_F(CoherentRejectsTest, DoNotCountOneKeypointManyTimes) {
       matches.image_px(i, k) = 500.0 + 0.001 * static_cast<double>(i);
     }
   }
-  EXPECT_EQ(coherent_rejects(matches).count, 0);
+  EXPECT_EQ(RejectedMatches().look(matches).count, 0);
 }
 
 }  // namespace

@@ -37,9 +37,9 @@ class SetupMonitorTest : public ::testing::Test {
     result.values = {host::Record::copy_of(matches), nullptr};
     if (vertices_m == nullptr) return result;
     Shape shape;
-    shape.vertices_m = Array<double>({vertices_m->rows(), 3});
+    shape.vertices_m = Array<double>({vertices_m->rows(), 3}, 0.0);
     shape.vertices_m.matrix<3>() = *vertices_m;
-    shape.source = Array<std::uint8_t>({vertices_m->rows()});
+    shape.source = Array<std::uint8_t>({vertices_m->rows()}, 0);
     result.shape = host::Record::copy_of(shape);
     result.state = ShapeState::estimated;
     return result;

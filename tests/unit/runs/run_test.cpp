@@ -79,7 +79,8 @@ TEST_F(Runs, KeepsShapeTruthAndFilteredMatchesOfEachFrame) {
     std::vector<std::string> names;
     const auto records = host::read_npz(ran.folder + "/frames/" + frame + ".npz");
     EXPECT_TRUE(records) << frame;
-    for (const auto& [slot, record] : *records) names.push_back(slot + " " + record->type());
+    for (const auto& [slot, record] : *records)
+      names.push_back(slot + " " + std::string(record->type()));
     return names;
   };
   const std::string visibility = "visibility visibility/1";

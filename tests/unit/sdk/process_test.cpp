@@ -59,15 +59,17 @@ struct FakeHost {
 
 Correspondences make_matches(std::int64_t n) {
   Correspondences matches;
-  matches.template_px = matches.image_px = Array<double>({n, 2});
-  matches.face = Array<std::int32_t>({n});
-  matches.barycentrics = Array<double>({n, 3});
-  matches.kept = Array<std::uint8_t>({n});
-  matches.score = Array<double>({n});
+  matches.template_px = matches.image_px = Array<double>({n, 2}, 0.0);
+  matches.face = Array<std::int32_t>({n}, 0);
+  matches.barycentrics = Array<double>({n, 3}, 0.0);
+  matches.kept = Array<std::uint8_t>({n}, 0);
+  matches.score = Array<double>({n}, 0.0);
   return matches;
 }
 
-InlierMask make_mask(std::int64_t n) { return {Array<std::uint8_t>({n}), Array<double>({n}), {}}; }
+InlierMask make_mask(std::int64_t n) {
+  return {Array<std::uint8_t>({n}, 0), Array<double>({n}, 0.0), {}};
+}
 
 /// A filter that does what its test says.
 struct Scripted : Filter {
@@ -292,10 +294,10 @@ TEST(Component, PreparesWithTemplateAndCamera) {
   void* self = nullptr;
   ASSERT_EQ(kSimple.create(nullptr, 0, &self, &error), WEFT_OK);
   Template templ;
-  templ.vertices_m = Array<double>({3, 3});
-  templ.flat_px = Array<double>({3, 2});
-  templ.faces = Array<std::int32_t>({1, 3});
-  templ.texture = templ.mask = Array<std::uint8_t>({2, 2});
+  templ.vertices_m = Array<double>({3, 3}, 0.0);
+  templ.flat_px = Array<double>({3, 2}, 0.0);
+  templ.faces = Array<std::int32_t>({1, 3}, 0);
+  templ.texture = templ.mask = Array<std::uint8_t>({2, 2}, 0);
   const Camera camera;
   const auto prepare = [&] {
     const RecordView<Template> first("template", templ);
@@ -304,8 +306,8 @@ TEST(Component, PreparesWithTemplateAndCamera) {
     return kSimple.prepare(self, &host.call, inputs, 2, &error);
   };
   EXPECT_EQ(prepare(), WEFT_OK) << error.message;
-  templ.vertices_m = Array<double>({4, 3});
-  templ.flat_px = Array<double>({4, 2});
+  templ.vertices_m = Array<double>({4, 3}, 0.0);
+  templ.flat_px = Array<double>({4, 2}, 0.0);
   EXPECT_EQ(prepare(), WEFT_ERROR);
   EXPECT_STREQ(error.message, "wants a triangle");
   kSimple.destroy(self);

@@ -118,8 +118,9 @@ TEST(TruthMap, SaysNothingWhereTruthDoesNotSurroundThePoint) {
   EXPECT_TRUE(map.at({0.0, 0.0}));  // a truth point itself
   EXPECT_FALSE(map_of(bent.truth(2, 1)).at({0.1, 0.0}));
   EXPECT_FALSE(map_of(bent.truth(25, 1)).at({0.1, 0.0001}));  // all on a line
-  EXPECT_TRUE(std::isnan(map_of(GroundTruth{Array<double>({0, 2}), Array<double>({0, 3}), "", ""})
-                             .leave_one_out_px(testing::pinhole(bent.camera))));
+  EXPECT_TRUE(
+      std::isnan(map_of(GroundTruth{Array<double>({0, 2}, 0.0), Array<double>({0, 3}, 0.0), "", ""})
+                     .leave_one_out_px(testing::pinhole(bent.camera))));
 }
 
 TEST(MatchLabels, AgreeWithHowTheMatchesWereDrawn) {
@@ -146,7 +147,7 @@ TEST(MatchLabels, AgreeWithHowTheMatchesWereDrawn) {
 GroundTruth surface_of(const Bent& bent, int columns, int rows, double seen_to_m) {
   GroundTruth truth = bent.truth(columns, rows);
   truth.faces = make_array<std::int32_t>(*rectangular_grid_faces(columns, rows));
-  truth.visible = Array<std::uint8_t>({truth.count()});
+  truth.visible = Array<std::uint8_t>({truth.count()}, 0);
   for (std::int64_t i = 0; i < truth.count(); ++i) {
     truth.visible(i) = truth.template_xy_m(i, 0) <= seen_to_m ? 1 : 0;
   }
@@ -227,7 +228,7 @@ TEST(MatchLabels, FollowTheSourcesOwnTruthForItsOwnMatchesOnly) {
                          2.0);
   };
   EXPECT_EQ(labels(), (std::vector<std::int8_t>{1, 0, -1}));
-  drawn.matches.image_keypoint = Array<std::int32_t>({3});  // a matcher made these
+  drawn.matches.image_keypoint = Array<std::int32_t>({3}, 0);  // a matcher made these
   EXPECT_EQ(labels(), (std::vector<std::int8_t>{1, 1, 1}));
 }
 
@@ -235,8 +236,8 @@ TEST(MatchLabels, AreThoseThatTheSourceGaveWhereItKnowsNoTrueImage) {
   const Bent bent;
   Rng rng(kMapSeed);
   auto drawn = testing::draw_matches(bent.templ, bent.camera, bent.sheet, {4}, rng);
-  GroundTruth truth{Array<double>({0, 2}), Array<double>({0, 3}), "labels", ""};
-  truth.match_label = Array<std::int8_t>({4});
+  GroundTruth truth{Array<double>({0, 2}, 0.0), Array<double>({0, 3}, 0.0), "labels", ""};
+  truth.match_label = Array<std::int8_t>({4}, 0);
   const std::int8_t given[] = {0, 1, -1, 1};
   std::copy_n(given, 4, truth.match_label.data());
   const auto labels = [&] {
@@ -248,7 +249,7 @@ TEST(MatchLabels, AreThoseThatTheSourceGaveWhereItKnowsNoTrueImage) {
   true_px.row(0) = drawn.matches.image_px.matrix<2>().row(0);
   truth.match_xy_px = make_array<double>(true_px);
   EXPECT_EQ(labels(), (std::vector<std::int8_t>{1, 1, -1, 1})) << "a true image says more";
-  drawn.matches.image_keypoint = Array<std::int32_t>({4});  // a matcher made these
+  drawn.matches.image_keypoint = Array<std::int32_t>({4}, 0);  // a matcher made these
   EXPECT_EQ(labels(), std::vector<std::int8_t>(4, kUnknownMatch));
 }
 

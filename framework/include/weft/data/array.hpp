@@ -6,14 +6,16 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
 #include <memory>
-#include <new>
 #include <stdexcept>
 #include <type_traits>
+#include <utility>
 #include <weft/core/index.hpp>
+#include <weft/core/unwritten.hpp>
 
 namespace weft {
 
@@ -51,8 +53,8 @@ class Array {
 
   Array() = default;
 
-  /// Owned and zero-filled, C order. Throws std::length_error for a negative length or more than
-  /// four axes.
+  /// Owned, C order, for its maker to write: the elements are not cleared, see mark_unwritten().
+  /// Throws std::length_error for a negative length or more than four axes.
   explicit Array(std::initializer_list<std::int64_t> shape)
       : ndim_(static_cast<int>(shape.size())) {
     const bool negative = std::any_of(shape.begin(), shape.end(), [](auto n) { return n < 0; });
@@ -62,11 +64,19 @@ class Array {
     std::copy(shape.begin(), shape.end(), shape_.begin());
     row_stride_ = row_elements();
     const auto bytes = to_index(dim(0) * row_elements()) * sizeof(T);
-    constexpr std::align_val_t kAlignment{64};
-    owner_ = std::shared_ptr<void>(::operator new(bytes + 64, kAlignment),
-                                   [](void* p) { ::operator delete (p, std::align_val_t{64}); });
-    data_ = static_cast<T*>(owner_.get());
-    std::memset(data_, 0, bytes);
+    // One block for the elements, a line behind them and the count of references.
+    struct alignas(64) Line {
+      std::array<std::byte, 64> bytes;
+    };
+    auto lines = std::make_shared_for_overwrite<Line[]>((bytes + 127) / sizeof(Line));
+    data_ = reinterpret_cast<T*>(lines.get());
+    owner_ = std::move(lines);
+    mark_unwritten(data_, bytes);
+  }
+
+  /// The same with all elements of one value.
+  Array(std::initializer_list<std::int64_t> shape, T value) : Array(shape) {
+    std::fill_n(data_, size(), value);
   }
 
   /// A view of memory that outlives it; `row_stride` counts elements between rows of axis 0.
@@ -143,11 +153,7 @@ class Array {
 };
 
 /// An owned array without axes: a scalar that may be absent.
-inline Array<double> make_scalar(double value) {
-  Array<double> scalar(std::initializer_list<std::int64_t>{});
-  *scalar.data() = value;
-  return scalar;
-}
+inline Array<double> make_scalar(double value) { return Array<double>({}, value); }
 
 /// An owned array with the contents of a row-major expression: [rows, columns], or [rows] for one
 /// column.

@@ -1,101 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstring>
 #include <string>
 #include <string_view>
 #include <type_traits>
 #include <weft/core/index.hpp>
 #include <weft/data/catalogue.hpp>
+#include <weft/data/field_reader.hpp>
 #include <weft/data/record_view.hpp>
-#include <weft/data/shape_pattern.hpp>
 
 namespace weft {
 
-inline const weft_array* find_array(const weft_record& record, std::string_view name) {
-  for (std::uint64_t i = 0; i < record.count; ++i) {
-    if (record.arrays[i].name == name) return &record.arrays[i];
-  }
-  return nullptr;
-}
-
 namespace detail {
-
-template <class T>
-Array<T> borrow_array(const weft_array& array) {
-  typename Array<T>::Shape shape{};
-  for (int axis = 0; axis < array.ndim; ++axis) {
-    shape[to_index(axis)] = array.shape[axis];
-  }
-  if (array.memory == WEFT_DEVICE) {
-    return Array<T>::on_device(array.handle, array.ndim, shape, nullptr, array.data);
-  }
-  const std::int64_t row_stride =
-      array.ndim > 0 ? array.stride[0] / static_cast<std::int64_t>(sizeof(T)) : 1;
-  return Array<T>::borrow(static_cast<const T*>(array.data), array.ndim, shape, row_stride);
-}
-
-/// Fills the members of a record struct from the arrays of a record; keeps the first error.
-class FieldReader {
- public:
-  explicit FieldReader(const weft_record& record) : record_(record) {}
-
-  template <class T>
-  void operator()(Array<T>& member, const Field& field) {
-    if (const weft_array* array = checked(field, dtype_of<T>())) member = borrow_array<T>(*array);
-  }
-  template <class T>
-  requires std::is_arithmetic_v<T>
-  void operator()(T& member, const Field& field) {
-    if (const weft_array* array = checked(field, dtype_of<T>())) {
-      member = *static_cast<const T*>(array->data);
-    }
-  }
-  void operator()(std::string& member, const Field& field) {
-    if (const weft_array* array = checked(field, WEFT_U8)) {
-      member.assign(static_cast<const char*>(array->data), to_index(array->shape[0]));
-    }
-  }
-  void operator()(NamedArrays& member, const Field&) { collect(member.prefix, member.entries); }
-  void operator()(Diagnostics& member, const Field&) { collect("diag.", member.entries()); }
-
-  const std::string& error() const { return error_; }
-
- private:
-  const weft_array* checked(const Field& field, std::int32_t dtype) {
-    const weft_array* array = find_array(record_, field.name);
-    std::string problem;
-    if (array == nullptr) {
-      if (!field.optional) problem = "is missing";
-    } else if (array->dtype != dtype) {
-      problem = std::string("has elements of type ") + dtype_name(array->dtype) + " where " +
-                dtype_name(dtype) + " is expected";
-    } else if (array->memory == WEFT_DEVICE && !field.may_be_on_device) {
-      problem = "lies in device memory";
-    } else {
-      problem = lengths_.match(field.shape, *array);
-    }
-    if (problem.empty()) return array;
-    if (error_.empty()) {
-      error_ = std::string(record_.type) + ": array '" + field.name + "' " + problem;
-    }
-    return nullptr;
-  }
-
-  void collect(std::string_view prefix, std::vector<NamedArray>& entries) {
-    for (std::uint64_t i = 0; i < record_.count; ++i) {
-      const weft_array& array = record_.arrays[i];
-      if (array.dtype == WEFT_F64 && array.memory != WEFT_DEVICE &&
-          std::string_view(array.name).starts_with(prefix) &&
-          ShapePattern::check_layout(array).empty()) {
-        entries.push_back({array.name, borrow_array<double>(array)});
-      }
-    }
-  }
-
-  const weft_record& record_;
-  ShapePattern lengths_;
-  std::string error_;
-};
 
 /// Copies the members of a record struct into arrays of `alloc`; those on a device go to its
 /// adopt(), if any.
@@ -170,18 +87,25 @@ class FieldWriter {
 /// A record struct that borrows the arrays of `record`. Fails with invalid_data when the record is
 /// of another type, or an array is missing or has the wrong type or shape.
 template <class RecordType>
-Result<RecordType> read_record(const weft_record& record) {
+Result<RecordType> read_record(const weft_record& record, detail::Read read = detail::Read::all) {
   if (std::string_view(record.type) != RecordType::kType) {
     return Error{Errc::invalid_data,
                  std::string("expected a record ") + RecordType::kType + ", got " + record.type};
   }
   RecordType typed;
-  detail::FieldReader reader(record);
+  detail::FieldReader reader(record, read);
   RecordType::fields(typed, reader);
   if (!reader.error().empty()) return Error{Errc::invalid_data, reader.error()};
   if constexpr (requires { typed.producer_handle; }) typed.producer_handle = record.producer;
   if constexpr (requires { typed.revision; }) typed.revision = record.revision;
   return typed;
+}
+
+/// The same without its texts and the arrays that the catalogue does not name, which stay empty:
+/// allocates nothing.
+template <class RecordType>
+Result<RecordType> read_arrays(const weft_record& record) {
+  return read_record<RecordType>(record, detail::Read::arrays);
 }
 
 /// Copies a record struct out through alloc(name, dtype, ndim, shape) -> void* (null when refused).

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+#include <weft/core/name.hpp>
 #include <weft/core/result.hpp>
 #include <weft/data/array.hpp>
 
@@ -25,16 +26,18 @@ struct Field {
 
 /// An array beyond the catalogue: `diag.*` evidence or `model.*` of a warp.
 struct NamedArray {
-  std::string name;
+  Name name;
   Array<double> values;
 };
 
 /// Evidence that a component gives with its result: scalars go to frames.jsonl, arrays to dumps.
 class Diagnostics {
  public:
-  void set(std::string name, double value) { set(std::move(name), make_scalar(value)); }
-  void set(std::string name, Array<double> values) {
-    entries_.push_back({"diag." + std::move(name), std::move(values)});
+  void set(std::string_view name, double value) { set(name, make_scalar(value)); }
+  void set(std::string_view name, Array<double> values) {
+    constexpr std::size_t kUsual = 12;
+    if (entries_.empty()) entries_.reserve(kUsual);
+    entries_.push_back({Name("diag.", name), std::move(values)});
   }
   const std::vector<NamedArray>& entries() const { return entries_; }
   std::vector<NamedArray>& entries() { return entries_; }

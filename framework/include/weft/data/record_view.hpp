@@ -4,6 +4,7 @@
 #include <string>
 #include <type_traits>
 #include <vector>
+#include <weft/core/inline_vector.hpp>
 #include <weft/data/record.hpp>
 
 namespace weft {
@@ -68,7 +69,7 @@ class RecordView {
     return raw;
   }
 
-  std::vector<weft_array> arrays_;
+  InlineVector<weft_array, 24> arrays_;
   weft_record record_{};
 };
 

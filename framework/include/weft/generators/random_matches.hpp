@@ -34,10 +34,8 @@ inline Correspondences empty_matches(std::int64_t count) {
   matches.image_px = Array<double>({count, 2});
   matches.face = Array<std::int32_t>({count});
   matches.barycentrics = Array<double>({count, 3});
-  matches.kept = Array<std::uint8_t>({count});
-  matches.score = Array<double>({count});
-  std::fill_n(matches.kept.data(), count, std::uint8_t{1});
-  std::fill_n(matches.score.data(), count, 1.0);
+  matches.kept = Array<std::uint8_t>({count}, 1);
+  matches.score = Array<double>({count}, 1.0);
   return matches;
 }
 

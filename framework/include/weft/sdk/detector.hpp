@@ -42,7 +42,8 @@ struct DetectorComponent : ComponentHandle {
 
   Result<Keypoints> detect(const DetectorInput& in) const {
     const RecordView<Image> image("image", in.image);
-    std::vector<weft_record> inputs{image.raw()};
+    detail::Inputs inputs;
+    inputs.push_back(image.raw());
     std::optional<RecordView<Region>> region;
     if (in.region) inputs.push_back(region.emplace("region", *in.region).raw());
     return detail::invoke<Keypoints>(in.call, handle, 0, inputs);

@@ -61,7 +61,8 @@ struct MatcherComponent : ComponentHandle {
                                 const Keypoints& template_keypoints) const {
     const RecordView<Keypoints> image("keypoints", keypoints);
     const RecordView<Keypoints> templ("template_keypoints", template_keypoints);
-    return detail::invoke<Correspondences>(call, handle, 0, {image.raw(), templ.raw()});
+    const weft_record inputs[] = {image.raw(), templ.raw()};
+    return detail::invoke<Correspondences>(call, handle, 0, inputs);
   }
 };
 

@@ -3,6 +3,7 @@
 
 #include <span>
 #include <weft/core/index.hpp>
+#include <weft/core/inline_vector.hpp>
 #include <weft/sdk/role.hpp>
 
 namespace weft {
@@ -36,6 +37,9 @@ struct SolverInput {
 
 namespace detail {
 
+/// The inputs of a call.
+using Inputs = InlineVector<weft_record, 12>;
+
 /// What another component answered; it borrows memory of the host that lives until the caller's
 /// own process() returns.
 struct Answer {
@@ -55,7 +59,7 @@ struct Answer {
 
 /// Calls `component` through the host.
 inline Result<Answer> ask(const Call& call, std::uint64_t component, int method,
-                          const std::vector<weft_record>& inputs) {
+                          std::span<const weft_record> inputs) {
   const weft_record* outputs = nullptr;
   std::uint64_t count = 0;
   weft_error error{};
@@ -70,7 +74,7 @@ inline Result<Answer> ask(const Call& call, std::uint64_t component, int method,
 /// The only output of a method.
 template <class Output>
 Result<Output> invoke(const Call& call, std::uint64_t component, int method,
-                      const std::vector<weft_record>& inputs) {
+                      std::span<const weft_record> inputs) {
   const auto answer = ask(call, component, method, inputs);
   if (!answer) return answer.error();
   auto typed = answer->template find<Output>();
@@ -89,8 +93,8 @@ Result<Output> invoke(const Call& call, std::uint64_t component, int method,
 inline Result<WarpSamples> evaluate(const Call& call, const Warp& warp, const Points& points) {
   const RecordView<Warp> warp_view("warp", warp);
   const RecordView<Points> points_view("points", points);
-  return detail::invoke<WarpSamples>(call, warp.producer_handle, 1,
-                                     {warp_view.raw(), points_view.raw()});
+  const weft_record inputs[] = {warp_view.raw(), points_view.raw()};
+  return detail::invoke<WarpSamples>(call, warp.producer_handle, 1, inputs);
 }
 
 /// A warp that a component holds: `WarpComponent warp_{"warps/bbs"};` and in the constructor
@@ -104,7 +108,9 @@ struct WarpComponent : ComponentHandle {
                    const Weights* weights = nullptr) const {
     const RecordView<Correspondences> matches("correspondences", correspondences);
     const RecordView<Template> template_view("template", templ);
-    std::vector<weft_record> inputs{matches.raw(), template_view.raw()};
+    detail::Inputs inputs;
+    inputs.push_back(matches.raw());
+    inputs.push_back(template_view.raw());
     std::optional<RecordView<Weights>> weights_view;
     if (weights != nullptr) inputs.push_back(weights_view.emplace("weights", *weights).raw());
     return detail::invoke<Warp>(call, handle, 0, inputs);
@@ -117,7 +123,7 @@ struct SolverComponent : ComponentHandle {
       : ComponentHandle{"solvers", default_component} {}
 
   Result<Shape> solve(const SolverInput& in) const {
-    std::vector<weft_record> inputs;
+    detail::Inputs inputs;
     const RecordView<Template> templ("template", in.templ);
     const RecordView<Camera> camera("camera", in.camera);
     inputs.push_back(templ.raw());

@@ -23,7 +23,7 @@ class RecordMaker {
  public:
   explicit RecordMaker(const char* type);
 
-  /// Zero-filled, C order; null when the request is illegal.
+  /// Not cleared, C order; null when the request is illegal.
   void* operator()(const char* name, std::int32_t dtype, int ndim, const std::int64_t* shape);
 
   void set_revision(std::uint64_t revision);

@@ -11,8 +11,8 @@ struct Allocations {
   std::uint64_t bytes = 0;  ///< as asked for, which is less than what is taken
 };
 
-/// Whether the library is loaded that counts them; `weft bench` has it loaded into the process that
-/// counts, and no other process has it.
+/// Whether the library is loaded that counts them: into the process in which `weft bench` counts,
+/// and into tests that are linked with it.
 bool allocations_are_counted();
 
 /// Since this process started; 0 where nobody counts.

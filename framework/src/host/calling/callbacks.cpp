@@ -24,7 +24,7 @@ struct Callbacks {
       if (name == slot && record->type() == type) return record.get();
     }
     if (!scope.may_produce(slot, type)) return nullptr;
-    scope.outputs.emplace_back(slot, std::make_shared<Record>(type, scope.lane.arena_));
+    scope.outputs.emplace_back(slot, Record::make(type, scope.lane.memory_, scope.lane.arena_));
     return scope.outputs.back().second.get();
   }
 
@@ -60,7 +60,7 @@ struct Callbacks {
 
   static void log(const weft_call* call, std::int32_t level, const char* text) try {
     auto& scope = *static_cast<Lane::Scope*>(call->context);
-    if (scope.lane.log_) scope.lane.log_(scope.instance.name(), level, text, scope.frame);
+    if (scope.lane.log_) scope.lane.log_(scope.instance.name, level, text, scope.frame);
   } catch (...) {
     return;  // a message is not worth a crash
   }
@@ -78,14 +78,16 @@ struct Callbacks {
                      {}},
                     error);
     }
-    scope.nested.push_back(
-        scope.lane.enter(*target, method, {inputs, count}, scope.frame, scope.depth + 1));
-    const Outcome& outcome = scope.nested.back();
-    std::vector<weft_record>& views = scope.views.emplace_back();
-    for (const auto& [slot, record] : outcome.outputs) views.push_back(record->view(slot.c_str()));
-    ReachableInputs& reachable = scope.reached.emplace_back();
-    const auto readable = reachable.reach(views, scope.instance.device_memory, *call);
-    scope.downloaded_bytes += outcome.downloaded_bytes + reachable.downloaded_bytes();
+    NestedAnswer& answer = scope.nested.emplace_front(NestedAnswer{
+        scope.lane.enter(*target, method, {inputs, count}, scope.frame, scope.depth + 1),
+        PooledVector<weft_record>(scope.lane.memory_)});
+    const Outcome& outcome = answer.outcome;
+    answer.views.reserve(outcome.outputs.size());
+    for (const auto& [slot, record] : outcome.outputs) {
+      answer.views.push_back(record->view(slot.c_str()));
+    }
+    const auto readable = answer.reached.reach(answer.views, scope.instance.device_memory, *call);
+    scope.downloaded_bytes += outcome.downloaded_bytes + answer.reached.downloaded_bytes();
     scope.worker_processor_ms += outcome.worker_processor_ms;
     if (!readable) return report(readable.error(), error);
     *outputs = readable->data();

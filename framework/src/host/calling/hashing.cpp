@@ -2,6 +2,7 @@
 #include <xxhash.h>
 
 #include <weft/core/index.hpp>
+#include <weft/core/inline_vector.hpp>
 
 #include "host/calling/lane.hpp"
 
@@ -9,17 +10,21 @@ namespace weft::host {
 
 std::uint64_t component_seed(std::uint64_t run_seed, std::uint64_t frame, std::string_view stage,
                              std::string_view nested_path) {
-  std::string bytes;
+  InlineVector<char, 256> bytes;
   for (const std::uint64_t number : {run_seed, frame}) {
-    for (int i = 0; i < 8; ++i) bytes += static_cast<char>((number >> (8 * i)) & 0xFFU);
+    for (int i = 0; i < 8; ++i) {
+      bytes.push_back(static_cast<char>((number >> (8 * i)) & 0xFFU));
+    }
   }
-  bytes.append(stage).append(1, '\0').append(nested_path);
+  for (const char c : stage) bytes.push_back(c);
+  bytes.push_back('\0');
+  for (const char c : nested_path) bytes.push_back(c);
   return XXH3_64bits(bytes.data(), bytes.size());
 }
 
 std::uint64_t content_revision(const Record& record) {
   const weft_record view = record.view("");
-  std::string digest = record.type();
+  std::string digest(record.type());
   for (std::uint64_t i = 0; i < view.count; ++i) {
     const weft_array& array = view.arrays[i];
     std::int64_t bytes = dtype_size(array.dtype);

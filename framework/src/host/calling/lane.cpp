@@ -37,7 +37,7 @@ Lane::Lane(std::uint64_t run_seed, Log log, std::shared_ptr<SharedArena> arena,
       next_revision_(first_revision),
       arena_(std::move(arena)) {}
 
-Lane::~Lane() = default;
+Lane::~Lane() { memory_->close(); }
 
 Result<Instance*> Lane::instantiate(const ComponentSpec& spec, const std::string& stage,
                                     const std::string& path) {
@@ -93,7 +93,7 @@ weft_call Lane::make_call(const Instance& instance, Scope& scope, int method,
   call.method = method;
   call.host = &host_table();
   call.context = &scope;
-  call.seed = component_seed(instance.run_seed, frame, instance.stage, instance.path);
+  call.seed = component_seed(instance.run_seed, frame, instance.stage.str(), instance.path);
   call.frame = frame;
   call.threads = threads_a_call_;
   return call;
@@ -101,7 +101,7 @@ weft_call Lane::make_call(const Instance& instance, Scope& scope, int method,
 
 Result<void> Lane::prepare(Instance& instance, const Record& templ, const Record& camera) {
   if (is_cancelled()) return not_begun(instance.id);
-  announce(instance.name(), instance.id, "prepare", kOfflineFrame);
+  announce(instance.name, instance.id, "prepare", kOfflineFrame);
   if (instance.worker != nullptr) {
     return instance.worker->prepare({{"template", templ.alias()}, {"camera", camera.alias()}});
   }
@@ -127,7 +127,8 @@ Outcome Lane::call(Instance& instance, int method, std::span<const weft_record> 
                    std::uint64_t frame) {
   const std::vector<RoleMethod>& methods = instance.rules.role.methods;
   const auto index = to_index(method);
-  announce(instance.name(), instance.id, index < methods.size() ? methods[index].name : "", frame);
+  static const std::string kNone;
+  announce(instance.name, instance.id, index < methods.size() ? methods[index].name : kNone, frame);
   return enter(instance, method, inputs, frame, 0);
 }
 
@@ -176,7 +177,7 @@ Outcome Lane::enter(Instance& instance, int method, std::span<const weft_record>
   Outcome outcome = finish(instance, scope, inputs, status, error);
   outcome.downloaded_bytes = scope.downloaded_bytes;
   outcome.worker_processor_ms = scope.worker_processor_ms;
-  note({instance.name(),
+  note({instance.name,
         took,
         watch.start(),
         scope.method->name,
@@ -198,6 +199,8 @@ Outcome Lane::finish(Instance& instance, Scope& scope, std::span<const weft_reco
   if (outcome.status == WEFT_ERROR && !scope.refusal.empty())
     outcome.error.message += "; " + scope.refusal;
   if (!outcome.usable()) return outcome;
+  outcome.outputs = NamedRecords(memory_);
+  outcome.outputs.reserve(scope.outputs.size());
   for (auto& [slot, record] : scope.outputs) {
     const weft_record view = record->view(slot.c_str());
     auto valid = validate(view);
@@ -205,7 +208,7 @@ Outcome Lane::finish(Instance& instance, Scope& scope, std::span<const weft_reco
     if (!valid) return broken("returned an illegal output: " + valid.error().message);
     record->set_revision(next_revision_++);
     if (record->type() == Warp::kType) record->set_producer(instance.handle);
-    outcome.outputs.emplace_back(slot, std::move(record));
+    outcome.outputs.emplace_back(std::move(slot), std::move(record));
   }
   for (const RoleSlot& output : scope.method->outputs) {
     if (must_produce(instance, output) && outcome.find(output.name) == nullptr) {
@@ -223,23 +226,27 @@ std::uint64_t handle_of(const Instance& instance) { return instance.handle; }
 
 void Lane::note(Timing timing) {
   const std::lock_guard lock(timings_mutex_);
-  timings_[timing.frame].push_back(std::move(timing));
+  const auto of_frame = timings_.try_emplace(timing.frame, memory_).first;
+  of_frame->second.push_back(std::move(timing));
 }
 
-std::vector<Timing> Lane::take_timings() {
+Timings Lane::take_timings() {
   const std::lock_guard lock(timings_mutex_);
-  std::vector<Timing> taken;
-  for (auto& [frame, timings] : std::exchange(timings_, {})) {
+  Timings taken(memory_);
+  for (auto& [frame, timings] : std::exchange(timings_, TimingsByFrame(memory_))) {
     taken.insert(taken.end(), std::make_move_iterator(timings.begin()),
                  std::make_move_iterator(timings.end()));
   }
   return taken;
 }
 
-std::vector<Timing> Lane::take_timings(std::uint64_t frame) {
+Timings Lane::take_timings(std::uint64_t frame) {
   const std::lock_guard lock(timings_mutex_);
-  auto taken = timings_.extract(frame);
-  return taken ? std::move(taken.mapped()) : std::vector<Timing>{};
+  const auto found = timings_.find(frame);
+  if (found == timings_.end()) return Timings(memory_);
+  Timings taken = std::move(found->second);
+  timings_.erase(found);
+  return taken;
 }
 
 void Lane::let_finish(Instance& instance) { instance.is_let_finish = true; }

@@ -15,6 +15,7 @@
 #include "host/calling/stopwatch.hpp"
 #include "host/loading/component_spec.hpp"
 #include "host/records/record.hpp"
+#include "host/records/shared_text.hpp"
 #include "host/workers/isolation.hpp"
 
 namespace weft::host {
@@ -22,8 +23,8 @@ namespace weft::host {
 /// What a call of a component came to.
 struct Outcome {
   weft_status status = WEFT_OK;
-  Error error;  ///< for degenerate its message is the reason
-  std::vector<std::pair<std::string, RecordPtr>> outputs;  ///< by slot
+  Error error;                         ///< for degenerate its message is the reason
+  NamedRecords outputs;                ///< by slot
   std::uint64_t downloaded_bytes = 0;  ///< fetched from device memory for it and those nested in it
   double worker_processor_ms = 0.0;    ///< [] ms that workers spent on it and those nested in it
 
@@ -36,15 +37,16 @@ inline constexpr std::uint64_t kOfflineFrame = ~std::uint64_t{0};
 
 /// One call of a component, nested ones included in its time.
 struct Timing {
-  std::string component;  ///< "filters", "filters/warp": stage name and nested path
+  SharedText component;  ///< "filters", "filters/warp": stage name and nested path
   Spent took;
   std::chrono::steady_clock::time_point start{};
   std::string method;  ///< as its role calls it: "fit", "evaluate"
   std::uint64_t frame = kOfflineFrame;
   weft_status status = WEFT_OK;
-  std::string worker;                  ///< the stage in whose worker it ran; empty for this process
+  SharedText worker;                   ///< the stage in whose worker it ran; empty for this process
   std::uint64_t downloaded_bytes = 0;  ///< see Outcome
 };
+using Timings = PooledVector<Timing>;
 
 class Instance;
 struct Workplace;
@@ -84,6 +86,9 @@ class Lane {
   /// made. With more than one caller, processor time is that of the calling thread alone.
   void divide_threads(int threads, int callers);
 
+  /// Where the records of this lane stand, and what else lives as long as a frame.
+  const std::shared_ptr<MemoryPool>& memory() const { return memory_; }
+
   /// Whose processor time counts from now on, and that of which thread does not.
   void count_processor_time(ProcessorTime counted, std::optional<clockid_t> apart = {}) {
     processor_time_ = counted;
@@ -109,10 +114,10 @@ class Lane {
 
   /// Calls since the last time this was asked, frame by frame, those of no frame last; of a frame
   /// in order of their end.
-  std::vector<Timing> take_timings();
+  Timings take_timings();
 
   /// Those of one frame; from any thread.
-  std::vector<Timing> take_timings(std::uint64_t frame);
+  Timings take_timings(std::uint64_t frame);
 
   /// Set from any thread to make plugins stop.
   std::atomic<bool>& cancel() { return cancel_; }
@@ -157,9 +162,13 @@ class Lane {
   std::vector<std::unique_ptr<Instance>> instances_;  ///< handle - 1 is the index
   int threads_a_call_ = 1;
   ProcessorTime processor_time_ = ProcessorTime::of_process;
+  using TimingsByFrame = std::map<std::uint64_t, Timings, std::less<>,
+                                  PoolAllocator<std::pair<const std::uint64_t, Timings>>>;
+
+  std::shared_ptr<MemoryPool> memory_ = std::make_shared<MemoryPool>();
   std::optional<clockid_t> apart_;
   std::mutex timings_mutex_;
-  std::map<std::uint64_t, std::vector<Timing>> timings_;  ///< by frame
+  TimingsByFrame timings_{memory_};
   std::atomic<std::uint64_t> next_revision_;
   std::atomic<bool> cancel_{false};
   std::function<bool()> watched_;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <deque>
+#include <forward_list>
+#include <optional>
 
 #include "host/calling/lane.hpp"
 #include "host/workers/worker.hpp"
@@ -23,20 +24,20 @@ class Instance {
         rules(rules_of(spec.component().role())),
         produces(spec.component().produces),
         stage(std::move(in_stage)),
-        path(std::move(at_path)) {}
+        path(std::move(at_path)),
+        name(path.empty() ? stage : SharedText(stage + "/" + path)) {}
   ~Instance() {
     if (self != nullptr) table->destroy(self);
   }
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
 
-  std::string name() const { return path.empty() ? stage : stage + "/" + path; }
-
   std::string id;
   const RoleRules& rules;
   std::vector<std::string> produces;
-  std::string stage;
+  SharedText stage;
   std::string path;  ///< of nested parameters: "start", "start/warp"
+  SharedText name;   ///< both: "solvers/start/warp"
   std::uint64_t handle = 0;
   std::uint64_t run_seed = 0;
   const weft_component* table = nullptr;  ///< null where the component lives in a worker
@@ -50,6 +51,13 @@ class Instance {
   bool is_let_finish = false;  ///< its calls are not told to stop
 };
 
+/// What a call got from a component nested in it, which lives as long as the call.
+struct NestedAnswer {
+  Outcome outcome;
+  PooledVector<weft_record> views;  ///< of its records
+  ReachableInputs reached{};        ///< behind those of them that had to be fetched
+};
+
 /// What one running call owns.
 struct Lane::Scope {
   Lane& lane;
@@ -57,13 +65,11 @@ struct Lane::Scope {
   const RoleMethod* method;
   int depth;
   std::uint64_t frame;
-  std::vector<std::pair<std::string, std::shared_ptr<Record>>> outputs{};
-  std::deque<Outcome> nested{};                  ///< keeps records of nested calls alive
-  std::deque<std::vector<weft_record>> views{};  ///< of those records
-  std::deque<ReachableInputs> reached{};         ///< behind those of them that had to be fetched
-  std::uint64_t downloaded_bytes = 0;            ///< for this call and those nested in it
-  double worker_processor_ms = 0.0;              ///< likewise
-  std::string refusal{};                         ///< why the host refused an array, if it says
+  PooledVector<std::pair<std::string, std::shared_ptr<Record>>> outputs{lane.memory_};
+  std::forward_list<NestedAnswer, PoolAllocator<NestedAnswer>> nested{lane.memory_};
+  std::uint64_t downloaded_bytes = 0;  ///< for this call and those nested in it
+  double worker_processor_ms = 0.0;    ///< likewise
+  std::string refusal{};               ///< why the host refused an array, if it says
 
   /// Whether the role's method may produce this.
   bool may_produce(std::string_view slot, std::string_view type) const;

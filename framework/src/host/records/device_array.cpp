@@ -25,12 +25,14 @@ bool is_out_of_reach(const weft_record& record, const weft_device_memory* own) {
 }  // namespace
 
 DeviceArray::DeviceArray(std::string maker, const weft_array& array,
-                         const weft_device_memory& library, std::shared_ptr<SharedArena> arena)
+                         const weft_device_memory& library, std::shared_ptr<SharedArena> arena,
+                         std::shared_ptr<MemoryPool> pool)
     : maker_(std::move(maker)),
-      name_(array.name),
+      name_(std::string_view(array.name)),
       array_(array),
       library_(library),
-      arena_(std::move(arena)) {
+      arena_(std::move(arena)),
+      pool_(std::move(pool)) {
   array_.name = name_.c_str();
   library_.retain(array_.handle);
 }
@@ -39,7 +41,8 @@ DeviceArray::~DeviceArray() { library_.release(array_.handle); }
 
 Result<DeviceArray::Copy> DeviceArray::copy(const weft_call* call) {
   const auto failed = [&](const std::string& reason, Errc code = Errc::plugin_failure) {
-    return Error{code, "its array '" + name_ + "', which lies on a device, " + reason, maker_};
+    return Error{code, "its array '" + std::string(name_) + "', which lies on a device, " + reason,
+                 maker_};
   };
   const auto bytes =
       static_cast<std::uint64_t>(array_bytes(array_.dtype, array_.ndim, array_.shape));
@@ -49,7 +52,8 @@ Result<DeviceArray::Copy> DeviceArray::copy(const weft_call* call) {
   };
   const std::lock_guard lock(mutex_);
   if (copy_ != nullptr) return Copy{copy_, entry_at(copy_.get()), 0};
-  std::shared_ptr<void> memory = arena_ != nullptr ? arena_->allocate(bytes) : own_memory(bytes);
+  std::shared_ptr<void> memory =
+      arena_ != nullptr ? arena_->allocate(bytes) : own_memory(bytes, pool_);
   if (memory == nullptr) return failed("cannot be copied: memory is short");
   weft_error error{};
   const std::int32_t status = library_.download(call, array_.handle, memory.get(), bytes, &error);

@@ -9,8 +9,10 @@
 #include <span>
 #include <string>
 #include <vector>
+#include <weft/core/name.hpp>
 #include <weft/core/result.hpp>
 
+#include "host/records/memory_pool.hpp"
 #include "host/records/shared_memory.hpp"
 
 namespace weft::host {
@@ -19,9 +21,9 @@ namespace weft::host {
 class DeviceArray {
  public:
   /// Retains the handle of `array`, whose name and shape are legal. `maker` is its component; the
-  /// copy is made in `arena` where one is given.
+  /// copy is made in `arena` or else in `pool` where one is given.
   DeviceArray(std::string maker, const weft_array& array, const weft_device_memory& library,
-              std::shared_ptr<SharedArena> arena);
+              std::shared_ptr<SharedArena> arena, std::shared_ptr<MemoryPool> pool);
   ~DeviceArray();
   DeviceArray(const DeviceArray&) = delete;
   DeviceArray& operator=(const DeviceArray&) = delete;
@@ -41,10 +43,12 @@ class DeviceArray {
   Result<Copy> copy(const weft_call* call = nullptr);
 
  private:
-  std::string maker_, name_;
+  std::string maker_;
+  Name name_;
   weft_array array_;
   const weft_device_memory& library_;
   std::shared_ptr<SharedArena> arena_;
+  std::shared_ptr<MemoryPool> pool_;
   std::mutex mutex_;
   std::shared_ptr<void> copy_;
 };

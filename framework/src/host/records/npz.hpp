@@ -2,15 +2,10 @@
 #pragma once
 
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "host/records/record.hpp"
 
 namespace weft::host {
-
-/// Records by slot, as one file holds them.
-using NamedRecords = std::vector<std::pair<std::string, RecordPtr>>;
 
 /// Writes records as NumPy's npz: array `a` of slot `s` is the member `s/a.npy`, the record's type
 /// the member `s/record_type.npy` (u8 text). The file appears whole: it is written under a

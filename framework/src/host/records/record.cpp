@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <new>
 #include <weft/core/index.hpp>
 
 namespace weft::host {
@@ -14,13 +13,21 @@ constexpr std::int64_t kLargestArray = std::int64_t{1} << 40;  // bytes
 
 /// Whether a name can stand in files and reports.
 bool is_legal_name(std::string_view name) {
-  constexpr std::size_t kLongestName = 100;
   const auto legal = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
            c == '-' || c == '.';
   };
-  return !name.empty() && name.size() <= kLongestName &&
+  return !name.empty() && name.size() <= Name::kLongest &&
          std::all_of(name.begin(), name.end(), legal);
+}
+
+/// The catalogue's own text for a type; null where it has no such type.
+const char* catalogue_type(std::string_view type) {
+  const char* found = nullptr;
+  for_each_record_type([&]<class RecordType>(std::type_identity<RecordType>) {
+    if (type == RecordType::kType) found = RecordType::kType;
+  });
+  return found;
 }
 
 /// Visits the fields of a record struct and finds numbers that are not finite, and arrays that are
@@ -80,14 +87,6 @@ bool is_finite(const weft_array& array) {
   return array.dtype != WEFT_F32 || all_finite<float>(array);
 }
 
-std::shared_ptr<void> own_memory(std::size_t bytes) {
-  constexpr std::align_val_t kAlignment{64};
-  void* memory = ::operator new(bytes, kAlignment, std::nothrow);
-  if (memory == nullptr) return nullptr;
-  std::memset(memory, 0, bytes);
-  return {memory, [](void* p) { ::operator delete (p, std::align_val_t{64}); }};
-}
-
 weft_array array_at(const char* name, std::int32_t dtype, std::int32_t ndim,
                     const std::int64_t* shape, void* data, weft_memory kind) {
   weft_array array{};
@@ -120,11 +119,29 @@ std::int64_t array_bytes(std::int32_t dtype, std::int32_t ndim, const std::int64
   return empty ? 0 : bytes;
 }
 
+Record::Record(std::string_view type, std::shared_ptr<SharedArena> arena,
+               std::shared_ptr<MemoryPool> pool)
+    : type_(catalogue_type(type)),
+      pool_(std::move(pool)),
+      arena_(std::move(arena)),
+      entries_(pool_),
+      arrays_(pool_) {
+  if (type_ != nullptr) return;
+  own_type_ = type;
+  type_ = own_type_.c_str();
+}
+
 std::size_t Record::slot_of(std::string_view name) {
   for (std::size_t i = 0; i < arrays_.size(); ++i) {
     if (entries_[i].name == name) return i;
   }
-  entries_.push_back({std::string(name), nullptr});
+  if (entries_.size() == entries_.capacity()) {
+    constexpr std::size_t kUsual = 16;
+    entries_.reserve(std::max(kUsual, 2 * entries_.size()));
+    arrays_.reserve(entries_.capacity());
+    for (std::size_t i = 0; i < arrays_.size(); ++i) arrays_[i].name = entries_[i].name.c_str();
+  }
+  entries_.push_back({name, nullptr});
   arrays_.emplace_back();
   return arrays_.size() - 1;
 }
@@ -133,8 +150,8 @@ void* Record::allocate(std::string_view name, std::int32_t dtype, std::int32_t n
                        const std::int64_t* shape) {
   const std::int64_t bytes = array_bytes(dtype, ndim, shape);
   if (bytes < 0 || !is_legal_name(name)) return nullptr;
-  const auto size = to_index(bytes) + 64;
-  std::shared_ptr<void> memory = arena_ != nullptr ? arena_->allocate(size) : own_memory(size);
+  std::shared_ptr<void> memory = arena_ != nullptr ? arena_->allocate(to_index(bytes) + 64)
+                                                   : own_memory(to_index(bytes), pool_);
   if (memory == nullptr) return nullptr;
   void* data = memory.get();
   place(name, dtype, ndim, shape, std::move(memory), arena_ != nullptr ? WEFT_SHARED : WEFT_HOST);
@@ -152,10 +169,11 @@ bool Record::adopt(std::string_view name, std::int32_t dtype, std::int32_t ndim,
                    const std::int64_t* shape, const weft_device_memory& library,
                    std::uint64_t handle, const std::string& maker) {
   if (array_bytes(dtype, ndim, shape) < 0 || !is_legal_name(name) || handle == 0) return false;
-  const std::string text(name);
+  const Name text(name);
   weft_array array = array_at(text.c_str(), dtype, ndim, shape, nullptr, WEFT_DEVICE);
   array.handle = handle;
-  auto kept = std::make_shared<DeviceArray>(maker, array, library, arena_);
+  auto kept = std::allocate_shared<DeviceArray>(PoolAllocator<DeviceArray>(pool_), maker, array,
+                                                library, arena_, pool_);
   place(name, dtype, ndim, shape, std::move(kept), WEFT_DEVICE).handle = handle;
   return true;
 }
@@ -170,7 +188,7 @@ weft_array& Record::place(std::string_view name, std::int32_t dtype, std::int32_
 }
 
 weft_record Record::view(const char* slot) const {
-  return {slot, type_.c_str(), revision_, producer_, arrays_.size(), arrays_.data()};
+  return {slot, type_, revision_, producer_, arrays_.size(), arrays_.data()};
 }
 
 void Record::share(const Record& other, std::string_view name) {
@@ -184,7 +202,7 @@ void Record::share(const Record& other, std::string_view name) {
 }
 
 std::shared_ptr<const Record> Record::alias() const {
-  auto same = std::make_shared<Record>(type_);
+  auto same = make(type_, pool_);
   for (const Entry& entry : entries_) same->share(*this, entry.name);
   same->revision_ = revision_;
   same->producer_ = producer_;
@@ -192,7 +210,7 @@ std::shared_ptr<const Record> Record::alias() const {
 }
 
 Result<RecordPtr> Record::in_host_memory() const {
-  auto here = std::make_shared<Record>(type_);
+  auto here = make(type_, pool_);
   for (std::size_t i = 0; i < arrays_.size(); ++i) {
     here->share(*this, entries_[i].name);
     const weft_array& array = arrays_[i];
@@ -208,21 +226,25 @@ Result<RecordPtr> Record::in_host_memory() const {
 }
 
 Result<void> validate(const weft_record& record) {
-  Result<void> status =
-      Error{Errc::invalid_data, std::string("unknown record type ") + record.type};
+  Result<void> status;
+  bool is_known = false;
   for_each_record_type([&]<class RecordType>(std::type_identity<RecordType>) {
     if (std::string_view(record.type) != RecordType::kType) return;
-    const auto typed = read_record<RecordType>(record);
-    if (!typed) {
-      status = typed.error();
+    is_known = true;
+    const RecordType fields{};
+    detail::FieldCheck layout(record);
+    RecordType::fields(fields, layout);
+    if (!layout.error().empty()) {
+      status = Error{Errc::invalid_data, layout.error()};
       return;
     }
-    ContentCheck check(record);
-    RecordType::fields(*typed, check);
-    const std::string problem = check.problem();
-    status = problem.empty() ? Result<void>{} : Result<void>(Error{Errc::invalid_data, problem});
+    ContentCheck content(record);
+    RecordType::fields(fields, content);
+    const std::string problem = content.problem();
+    if (!problem.empty()) status = Error{Errc::invalid_data, problem};
   });
-  return status;
+  if (is_known) return status;
+  return Error{Errc::invalid_data, std::string("unknown record type ") + record.type};
 }
 
 Result<void> check_lengths(const weft_record& output, std::span<const weft_record> inputs) {

@@ -2,14 +2,16 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <span>
 #include <string>
-#include <vector>
+#include <string_view>
+#include <utility>
+#include <weft/core/name.hpp>
 #include <weft/data/codec.hpp>
 
 #include "host/records/device_array.hpp"
+#include "host/records/memory_pool.hpp"
 #include "host/records/shared_memory.hpp"
 
 namespace weft::host {
@@ -18,12 +20,22 @@ namespace weft::host {
 /// struct.
 class Record {
  public:
-  /// Its arrays stand in `arena` where one is given.
-  explicit Record(std::string type, std::shared_ptr<SharedArena> arena = nullptr)
-      : type_(std::move(type)), arena_(std::move(arena)) {}
+  /// What it needs stands in `pool`, and its arrays in `arena`, where they are given.
+  explicit Record(std::string_view type, std::shared_ptr<SharedArena> arena = nullptr,
+                  std::shared_ptr<MemoryPool> pool = nullptr);
+  Record(const Record&) = delete;
+  Record& operator=(const Record&) = delete;
 
-  /// Zero-filled, 64-byte aligned, C order; replaces an array of the same name. Null when the
-  /// request is illegal or memory is short. Names have letters, digits, `_`, `-` and `.` only.
+  /// One that stands in the pool itself.
+  static std::shared_ptr<Record> make(std::string_view type,
+                                      const std::shared_ptr<MemoryPool>& pool = nullptr,
+                                      const std::shared_ptr<SharedArena>& arena = nullptr) {
+    return std::allocate_shared<Record>(PoolAllocator<Record>(pool), type, arena, pool);
+  }
+
+  /// Not cleared, see mark_unwritten(); 64-byte aligned, C order; replaces an array of the same
+  /// name. Null when the request is illegal or memory is short. Names have letters, digits, `_`,
+  /// `-` and `.` only.
   void* allocate(std::string_view name, std::int32_t dtype, std::int32_t ndim,
                  const std::int64_t* shape);
 
@@ -38,7 +50,7 @@ class Record {
              const std::int64_t* shape, const weft_device_memory& library, std::uint64_t handle,
              const std::string& maker);
 
-  const std::string& type() const { return type_; }
+  std::string_view type() const { return type_; }
   std::uint64_t revision() const { return revision_; }
   void set_revision(std::uint64_t revision) { revision_ = revision; }
   void set_producer(std::uint64_t component) { producer_ = component; }
@@ -57,7 +69,7 @@ class Record {
 
   template <class RecordType>
   static std::shared_ptr<Record> copy_of(const RecordType& typed) {
-    auto record = std::make_shared<Record>(RecordType::kType);
+    auto record = make(RecordType::kType);
     const auto allocate = [&](const char* name, std::int32_t dtype, int ndim,
                               const std::int64_t* shape) {
       return record->allocate(name, dtype, ndim, shape);
@@ -68,28 +80,30 @@ class Record {
 
  private:
   struct Entry {
-    std::string name;
+    Name name;
     std::shared_ptr<void> memory;
   };
   std::size_t slot_of(std::string_view name);
   weft_array& place(std::string_view name, std::int32_t dtype, std::int32_t ndim,
                     const std::int64_t* shape, std::shared_ptr<void> contents, weft_memory kind);
 
-  std::string type_;
+  const char* type_;      ///< the catalogue's, or own_type_
+  std::string own_type_;  ///< where the catalogue has no such type
+  std::shared_ptr<MemoryPool> pool_;
   std::shared_ptr<SharedArena> arena_;
   std::uint64_t revision_ = 0;
   std::uint64_t producer_ = 0;
-  std::deque<Entry> entries_;  ///< a deque: arrays point at the names
-  std::vector<weft_array> arrays_;
+  PooledVector<Entry> entries_;
+  PooledVector<weft_array> arrays_;
 };
 
 using RecordPtr = std::shared_ptr<const Record>;
 
+/// Records by slot, as one file or one call has them.
+using NamedRecords = PooledVector<std::pair<std::string, RecordPtr>>;
+
 /// Whether no number of an array, which is not in device memory, is NaN or infinite.
 bool is_finite(const weft_array& array);
-
-/// Zero-filled, 64-byte aligned; null when memory is short.
-std::shared_ptr<void> own_memory(std::size_t bytes);
 
 /// The entry of an array that lies contiguous in C order.
 weft_array array_at(const char* name, std::int32_t dtype, std::int32_t ndim,
@@ -102,6 +116,12 @@ std::int64_t array_bytes(std::int32_t dtype, std::int32_t ndim, const std::int64
 template <class RecordType>
 Result<RecordType> view_as(const Record& record) {
   return read_record<RecordType>(record.view(""));
+}
+
+/// The same without its texts and the arrays that the catalogue does not name: allocates nothing.
+template <class RecordType>
+Result<RecordType> arrays_of(const Record& record) {
+  return read_arrays<RecordType>(record.view(""));
 }
 
 /// Whether a record has the arrays, types and shapes of the catalogue and holds no NaN or infinity

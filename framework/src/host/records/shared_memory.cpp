@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstring>
 #include <weft/core/index.hpp>
+#include <weft/core/unwritten.hpp>
 
 namespace weft::host {
 namespace {
@@ -94,7 +95,7 @@ std::shared_ptr<void> SharedArena::allocate(std::size_t bytes) {
   const auto offset = take(size);
   if (!offset) return nullptr;
   void* block = memory_->at(*offset, size);
-  std::memset(block, 0, size);
+  mark_unwritten(block, size);
   return {block, [arena = shared_from_this(), offset = *offset, size](void*) {
             arena->give_back(offset, size);
           }};

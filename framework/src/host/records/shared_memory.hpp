@@ -64,8 +64,8 @@ class SharedArena : public std::enable_shared_from_this<SharedArena> {
 
   explicit SharedArena(std::shared_ptr<SharedMemory> memory) : memory_(std::move(memory)) {}
 
-  /// Zero-filled and 64-byte aligned, free again with its last reference; null when there is no
-  /// room. It keeps the arena alive.
+  /// Not cleared, see mark_unwritten(); 64-byte aligned, free again with its last reference; null
+  /// when there is no room. It keeps the arena alive.
   std::shared_ptr<void> allocate(std::size_t bytes);
 
   const SharedMemory& memory() const { return *memory_; }

@@ -103,7 +103,7 @@ class Server {
     const Outcome outcome = lane_.call(*instances_.at(call.handle), call.method,
                                        views(call.inputs, arrays), call.frame);
     ReplyMessage reply = reply_of(outcome.error, outcome.status);
-    std::vector<Timing> timings = lane_.take_timings();
+    Timings timings = lane_.take_timings();
     if (!timings.empty()) timings.pop_back();  // the call itself, which the host measures
     for (const Timing& timing : timings) {
       const std::chrono::nanoseconds start = timing.start.time_since_epoch();
@@ -127,7 +127,7 @@ class Server {
   /// The record stays until the host has done with all its arrays.
   PlacedRecord lend(const std::string& slot, const RecordPtr& record) {
     const weft_record view = record->view("");
-    PlacedRecord placed{slot, record->type(), 0, 0, {}};
+    PlacedRecord placed{slot, std::string(record->type()), 0, 0, {}};
     for (std::uint64_t i = 0; i < view.count; ++i) {
       const weft_array& array = view.arrays[i];
       PlacedArray& target = placed.arrays.emplace_back();

@@ -164,7 +164,7 @@ Result<std::vector<PlacedRecord>> Worker::place(std::span<const weft_record> rec
 }
 
 Result<std::shared_ptr<Record>> Worker::adopt(const PlacedRecord& placed) const {
-  auto record = std::make_shared<Record>(placed.type);
+  auto record = Record::make(placed.type);
   for (const PlacedArray& array : placed.arrays) {
     const std::int64_t bytes = array_bytes(array.dtype, array.ndim, array.shape.data());
     std::shared_ptr<void> memory = bytes >= 0 ? loans_->take(array.offset, bytes) : nullptr;

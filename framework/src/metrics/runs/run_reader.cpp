@@ -27,8 +27,8 @@ Result<std::optional<RecordType>> find_typed(const host::NamedRecords& records,
     if (name != slot) continue;
     if (record->type() != RecordType::kType) {
       return Error{Errc::incompatible,
-                   slot + " is a " + record->type() + " instead of a " + RecordType::kType +
-                       "; evaluate with the version of Weft that wrote the run",
+                   slot + " is a " + std::string(record->type()) + " instead of a " +
+                       RecordType::kType + "; evaluate with the version of Weft that wrote the run",
                    file};
     }
     auto typed = host::view_as<RecordType>(*record);

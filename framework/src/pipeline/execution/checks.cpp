@@ -7,6 +7,7 @@
 
 namespace weft {
 
+using host::arrays_of;
 using host::Record;
 using host::view_as;
 
@@ -16,23 +17,23 @@ Error broken(std::string message) { return {Errc::invalid_data, std::move(messag
 
 /// Indices from `least` to `count` - 1.
 Result<void> check_indices(const Array<std::int32_t>& indices, std::int64_t least,
-                           std::int64_t count, const std::string& what) {
+                           std::int64_t count, const char* what) {
   for (std::int64_t i = 0; i < indices.rows(); ++i) {
     const std::int32_t index = indices(i);
     if (index >= least && index < count) continue;
-    return broken(what + " " + std::to_string(i) + " has the index " + std::to_string(index) +
-                  ", the template has " + std::to_string(count));
+    return broken(std::string(what) + " " + std::to_string(i) + " has the index " +
+                  std::to_string(index) + ", the template has " + std::to_string(count));
   }
   return {};
 }
 
 template <class T>
-Result<void> check_size(const std::string& what, const Array<T>& pixels, const Camera& camera) {
+Result<void> check_size(const char* what, const Array<T>& pixels, const Camera& camera) {
   if (pixels.dim(0) == camera.height_px && pixels.dim(1) == camera.width_px) return {};
   const auto size = [](std::int64_t width, std::int64_t height) {
     return std::to_string(width) + "x" + std::to_string(height) + " px";
   };
-  return broken(what + " has " + size(pixels.dim(1), pixels.dim(0)) + ", the camera " +
+  return broken(std::string(what) + " has " + size(pixels.dim(1), pixels.dim(0)) + ", the camera " +
                 size(camera.width_px, camera.height_px));
 }
 
@@ -115,8 +116,8 @@ Result<void> check_camera(const Record& camera) {
 }
 
 Result<void> check_fits(const Record& record, const Record& templ, const Record& camera) {
-  const auto sheet = view_as<Template>(templ);
-  const auto pinhole = view_as<Camera>(camera);
+  const auto sheet = arrays_of<Template>(templ);
+  const auto pinhole = arrays_of<Camera>(camera);
   if (!sheet) return sheet.error();
   if (!pinhole) return pinhole.error();
   const FitCheck check(*sheet, *pinhole);
@@ -124,7 +125,7 @@ Result<void> check_fits(const Record& record, const Record& templ, const Record&
   for_each_record_type([&]<class RecordType>(std::type_identity<RecordType>) {
     if constexpr (requires(const RecordType& typed) { check(typed); }) {
       if (record.type() != RecordType::kType) return;
-      const auto typed = view_as<RecordType>(record);
+      const auto typed = arrays_of<RecordType>(record);
       status = typed ? check(*typed) : Result<void>(typed.error());
     }
   });

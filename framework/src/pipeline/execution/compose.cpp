@@ -6,16 +6,18 @@
 
 namespace weft {
 
+using host::arrays_of;
+using host::MemoryPool;
 using host::Record;
 using host::RecordPtr;
-using host::view_as;
 
 namespace {
 
 /// A copy of a record that shares all arrays but those named; "diag." names all evidence.
 std::shared_ptr<Record> share_except(const Record& record,
-                                     std::initializer_list<std::string_view> names) {
-  auto copy = std::make_shared<Record>(record.type());
+                                     std::initializer_list<std::string_view> names,
+                                     const std::shared_ptr<MemoryPool>& pool = nullptr) {
+  auto copy = Record::make(record.type(), pool);
   const weft_record view = record.view("");
   for (std::uint64_t i = 0; i < view.count; ++i) {
     const std::string_view name = view.arrays[i].name;
@@ -30,9 +32,10 @@ std::shared_ptr<Record> share_except(const Record& record,
 
 }  // namespace
 
-Result<RecordPtr> with_mask(const Record& correspondences, const Record& mask) {
-  const auto matches = view_as<Correspondences>(correspondences);
-  const auto verdict = view_as<InlierMask>(mask);
+Result<RecordPtr> with_mask(const Record& correspondences, const Record& mask,
+                            const std::shared_ptr<MemoryPool>& pool) {
+  const auto matches = arrays_of<Correspondences>(correspondences);
+  const auto verdict = arrays_of<InlierMask>(mask);
   if (!matches) return matches.error();
   if (!verdict) return verdict.error();
   const std::int64_t count = matches->count();
@@ -40,7 +43,7 @@ Result<RecordPtr> with_mask(const Record& correspondences, const Record& mask) {
     return Error{Errc::invalid_data, "the mask has " + std::to_string(verdict->kept.rows()) +
                                          " entries for " + std::to_string(count) + " matches"};
   }
-  auto composed = share_except(correspondences, {"kept", "score", "diag."});
+  auto composed = share_except(correspondences, {"kept", "score", "diag."}, pool);
   auto* kept = static_cast<std::uint8_t*>(composed->allocate("kept", WEFT_U8, 1, &count));
   auto* score = static_cast<double*>(composed->allocate("score", WEFT_F64, 1, &count));
   for (std::int64_t i = 0; i < count; ++i) {
@@ -58,8 +61,8 @@ Result<RecordPtr> with_mask(const Record& correspondences, const Record& mask) {
 }
 
 Result<RecordPtr> locate_on_template(const Record& keypoints, const Record& templ) {
-  const auto points = view_as<Keypoints>(keypoints);
-  const auto sheet = view_as<Template>(templ);
+  const auto points = arrays_of<Keypoints>(keypoints);
+  const auto sheet = arrays_of<Template>(templ);
   if (!points) return points.error();
   if (!sheet) return sheet.error();
   const auto locator = FaceLocator::create(sheet->flat_px.matrix<2>(), sheet->faces.matrix<3>());
@@ -79,7 +82,7 @@ Result<RecordPtr> locate_on_template(const Record& keypoints, const Record& temp
 
 Result<const FaceLocator*> MatchPlacer::locator() {
   if (!locator_) {
-    const auto sheet = view_as<Template>(*template_);
+    const auto sheet = arrays_of<Template>(*template_);
     if (!sheet) return sheet.error();
     auto made = FaceLocator::create(sheet->flat_px.matrix<2>(), sheet->faces.matrix<3>());
     if (!made) return made.error();
@@ -88,40 +91,39 @@ Result<const FaceLocator*> MatchPlacer::locator() {
   return &*locator_;
 }
 
-Result<Points2> MatchPlacer::texels_of(const Correspondences& matches) const {
-  if (!matches.template_xy_m.present()) return Points2(matches.template_px.matrix<2>());
-  const auto sheet = view_as<Template>(*template_);
+Result<Eigen::Array2d> MatchPlacer::m_per_px() const {
+  const auto sheet = arrays_of<Template>(*template_);
   if (!sheet) return sheet.error();
   if (!sheet->m_per_px.present()) {
     return Error{Errc::invalid_data,
                  "matches are in metres on a template that has no m_per_px: give template_px"};
   }
-  const Eigen::Array2d m_per_px = sheet->m_per_px.matrix<1>();
-  Points2 texels = matches.template_xy_m.matrix<2>();
-  texels.array().rowwise() /= m_per_px.transpose();
-  return texels;
+  return Eigen::Array2d(sheet->m_per_px.matrix<1>());
 }
 
 Result<RecordPtr> MatchPlacer::place(RecordPtr record) {
   if (record->type() != Correspondences::kType) return record;
-  const auto matches = view_as<Correspondences>(*record);
+  const auto matches = arrays_of<Correspondences>(*record);
   if (!matches) return matches.error();
   const std::int64_t count = matches->count();
   bool complete = !matches->template_xy_m.present();
   for (std::int64_t n = 0; n < count; ++n) complete = complete && matches->face(n) != -1;
   if (complete) return record;
-  const auto texels = texels_of(*matches);
-  if (!texels) return texels.error();
+  const bool is_metric = matches->template_xy_m.present();
+  const auto scale = is_metric ? m_per_px() : Eigen::Array2d(1.0, 1.0);
+  if (!scale) return scale.error();
   const auto mesh = locator();
   if (!mesh) return mesh.error();
-  auto placed = share_except(*record, {"template_px", "template_xy_m", "face", "barycentrics"});
+  const auto places = (is_metric ? matches->template_xy_m : matches->template_px).matrix<2>();
+  auto placed =
+      share_except(*record, {"template_px", "template_xy_m", "face", "barycentrics"}, pool_);
   const std::int64_t shape[] = {count, 2}, weights_shape[] = {count, 3};
   auto* px = static_cast<double*>(placed->allocate("template_px", WEFT_F64, 2, shape));
   auto* face = static_cast<std::int32_t*>(placed->allocate("face", WEFT_I32, 1, shape));
   auto* weights =
       static_cast<double*>(placed->allocate("barycentrics", WEFT_F64, 2, weights_shape));
   for (std::int64_t n = 0; n < count; ++n) {
-    const Eigen::Vector2d texel = texels->row(n);
+    const Eigen::Vector2d texel = places.row(n).transpose().array() / *scale;
     FaceLocation at{matches->face(n), matches->barycentrics.matrix<3>().row(n), true};
     if (at.face == -1) at = (*mesh)->locate(texel);
     std::copy_n(texel.data(), 2, px + 2 * n);
@@ -131,8 +133,9 @@ Result<RecordPtr> MatchPlacer::place(RecordPtr record) {
   return RecordPtr(std::move(placed));
 }
 
-RecordPtr aged_shape(const Record& shape, std::int64_t age, int lost_after) {
-  auto aged = share_except(shape, {"state", "age", "confidence", "covariance_m2"});
+RecordPtr aged_shape(const Record& shape, std::int64_t age, int lost_after,
+                     const std::shared_ptr<MemoryPool>& pool) {
+  auto aged = share_except(shape, {"state", "age", "confidence", "covariance_m2"}, pool);
   auto* state = static_cast<std::int32_t*>(aged->allocate("state", WEFT_I32, 0, nullptr));
   auto* frames = static_cast<std::int64_t*>(aged->allocate("age", WEFT_I64, 0, nullptr));
   *state = static_cast<std::int32_t>(age > lost_after ? ShapeState::lost : ShapeState::predicted);
@@ -142,7 +145,7 @@ RecordPtr aged_shape(const Record& shape, std::int64_t age, int lost_after) {
 }
 
 Result<TextureInput> texture_input(const Record& templ) {
-  const auto sheet = view_as<Template>(templ);
+  const auto sheet = arrays_of<Template>(templ);
   if (!sheet) return sheet.error();
   Image image;
   image.pixels = sheet->texture;

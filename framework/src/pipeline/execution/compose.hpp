@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <weft/data/correspondences.hpp>
@@ -12,8 +14,9 @@ namespace weft {
 
 /// Matches with a filter's verdict: kept only if kept before too, the filter's scores, the least
 /// confidence that a filter said; all other arrays are shared. Fails when the mask is of another
-/// length.
-Result<host::RecordPtr> with_mask(const host::Record& correspondences, const host::Record& mask);
+/// length. Made in the pool where one is given.
+Result<host::RecordPtr> with_mask(const host::Record& correspondences, const host::Record& mask,
+                                  const std::shared_ptr<host::MemoryPool>& pool = nullptr);
 
 /// Keypoints of the texture with the face that holds each and the weights in it.
 Result<host::RecordPtr> locate_on_template(const host::Record& keypoints,
@@ -23,7 +26,9 @@ Result<host::RecordPtr> locate_on_template(const host::Record& keypoints,
 /// a template: it looks for faces with a grid that it makes when it is first needed.
 class MatchPlacer {
  public:
-  explicit MatchPlacer(host::RecordPtr templ) : template_(std::move(templ)) {}
+  /// Its records are made in the pool where one is given.
+  explicit MatchPlacer(host::RecordPtr templ, std::shared_ptr<host::MemoryPool> pool = nullptr)
+      : template_(std::move(templ)), pool_(std::move(pool)) {}
 
   /// The record itself unless it is of matches that lack something. Fails on template_xy_m for a
   /// template without m_per_px.
@@ -31,15 +36,17 @@ class MatchPlacer {
 
  private:
   Result<const FaceLocator*> locator();
-  Result<Points2> texels_of(const Correspondences& matches) const;
+  Result<Eigen::Array2d> m_per_px() const;
 
   host::RecordPtr template_;
+  std::shared_ptr<host::MemoryPool> pool_;
   std::optional<FaceLocator> locator_;
 };
 
 /// The last shape again, `age` frames after it was measured: predicted, or lost from
 /// `lost_after` + 1 on; with a confidence of 0 and no covariance, for nothing was measured.
-host::RecordPtr aged_shape(const host::Record& shape, std::int64_t age, int lost_after);
+host::RecordPtr aged_shape(const host::Record& shape, std::int64_t age, int lost_after,
+                           const std::shared_ptr<host::MemoryPool>& pool = nullptr);
 
 /// The texture as an image and its mask as a region, for detectors.
 struct TextureInput {

@@ -21,6 +21,24 @@ Result<host::Instance*> instantiate(host::Lane& lane, const StageConfig& stage,
                          : lane.instantiate(component, stage.name);
 }
 
+/// Why a value that no stage makes is absent, where its source could read the frame.
+std::string why_absent(const ValueInfo& value) {
+  if (value.lag == 0) return "sources: no " + value.slot;
+  return value.slot + ": none " + std::to_string(value.lag) + " frames ago";
+}
+
+/// Why a stage is not called where its rule does not hold: all that it waits for are ok.
+std::string why_not_called(const StageConfig& stage, const Node& node,
+                           const std::vector<StageConfig>& stages) {
+  std::string reasons;
+  for (const int other : node.not_ok) {
+    reasons += (reasons.empty() ? "'" : ", '") + stages[to_index(other)].name + "' is ok";
+  }
+  if (stage.when->every == 0) return "not called: " + reasons;
+  return "not called: " + (reasons.empty() ? "" : reasons + ", and ") + "it is called every " +
+         std::to_string(stage.when->every) + " frames";
+}
+
 }  // namespace
 
 Executor::Executor(const PipelineConfig& config, const Graph& graph, host::Lane& lane,
@@ -31,7 +49,9 @@ Executor::Executor(const PipelineConfig& config, const Graph& graph, host::Lane&
       template_(std::move(templ)),
       camera_(std::move(camera)),
       sharing_(std::move(sharing)),
-      history_(graph) {}
+      history_(graph) {
+  for (const ValueInfo& value : graph.values) absent_.emplace_back(why_absent(value));
+}
 
 Result<std::unique_ptr<Executor>> Executor::create(const PipelineConfig& config, const Graph& graph,
                                                    host::Lane& lane, RecordPtr templ,
@@ -47,10 +67,23 @@ Result<std::unique_ptr<Executor>> Executor::create(const PipelineConfig& config,
     const std::string key = i < keys.size() ? keys[i] : "";
     auto made = executor->made_stage(stage, key);
     if (!made) return made.error();
-    executor->stages_.push_back({&stage, &graph.stages[i], rules_of(stage.role), *std::move(made),
-                                 false, key, MatchPlacer(executor->template_)});
+    executor->stages_.push_back(executor->stage_of(i, *std::move(made)));
+    executor->stages_.back().key = key;
   }
   return executor;
+}
+
+Executor::Stage Executor::stage_of(std::size_t index, MadeStage made) const {
+  const StageConfig& config = config_.stages[index];
+  const Node& node = graph_.stages[index];
+  Stage stage{&config,         &node, rules_of(config.role),
+              std::move(made), {},    MatchPlacer(template_, lane_.memory()),
+              config.name,     {},    {}};
+  if (config.when) {
+    stage.not_called = why_not_called(config, node, config_.stages);
+    stage.not_called_cause = config.name + ": " + stage.not_called;
+  }
+  return stage;
 }
 
 Result<MadeStage> Executor::made_stage(const StageConfig& stage, const std::string& key) {
@@ -103,7 +136,8 @@ void Executor::place_given(const FrameInput& input, FrameResult& result) const {
       result.values[i] = camera_;
     } else if (value.lag == 0) {
       result.values[i] = input.find(value.slot);
-      result.causes[i] = "sources: " + (input.failure.empty() ? "no " + value.slot : input.failure);
+      result.causes[i] =
+          input.failure.empty() ? absent_[i] : host::SharedText("sources: " + input.failure);
     }
   }
 }
@@ -113,7 +147,7 @@ void Executor::place_past(std::size_t value, FrameResult& result) const {
   const ValueInfo& info = graph_.values[value];
   if (info.lag == 0) return;
   result.values[value] = history_.find(info.slot, info.lag, result.place);
-  result.causes[value] = info.slot + ": none " + std::to_string(info.lag) + " frames ago";
+  result.causes[value] = absent_[value];
 }
 
 FrameResult Executor::process(const FrameInput& input) {
@@ -124,7 +158,8 @@ FrameResult Executor::process(const FrameInput& input) {
 }
 
 FrameResult Executor::begin(const FrameInput& input) {
-  FrameResult result;
+  FrameResult result(lane_.memory());
+  result.stages.reserve(1 + stages_.size() + graph_.sinks.size());
   result.index = input.index;
   result.place = begun_++;
   result.dropped_before = input.dropped_before;
@@ -133,7 +168,8 @@ FrameResult Executor::begin(const FrameInput& input) {
   place_given(input, result);
   if (const int image = graph_.latest("image"); image >= 0) {
     if (const RecordPtr& record = result.values[to_index(image)]) {
-      result.stem = host::view_as<Image>(*record)->stem;
+      const weft_array* stem = find_array(record->view(""), "stem");
+      result.stem.assign(static_cast<const char*>(stem->data), to_index(stem->shape[0]));
     }
   }
   return result;
@@ -151,6 +187,7 @@ void Executor::end(FrameResult& result) {
   settle_shape(result);
   history_.remember(result.values);
   result.timings = lane_.take_timings(result.index);
+  lane_.memory()->frame_done(result.index);
 }
 
 std::vector<StepRule> Executor::rules() const {
@@ -230,21 +267,15 @@ StageReport Executor::take(const StageAnswer& answer, const Stage& stage, FrameR
   return report;
 }
 
-/// By the rule of `when`; empty where the stage is called.
-std::string Executor::why_not_called(const Stage& stage, const FrameResult& result) const {
-  if (!stage.config->when) return {};
+/// By the rule of `when`.
+bool Executor::is_called(const Stage& stage, const FrameResult& result) {
+  if (!stage.config->when) return true;
   const auto every = static_cast<std::uint64_t>(stage.config->when->every);
   // A multiple that was dropped is made up for by the next frame.
-  if (every > 0 && result.index % every <= result.dropped_before) return {};
-  std::string reasons;
-  for (const int other : stage.node->not_ok) {
-    const StageReport& report = result.stages[to_index(other)];
-    if (report.status != StageStatus::ok) return {};
-    reasons += (reasons.empty() ? "'" : ", '") + report.stage + "' is ok";
-  }
-  if (every == 0) return "not called: " + reasons;
-  return "not called: " + (reasons.empty() ? "" : reasons + ", and ") + "it is called every " +
-         std::to_string(every) + " frames";
+  if (every > 0 && result.index % every <= result.dropped_before) return true;
+  return std::any_of(stage.node->not_ok.begin(), stage.node->not_ok.end(), [&](int other) {
+    return result.stages[to_index(other)].status != StageStatus::ok;
+  });
 }
 
 StageReport Executor::answer(Stage& stage, FrameResult& result) {
@@ -258,62 +289,67 @@ StageReport Executor::answer(Stage& stage, FrameResult& result) {
 }
 
 StageReport Executor::execute(Stage& stage, FrameResult& result) {
-  std::vector<weft_record> inputs;
-  std::string cause = why_not_called(stage, result);
-  if (cause.empty()) cause = gather(*stage.node, result, inputs);
-  StageReport report{stage.config->name, StageStatus::skipped, cause, {}, {}, false};
-  if (cause.empty()) {
-    const host::Stopwatch watch = lane_.stopwatch();
-    Outcome outcome = lane_.is_cancelled()
-                          ? Outcome{WEFT_CANCELLED, {Errc::cancelled, "was not begun", {}}, {}}
-                          : lane_.call(*stage.made.instance, kRunStage, inputs, result.index);
-    if (stage.is_kept) keep_call(stage, outcome, result);
-    if (outcome.usable()) {
-      if (auto stored = store(stage, outcome, result); !stored) {
-        const Error& error = stored.error();
-        const bool none = error.code == Errc::no_result;
-        const std::string id = stage.config->component.component().id;
-        outcome = {none ? WEFT_NO_RESULT : WEFT_ERROR, {error.code, error.message, id}, {}};
-      }
-    }
-    report = report_of(stage.config->name, outcome, watch.spent());
+  CallInputs inputs;
+  const bool is_wanted = is_called(stage, result);
+  const host::SharedText why_skipped =
+      is_wanted ? gather(*stage.node, result, inputs) : stage.not_called;
+  if (!why_skipped.empty()) {
     for (const int output : stage.node->outputs) {
-      const RecordPtr& record = result.values[to_index(output)];
-      if (record != nullptr && record != stage.made.template_keypoints)
-        add_numbers(*record, report);
+      result.causes[to_index(output)] = is_wanted ? why_skipped : stage.not_called_cause;
     }
-    if (stage.rules.marks && outcome.usable()) {
-      add_numbers(*outcome.find("inlier_mask"), report);
+    return {stage.name, StageStatus::skipped, why_skipped, {}, {}, false};
+  }
+  const host::Stopwatch watch = lane_.stopwatch();
+  Outcome outcome = lane_.is_cancelled()
+                        ? Outcome{WEFT_CANCELLED, {Errc::cancelled, "was not begun", {}}, {}}
+                        : lane_.call(*stage.made.instance, kRunStage, inputs, result.index);
+  if (stage.is_kept) keep_call(stage, outcome, result);
+  if (outcome.usable()) {
+    if (auto stored = store(stage, outcome, result); !stored) {
+      const Error& error = stored.error();
+      const bool none = error.code == Errc::no_result;
+      const std::string id = stage.config->component.component().id;
+      outcome = {none ? WEFT_NO_RESULT : WEFT_ERROR, {error.code, error.message, id}, {}};
     }
   }
-  const bool is_first_cause = cause.empty() || cause.starts_with("not called: ");
-  const std::string own_cause = is_first_cause ? report.stage + ": " + report.reason : cause;
+  StageReport report = report_of(stage.name, outcome, watch.spent(), lane_.memory());
+  host::SharedText cause;
   for (const int output : stage.node->outputs) {
-    result.causes[to_index(output)] = own_cause;
+    const RecordPtr& record = result.values[to_index(output)];
+    if (record == nullptr) {
+      if (cause.empty()) cause = stage.name + ": " + report.reason;
+      result.causes[to_index(output)] = cause;
+    } else if (record != stage.made.template_keypoints) {
+      add_numbers(*record, report);
+    }
   }
+  if (stage.rules.marks && outcome.usable()) add_numbers(*outcome.find("inlier_mask"), report);
   return report;
 }
 
-Result<std::vector<RecordPtr>> Executor::outputs_of(const Stage& stage, const Outcome& outcome,
-                                                    const FrameResult& result) {
+Result<host::PooledVector<RecordPtr>> Executor::outputs_of(const Stage& stage,
+                                                           const Outcome& outcome,
+                                                           const FrameResult& result) {
+  host::PooledVector<RecordPtr> made(lane_.memory());
+  made.reserve(stage.node->outputs.size());
   if (stage.rules.marks) {
     const auto before = to_index(stage.node->inputs.front().value);
-    const auto composed = with_mask(*result.values[before], *outcome.find("inlier_mask"));
+    auto composed = with_mask(*result.values[before], *outcome.find("inlier_mask"), lane_.memory());
     if (!composed) return composed.error();
-    return std::vector<RecordPtr>{*composed};
-  }
-  if (stage.rules.samples) {
-    const RecordPtr warp = outcome.find("warp");
+    made.push_back(*std::move(composed));
+  } else if (stage.rules.samples) {
+    RecordPtr warp = outcome.find("warp");
     const Outcome samples = lane_.evaluate(*warp, vertices_, result.index);
     if (!samples.usable()) return samples.error;
-    return std::vector<RecordPtr>{warp, samples.find("warp_samples")};
-  }
-  if (stage.rules.sees_texture) {
-    return std::vector<RecordPtr>{outcome.find("keypoints"), stage.made.template_keypoints};
-  }
-  std::vector<RecordPtr> made;
-  for (const int output : stage.node->outputs) {
-    made.push_back(outcome.find(graph_.values[to_index(output)].slot));
+    made.push_back(std::move(warp));
+    made.push_back(samples.find("warp_samples"));
+  } else if (stage.rules.sees_texture) {
+    made.push_back(outcome.find("keypoints"));
+    made.push_back(stage.made.template_keypoints);
+  } else {
+    for (const int output : stage.node->outputs) {
+      made.push_back(outcome.find(graph_.values[to_index(output)].slot));
+    }
   }
   return made;
 }
@@ -344,12 +380,12 @@ void Executor::settle_shape(FrameResult& result) {
     frames_since_measured_ = 0;
   } else if (const RecordPtr before = history_.find("previous.shape", 1, result.place)) {
     ++frames_since_measured_;
-    result.shape = aged_shape(*before, frames_since_measured_, config_.lost_after);
+    result.shape = aged_shape(*before, frames_since_measured_, config_.lost_after, lane_.memory());
   }
   if (result.shape == nullptr) return;
   // Sinks see the frame's shape where the last solver's would be; no stage runs after this.
   result.values[to_index(graph_.latest("shape"))] = result.shape;
-  const auto shape = host::view_as<Shape>(*result.shape);
+  const auto shape = host::arrays_of<Shape>(*result.shape);
   result.state = shape->shape_state();
   result.age_frames = shape->age_frames;
 }

@@ -49,13 +49,17 @@ class Executor {
     const Node* node;
     const RoleRules& rules;
     MadeStage made;
-    bool is_kept = false;  ///< its calls are
-    std::string key = {};  ///< for the memo
+    std::string key;  ///< for the memo
     MatchPlacer placer;
+    host::SharedText name;
+    host::SharedText not_called;        ///< why, in all frames in which its rule does not hold
+    host::SharedText not_called_cause;  ///< the same as the cause for who reads its outputs
+    bool is_kept = false;               ///< its calls are
   };
 
   Executor(const PipelineConfig& config, const Graph& graph, host::Lane& lane,
            host::RecordPtr templ, host::RecordPtr camera, Sharing sharing);
+  Stage stage_of(std::size_t index, MadeStage made) const;
   Result<MadeStage> make(const StageConfig& stage);
   Result<MadeStage> made_stage(const StageConfig& stage, const std::string& key);
   Result<host::RecordPtr> detect_on_template(const StageConfig& stage, host::Instance* instance);
@@ -63,13 +67,14 @@ class Executor {
   void place_past(std::size_t value, FrameResult& result) const;
   std::size_t steps_to_last_user_of_warp(std::size_t stage) const;
   void keep_call(const Stage& stage, const host::Outcome& outcome, FrameResult& result) const;
-  std::string why_not_called(const Stage& stage, const FrameResult& result) const;
+  static bool is_called(const Stage& stage, const FrameResult& result);
   StageReport answer(Stage& stage, FrameResult& result);
   StageReport execute(Stage& stage, FrameResult& result);
   static StageAnswer answer_of(const Stage& stage, StageReport report, const FrameResult& result);
   static StageReport take(const StageAnswer& answer, const Stage& stage, FrameResult& result);
-  Result<std::vector<host::RecordPtr>> outputs_of(const Stage& stage, const host::Outcome& outcome,
-                                                  const FrameResult& result);
+  Result<host::PooledVector<host::RecordPtr>> outputs_of(const Stage& stage,
+                                                         const host::Outcome& outcome,
+                                                         const FrameResult& result);
   Result<void> store(Stage& stage, const host::Outcome& outcome, FrameResult& result);
   void settle_shape(FrameResult& result);
 
@@ -81,6 +86,7 @@ class Executor {
   Points vertices_;  ///< where warps are sampled
   Sharing sharing_;
   std::vector<Stage> stages_;
+  std::vector<host::SharedText> absent_;  ///< why a value is, one for each, of what is no stage's
   History history_;
   std::uint64_t begun_ = 0;  ///< [frames]
   std::int64_t frames_since_measured_ = 0;

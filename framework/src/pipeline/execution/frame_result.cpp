@@ -47,7 +47,7 @@ void add_numbers(const Record& record, StageReport& report) {
   if (record.type() == Sightlines::kType) add_count(record, "vertex", "sightlines", report);
   if (record.type() == Correspondences::kType) {
     add_count(record, "kept", "matches", report);
-    const auto matches = host::view_as<Correspondences>(record);
+    const auto matches = host::arrays_of<Correspondences>(record);
     const auto kept = matches->kept.matrix<1>().template cast<double>().sum();
     report.numbers.emplace_back("kept", kept);
   }
@@ -60,8 +60,11 @@ void add_numbers(const Record& record, StageReport& report) {
   }
 }
 
-StageReport report_of(const std::string& stage, const Outcome& outcome, host::Spent here) {
-  StageReport report{stage, StageStatus::ok, {}, here, {}, false};
+StageReport report_of(const host::SharedText& stage, const Outcome& outcome, host::Spent here,
+                      const std::shared_ptr<host::MemoryPool>& pool) {
+  constexpr std::size_t kUsualNumbers = 16;
+  StageReport report{stage, StageStatus::ok, {}, here, NamedNumbers(pool), false};
+  report.numbers.reserve(kUsualNumbers);
   report.took.processor_ms += outcome.worker_processor_ms;
   report.worker_processor_ms = outcome.worker_processor_ms;
   if (outcome.downloaded_bytes > 0) {
@@ -71,15 +74,14 @@ StageReport report_of(const std::string& stage, const Outcome& outcome, host::Sp
   report.status = outcome.status == WEFT_DEGENERATE  ? StageStatus::degenerate
                   : outcome.status == WEFT_NO_RESULT ? StageStatus::no_result
                                                      : StageStatus::error;
-  report.reason = outcome.error.message;
+  const bool is_elsewhere = report.status == StageStatus::error && !outcome.error.where.empty();
+  report.reason =
+      is_elsewhere ? outcome.error.where + ": " + outcome.error.message : outcome.error.message;
   report.code = outcome.error.code;
-  if (report.status == StageStatus::error && !outcome.error.where.empty()) {
-    report.reason = outcome.error.where + ": " + report.reason;
-  }
   return report;
 }
 
-std::string gather(const Node& node, const FrameResult& result, std::vector<weft_record>& inputs) {
+host::SharedText gather(const Node& node, const FrameResult& result, CallInputs& inputs) {
   for (const InputLink& link : node.inputs) {
     const auto index = to_index(link.value);
     if (const RecordPtr& record = result.values[index]) {

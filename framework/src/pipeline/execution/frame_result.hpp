@@ -6,6 +6,8 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+#include <weft/core/inline_vector.hpp>
+#include <weft/core/name.hpp>
 
 #include "host/calling/lane.hpp"
 #include "host/records/npz.hpp"
@@ -17,13 +19,16 @@ enum class StageStatus { ok, degenerate, no_result, error, skipped };
 
 const char* to_string(StageStatus status);
 
+/// Numbers by name: counts, scalar diagnostics.
+using NamedNumbers = host::PooledVector<std::pair<Name, double>>;
+
 /// What one stage, or one sink, came to in one frame.
 struct StageReport {
-  std::string stage;
+  host::SharedText stage;
   StageStatus status = StageStatus::ok;
-  std::string reason;  ///< of anything but ok; for skipped the first cause
-  host::Spent took;    ///< nested components included
-  std::vector<std::pair<std::string, double>> numbers;  ///< counts and scalar diagnostics
+  host::SharedText reason;           ///< of anything but ok; for skipped the first cause
+  host::Spent took;                  ///< nested components included
+  NamedNumbers numbers;              ///< counts and scalar diagnostics
   bool shared = false;               ///< taken from another pipeline, see StageMemo
   Errc code = Errc::no_result;       ///< of an error
   double worker_processor_ms = 0.0;  ///< [] ms in `took` that are of workers
@@ -56,33 +61,42 @@ struct StageCall {
 };
 
 struct FrameResult {
+  FrameResult() = default;
+  /// Its lists stand in the pool.
+  explicit FrameResult(const std::shared_ptr<host::MemoryPool>& pool)
+      : stages(pool), values(pool), causes(pool), timings(pool), setup(pool) {}
+
   std::uint64_t index = 0;
   std::uint64_t place = 0;           ///< frames of this executor that began before it
   std::uint64_t dropped_before = 0;  ///< see FrameInput
   std::string stem;
-  std::vector<StageReport> stages;
-  std::vector<host::RecordPtr> values;  ///< one for each of Graph::values, null where absent
-  std::vector<std::string> causes;      ///< one for each value: why it is absent, if it is
-  host::RecordPtr shape;                ///< solved or predicted; null before the first one
+  host::PooledVector<StageReport> stages;
+  host::PooledVector<host::RecordPtr> values;  ///< one for each of Graph::values, null where absent
+  host::PooledVector<host::SharedText> causes;  ///< one for each value: why it is absent, if it is
+  host::RecordPtr shape;                        ///< solved or predicted; null before the first one
   ShapeState state = ShapeState::none;
-  std::int64_t age_frames = 0;                        ///< [frames] since the shape was measured
-  std::vector<host::Timing> timings;                  ///< of nested components too
-  std::vector<StageCall> calls;                       ///< of the stages of Executor::keep_calls_of
-  std::vector<std::pair<std::string, double>> setup;  ///< what it says of the run's set-up
-  std::vector<std::string> warnings;                  ///< of the set-up, found out by now
+  std::int64_t age_frames = 0;        ///< [frames] since the shape was measured
+  host::Timings timings;              ///< of nested components too
+  std::vector<StageCall> calls;       ///< of the stages of Executor::keep_calls_of
+  NamedNumbers setup;                 ///< what it says of the run's set-up
+  std::vector<std::string> warnings;  ///< of the set-up, found out by now
 
   /// A frame is failed when a stage, the source or a sink had an error; no_result is none.
   bool failed() const;
 };
 
+/// The inputs of a call.
+using CallInputs = InlineVector<weft_record, 16>;
+
 /// Collects the inputs of a stage or sink; the reason is why a required one is absent, else empty.
-std::string gather(const Node& node, const FrameResult& result, std::vector<weft_record>& inputs);
+host::SharedText gather(const Node& node, const FrameResult& result, CallInputs& inputs);
 
 /// Appends what a reader of frames.jsonl wants of an output: counts, and the scalars that the
 /// component calls evidence.
 void add_numbers(const host::Record& record, StageReport& report);
 
 /// Status, reason and time of a call as a report; `here` is what this process spent on it.
-StageReport report_of(const std::string& stage, const host::Outcome& outcome, host::Spent here);
+StageReport report_of(const host::SharedText& stage, const host::Outcome& outcome, host::Spent here,
+                      const std::shared_ptr<host::MemoryPool>& pool = nullptr);
 
 }  // namespace weft

@@ -6,11 +6,16 @@
 
 namespace weft {
 
-History::History(const Graph& graph) : graph_(graph) {
+History::History(const Graph& graph) {
   for (const ValueInfo& value : graph.values) {
     if (value.lag == 0) continue;
     Past& past = by_slot_[value.slot];
     past.depth = std::max(past.depth, to_index(value.lag));
+    past.frames.reserve(past.depth + 1);
+  }
+  for (std::size_t i = 0; i < graph.values.size(); ++i) {
+    const auto found = by_slot_.find("previous." + graph.values[i].slot);
+    if (graph.values[i].lag == 0 && found != by_slot_.end()) found->second.values.push_back(i);
   }
 }
 
@@ -22,21 +27,16 @@ host::RecordPtr History::find(const std::string& slot, int lag, std::uint64_t pl
   return found->second.frames[back];
 }
 
-void History::remember(const std::vector<host::RecordPtr>& values) {
+void History::remember(std::span<const host::RecordPtr> values) {
   const std::lock_guard lock(mutex_);
   ++remembered_;
-  std::map<std::string, host::RecordPtr> latest;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const ValueInfo& value = graph_.values[i];
-    if (value.lag == 0 && values[i] != nullptr) latest["previous." + value.slot] = values[i];
-  }
   for (auto& [slot, past] : by_slot_) {
-    const auto found = latest.find(slot);
-    if (found != latest.end()) {
-      past.frames.push_front(found->second);
-    } else if (!past.frames.empty()) {
-      past.frames.push_front(past.frames.front());
+    host::RecordPtr latest = past.frames.empty() ? nullptr : past.frames.front();
+    for (const std::size_t i : past.values) {
+      if (values[i] != nullptr) latest = values[i];
     }
+    if (latest == nullptr) continue;
+    past.frames.insert(past.frames.begin(), std::move(latest));
     if (past.frames.size() > past.depth) past.frames.pop_back();
   }
 }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <mutex>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,17 +27,17 @@ class History {
   host::RecordPtr find(const std::string& slot, int lag, std::uint64_t place) const;
 
   /// The frame's values become the past; an absent one leaves the one before it.
-  void remember(const std::vector<host::RecordPtr>& values);
+  void remember(std::span<const host::RecordPtr> values);
 
   /// As if no frame had been.
   void forget();
 
  private:
   struct Past {
-    std::size_t depth = 0;               ///< [frames]
-    std::deque<host::RecordPtr> frames;  ///< the latest first, none before the first record
+    std::size_t depth = 0;                ///< [frames]
+    std::vector<std::size_t> values;      ///< of Graph::values, those that become it
+    std::vector<host::RecordPtr> frames;  ///< the latest first, none before the first record
   };
-  const Graph& graph_;
   mutable std::mutex mutex_;
   std::uint64_t remembered_ = 0;         ///< [frames]
   std::map<std::string, Past> by_slot_;  ///< "previous.shape"

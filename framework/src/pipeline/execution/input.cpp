@@ -58,7 +58,7 @@ Result<void> PipelineInput::build_template() {
       output_of(lane_->call(**builder, kBuildTemplate, {}, host::kOfflineFrame), "template");
   if (!built) return built.error();
   template_ = *std::move(built);
-  placer_.emplace(template_);
+  placer_.emplace(template_, lane_->memory());
   return blame(check_template(*template_), templ);
 }
 
@@ -67,7 +67,7 @@ Result<RecordPtr> PipelineInput::completed(const RecordPtr& record) {
   if (!placed) return placed;
   if (auto fits = check_fits(**placed, *template_, *camera_); !fits) return fits.error();
   if (*placed == record) return placed;
-  const auto matches = host::view_as<Correspondences>(**placed);
+  const auto matches = host::arrays_of<Correspondences>(**placed);
   if (matches->count() == 0) return placed;
   const std::int32_t* face = matches->face.data();
   if (std::any_of(face, face + matches->count(), [](std::int32_t f) { return f >= 0; })) {
@@ -99,7 +99,7 @@ std::optional<PipelineInput::Frame> PipelineInput::read(std::uint64_t index) {
   Outcome read = read_checked(index);
   const host::Spent took = watch.spent();
   if (frames_ < 0 && read.status == WEFT_NO_RESULT) return std::nullopt;
-  Frame frame{{index, {}, {}}, report_of(config_->source->name, read, took)};
+  Frame frame{{index, {}, {}}, report_of(source_name_, read, took, lane_->memory())};
   for (const auto& [slot, record] : read.outputs) add_numbers(*record, frame.report);
   if (!read.usable()) frame.input.failure = read.error.message;
   frame.input.records = std::move(read.outputs);

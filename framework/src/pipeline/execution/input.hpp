@@ -31,7 +31,8 @@ class PipelineInput {
   std::optional<Frame> read(std::uint64_t index);
 
  private:
-  PipelineInput(const PipelineConfig& config, host::Lane& lane) : config_(&config), lane_(&lane) {}
+  PipelineInput(const PipelineConfig& config, host::Lane& lane)
+      : config_(&config), lane_(&lane), source_name_(config.source->name) {}
   Result<void> open_source();
   Result<void> build_template();
   host::Outcome read_checked(std::uint64_t index);
@@ -39,6 +40,7 @@ class PipelineInput {
 
   const PipelineConfig* config_;
   host::Lane* lane_;
+  host::SharedText source_name_;
   host::Instance* source_ = nullptr;
   host::RecordPtr camera_;
   host::RecordPtr template_;

@@ -20,7 +20,7 @@ struct MatchDepths {
 
 /// The depths of the image [H,W] at the pixels nearest to the matches' image points; 0 beyond it.
 inline MatchDepths depths_at(const Correspondences& matches, const Array<float>& depth_m) {
-  MatchDepths depths{Array<float>({matches.count()})};
+  MatchDepths depths{Array<float>({matches.count()}, 0.0F)};
   for (std::int64_t n = 0; n < matches.count(); ++n) {
     const double column = std::round(matches.image_px(n, 0));
     const double row = std::round(matches.image_px(n, 1));

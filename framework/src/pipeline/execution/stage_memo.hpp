@@ -19,7 +19,7 @@ struct MadeStage {
 struct StageAnswer {
   StageReport report;
   std::vector<host::RecordPtr> outputs;  ///< null where absent
-  std::vector<std::string> causes;       ///< one for each output
+  std::vector<host::SharedText> causes;  ///< one for each output
 };
 
 /// What pipelines that run in step, in one lane, take from one another. A stage is known by its

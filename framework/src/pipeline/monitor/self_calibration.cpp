@@ -54,29 +54,6 @@ CameraDeviation CameraDeviation::of(const CameraEvidence& evidence) {
   return {covariance * evidence.weighted, covariance};
 }
 
-/// Of vertices (3 V unknowns) and deviation.
-struct SelfCalibration::Equations {
-  using Mixed = Eigen::Matrix<double, Eigen::Dynamic, kParts>;
-
-  explicit Equations(Eigen::Index unknowns)
-      : mixed(Mixed::Zero(unknowns, kParts)), vertex_gradient(Eigen::VectorXd::Zero(unknowns)) {}
-
-  std::vector<Eigen::Triplet<double>> vertices;  ///< lower triangle
-  Mixed mixed;
-  Eigen::VectorXd vertex_gradient;
-  PartMatrix parts = PartMatrix::Zero();
-  PartVector part_gradient = PartVector::Zero();
-
-  void add_block(std::int32_t i, std::int32_t j, const Eigen::Matrix3d& block) {
-    if (i < j) return;
-    for (int r = 0; r < 3; ++r) {
-      for (int c = 0; c < 3; ++c) {
-        if (3 * i + r >= 3 * j + c) vertices.emplace_back(3 * i + r, 3 * j + c, block(r, c));
-      }
-    }
-  }
-};
-
 Result<SelfCalibration> SelfCalibration::of(const Template& templ) {
   SelfCalibration calibration;
   calibration.faces_ = templ.faces.matrix<3>();
@@ -118,16 +95,19 @@ std::optional<CameraEvidence> SelfCalibration::look(const Camera& camera,
                              matches.image_px.matrix<2>().row(i)});
   }
   if (observations_.size() < kLeastMatches) return std::nullopt;
-  State state{vertices_m, PartVector::Zero(), 0.0, kLeastStrain};
+  State& state = state_;
+  state.vertices_m = vertices_m;
+  state.deviation.setZero();
+  state.strain = kLeastStrain;
   CameraEvidence evidence;
   int relaxed = 0;
   for (int i = 0; i < kMostSteps; ++i) {
     if (!measure_noise(camera, state)) return std::nullopt;
-    const auto change = step(camera, state, evidence);
+    const auto change = step(camera, evidence);
     if (!change) return std::nullopt;
     if (*change >= kLastStep) continue;
     // What stretches cannot be held to its lengths.
-    const double strain = kSigmaPerMad * median(strains(edges_, state.vertices_m));
+    const double strain = measured_strain(state);
     if (strain <= state.strain || ++relaxed > kMostRelaxed) return evidence;
     state.strain = strain;
   }
@@ -135,20 +115,30 @@ std::optional<CameraEvidence> SelfCalibration::look(const Camera& camera,
 }
 
 /// Of the matches. False where a point is not in front of the camera, or they do not fit.
-bool SelfCalibration::measure_noise(const Camera& camera, State& state) const {
+bool SelfCalibration::measure_noise(const Camera& camera, State& state) {
   constexpr double kMedianOfRayleigh = 1.1774, kMost_px = 20.0;
-  std::vector<double> residuals_px;
+  residuals_px_.clear();
   for (const Observation& seen : observations_) {
     const Eigen::Vector3d point_m = interpolate(state.vertices_m, faces_, seen.face, seen.weights);
     if (!(point_m.z() > 0.0)) return false;
-    residuals_px.push_back(
+    residuals_px_.push_back(
         (project(camera, state.deviation, point_m).pixel_px - seen.pixel_px).norm());
   }
-  state.noise_px = std::max(kLeastNoise_px, median(residuals_px) / kMedianOfRayleigh);
+  state.noise_px = std::max(kLeastNoise_px, median_in_place(residuals_px_) / kMedianOfRayleigh);
   return state.noise_px < kMost_px;
 }
 
-void SelfCalibration::add_matches(const Camera& camera, const State& state, Equations& equations) {
+/// Of the edges as they are.
+double SelfCalibration::measured_strain(const State& state) {
+  strains_.clear();
+  for (const DistanceConstraint& edge : edges_) {
+    const double length_m = (state.vertices_m.row(edge.i) - state.vertices_m.row(edge.j)).norm();
+    strains_.push_back(std::abs(length_m / edge.rest_length_m - 1.0));
+  }
+  return kSigmaPerMad * median_in_place(strains_);
+}
+
+void SelfCalibration::add_matches(const Camera& camera, const State& state) {
   for (auto& block : face_blocks_) block.setZero();
   for (const Observation& seen : observations_) {
     const Eigen::Vector3d point_m = interpolate(state.vertices_m, faces_, seen.face, seen.weights);
@@ -164,20 +154,20 @@ void SelfCalibration::add_matches(const Camera& camera, const State& state, Equa
     auto& block = face_blocks_[to_index(seen.face)];
     for (int k = 0; k < 3; ++k) {
       const Eigen::Index row = 3 * faces_(seen.face, k);
-      equations.mixed.middleRows<3>(row) += seen.weights(k) * mixed;
-      equations.vertex_gradient.segment<3>(row) += seen.weights(k) * gradient;
+      equations_.mixed.middleRows<3>(row) += seen.weights(k) * mixed;
+      equations_.vertex_gradient.segment<3>(row) += seen.weights(k) * gradient;
       for (int l = 0; l < 3; ++l) {
         block.block<3, 3>(3 * k, 3 * l) += seen.weights(k) * seen.weights(l) * square;
       }
     }
-    equations.parts += weight * at.by_deviation.transpose() * at.by_deviation;
-    equations.part_gradient += weight * at.by_deviation.transpose() * residual_px;
+    equations_.parts += weight * at.by_deviation.transpose() * at.by_deviation;
+    equations_.part_gradient += weight * at.by_deviation.transpose() * residual_px;
   }
   for (Eigen::Index f = 0; f < faces_.rows(); ++f) {
     const auto& block = face_blocks_[to_index(f)];
     for (int k = 0; k < 3; ++k) {
       for (int l = 0; l < 3; ++l) {
-        equations.add_block(faces_(f, k), faces_(f, l), block.block<3, 3>(3 * k, 3 * l));
+        equations_.add_block(faces_(f, k), faces_(f, l), block.block<3, 3>(3 * k, 3 * l));
       }
     }
   }
@@ -192,7 +182,7 @@ double SelfCalibration::edge_over_m(const State& state, std::size_t e) const {
          edge.rest_length_m * (1.0 + stretch);
 }
 
-void SelfCalibration::add_edges(const State& state, Equations& equations) const {
+void SelfCalibration::add_edges(const State& state) {
   for (std::size_t e = 0; e < edges_.size(); ++e) {
     const DistanceConstraint& edge = edges_[e];
     const Eigen::Vector3d along = state.vertices_m.row(edge.j) - state.vertices_m.row(edge.i);
@@ -204,16 +194,16 @@ void SelfCalibration::add_edges(const State& state, Equations& equations) const 
     const double over_m = edge_over_m(state, e);
     const Eigen::Matrix3d square = weight * unit * unit.transpose();
     const Eigen::Matrix3d mixed = weight * unit * by_template_m.transpose();
-    equations.vertex_gradient.segment<3>(3 * edge.i) -= weight * over_m * unit;
-    equations.vertex_gradient.segment<3>(3 * edge.j) += weight * over_m * unit;
-    equations.mixed.block<3, 3>(3 * edge.i, kKeystoneX) += mixed;
-    equations.mixed.block<3, 3>(3 * edge.j, kKeystoneX) -= mixed;
-    equations.parts.block<3, 3>(kKeystoneX, kKeystoneX) +=
+    equations_.vertex_gradient.segment<3>(3 * edge.i) -= weight * over_m * unit;
+    equations_.vertex_gradient.segment<3>(3 * edge.j) += weight * over_m * unit;
+    equations_.mixed.block<3, 3>(3 * edge.i, kKeystoneX) += mixed;
+    equations_.mixed.block<3, 3>(3 * edge.j, kKeystoneX) -= mixed;
+    equations_.parts.block<3, 3>(kKeystoneX, kKeystoneX) +=
         weight * by_template_m * by_template_m.transpose();
-    equations.part_gradient.segment<3>(kKeystoneX) -= weight * over_m * by_template_m;
-    equations.add_block(edge.i, edge.i, square);
-    equations.add_block(edge.j, edge.j, square);
-    equations.add_block(std::max(edge.i, edge.j), std::min(edge.i, edge.j), -square);
+    equations_.part_gradient.segment<3>(kKeystoneX) -= weight * over_m * by_template_m;
+    equations_.add_block(edge.i, edge.i, square);
+    equations_.add_block(edge.j, edge.j, square);
+    equations_.add_block(std::max(edge.i, edge.j), std::min(edge.i, edge.j), -square);
   }
 }
 
@@ -228,17 +218,17 @@ Eigen::Vector3d SelfCalibration::bend_off(const State& state, std::size_t hinge)
   return bend;
 }
 
-void SelfCalibration::add_hinges(const State& state, Equations& equations) const {
+void SelfCalibration::add_hinges(const State& state) {
   constexpr double kWeight = 1.0 / (kBend_rad * kBend_rad);
   for (std::size_t h = 0; h < hinges_.size(); ++h) {
     const BendingHinge& hinge = hinges_[h];
     const Eigen::Vector3d bend = bend_off(state, h);
     for (std::size_t k = 0; k < 4; ++k) {
       const double scaled = kWeight * hinge.coefficient_per_m[k];
-      equations.vertex_gradient.segment<3>(3 * hinge.vertex[k]) += scaled * bend;
+      equations_.vertex_gradient.segment<3>(3 * hinge.vertex[k]) += scaled * bend;
       for (std::size_t l = 0; l < 4; ++l) {
-        equations.add_block(hinge.vertex[k], hinge.vertex[l],
-                            scaled * hinge.coefficient_per_m[l] * Eigen::Matrix3d::Identity());
+        equations_.add_block(hinge.vertex[k], hinge.vertex[l],
+                             scaled * hinge.coefficient_per_m[l] * Eigen::Matrix3d::Identity());
       }
     }
   }
@@ -264,42 +254,35 @@ double SelfCalibration::cost(const Camera& camera, const State& state) const {
   return sum;
 }
 
-std::optional<double> SelfCalibration::step(const Camera& camera, State& state,
-                                            CameraEvidence& evidence) {
+std::optional<double> SelfCalibration::step(const Camera& camera, CameraEvidence& evidence) {
   constexpr double kFloor_per_m2 = 1.0;  // what nothing holds stays where it is
-  const Eigen::Index unknowns = 3 * state.vertices_m.rows();
-  Equations equations(unknowns);
-  add_matches(camera, state, equations);
-  add_edges(state, equations);
-  add_hinges(state, equations);
-  for (Eigen::Index i = 0; i < unknowns; ++i) equations.vertices.emplace_back(i, i, kFloor_per_m2);
-  Eigen::SparseMatrix<double> matrix(unknowns, unknowns);
-  matrix.setFromTriplets(equations.vertices.begin(), equations.vertices.end());
-  if (!analysed_) factor_->analyzePattern(matrix);
-  analysed_ = true;
-  factor_->factorize(matrix);
-  if (factor_->info() != Eigen::Success) return std::nullopt;
-  const Equations::Mixed by_parts = factor_->solve(equations.mixed);
-  const Eigen::VectorXd alone = factor_->solve(equations.vertex_gradient);
-  evidence.information = equations.parts - equations.mixed.transpose() * by_parts;
-  const PartVector gradient = equations.part_gradient - equations.mixed.transpose() * alone;
+  State& state = state_;
+  equations_.begin(state.vertices_m.rows(), kFloor_per_m2);
+  add_matches(camera, state);
+  add_edges(state);
+  add_hinges(state);
+  if (!equations_.solve()) return std::nullopt;
+  const auto &mixed = equations_.mixed, &by_parts = equations_.by_parts;
+  evidence.information = equations_.parts - mixed.transpose() * by_parts;
+  const PartVector gradient = equations_.part_gradient - mixed.transpose() * equations_.alone;
   evidence.weighted = evidence.information * state.deviation - gradient;
   const CameraDeviation likeliest = CameraDeviation::of(evidence);
   const PartVector change = likeliest.mean - state.deviation;
   const double largest = change.cwiseAbs().maxCoeff();
   if (!std::isfinite(largest)) return std::nullopt;
-  const Eigen::VectorXd move = -(alone + by_parts * change);
-  const Eigen::Map<const Points3> move_m(move.data(), state.vertices_m.rows(), 3);
+  move_ = -equations_.alone;
+  move_.noalias() -= by_parts * change;
+  const Eigen::Map<const Points3> move_m(move_.data(), state.vertices_m.rows(), 3);
   const double before = cost(camera, state);
   const double longest = std::min(1.0, kLongestStep / std::max(largest, 1e-12));
   for (int halved = 0; halved < kMostHalvings; ++halved) {
     const double share = std::ldexp(longest, -halved);
-    State next = state;
-    next.vertices_m += share * move_m;
-    next.deviation += share * change;
-    const double after = cost(camera, next);
+    next_ = state;
+    next_.vertices_m += share * move_m;
+    next_.deviation += share * change;
+    const double after = cost(camera, next_);
     if (!(after < before)) continue;
-    state = std::move(next);
+    std::swap(state, next_);
     if (before - after < kLeastGain) break;
     return change.cwiseAbs().cwiseQuotient(likeliest.stds()).maxCoeff();
   }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/SparseCholesky>
-#include <memory>
 #include <optional>
 #include <vector>
 #include <weft/data/camera.hpp>
@@ -10,6 +8,8 @@
 #include <weft/data/template.hpp>
 #include <weft/geometry/distance_constraints.hpp>
 #include <weft/geometry/mesh_bending.hpp>
+
+#include "pipeline/monitor/normal_equations.hpp"
 
 namespace weft {
 
@@ -29,10 +29,6 @@ enum Part : std::uint8_t {
   kKeystoneY,
   kBarrel
 };
-inline constexpr int kParts = 8;
-using PartVector = Eigen::Matrix<double, kParts, 1>;
-using PartMatrix = Eigen::Matrix<double, kParts, kParts>;
-
 /// What frames say of the deviation; frames add up.
 struct CameraEvidence {
   PartMatrix information = PartMatrix::Zero();  ///< inverse covariance of the deviation
@@ -90,19 +86,19 @@ class SelfCalibration {
     PartVector deviation;
     double noise_px, strain;
   };
-  struct Equations;
 
-  bool measure_noise(const Camera& camera, State& state) const;
-  void add_matches(const Camera& camera, const State& state, Equations& equations);
-  void add_edges(const State& state, Equations& equations) const;
-  void add_hinges(const State& state, Equations& equations) const;
+  bool measure_noise(const Camera& camera, State& state);
+  double measured_strain(const State& state);
+  void add_matches(const Camera& camera, const State& state);
+  void add_edges(const State& state);
+  void add_hinges(const State& state);
   Eigen::Vector3d bend_off(const State& state, std::size_t hinge) const;
   double edge_over_m(const State& state, std::size_t e) const;
   /// What is minimised, with noise and strain as they are; infinite behind the camera.
   double cost(const Camera& camera, const State& state) const;
   /// Largest change of a part, in standard deviations, 0 where nothing is better; nothing where the
   /// equations cannot be solved.
-  std::optional<double> step(const Camera& camera, State& state, CameraEvidence& evidence);
+  std::optional<double> step(const Camera& camera, CameraEvidence& evidence);
 
   Faces faces_;
   std::vector<DistanceConstraint> edges_;
@@ -111,9 +107,11 @@ class SelfCalibration {
   std::vector<double> rest_bend_rad_;  ///< of each hinge
   std::vector<Observation> observations_;
   std::vector<Eigen::Matrix<double, 9, 9>> face_blocks_;
-  using Factor = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;
-  std::unique_ptr<Factor> factor_ = std::make_unique<Factor>();  // it cannot be moved
-  bool analysed_ = false;  ///< the pattern is that of the mesh
+  // From look to look, so that only the first of them allocates.
+  NormalEquations equations_;
+  State state_, next_;
+  Eigen::VectorXd move_;
+  std::vector<double> residuals_px_, strains_;
 };
 
 }  // namespace weft

@@ -6,8 +6,6 @@
 #include <cstdio>
 #include <weft/geometry/camera_model.hpp>
 
-#include "pipeline/monitor/rejected_matches.hpp"
-
 namespace weft {
 namespace {
 
@@ -51,15 +49,17 @@ host::RecordPtr last_matches(const Graph& graph, const FrameResult& frame) {
   return last;
 }
 
-Points2 pixels_of(const Shape& shape, const host::Record& record) {
-  const auto camera = *host::view_as<Camera>(record);
-  return project_points({camera.fx, camera.fy, camera.cx, camera.cy}, shape.vertices_m.matrix<3>());
-}
-
 /// How far places have moved, in sizes of the object as it was seen before.
 double mean_way(const Points2& from_px, const Points2& to_px) {
   const double size_px = (from_px.colwise().maxCoeff() - from_px.colwise().minCoeff()).norm();
   return (to_px - from_px).rowwise().norm().mean() / size_px;
+}
+
+/// A scalar that a component calls evidence, or `fallback`.
+double evidence_in(const host::Record& record, const char* name, double fallback) {
+  const weft_array* found = find_array(record.view(""), name);
+  const bool is_number = found != nullptr && found->ndim == 0 && found->dtype == WEFT_F64;
+  return is_number ? *static_cast<const double*>(found->data) : fallback;
 }
 
 bool is_measured(const FrameResult& frame) {
@@ -85,14 +85,14 @@ bool SetupMonitor::is_due(std::uint64_t frame) {
 }
 
 void SetupMonitor::add(const Graph& graph, FrameResult& frame) {
-  const auto shape = is_measured(frame) ? host::view_as<Shape>(*frame.shape)
+  const auto shape = is_measured(frame) ? host::arrays_of<Shape>(*frame.shape)
                                         : Result<Shape>(no_result("not measured"));
   count_jumps(frame.state == ShapeState::estimated && shape ? &*shape : nullptr, frame.index);
   const host::RecordPtr record = last_matches(graph, frame);
   if (record == nullptr) return;
-  const auto matches = host::view_as<Correspondences>(*record);
+  const auto matches = host::arrays_of<Correspondences>(*record);
   const bool solves = graph.latest("shape") >= 0;
-  if (solves) count_recognised(frame.state, shape ? &*shape : nullptr, *matches);
+  if (solves) count_recognised(frame, shape ? &*shape : nullptr, *matches);
   if (!is_due(frame.index)) return;
   if (shape) look_at_camera(*shape, *matches, frame);
   look_at_rejects(*matches, frame);
@@ -106,17 +106,27 @@ void SetupMonitor::add(const Graph& graph, FrameResult& frame) {
 /// Frames that look alike err alike, by what the template is not: all of them say no more than one.
 bool SetupMonitor::is_news(const Shape& shape) {
   constexpr double kAlike = 0.015;
-  Points2 now_px = pixels_of(shape, *camera_);
+  project(shape);
   for (const Points2& before_px : places_px_) {
-    if (mean_way(before_px, now_px) < kAlike) return false;
+    if (mean_way(before_px, now_px_) < kAlike) return false;
   }
-  places_px_.push_back(std::move(now_px));
+  places_px_.push_back(now_px_);
   return true;
+}
+
+void SetupMonitor::project(const Shape& shape) {
+  const auto camera = *host::arrays_of<Camera>(*camera_);
+  const Pinhole pinhole{camera.fx, camera.fy, camera.cx, camera.cy};
+  const auto vertices_m = shape.vertices_m.matrix<3>();
+  now_px_.resize(vertices_m.rows(), 2);
+  for (Eigen::Index i = 0; i < vertices_m.rows(); ++i) {
+    now_px_.row(i) = weft::project(pinhole, vertices_m.row(i)).transpose();
+  }
 }
 
 void SetupMonitor::look_at_camera(const Shape& shape, const Correspondences& matches,
                                   FrameResult& frame) {
-  const auto camera = *host::view_as<Camera>(*camera_);
+  const auto camera = *host::arrays_of<Camera>(*camera_);
   if (shape.vertices_m.rows() > kMostVertices || !is_news(shape)) return;
   const auto evidence = calibration_.look(camera, shape.vertices_m.matrix<3>(), matches);
   if (!evidence) return;
@@ -143,7 +153,7 @@ void SetupMonitor::look_at_camera(const Shape& shape, const Correspondences& mat
 void SetupMonitor::look_at_rejects(const Correspondences& matches, FrameResult& frame) {
   constexpr int kFewest = 30;
   constexpr double kLeastShare = 0.25;
-  const CoherentRejects found = coherent_rejects(matches);
+  const CoherentRejects found = rejected_.look(matches);
   const double kept = matches.kept.matrix<1>().cast<double>().sum();
   ++rejects_looks_;
   frame.setup.insert(frame.setup.end(), {{"coherent_rejects", found.count},
@@ -154,29 +164,31 @@ void SetupMonitor::look_at_rejects(const Correspondences& matches, FrameResult& 
   rejects_elsewhere_ += found.elsewhere;
 }
 
-void SetupMonitor::count_recognised(ShapeState state, const Shape* shape,
+void SetupMonitor::count_recognised(const FrameResult& frame, const Shape* shape,
                                     const Correspondences& matches) {
   constexpr double kFewest = 30.0;
   const double kept = matches.kept.matrix<1>().cast<double>().sum();
-  const double agreeing = shape == nullptr ? 0.0 : shape->diag.value("agreeing_matches", kept);
+  const double agreeing =
+      shape == nullptr ? 0.0 : evidence_in(*frame.shape, "diag.agreeing_matches", kept);
   ++with_matches_;
   most_agreeing_ = std::max(most_agreeing_, agreeing);
-  recognised_ += state == ShapeState::estimated || agreeing >= kFewest ? 1 : 0;
+  recognised_ += frame.state == ShapeState::estimated || agreeing >= kFewest ? 1 : 0;
 }
 
 void SetupMonitor::count_jumps(const Shape* shape, std::uint64_t frame) {
   constexpr double kJump = 0.25;
   if (shape == nullptr) return;
-  Place now{pixels_of(*shape, *camera_), frame};
-  if (before_ && before_->frame + 1 == frame) {
-    const double way = mean_way(before_->vertices_px, now.vertices_px);
+  project(*shape);
+  if (before_ && *before_ + 1 == frame) {
+    const double way = mean_way(before_px_, now_px_);
     ++pairs_;
     if (way > kJump) {
       ++jumps_;
       jumps_sum_ += way;
     }
   }
-  before_ = std::move(now);
+  before_px_.swap(now_px_);
+  before_ = frame;
 }
 
 std::vector<SetupMonitor::Finding> SetupMonitor::findings() const {

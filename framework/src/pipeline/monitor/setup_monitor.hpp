@@ -7,6 +7,7 @@
 
 #include "pipeline/execution/frame_result.hpp"
 #include "pipeline/execution/run_warning.hpp"
+#include "pipeline/monitor/rejected_matches.hpp"
 #include "pipeline/monitor/self_calibration.hpp"
 
 namespace weft {
@@ -31,20 +32,17 @@ class SetupMonitor {
     std::string text;
     std::int64_t frames;  ///< that show it
   };
-  struct Place {
-    Points2 vertices_px;
-    std::uint64_t frame;
-  };
-
   SetupMonitor(host::RecordPtr camera, SelfCalibration calibration)
       : camera_(std::move(camera)), calibration_(std::move(calibration)) {}
 
   bool is_due(std::uint64_t frame);
   /// Whether the shape is unlike those that the camera was judged by; then it is one of them.
   bool is_news(const Shape& shape);
+  void project(const Shape& shape);
   void look_at_camera(const Shape& shape, const Correspondences& matches, FrameResult& frame);
   void look_at_rejects(const Correspondences& matches, FrameResult& frame);
-  void count_recognised(ShapeState state, const Shape* shape, const Correspondences& matches);
+  void count_recognised(const FrameResult& frame, const Shape* shape,
+                        const Correspondences& matches);
   void count_jumps(const Shape* shape, std::uint64_t frame);
 
   std::vector<Finding> findings() const;
@@ -55,6 +53,8 @@ class SetupMonitor {
 
   host::RecordPtr camera_;
   SelfCalibration calibration_;
+  RejectedMatches rejected_;
+  Points2 now_px_;  ///< the vertices of the shape that is looked at
   std::uint64_t looks_ = 0, next_look_ = 0;
   std::vector<std::string> told_;  ///< kinds of findings
 
@@ -68,9 +68,10 @@ class SetupMonitor {
   std::int64_t with_matches_ = 0, recognised_ = 0;  ///< [frames]
   double most_agreeing_ = 0.0;                      ///< matches, in a frame
 
-  std::optional<Place> before_;
-  std::int64_t pairs_ = 0, jumps_ = 0;  ///< of neighbouring frames
-  double jumps_sum_ = 0.0;              ///< [] of the object's size
+  Points2 before_px_;                    ///< vertices of the last shape that was estimated
+  std::optional<std::uint64_t> before_;  ///< its frame
+  std::int64_t pairs_ = 0, jumps_ = 0;   ///< of neighbouring frames
+  double jumps_sum_ = 0.0;               ///< [] of the object's size
 };
 
 }  // namespace weft

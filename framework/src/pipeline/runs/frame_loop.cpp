@@ -80,7 +80,7 @@ Result<void> FrameLoop::open_sinks() {
     const Outcome opened = lane_.call(**instance, kOpenSink, {}, host::kOfflineFrame);
     if (!opened.usable()) return opened.error;
     host::Lane::let_finish(**instance);
-    sinks_.push_back({&sinks[i], &pipeline_.graph.sinks[i], *instance});
+    sinks_.push_back({sinks[i].name, &pipeline_.graph.sinks[i], *instance});
   }
   return {};
 }
@@ -147,12 +147,12 @@ void FrameLoop::restart() {
 }
 
 StageReport FrameLoop::write(const Sink& sink, const FrameResult& result) {
-  std::vector<weft_record> inputs;
-  const std::string cause = gather(*sink.node, result, inputs);
-  if (!cause.empty()) return {sink.config->name, StageStatus::skipped, cause, {}, {}, false};
+  CallInputs inputs;
+  const host::SharedText cause = gather(*sink.node, result, inputs);
+  if (!cause.empty()) return {sink.name, StageStatus::skipped, cause, {}, {}, false};
   const host::Stopwatch watch = lane_.stopwatch();
   const Outcome outcome = lane_.call(*sink.instance, kWriteFrame, inputs, result.index);
-  return report_of(sink.config->name, outcome, watch.spent());
+  return report_of(sink.name, outcome, watch.spent(), lane_.memory());
 }
 
 Result<void> FrameLoop::close_sinks() {

@@ -75,7 +75,7 @@ class FrameLoop {
 
  private:
   struct Sink {
-    const StageConfig* config;
+    host::SharedText name;
     const Node* node;
     host::Instance* instance;
   };

@@ -106,8 +106,7 @@ ordered_json stage_json(const StageReport& report) {
 }
 
 /// The sum over a component's calls, for each that was called.
-ordered_json time_by_component(const std::vector<host::Timing>& timings,
-                               double host::Spent::*part) {
+ordered_json time_by_component(const host::Timings& timings, double host::Spent::*part) {
   std::map<std::string, double> sums;
   for (const host::Timing& timing : timings) sums[timing.component] += timing.took.*part;
   ordered_json times = ordered_json::object();
@@ -146,7 +145,7 @@ host::RecordPtr mask_of_none(const host::Record& matches) {
   const weft_array* kept = find_array(matches.view(""), "kept");
   const std::int64_t count = kept->shape[0];
   return host::Record::copy_of(
-      InlierMask{Array<std::uint8_t>({count}), Array<double>({count}), {}});
+      InlierMask{Array<std::uint8_t>({count}, 0), Array<double>({count}, 0.0), {}});
 }
 
 /// The truth without its images, of which one is larger than all that a frame leaves otherwise.

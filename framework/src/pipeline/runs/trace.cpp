@@ -44,7 +44,7 @@ std::string label(const char* kind, const std::string& name, int track) {
 }
 
 /// By start; of calls that start together the longer one, which made the other, comes first.
-void sort(std::vector<Timing>& calls) {
+void sort(host::Timings& calls) {
   std::reverse(calls.begin(), calls.end());
   std::stable_sort(calls.begin(), calls.end(), [](const Timing& a, const Timing& b) {
     return a.start != b.start ? a.start < b.start : length_of(a) > length_of(b);
@@ -61,7 +61,7 @@ Result<Trace> Trace::create(const std::string& file) {
   return trace;
 }
 
-Result<void> Trace::add(std::vector<Timing> calls) {
+Result<void> Trace::add(host::Timings calls) {
   add_calls(std::move(calls));
   return flush();
 }
@@ -102,7 +102,7 @@ int Trace::track_of(const std::string& worker) {
   return entry->second;
 }
 
-void Trace::add_calls(std::vector<Timing> calls) {
+void Trace::add_calls(host::Timings calls) {
   sort(calls);
   for (const Timing& call : calls) {
     if (tracks_.empty()) origin_ = call.start;

@@ -23,7 +23,7 @@ class Trace {
   static Result<Trace> create(const std::string& file);
 
   /// Calls outside of frames.
-  Result<void> add(std::vector<host::Timing> calls);
+  Result<void> add(host::Timings calls);
 
   /// A frame with its calls.
   Result<void> add(const FrameResult& frame);
@@ -37,7 +37,7 @@ class Trace {
   explicit Trace(std::string file) : file_(std::move(file)) {}
   double since_origin_us(Time time) const;
   int track_of(const std::string& worker);
-  void add_calls(std::vector<host::Timing> calls);
+  void add_calls(host::Timings calls);
   void put(const std::string& event);
   Result<void> flush();
 

@@ -64,7 +64,7 @@ inline Image image_of_file(const std::string& file, int width_px) {
     cv::resize(picture, picture, {}, scale, scale, cv::INTER_AREA);
   }
   Image image;
-  image.pixels = Array<std::uint8_t>({picture.rows, picture.cols, 3});
+  image.pixels = Array<std::uint8_t>({picture.rows, picture.cols, 3}, 0);
   picture.copyTo(cv::Mat(picture.rows, picture.cols, CV_8UC3, image.pixels.data()));
   return image;
 }

@@ -145,7 +145,7 @@ TEST_P(DetectorSuite, CapsTheNumberAndStillCoversTheImage) {
 TEST_P(DetectorSuite, LooksOnlyInsideTheRegion) {
   const Image image = texture(160, 120, 9);
   Region region;
-  region.mask = Array<std::uint8_t>({120, 160});
+  region.mask = Array<std::uint8_t>({120, 160}, 0);
   for (int y = 0; y < 120; ++y) {
     for (int x = 0; x < 80; ++x) region.mask(y, x) = 1;
   }
@@ -156,7 +156,7 @@ TEST_P(DetectorSuite, LooksOnlyInsideTheRegion) {
   EXPECT_GT(keypoints.count(), 20);
   for (std::int64_t i = 0; i < keypoints.count(); ++i) EXPECT_LT(keypoints.xy_px(i, 0), 79.5);
 
-  region.mask = Array<std::uint8_t>({120, 160});
+  region.mask = Array<std::uint8_t>({120, 160}, 0);
   const auto empty =
       detector.process(0, {testing::input("image", image), testing::input("region", region)});
   EXPECT_EQ(empty.status, WEFT_DEGENERATE);
@@ -166,7 +166,7 @@ TEST_P(DetectorSuite, LooksOnlyInsideTheRegion) {
 TEST_P(DetectorSuite, SeesAColourImageAsItsGreyLevels) {
   const Image grey = texture(120, 100, 10);
   Image colour;
-  colour.pixels = Array<std::uint8_t>({100, 120, 3});
+  colour.pixels = Array<std::uint8_t>({100, 120, 3}, 0);
   for (std::int64_t i = 0; i < grey.pixels.size(); ++i) {
     std::fill_n(colour.pixels.data() + 3 * i, 3, grey.pixels.data()[i]);
   }
@@ -201,13 +201,13 @@ TEST_P(DetectorSuite, TakesImagesOfAnySizeDownToOnePixel) {
 TEST_P(DetectorSuite, RefusesAnEmptyImageAndARegionOfAnotherSize) {
   auto detector = plugin();
   Image empty;
-  empty.pixels = Array<std::uint8_t>({0, 0});
+  empty.pixels = Array<std::uint8_t>({0, 0}, 0);
   const auto nothing = detector.process(0, {testing::input("image", empty)});
   EXPECT_EQ(nothing.status, WEFT_ERROR);
   EXPECT_THAT(nothing.message, ::testing::HasSubstr("empty"));
 
   Region region;
-  region.mask = Array<std::uint8_t>({10, 20});
+  region.mask = Array<std::uint8_t>({10, 20}, 0);
   const auto mismatch = detector.process(
       0, {testing::input("image", constant_image(120, 100)), testing::input("region", region)});
   EXPECT_EQ(mismatch.status, WEFT_ERROR);

@@ -16,7 +16,7 @@ namespace weft::detectors {
 
 inline Image image_of(int width, int height, const std::function<double(double, double)>& grey) {
   Image image;
-  image.pixels = Array<std::uint8_t>({height, width});
+  image.pixels = Array<std::uint8_t>({height, width}, 0);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       image.pixels(y, x) = static_cast<std::uint8_t>(std::clamp(grey(x, y) + 0.5, 0.0, 255.0));

@@ -70,7 +70,7 @@ TEST(Selection, ToleratesKeypointsOutsideTheImage) {
 }
 
 TEST(Selection, AsksTheMaskAtTheNearestPixel) {
-  Array<std::uint8_t> mask({4, 4});
+  Array<std::uint8_t> mask({4, 4}, 0);
   mask(2, 1) = 1;
   const std::vector<cv::KeyPoint> keypoints{keypoint(1.4F, 2.4F, 1), keypoint(1.6F, 2.4F, 1),
                                             keypoint(0.5F, 1.5F, 1), keypoint(-3.0F, 2.0F, 1),

@@ -55,7 +55,7 @@ TEST(Sift, DescribesASelectionOfCoarseKeypointsAsAmongAll) {
     return 30.0 + 200.0 * std::exp(-((x - 40) * (x - 40) + (y - 41) * (y - 41)) / 72.0);
   });
   Region region;
-  region.mask = Array<std::uint8_t>({160, 200});
+  region.mask = Array<std::uint8_t>({160, 200}, 0);
   for (int y = 0; y < 80; ++y) {
     for (int x = 0; x < 80; ++x) image.pixels(y + 20, x + 30) = blob.pixels(y, x);
   }

@@ -35,7 +35,7 @@ TEST(SiftFastRegion, HasTheKeypointsThatTheWholeImageHasThereApartFromItsBorder)
     PluginUnderTest plugin("detectors/sift_fast",
                            "{max_keypoints: 0, upsample: " + std::string(upsample) + "}");
     Region region;
-    region.mask = Array<std::uint8_t>({320, 400});
+    region.mask = Array<std::uint8_t>({320, 400}, 0);
     for (int y = 71; y < 263; ++y) {
       for (int x = 93; x < 307; ++x) region.mask(y, x) = 1;
     }
@@ -73,7 +73,7 @@ TEST(SiftFastRegion, IsAnsweredTheSameWhereRegionsChangeFromImageToImage) {
   const Image image = texture(200, 160, 82);
   PluginUnderTest fresh("detectors/sift_fast"), warm("detectors/sift_fast");
   Region region;
-  region.mask = Array<std::uint8_t>({160, 200});
+  region.mask = Array<std::uint8_t>({160, 200}, 0);
   region.mask(150, 190) = 1;
   warm.process(0, {input("image", image), input("region", region)});
   for (int y = 20; y < 90; ++y) {

@@ -117,7 +117,7 @@ TEST(GpuMatcher, TakesTheLowestOfTiedDescriptorsInBothDirections) {
   std::printf("descriptors from seed %d\n", static_cast<int>(kSeed));
   Rng rng(kSeed);
   const auto keypoints_with = [](const sift_gpu::reference::Rows& rows) {
-    Array<float> descriptors({rows.rows(), rows.cols()});
+    Array<float> descriptors({rows.rows(), rows.cols()}, 0.0F);
     std::ranges::copy(sift_gpu::reference::floats_of(rows), descriptors.data());
     return l2_keypoints(std::move(descriptors));
   };

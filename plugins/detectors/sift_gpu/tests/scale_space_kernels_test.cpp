@@ -184,7 +184,7 @@ TEST_P(WholePyramid, IsThatOfTheReferenceInEveryLayer) {
   ASSERT_TRUE(device);
   for (const Size size : {Size{47, 33}, Size{16, 64}}) {
     const Plane image = white_noise(size, kImageSeed);
-    Array<std::uint8_t> pixels({size.height, size.width});
+    Array<std::uint8_t> pixels({size.height, size.width}, 0);
     std::ranges::copy(bytes_of(image), pixels.data());
     Session session(*device, size.width, size.height, 1, GetParam());
     session.find(pixels, [] { return false; });

@@ -82,7 +82,7 @@ class DescriptorsKeptOnTheDevice : public ::testing::Test {
         .enqueueWriteBuffer(*rows_, CL_TRUE, 0, to_index(rows.size()), rows.data());
   }
   static Array<float> floats(const Array<std::uint8_t>& rows) {
-    Array<float> numbers({rows.dim(0), rows.dim(1)});
+    Array<float> numbers({rows.dim(0), rows.dim(1)}, 0.0F);
     std::copy(rows.data(), rows.data() + rows.size(), numbers.data());
     return numbers;
   }

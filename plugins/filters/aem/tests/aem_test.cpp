@@ -119,7 +119,7 @@ TwoSheets two_sheets(int of_sheet, int of_copy) {
         project(pinhole(make_camera()), copy.at(pitch.x() * at.x(), pitch.y() * at.y()));
   }
   both.sheet.vertices_m = make_array<double>(bent_vertices(templ, sheet));
-  both.sheet.source = Array<std::uint8_t>({both.sheet.vertices_m.rows()});
+  both.sheet.source = Array<std::uint8_t>({both.sheet.vertices_m.rows()}, 0);
   return both;
 }
 
@@ -166,7 +166,7 @@ TEST(Aem, FollowsThePreviousShapeWithFewMatchesAndLeavesItAfterACut) {
   elsewhere.vertices_m = make_array<double>(
       bent_vertices(templ, make_cylinder({}, 0.3, 0.4, {0.9, -0.1, 0.08, 0.1, 0.1, 2.1})));
   for (Shape* shape : {&near, &elsewhere}) {
-    shape->source = Array<std::uint8_t>({shape->vertices_m.rows()});
+    shape->source = Array<std::uint8_t>({shape->vertices_m.rows()}, 0);
   }
   FilterBench bench("filters/aem");
   const auto few = draw_matches(templ, make_camera(), sheet, {150, 0.1, 0.5, 2.0}, rng);

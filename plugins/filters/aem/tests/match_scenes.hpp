@@ -102,8 +102,8 @@ inline void orient(LabelledMatches& drawn, const Template& templ, const Points3&
   const Points2 flat_px = templ.flat_px.matrix<2>();
   const Faces faces = templ.faces.matrix<3>();
   const std::int64_t n = drawn.matches.count();
-  drawn.matches.scale_ratio = Array<double>({n});
-  drawn.matches.angle_difference_rad = Array<double>({n});
+  drawn.matches.scale_ratio = Array<double>({n}, 0.0);
+  drawn.matches.angle_difference_rad = Array<double>({n}, 0.0);
   for (std::int64_t i = 0; i < n; ++i) {
     const auto face = faces.row(drawn.matches.face(i));
     Eigen::Matrix2d from, to;

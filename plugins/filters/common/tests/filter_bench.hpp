@@ -143,9 +143,9 @@ inline void expect_filter_contract(const std::string& id, const Correspondences&
 inline LabelledMatches with_descriptors(LabelledMatches drawn, std::uint64_t seed) {
   Rng rng(seed);
   const std::int64_t count = drawn.matches.count();
-  drawn.matches.ratio = Array<double>({count});
-  drawn.matches.angle_difference_rad = Array<double>({count});
-  drawn.matches.scale_ratio = Array<double>({count});
+  drawn.matches.ratio = Array<double>({count}, 0.0);
+  drawn.matches.angle_difference_rad = Array<double>({count}, 0.0);
+  drawn.matches.scale_ratio = Array<double>({count}, 0.0);
   for (std::int64_t i = 0; i < count; ++i) {
     const bool correct = drawn.correct[to_index(i)] != 0;
     drawn.matches.ratio(i) = correct ? rng.uniform(0.3, 0.8) : rng.uniform(0.6, 0.8);

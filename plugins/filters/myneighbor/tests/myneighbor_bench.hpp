@@ -24,10 +24,10 @@ inline Correspondences make_matches(const Points2& template_px, const Points2& i
   Correspondences matches;
   matches.template_px = make_array<double>(template_px);
   matches.image_px = make_array<double>(image_px);
-  matches.face = Array<std::int32_t>({n});
-  matches.barycentrics = Array<double>({n, 3});
-  matches.kept = Array<std::uint8_t>({n});
-  matches.score = Array<double>({n});
+  matches.face = Array<std::int32_t>({n}, 0);
+  matches.barycentrics = Array<double>({n, 3}, 0.0);
+  matches.kept = Array<std::uint8_t>({n}, 0);
+  matches.score = Array<double>({n}, 0.0);
   for (Eigen::Index i = 0; i < n; ++i) {
     const FaceLocation location = locator->locate(template_px.row(i).transpose());
     matches.face(i) = location.face;

@@ -64,7 +64,7 @@ TEST_F(OracleTest, KeepsMoreTheLargerTheToleranceIs) {
 }
 
 TEST_F(OracleTest, RejectsMatchesOfHiddenPoints) {
-  truth_.visible = Array<std::uint8_t>({truth_.count()});
+  truth_.visible = Array<std::uint8_t>({truth_.count()}, 0);
   for (const std::uint8_t each : kept()) EXPECT_EQ(each, 0);
 }
 
@@ -83,7 +83,7 @@ TEST_F(OracleTest, JudgesTheSourcesOwnMatchesByTheirTruth) {
 }
 
 TEST_F(OracleTest, KnowsNothingWithoutPointsOrScale) {
-  truth_ = {Array<double>({0, 2}), Array<double>({0, 3}), "none", ""};
+  truth_ = {Array<double>({0, 2}, 0.0), Array<double>({0, 3}, 0.0), "none", ""};
   const auto mask = *run().get<InlierMask>();
   EXPECT_EQ(mask.diag.value("unknown_matches", -1), 300.0);
   for (const std::uint8_t each : kept("{keep_unknown: true}")) EXPECT_EQ(each, 1);
@@ -100,7 +100,7 @@ TEST_F(OracleTest, GivesNoResultWhereNoMatchIsLeft) {
 }
 
 TEST_F(OracleTest, FlagsAMaskThatKeepsNothing) {
-  truth_.visible = Array<std::uint8_t>({truth_.count()});
+  truth_.visible = Array<std::uint8_t>({truth_.count()}, 0);
   EXPECT_EQ(run().status, WEFT_DEGENERATE);
 }
 

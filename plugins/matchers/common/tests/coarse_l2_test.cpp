@@ -65,7 +65,7 @@ void expect_bounds(const CoarseL2& distances, const std::vector<std::int16_t>& c
 
 Array<float> gaussian(std::int64_t count, std::int64_t length, double mean, double sigma,
                       Rng& rng) {
-  Array<float> numbers({count, length});
+  Array<float> numbers({count, length}, 0.0F);
   for (std::int64_t i = 0; i < numbers.size(); ++i) {
     numbers.data()[i] = static_cast<float>(mean + sigma * rng.normal());
   }
@@ -108,7 +108,7 @@ TEST_P(CoarseL2OnEachProcessor, GivesTheCodesOfThePlainOneAndBoundsThatHold) {
 
 TEST_P(CoarseL2OnEachProcessor, HoldsItsBoundsForTheLargestSumsOfProducts) {
   // All of the norm in one number, in a pair of neighbours, in equal parts, and nothing at all.
-  Array<float> rows({5, 128});
+  Array<float> rows({5, 128}, 0.0F);
   rows(0, 3) = 255.0F;
   rows(1, 2) = rows(1, 3) = 255.0F;
   for (int k = 0; k < 128; ++k) rows(2, k) = 255.0F;
@@ -122,7 +122,7 @@ TEST_P(CoarseL2OnEachProcessor, HoldsItsBoundsForTheLargestSumsOfProducts) {
 
 TEST_P(CoarseL2OnEachProcessor, HoldsItsBoundsWhereNumbersOverflowOrVanish) {
   for (const float unit : {3e38F, 1e-20F, 1e-42F}) {
-    Array<float> rows({3, 8});
+    Array<float> rows({3, 8}, 0.0F);
     rows(0, 0) = unit;
     rows(1, 1) = unit;
     rows(2, 1) = 0.5F * unit;
@@ -133,7 +133,7 @@ TEST_P(CoarseL2OnEachProcessor, HoldsItsBoundsWhereNumbersOverflowOrVanish) {
     expect_bounds(distances, codes_of(distances));
     EXPECT_NEAR(distances.distance(0, 1), std::sqrt(2.0), 1e-6);
   }
-  Array<float> both({2, 8});
+  Array<float> both({2, 8}, 0.0F);
   both(0, 0) = 3e38F;
   both(1, 0) = -3e38F;
   CoarseL2 distances(GetParam());
@@ -187,7 +187,7 @@ TEST(CoarseL2, KeepsWhatItMadeOfASideOfTheSameRevisionOnly) {
       const Array<float> image = random_descriptors(30, 128, rng);
       for (const Array<float>* trains : {&image, &negative}) {
         if (root && trains == &negative) continue;
-        Array<float> moved({20, 128});  // of the same content elsewhere in memory
+        Array<float> moved({20, 128}, 0.0F);  // of the same content elsewhere in memory
         std::copy_n(rows->data(), rows->size(), moved.data());
         CoarseL2 fresh;
         fresh.load(moved, *trains, root);
@@ -214,7 +214,7 @@ TEST(CoarseL2, SwappingSidesSwapsThem) {
 }
 
 TEST(CoarseL2, ADescriptorThatIsZeroHasNoRoot) {
-  const Array<float> zero({2, 8});
+  const Array<float> zero({2, 8}, 0.0F);
   CoarseL2 distances;
   distances.load(zero, zero, true);
   EXPECT_EQ(distances.distance(0, 1), 0.0);

@@ -209,7 +209,7 @@ TEST_F(DenseFlow, GivesNoResultOnASheetWithoutTexture) {
 
 TEST_F(DenseFlow, RefusesAnImageThatIsNotTheCameras) {
   Image small;
-  small.pixels = Array<std::uint8_t>({1, 1});
+  small.pixels = Array<std::uint8_t>({1, 1}, 0);
   const PluginAnswer outcome = find(small, scene_.shape_of(before_));
   EXPECT_EQ(outcome.status, WEFT_ERROR);
   EXPECT_THAT(outcome.message, HasSubstr("the size of the camera"));

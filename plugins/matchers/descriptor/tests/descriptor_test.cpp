@@ -37,9 +37,9 @@ Correspondences matches_of(const Keypoints& templ, const Keypoints& image,
   EXPECT_EQ(out.status, WEFT_OK) << out.message;
   const Correspondences found = out.get<Correspondences>().value();
   Correspondences copy;  // outlives the plugin
-  copy.template_keypoint = Array<std::int32_t>({found.count()});
-  copy.image_keypoint = Array<std::int32_t>({found.count()});
-  copy.template_px = Array<double>({found.count(), 2});
+  copy.template_keypoint = Array<std::int32_t>({found.count()}, 0);
+  copy.image_keypoint = Array<std::int32_t>({found.count()}, 0);
+  copy.template_px = Array<double>({found.count(), 2}, 0.0);
   for (std::int64_t n = 0; n < found.count(); ++n) {
     copy.template_keypoint(n) = found.template_keypoint(n);
     copy.image_keypoint(n) = found.image_keypoint(n);
@@ -80,10 +80,10 @@ TEST(DescriptorMatcher, AnImageMatchesItselfPointByPoint) {
 
 TEST(DescriptorMatcher, FillsEveryFieldOfAMatch) {
   Keypoints templ = l2_rows({{9, 0, 0}, {0, 9, 0}});
-  templ.face = Array<std::int32_t>({2});
+  templ.face = Array<std::int32_t>({2}, 0);
   templ.face(0) = -1;
   templ.face(1) = 7;
-  templ.barycentrics = Array<double>({2, 3});
+  templ.barycentrics = Array<double>({2, 3}, 0.0);
   templ.barycentrics(1, 0) = 0.2;
   templ.barycentrics(1, 1) = 0.3;
   templ.barycentrics(1, 2) = 0.5;
@@ -118,7 +118,7 @@ TEST(DescriptorMatcher, AngleDifferencesLieAboveMinusPiAndUpToPi) {
   Rng rng(2);
   const Keypoints templ = l2_keypoints(random_descriptors(5, 16, rng));
   Keypoints image = templ;
-  image.angle_rad = Array<double>({5});
+  image.angle_rad = Array<double>({5}, 0.0);
   const double pi = std::numbers::pi;
   const std::array given{pi, -pi, 1.5 * pi, 3.0 * pi, -0.5};
   const std::array expected{pi, pi, -0.5 * pi, pi, -0.5};
@@ -231,7 +231,7 @@ TEST(DescriptorMatcher, PermutingTheKeypointsPermutesTheMatchesOnly) {
   Rng rng(4);
   constexpr int kCount = 200;
   const Array<float> descriptors = random_descriptors(kCount, 128, rng);
-  Array<float> noisy({kCount, 128});
+  Array<float> noisy({kCount, 128}, 0.0F);
   for (std::int64_t i = 0; i < noisy.size(); ++i) {
     noisy.data()[i] =
         std::max(0.0F, descriptors.data()[i] + static_cast<float>(rng.uniform(-90.0, 90.0)));
@@ -240,7 +240,7 @@ TEST(DescriptorMatcher, PermutingTheKeypointsPermutesTheMatchesOnly) {
   std::iota(permutation.begin(), permutation.end(), 0);
   rng.shuffle(permutation);
   const Keypoints templ = l2_keypoints(descriptors), image = l2_keypoints(noisy);
-  Keypoints permuted = l2_keypoints(Array<float>({kCount, 128}));
+  Keypoints permuted = l2_keypoints(Array<float>({kCount, 128}, 0.0F));
   for (int j = 0; j < kCount; ++j) {
     const int from = permutation[to_index(j)];
     std::copy_n(noisy.row(from), 128, permuted.descriptors.row(j));

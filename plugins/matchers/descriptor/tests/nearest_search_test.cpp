@@ -22,7 +22,7 @@ using matchers::random_descriptors;
 constexpr auto kNever = [] { return false; };
 
 Array<double> random_places(int count, double side_px, Rng& rng) {
-  Array<double> places({count, 2});
+  Array<double> places({count, 2}, 0.0);
   for (std::int64_t i = 0; i < places.size(); ++i) places.data()[i] = rng.uniform(0.0, side_px);
   return places;
 }
@@ -146,7 +146,7 @@ TEST(NearestSearch, FindsTheSameWhereOneDescriptorDwarfsAllOthers) {
 
 TEST(NearestSearch, FindsTheSameAmongEqualDescriptors) {
   Rng rng(8);
-  Array<float> same({50, 8});
+  Array<float> same({50, 8}, 0.0F);
   for (std::int64_t i = 0; i < same.size(); ++i) same.data()[i] = 3.0F;
   CoarseL2 distances;
   distances.load(same, same, true);
@@ -179,7 +179,7 @@ TEST(NearestSearch, WithoutQueriesOrWithOneTrainThereIsNothingToCompare) {
   Rng rng(10);
   CoarseL2 distances;
   NearestSearch search;
-  const Array<float> none({0, 8}), one = random_descriptors(1, 8, rng);
+  const Array<float> none({0, 8}, 0.0F), one = random_descriptors(1, 8, rng);
   const Array<float> five = random_descriptors(5, 8, rng);
   distances.load(none, five, false);
   EXPECT_TRUE(search.run(distances, random_places(5, 9.0, rng), {.mutual = true}, kNever));
@@ -191,14 +191,16 @@ TEST(NearestSearch, WithoutQueriesOrWithOneTrainThereIsNothingToCompare) {
 }
 
 TEST(NearestSearch, StopsWhenCancelled) {
-  const Array<std::uint8_t> bytes({100, 4});
+  const Array<std::uint8_t> bytes({100, 4}, 0);
   CoarseHamming distances;
   distances.load(bytes, bytes);
   NearestSearch search;
   int asked = 0;
-  EXPECT_FALSE(search.run(distances, Array<double>({100, 2}), {}, [&] { return ++asked == 2; }));
+  EXPECT_FALSE(
+      search.run(distances, Array<double>({100, 2}, 0.0), {}, [&] { return ++asked == 2; }));
   EXPECT_EQ(asked, 2);
-  EXPECT_FALSE(search.run(distances, Array<double>({100, 2}), {.threads = 4}, [] { return true; }));
+  EXPECT_FALSE(
+      search.run(distances, Array<double>({100, 2}, 0.0), {.threads = 4}, [] { return true; }));
 }
 
 }  // namespace

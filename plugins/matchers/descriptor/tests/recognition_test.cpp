@@ -43,7 +43,7 @@ cv::Mat make_texture() {
 
 Image as_image(const cv::Mat& grey) {
   Image image;
-  image.pixels = Array<std::uint8_t>({grey.rows, grey.cols});
+  image.pixels = Array<std::uint8_t>({grey.rows, grey.cols}, 0);
   for (int y = 0; y < grey.rows; ++y) std::copy_n(grey.ptr(y), grey.cols, image.pixels.row(y));
   return image;
 }

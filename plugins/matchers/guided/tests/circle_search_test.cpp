@@ -139,7 +139,7 @@ TEST(CircleSearch, FindsNothingWhereNothingIsPlaced) {
 }
 
 TEST(CircleSearch, ALoneCandidateIsComparedWithRivalsFromAllOver) {
-  Array<float> query({1, 4}), trains({3, 4});
+  Array<float> query({1, 4}, 0.0F), trains({3, 4}, 0.0F);
   query(0, 0) = 100.0F;
   trains(0, 0) = 100.0F;
   trains(0, 1) = 10.0F;

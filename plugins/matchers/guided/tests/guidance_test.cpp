@@ -54,9 +54,9 @@ struct Moved {
 template <class Motion>
 Moved moved_by(int count, Motion&& motion) {
   Moved moved;
-  moved.matches.template_px = Array<double>({count, 2});
-  moved.matches.image_px = Array<double>({count, 2});
-  moved.matches.template_keypoint = Array<std::int32_t>({count});
+  moved.matches.template_px = Array<double>({count, 2}, 0.0);
+  moved.matches.image_px = Array<double>({count, 2}, 0.0);
+  moved.matches.template_keypoint = Array<std::int32_t>({count}, 0);
   for (int n = 0; n < count; ++n) {
     const Eigen::Vector2d at(10.0 * (n % 30), 10.0 * (n / 30));
     const Eigen::Vector2d to = at + motion(at);

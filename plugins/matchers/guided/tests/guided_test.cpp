@@ -99,7 +99,7 @@ struct Past {
   Past(const Print& print, const PoseSpec& pose, int kept = kOnSheet) {
     const Points3 vertices_m = print.vertices_at(pose);
     shape.vertices_m = make_array<double>(vertices_m);
-    shape.source = Array<std::uint8_t>({vertices_m.rows()});
+    shape.source = Array<std::uint8_t>({vertices_m.rows()}, 0);
     shape.confidence = 0.9;
     matches = print.points_at(vertices_m);
     for (std::int64_t n = kept; n < matches.count(); ++n) matches.kept(n) = 0;
@@ -299,7 +299,7 @@ TEST(GuidedMatcher, TooFewKeypointsGiveNoResultWithTheReason) {
   const Print print(20);
   PluginUnderTest plugin("matchers/guided");
   for (const int count : {0, 1}) {
-    Keypoints seen = matchers::l2_keypoints(Array<float>({count, 128}));
+    Keypoints seen = matchers::l2_keypoints(Array<float>({count, 128}, 0.0F));
     const PluginAnswer out = run(plugin, print, seen, Past(print, {}));
     EXPECT_EQ(out.status, WEFT_NO_RESULT);
     EXPECT_THAT(out.message, ::testing::HasSubstr("needs at least 2"));

@@ -32,18 +32,18 @@ struct Match {
 Correspondences matches_of(const std::vector<Match>& matches) {
   const auto count = static_cast<std::int64_t>(matches.size());
   Correspondences record;
-  record.template_px = Array<double>({count, 2});
-  record.image_px = Array<double>({count, 2});
-  record.template_keypoint = Array<std::int32_t>({count});
-  record.image_keypoint = Array<std::int32_t>({count});
-  record.face = Array<std::int32_t>({count});
-  record.barycentrics = Array<double>({count, 3});
-  record.distance = Array<double>({count});
-  record.ratio = Array<double>({count});
-  record.scale_ratio = Array<double>({count});
-  record.angle_difference_rad = Array<double>({count});
-  record.kept = Array<std::uint8_t>({count});
-  record.score = Array<double>({count});
+  record.template_px = Array<double>({count, 2}, 0.0);
+  record.image_px = Array<double>({count, 2}, 0.0);
+  record.template_keypoint = Array<std::int32_t>({count}, 0);
+  record.image_keypoint = Array<std::int32_t>({count}, 0);
+  record.face = Array<std::int32_t>({count}, 0);
+  record.barycentrics = Array<double>({count, 3}, 0.0);
+  record.distance = Array<double>({count}, 0.0);
+  record.ratio = Array<double>({count}, 0.0);
+  record.scale_ratio = Array<double>({count}, 0.0);
+  record.angle_difference_rad = Array<double>({count}, 0.0);
+  record.kept = Array<std::uint8_t>({count}, 0);
+  record.score = Array<double>({count}, 0.0);
   for (std::int64_t i = 0; i < count; ++i) {
     const Match& match = matches[to_index(i)];
     record.template_px(i, 0) = match.template_x;

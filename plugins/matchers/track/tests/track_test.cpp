@@ -132,7 +132,7 @@ TEST_F(TrackedSheet, IsNotSeenThroughWhatCoversIt) {
 TEST_F(TrackedSheet, IsNotFoundWhereItIsNot) {
   PluginUnderTest plugin("matchers/track");
   Image empty;
-  empty.pixels = Array<std::uint8_t>({480, 640});
+  empty.pixels = Array<std::uint8_t>({480, 640}, 0);
   for (std::int64_t i = 0; i < empty.pixels.size(); ++i) {
     empty.pixels.data()[i] = static_cast<std::uint8_t>(rng_.uniform(0.0, 255.0));
   }
@@ -179,7 +179,7 @@ TEST_F(TrackedSheet, IsAnsweredTheSameWithColours) {
   PluginUnderTest plugin("matchers/track");
   const Image grey = scene_.image_of(before_, rng_);
   Image coloured;
-  coloured.pixels = Array<std::uint8_t>({480, 640, 3});
+  coloured.pixels = Array<std::uint8_t>({480, 640, 3}, 0);
   for (std::int64_t i = 0; i < coloured.pixels.size(); ++i) {
     coloured.pixels.data()[i] = grey.pixels.data()[i / 3];
   }

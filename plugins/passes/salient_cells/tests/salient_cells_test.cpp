@@ -35,7 +35,7 @@ struct Scene {
     const std::int64_t vertices = templ.vertices_m.rows();
     samples.xy_px =
         weft::make_array<double>(weft::project_points(weft::testing::pinhole(camera), truth_m));
-    samples.valid = weft::Array<std::uint8_t>({vertices});
+    samples.valid = weft::Array<std::uint8_t>({vertices}, 0);
     std::fill_n(samples.valid.data(), vertices, std::uint8_t{1});
     draw(400);
   }
@@ -179,9 +179,9 @@ TEST(SalientCells, ACellNeedsItsMinimumOfMatches) {
 TEST(SalientCells, PointsThatCannotBeUsedAreDroppedAndCounted) {
   Scene scene;
   weft::Visibility visibility;
-  visibility.visible = weft::Array<std::uint8_t>({60});
-  visibility.score = weft::Array<double>({60});
-  visibility.reason = weft::Array<std::uint8_t>({60});
+  visibility.visible = weft::Array<std::uint8_t>({60}, 0);
+  visibility.score = weft::Array<double>({60}, 0.0);
+  visibility.reason = weft::Array<std::uint8_t>({60}, 0);
   std::fill_n(visibility.visible.data(), 60, std::uint8_t{1});
   visibility.visible(25) = 0;
   scene.samples.xy_px(12, 0) = std::nan("");
@@ -275,8 +275,8 @@ TEST(SalientCells, AFaceThatTheTemplateLacksIsAnError) {
 
 TEST(SalientCells, SamplesOfAnotherTemplateAreAnError) {
   Scene scene;
-  scene.samples.xy_px = weft::Array<double>({59, 2});
-  scene.samples.valid = weft::Array<std::uint8_t>({59});
+  scene.samples.xy_px = weft::Array<double>({59, 2}, 0.0);
+  scene.samples.valid = weft::Array<std::uint8_t>({59}, 0);
   EXPECT_EQ(scene.run().status, WEFT_ERROR);
 }
 

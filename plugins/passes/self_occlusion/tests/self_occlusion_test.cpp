@@ -44,16 +44,16 @@ class SelfOcclusion : public ::testing::Test {
   static weft::Shape shape(const weft::Points3& vertices_m) {
     weft::Shape shape;
     shape.vertices_m = weft::make_array<double>(vertices_m);
-    shape.source = weft::Array<std::uint8_t>({vertices_m.rows()});
+    shape.source = weft::Array<std::uint8_t>({vertices_m.rows()}, 0);
     return shape;
   }
 
   /// As a previous frame left it.
   static Visibility uniform(bool visible, double score) {
     Visibility all;
-    all.visible = weft::Array<std::uint8_t>({60});
-    all.score = weft::Array<double>({60});
-    all.reason = weft::Array<std::uint8_t>({60});
+    all.visible = weft::Array<std::uint8_t>({60}, 0);
+    all.score = weft::Array<double>({60}, 0.0);
+    all.reason = weft::Array<std::uint8_t>({60}, 0);
     std::fill_n(all.visible.data(), 60, visible ? 1 : 0);
     std::fill_n(all.score.data(), 60, score);
     std::fill_n(all.reason.data(), 60, static_cast<std::uint8_t>(visible ? 0 : 3));
@@ -186,7 +186,7 @@ TEST_F(SelfOcclusion, LooksAtAFreshPreviousShapeThenAtTheWarpThenAtNothing) {
     if (is_folded(v)) warped_px(v, 0) = 2.0 * warped_px(7, 0) - warped_px(v, 0);
   }
   samples.xy_px = weft::make_array<double>(warped_px);
-  samples.valid = weft::Array<std::uint8_t>({60});
+  samples.valid = weft::Array<std::uint8_t>({60}, 0);
   std::fill_n(samples.valid.data(), 60, 1);
   const auto warp = input("warp_samples", samples);
   const Visibility by_shape = look({input("previous.shape", before), warp});

@@ -34,7 +34,7 @@ std::string read_file(const fs::path& path) {
 }
 
 Image make_image(std::uint8_t grey) {
-  Image image{Array<std::uint8_t>({480, 640}), "any"};
+  Image image{Array<std::uint8_t>({480, 640}, 0), "any"};
   for (std::int64_t i = 0; i < image.pixels.size(); ++i) {
     image.pixels.data()[i] = static_cast<std::uint8_t>((i * 7 + grey) % 256);
   }
@@ -42,12 +42,12 @@ Image make_image(std::uint8_t grey) {
 }
 
 GroundTruth make_truth() {
-  GroundTruth truth{Array<double>({2, 2}), Array<double>({2, 3}), "made", ""};
+  GroundTruth truth{Array<double>({2, 2}, 0.0), Array<double>({2, 3}, 0.0), "made", ""};
   truth.points_m(0, 2) = 0.6;
   truth.points_m(1, 2) = 1.0 / 3.0;
-  truth.visible = Array<std::uint8_t>({2});
-  truth.depth_m = Array<float>({480, 640});
-  truth.uv_m = Array<float>({480, 640, 2});
+  truth.visible = Array<std::uint8_t>({2}, 0);
+  truth.depth_m = Array<float>({480, 640}, 0.0F);
+  truth.uv_m = Array<float>({480, 640, 2}, 0.0F);
   truth.uv_m.data()[5] = std::numeric_limits<float>::quiet_NaN();
   truth.diag.set("edge_strain", 0.001);
   return truth;

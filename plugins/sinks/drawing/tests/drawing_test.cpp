@@ -90,7 +90,7 @@ TEST_F(DrawingTest, ShowsAnObjectThatIsNotFlatBesideItsTexture) {
 TEST_F(DrawingTest, WritesTheTextureTexelForPixel) {
   for (const bool is_grey : {true, false}) {
     Template sheet = half_sheet();
-    if (!is_grey) sheet.texture = Array<std::uint8_t>({400, 800, 3});
+    if (!is_grey) sheet.texture = Array<std::uint8_t>({400, 800, 3}, 0);
     for (std::int64_t i = 0; i < sheet.texture.size(); ++i) {
       sheet.texture.data()[i] = static_cast<std::uint8_t>(i * 7 % 251);
     }

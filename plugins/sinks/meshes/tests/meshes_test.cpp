@@ -101,13 +101,13 @@ class MeshesSink : public ::testing::Test {
     for (std::int64_t i = 0; i < templ_.texture.size(); ++i) {
       templ_.texture.data()[i] = static_cast<std::uint8_t>(i % 251);
     }
-    shape_.vertices_m = weft::Array<double>({templ_.vertices_m.rows(), 3});
+    shape_.vertices_m = weft::Array<double>({templ_.vertices_m.rows(), 3}, 0.0);
     for (std::int64_t v = 0; v < shape_.vertices_m.rows(); ++v) {
       shape_.vertices_m(v, 0) = templ_.vertices_m(v, 0) / 3.0;
       shape_.vertices_m(v, 1) = templ_.vertices_m(v, 1) / 7.0;
       shape_.vertices_m(v, 2) = 0.6 + 1e-3 / static_cast<double>(v + 1);
     }
-    shape_.source = weft::Array<std::uint8_t>({shape_.vertices_m.rows()});
+    shape_.source = weft::Array<std::uint8_t>({shape_.vertices_m.rows()}, 0);
   }
   ~MeshesSink() override {
     std::error_code ignored;
@@ -202,8 +202,8 @@ TEST_F(MeshesSink, RefusesAShapeThatIsNoShapeOfThisTemplate) {
   ASSERT_TRUE(plugin.prepare(templ_, camera_));
   ASSERT_EQ(plugin.process(kOpen, {}).status, WEFT_OK);
   Shape other = shape_;
-  other.vertices_m = weft::Array<double>({3, 3});
-  other.source = weft::Array<std::uint8_t>({3});
+  other.vertices_m = weft::Array<double>({3, 3}, 0.0);
+  other.source = weft::Array<std::uint8_t>({3}, 0);
   const PluginAnswer wrong_count = plugin.process(kWrite, {input("shape", other)}, 0);
   EXPECT_EQ(wrong_count.status, WEFT_ERROR);
   EXPECT_THAT(wrong_count.message, HasSubstr("3 vertices, the template 20"));

@@ -21,9 +21,9 @@ class CaptionOfAFrame : public ::testing::Test {
   /// Matches of which the first `kept` are kept.
   static Correspondences matches(std::int64_t count, std::int64_t kept) {
     Correspondences matches;
-    matches.template_px = Array<double>({count, 2});
-    matches.image_px = Array<double>({count, 2});
-    matches.kept = Array<std::uint8_t>({count});
+    matches.template_px = Array<double>({count, 2}, 0.0);
+    matches.image_px = Array<double>({count, 2}, 0.0);
+    matches.kept = Array<std::uint8_t>({count}, 0);
     for (std::int64_t i = 0; i < count; ++i) matches.kept(i) = i < kept ? 1 : 0;
     return matches;
   }

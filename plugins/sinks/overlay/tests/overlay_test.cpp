@@ -52,16 +52,16 @@ class OverlaySink : public ::testing::Test {
     camera_.width_px = kWidth;
     camera_.height_px = kHeight;
     image_.stem = "009";
-    image_.pixels = weft::Array<std::uint8_t>({kHeight, kWidth, 3});
+    image_.pixels = weft::Array<std::uint8_t>({kHeight, kWidth, 3}, 0);
     std::fill_n(image_.pixels.data(), image_.pixels.size(), kGrey);
     // A square of 40 x 40 px around the principal point, 1 m before the camera.
-    shape_.vertices_m = weft::Array<double>({4, 3});
+    shape_.vertices_m = weft::Array<double>({4, 3}, 0.0);
     for (std::int64_t v = 0; v < 4; ++v) {
       shape_.vertices_m(v, 0) = v % 2 == 0 ? -0.2 : 0.2;
       shape_.vertices_m(v, 1) = v < 2 ? -0.2 : 0.2;
       shape_.vertices_m(v, 2) = 1.0;
     }
-    shape_.source = weft::Array<std::uint8_t>({4});
+    shape_.source = weft::Array<std::uint8_t>({4}, 0);
   }
   ~OverlaySink() override {
     std::error_code ignored;
@@ -211,7 +211,7 @@ TEST_F(OverlaySink, AllPicturesHaveOneSizeWhateverTheyShow) {
   EXPECT_EQ(still(inputs(false)).size(), whole.size());
   EXPECT_EQ(still(inputs(), ", view: image").size(), cv::Size(kWidth, whole.rows));
   std::swap(camera_.width_px, camera_.height_px);
-  image_.pixels = weft::Array<std::uint8_t>({kWidth, kHeight});
+  image_.pixels = weft::Array<std::uint8_t>({kWidth, kHeight}, 0);
   const cv::Mat upright = still(inputs());
   EXPECT_EQ(upright.cols, 2 * kHeight);
   EXPECT_EQ(upright.rows - kWidth, whole.rows - kHeight);
@@ -247,9 +247,9 @@ TEST_F(OverlaySink, FadesWhatWasNotMeasuredInTheViewFromTheSide) {
 
 TEST_F(OverlaySink, DashesEdgesThatTheCameraDoesNotSee) {
   weft::Visibility sight;
-  sight.visible = weft::Array<std::uint8_t>({4});
-  sight.reason = weft::Array<std::uint8_t>({4});
-  sight.score = weft::Array<double>({4});
+  sight.visible = weft::Array<std::uint8_t>({4}, 0);
+  sight.reason = weft::Array<std::uint8_t>({4}, 0);
+  sight.score = weft::Array<double>({4}, 0.0);
   sight.visible(0) = sight.visible(1) = 1;  // the upper border, y = 40
   auto list = inputs();
   list.push_back(input("visibility", sight));
@@ -283,12 +283,12 @@ TEST_F(OverlaySink, WithoutAShapeTheImageStaysAsItIs) {
 
 TEST_F(OverlaySink, DrawsKeptMatchesOnly) {
   weft::Correspondences matches;
-  matches.template_px = weft::Array<double>({2, 2});
-  matches.image_px = weft::Array<double>({2, 2});
-  matches.face = weft::Array<std::int32_t>({2});
-  matches.barycentrics = weft::Array<double>({2, 3});
-  matches.kept = weft::Array<std::uint8_t>({2});
-  matches.score = weft::Array<double>({2});
+  matches.template_px = weft::Array<double>({2, 2}, 0.0);
+  matches.image_px = weft::Array<double>({2, 2}, 0.0);
+  matches.face = weft::Array<std::int32_t>({2}, 0);
+  matches.barycentrics = weft::Array<double>({2, 3}, 0.0);
+  matches.kept = weft::Array<std::uint8_t>({2}, 0);
+  matches.score = weft::Array<double>({2}, 0.0);
   matches.kept(0) = 1;
   for (std::int64_t i = 0; i < 2; ++i) {
     matches.image_px(i, 0) = i == 0 ? 20.0 : 140.0;
@@ -311,7 +311,7 @@ TEST_F(OverlaySink, SurvivesVerticesThatCannotBeSeen) {
 }
 
 TEST_F(OverlaySink, AcceptsGreyFrames) {
-  image_.pixels = weft::Array<std::uint8_t>({kHeight, kWidth});
+  image_.pixels = weft::Array<std::uint8_t>({kHeight, kWidth}, 0);
   std::fill_n(image_.pixels.data(), image_.pixels.size(), kGrey);
   EXPECT_EQ(still(inputs()).at<cv::Vec3b>(20, 20), cv::Vec3b(kGrey, kGrey, kGrey));
 }
@@ -321,7 +321,7 @@ TEST_F(OverlaySink, AFrameOfAnotherSizeIsAnErrorOfThatFrame) {
   ASSERT_EQ(open(plugin).status, WEFT_OK);
   Image small;
   small.stem = "small";
-  small.pixels = weft::Array<std::uint8_t>({10, 20});
+  small.pixels = weft::Array<std::uint8_t>({10, 20}, 0);
   auto list = inputs();
   list[0] = input("image", small);
   const PluginAnswer refused = plugin.process(kWrite, list, 0);

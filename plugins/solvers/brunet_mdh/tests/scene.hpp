@@ -59,12 +59,12 @@ struct Scene {
     Rng rng(seed);
     const auto n = static_cast<std::int64_t>(seen.size());
     lines = {};
-    lines.vertex = Array<std::int32_t>({n});
-    lines.face = Array<std::int32_t>({n});
-    lines.barycentrics = Array<double>({n, 3});
-    lines.pixel_px = Array<double>({n, 2});
-    lines.ray = Array<double>({n, 3});
-    lines.weight = Array<double>({n});
+    lines.vertex = Array<std::int32_t>({n}, 0);
+    lines.face = Array<std::int32_t>({n}, 0);
+    lines.barycentrics = Array<double>({n, 3}, 0.0);
+    lines.pixel_px = Array<double>({n, 2}, 0.0);
+    lines.ray = Array<double>({n, 3}, 0.0);
+    lines.weight = Array<double>({n}, 0.0);
     lines.coverage = static_cast<double>(n) / static_cast<double>(truth_m.rows());
     for (std::int64_t i = 0; i < n; ++i) {
       const std::int32_t v = seen[to_index(i)];
@@ -96,8 +96,8 @@ struct Scene {
   KnownPoints known(const std::vector<std::int32_t>& vertices, double radius_m,
                     const Eigen::RowVector3d& offset_m = {0.0, 0.0, 0.0}) const {
     const auto count = static_cast<std::int64_t>(vertices.size());
-    KnownPoints known{Array<std::int32_t>({count}), Array<double>({count, 3}),
-                      Array<double>({count})};
+    KnownPoints known{Array<std::int32_t>({count}, 0), Array<double>({count, 3}, 0.0),
+                      Array<double>({count}, 0.0)};
     for (std::int64_t p = 0; p < count; ++p) {
       const std::int32_t v = vertices[to_index(p)];
       known.vertex(p) = v;

@@ -78,8 +78,8 @@ struct Scene {
     const auto n = static_cast<std::int64_t>(seen.size());
     lines = {};
     lines.vertex = Array<std::int32_t>({n});
-    lines.face = Array<std::int32_t>({n});
-    lines.barycentrics = Array<double>({n, 3});
+    lines.face = Array<std::int32_t>({n}, -1);
+    lines.barycentrics = Array<double>({n, 3}, 0.0);
     lines.pixel_px = Array<double>({n, 2});
     lines.ray = Array<double>({n, 3});
     lines.weight = Array<double>({n});
@@ -125,7 +125,7 @@ inline Shape shape_of(const Points3& vertices_m, ShapeState state = ShapeState::
   Shape shape;
   shape.vertices_m = make_array<double>(vertices_m);
   shape.state = static_cast<std::int32_t>(state);
-  shape.source = Array<std::uint8_t>({vertices_m.rows()});
+  shape.source = Array<std::uint8_t>({vertices_m.rows()}, 0);
   return shape;
 }
 

@@ -58,8 +58,8 @@ struct RolledSheet {
 
   Visibility visibility() const {
     Visibility seen;
-    seen.visible = Array<std::uint8_t>({kColumns * kRows});
-    seen.reason = Array<std::uint8_t>({kColumns * kRows});
+    seen.visible = Array<std::uint8_t>({kColumns * kRows}, 0);
+    seen.reason = Array<std::uint8_t>({kColumns * kRows}, 0);
     std::fill_n(seen.visible.data(), kColumns * kRows, 1);
     return seen;
   }
@@ -206,7 +206,7 @@ TEST(HiddenBend, TakesTheUnmeasuredVerticesBesideAHiddenOneAsHidden) {
   for (std::int32_t v = 0; v < kColumns * kRows; ++v) {
     EXPECT_EQ((*hidden)[to_index(v)], v % kColumns >= 6 ? 1 : 0) << v;
   }
-  seen.visible = Array<std::uint8_t>({5});
+  seen.visible = Array<std::uint8_t>({5}, 0);
   EXPECT_FALSE(hidden_part(seen, measured, scene.neighbours));
 }
 
@@ -214,9 +214,9 @@ TEST(HiddenBend, BringsASolverNearerToWhatItCannotSee) {
   Scene scene = Scene::bent(0.09);
   scene.seen.clear();
   Visibility sight;
-  sight.visible = Array<std::uint8_t>({60});
-  sight.reason = Array<std::uint8_t>({60});
-  sight.score = Array<double>({60});
+  sight.visible = Array<std::uint8_t>({60}, 0);
+  sight.reason = Array<std::uint8_t>({60}, 0);
+  sight.score = Array<double>({60}, 0.0);
   for (std::int32_t v = 0; v < 60; ++v) {
     const bool seen = v % 10 >= 2 && v % 10 <= 7;
     sight.visible(v) = seen ? 1 : 0;
@@ -251,9 +251,9 @@ TEST(HiddenBend, BringsASolverNearerToWhatItCannotSee) {
 /// Marks every vertex as seen.
 Visibility all_in_sight(std::int64_t count) {
   Visibility sight;
-  sight.visible = Array<std::uint8_t>({count});
-  sight.reason = Array<std::uint8_t>({count});
-  sight.score = Array<double>({count});
+  sight.visible = Array<std::uint8_t>({count}, 0);
+  sight.reason = Array<std::uint8_t>({count}, 0);
+  sight.score = Array<double>({count}, 0.0);
   std::fill_n(sight.visible.data(), count, std::uint8_t{1});
   std::fill_n(sight.score.data(), count, 1.0);
   return sight;

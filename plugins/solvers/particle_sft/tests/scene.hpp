@@ -78,12 +78,12 @@ struct Scene {
     Rng rng(seed);
     const auto n = static_cast<std::int64_t>(seen.size());
     lines = {};
-    lines.vertex = Array<std::int32_t>({n});
-    lines.face = Array<std::int32_t>({n});
-    lines.barycentrics = Array<double>({n, 3});
-    lines.pixel_px = Array<double>({n, 2});
-    lines.ray = Array<double>({n, 3});
-    lines.weight = Array<double>({n});
+    lines.vertex = Array<std::int32_t>({n}, 0);
+    lines.face = Array<std::int32_t>({n}, 0);
+    lines.barycentrics = Array<double>({n, 3}, 0.0);
+    lines.pixel_px = Array<double>({n, 2}, 0.0);
+    lines.ray = Array<double>({n, 3}, 0.0);
+    lines.weight = Array<double>({n}, 0.0);
     lines.coverage = static_cast<double>(n) / static_cast<double>(truth_m.rows());
     for (std::int64_t i = 0; i < n; ++i) {
       const std::int32_t v = seen[to_index(i)];
@@ -141,7 +141,7 @@ inline Shape shape_of(const Points3& vertices_m, ShapeState state = ShapeState::
   Shape shape;
   shape.vertices_m = make_array<double>(vertices_m);
   shape.state = static_cast<std::int32_t>(state);
-  shape.source = Array<std::uint8_t>({vertices_m.rows()});
+  shape.source = Array<std::uint8_t>({vertices_m.rows()}, 0);
   return shape;
 }
 
@@ -149,8 +149,8 @@ inline KnownPoints known_points(const std::vector<std::int32_t>& vertices, const
                                 double radius_m) {
   KnownPoints known;
   const auto count = static_cast<std::int64_t>(vertices.size());
-  known.vertex = Array<std::int32_t>({count});
-  known.radius_m = Array<double>({count});
+  known.vertex = Array<std::int32_t>({count}, 0);
+  known.radius_m = Array<double>({count}, 0.0);
   known.points_m = make_array<double>(points_m);
   for (std::int64_t p = 0; p < count; ++p) {
     known.vertex(p) = vertices[to_index(p)];

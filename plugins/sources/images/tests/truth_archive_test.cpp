@@ -24,12 +24,12 @@ void fill(const FrameFolder& folder, const std::string& archive) {
   for (const char* stem : {"008", "009", "010"}) {
     folder.write_frame(std::string("frames/") + stem + ".png");
   }
-  GroundTruth truth{Array<double>({3, 2}), Array<double>({3, 3}), "measured", ""};
+  GroundTruth truth{Array<double>({3, 2}, 0.0), Array<double>({3, 3}, 0.0), "measured", ""};
   truth.points_m(2, 2) = 0.1 + 0.2;
-  truth.faces = Array<std::int32_t>({1, 3});
+  truth.faces = Array<std::int32_t>({1, 3}, 0);
   truth.faces(0, 1) = 1;
   truth.faces(0, 2) = 2;
-  truth.visible = Array<std::uint8_t>({3});
+  truth.visible = Array<std::uint8_t>({3}, 0);
   truth.visible(1) = 1;
   truth.diag.set("stretch_max", 0.07);
   folder.write("gt/placeholder", "");

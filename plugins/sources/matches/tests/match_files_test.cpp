@@ -63,17 +63,17 @@ TEST(MatchCsv, RefusesHeadersWithTheFix) {
 }
 
 Array<double> places(double first) {
-  Array<double> values({3, 2});
+  Array<double> values({3, 2}, 0.0);
   for (std::int64_t i = 0; i < 6; ++i) values.data()[i] = first + 0.1 * static_cast<double>(i);
   return values;
 }
 
 TEST(MatchNpz, IsReadAsNumpyWritesIt) {
   const FrameFolder folder;
-  Array<std::int64_t> labels({3});
+  Array<std::int64_t> labels({3}, 0);
   labels(0) = 1;
   labels(2) = -1;
-  Array<float> scores({3});
+  Array<float> scores({3}, 0.0F);
   scores(1) = 0.5F;
   write_archive(folder.path("a.npz"), {{"template_px.npy", npy(places(1.0))},
                                        {"image_px.npy", npy(places(2.0))},
@@ -89,16 +89,17 @@ TEST(MatchNpz, IsReadAsNumpyWritesIt) {
 
 TEST(MatchNpz, IsReadFromRecordsWithTheirOwnTruth) {
   const FrameFolder folder;
-  Array<std::int8_t> labels({3});
+  Array<std::int8_t> labels({3}, 0);
   labels(1) = 1;
-  write_archive(folder.path("a.npz"), {{"correspondences/record_type.npy", npy(labels)},
-                                       {"correspondences/template_px.npy", npy(places(1.0))},
-                                       {"correspondences/image_px.npy", npy(places(2.0))},
-                                       {"correspondences/face.npy", npy(Array<std::int32_t>({3}))},
-                                       {"correspondences/kept.npy", npy(Array<std::uint8_t>({3}))},
-                                       {"ground_truth/points_m.npy", npy(Array<double>({1, 3}))},
-                                       {"ground_truth/match_label.npy", npy(labels)},
-                                       {"shape/vertices_m.npy", npy(Array<double>({1, 3}))}});
+  write_archive(folder.path("a.npz"),
+                {{"correspondences/record_type.npy", npy(labels)},
+                 {"correspondences/template_px.npy", npy(places(1.0))},
+                 {"correspondences/image_px.npy", npy(places(2.0))},
+                 {"correspondences/face.npy", npy(Array<std::int32_t>({3}, 0))},
+                 {"correspondences/kept.npy", npy(Array<std::uint8_t>({3}, 0))},
+                 {"ground_truth/points_m.npy", npy(Array<double>({1, 3}, 0.0))},
+                 {"ground_truth/match_label.npy", npy(labels)},
+                 {"shape/vertices_m.npy", npy(Array<double>({1, 3}, 0.0))}});
   const auto table = read_match_npz(folder.path("a.npz"));
   ASSERT_TRUE(table) << table.error().message;
   EXPECT_EQ((*table)[Column::label], (std::vector<double>{0, 1, 0}));
@@ -118,12 +119,12 @@ TEST(MatchNpz, RefusesArraysWithTheirName) {
   const std::pair<const std::string, std::string> here{"template_px.npy", npy(places(1.0))};
   EXPECT_THAT(refusal_of({here}), AllOf(HasSubstr("a.npz: the places in the image are missing"),
                                         HasSubstr("image_px")));
-  EXPECT_THAT(refusal_of({here, {"image_px.npy", npy(Array<double>({2, 2}))}}),
+  EXPECT_THAT(refusal_of({here, {"image_px.npy", npy(Array<double>({2, 2}, 0.0))}}),
               HasSubstr("has 3 entries where the array before has 2"));
-  EXPECT_THAT(refusal_of({here, {"image_px.npy", npy(Array<double>({3, 3}))}}),
+  EXPECT_THAT(refusal_of({here, {"image_px.npy", npy(Array<double>({3, 3}, 0.0))}}),
               HasSubstr("image_px.npy must be of shape [N,2]"));
   EXPECT_THAT(refusal_of({here, {"image_px.npy", "no array"}}), HasSubstr("ascontiguousarray"));
-  EXPECT_THAT(refusal_of({here, {"lable.npy", npy(Array<double>({3}))}}),
+  EXPECT_THAT(refusal_of({here, {"lable.npy", npy(Array<double>({3}, 0.0))}}),
               HasSubstr("lable.npy is unknown"));
   Array<double> broken = places(2.0);
   broken(1, 0) = std::numeric_limits<double>::infinity();

@@ -142,7 +142,7 @@ TEST_P(RobustBbsWarp, StaysWithinHalfAPixelAmongThirtyPercentGrossOutliers) {
       matches.image_px(i, 1) = rng.uniform(0.0, 480.0);
     }
     Correspondences correct = matches;
-    correct.kept = Array<std::uint8_t>({600});  // a copy of an array would share its memory
+    correct.kept = Array<std::uint8_t>({600}, 0);  // a copy of an array would share its memory
     std::fill_n(correct.kept.data() + 180, 420, std::uint8_t{1});
     const Points2 places = uniform_points(200, rng);
     const auto robust = *bench.fit(matches).get<weft::Warp>();

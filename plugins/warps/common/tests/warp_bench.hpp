@@ -18,11 +18,11 @@ inline Correspondences matches_at(const Points2& points, const Map& map) {
   const Eigen::Index n = points.rows();
   Correspondences matches;
   matches.template_px = make_array<double>(points);
-  matches.image_px = Array<double>({n, 2});
-  matches.face = Array<std::int32_t>({n});
-  matches.barycentrics = Array<double>({n, 3});
-  matches.kept = Array<std::uint8_t>({n});
-  matches.score = Array<double>({n});
+  matches.image_px = Array<double>({n, 2}, 0.0);
+  matches.face = Array<std::int32_t>({n}, 0);
+  matches.barycentrics = Array<double>({n, 3}, 0.0);
+  matches.kept = Array<std::uint8_t>({n}, 0);
+  matches.score = Array<double>({n}, 0.0);
   for (Eigen::Index i = 0; i < n; ++i) {
     matches.image_px.matrix<2>().row(i) = map(points(i, 0), points(i, 1));
     matches.kept(i) = 1;

@@ -72,7 +72,7 @@ struct PrintedScene {
       }
     }
     Image image;
-    image.pixels = Array<std::uint8_t>({height, width});
+    image.pixels = Array<std::uint8_t>({height, width}, 0);
     for (std::size_t i = 0; i < sum.size(); ++i) {
       const double ground = 90.0 + 20.0 * std::sin(0.05 * static_cast<double>(i % 640));
       const double grey = weights[i] > 0.2 ? sum[i] / weights[i] : ground;
@@ -102,7 +102,7 @@ struct PrintedScene {
   Shape shape_of(const DevelopableSheet& bent_sheet) const {
     Shape shape;
     shape.vertices_m = make_array<double>(testing::bent_vertices(templ, bent_sheet));
-    shape.source = Array<std::uint8_t>({templ.vertices_m.rows()});
+    shape.source = Array<std::uint8_t>({templ.vertices_m.rows()}, 0);
     return shape;
   }
 

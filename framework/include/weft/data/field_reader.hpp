@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+#include <weft/core/index.hpp>
+#include <weft/data/record.hpp>
+#include <weft/data/shape_pattern.hpp>
+
+namespace weft {
+
+inline const weft_array* find_array(const weft_record& record, std::string_view name) {
+  for (std::uint64_t i = 0; i < record.count; ++i) {
+    if (record.arrays[i].name == name) return &record.arrays[i];
+  }
+  return nullptr;
+}
+
+namespace detail {
+
+template <class T>
+Array<T> borrow_array(const weft_array& array) {
+  typename Array<T>::Shape shape{};
+  for (int axis = 0; axis < array.ndim; ++axis) {
+    shape[to_index(axis)] = array.shape[axis];
+  }
+  if (array.memory == WEFT_DEVICE) {
+    return Array<T>::on_device(array.handle, array.ndim, shape, nullptr, array.data);
+  }
+  const std::int64_t row_stride =
+      array.ndim > 0 ? array.stride[0] / static_cast<std::int64_t>(sizeof(T)) : 1;
+  return Array<T>::borrow(static_cast<const T*>(array.data), array.ndim, shape, row_stride);
+}
+
+/// Compares the arrays of a record with the fields of its struct; keeps the first error.
+class FieldCheck {
+ public:
+  explicit FieldCheck(const weft_record& record) : record_(record) {}
+
+  template <class T>
+  void operator()(const Array<T>&, const Field& field) {
+    checked(field, dtype_of<T>());
+  }
+  template <class T>
+  requires std::is_arithmetic_v<T>
+  void operator()(const T&, const Field& field) { checked(field, dtype_of<T>()); }
+  void operator()(const std::string&, const Field& field) { checked(field, WEFT_U8); }
+  void operator()(const NamedArrays&, const Field&) {}
+  void operator()(const Diagnostics&, const Field&) {}
+
+  const std::string& error() const { return error_; }
+
+ protected:
+  /// Null where the array is absent or not as it should be.
+  const weft_array* checked(const Field& field, std::int32_t dtype) {
+    const weft_array* array = find_array(record_, field.name);
+    std::string problem;
+    if (array == nullptr) {
+      if (!field.optional) problem = "is missing";
+    } else if (array->dtype != dtype) {
+      problem = std::string("has elements of type ") + dtype_name(array->dtype) + " where " +
+                dtype_name(dtype) + " is expected";
+    } else if (array->memory == WEFT_DEVICE && !field.may_be_on_device) {
+      problem = "lies in device memory";
+    } else {
+      problem = lengths_.match(field.shape, *array);
+    }
+    if (problem.empty()) return array;
+    if (error_.empty()) {
+      error_ = std::string(record_.type) + ": array '" + field.name + "' " + problem;
+    }
+    return nullptr;
+  }
+
+  const weft_record& record() const { return record_; }
+
+ private:
+  const weft_record& record_;
+  ShapePattern lengths_;
+  std::string error_;
+};
+
+/// What of a record is read: all, or its arrays and numbers without texts and what the catalogue
+/// does not name.
+enum class Read { all, arrays };
+
+/// Fills the members of a record struct from the arrays of a record; keeps the first error.
+class FieldReader : public FieldCheck {
+ public:
+  FieldReader(const weft_record& record, Read read) : FieldCheck(record), read_(read) {}
+
+  template <class T>
+  void operator()(Array<T>& member, const Field& field) {
+    if (const weft_array* array = checked(field, dtype_of<T>())) member = borrow_array<T>(*array);
+  }
+  template <class T>
+  requires std::is_arithmetic_v<T>
+  void operator()(T& member, const Field& field) {
+    if (const weft_array* array = checked(field, dtype_of<T>())) {
+      member = *static_cast<const T*>(array->data);
+    }
+  }
+  void operator()(std::string& member, const Field& field) {
+    const weft_array* array = checked(field, WEFT_U8);
+    if (array == nullptr || read_ == Read::arrays) return;
+    member.assign(static_cast<const char*>(array->data), to_index(array->shape[0]));
+  }
+  void operator()(NamedArrays& member, const Field&) { collect(member.prefix, member.entries); }
+  void operator()(Diagnostics& member, const Field&) { collect("diag.", member.entries()); }
+
+ private:
+  static bool belongs(const weft_array& array, std::string_view prefix) {
+    return array.dtype == WEFT_F64 && array.memory != WEFT_DEVICE &&
+           std::string_view(array.name).starts_with(prefix) &&
+           std::string_view(array.name).size() <= Name::kLongest &&
+           ShapePattern::check_layout(array).empty();
+  }
+
+  void collect(std::string_view prefix, std::vector<NamedArray>& entries) const {
+    if (read_ == Read::arrays) return;
+    const weft_array *begin = record().arrays, *end = begin + record().count;
+    entries.reserve(to_index(std::count_if(
+        begin, end, [&](const weft_array& array) { return belongs(array, prefix); })));
+    for (const weft_array* array = begin; array != end; ++array) {
+      if (belongs(*array, prefix)) {
+        entries.push_back({std::string_view(array->name), borrow_array<double>(*array)});
+      }
+    }
+  }
+
+  Read read_;
+};
+
+}  // namespace detail
+
+}  // namespace weft
