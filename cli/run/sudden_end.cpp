@@ -137,7 +137,7 @@ void now_running_here(const std::string& what) {
 /// Stands before the C library's for all that the process loads: that one destroys what other
 /// threads still use, and what they do then would be told in place of the call. The return from
 /// main() does not pass here.
-extern "C" [[noreturn]] void exit(int code) noexcept {
+extern "C" [[gnu::noreturn]] void exit(int code) noexcept {
   weft::cli::on_exit_of_component();
   using Exit = void (*)(int);
   const auto next = reinterpret_cast<Exit>(dlsym(RTLD_NEXT, "exit"));
