@@ -60,7 +60,7 @@ class Aem final : public weft::Filter {
     p.read("fine_control_short", annealing.fine_control_short, "", {4, 16},
            "the same along the shorter side");
     p.read("margin_px", annealing.margin_px, "px", {0, 1e4},
-           "the warp's domain is the texture and this around it");
+           "the warp's domain is the box of the object in the texture and this around it");
     p.read("stiffness", annealing.stiffness, "", {1e-3, 1e6},
            "weight of the warp's bending: 1.5 bends to mismatches, 50 does not bend to the sheet");
     p.read("least_sigma_px", annealing.least_sigma_px, "px", {0.01, 100},
@@ -138,5 +138,5 @@ class Aem final : public weft::Filter {
 
 }  // namespace
 
-WEFT_PLUGIN(Aem, "filters/aem", "1.2.0",
+WEFT_PLUGIN(Aem, "filters/aem", "1.3.0",
             "Keeps the most likely coherent set of matches, with its confidence.")

@@ -30,8 +30,7 @@ class SeedSearch {
       : matches_(matches),
         rows_(rows),
         rng_(rng),
-        largest_stretch_(
-            2.0 * std::sqrt(matches.image_area_px2 / (matches.width_px * matches.height_px))) {
+        largest_stretch_(2.0 * std::sqrt(matches.image_area_px2 / matches.area_px2())) {
     const int n = static_cast<int>(rows.size());
     for (const int k : rng.sample(n, std::min(n, kScored))) {
       scored_.push_back(rows[to_index(k)]);
@@ -72,7 +71,7 @@ class SeedSearch {
     from << (matches_.template_px.row(j) - matches_.template_px.row(i)).transpose(),
         (matches_.template_px.row(k) - matches_.template_px.row(i)).transpose();
     const double area_px2 = from.determinant();
-    if (!(std::abs(area_px2) >= kThinTriple * matches_.width_px * matches_.height_px)) return {};
+    if (!(std::abs(area_px2) >= kThinTriple * matches_.area_px2())) return {};
     to << (matches_.image_px.row(j) - matches_.image_px.row(i)).transpose(),
         (matches_.image_px.row(k) - matches_.image_px.row(i)).transpose();
     const double area_ratio = to.determinant() / area_px2;
@@ -149,10 +148,11 @@ class SeedSearch {
   }
 
   bool alike(const Seed& a, const Seed& b) const {
-    const double w = matches_.width_px, h = matches_.height_px;
+    const TextureBox& box = matches_.box;
     double gap_px = 0.0;
     for (const Eigen::Vector2d& corner :
-         {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(w, 0.0), Eigen::Vector2d(0.5 * w, h)}) {
+         {Eigen::Vector2d(box.u0, box.v0), Eigen::Vector2d(box.u1, box.v0),
+          Eigen::Vector2d(0.5 * (box.u0 + box.u1), box.v1)}) {
       gap_px += (a.map(corner) - b.map(corner)).norm() / 3.0;
     }
     return gap_px <= std::max(a.threshold_px, b.threshold_px);

@@ -38,12 +38,12 @@ double square(double x) { return x * x; }
 
 SplineDomain domain_for(const Matches& matches, double margin_px, int control_long,
                         int control_short) {
-  const double margin = margin_px + 0.5;
-  const bool wide = matches.width_px >= matches.height_px;
-  return {-margin,
-          matches.width_px - 1.0 + margin,
-          -margin,
-          matches.height_px - 1.0 + margin,
+  const TextureBox box = matches.box.grown(margin_px);
+  const bool wide = matches.box.width_px() >= matches.box.height_px();
+  return {box.u0,
+          box.u1,
+          box.v0,
+          box.v1,
           wide ? control_long : control_short,
           wide ? control_short : control_long};
 }

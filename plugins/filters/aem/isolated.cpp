@@ -35,10 +35,10 @@ class Neighbourhood {
     return std::clamp<Eigen::Index>(number, 0, kCells - 1);
   }
   Eigen::Index row(Eigen::Index i) const {
-    return cell(matches_.template_px(i, 1), matches_.height_px);
+    return cell(matches_.template_px(i, 1) - matches_.box.v0, matches_.box.height_px());
   }
   Eigen::Index column(Eigen::Index i) const {
-    return cell(matches_.template_px(i, 0), matches_.width_px);
+    return cell(matches_.template_px(i, 0) - matches_.box.u0, matches_.box.width_px());
   }
 
   const Matches& matches_;

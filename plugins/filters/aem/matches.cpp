@@ -28,8 +28,7 @@ Matches matches_of(const Correspondences& correspondences, const filters::Candid
   Matches matches;
   matches.template_px = candidates.template_px;
   matches.image_px = candidates.image_px;
-  matches.width_px = static_cast<double>(templ.texture.dim(1));
-  matches.height_px = static_cast<double>(templ.texture.dim(0));
+  matches.box = object_box(templ);
   if (matches.count() > 0) {
     const Eigen::RowVector2d extent_px =
         matches.image_px.colwise().maxCoeff() - matches.image_px.colwise().minCoeff();

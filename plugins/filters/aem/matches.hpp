@@ -5,6 +5,7 @@
 #include <cmath>
 #include <weft/data/correspondences.hpp>
 #include <weft/data/template.hpp>
+#include <weft/geometry/object_box.hpp>
 
 #include "common/candidates.hpp"
 
@@ -12,13 +13,14 @@ namespace weft::aem {
 
 /// The matches among which a coherent set is sought.
 struct Matches {
-  Points2 template_px, image_px;           ///< [n,2]
-  Eigen::ArrayXd log_scale, turn_rad;      ///< [n] of the keypoints, or empty
-  double width_px = 0.0, height_px = 0.0;  ///< of the template's texture
-  double image_area_px2 = 0.0;             ///< of the box around the image points
+  Points2 template_px, image_px;       ///< [n,2]
+  Eigen::ArrayXd log_scale, turn_rad;  ///< [n] of the keypoints, or empty
+  TextureBox box;                      ///< of the object in the texture
+  double image_area_px2 = 0.0;         ///< of the box around the image points
 
   Eigen::Index count() const { return template_px.rows(); }
-  double diagonal_px() const { return std::hypot(width_px, height_px); }
+  double diagonal_px() const { return std::hypot(box.width_px(), box.height_px()); }
+  double area_px2() const { return box.width_px() * box.height_px(); }
   bool oriented() const { return log_scale.size() > 0; }
 };
 

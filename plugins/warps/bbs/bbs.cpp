@@ -34,9 +34,10 @@ class Bbs final : public weft::WarpModel {
       .reads = "weights"};
 
   explicit Bbs(weft::Params& p) {
-    p.read("control_u", control_u_, "", {4, 100}, "control points along the texture's width");
-    p.read("control_v", control_v_, "", {4, 100}, "control points along the texture's height");
-    p.read("margin_px", margin_px_, "px", {0, 1e4}, "the domain is the texture and this around it");
+    p.read("control_u", control_u_, "", {4, 100}, "control points along the domain's width");
+    p.read("control_v", control_v_, "", {4, 100}, "control points along the domain's height");
+    p.read("margin_px", margin_px_, "px", {0, 1e4},
+           "the domain is the box of the object in the texture and this around it");
     p.choice("smoothing", smoothing_,
              {{"paper_px2", Smoothing::paper_px2}, {"dimensionless", Smoothing::dimensionless}},
              "which of lambda_px2 and lambda weighs the bending energy");
@@ -88,7 +89,7 @@ class Bbs final : public weft::WarpModel {
 };
 
 weft::Result<weft::Warp> Bbs::fit(const weft::FitInput& in) {
-  const weft::warps::Box box = weft::warps::box_around(in.templ, margin_px_);
+  const weft::TextureBox box = weft::object_box(in.templ).grown(margin_px_);
   const weft::SplineDomain domain{box.u0, box.u1, box.v0, box.v1, control_u_, control_v_};
   if (auto checked = weft::check_domain(domain); !checked) return checked.error();
   spline_.set_domain(domain);
@@ -175,5 +176,5 @@ weft::Warp Bbs::make_warp(const SplinePenalty& penalty) {
 
 }  // namespace
 
-WEFT_PLUGIN(Bbs, "warps/bbs", "1.1.0",
+WEFT_PLUGIN(Bbs, "warps/bbs", "1.2.0",
             "Bicubic B-spline warp, fitted by least squares with a bending penalty.")

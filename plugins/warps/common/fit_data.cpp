@@ -6,13 +6,7 @@
 
 namespace weft::warps {
 
-Box box_around(const Template& templ, double margin_px) {
-  const auto height = static_cast<double>(templ.texture.dim(0));
-  const auto width = static_cast<double>(templ.texture.dim(1));
-  return {-0.5 - margin_px, width - 0.5 + margin_px, -0.5 - margin_px, height - 0.5 + margin_px};
-}
-
-Result<void> FitData::take(const FitInput& in, const Box& box) {
+Result<void> FitData::take(const FitInput& in, const TextureBox& box) {
   const Correspondences& matches = in.correspondences;
   if (in.weights && in.weights->weight.rows() != matches.count()) {
     return Error{Errc::invalid_data, "there must be one weight for each match"};

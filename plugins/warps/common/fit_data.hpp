@@ -4,28 +4,18 @@
 #include <Eigen/Core>
 #include <vector>
 #include <weft/core/result.hpp>
+#include <weft/geometry/object_box.hpp>
 #include <weft/geometry/types.hpp>
 #include <weft/sdk/warp_model.hpp>
 
 namespace weft::warps {
-
-/// Where a warp is fitted, px of the texture.
-struct Box {
-  double u0, u1, v0, v1;
-
-  bool operator==(const Box&) const = default;
-  bool contains(double u, double v) const { return u >= u0 && u <= u1 && v >= v0 && v <= v1; }
-};
-
-/// The texture from edge to edge and `margin_px` around it.
-Box box_around(const Template& templ, double margin_px);
 
 /// The matches that take part in a fit: kept, in the box, with a weight above 0. Memory is kept.
 class FitData {
  public:
   /// Takes the matches of `in`. invalid_data names a number that is not finite or a negative
   /// weight; no_result where none is left.
-  Result<void> take(const FitInput& in, const Box& box);
+  Result<void> take(const FitInput& in, const TextureBox& box);
 
   std::size_t count() const { return weights_.size(); }
   int dropped_outside() const { return dropped_; }

@@ -133,7 +133,7 @@ std::optional<Fitted> fit_at_matches(const Samples& samples, double lambda, bool
   return fitted;
 }
 
-void GridFit::set_grid(const warps::Box& box, int columns, int rows) {
+void GridFit::set_grid(const TextureBox& box, int columns, int rows) {
   if (box == box_ && columns == columns_ && rows == rows_) return;
   columns_ = 0;  // until all is made
   const double width = box.u1 - box.u0, height = box.v1 - box.v0;

@@ -42,11 +42,11 @@ std::optional<Fitted> fit_at_matches(const Samples& samples, double lambda,
 class GridFit {
  public:
   /// Costs only when something differs from the time before. At least 2 x 2 centres.
-  void set_grid(const warps::Box& box, int columns, int rows);
+  void set_grid(const TextureBox& box, int columns, int rows);
   std::optional<Fitted> fit(const Samples& samples, double lambda, bool leave_one_out = false);
 
  private:
-  warps::Box box_{0.0, 0.0, 0.0, 0.0};
+  TextureBox box_;
   int columns_ = 0, rows_ = 0;
   ThinPlateSpline plate_;     ///< centre, scale and centres
   Eigen::MatrixXd cardinal_;  ///< [l+3,l] coefficients and affine part of the values at the centres

@@ -36,11 +36,12 @@ class Tps final : public weft::WarpModel {
   explicit Tps(weft::Params& p) {
     p.choice("centres", centres_, {{"grid", Centres::grid}, {"matches", Centres::matches}},
              "where the spline's centres are: on a grid, or one at each match");
-    p.read("grid_u", grid_u_, "", {2, 40}, "centres along the texture's width");
-    p.read("grid_v", grid_v_, "", {2, 40}, "centres along the texture's height");
+    p.read("grid_u", grid_u_, "", {2, 40}, "centres along the domain's width");
+    p.read("grid_v", grid_v_, "", {2, 40}, "centres along the domain's height");
     p.read("most_matches", most_matches_, "", {3, 5000},
            "for matches: with more of them the grid is used");
-    p.read("margin_px", margin_px_, "px", {0, 1e4}, "the domain is the texture and this around it");
+    p.read("margin_px", margin_px_, "px", {0, 1e4},
+           "the domain is the box of the object in the texture and this around it");
     p.choice("smoothing", smoothing_,
              {{"fixed", Smoothing::fixed}, {"leave_one_out", Smoothing::leave_one_out}},
              "whether lambda is given, or the best between 1e-8 and 10 by cross-validation");
@@ -56,7 +57,7 @@ class Tps final : public weft::WarpModel {
   std::optional<Fitted> search();
   double predicted_px2(double log_lambda);
   Fitted affine_only(const weft::warps::AffineFit& affine) const;
-  weft::Warp make_warp(const ThinPlateSpline& spline, const weft::warps::Box& box,
+  weft::Warp make_warp(const ThinPlateSpline& spline, const weft::TextureBox& box,
                        double rms_px) const;
 
   Centres centres_ = Centres::grid;
@@ -123,7 +124,7 @@ Fitted Tps::affine_only(const weft::warps::AffineFit& affine) const {
 }
 
 weft::Result<weft::Warp> Tps::fit(const weft::FitInput& in) {
-  const weft::warps::Box box = weft::warps::box_around(in.templ, margin_px_);
+  const weft::TextureBox box = weft::object_box(in.templ).grown(margin_px_);
   if (auto taken = data_.take(in, box); !taken) return taken.error();
   on_grid_ = centres_ == Centres::grid || data_.count() > weft::to_index(most_matches_);
   if (on_grid_) grid_.set_grid(box, grid_u_, grid_v_);
@@ -149,7 +150,7 @@ weft::Result<weft::Warp> Tps::fit(const weft::FitInput& in) {
   return warp;
 }
 
-weft::Warp Tps::make_warp(const ThinPlateSpline& spline, const weft::warps::Box& box,
+weft::Warp Tps::make_warp(const ThinPlateSpline& spline, const weft::TextureBox& box,
                           double rms_px) const {
   weft::Warp warp;
   warp.producer = "warps/tps";
@@ -203,7 +204,7 @@ weft::Result<weft::WarpSamples> Tps::evaluate(const weft::EvaluateInput& in) {
   spline.coefficients = coefficients->matrix<2>();
   spline.affine = affine->matrix<2>();
   const auto border = in.warp.domain_px.matrix<1>();
-  const weft::warps::Box box{border[0], border[1], border[2], border[3]};
+  const weft::TextureBox box{border[0], border[1], border[2], border[3]};
   auto samples = weft::warps::make_samples(in.points);
   if (!samples) return samples.error();
   for (std::int64_t i = 0; i < in.points.xy_px.rows(); ++i) {
@@ -218,4 +219,4 @@ weft::Result<weft::WarpSamples> Tps::evaluate(const weft::EvaluateInput& in) {
 
 }  // namespace
 
-WEFT_PLUGIN(Tps, "warps/tps", "1.1.0", "Thin-plate spline warp, exact or with centres on a grid.")
+WEFT_PLUGIN(Tps, "warps/tps", "1.2.0", "Thin-plate spline warp, exact or with centres on a grid.")

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <weft/data/shape.hpp>
+#include <weft/testing/atlas.hpp>
 
 #include "common/tests/filter_bench.hpp"
 #include "match_scenes.hpp"
@@ -32,6 +33,21 @@ TEST(Aem, FindsTheSheetWhereMyNeighborDoesNot) {
     EXPECT_GT(rates.tpr_percent, 99.0) << count << " matches, " << rate;
     EXPECT_LT(rates.fpr_percent, 2.5) << count << " matches, " << rate;
   }
+}
+
+TEST(Aem, FindsTheObjectOfAnAtlasOfWhichItCoversATwelfth) {
+  const LabelledMatches drawn = draw_scene({Kind::paper, 200, 0.8}, 8);
+  FilterBench bench("filters/aem");
+  const Rates alone = bench.rates(drawn);
+  LabelledMatches moved = drawn;
+  const Eigen::RowVector2d corner_px(1700.0, 1200.0);
+  moved.matches.template_px.matrix<2>().rowwise() += corner_px;
+  put_in_atlas(bench.templ, 3000, 2165, corner_px);
+  const Rates in_atlas = bench.rates(moved);
+  EXPECT_GT(alone.tpr_percent, 97.0);
+  EXPECT_LT(alone.fpr_percent, 1.0);
+  EXPECT_EQ(in_atlas.tpr_percent, alone.tpr_percent);
+  EXPECT_EQ(in_atlas.fpr_percent, alone.fpr_percent);
 }
 
 TEST(Aem, IsNotDisturbedByTurnsClustersAndCopies) {

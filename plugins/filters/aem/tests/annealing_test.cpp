@@ -15,8 +15,7 @@ namespace {
 /// where they belong, the others anywhere.
 Matches seen_at_half_size(int correct, int wrong, Rng& rng) {
   Matches matches;
-  matches.width_px = 960.0;
-  matches.height_px = 575.0;
+  matches.box = {-0.5, 959.5, -0.5, 574.5};
   matches.image_area_px2 = 640.0 * 480.0;
   matches.template_px.resize(correct + wrong, 2);
   matches.image_px.resize(correct + wrong, 2);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <weft/testing/atlas.hpp>
+
 #include "common/tests/warp_bench.hpp"
 
 namespace {
@@ -14,6 +16,7 @@ using weft::testing::diag;
 using weft::testing::matches_at;
 using weft::testing::PluginAnswer;
 using weft::testing::PluginUnderTest;
+using weft::testing::put_in_atlas;
 using weft::testing::uniform_points;
 using weft::testing::WarpBench;
 using weft::testing::wavy;
@@ -86,6 +89,25 @@ TEST(BbsWarp, GoesOnLinearlyOutsideItsDomainAndSaysSo) {
   EXPECT_EQ(samples.valid(2), 0);
   EXPECT_EQ(samples.valid(3), 1);
   EXPECT_EQ(samples.valid(4), 0);
+}
+
+TEST(BbsWarp, CoversTheObjectOfAnAtlasAlone) {
+  Bench bench;
+  Rng rng(6);
+  auto matches = matches_at(uniform_points(300, rng), wavy);
+  const auto alone = *bench.fit(matches).get<weft::Warp>();
+  const Eigen::RowVector2d corner_px(1024.0, 512.0);
+  matches.template_px.matrix<2>().rowwise() += corner_px;
+  put_in_atlas(bench.templ, 4096, 2048, corner_px);
+  const auto in_atlas = *bench.fit(matches).get<weft::Warp>();
+  EXPECT_EQ(in_atlas.domain_px(0), 1024.0 - 20.5);
+  EXPECT_EQ(in_atlas.domain_px(1), 1024.0 + 979.5);
+  EXPECT_EQ(in_atlas.domain_px(2), 512.0 - 20.5);
+  EXPECT_EQ(in_atlas.domain_px(3), 512.0 + 594.5);
+  const Points2 places = uniform_points(40, rng);
+  const auto there = bench.evaluate(in_atlas, places.rowwise() + corner_px, 0);
+  const auto here = bench.evaluate(alone, places, 0);
+  EXPECT_LT((there.xy_px.matrix<2>() - here.xy_px.matrix<2>()).cwiseAbs().maxCoeff(), 1e-6);
 }
 
 TEST(BbsWarp, EvaluatesARecordWhateverWasFittedSince) {

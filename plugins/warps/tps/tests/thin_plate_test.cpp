@@ -12,7 +12,7 @@
 namespace weft::tps {
 namespace {
 
-constexpr warps::Box kBox{-20.5, 979.5, -20.5, 594.5};
+constexpr TextureBox kBox{-20.5, 979.5, -20.5, 594.5};
 
 struct Given {
   Points2 points_px, values_px;
