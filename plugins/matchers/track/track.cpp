@@ -60,7 +60,7 @@ class Track final : public Matcher {
     }
     image_.load(in.image->pixels);
     choose_targets(in.previous_correspondences);
-    tracker_.find(view_, image_, options_, targets_);
+    tracker_.find(view_, image_, options_, std::max(in.call.threads(), 1), targets_);
     return answer(shape);
   }
 

@@ -2,6 +2,7 @@
 #include "tracker.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <weft/core/stop_check.hpp>
 
@@ -36,7 +37,7 @@ bool is_inside(const Eigen::Vector2d& place_px, const view::Picture& image) {
 }  // namespace
 
 void Tracker::find(const view::PredictedView& view, const view::Pyramid& image,
-                   const TrackerOptions& options, std::vector<Target>& targets) {
+                   const TrackerOptions& options, int threads, std::vector<Target>& targets) {
   shift_ = search_.find(view, image, options.search_px);
   const Eigen::Vector2d shift_px = shift_.by_px();
   for (Target& target : targets) {
@@ -48,7 +49,7 @@ void Tracker::find(const view::PredictedView& view, const view::Pyramid& image,
   deviations_px_.resize(targets.size());
   motion_ = Motion(shift_px);
   for (int level = kFirstLevel; level >= 0; --level) {
-    align(view, image, level, targets);
+    align(view, image, level, threads, targets);
     if (level > 0) lead(targets, level);
   }
   judge(options, targets);
@@ -56,10 +57,11 @@ void Tracker::find(const view::PredictedView& view, const view::Pyramid& image,
 
 /// The patch of a target for pixels of a level, at the place where the target is looked for. Beside
 /// the border of what is drawn it is the nearest piece that was drawn wholly.
-view::Patch::Fit Tracker::take(const view::PredictedView& view, int level, const Target& target) {
+view::Patch::Fit Tracker::take(const view::PredictedView& view, int level, const Target& target,
+                               Bench& bench) const {
   view::Patch::Fit fit = view::Patch::Fit::not_drawn;
   for (const auto& [dx, dy] : kAsides) {
-    fit = take(view, level, target, dx, dy);
+    fit = take(view, level, target, dx, dy, bench);
     if (fit != view::Patch::Fit::not_drawn) break;
   }
   return fit;
@@ -67,7 +69,7 @@ view::Patch::Fit Tracker::take(const view::PredictedView& view, int level, const
 
 /// That which lies so many px of the level beside it.
 view::Patch::Fit Tracker::take(const view::PredictedView& view, int level, const Target& target,
-                               int dx, int dy) {
+                               int dx, int dy, Bench& bench) const {
   const double scale = 1 << level;
   const auto first = [&](double place_px, int aside) {
     return static_cast<int>(std::lround(view::at_level(place_px, level))) - view::Patch::kSide / 2 +
@@ -75,7 +77,8 @@ view::Patch::Fit Tracker::take(const view::PredictedView& view, int level, const
   };
   const Eigen::Vector2d& expected_px = target.expected_px;
   if (level >= view.finest()) {
-    return patch_.take(view.level(level), first(expected_px.x(), dx), first(expected_px.y(), dy));
+    return bench.patch.take(view.level(level), first(expected_px.x(), dx),
+                            first(expected_px.y(), dy));
   }
   const Eigen::Matrix2d to_view = (Eigen::Matrix2d::Identity() + motion_.slope()).inverse();
   const Eigen::Vector2d middle_px = expected_px + to_view * (scale * Eigen::Vector2d(dx, dy));
@@ -87,38 +90,52 @@ view::Patch::Fit Tracker::take(const view::PredictedView& view, int level, const
       scale * Eigen::Vector2d(x - 0.5, y - 0.5) - Eigen::Vector2d::Constant(0.5);  // of the border
   const view::Lattice lattice{expected_px + to_view * (corner_px - place_px),
                               scale * to_view.col(0), scale * to_view.col(1)};
-  view.sample(target.point.face, level, lattice, samples_);
-  return patch_.take(samples_, x, y);
+  view.sample(target.point.face, level, lattice, bench.samples);
+  return bench.patch.take(bench.samples, x, y);
 }
 
 void Tracker::align(const view::PredictedView& view, const view::Pyramid& image, int level,
-                    std::vector<Target>& targets) {
+                    int threads, std::vector<Target>& targets) {
+  constexpr std::size_t kShare = 16;  // targets that a thread takes at a time
+  const std::size_t shares = (targets.size() + kShare - 1) / kShare;
+  const int workers = std::clamp(threads, 1, static_cast<int>(std::max<std::size_t>(shares, 1)));
+  if (benches_.size() < to_index(workers)) benches_.resize(to_index(workers));
+  std::atomic<std::size_t> next = 0;
+  workers_.run(workers, [&](int worker) {
+    for (std::size_t share = next++; share < shares; share = next++) {
+      worked(static_cast<std::int64_t>(100 * kShare) * workers);
+      const std::size_t end = std::min((share + 1) * kShare, targets.size());
+      for (std::size_t i = share * kShare; i < end; ++i) {
+        // What was found at a quarter of the size is near enough for the full one.
+        if (level > 0 && level < kFirstLevel && is_found(targets[i])) continue;
+        align(view, image, level, benches_[to_index(worker)], targets[i], deviations_px_[i]);
+      }
+    }
+  });
+}
+
+void Tracker::align(const view::PredictedView& view, const view::Pyramid& image, int level,
+                    Bench& bench, Target& target, float& deviation_px) const {
   const double scale = 1 << level;
   const bool is_drawn = level >= view.finest();
-  for (std::size_t i = 0; i < targets.size(); ++i) {
-    Target& target = targets[i];
-    // What was found at a quarter of the size is near enough for the full one.
-    if (level > 0 && level < kFirstLevel && is_found(target)) continue;
-    worked(100);
-    target.fate = Fate::hidden;
-    if (!is_inside(target.expected_px + target.by_px, image.level(0))) continue;
-    const view::Patch::Fit fit = take(view, level, target);
-    if (fit != view::Patch::Fit::usable) {
-      target.fate = fit == view::Patch::Fit::flat ? Fate::flat : Fate::hidden;
-      continue;
-    }
-    // A patch that was drawn begins where it was expected, one that was made where it is now.
-    const Eigen::Vector2d begin_px = is_drawn ? target.by_px : Eigen::Vector2d(0.0, 0.0);
-    const Eigen::Vector2f start = (begin_px / scale).cast<float>();
-    const view::Alignment found =
-        patch_.find_in(image.level(level), start.x(), start.y(), kReach_px);
-    target.correlation = found.correlation;
-    if (found.end == view::Alignment::End::left_image) continue;
-    target.fate = found.end == view::Alignment::End::converged ? Fate::found : Fate::unlike;
-    if (target.fate != Fate::found) continue;
-    target.by_px += scale * Eigen::Vector2d(found.dx, found.dy) - begin_px;
-    deviations_px_[i] = patch_.deviation_px(found.correlation);
+  target.fate = Fate::hidden;
+  if (!is_inside(target.expected_px + target.by_px, image.level(0))) return;
+  const view::Patch::Fit fit = take(view, level, target, bench);
+  if (fit != view::Patch::Fit::usable) {
+    target.fate = fit == view::Patch::Fit::flat ? Fate::flat : Fate::hidden;
+    return;
   }
+  // A patch that was drawn begins where it was expected, one that was made where it is now.
+  const Eigen::Vector2d begin_px = is_drawn ? target.by_px : Eigen::Vector2d(0.0, 0.0);
+  const Eigen::Vector2f start = (begin_px / scale).cast<float>();
+  const view::Alignment found =
+      bench.patch.find_in(image.level(level), start.x(), start.y(), kReach_px);
+  target.correlation = found.correlation;
+  if (found.end == view::Alignment::End::left_image) return;
+  target.fate = found.end == view::Alignment::End::converged ? Fate::found : Fate::unlike;
+  if (target.fate != Fate::found) return;
+  target.by_px += scale * Eigen::Vector2d(found.dx, found.dy) - begin_px;
+  deviation_px = bench.patch.deviation_px(found.correlation);
 }
 
 /// Puts those that were not found, or went elsewhere, where the others lead.

@@ -8,6 +8,7 @@
 #include "common/view/patch.hpp"
 #include "common/view/picture.hpp"
 #include "common/view/predicted_view.hpp"
+#include "common/workers/workers.hpp"
 #include "motion.hpp"
 #include "texture_points.hpp"
 
@@ -49,8 +50,9 @@ struct TrackerOptions {
 /// fitted to what was found. It leads those that were not, and turns and scales the patches.
 class Tracker {
  public:
+  /// The same on any number of threads.
   void find(const view::PredictedView& view, const view::Pyramid& image,
-            const TrackerOptions& options, std::vector<Target>& targets);
+            const TrackerOptions& options, int threads, std::vector<Target>& targets);
 
   /// Of the whole sheet in the last call.
   const view::CoarseShift& shift() const { return shift_; }
@@ -59,19 +61,28 @@ class Tracker {
   double change() const;
 
  private:
-  void align(const view::PredictedView& view, const view::Pyramid& image, int level,
+  /// What a thread works in.
+  struct Bench {
+    view::Patch patch;
+    view::Samples samples;
+  };
+
+  void align(const view::PredictedView& view, const view::Pyramid& image, int level, int threads,
              std::vector<Target>& targets);
-  view::Patch::Fit take(const view::PredictedView& view, int level, const Target& target);
+  void align(const view::PredictedView& view, const view::Pyramid& image, int level, Bench& bench,
+             Target& target, float& deviation_px) const;
+  view::Patch::Fit take(const view::PredictedView& view, int level, const Target& target,
+                        Bench& bench) const;
   view::Patch::Fit take(const view::PredictedView& view, int level, const Target& target, int dx,
-                        int dy);
+                        int dy, Bench& bench) const;
   void lead(std::vector<Target>& targets, int level);
   void judge(const TrackerOptions& options, std::vector<Target>& targets);
 
   view::CoarseSearch search_;
   view::CoarseShift shift_;
-  view::Patch patch_;
-  view::Samples samples_;
-  Motion motion_;  ///< by the levels so far
+  Workers workers_;
+  std::vector<Bench> benches_;  ///< of each thread
+  Motion motion_;               ///< by the levels so far
   std::vector<Moved> moved_;
   std::vector<double> scratch_;
   std::vector<float> deviations_px_;  ///< of the targets at the finest level

@@ -64,10 +64,10 @@ Patch::Fit Patch::take(const Picture& image, int x, int y) {
 }
 
 Patch::Fit Patch::take(const Samples& samples, int x, int y) {
-  static_assert(kBordered <= Samples::kSide);
+  static_assert(kBordered <= Samples::kColumns && kBordered <= Samples::kRows);
   x_ = x;
   y_ = y;
-  return take_rows(samples.values.data() + Samples::kSide + 1, Samples::kSide);
+  return take_rows(samples.values.data() + Samples::kColumns + 1, Samples::kColumns);
 }
 
 Patch::Fit Patch::take_rows(const float* first, int stride) {

@@ -30,14 +30,24 @@ Lanes sample_texture(const Picture& picture, Lanes u, Lanes v) {
   const WholeLanes i = __builtin_convertvector(u, WholeLanes);
   const WholeLanes j = __builtin_convertvector(v, WholeLanes);
   const Lanes s = u - __builtin_convertvector(i, Lanes), t = v - __builtin_convertvector(j, Lanes);
-  Lanes a, b, c, d;
-  for (int k = 0; k < kLanes; ++k) {
-    const float* above = picture.row(j[k]) + i[k];
-    a[k] = above[0];
-    b[k] = above[1];
-    c[k] = above[picture.width];
-    d[k] = above[picture.width + 1];
-  }
+  // Neighbours are loaded together: loads are what takes the time here.
+  static_assert(kLanes == 4);
+  typedef float Pair
+      __attribute__((vector_size(2 * sizeof(float)), aligned(alignof(float)), may_alias));
+  const auto pairs_of = [](const float* const* from, int first, std::ptrdiff_t off) {
+    const Pair one = *reinterpret_cast<const Pair*>(from[first] + off);
+    const Pair two = *reinterpret_cast<const Pair*>(from[first + 1] + off);
+    return __builtin_shufflevector(one, two, 0, 1, 2, 3);
+  };
+  const float* above[kLanes];
+  for (int k = 0; k < kLanes; ++k) above[k] = picture.row(j[k]) + i[k];
+  const std::ptrdiff_t below = picture.width;
+  const Lanes upper_01 = pairs_of(above, 0, 0), upper_23 = pairs_of(above, 2, 0);
+  const Lanes lower_01 = pairs_of(above, 0, below), lower_23 = pairs_of(above, 2, below);
+  const Lanes a = __builtin_shufflevector(upper_01, upper_23, 0, 2, 4, 6);
+  const Lanes b = __builtin_shufflevector(upper_01, upper_23, 1, 3, 5, 7);
+  const Lanes c = __builtin_shufflevector(lower_01, lower_23, 0, 2, 4, 6);
+  const Lanes d = __builtin_shufflevector(lower_01, lower_23, 1, 3, 5, 7);
   const Lanes upper = a + s * (b - a), lower = c + s * (d - c);
   return upper + t * (lower - upper);
 }
@@ -263,15 +273,15 @@ void PredictedView::sample(std::int32_t face, int level, const Lattice& lattice,
                      along_row, along_column};
   };
   const OnLattice nearness = on_lattice(map.nearness), u = on_lattice(map.u), v = on_lattice(map.v);
-  for (int j = 0; j < Samples::kSide; ++j) {
-    for (int i = 0; i < Samples::kSide; i += kLanes) {
+  for (int j = 0; j < Samples::kRows; ++j) {
+    for (int i = 0; i < Samples::kColumns; i += kLanes) {
       const auto at = [&](const OnLattice& value) {
         return value.first + (static_cast<float>(i) * value.along_row +
                               static_cast<float>(j) * value.along_column);
       };
       const Lanes depth = 1.0F / at(nearness);
       store_lanes(sample_texture(*map.texture, at(u) * depth, at(v) * depth),
-                  samples.values.data() + j * Samples::kSide + i);
+                  samples.values.data() + j * Samples::kColumns + i);
     }
   }
 }

@@ -28,8 +28,8 @@ struct ViewLevel {
 
 /// Grey levels at a lattice of places, row by row.
 struct Samples {
-  static constexpr int kSide = 16;
-  alignas(64) std::array<float, kSide * kSide> values;
+  static constexpr int kColumns = 16, kRows = 14;
+  alignas(64) std::array<float, kRows * kColumns> values;
 };
 
 /// Where the samples are taken, in px of the image at full size: `origin` and the steps from one

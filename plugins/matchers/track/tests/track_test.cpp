@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "../motion.hpp"
+#include "../tracker.hpp"
 #include "common/view/patch.hpp"
 #include "common/view/tests/printed_scene.hpp"
 
@@ -202,6 +203,41 @@ view::ViewLevel waves(double dx, double dy) {
     }
   }
   return level;
+}
+
+TEST_F(TrackedSheet, IsTheSameToTheBitOnAnyNumberOfThreads) {
+  const DevelopableSheet now =
+      scene_.bent(0.32, {.distance_m = 0.56, .x_m = 0.01, .roll_rad = 0.03});
+  view::PredictedView view(kFinestDrawn);
+  view.load(scene_.templ);
+  const Shape before = scene_.shape_of(before_);
+  ASSERT_TRUE(view.draw(scene_.camera, before.vertices_m.matrix<3>()));
+  view::Pyramid image;
+  image.load(scene_.image_of(now, rng_).pixels);
+  TexturePoints points;
+  ASSERT_TRUE(points.load(scene_.templ, scene_.camera, 300));
+  std::vector<Target> targets;
+  for (int cell = 0; cell < points.cells(); ++cell) {
+    if (points.point(cell).face >= 0) targets.push_back({points.point(cell)});
+  }
+  Tracker tracker;
+  const auto found_by = [&](int threads) {
+    std::vector<Target> found = targets;
+    tracker.find(view, image, {}, threads, found);
+    return found;
+  };
+  const std::vector<Target> alone = found_by(1);
+  EXPECT_GT(std::count_if(alone.begin(), alone.end(),
+                          [](const Target& target) { return target.fate == Fate::found; }),
+            180);
+  for (const int threads : {2, 4, 1, 3}) {
+    const std::vector<Target> found = found_by(threads);
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+      ASSERT_EQ(found[i].fate, alone[i].fate) << i << ", " << threads << " threads";
+      ASSERT_EQ(found[i].by_px, alone[i].by_px) << i << ", " << threads << " threads";
+      ASSERT_EQ(found[i].correlation, alone[i].correlation) << i << ", " << threads << " threads";
+    }
+  }
 }
 
 TEST(TrackedPatch, FindsADisplacementBelowAPixel) {
