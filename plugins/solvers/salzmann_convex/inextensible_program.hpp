@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+#include <weft/core/result.hpp>
+#include <weft/data/camera.hpp>
+#include <weft/geometry/distance_constraints.hpp>
+#include <weft/geometry/types.hpp>
+
+#include "barrier.hpp"
+#include "common/cholesky/couplings.hpp"
+#include "common/seen_points.hpp"
+
+namespace weft::salzmann_convex {
+
+struct ProgramOptions {
+  double depth_weight_px = 2.0 / 3.0;  ///< [] px
+  double tolerance = 1e-6;             ///< [] of the gap to the optimum, in mean distances
+  int max_iterations = 500;            ///< [] Newton steps
+};
+
+struct ProgramResult {
+  Points3 vertices_m;            ///< [V,3] m, camera frame
+  std::vector<double> tensions;  ///< [E] multiplier of each distance: objective gained per length
+  double objective_m = 0.0;      ///< [] m, divided by the weights as below
+  double gap_m = 0.0;            ///< [] m, at most so much below the optimum
+  double depth_weight_px = 0.0;  ///< [] px, lowered where the program had no bounded solution
+  int iterations = 0;            ///< [] Newton steps
+  bool converged = false;
+};
+
+/// Where points p_i = sum_k b_ik X_k of a mesh are seen along the unit rays s_i,
+///   max  d sum_i w_i s_i . p_i - |diag(w) M X|   subject to  |X_a - X_b| <= l_ab  for all edges,
+/// M X = 0 the reprojection_rows() in px m: as far as the image and the lengths at rest allow
+/// (Salzmann and Fua, Reconstructing sharply folding surfaces: a convex formulation, CVPR 2009).
+/// The objective is told divided by d sum_i w_i: a mean distance less what the image pays.
+///
+/// The optimum is found by Newton's method along the central path of Barrier, from X = 0. It is
+/// finite exactly where c_T' Q^-1 c_T < 1 with the pull c_T = d sum_i w_i s_i on a translation and
+/// Q = sum_i w_i^2 R_i' R_i, summed over the connected parts of the mesh; d is lowered until the
+/// root of that is at most a half.
+class InextensibleProgram {
+ public:
+  /// Fails where the mesh is too large.
+  Result<void> set_mesh(const Points3View& rest_m, std::vector<DistanceConstraint> edges);
+
+  /// no_result where rays coincide, so that no distance is bounded. `weights` [n] are above 0.
+  Result<ProgramResult> solve(std::span<const solvers::SeenPoint> points,
+                              std::span<const double> weights, const Camera& camera,
+                              const ProgramOptions& options);
+
+  const std::vector<DistanceConstraint>& edges() const { return edges_m_; }
+
+ private:
+  void load(std::span<const solvers::SeenPoint> points, std::span<const double> weights,
+            const Camera& camera, double depth_weight_px);
+  double translation_pull(std::span<const solvers::SeenPoint> points,
+                          std::span<const double> weights, const Camera& camera) const;
+  bool centre(Barrier& barrier, double tau, double tolerance, int max_iterations,
+              ProgramResult& result);
+
+  Points3 rest_m_;
+  std::vector<DistanceConstraint> edges_m_;
+  double unit_m_ = 1.0;             ///< the median edge: lengths of program_ are in it
+  std::vector<std::int32_t> part_;  ///< [V] connected part
+  std::int32_t part_count_ = 0;
+  solvers::Couplings couplings_;
+  solvers::BlockCholesky factor_;
+  Program program_;
+  Points3 step_, tried_;
+};
+
+}  // namespace weft::salzmann_convex

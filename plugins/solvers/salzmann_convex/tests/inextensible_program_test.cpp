@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "../inextensible_program.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <numeric>
+#include <vector>
+#include <weft/geometry/mesh_topology.hpp>
+#include <weft/testing/synthetic.hpp>
+
+namespace weft::salzmann_convex {
+namespace {
+
+using solvers::SeenPoint;
+
+struct Scene {
+  Template templ;
+  Camera camera = testing::make_camera();
+  Points3 truth_m;
+  std::vector<SeenPoint> points;
+  std::vector<double> weights;
+  InextensibleProgram program;
+
+  Scene(double radius_m, double noise_px, std::uint64_t seed, testing::SheetSpec sheet = {})
+      : templ(testing::make_template(sheet)) {
+    testing::PoseSpec pose;
+    pose.distance_m = 0.6;
+    pose.tilt_y_rad = 0.3;
+    truth_m = testing::bent_vertices(templ, testing::make_cylinder(sheet, radius_m, 0.3, pose));
+    Rng rng(seed);
+    testing::MatchSpec spec;
+    spec.noise_px = noise_px;
+    const auto drawn = testing::draw_matches(templ, camera, truth_m, spec, rng);
+    points = *solvers::seen_points(drawn.matches, templ, 10);
+    weights.assign(points.size(), 1.0);
+    set_mesh();
+  }
+
+  void set_mesh() {
+    const auto rest_m = templ.vertices_m.matrix<3>();
+    const auto topology = build_topology(templ.faces.matrix<3>(), rest_m.rows());
+    EXPECT_TRUE(program.set_mesh(rest_m, *distance_constraints(topology->edges, rest_m)));
+  }
+
+  ProgramResult solve(const ProgramOptions& options = {}) {
+    return *program.solve(points, weights, camera, options);
+  }
+};
+
+/// c [V,3] and the rows of the program, divided by d sum_i w_i, as its header says.
+struct Terms {
+  Points3 pull;                                   ///< [V,3]
+  std::vector<Eigen::Matrix<double, 2, 3>> rows;  ///< [n] 1
+  Terms(const Scene& scene, double depth_weight_px) {
+    const double all = std::accumulate(scene.weights.begin(), scene.weights.end(), 0.0);
+    pull.setZero(scene.truth_m.rows(), 3);
+    for (std::size_t i = 0; i < scene.points.size(); ++i) {
+      const SeenPoint& point = scene.points[i];
+      const double share = scene.weights[i] / all;
+      const Eigen::Vector3d ray = unit_ray(testing::pinhole(scene.camera), point.seen_px);
+      for (int k = 0; k < 3; ++k) {
+        pull.row(point.corners[to_index(k)]) += share * point.weights[k] * ray.transpose();
+      }
+      rows.emplace_back(share / depth_weight_px *
+                        solvers::reprojection_rows(scene.camera, point.seen_px));
+    }
+  }
+
+  double residual(const Scene& scene, const Points3& x) const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      sum += (rows[i] * scene.points[i].on(x)).squaredNorm();
+    }
+    return std::sqrt(sum);
+  }
+  double objective(const Scene& scene, const Points3& x) const {
+    return pull.cwiseProduct(x).sum() - residual(scene, x);
+  }
+};
+
+// The Lagrangian c.X - |M X| + sum_e lambda_e (l_e - |X_a - X_b|) is concave, so where its slope is
+// 0 no X has more than sum_e lambda_e l_e, and no feasible one has a larger objective.
+TEST(InextensibleProgram, ReachesTheOptimumByItsOptimalityConditions) {
+  std::cout << "seeds 11, 12, 13\n";
+  for (const std::uint64_t seed : {11U, 12U, 13U}) {
+    Scene scene(seed == 12 ? 0.15 : 0.25, 1.0, seed);
+    for (std::size_t i = 0; i < scene.weights.size(); ++i)
+      scene.weights[i] = i % 3 == 0 ? 0.4 : 1.0;
+    const ProgramResult result = scene.solve();
+    ASSERT_TRUE(result.converged);
+    const Terms terms(scene, result.depth_weight_px);
+    const Points3& x = result.vertices_m;
+    Points3 slope = terms.pull;
+    const double residual = terms.residual(scene, x);
+    for (std::size_t i = 0; i < scene.points.size(); ++i) {
+      const SeenPoint& point = scene.points[i];
+      const Eigen::Vector2d y = terms.rows[i] * point.on(x) / residual;
+      for (int k = 0; k < 3; ++k) {
+        slope.row(point.corners[to_index(k)]) -= point.weights[k] * y.transpose() * terms.rows[i];
+      }
+    }
+    double bound_m = 0.0, most_m = -1.0;
+    for (std::size_t e = 0; e < scene.program.edges().size(); ++e) {
+      const DistanceConstraint& edge = scene.program.edges()[e];
+      const Eigen::RowVector3d along = x.row(edge.i) - x.row(edge.j);
+      EXPECT_GE(result.tensions[e], 0.0);
+      slope.row(edge.i) -= result.tensions[e] * along / along.norm();
+      slope.row(edge.j) += result.tensions[e] * along / along.norm();
+      bound_m += result.tensions[e] * edge.rest_length_m;
+      most_m = std::max(most_m, along.norm() - edge.rest_length_m);
+    }
+    EXPECT_LT(most_m, 0.0);                        // feasible
+    EXPECT_LT(slope.cwiseAbs().maxCoeff(), 1e-6);  // stationary
+    EXPECT_NEAR(terms.objective(scene, x), result.objective_m, 1e-9);
+    EXPECT_LT(bound_m - result.objective_m, 2.0 * result.gap_m);
+    EXPECT_LT(result.gap_m, 2e-6);
+    std::cout << result.iterations << " iterations, slope " << slope.cwiseAbs().maxCoeff()
+              << ", objective " << result.objective_m << " m of at most " << bound_m << " m\n";
+  }
+}
+
+TEST(InextensibleProgram, TheTruthIsFeasibleAndNeverBetter) {
+  for (const std::uint64_t seed : {21U, 22U, 23U, 24U}) {
+    Scene scene(0.2, seed % 2 == 0 ? 0.0 : 1.0, seed);
+    const ProgramResult result = scene.solve();
+    const Terms terms(scene, result.depth_weight_px);
+    EXPECT_GE(result.objective_m, terms.objective(scene, scene.truth_m) - result.gap_m) << seed;
+  }
+}
+
+TEST(InextensibleProgram, ATriangleIsWhereItsSidesAreAsLongAsAtRest) {
+  Scene scene(1e9, 0.0, 1, {.columns = 2, .rows = 2});
+  const double side_m = 0.1, spread_rad = 0.2;
+  Points3 rest_m(3, 3);
+  std::vector<DistanceConstraint> edges{{0, 1, side_m}, {0, 2, side_m}, {1, 2, side_m}};
+  scene.points.clear();
+  for (int k = 0; k < 3; ++k) {
+    const double turn = 2.0 * M_PI * k / 3.0;
+    rest_m.row(k) << std::cos(turn), std::sin(turn), 0.0;
+    SeenPoint point;
+    point.corners = {0, 1, 2};
+    point.weights = Eigen::Vector3d::Unit(k);
+    point.seen_px =
+        Eigen::Vector2d(scene.camera.cx, scene.camera.cy) +
+        scene.camera.fx * std::tan(spread_rad) * Eigen::Vector2d(std::cos(turn), std::sin(turn));
+    scene.points.push_back(point);
+  }
+  rest_m *= side_m / std::sqrt(3.0);
+  scene.weights.assign(3, 1.0);
+  ASSERT_TRUE(scene.program.set_mesh(rest_m, edges));
+  ProgramOptions options;
+  options.tolerance = 1e-8;
+  const ProgramResult result = scene.solve(options);
+  ASSERT_TRUE(result.converged);
+  const double distance_m = side_m / (std::sqrt(3.0) * std::sin(spread_rad));
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(result.vertices_m.row(k).norm(), distance_m, 1e-6);
+}
+
+TEST(InextensibleProgram, LowersTheWeightOfDistancesWhereTheyHaveNoBound) {
+  Scene scene(0.25, 0.5, 5);
+  ProgramOptions options;
+  options.depth_weight_px = 1e3;
+  const ProgramResult result = scene.solve(options);
+  EXPECT_TRUE(result.converged);
+  EXPECT_LT(result.depth_weight_px, 100.0);
+  for (SeenPoint& point : scene.points) point.seen_px = {300.0, 200.0};
+  EXPECT_EQ(scene.program.solve(scene.points, scene.weights, scene.camera, {}).error().code,
+            Errc::no_result);
+}
+
+TEST(InextensibleProgram, SaysWhereItIsNotThereYet) {
+  Scene scene(0.25, 0.5, 6);
+  ProgramOptions options;
+  options.max_iterations = 12;
+  const ProgramResult result = scene.solve(options);
+  EXPECT_FALSE(result.converged);
+  EXPECT_EQ(result.iterations, 12);
+  EXPECT_TRUE(result.vertices_m.allFinite());
+}
+
+}  // namespace
+}  // namespace weft::salzmann_convex
