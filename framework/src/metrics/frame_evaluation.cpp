@@ -239,6 +239,10 @@ Result<FrameMetrics> evaluate_frame(const RunReader& reader, const ShapeMeter& m
   if (frame.has_truth) {
     auto done = measure_error(meter, records, options.alignment, frame);
     if (done && frame.outcome == FrameOutcome::solved) {
+      if (frame.points > 0) {
+        frame.surface = surface_metrics(records.shape->vertices_m.matrix<3>(),
+                                        reader.sheet().faces.matrix<3>(), *records.ground_truth);
+      }
       done = measure_certainty(reader, meter, records, frame);
     }
     if (!done) return done.error();

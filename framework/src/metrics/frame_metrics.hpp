@@ -10,6 +10,7 @@
 
 #include "metrics/certainty_metrics.hpp"
 #include "metrics/match_metrics.hpp"
+#include "metrics/surface_metrics.hpp"
 #include "metrics/visibility_metrics.hpp"
 #include "metrics/warp_metrics.hpp"
 #include "statistics/unknown.hpp"
@@ -101,6 +102,7 @@ struct FrameMetrics {
   double strain_p95 = kUnknown;   ///< [] 95th percentile of it
   ImageMetrics image;
   std::optional<DepthMetrics> depth;           ///< where the truth has a depth image
+  std::optional<SurfaceMetrics> surface;       ///< of a solved frame with true points
   std::optional<VisibilityCounts> visibility;  ///< where the truth says what is seen
   std::optional<FrameCertainty> certainty;     ///< of a solved frame with an error
   MotionMetrics motion;
@@ -159,6 +161,7 @@ struct FrameMetrics {
     visit({"overlay_vertices", "with a known true image"}, self.image.overlay_vertices);
     visit({"truth_map_px", "how well the truth predicts itself", kLower}, self.image.truth_map_px);
     visit.optional(self.depth);
+    visit.optional(self.surface);
     visit.derived({"visibility", "where the truth says what the camera sees"},
                   visibility_of(self.visibility));
     visit.optional(self.certainty);

@@ -135,6 +135,14 @@ void summarise_depth(RunMetrics& metrics) {
   depth.worst_mm = largest(medians_mm);
 }
 
+void add_surfaces(RunMetrics& metrics) {
+  std::vector<SurfaceMetrics> frames;
+  for (const FrameMetrics& frame : metrics.frames) {
+    if (frame.surface && frame.apart.empty()) frames.push_back(*frame.surface);
+  }
+  metrics.surface = summarise_surfaces(frames);
+}
+
 void add_visibility(RunMetrics& metrics) {
   std::vector<VisibilityCounts> counts;
   for (const FrameMetrics& frame : metrics.frames) {
@@ -253,6 +261,7 @@ RunMetrics RunEvaluator::finish(bool has_solver) {
   metrics.jitter = summarise_jitter(metrics.frames);
   summarise_image(state_->options.match_tolerance_px, metrics);
   summarise_depth(metrics);
+  add_surfaces(metrics);
   add_visibility(metrics);
   add_certainty(metrics);
   summarise_stages(metrics);

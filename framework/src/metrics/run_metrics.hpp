@@ -26,6 +26,7 @@ struct RunMetrics {
   TruthMetrics all;                    ///< every frame with truth that is not apart
   ImageSummary image;                  ///< frames apart are left out
   DepthSummary depth;                  ///< frames apart are left out
+  SurfaceSummary surface;              ///< frames apart are left out
   VisibilityMetrics visibility;        ///< frames apart are left out
   CertaintyMetrics certainty;          ///< frames apart are left out
   std::vector<FilterMetrics> filters;  ///< by stage; frames apart are left out
@@ -54,6 +55,7 @@ struct RunMetrics {
     visit({"all", "every frame with truth that is not apart"}, self.all);
     visit({"image", "errors in the image, of solved frames"}, self.image);
     visit({"depth", "against depth images"}, self.depth);
+    visit({"surface", "mesh and truth as surfaces"}, self.surface);
     visit({"visibility", "what the camera sees"}, self.visibility);
     visit({"certainty", "how sure the shapes are"}, self.certainty);
     visit({"filters", "by the name of the stage"}, self.filters);

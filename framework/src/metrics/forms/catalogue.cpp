@@ -128,8 +128,9 @@ const MetricField* field_of(const std::string& path) {
 }
 
 std::string unit_of(const std::string& path) {
-  for (const auto& [ending, unit] : {std::pair{"_mm", "mm"}, std::pair{"_px", "px"},
-                                     std::pair{"_percent", "%"}, std::pair{"_ms", "ms"}}) {
+  for (const auto& [ending, unit] :
+       {std::pair{"_mm", "mm"}, std::pair{"_mm2", "mm^2"}, std::pair{"_px", "px"},
+        std::pair{"_percent", "%"}, std::pair{"_ms", "ms"}}) {
     if (path.ends_with(ending)) return unit;
   }
   return "";

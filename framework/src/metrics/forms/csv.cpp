@@ -39,6 +39,11 @@ class CsvWriter {
     }
   }
 
+  template <class Member>
+  void derived(const MetricField& field, const Member& member) {
+    (*this)(field, member);
+  }
+
   template <class Metrics>
   void derived(const MetricField& field, const std::optional<Metrics>& metrics) {
     CsvWriter inner(columns_, there_ && metrics, prefix_ + field.name + "_");

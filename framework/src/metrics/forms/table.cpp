@@ -180,6 +180,17 @@ std::string depth_text(const DepthSummary& depth) {
       depth.frames, depth.matches, depth.without_depth, depth.frames_without_median);
 }
 
+std::string surface_text(const SurfaceSummary& surface) {
+  if (surface.frames_both_ways == 0) return "";
+  return fmt::format(
+      "mesh and truth as surfaces, not aligned\n"
+      "  Chamfer distance: {} mm from the truth, {} mm to it; squared, both ways: {} mm^2 mean, {} "
+      "mm^2 worst of {} frames\n",
+      decimal(surface.from_truth_mm, 2), decimal(surface.to_truth_mm, 2),
+      decimal(surface.chamfer_squared_mm2, 3), decimal(surface.worst_chamfer_squared_mm2, 3),
+      surface.frames_both_ways);
+}
+
 }  // namespace
 
 std::string to_table(const RunMetrics& metrics) {
@@ -192,8 +203,8 @@ std::string to_table(const RunMetrics& metrics) {
     return text + "no ground truth in this run: give the source `truth` to measure errors\n";
   }
   return text + to_error_table(metrics) + image_text(metrics.image) + depth_text(metrics.depth) +
-         visibility_text(metrics.visibility) + certainty_text(metrics.certainty) +
-         warps_text(metrics) + filters_text(metrics);
+         surface_text(metrics.surface) + visibility_text(metrics.visibility) +
+         certainty_text(metrics.certainty) + warps_text(metrics) + filters_text(metrics);
 }
 
 std::string to_error_table(const RunMetrics& metrics) {

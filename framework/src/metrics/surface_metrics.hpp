@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+#include <weft/data/ground_truth.hpp>
+#include <weft/geometry/types.hpp>
+
+#include "metrics/field.hpp"
+#include "statistics/unknown.hpp"
+
+namespace weft::evaluation {
+
+/// How far two surfaces are apart whatever lies where on them, of a solved frame: from each point
+/// of the truth to the nearest place of the mesh, and from places spread evenly over the mesh to
+/// the nearest of the truth, its surface where it has one, else its points. Never aligned.
+struct SurfaceMetrics {
+  double from_truth_mm = kUnknown;           ///< [] mm, mean over the true points
+  double to_truth_mm = kUnknown;             ///< [] mm, mean over the mesh's area
+  double from_truth_squared_mm2 = kUnknown;  ///< [] mm^2, mean over the true points
+  double to_truth_squared_mm2 = kUnknown;    ///< [] mm^2, mean over the mesh's area
+
+  double chamfer_mm() const { return 0.5 * (from_truth_mm + to_truth_mm); }
+  double chamfer_squared_mm2() const { return from_truth_squared_mm2 + to_truth_squared_mm2; }
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit({"surface_from_truth_mm", "mean distance of true points to the mesh", kLower},
+          self.from_truth_mm);
+    visit({"surface_to_truth_mm", "mean distance of the mesh to the truth", kLower},
+          self.to_truth_mm);
+    visit.derived({"chamfer_mm", "mean of these two", kLower}, self.chamfer_mm());
+    visit({"surface_from_truth_squared_mm2", "mean squared distance of true points to the mesh",
+           kLower},
+          self.from_truth_squared_mm2);
+    visit(
+        {"surface_to_truth_squared_mm2", "mean squared distance of the mesh to the truth", kLower},
+        self.to_truth_squared_mm2);
+    visit.derived({"chamfer_squared_mm2", "sum of these two", kLower}, self.chamfer_squared_mm2());
+  }
+};
+
+/// Means of SurfaceMetrics over the frames that have them.
+struct SurfaceSummary {
+  std::int64_t frames = 0;            ///< [] solved, with true points
+  std::int64_t frames_both_ways = 0;  ///< [] of them, with a truth that is dense enough
+  double from_truth_mm = kUnknown, to_truth_mm = kUnknown;                    ///< [] mm
+  double from_truth_squared_mm2 = kUnknown, to_truth_squared_mm2 = kUnknown;  ///< [] mm^2
+  double chamfer_mm = kUnknown;                 ///< [] mm, of frames both ways
+  double chamfer_squared_mm2 = kUnknown;        ///< [] mm^2, of frames both ways
+  double worst_chamfer_squared_mm2 = kUnknown;  ///< [] mm^2, largest of a frame
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit({"frames", "solved, with true points"}, self.frames);
+    visit({"frames_both_ways", "of them, with a truth that is dense enough"},
+          self.frames_both_ways);
+    visit({"surface_from_truth_mm", "mean distance of true points to the mesh", kLower},
+          self.from_truth_mm);
+    visit({"surface_to_truth_mm", "mean distance of the mesh to the truth", kLower},
+          self.to_truth_mm);
+    visit({"chamfer_mm", "mean over frames of the mean of these two", kLower}, self.chamfer_mm);
+    visit({"surface_from_truth_squared_mm2", "mean squared distance of true points to the mesh",
+           kLower},
+          self.from_truth_squared_mm2);
+    visit(
+        {"surface_to_truth_squared_mm2", "mean squared distance of the mesh to the truth", kLower},
+        self.to_truth_squared_mm2);
+    visit({"chamfer_squared_mm2", "mean over frames of the sum of these two", kLower},
+          self.chamfer_squared_mm2);
+    visit({"chamfer_squared_worst_mm2", "largest sum of a frame", kLower},
+          self.worst_chamfer_squared_mm2);
+  }
+};
+
+/// Of vertices [V,3] m, camera frame, all finite, and a truth with points. The truth is dense
+/// enough for the way from the mesh where it has faces, or where its points stand closer than 1 %
+/// of the mesh's diagonal.
+SurfaceMetrics surface_metrics(const Points3View& vertices_m, const FacesView& faces,
+                               const GroundTruth& truth);
+
+SurfaceSummary summarise_surfaces(std::span<const SurfaceMetrics> frames);
+
+}  // namespace weft::evaluation
