@@ -14,6 +14,8 @@ namespace {
 
 /// Least width of the matches over their length, both as standard deviations at rest.
 constexpr double kNarrowest = 1e-4;
+/// Standard deviation, in focal lengths, of what is seen in one place.
+constexpr double kSamePlace = 1e-6;
 
 Error mistake(std::int64_t match, const std::string& problem) {
   return {Errc::invalid_data, "match " + std::to_string(match) + " " + problem};
@@ -87,6 +89,16 @@ std::vector<double> reprojection_errors_px(std::span<const SeenPoint> points, co
   return errors_px;
 }
 
+std::vector<SeenPoint> points_within(std::span<const SeenPoint> points, const Camera& camera,
+                                     const Points3View& vertices_m, double radius_px) {
+  const std::vector<double> errors_px = reprojection_errors_px(points, camera, vertices_m);
+  std::vector<SeenPoint> near;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (errors_px[i] <= radius_px) near.push_back(points[i]);
+  }
+  return near;
+}
+
 double frontal_distance_m(std::span<const SeenPoint> points, const Camera& camera,
                           const Points3View& rest_m) {
   Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
@@ -102,7 +114,8 @@ double frontal_distance_m(std::span<const SeenPoint> points, const Camera& camer
     size2_m2 += (point.on(rest_m) - middle_m).squaredNorm();
     seen2 += (point.seen_px.cwiseQuotient(focal_px) - middle).squaredNorm();
   }
-  return std::sqrt(size2_m2 / seen2);
+  const bool coincide = !(seen2 > kSamePlace * kSamePlace * count);
+  return coincide ? std::numeric_limits<double>::infinity() : std::sqrt(size2_m2 / seen2);
 }
 
 std::vector<std::uint8_t> vertices_seen(std::span<const SeenPoint> points,

@@ -46,8 +46,12 @@ Eigen::Matrix<double, 2, 3> reprojection_rows(const Camera& camera, const Eigen:
 std::vector<double> reprojection_errors_px(std::span<const SeenPoint> points, const Camera& camera,
                                            const Points3View& vertices_m);
 
+/// Those that are at most so far off in the image.
+std::vector<SeenPoint> points_within(std::span<const SeenPoint> points, const Camera& camera,
+                                     const Points3View& vertices_m, double radius_px);
+
 /// m, how far away a flat sheet would be that is seen as large as the points are, from the front.
-/// Not finite where they coincide in the image.
+/// Not finite where they coincide in the image, to 1e-6 focal lengths.
 double frontal_distance_m(std::span<const SeenPoint> points, const Camera& camera,
                           const Points3View& rest_m);
 

@@ -60,6 +60,19 @@ TEST(SeenPoints, AFrontalSheetIsAtItsFrontalDistance) {
   ASSERT_TRUE(points);
   const auto rest_m = scene.templ.vertices_m.matrix<3>();
   EXPECT_NEAR(frontal_distance_m(*points, scene.camera, rest_m), 0.65, 1e-6);
+  std::vector<SeenPoint> heap = *points;
+  for (SeenPoint& point : heap) point.seen_px = {300.1, 200.3};
+  EXPECT_TRUE(std::isinf(frontal_distance_m(heap, scene.camera, rest_m)));
+}
+
+TEST(SeenPoints, ThoseWithinARadiusAreTheOnesThatFit) {
+  Scene scene;
+  scene.matches.image_px(4, 0) += 15.0;
+  scene.matches.image_px(9, 1) -= 30.0;
+  const auto points = seen_points(scene.matches, scene.templ, 10);
+  ASSERT_TRUE(points);
+  EXPECT_EQ(points_within(*points, scene.camera, scene.truth_m, 20.0).size(), 79U);
+  EXPECT_EQ(points_within(*points, scene.camera, scene.truth_m, 10.0).size(), 78U);
 }
 
 TEST(SeenPoints, LeavesOutRejectedMatchesAndThoseBeyondTheMesh) {
