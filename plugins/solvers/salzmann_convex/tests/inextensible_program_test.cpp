@@ -16,7 +16,7 @@ namespace {
 
 using solvers::SeenPoint;
 
-struct Scene {
+struct ProgramScene {
   Template templ;
   Camera camera = testing::make_camera();
   Points3 truth_m;
@@ -24,7 +24,7 @@ struct Scene {
   std::vector<double> weights;
   InextensibleProgram program;
 
-  Scene(double radius_m, double noise_px, std::uint64_t seed, testing::SheetSpec sheet = {})
+  ProgramScene(double radius_m, double noise_px, std::uint64_t seed, testing::SheetSpec sheet = {})
       : templ(testing::make_template(sheet)) {
     testing::PoseSpec pose;
     pose.distance_m = 0.6;
@@ -54,7 +54,7 @@ struct Scene {
 struct Terms {
   Points3 pull;                                   ///< [V,3]
   std::vector<Eigen::Matrix<double, 2, 3>> rows;  ///< [n] 1
-  Terms(const Scene& scene, double depth_weight_px) {
+  Terms(const ProgramScene& scene, double depth_weight_px) {
     const double all = std::accumulate(scene.weights.begin(), scene.weights.end(), 0.0);
     pull.setZero(scene.truth_m.rows(), 3);
     for (std::size_t i = 0; i < scene.points.size(); ++i) {
@@ -69,14 +69,14 @@ struct Terms {
     }
   }
 
-  double residual(const Scene& scene, const Points3& x) const {
+  double residual(const ProgramScene& scene, const Points3& x) const {
     double sum = 0.0;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       sum += (rows[i] * scene.points[i].on(x)).squaredNorm();
     }
     return std::sqrt(sum);
   }
-  double objective(const Scene& scene, const Points3& x) const {
+  double objective(const ProgramScene& scene, const Points3& x) const {
     return pull.cwiseProduct(x).sum() - residual(scene, x);
   }
 };
@@ -86,7 +86,7 @@ struct Terms {
 TEST(InextensibleProgram, ReachesTheOptimumByItsOptimalityConditions) {
   std::cout << "seeds 11, 12, 13\n";
   for (const std::uint64_t seed : {11U, 12U, 13U}) {
-    Scene scene(seed == 12 ? 0.15 : 0.25, 1.0, seed);
+    ProgramScene scene(seed == 12 ? 0.15 : 0.25, 1.0, seed);
     for (std::size_t i = 0; i < scene.weights.size(); ++i)
       scene.weights[i] = i % 3 == 0 ? 0.4 : 1.0;
     const ProgramResult result = scene.solve();
@@ -124,7 +124,7 @@ TEST(InextensibleProgram, ReachesTheOptimumByItsOptimalityConditions) {
 
 TEST(InextensibleProgram, TheTruthIsFeasibleAndNeverBetter) {
   for (const std::uint64_t seed : {21U, 22U, 23U, 24U}) {
-    Scene scene(0.2, seed % 2 == 0 ? 0.0 : 1.0, seed);
+    ProgramScene scene(0.2, seed % 2 == 0 ? 0.0 : 1.0, seed);
     const ProgramResult result = scene.solve();
     const Terms terms(scene, result.depth_weight_px);
     EXPECT_GE(result.objective_m, terms.objective(scene, scene.truth_m) - result.gap_m) << seed;
@@ -132,7 +132,7 @@ TEST(InextensibleProgram, TheTruthIsFeasibleAndNeverBetter) {
 }
 
 TEST(InextensibleProgram, ATriangleIsWhereItsSidesAreAsLongAsAtRest) {
-  Scene scene(1e9, 0.0, 1, {.columns = 2, .rows = 2});
+  ProgramScene scene(1e9, 0.0, 1, {.columns = 2, .rows = 2});
   const double side_m = 0.1, spread_rad = 0.2;
   Points3 rest_m(3, 3);
   std::vector<DistanceConstraint> edges{{0, 1, side_m}, {0, 2, side_m}, {1, 2, side_m}};
@@ -160,7 +160,7 @@ TEST(InextensibleProgram, ATriangleIsWhereItsSidesAreAsLongAsAtRest) {
 }
 
 TEST(InextensibleProgram, LowersTheWeightOfDistancesWhereTheyHaveNoBound) {
-  Scene scene(0.25, 0.5, 5);
+  ProgramScene scene(0.25, 0.5, 5);
   ProgramOptions options;
   options.depth_weight_px = 1e3;
   const ProgramResult result = scene.solve(options);
@@ -172,7 +172,7 @@ TEST(InextensibleProgram, LowersTheWeightOfDistancesWhereTheyHaveNoBound) {
 }
 
 TEST(InextensibleProgram, SaysWhereItIsNotThereYet) {
-  Scene scene(0.25, 0.5, 6);
+  ProgramScene scene(0.25, 0.5, 6);
   ProgramOptions options;
   options.max_iterations = 12;
   const ProgramResult result = scene.solve(options);

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/laplacian/laplacian_front.hpp"
+
+#include <utility>
+
+namespace weft::solvers {
+
+void LaplacianFront::declare(Params& p) {
+  p.read("controls", controls_, "", {4, 200},
+         "vertices, far apart on the mesh, that move the others");
+  p.read("reject_outliers", search_.rejects,
+         "look for the matches that agree, which needs no filter before; else all that are kept "
+         "count");
+  p.read("radius_px", search_.radius_px, "px", {0.5, 1000.0},
+         "matches further than that from the sheet of the last test are outliers");
+  p.read("tests", search_.tests, "", {1, 10},
+         "of the matches, each with half the radius and half the stiffness of the one before");
+  p.read("stiffness", search_.stiffness, "", {1e-3, 1e3},
+         "weight of the regularisation in the linear shape after the last test");
+  p.read("min_matches", search_.fewest, "", {4, 1000000},
+         "with fewer inliers there is no result for the frame");
+}
+
+Result<void> LaplacianFront::read(const SolverInput& in) {
+  if (!in.correspondences) return Error{Errc::invalid_data, "needs 'correspondences'"};
+  if (in.templ.revision == 0 || in.templ.revision != revision_) {
+    revision_ = 0;  // until all is made
+    auto mesh = make_control_mesh(in.templ, controls_);
+    if (!mesh) return mesh.error();
+    mesh_ = *std::move(mesh);
+    revision_ = in.templ.revision;
+  }
+  auto matches = read_matches(*in.correspondences,
+                              {in.camera.fx, in.camera.fy, in.camera.cx, in.camera.cy}, mesh_);
+  if (!matches) return matches.error();
+  matches_ = *std::move(matches);
+  auto inliers = find_inliers(mesh_, matches_, search_);
+  if (!inliers) return inliers.error();
+  inliers_ = *std::move(inliers);
+  return {};
+}
+
+}  // namespace weft::solvers

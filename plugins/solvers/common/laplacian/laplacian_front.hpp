@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <weft/core/params.hpp>
+#include <weft/core/result.hpp>
+#include <weft/sdk/nested.hpp>
+
+#include "common/laplacian/control_mesh.hpp"
+#include "common/laplacian/inlier_search.hpp"
+#include "common/laplacian/seen_matches.hpp"
+
+namespace weft::solvers {
+
+/// What solvers on Laplacian meshes begin with: the control mesh of the template, which is kept as
+/// long as its revision stays, the matches of a frame, and those of them that are inliers.
+class LaplacianFront {
+ public:
+  void declare(Params& p);
+
+  /// Needs 'correspondences'. Fails as make_control_mesh, read_matches and find_inliers do.
+  Result<void> read(const SolverInput& in);
+
+  const ControlMesh& mesh() const { return mesh_; }
+  const SeenMatches& matches() const { return matches_; }
+  const Inliers& inliers() const { return inliers_; }
+
+ private:
+  int controls_ = 40;
+  InlierSearchOptions search_;
+  std::uint64_t revision_ = 0;  ///< of the template that the mesh is of
+  ControlMesh mesh_;
+  SeenMatches matches_;
+  Inliers inliers_;
+};
+
+}  // namespace weft::solvers

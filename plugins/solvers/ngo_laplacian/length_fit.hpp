@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "common/laplacian/control_mesh.hpp"
+#include "common/laplacian/inlier_search.hpp"
+
+namespace weft::ngo_laplacian {
+
+/// What the edges may do.
+enum class Lengths { at_most, equal };
+
+struct LengthFitOptions {
+  Lengths lengths = Lengths::at_most;
+  double stiffness = 0.2;       ///< []
+  double tension_m = 5.1e-3;    ///< [] m, at_most: how hard each edge pulls for its length
+  double length_weight = 10.0;  ///< [] equal: an edge counts as much as so many matches
+  double previous = 0.0;        ///< [] weight of the way from the previous controls
+  int max_iterations = 20;      ///< []
+  double tolerance_m = 1e-5;    ///< [] m, rms step of the controls at which to stop
+};
+
+struct LengthFit {
+  Eigen::MatrixX3d controls_m;  ///< [N,3] m, camera frame
+  double energy_m2 = 0.0;       ///< [] m^2, not finite where the iteration ran away
+  int iterations = 0;           ///< []
+};
+
+/// The shape near a start that minimises
+///   E(c) = 1/2 |M P c|^2 + 1/2 stiffness^2 |A P c|^2 + 1/2 previous^2 |c - c_previous|^2
+/// with edges |d_e| <= l_e, by steps of Newton on c, multipliers and slacks s_e, |d_e| + s_e^2 =
+/// l_e, to which tension / 2 sum s_e^2 is added: without it nothing would keep the sheet from
+/// shrinking into the camera. Or, `equal`, by steps of Gauss and Newton on E + length_weight / 2
+/// sum (|d_e| - l_e)^2, for there are more edges than unknowns.
+class LengthFitter {
+ public:
+  /// `previous_m` [N,3] m.
+  LengthFitter(const solvers::ControlMesh& mesh, const solvers::Inliers& inliers,
+               const LengthFitOptions& options, const std::optional<Eigen::MatrixX3d>& previous_m);
+
+  LengthFit fit(const Eigen::MatrixX3d& start_m) const;
+
+ private:
+  /// Excess over the length at rest [E] m, and its derivatives by the controls.
+  struct EdgeExcess {
+    Eigen::VectorXd value_m;  ///< [E]
+    Eigen::MatrixXd slopes;   ///< [E,3N]
+  };
+
+  EdgeExcess edge_excess(const Eigen::VectorXd& c) const;
+  Eigen::VectorXd gradient(const Eigen::VectorXd& c) const;
+  double energy_m2(const Eigen::VectorXd& c) const;
+  Eigen::VectorXd slack_step(const Eigen::VectorXd& c, Eigen::VectorXd& slacks) const;
+  Eigen::VectorXd equal_step(const Eigen::VectorXd& c) const;
+
+  const solvers::ControlMesh& mesh_;
+  LengthFitOptions options_;
+  Eigen::MatrixXd quadratic_;   ///< [3N,3N] of E
+  Eigen::VectorXd towards_m2_;  ///< [3N] previous^2 c_previous
+  Eigen::VectorXd previous_m_;  ///< [3N] empty without
+};
+
+}  // namespace weft::ngo_laplacian
