@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -53,8 +54,8 @@ class SalzmannClosedForm final : public Solver {
     auto points = solvers::seen_points(*in.correspondences, in.templ, kFewestMatches);
     if (!points) return points.error();
     auto solved = solve_for(in, *points);
-    double radius_px = outlier_px_;
-    for (int round = 1; round < rounds_ && solved; ++round, radius_px *= 0.5) {
+    for (int round = 1; round < rounds_ && solved; ++round) {
+      const double radius_px = std::ldexp(outlier_px_, 1 - round);  // halved each time
       std::vector<SeenPoint> near =
           solvers::points_within(*points, in.camera, solved->vertices_m, radius_px);
       if (near.size() == points->size() || near.size() < kFewestMatches) break;

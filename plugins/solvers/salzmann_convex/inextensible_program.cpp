@@ -133,9 +133,10 @@ bool InextensibleProgram::centre(Barrier& barrier, double tau, double tolerance,
     }
     const double here = barrier.value(x, tau);
     int halvings = 0;
-    for (; halvings < kMostHalvings; ++halvings, length *= 0.5) {
+    for (; halvings < kMostHalvings; ++halvings) {
       tried_ = x + length * step_;
       if (barrier.value(tried_, tau) <= here - kLeastDecrease * length * decrement2) break;
+      length *= 0.5;
     }
     if (halvings == kMostHalvings) return false;
     x = tried_;

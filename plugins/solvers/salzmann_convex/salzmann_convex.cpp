@@ -54,8 +54,8 @@ class SalzmannConvex final : public Solver {
     weights_.assign(points_.size(), 1.0);
     auto solved = program_.solve(points_, weights_, in.camera, options_);
     if (!solved) return solved.error();
-    double radius_px = outlier_px_;
-    for (int round = 1; round < rounds_; ++round, radius_px *= 0.5) {
+    for (int round = 1; round < rounds_; ++round) {
+      const double radius_px = std::ldexp(outlier_px_, 1 - round);  // halved each time
       if (!weigh_again(solved->vertices_m, in.camera, radius_px)) break;
       auto again = program_.solve(points_, weights_, in.camera, options_);
       if (!again) break;
