@@ -79,7 +79,7 @@ Eigen::VectorXd LengthFitter::slack_step(const Eigen::VectorXd& c, Eigen::Vector
   const Eigen::VectorXd over_m = excess.value_m - slacks2;
   const Eigen::MatrixXd weighted = weights.asDiagonal() * excess.slopes;
   const Eigen::MatrixXd matrix = quadratic_ + excess.slopes.transpose() * weighted;
-  const Eigen::VectorXd step = matrix.ldlt().solve(-gradient(c) - weighted.transpose() * over_m);
+  Eigen::VectorXd step = matrix.ldlt().solve(-gradient(c) - weighted.transpose() * over_m);
   const Eigen::VectorXd multipliers = weights.cwiseProduct(excess.slopes * step + over_m);
   slacks = (-2.0 / options_.tension_m) * slacks.cwiseProduct(multipliers);
   return step;

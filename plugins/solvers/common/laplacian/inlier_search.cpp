@@ -66,7 +66,7 @@ void fit(const ControlMesh& mesh, const SeenMatches& matches, double stiffness, 
 Eigen::VectorXd distances_from_affine_px(const Eigen::MatrixXd& places_m, const Points2& seen_px) {
   constexpr int kRounds = 20;
   constexpr double kLeastDistancePx = 1.0;  // of a weight; nearer ones count alike
-  constexpr double kRidge = 1e-9;           // of the trace: what no place of a flat mesh determines
+  constexpr double kLevelling = 1e-9;       // of the trace: what no place of a flat mesh determines
   Eigen::MatrixX4d places(places_m.rows(), 4);
   places << (places_m.rowwise() - places_m.colwise().mean()),
       Eigen::VectorXd::Ones(places_m.rows());
@@ -76,7 +76,7 @@ Eigen::VectorXd distances_from_affine_px(const Eigen::MatrixXd& places_m, const 
     worked(4 * places.rows());
     const Eigen::MatrixX4d weighted = weights.asDiagonal() * places;
     Eigen::Matrix4d normal = places.transpose() * weighted;
-    normal.diagonal().array() += kRidge * normal.trace();
+    normal.diagonal().array() += kLevelling * normal.trace();
     const Eigen::Matrix<double, 4, 2> affine = normal.ldlt().solve(weighted.transpose() * seen_px);
     distances = (places * affine - seen_px).rowwise().norm();
     weights = distances.cwiseMax(kLeastDistancePx).cwiseInverse();
