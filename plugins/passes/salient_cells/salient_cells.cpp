@@ -47,6 +47,8 @@ class SalientCells final : public Pass {
              "what is put on a ray: warped vertices, or the matches themselves");
     p.read("min_matches_per_cell", rules_.min_matches_per_cell, "", {1, 1000000},
            "kept matches that make a face salient");
+    p.read("reach", rules_.reach, "share of the template's diagonal", {0.0, 1.0},
+           "a match this near to the middle of a face makes it salient too");
     p.read("min_sightlines", min_sightlines_, "", {3, 1000000},
            "with fewer there is no result for the frame");
     p.read("reject_folded", rules_.reject_folded,
@@ -59,6 +61,7 @@ class SalientCells final : public Pass {
 
   Result<PassOutput> run(const PassInput& in) override {
     if (auto checked = check(in); !checked) return checked.error();
+    rules_.count_all = weight_by_matches_;
     auto cells = find_cells(in.templ, *in.correspondences, *in.warp_samples, rules_);
     if (!cells) return cells.error();
     Dropped dropped;
@@ -156,5 +159,5 @@ class SalientCells final : public Pass {
 }  // namespace weft::salient_cells
 
 using weft::salient_cells::SalientCells;
-WEFT_PLUGIN(SalientCells, "passes/salient_cells", "1.0.0",
+WEFT_PLUGIN(SalientCells, "passes/salient_cells", "1.1.0",
             "Puts the mesh points of cells that hold matches on the rays where they are seen.")

@@ -14,6 +14,8 @@ namespace {
 
 /// A face squeezed to less than this share of the median is as unreliable as a folded one.
 constexpr double kSmallestAreaRatio = 0.02;
+/// Matches with which a vertex is trusted as with any number.
+constexpr int kFullTrust = 20;
 
 bool inside(const Camera& camera, double x_px, double y_px, double margin) {
   const auto width = static_cast<double>(camera.width_px);
@@ -75,6 +77,74 @@ double salient_area_share(const Template& templ, const std::vector<std::uint8_t>
   return all > 0.0 ? covered / all : 0.0;
 }
 
+/// Kept matches by square cells of the texture.
+class MatchGrid {
+ public:
+  MatchGrid(const Correspondences& matches, const Points2View& flat_px, double cell_px)
+      : cell_px_(cell_px), places_px_(matches.template_px.matrix<2>()) {
+    low_px_ = flat_px.colwise().minCoeff().array() - cell_px;
+    const Eigen::RowVector2d size_px = flat_px.colwise().maxCoeff() - low_px_;
+    columns_ = cell_of(size_px.x()) + 2;
+    rows_ = cell_of(size_px.y()) + 2;
+    cells_.resize(to_index(columns_ * rows_));
+    for (std::int64_t i = 0; i < matches.count(); ++i) {
+      worked_in_loop(i);
+      if (matches.kept(i) == 0 || !places_px_.row(i).allFinite()) continue;
+      const Eigen::RowVector2d from_low = places_px_.row(i) - low_px_;
+      const bool on_grid = (from_low.array() >= 0.0).all() && from_low.x() < cell_px_ * columns_ &&
+                           from_low.y() < cell_px_ * rows_;
+      if (on_grid) cells_[cell_index(from_low)].push_back(i);
+    }
+  }
+
+  /// How many lie within a cell's side of a place on the mesh, up to `most`.
+  int count_near(const Eigen::RowVector2d& place_px, int most) const {
+    const Eigen::RowVector2d from_low = place_px - low_px_;
+    const std::int64_t column = cell_of(from_low.x()), row = cell_of(from_low.y());
+    int count = 0;
+    for (const std::int64_t down : {0, -1, 1}) {  // what is found in the middle is enough mostly
+      for (const std::int64_t right : {0, -1, 1}) {
+        for (const std::int64_t match :
+             cells_[to_index((row + down) * columns_ + column + right)]) {
+          const double far2 = (places_px_.row(match) - place_px).squaredNorm();
+          if (far2 <= cell_px_ * cell_px_ && ++count >= most) return count;
+        }
+      }
+    }
+    return count;
+  }
+
+ private:
+  std::int64_t cell_of(double px) const { return static_cast<std::int64_t>(px / cell_px_); }
+  std::size_t cell_index(const Eigen::RowVector2d& from_low) const {
+    return to_index(cell_of(from_low.y()) * columns_ + cell_of(from_low.x()));
+  }
+
+  double cell_px_;
+  Points2 places_px_;
+  Eigen::RowVector2d low_px_;
+  std::int64_t columns_ = 1, rows_ = 1;
+  std::vector<std::vector<std::int64_t>> cells_;  ///< [rows * columns], a ring wider than the mesh
+};
+
+/// Raises the count of each face to that of the matches around its middle.
+void count_within_reach(const Template& templ, const Correspondences& correspondences,
+                        const Rules& rules, Cells& cells) {
+  const Points2 flat_px = templ.flat_px.matrix<2>();
+  const double diagonal_px = (flat_px.colwise().maxCoeff() - flat_px.colwise().minCoeff()).norm();
+  if (!(diagonal_px > 0.0) || !std::isfinite(diagonal_px)) return;
+  const MatchGrid grid(correspondences, flat_px, rules.reach * diagonal_px);
+  const int most = std::max(rules.count_all ? kFullTrust : 1, rules.min_matches_per_cell);
+  for (std::int64_t f = 0; f < templ.faces.rows(); ++f) {
+    worked_in_loop(f, 20);
+    const std::int32_t* corner = templ.faces.row(f);
+    const Eigen::RowVector2d middle_px =
+        (flat_px.row(corner[0]) + flat_px.row(corner[1]) + flat_px.row(corner[2])) / 3.0;
+    int& matches = cells.matches[to_index(f)];
+    matches = std::max(matches, grid.count_near(middle_px, most));
+  }
+}
+
 }  // namespace
 
 int Cells::count() const { return static_cast<int>(std::count(salient.begin(), salient.end(), 1)); }
@@ -95,6 +165,7 @@ Result<Cells> find_cells(const Template& templ, const Correspondences& correspon
     if (correspondences.kept(i) == 0) continue;
     ++(face < 0 ? cells.matches_without_face : cells.matches[to_index(face)]);
   }
+  if (rules.reach > 0.0) count_within_reach(templ, correspondences, rules, cells);
   for (const int matches : cells.matches) {
     cells.salient.push_back(matches >= rules.min_matches_per_cell ? 1 : 0);
   }

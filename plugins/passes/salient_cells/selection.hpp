@@ -16,6 +16,8 @@ namespace weft::salient_cells {
 /// Which faces and points to trust.
 struct Rules {
   int min_matches_per_cell = 1;  ///< [] kept matches that make a face salient
+  double reach = 0.0;            ///< [] share of the template's diagonal, see find_cells()
+  bool count_all = false;        ///< what min_matches_per_cell does not need counts too
   bool reject_folded = false;    ///< faces that the warp folds or squeezes are not salient
   double image_margin = 0.05;    ///< [] share of the image's size that a point may lie outside
 };
@@ -29,7 +31,7 @@ struct Dropped {
 
 /// The faces that are salient, and how many kept matches lie in each.
 struct Cells {
-  std::vector<int> matches;           ///< [F] kept matches in each face
+  std::vector<int> matches;           ///< [F] kept matches in each face, or near it
   std::vector<std::uint8_t> salient;  ///< [F] 1 where a face is salient
   int matches_without_face = 0;       ///< [] kept, but on no face
   int folded_faces = 0;               ///< [] rejected for that reason
@@ -38,8 +40,10 @@ struct Cells {
   int count() const;
 };
 
-/// The faces that hold enough matches. Fails on a face index that the template does not have.
-/// `warped` holds the template's vertices in the image.
+/// The faces that hold enough matches. With a reach a face also has the matches of which the place
+/// in the texture is within it of the middle of the face, so that what is salient does not depend
+/// on how fine the mesh is; they are counted no further than it matters. Fails on a face index that
+/// the template does not have. `warped` holds the template's vertices in the image.
 Result<Cells> find_cells(const Template& templ, const Correspondences& correspondences,
                          const WarpSamples& warped, const Rules& rules);
 

@@ -2,9 +2,11 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <weft/core/stop_check.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/sdk/pass.hpp>
 
+#include "common/coarse_mesh/coarse_mesh.hpp"
 #include "evidence.hpp"
 #include "hysteresis.hpp"
 #include "sight.hpp"
@@ -36,11 +38,22 @@ class SelfOcclusion final : public Pass {
            "two kept matches at a vertex that agree within this show it, whatever the shape says");
     p.read("longest_age", longest_age_, "frames", {0, 1000000},
            "a previous shape older than this is not looked at");
+    p.read("vertices", vertices_, "", {0, 1000000},
+           "of a coarser mesh that is looked at in place of a finer one, about; 0: never");
   }
 
   Result<PassOutput> run(const PassInput& in) override {
     if (auto ready = prepare_mesh(in.templ); !ready) return ready.error();
     if (auto checked = check(in); !checked) return checked.error();
+    if (!coarse_) return seen_on(in);
+    auto out = seen_on(on_coarse_mesh(in));
+    if (out) out->visibility = on_fine_mesh(*out->visibility);
+    return out;
+  }
+
+ private:
+  /// What is seen of the mesh that is looked at.
+  Result<PassOutput> seen_on(const PassInput& in) {
     const std::optional<Shape> shape = shape_to_look_at(in);
     if (!shape && !in.warp_samples) {
       return no_result("there is neither a shape nor a warp to look at");
@@ -62,7 +75,34 @@ class SelfOcclusion final : public Pass {
     return out;
   }
 
- private:
+  /// Checked inputs on the coarse mesh.
+  PassInput on_coarse_mesh(const PassInput& in) const {
+    PassInput asked = in;
+    asked.templ = coarse_->of(in.templ);
+    if (in.shape) asked.shape = *coarse_->of(*in.shape);
+    if (in.previous_shape) asked.previous_shape = *coarse_->of(*in.previous_shape);
+    if (in.previous_visibility) asked.previous_visibility = *coarse_->of(*in.previous_visibility);
+    if (in.warp_samples) asked.warp_samples = *coarse_->of(*in.warp_samples);
+    if (in.correspondences) asked.correspondences = coarse_->of(*in.correspondences);
+    return asked;
+  }
+
+  /// A fine vertex is seen as the coarse one next to it is.
+  Visibility on_fine_mesh(const Visibility& coarse) const {
+    const auto count = static_cast<std::int64_t>(coarse_->fine_count());
+    Visibility fine{Array<std::uint8_t>({count}), Array<double>({count}),
+                    Array<std::uint8_t>({count}), coarse.diag};
+    for (std::int64_t v = 0; v < count; ++v) {
+      worked_in_loop(v);
+      const std::int32_t next = coarse_->nearest(v);
+      fine.visible(v) = coarse.visible(next);
+      fine.score(v) = coarse.score(next);
+      fine.reason(v) = coarse.reason(next);
+    }
+    fine.diag.set("coarse_vertices", static_cast<double>(coarse_->count()));
+    return fine;
+  }
+
   Result<void> prepare_mesh(const Template& templ) {
     if (!scene_) {
       auto scene = scene::RayCaster::create();
@@ -74,6 +114,11 @@ class SelfOcclusion final : public Pass {
     const FacesView faces = templ.faces.matrix<3>();
     if (auto checked = check_face_indices(faces, templ.vertices_m.rows()); !checked) return checked;
     around_ = vertex_faces(faces, templ.vertices_m.rows());
+    coarse_.reset();
+    if (vertices_ > 0 && templ.vertices_m.rows() > vertices_) {
+      if (auto built = coarse_.emplace().build(templ, vertices_); !built) return built;
+      around_ = vertex_faces(coarse_->faces(), coarse_->count());
+    }
     mesh_revision_ = templ.revision;
     return {};
   }
@@ -136,9 +181,11 @@ class SelfOcclusion final : public Pass {
   double missing_matches_ = 15.0;
   double match_tolerance_px_ = 3.0;
   std::int64_t longest_age_ = 5;
+  int vertices_ = 0;
 
   std::optional<scene::RayCaster> scene_;
-  IndexLists around_;
+  std::optional<coarse_mesh::CoarseMesh> coarse_;  ///< looked at in place of the template's mesh
+  IndexLists around_;                              ///< of the mesh that is looked at
   std::uint64_t mesh_revision_ = 0;
 };
 
@@ -146,5 +193,5 @@ class SelfOcclusion final : public Pass {
 }  // namespace weft::self_occlusion
 
 using weft::self_occlusion::SelfOcclusion;
-WEFT_PLUGIN(SelfOcclusion, "passes/self_occlusion", "1.0.0",
+WEFT_PLUGIN(SelfOcclusion, "passes/self_occlusion", "1.1.0",
             "Tells which vertices the camera sees, by rays on the shape and by the matches.")

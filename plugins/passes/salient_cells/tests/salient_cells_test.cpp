@@ -101,6 +101,33 @@ TEST(SalientCells, AMatchOnASharedEdgeCountsForItsOwnFaceOnly) {
   EXPECT_EQ(ids(scene.run().get<Sightlines>().value()), corners(scene, {12}));
 }
 
+TEST(SalientCells, AReachSelectsFacesByTheirDistanceToMatchesAndNotByTheirSize) {
+  Scene scene;
+  scene.one_match_in({37});
+  const auto flat_px = scene.templ.flat_px.matrix<2>();
+  const Eigen::RowVector2d match_px = scene.matches.template_px.matrix<2>().row(0);
+  const double reach_px =
+      0.2 * (flat_px.colwise().maxCoeff() - flat_px.colwise().minCoeff()).norm();
+  std::vector<std::int32_t> near{37};
+  for (std::int32_t f = 0; f < scene.templ.faces.rows(); ++f) {
+    Eigen::RowVector2d middle_px = Eigen::RowVector2d::Zero();
+    for (int k = 0; k < 3; ++k) middle_px += flat_px.row(scene.templ.faces(f, k)) / 3.0;
+    if ((middle_px - match_px).norm() <= reach_px) near.push_back(f);
+  }
+  ASSERT_GT(near.size(), 8U);
+  ASSERT_LT(near.size(), 45U);
+  EXPECT_EQ(ids(scene.run("{reach: 0.2}").get<Sightlines>().value()), corners(scene, near));
+  EXPECT_EQ(ids(scene.run("{reach: 0}").get<Sightlines>().value()), corners(scene, {37}));
+  scene.matches.kept(0) = 0;
+  EXPECT_EQ(scene.run("{reach: 0.2}").status, WEFT_NO_RESULT);
+}
+
+TEST(SalientCells, AReachAsLargeAsTheTemplateSelectsAll) {
+  Scene scene;
+  scene.one_match_in({37, 3});
+  EXPECT_EQ(scene.run("{reach: 1}").get<Sightlines>().value().count(), 60);
+}
+
 TEST(SalientCells, MatchesEverywhereSelectAllVerticesAscending) {
   Scene scene;
   std::vector<std::int32_t> faces(weft::to_index(scene.templ.faces.rows()));
