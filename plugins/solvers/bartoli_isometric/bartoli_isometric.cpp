@@ -31,9 +31,9 @@ class BartoliIsometric final : public Solver {
   }
 
   Result<Shape> solve(const SolverInput& in) override {
-    auto warp = grid_.read(in);
+    const auto warp = grid_.read(in);
     if (!warp) return warp.error();
-    const auto found = solvers::isometric_reading(std::move(warp->places));
+    const auto found = solvers::isometric_reading(warp->places);
     if (found.points.size() < kFewestPoints) {
       return no_result("the depth is known at " + std::to_string(found.points.size()) +
                        " places of at least " + std::to_string(kFewestPoints));

@@ -18,9 +18,9 @@ constexpr std::int64_t kFewestMatches = 4;  // three fit an affine map, which sh
 
 }  // namespace
 
-IsometricReading isometric_reading(std::vector<WarpPlace> places) {
+IsometricReading isometric_reading(const std::vector<WarpPlace>& places) {
   IsometricReading reading;
-  for (WarpPlace& place : places) {
+  for (const WarpPlace& place : places) {
     const auto point = isometric_point(place.eta, place.jacobian, place.metric);
     reading.folded += point ? 0 : 1;
     if (!point) continue;

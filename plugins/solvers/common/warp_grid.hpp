@@ -39,7 +39,7 @@ struct IsometricReading {
   int folded = 0;                      ///< [] places that are left out
 };
 
-IsometricReading isometric_reading(std::vector<WarpPlace> places);
+IsometricReading isometric_reading(const std::vector<WarpPlace>& places);
 
 /// What solvers in closed form start from: a warp with its derivatives on a grid of the texture.
 class WarpGrid {
