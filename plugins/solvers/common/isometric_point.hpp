@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-namespace weft::bartoli_isometric {
+namespace weft::solvers {
 
 /// What an isometric surface is at one point, from a warp and its first derivatives.
 struct IsometricPoint {
@@ -45,4 +45,4 @@ inline std::optional<IsometricPoint> isometric_point(const Eigen::Vector2d& eta,
   return point;
 }
 
-}  // namespace weft::bartoli_isometric
+}  // namespace weft::solvers
