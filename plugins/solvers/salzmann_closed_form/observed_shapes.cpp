@@ -21,7 +21,8 @@ Eigen::MatrixXd cost_matrix(std::span<const SeenPoint> points, const Camera& cam
   Eigen::MatrixXd rows(2, 3 * m);
   for (const SeenPoint& point : points) {
     worked(m * m);
-    const auto of_point = solvers::reprojection_rows(camera, point.seen_px) / distance_m;
+    const Eigen::Matrix<double, 2, 3> of_point =
+        solvers::reprojection_rows(camera, point.seen_px) / distance_m;
     Eigen::RowVectorXd at = Eigen::RowVectorXd::Zero(m);
     for (int k = 0; k < 3; ++k) {
       at += point.weights[k] * modes.values.row(point.corners[to_index(k)]);
