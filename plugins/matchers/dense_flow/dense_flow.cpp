@@ -222,7 +222,7 @@ class DenseFlow final : public Matcher {
   FlowOptions options_;
   int halvings_ = 0;
   double search_px_ = 16.0;
-  double min_share_ = 0.6;
+  double min_share_ = 0.3;
   double max_disagreement_px_ = 3.0;
   int min_matches_ = 50;
 
@@ -240,5 +240,5 @@ class DenseFlow final : public Matcher {
 }  // namespace
 }  // namespace weft::dense_flow
 
-WEFT_PLUGIN(weft::dense_flow::DenseFlow, "matchers/dense_flow", "1.0.0",
+WEFT_PLUGIN(weft::dense_flow::DenseFlow, "matchers/dense_flow", "1.1.0",
             "Finds each piece of the texture near a shape that is nearly right.")

@@ -199,5 +199,5 @@ class Track final : public Matcher {
 }  // namespace
 }  // namespace weft::track
 
-WEFT_PLUGIN(weft::track::Track, "matchers/track", "1.0.0",
+WEFT_PLUGIN(weft::track::Track, "matchers/track", "1.0.1",
             "Follows points of the texture from the previous shape into the image.")

@@ -7,6 +7,7 @@
 #include <weft/geometry/rigid_alignment.hpp>
 
 #include "common/scene/random_stream.hpp"
+#include "folded_cone.hpp"
 
 namespace weft::frex {
 namespace {
@@ -14,6 +15,9 @@ namespace {
 constexpr std::uint64_t kMotionStream = 1;
 constexpr double kRollTurn_rad = 2.6, kBendTurn_rad = 1.5, kWaveSlope_rad = 0.62;
 constexpr double kFoldTurn_rad = 2.3, kFoldWidth_m = 0.06;
+constexpr double kFolds = 3.0, kFoldsSlope_rad = 0.8;
+constexpr double kFoldsApex = 1.5;   // from the middle, over the distance of the corner
+constexpr double kFoldsDrift = 0.2;  // of a fold, a period of the movement
 constexpr double kBulgeShare = 0.3;  // height of a bulge over half the shorter side
 constexpr double kPoisson = 0.3;     // what a stretched sheet loses across
 constexpr double kGuideCompliance = 1e-4, kHandCompliance = 1e-5;
@@ -95,6 +99,11 @@ Choreography::Choreography(const MotionSettings& settings, const RestSheet& shee
     ruling_rad_ = std::array{corner, M_PI - corner, corner - M_PI, -corner}[rng.below(4)];
     sign_ = -1.0;
   }
+  if (settings_.pattern == Pattern::folds) {
+    const double right = rng.below(2) == 0 ? -1.0 : 1.0, below = rng.below(2) == 0 ? -1.0 : 1.0;
+    apex_m_ = kFoldsApex * Eigen::Vector2d(right * half_m_.x(), below * half_m_.y());
+    folds_rad_ = rng.uniform(0.0, 2.0 * M_PI);
+  }
   if (section_) ruling_rad_ = section_->ruling_rad();
 }
 
@@ -102,6 +111,11 @@ double Choreography::phase_at(double t_s) const { return 2.0 * M_PI * t_s / sett
 
 double Choreography::share_at(double t_s) const {
   return 0.5 * settings_.bend * (1.0 - std::cos(phase_at(t_s)));
+}
+
+/// What only grows: from 0 to its full size in one period.
+double Choreography::grown_at(double t_s) const {
+  return settings_.bend * eased(std::min(1.0, t_s / settings_.period_s));
 }
 
 Eigen::Isometry3d Choreography::pose_at(double t_s) const {
@@ -151,6 +165,11 @@ double Choreography::curvature_per_m(double s_m, double t_s, const HandlePair::P
     return sign_ * ramp * kWaveSlope_rad * frequency *
            std::sin(frequency * s_m - 1.5 * phase_at(t_s));
   }
+  if (settings_.pattern == Pattern::folds) {  // of a sheet that can be bent about one direction
+    const double frequency = kFolds * 2.0 * M_PI / extent_m;
+    return grown_at(t_s) * kFoldsSlope_rad * frequency *
+           std::cos(frequency * s_m + folds_rad_ + kFoldsDrift * phase_at(t_s));
+  }
   // A fold half-way from the middle to the corner.
   const double off = (s_m - 0.27 * extent_m) / kFoldWidth_m;
   return share * kFoldTurn_rad / (std::sqrt(M_PI) * 0.5 * kFoldWidth_m) *
@@ -185,6 +204,31 @@ Points3 Choreography::bulged(const Points2& flat_m, double t_s) const {
   return surface;
 }
 
+/// Folds that run out of a point beyond a corner.
+Points3 Choreography::folded(const Points2& flat_m, double t_s) const {
+  const double middle_rad = std::atan2(-apex_m_.y(), -apex_m_.x());
+  double reach_rad = 0.0;
+  for (const double x : {-1.0, 1.0}) {
+    for (const double y : {-1.0, 1.0}) {
+      const Eigen::Vector2d corner = Eigen::Vector2d(x, y).cwiseProduct(half_m_) - apex_m_;
+      const double beside = std::atan2(corner.y(), corner.x()) - middle_rad;
+      reach_rad = std::max(reach_rad, std::abs(std::remainder(beside, 2.0 * M_PI)));
+    }
+  }
+  reach_rad *= 1.0 + settings_.stretch;
+  const double frequency = kFolds * M_PI / reach_rad;
+  const double begin_rad = folds_rad_ + kFoldsDrift * phase_at(t_s);
+  const double slope = grown_at(t_s) * kFoldsSlope_rad;
+  const FoldedCone cone(apex_m_, middle_rad, reach_rad, [&](double angle_rad) {
+    return slope * frequency * std::cos(frequency * angle_rad + begin_rad);
+  });
+  Points3 surface(flat_m.rows(), 3);
+  for (Eigen::Index v = 0; v < flat_m.rows(); ++v) {
+    surface.row(v) = cone.at(flat_m.row(v), behind_m_[v]).transpose();
+  }
+  return surface;
+}
+
 Points3 Choreography::lengths_at(double t_s) const {
   const Points2 plane = stretched(t_s);
   if (settings_.pattern == Pattern::bulge) return bulged(plane, t_s);
@@ -200,6 +244,7 @@ Points3 Choreography::lengths_at(double t_s) const {
 Points3 Choreography::surface_at(double t_s) const {
   const Points2 plane = stretched(t_s);
   if (settings_.pattern == Pattern::bulge) return bulged(plane, t_s);
+  if (settings_.pattern == Pattern::folds && !section_) return folded(plane, t_s);
   return bent(plane, t_s);
 }
 

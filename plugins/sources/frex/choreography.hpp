@@ -18,7 +18,7 @@
 namespace weft::frex {
 
 /// How the sheet deforms.
-enum class Pattern { roll, s_bend, corner_fold, wave, handles, bulge };
+enum class Pattern { roll, s_bend, corner_fold, wave, handles, bulge, folds };
 
 struct MotionSettings {
   Pattern pattern = Pattern::wave;
@@ -56,6 +56,7 @@ class Choreography {
   };
 
   double share_at(double t_s) const;
+  double grown_at(double t_s) const;
   double phase_at(double t_s) const;
   Eigen::Isometry3d pose_at(double t_s) const;
   Points2 stretched(double t_s) const;
@@ -63,6 +64,7 @@ class Choreography {
   double curvature_per_m(double s_m, double t_s, const HandlePair::Pose& hands) const;
   Points3 bent(const Points2& flat_m, double t_s) const;
   Points3 bulged(const Points2& flat_m, double t_s) const;
+  Points3 folded(const Points2& flat_m, double t_s) const;
   Points3 surface_at(double t_s) const;
 
   MotionSettings settings_;
@@ -76,6 +78,8 @@ class Choreography {
   std::array<Sway, 6> sway_{};  ///< rotation about x, y, z and displacement along them
   double ruling_rad_ = 0.0;     ///< direction across which the sheet is curved
   double sign_ = 1.0;           ///< which way it is curved
+  Eigen::Vector2d apex_m_ = Eigen::Vector2d::Zero();  ///< from which folds run, from the middle
+  double folds_rad_ = 0.0;                            ///< where they begin in their period
   std::optional<HandlePair> handles_;
 };
 

@@ -30,7 +30,8 @@ void Settings::read(Params& p) {
             {"corner_fold", Pattern::corner_fold},
             {"wave", Pattern::wave},
             {"handles", Pattern::handles},
-            {"bulge", Pattern::bulge}},
+            {"bulge", Pattern::bulge},
+            {"folds", Pattern::folds}},
            "how the sheet deforms");
   p.read("bend", motion.bend, "", {0.0, 1.5}, "size of the deformation over the usual one");
   p.read("stretch", motion.stretch, "", {0.0, 0.2},

@@ -35,6 +35,41 @@ void scale(float* values, float factor) {
   for (int i = 0; i < Patch::kSize; ++i) values[i] *= factor;
 }
 
+/// Elements of a ramp along a patch, so that the sum of its squares over all pixels is 1.
+constexpr std::array<float, Patch::kSide> make_ramp() {
+  constexpr double kMiddle = 0.5 * (Patch::kSide - 1);
+  // 1 / sqrt(kSide * sum (i - kMiddle)^2), and the sum is kSide (kSide^2 - 1) / 12.
+  constexpr double kSquares = static_cast<double>(Patch::kSize) * (Patch::kSize - 1) / 12.0;
+  double root = kSquares;  // Newton's iteration: std::sqrt is no constant expression
+  for (int step = 0; step < 40; ++step) root = 0.5 * (root + kSquares / root);
+  std::array<float, Patch::kSide> ramp{};
+  for (int i = 0; i < Patch::kSide; ++i) {
+    ramp[to_index(i)] = static_cast<float>((static_cast<double>(i) - kMiddle) / root);
+  }
+  return ramp;
+}
+alignas(16) constexpr std::array<float, Patch::kSide> kRamp = make_ramp();
+
+/// Takes out mean and slope, which tell of the light as much as of the print.
+void take_light(float* values) {
+  take_mean(values);
+  float along_x = 0.0F, along_y = 0.0F;
+  for (int j = 0; j < Patch::kSide; ++j) {
+    const float* row = values + to_index(j * Patch::kSide);
+    float sum = 0.0F;
+    for (int i = 0; i < Patch::kSide; ++i) {
+      sum += row[i];
+      along_x += kRamp[to_index(i)] * row[i];
+    }
+    along_y += kRamp[to_index(j)] * sum;
+  }
+  for (int j = 0; j < Patch::kSide; ++j) {
+    float* row = values + to_index(j * Patch::kSide);
+    const float down = along_y * kRamp[to_index(j)];
+    for (int i = 0; i < Patch::kSide; ++i) row[i] -= down + along_x * kRamp[to_index(i)];
+  }
+}
+
 }  // namespace
 
 Patch::Fit Patch::take(const ViewLevel& view, int x, int y) {
@@ -82,13 +117,13 @@ Patch::Fit Patch::take_rows(const float* first, int stride) {
       slope_y_[at + to_index(i)] = 0.5F * (below[i] - above[i]);
     }
   }
-  take_mean(t_.data());
+  take_light(t_.data());
   const float norm = std::sqrt(dot(t_.data(), t_.data()));
   if (!(norm > kLeastContrast * std::sqrt(kPixels))) return Fit::flat;
   scale(t_.data(), 1.0F / norm);
   for (auto* slope : {&slope_x_, &slope_y_}) {
     scale(slope->data(), 1.0F / norm);
-    take_mean(slope->data());
+    take_light(slope->data());
     add(slope->data(), -dot(slope->data(), t_.data()), t_.data());
   }
   const float xx = dot(slope_x_.data(), slope_x_.data());
@@ -108,8 +143,11 @@ Patch::Fit Patch::take_rows(const float* first, int stride) {
 Patch::Sums Patch::correlate(const Picture& image, int x, int y, float sub_x, float sub_y) const {
   const float a = (1.0F - sub_x) * (1.0F - sub_y), b = sub_x * (1.0F - sub_y),
               c = (1.0F - sub_x) * sub_y, d = sub_x * sub_y;
-  Lanes values{}, squares{}, along_t{}, along_x{}, along_y{};
+  constexpr int kAcross = kSide / kLanes;
+  std::array<Lanes, kAcross> columns{};
+  Lanes squares{}, along_t{}, along_x{}, along_y{}, ramp_y{};
   for (int j = 0; j < kSide; ++j) {
+    Lanes row{};
     const float* above = image.row(y + j) + x;
     const float* below = above + image.width;
     const std::size_t at = to_index(j * kSide);
@@ -117,14 +155,23 @@ Patch::Sums Patch::correlate(const Picture& image, int x, int y, float sub_x, fl
       const Lanes grey = a * load_lanes(above + i) + b * load_lanes(above + i + 1) +
                          c * load_lanes(below + i) + d * load_lanes(below + i + 1);
       const std::size_t k = at + to_index(i);
-      values += grey;
+      row += grey;
+      columns[to_index(i / kLanes)] += grey;
       squares += grey * grey;
       along_t += grey * load_lanes(t_.data() + k);
       along_x += grey * load_lanes(slope_x_.data() + k);
       along_y += grey * load_lanes(slope_y_.data() + k);
     }
+    ramp_y += kRamp[to_index(j)] * row;
   }
-  return {sum_of(values), sum_of(squares), sum_of(along_t), sum_of(along_x), sum_of(along_y)};
+  Lanes values{}, ramp_x{};
+  for (int i = 0; i < kAcross; ++i) {
+    values += columns[to_index(i)];
+    ramp_x += load_lanes(kRamp.data() + i * kLanes) * columns[to_index(i)];
+  }
+  const float value = sum_of(values), right = sum_of(ramp_x), down = sum_of(ramp_y);
+  const float light2 = value * value / kPixels + right * right + down * down;
+  return {sum_of(squares) - light2, sum_of(along_t), sum_of(along_x), sum_of(along_y)};
 }
 
 bool Patch::is_inside(const Picture& image, float place_x, float place_y) const {
@@ -138,7 +185,7 @@ float Patch::correlation_at(const Picture& image, float dx, float dy) const {
   const int x = static_cast<int>(place_x), y = static_cast<int>(place_y);
   const Sums sums =
       correlate(image, x, y, place_x - static_cast<float>(x), place_y - static_cast<float>(y));
-  return sums.spread2() > kPixels ? sums.along_t / std::sqrt(sums.spread2()) : 0.0F;
+  return sums.spread2 > kPixels ? sums.along_t / std::sqrt(sums.spread2) : 0.0F;
 }
 
 Alignment Patch::find_in(const Picture& image, float dx, float dy, float reach_px) const {
@@ -153,7 +200,7 @@ Alignment Patch::find_in(const Picture& image, float dx, float dy, float reach_p
     const int x = static_cast<int>(place_x), y = static_cast<int>(place_y);
     const Sums sums =
         correlate(image, x, y, place_x - static_cast<float>(x), place_y - static_cast<float>(y));
-    const float spread2 = sums.spread2();
+    const float spread2 = sums.spread2;
     if (!(spread2 > kPixels)) {  // one grey level
       found.end = Alignment::End::no_contrast;
       return found;

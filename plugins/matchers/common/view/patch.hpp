@@ -17,10 +17,11 @@ struct Alignment {
 };
 
 /// A piece of a view, to be found in an image by moving it. With i the grey levels of the image
-/// under the patch, t those of the patch, both less their mean and divided by their norm, the sum
-/// of (i(d) - t)^2 is minimised over the displacement d by the inverse compositional scheme of
-/// Baker and Matthews (IJCV 2004, equations 18 to 24): slopes are those of t, made orthogonal to t
-/// and to a constant, so that brightness and contrast of the image do not matter.
+/// under the patch, t those of the patch, both less the plane that fits them best and divided by
+/// their norm, the sum of (i(d) - t)^2 is minimised over the displacement d by the inverse
+/// compositional scheme of Baker and Matthews (IJCV 2004, equations 18 to 24): slopes are those of
+/// t, made orthogonal to t and to such planes. So brightness, contrast and a shade that grows to
+/// one side, as folds have, do not matter.
 class Patch {
  public:
   static constexpr int kSide = 12;  ///< [] px
@@ -52,8 +53,8 @@ class Patch {
 
  private:
   struct Sums {
-    float values, squares, along_t, along_x, along_y;
-    float spread2() const { return squares - values * values / static_cast<float>(kSize); }
+    float spread2;  ///< of the grey levels, light taken out
+    float along_t, along_x, along_y;
   };
   bool is_inside(const Picture& image, float place_x, float place_y) const;
   Fit take_rows(const float* first, int stride);

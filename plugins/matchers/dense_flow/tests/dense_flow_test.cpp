@@ -156,6 +156,31 @@ TEST_F(DenseFlow, RefusesAShapeThatIsTooFarOffAndAnotherPrint) {
   EXPECT_EQ(find(other.image_of(before_, rng_), scene_.shape_of(before_)).status, WEFT_NO_RESULT);
 }
 
+/// Starts are off by anything from nothing to a tenth of the picture and a third of a turn.
+TEST_F(DenseFlow, IsRightWhereverItAnswers) {
+  constexpr int kStarts = 40, kFewestAnswers = 25;
+  PluginUnderTest plugin("matchers/dense_flow");
+  int answers = 0;
+  for (int start = 0; start < kStarts; ++start) {
+    const double off = static_cast<double>(start) / kStarts;
+    testing::PoseSpec pose = kBefore;
+    pose.x_m += 0.05 * off * rng_.uniform(-1.0, 1.0);
+    pose.y_m += 0.05 * off * rng_.uniform(-1.0, 1.0);
+    pose.distance_m *= 1.0 + 0.2 * off * rng_.uniform(-1.0, 1.0);
+    pose.tilt_y_rad += 0.8 * off * rng_.uniform(-1.0, 1.0);
+    pose.roll_rad += 0.4 * off * rng_.uniform(-1.0, 1.0);
+    const double radius_m = 0.35 * std::exp(off * rng_.uniform(-1.2, 1.2));
+    const DevelopableSheet now = scene_.bent(radius_m, pose);
+    const PluginAnswer outcome =
+        plugin.process(0, inputs(scene_.image_of(now, rng_), scene_.shape_of(before_)));
+    if (outcome.status == WEFT_NO_RESULT) continue;
+    ASSERT_EQ(outcome.status, WEFT_OK) << outcome.message;
+    ++answers;
+    EXPECT_GT(share_below(errors_px(outcome, now), 2.0), 0.9) << "start " << start;
+  }
+  EXPECT_GE(answers, kFewestAnswers);
+}
+
 TEST_F(DenseFlow, BelievesOtherMatchesMoreThanItself) {
   const DevelopableSheet now = scene_.bent(0.34, kBefore);
   const Image image = scene_.image_of(now, rng_);

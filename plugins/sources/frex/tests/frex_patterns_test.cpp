@@ -189,7 +189,7 @@ TEST_P(FrexPatterns, KeepTheirLengthsUnlessTheyAreElastic) {
 
 INSTANTIATE_TEST_SUITE_P(All, FrexPatterns,
                          ::testing::Values("roll", "s_bend", "corner_fold", "wave", "handles",
-                                           "bulge"),
+                                           "bulge", "folds"),
                          [](const auto& pattern) { return std::string(pattern.param); });
 
 }  // namespace
