@@ -2,6 +2,7 @@
 #include "circle_search.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
@@ -22,20 +23,47 @@ void CircleSearch::lay_out(const std::vector<Eigen::Vector2d>& in_image, double 
              [&](int i) { return in_image[to_index(placed_[to_index(i)])]; });
 }
 
+/// Calls visit(bench, query) for each query, on several threads. Where the caller's is told to
+/// stop, the others end with the queries that they have.
+template <class Visit>
+void CircleSearch::for_each_query(const Options& options, Visit&& visit) {
+  constexpr int kAtOnce = 32;
+  const int count = static_cast<int>(nearest_.size());
+  const int blocks = (count + kAtOnce - 1) / kAtOnce;
+  const int workers = std::clamp(options.threads, 1, std::max(blocks, 1));
+  if (benches_.size() < to_index(workers)) benches_.resize(to_index(workers));
+  std::atomic<int> next = 0;
+  workers_.run(workers, [&](int worker) {
+    try {
+      for (int block = next++; block < blocks; block = next++) {
+        const int end = std::min(count, (block + 1) * kAtOnce);
+        for (int query = block * kAtOnce; query < end; ++query) {
+          visit(benches_[to_index(worker)], query);
+        }
+      }
+    } catch (...) {
+      next = blocks;
+      throw;
+    }
+  });
+}
+
 Nearest CircleSearch::search(const CoarseDistances& distances, int query,
                              const Eigen::Vector2d& place, const SidePlaces& trains,
-                             const Options& options) {
-  in_reach_.clear();
-  if (place.allFinite()) grid_.find_within(place, options.radius_px, in_reach_);
-  for (int& train : in_reach_) train = placed_[to_index(train)];
-  if (in_reach_.empty()) return {};
-  worked(static_cast<std::int64_t>(in_reach_.size()));
-  const int length =
-      (static_cast<int>(in_reach_.size()) + kCodeBlock - 1) / kCodeBlock * kCodeBlock;
-  codes_.assign(to_index(length), kBeyond);
-  distances.fill_some(query, in_reach_, codes_.data());
-  two_.row.open(codes_.data(), length);
-  const auto train_at = [&](int position) { return in_reach_[to_index(position)]; };
+                             const Options& options, Bench& bench) const {
+  auto& in_reach = bench.in_reach;
+  auto& codes = bench.codes;
+  auto& two = bench.two;
+  in_reach.clear();
+  if (place.allFinite()) grid_.find_within(place, options.radius_px, in_reach);
+  for (int& train : in_reach) train = placed_[to_index(train)];
+  if (in_reach.empty()) return {};
+  worked(static_cast<std::int64_t>(in_reach.size()));
+  const int length = (static_cast<int>(in_reach.size()) + kCodeBlock - 1) / kCodeBlock * kCodeBlock;
+  codes.assign(to_index(length), kBeyond);
+  distances.fill_some(query, in_reach, codes.data());
+  two.row.open(codes.data(), length);
+  const auto train_at = [&](int position) { return in_reach[to_index(position)]; };
   const auto home_of = [&](int position) -> const Eigen::Vector2d& {
     return trains.at_home[to_index(train_at(position))];
   };
@@ -45,21 +73,21 @@ Nearest CircleSearch::search(const CoarseDistances& distances, int query,
                       (home_of(a) - home_of(b)).squaredNorm() <= radius_px * radius_px);
   };
   const auto hide_near = [&](int position, double factor) {
-    for (int other = 0; other < static_cast<int>(in_reach_.size()); ++other) {
-      if (is_near(position, other, factor)) two_.row.hide(other);
+    for (int other = 0; other < static_cast<int>(in_reach.size()); ++other) {
+      if (is_near(position, other, factor)) two.row.hide(other);
     }
   };
-  return two_.find(distances, query, options.ratio, train_at, is_near, hide_near);
+  return two.find(distances, query, options.ratio, train_at, is_near, hide_near);
 }
 
 /// Lets trains from all over compete for the second place.
 void CircleSearch::add_rivals(const CoarseDistances& distances, int query, const SidePlaces& trains,
-                              const Options& options, Nearest& found) {
-  const bool are_enough = static_cast<int>(in_reach_.size()) >= options.least_rivals;
+                              const Options& options, Bench& bench, Nearest& found) const {
+  const bool are_enough = static_cast<int>(bench.in_reach.size()) >= options.least_rivals;
   if (found.best < 0 || are_enough) return;
   const Eigen::Vector2d& home = trains.at_home[to_index(found.best)];
-  rival_codes_.resize(rivals_.size());
-  distances.fill_some(query, rivals_, rival_codes_.data());
+  bench.rival_codes.resize(rivals_.size());
+  distances.fill_some(query, rivals_, bench.rival_codes.data());
   for (std::size_t i = 0; i < rivals_.size(); ++i) {
     const int rival = rivals_[i];
     const bool is_elsewhere =
@@ -68,7 +96,7 @@ void CircleSearch::add_rivals(const CoarseDistances& distances, int query, const
          (trains.at_home[to_index(rival)] - home).norm() > options.elsewhere_px);
     if (!is_elsewhere) continue;
     const bool may_be_second =
-        found.second < 0 || distances.lower(query, rival_codes_[i]) < found.second_distance;
+        found.second < 0 || distances.lower(query, bench.rival_codes[i]) < found.second_distance;
     if (!may_be_second) continue;
     const double distance = distances.distance(query, rival);
     if (found.second >= 0 && !(distance < found.second_distance)) continue;
@@ -85,30 +113,30 @@ void CircleSearch::keep_mutual(CoarseDistances& distances, const SidePlaces& que
   Options any = options;
   any.ratio = std::numeric_limits<double>::infinity();
   any.elsewhere_px = 0.0;
-  for (int query = 0; query < static_cast<int>(nearest_.size()); ++query) {
+  for_each_query(options, [&](Bench& bench, int query) {
     Nearest& found = nearest_[to_index(query)];
-    if (found.second < 0) continue;
+    if (found.second < 0) return;
     const Nearest back =
-        search(distances, found.best, trains.in_image[to_index(found.best)], queries, any);
+        search(distances, found.best, trains.in_image[to_index(found.best)], queries, any, bench);
     if (back.best != query) found = {};
-  }
+  });
   distances.swap_sides();
 }
 
 const std::vector<Nearest>& CircleSearch::run(CoarseDistances& distances, const SidePlaces& queries,
                                               const SidePlaces& trains, const Options& options) {
-  nearest_.clear();
+  nearest_.assign(to_index(distances.queries()), {});
   rivals_.clear();
   if (options.least_rivals > 0) {
     const int step = std::max(1, distances.trains() / options.least_rivals);
     for (int train = step / 2; train < distances.trains(); train += step) rivals_.push_back(train);
   }
   lay_out(trains.in_image, options.radius_px);
-  for (int query = 0; query < distances.queries(); ++query) {
-    Nearest found = search(distances, query, queries.in_image[to_index(query)], trains, options);
-    add_rivals(distances, query, trains, options, found);
-    nearest_.push_back(found);
-  }
+  for_each_query(options, [&](Bench& bench, int query) {
+    Nearest& found = nearest_[to_index(query)];
+    found = search(distances, query, queries.in_image[to_index(query)], trains, options, bench);
+    add_rivals(distances, query, trains, options, bench, found);
+  });
   if (options.mutual) keep_mutual(distances, queries, trains, options);
   return nearest_;
 }

@@ -75,7 +75,8 @@ class Guided final : public Matcher {
                                         .elsewhere_px = matching_.elsewhere_px(),
                                         .least_rivals = static_cast<int>(least_rivals_),
                                         .ratio = matching_.ratio(),
-                                        .mutual = matching_.mutual()};
+                                        .mutual = matching_.mutual(),
+                                        .threads = in.call.threads()};
     const auto& nearest = search_.run(load(sides.queries, sides.trains), forward ? templ : image,
                                       forward ? image : templ, options);
     neighbours_.clear();
@@ -130,6 +131,6 @@ class Guided final : public Matcher {
 }  // namespace
 }  // namespace weft::guided
 
-WEFT_PLUGIN(weft::guided::Guided, "matchers/guided", "1.0.0",
+WEFT_PLUGIN(weft::guided::Guided, "matchers/guided", "1.0.1",
             "Matches keypoints near where the previous shape has them, and all over where that "
             "fails.")

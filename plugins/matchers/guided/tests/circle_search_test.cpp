@@ -85,14 +85,17 @@ void expect_as_scan(CoarseDistances& distances, Rng& rng) {
       for (const int least_rivals : {0, 16}) {
         for (const bool mutual : {false, true}) {
           for (const double radius_px : {3.0, 30.0, 1000.0}) {
-            const CircleSearch::Options options{radius_px, elsewhere_px, least_rivals, ratio,
-                                                mutual};
+            CircleSearch::Options options{radius_px, elsewhere_px, least_rivals, ratio, mutual};
             CircleSearch search;
-            const auto& found = search.run(distances, queries, trains, options);
+            const std::vector<Nearest> found = search.run(distances, queries, trains, options);
+            options.threads = 2;
+            const auto& by_two = search.run(distances, queries, trains, options);
             ASSERT_EQ(found.size(), to_index(distances.queries()));
             for (int i = 0; i < distances.queries(); ++i) {
               const Nearest expected = scan(distances, i, queries, trains, options);
               const Nearest& got = found[to_index(i)];
+              ASSERT_EQ(by_two[to_index(i)].best, got.best) << i;
+              ASSERT_EQ(by_two[to_index(i)].second, got.second) << i;
               const auto passes = [ratio](const Nearest& nearest) {
                 return nearest.second >= 0 && nearest.distance < ratio * nearest.second_distance;
               };
