@@ -33,11 +33,13 @@ class Library(NamedTuple):
 
 LIBRARIES = (
     Library("Boost 1.74", "BSL-1.0", r"boost/", r"libboost_"),
+    Library("Ceres 2.1", "BSD-3-Clause", r"ceres/", r"libceres"),
     Library("CGAL 5.5", "GPL-3.0-or-later", r"CGAL/"),
     Library("CLI11", "BSD-3-Clause", r"CLI/"),
     Library("Eigen 3.4", "MPL-2.0", r"eigen3/"),
     Library("Embree 3", "Apache-2.0", r"embree3/", r"libembree3"),
     Library("fmt", "MIT", r"fmt/", r"libfmt"),
+    Library("gflags, glog", "BSD-3-Clause", r"gflags/|glog/"),
     Library("GMP", "LGPL-3.0-or-later", r"gmp(xx)?\.h", r"libgmp"),
     Library("Highway 1.0", "Apache-2.0", r"hwy/", r"libhwy"),
     Library("libzip", "BSD-3-Clause", r"zip(conf)?\.h", r"libzip"),
@@ -71,6 +73,9 @@ Debian builds OpenCV with libraries under the GPL: a process that loads its modu
 Poppler and x265 (by GDAL), one that loads videoio also x264 and Xvid (by FFmpeg). Weft calls none of
 them itself; an OpenCV that is built without GDAL and FFmpeg loads none. Whoever passes on binaries
 together with such packages has to keep to their licences.
+Debian builds Ceres with SuiteSparse, parts of which (of CHOLMOD, SPQR) are under the GPL: a process
+that loads solvers/brunet_refine loads them. Weft asks Ceres for Eigen's solver instead; a Ceres that
+is built without SuiteSparse loads none. The same holds for whoever passes these on.
 
 Tests, which are not installed, also use GoogleTest (BSD-3-Clause) and Google Benchmark
 (Apache-2.0); that of filters/myneighbor compares with CGAL. OpenCL devices have drivers of their

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace weft::brunet_refine {
+
+/// How well a surface keeps its lengths and meets its matches.
+struct Fit {
+  double strain = 0.0;       ///< [] mean |l / l0 - 1| over the edges of the mesh
+  double residual_px = 0.0;  ///< [] px, median over the matches; infinite behind the camera
+  double coverage = 0.0;     ///< [] 0 to 1, as in ShapeEvidence
+};
+
+/// The probability that the mean error of what the camera sees is below 2 % of the template's
+/// diagonal: a logistic fitted to shapes of which the truth is known, see README.md.
+double confidence(const Fit& fit);
+
+}  // namespace weft::brunet_refine

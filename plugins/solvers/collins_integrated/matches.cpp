@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "matches.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <string>
+#include <weft/core/index.hpp>
+#include <weft/core/stop_check.hpp>
+
+namespace weft::collins_integrated {
+namespace {
+
+constexpr double kMeshNoise_px = 0.25;  // of mesh, camera and lengths: no match knows of it
+constexpr double kNarrowest = 1e-3;     // width over length, as standard deviations
+
+Error mistake(std::int64_t match, const std::string& problem) {
+  return {Errc::invalid_data, "match " + std::to_string(match) + " " + problem};
+}
+
+/// W with W^T W = C^-1; false where C is not positive definite.
+bool whiten(const double* covariance_px2, Eigen::Matrix2d& whitening_per_px) {
+  Eigen::Matrix2d covariance;
+  const double across = 0.5 * (covariance_px2[1] + covariance_px2[2]);
+  covariance << covariance_px2[0], across, across, covariance_px2[3];
+  if (!covariance.allFinite() || !(covariance.diagonal().minCoeff() >= 0.0)) return false;
+  covariance.diagonal().array() += kMeshNoise_px * kMeshNoise_px;
+  const Eigen::LLT<Eigen::Matrix2d> factor(covariance);
+  if (factor.info() != Eigen::Success) return false;
+  whitening_per_px = factor.matrixL().solve(Eigen::Matrix2d::Identity());
+  return true;
+}
+
+}  // namespace
+
+Result<void> read_matches(const Correspondences& matches, const MeshModel& mesh, double noise_px,
+                          const std::vector<std::uint8_t>& hidden_faces,
+                          std::vector<Observation>& observations) {
+  for (std::int64_t i = 0; i < matches.count(); ++i) {
+    worked_in_loop(i, 3);
+    const std::int32_t face = matches.face(i);
+    if (matches.kept(i) == 0 || face < 0) continue;
+    if (face >= mesh.faces.rows()) {
+      return mistake(i, "lies in face " + std::to_string(face) + " of a template with " +
+                            std::to_string(mesh.faces.rows()) + ": use one template throughout");
+    }
+    Observation seen;
+    seen.face = face;
+    seen.weights = matches.barycentrics.matrix<3>().row(i).transpose();
+    seen.seen_px = matches.image_px.matrix<2>().row(i).transpose();
+    if (!seen.weights.allFinite() || !seen.seen_px.allFinite()) {
+      return mistake(i, "is not finite: leave it out");
+    }
+    seen.whitening_per_px = Eigen::Matrix2d::Identity() / noise_px;
+    if (matches.covariance_px2.present() &&
+        !whiten(matches.covariance_px2.row(i), seen.whitening_per_px)) {
+      return mistake(i, "has no positive definite covariance: leave it out");
+    }
+    if (hidden_faces.empty() || hidden_faces[to_index(face)] == 0) observations.push_back(seen);
+  }
+  return {};
+}
+
+Result<void> read_hidden_faces(const Visibility& visibility, const MeshModel& mesh,
+                               std::vector<std::uint8_t>& hidden_faces) {
+  if (visibility.visible.rows() != mesh.vertex_count()) {
+    return Error{Errc::invalid_data,
+                 "the visibility has " + std::to_string(visibility.visible.rows()) +
+                     " vertices, the template " + std::to_string(mesh.vertex_count()) +
+                     ": use one template throughout"};
+  }
+  hidden_faces.assign(to_index(mesh.faces.rows()), 1);
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      const std::int32_t v = mesh.faces(f, k);
+      const bool is_hidden =
+          visibility.visible(v) == 0 && visibility.why(v) != SightReason::outside;
+      if (!is_hidden) hidden_faces[to_index(f)] = 0;
+    }
+  }
+  return {};
+}
+
+bool lie_on_a_line(const std::vector<Observation>& observations) {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const Observation& seen : observations) mean += seen.seen_px;
+  mean /= static_cast<double>(observations.size());
+  Eigen::Matrix2d squares = Eigen::Matrix2d::Zero();
+  for (const Observation& seen : observations) {
+    const Eigen::Vector2d off = seen.seen_px - mean;
+    squares += off * off.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> spread(squares, Eigen::EigenvaluesOnly);
+  return !(spread.eigenvalues()[0] > kNarrowest * kNarrowest * spread.eigenvalues()[1]);
+}
+
+}  // namespace weft::collins_integrated
