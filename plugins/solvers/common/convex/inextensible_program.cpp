@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "inextensible_program.hpp"
+#include "common/convex/inextensible_program.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -11,15 +11,14 @@
 #include <weft/core/statistics.hpp>
 #include <weft/geometry/camera_model.hpp>
 
-namespace weft::salzmann_convex {
+namespace weft::solvers {
 namespace {
-
-using solvers::SeenPoint;
 
 constexpr double kMostPull = 0.5;        // of a translation, where 1 is without end
 constexpr double kSharper = 20.0;        // from one point of the central path to the next
 constexpr double kNear = 1e-3;           // squared Newton decrement there
 constexpr double kNearest = 1e-8;        // and at the last one
+constexpr double kRounding = 0.5;        // less is gained there by no step but for rounding
 constexpr double kQuadratic = 0.05;      // below, a full step converges quadratically
 constexpr double kInside = 0.98;         // of the way to the nearest limit
 constexpr double kLeastDecrease = 0.01;  // of what the slope promises
@@ -52,7 +51,8 @@ std::vector<std::int32_t> connected_parts(const std::vector<DistanceConstraint>&
 }  // namespace
 
 Result<void> InextensibleProgram::set_mesh(const Points3View& rest_m,
-                                           std::vector<DistanceConstraint> edges) {
+                                           std::vector<DistanceConstraint> edges,
+                                           PatchPrior prior) {
   rest_m_ = rest_m;
   edges_m_ = std::move(edges);
   std::vector<double> lengths_m;
@@ -65,6 +65,8 @@ Result<void> InextensibleProgram::set_mesh(const Points3View& rest_m,
   program_.edges = edges_m_;
   for (DistanceConstraint& edge : program_.edges) edge.rest_length_m /= unit_m_;
   part_ = connected_parts(edges_m_, rest_m.rows(), part_count_);
+  program_.prior = std::move(prior);
+  program_.prior.couple(couplings_);
   return factor_.analyse(rest_m, couplings_.pairs());
 }
 
@@ -86,9 +88,30 @@ void InextensibleProgram::load(std::span<const SeenPoint> points, std::span<cons
     program_.observations[i] = {
         v,
         point.weights,
-        share / depth_weight_px * solvers::reprojection_rows(camera, point.seen_px),
+        share / depth_weight_px * reprojection_rows(camera, point.seen_px),
         {couplings_.at(v[0], v[1]), couplings_.at(v[0], v[2]), couplings_.at(v[1], v[2])}};
   }
+}
+
+/// lambda of the header in the program's units: all is divided by d sum_i w_i, `expected` is D.
+double InextensibleProgram::prior_weight(std::span<const double> weights, double depth_weight_px,
+                                         double prior_weight_px, double expected) const {
+  if (program_.prior.empty()) return 0.0;
+  double all = 0.0, squares = 0.0;
+  for (const double weight : weights) {
+    all += weight;
+    squares += weight * weight;
+  }
+  const double rows = 3.0 * static_cast<double>(program_.prior.row_count());
+  return unit_m_ * prior_weight_px * expected * std::sqrt(2.0 * squares / rows) /
+         (depth_weight_px * all);
+}
+
+std::vector<std::uint8_t> InextensibleProgram::parts_seen(std::span<const SeenPoint> points) const {
+  std::vector<std::uint8_t> part_seen(to_index(part_count_), 0), seen;
+  for (const SeenPoint& point : points) part_seen[to_index(part_[to_index(point.corners[0])])] = 1;
+  for (const std::int32_t part : part_) seen.push_back(part_seen[to_index(part)]);
+  return seen;
 }
 
 /// The root of c_T' Q^-1 c_T for d = 1 px; infinite where the rays of a part coincide.
@@ -101,7 +124,7 @@ double InextensibleProgram::translation_pull(std::span<const SeenPoint> points,
   std::vector<Eigen::Matrix3d> held(parts, Eigen::Matrix3d::Zero());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const std::size_t part = to_index(part_[to_index(points[i].corners[0])]);
-    const auto rows = solvers::reprojection_rows(camera, points[i].seen_px);
+    const auto rows = reprojection_rows(camera, points[i].seen_px);
     pulls[part] += weights[i] * unit_ray(pinhole, points[i].seen_px);
     held[part] += weights[i] * weights[i] * rows.transpose() * rows;
   }
@@ -121,10 +144,13 @@ double InextensibleProgram::translation_pull(std::span<const SeenPoint> points,
 bool InextensibleProgram::centre(Barrier& barrier, double tau, double tolerance, int max_iterations,
                                  ProgramResult& result) {
   Points3& x = result.vertices_m;
+  double before2 = std::numeric_limits<double>::infinity();
   while (result.iterations < max_iterations) {
     const double decrement2 = barrier.newton_step(x, tau, step_);
     if (decrement2 < 0.0) return false;
-    if (decrement2 < tolerance) return true;
+    const bool is_all_digits = decrement2 < kNear && decrement2 > kRounding * before2;
+    if (decrement2 < tolerance || is_all_digits) return true;
+    before2 = decrement2;
     ++result.iterations;
     double length = std::min(1.0, kInside * barrier.reach(x, step_));
     if (decrement2 < kQuadratic) {
@@ -149,16 +175,18 @@ Result<ProgramResult> InextensibleProgram::solve(std::span<const SeenPoint> poin
                                                  const Camera& camera,
                                                  const ProgramOptions& options) {
   const double pull = translation_pull(points, weights, camera);
-  const double expected = solvers::frontal_distance_m(points, camera, rest_m_) / unit_m_;
+  const double expected = frontal_distance_m(points, camera, rest_m_) / unit_m_;
   if (!std::isfinite(pull) || !std::isfinite(expected)) {
     return no_result("the matches coincide in the image: no distance is bounded");
   }
   ProgramResult result;
   result.depth_weight_px = std::min(options.depth_weight_px, kMostPull / pull);
   load(points, weights, camera, result.depth_weight_px);
-  Barrier barrier(program_, factor_);
+  program_.prior_weight =
+      prior_weight(weights, result.depth_weight_px, options.prior_weight_px, expected);
+  Barrier barrier(program_, factor_, couplings_.pairs().size());
   result.vertices_m = Points3::Zero(rest_m_.rows(), 3);
-  const double limits = static_cast<double>(program_.edges.size()) + 2.0;
+  const double limits = program_.limits();
   const double last_tau = limits / (options.tolerance * expected);
   double tau = limits / expected, reached = 0.0;
   while (reached < last_tau) {
@@ -171,10 +199,15 @@ Result<ProgramResult> InextensibleProgram::solve(std::span<const SeenPoint> poin
   result.gap_m =
       reached > 0.0 ? unit_m_ * limits / reached : std::numeric_limits<double>::infinity();
   result.tensions = barrier.tensions(result.vertices_m, std::max(reached, tau));
+  const double penalty = barrier.penalty(result.vertices_m);
   result.objective_m = unit_m_ * (program_.pull.cwiseProduct(result.vertices_m).sum() -
-                                  barrier.residual(result.vertices_m));
+                                  barrier.residual(result.vertices_m) - penalty);
+  if (program_.has_prior()) {
+    const double rows = 3.0 * static_cast<double>(program_.prior.row_count());
+    result.prior_rms = unit_m_ * penalty / program_.prior_weight / std::sqrt(rows);
+  }
   result.vertices_m *= unit_m_;
   return result;
 }
 
-}  // namespace weft::salzmann_convex
+}  // namespace weft::solvers

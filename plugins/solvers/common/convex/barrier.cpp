@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "barrier.hpp"
+#include "common/convex/barrier.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,13 +7,13 @@
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
-namespace weft::salzmann_convex {
+namespace weft::solvers {
 namespace {
 
 /// Of the mean of the diagonal: holds vertices that nothing else does.
 constexpr double kDamping = 1e-14;
 
-Eigen::Vector3d point_of(const Observation& seen, const Points3& vertices) {
+Eigen::Vector3d point_of(const MatchRows& seen, const Points3& vertices) {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
   for (int k = 0; k < 3; ++k) {
     point += seen.weights[k] * vertices.row(seen.corners[to_index(k)]).transpose();
@@ -33,20 +33,30 @@ struct Top {
         root(std::hypot(1.0, tau * residual) / tau) {}
 };
 
+/// tau t - log(t^2 - residual^2) there, but for what does not depend on the residual.
+double cone_value(double residual, double tau) {
+  const Top top(residual, tau);
+  return tau * top.t - std::log(2.0 * top.t / tau);
+}
+
 }  // namespace
 
-Barrier::Barrier(const Program& program, solvers::BlockCholesky& analysed)
+Barrier::Barrier(const ConvexProgram& program, BlockCholesky& analysed, std::size_t pair_count)
     : program_(program), factor_(analysed) {
   hessian_.diagonal.resize(to_index(program.pull.rows()));
-  hessian_.coupling.resize(program.edges.size());
+  hessian_.coupling.resize(pair_count);
 }
 
 double Barrier::residual(const Points3& vertices) const {
   double sum = 0.0;
-  for (const Observation& seen : program_.observations) {
+  for (const MatchRows& seen : program_.observations) {
     sum += (seen.rows * point_of(seen, vertices)).squaredNorm();
   }
   return std::sqrt(sum);
+}
+
+double Barrier::penalty(const Points3& vertices) const {
+  return program_.has_prior() ? program_.prior_weight * program_.prior.norm(vertices) : 0.0;
 }
 
 double Barrier::value(const Points3& vertices, double tau) const {
@@ -59,14 +69,18 @@ double Barrier::value(const Points3& vertices, double tau) const {
     sum -= std::log(slack);
   }
   const Top top(residual(vertices), tau);
-  return sum + tau * (top.t - dot(program_.pull, vertices)) - std::log(2.0 * top.t / tau);
+  const double value =
+      sum + tau * (top.t - dot(program_.pull, vertices)) - std::log(2.0 * top.t / tau);
+  if (!program_.has_prior()) return value;
+  worked(static_cast<std::int64_t>(program_.prior.work()));
+  return value + cone_value(penalty(vertices), tau);
 }
 
 /// M^T M X into `gathered`; |M X|.
-double Barrier::add_data(const Points3& vertices, Points3& gathered) const {
+double Barrier::gather_data(const Points3& vertices, Points3& gathered) const {
   gathered.setZero(vertices.rows(), 3);
   double sum = 0.0;
-  for (const Observation& seen : program_.observations) {
+  for (const MatchRows& seen : program_.observations) {
     const Eigen::Vector2d off = seen.rows * point_of(seen, vertices);
     const Eigen::RowVector3d back = off.transpose() * seen.rows;
     for (int k = 0; k < 3; ++k) gathered.row(seen.corners[to_index(k)]) += seen.weights[k] * back;
@@ -93,7 +107,7 @@ void Barrier::add_edges(const Points3& vertices) {
 
 /// weight * M^T M.
 void Barrier::add_observations(double weight) {
-  for (const Observation& seen : program_.observations) {
+  for (const MatchRows& seen : program_.observations) {
     const Eigen::Matrix3d block = weight * seen.rows.transpose() * seen.rows;
     for (int k = 0; k < 3; ++k) {
       hessian_.diagonal[to_index(seen.corners[to_index(k)])] +=
@@ -105,29 +119,66 @@ void Barrier::add_observations(double weight) {
   }
 }
 
-/// The Hessian is B - kappa g g^T with B of the mesh's structure and g = M^T M X, so that its
-/// inverse follows from that of B (Sherman and Morrison).
+/// The second cone: its slope, w^2 L^T L tau / s, and its rank-1 part.
+void Barrier::add_prior(const Points3& vertices, double tau, Downdate& downdate) {
+  const double weight = program_.prior_weight;
+  const PatchPrior& prior = program_.prior;
+  worked(static_cast<std::int64_t>(2 * prior.work() + prior.coupling().size()));
+  const double norm = prior.gather(vertices, downdate.gathered);
+  downdate.gathered *= weight * weight;
+  const Top top(weight * norm, tau);
+  downdate.kappa = tau / (top.t * top.t * top.root);
+  const double stiffness = tau / top.t;
+  gradient_ += stiffness * downdate.gathered;
+  const double square = stiffness * weight * weight;
+  for (std::size_t v = 0; v < prior.diagonal().size(); ++v) {
+    hessian_.diagonal[v].diagonal().array() += square * prior.diagonal()[v];
+  }
+  for (std::size_t pair = 0; pair < prior.coupling().size(); ++pair) {
+    hessian_.coupling[pair].diagonal().array() += square * prior.coupling()[pair];
+  }
+}
+
+bool Barrier::factorise() {
+  double trace = 0.0;
+  for (const Eigen::Matrix3d& block : hessian_.diagonal) trace += block.trace();
+  return factor_.factorise(hessian_, kDamping * trace / static_cast<double>(gradient_.size()));
+}
+
+/// From B^-1 v to (B - sum of the first `count` kappa g g^T)^-1 v (Sherman and Morrison).
+void Barrier::correct(std::size_t count, Points3& solved) const {
+  for (std::size_t i = 0; i < count; ++i) {
+    const Downdate& by = downdates_[i];
+    solved += by.kappa * dot(by.gathered, solved) / by.left * by.moved;
+  }
+}
+
+/// The Hessian is B - kappa g g^T, g = M^T M X, with one such part for each norm and B of the
+/// structure of the mesh and the prior, so that its inverse follows from that of B.
 double Barrier::newton_step(const Points3& vertices, double tau, Points3& step) {
   worked(static_cast<std::int64_t>(20 * program_.observations.size() + 20 * program_.edges.size() +
                                    100 * to_index(vertices.rows())));
-  const Top top(add_data(vertices, gathered_), tau);
+  Downdate& data = downdates_[0];
+  const Top top(gather_data(vertices, data.gathered), tau);
+  data.kappa = tau / (top.t * top.t * top.root);
   hessian_.set_zero();
-  gradient_ = tau / top.t * gathered_ - tau * program_.pull;
+  gradient_ = tau / top.t * data.gathered - tau * program_.pull;
   add_edges(vertices);
   add_observations(tau / top.t);
-  double trace = 0.0;
-  for (const Eigen::Matrix3d& block : hessian_.diagonal) trace += block.trace();
-  if (!factor_.factorise(hessian_, kDamping * trace / static_cast<double>(vertices.size()))) {
-    return -1.0;
-  }
+  const std::size_t count = program_.has_prior() ? 2 : 1;
+  if (count == 2) add_prior(vertices, tau, downdates_[1]);
+  if (!factorise()) return -1.0;
   step = -gradient_;
   factor_.solve(step);
-  moved_ = gathered_;
-  factor_.solve(moved_);
-  const double kappa = tau / (top.t * top.t * top.root);
-  const double left = 1.0 - kappa * dot(gathered_, moved_);
-  if (!(left > 0.0)) return -1.0;
-  step += kappa * dot(gathered_, step) / left * moved_;
+  for (std::size_t i = 0; i < count; ++i) {
+    Downdate& by = downdates_[i];
+    by.moved = by.gathered;
+    factor_.solve(by.moved);
+    correct(i, by.moved);
+    by.left = 1.0 - by.kappa * dot(by.gathered, by.moved);
+    if (!(by.left > 0.0)) return -1.0;
+  }
+  correct(count, step);
   const double decrement2 = -dot(gradient_, step);
   return step.allFinite() && decrement2 >= 0.0 ? decrement2 : -1.0;
 }
@@ -157,4 +208,4 @@ std::vector<double> Barrier::tensions(const Points3& vertices, double tau) const
   return tensions;
 }
 
-}  // namespace weft::salzmann_convex
+}  // namespace weft::solvers

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 #include <weft/core/result.hpp>
@@ -8,14 +9,16 @@
 #include <weft/geometry/distance_constraints.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "barrier.hpp"
 #include "common/cholesky/couplings.hpp"
+#include "common/convex/barrier.hpp"
+#include "common/convex/patch_prior.hpp"
 #include "common/seen_points.hpp"
 
-namespace weft::salzmann_convex {
+namespace weft::solvers {
 
 struct ProgramOptions {
   double depth_weight_px = 2.0 / 3.0;  ///< [] px
+  double prior_weight_px = 0.0;        ///< [] px
   double tolerance = 1e-6;             ///< [] of the gap to the optimum, in mean distances
   int max_iterations = 500;            ///< [] Newton steps
 };
@@ -26,14 +29,20 @@ struct ProgramResult {
   double objective_m = 0.0;      ///< [] m, divided by the weights as below
   double gap_m = 0.0;            ///< [] m, at most so much below the optimum
   double depth_weight_px = 0.0;  ///< [] px, lowered where the program had no bounded solution
+  double prior_rms = 0.0;        ///< [] of the rows of L X
   int iterations = 0;            ///< [] Newton steps
   bool converged = false;
 };
 
 /// Where points p_i = sum_k b_ik X_k of a mesh are seen along the unit rays s_i,
-///   max  d sum_i w_i s_i . p_i - |diag(w) M X|   subject to  |X_a - X_b| <= l_ab  for all edges,
+///   max  d sum_i w_i s_i . p_i - |diag(w) M X| - lambda |L X|
+///   subject to  |X_a - X_b| <= l_ab  for all edges,
 /// M X = 0 the reprojection_rows() in px m: as far as the image and the lengths at rest allow
 /// (Salzmann and Fua, Reconstructing sharply folding surfaces: a convex formulation, CVPR 2009).
+/// L is a prior of smooth surfaces (the same, Linear local models for monocular reconstruction of
+/// deformable surfaces, TPAMI 33(5), 2011). With the prior's weight p in px, D the distance of a
+/// frontal sheet and 3 k rows of L, lambda = p D sqrt(2 sum_i w_i^2 / (3 k)): an rms of one over
+/// its rows costs what an rms error of p px over the image costs.
 /// The objective is told divided by d sum_i w_i: a mean distance less what the image pays.
 ///
 /// The optimum is found by Newton's method along the central path of Barrier, from X = 0. It is
@@ -43,20 +52,26 @@ struct ProgramResult {
 class InextensibleProgram {
  public:
   /// Fails where the mesh is too large.
-  Result<void> set_mesh(const Points3View& rest_m, std::vector<DistanceConstraint> edges);
+  Result<void> set_mesh(const Points3View& rest_m, std::vector<DistanceConstraint> edges,
+                        PatchPrior prior = {});
 
   /// no_result where rays coincide, so that no distance is bounded. `weights` [n] are above 0.
-  Result<ProgramResult> solve(std::span<const solvers::SeenPoint> points,
-                              std::span<const double> weights, const Camera& camera,
-                              const ProgramOptions& options);
+  Result<ProgramResult> solve(std::span<const SeenPoint> points, std::span<const double> weights,
+                              const Camera& camera, const ProgramOptions& options);
 
   const std::vector<DistanceConstraint>& edges() const { return edges_m_; }
+  Eigen::Index vertex_count() const { return rest_m_.rows(); }
+
+  /// [V] 1 for the vertices of connected parts of the mesh with a seen point.
+  std::vector<std::uint8_t> parts_seen(std::span<const SeenPoint> points) const;
 
  private:
-  void load(std::span<const solvers::SeenPoint> points, std::span<const double> weights,
+  void load(std::span<const SeenPoint> points, std::span<const double> weights,
             const Camera& camera, double depth_weight_px);
-  double translation_pull(std::span<const solvers::SeenPoint> points,
-                          std::span<const double> weights, const Camera& camera) const;
+  double prior_weight(std::span<const double> weights, double depth_weight_px,
+                      double prior_weight_px, double expected) const;
+  double translation_pull(std::span<const SeenPoint> points, std::span<const double> weights,
+                          const Camera& camera) const;
   bool centre(Barrier& barrier, double tau, double tolerance, int max_iterations,
               ProgramResult& result);
 
@@ -65,10 +80,10 @@ class InextensibleProgram {
   double unit_m_ = 1.0;             ///< the median edge: lengths of program_ are in it
   std::vector<std::int32_t> part_;  ///< [V] connected part
   std::int32_t part_count_ = 0;
-  solvers::Couplings couplings_;
-  solvers::BlockCholesky factor_;
-  Program program_;
+  Couplings couplings_;
+  BlockCholesky factor_;
+  ConvexProgram program_;
   Points3 step_, tried_;
 };
 
-}  // namespace weft::salzmann_convex
+}  // namespace weft::solvers

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+#include <weft/core/result.hpp>
+#include <weft/data/camera.hpp>
+#include <weft/data/correspondences.hpp>
+#include <weft/data/template.hpp>
+#include <weft/geometry/types.hpp>
+
+#include "common/seen_points.hpp"
+
+namespace weft::solvers {
+
+/// The matches of a frame that count, and how much each does: all alike at first.
+class WeighedMatches {
+ public:
+  static constexpr std::size_t kFewest = 10;
+
+  /// Fails as seen_points() does, with fewer than kFewest too.
+  Result<void> read(const Correspondences& matches, const Template& templ);
+
+  /// Leaves out matches that are off by more than a radius and weighs the others by exp(-r / median
+  /// r). False, and nothing is changed, where none is off by as much or too few are left.
+  bool weigh_again(const Points3View& vertices_m, const Camera& camera, double radius_px);
+
+  const std::vector<SeenPoint>& points() const { return points_; }
+  const std::vector<double>& weights() const { return weights_; }  ///< [n] above 0
+
+ private:
+  std::vector<SeenPoint> points_;
+  std::vector<double> weights_;
+};
+
+}  // namespace weft::solvers

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdint>
+#include <utility>
+#include <weft/sdk/solver.hpp>
+
+#include "common/convex/inextensible_surface.hpp"
+#include "local_models.hpp"
+#include "local_patches.hpp"
+
+namespace weft::salzmann_local {
+namespace {
+
+/// The inextensible surface of salzmann_convex, held by linear local models of how sheets bend.
+class SalzmannLocal final : public Solver {
+ public:
+  static constexpr About kAbout{
+      .reference =
+          "Salzmann, Fua, Linear Local Models for Monocular Reconstruction of Deformable Surfaces, "
+          "TPAMI 33(5) (2011)",
+      .needs = "correspondences",
+      .reads = ""};
+
+  explicit SalzmannLocal(Params& p) {
+    p.read(
+        "prior_weight_px", prior_weight_px_, "px", {0.0, 10.0},
+        "error in the image that costs what a bend of one standard deviation costs; 0: no prior");
+    p.read("bend_rad", options_.turn_rad, "rad", {0.01, 100.0},
+           "how far sheets of the training turn over the template's diagonal: standard deviation");
+    p.read("floor", options_.floor_edges, "mean edges", {1e-4, 1.0},
+           "what any patch may depart from all modes: standard deviation of each");
+    p.read("training_shapes", options_.training_shapes, "", {50, 100000},
+           "cylinders and cones that the modes are learned from");
+    p.read("training_seed", seed_, "", {0, 1e9}, "of these");
+    surface_.declare(p);
+    options_.seed = static_cast<std::uint64_t>(seed_);
+  }
+
+  Result<Shape> solve(const SolverInput& in) override {
+    if (!in.correspondences) return Error{Errc::invalid_data, "needs 'correspondences'"};
+    if (auto ready = prepare_mesh(in.templ); !ready) return ready.error();
+    const auto solved = surface_.solve(in, prior_weight_px_);
+    if (!solved) return solved.error();
+    // The prior joins what is not seen to what is; nothing joins connected parts.
+    const auto filled = surface_.fill(
+        in.templ, solved->vertices_m,
+        has_prior() ? surface_.parts_with_matches() : surface_.vertices_with_matches());
+    if (!filled) return filled.error();
+    auto shape = surface_.shape(in, *solved, *filled);
+    if (shape) shape->diag.set("bend", solved->prior_rms);
+    return shape;
+  }
+
+ private:
+  bool has_prior() const { return prior_weight_px_ > 0.0; }
+
+  Result<void> prepare_mesh(const Template& templ) {
+    if (surface_.is_for(templ)) return {};
+    auto mesh = solvers::mesh_at_rest(templ);
+    if (!mesh) return mesh.error();
+    if (!has_prior()) return surface_.set_mesh(templ, *std::move(mesh));
+    auto prior =
+        local_models(templ, local_patches(templ, mesh->topology), mesh->mean_edge_m, options_);
+    if (!prior) return prior.error();
+    return surface_.set_mesh(templ, *std::move(mesh), *std::move(prior));
+  }
+
+  double prior_weight_px_ = 0.05;
+  std::int64_t seed_ = 2011;
+  LocalModelOptions options_;
+  solvers::InextensibleSurface surface_;
+};
+
+}  // namespace
+}  // namespace weft::salzmann_local
+
+using weft::salzmann_local::SalzmannLocal;
+WEFT_PLUGIN(SalzmannLocal, "solvers/salzmann_local", "1.0.0",
+            "Inextensible surface with learned bends of its patches, by one convex program.")
