@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "local_map.hpp"
+
+namespace weft::famouri_local {
+
+/// How far a match is from the camera, by its local map.
+struct LocalDepth {
+  double distance_m = 0.0;  ///< [] m from the camera centre
+  double std_m = 0.0;       ///< [] m, standard deviation
+};
+
+/// The distance theta of an isometric surface from its image point and its Jacobian J alone
+/// (Bartoli et al. 2015, see isometric_point()), with its noise from that of J, by eight points at
+/// twice the principal standard deviations of J (Julier and Uhlmann, Proc. IEEE 92, 2004). theta is
+/// the smaller one of two eigenvalues, so that noise brings it nearer; by how much the eight points
+/// say, and it is taken back: 2 theta(J) minus their mean. Nothing where the map folds, or may as
+/// well do so.
+std::optional<LocalDepth> local_depth(const LocalMap& map);
+
+}  // namespace weft::famouri_local
