@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Configures the tree as on a machine without OpenCL and without OpenCV's module aruco: all but the
+# Configures the tree as on a machine without OpenCL, Ceres and OpenCV's module aruco: all but the
 # plugins that need them is there to be built, with its tests, and what is not is named.
 set -eu
 
@@ -13,12 +13,12 @@ fail() {
 }
 
 cmake -S "$1" -B "$folder/build" -G Ninja -DCMAKE_BUILD_TYPE=Release \
-  -DCMAKE_DISABLE_FIND_PACKAGE_OpenCL=ON -DWEFT_OPENCV_ARUCO_INCLUDE= >"$folder/said" \
+  -DCMAKE_DISABLE_FIND_PACKAGE_OpenCL=ON -DWEFT_OPENCV_ARUCO_INCLUDE= -DWEFT_CERES_INCLUDE= >"$folder/said" \
   || fail "configuring failed"
 ninja -C "$folder/build" -t targets all >"$folder/targets"
 (cd "$folder/build" && ctest -N) >"$folder/tests"
 
-for plugin in detectors/sift_gpu templates/frex_sheet sources/frex_video; do
+for plugin in detectors/sift_gpu solvers/brunet_refine templates/frex_sheet sources/frex_video; do
   name=$(echo "$plugin" | tr / _)
   grep -q "Left out: $plugin needs .*Debian: " "$folder/said" || fail "nothing says that $plugin is left out"
   ! grep -q "$name" "$folder/targets" || fail "$name is still to be built"
