@@ -11,6 +11,8 @@
 #include <weft/geometry/shape_evidence.hpp>
 #include <weft/sdk/solver.hpp>
 
+#include "common/seen/hidden_faces.hpp"
+#include "common/seen/image_line.hpp"
 #include "integrated_fit.hpp"
 #include "matches.hpp"
 #include "mesh_model.hpp"
@@ -147,7 +149,9 @@ class CollinsIntegrated final : public Solver {
     frame_.previous_m.resize(0, 3);
     frame_.hidden_faces.clear();
     if (in.visibility) {
-      if (auto read = read_hidden_faces(*in.visibility, mesh_, frame_.hidden_faces); !read)
+      if (auto read = solvers::read_hidden_faces(*in.visibility, mesh_.faces, mesh_.vertex_count(),
+                                                 frame_.hidden_faces);
+          !read)
         return read;
     }
     if (!in.correspondences) return {};
@@ -166,7 +170,12 @@ class CollinsIntegrated final : public Solver {
 
   /// Whether there are enough for a shape without a past.
   bool has_matches() const {
-    return frame_.matches.size() >= to_index(min_matches_) && !lie_on_a_line(frame_.matches);
+    return frame_.matches.size() >= to_index(min_matches_) && !matches_lie_on_a_line();
+  }
+
+  bool matches_lie_on_a_line() const {
+    return solvers::lie_on_a_line(frame_.matches,
+                                  [](const Observation& seen) { return seen.seen_px; });
   }
 
   Candidate fitted(Start start, const Points3& start_m) {
@@ -202,7 +211,7 @@ class CollinsIntegrated final : public Solver {
     std::string why = "lost: " + std::to_string(frame_.matches.size()) + " matches on the mesh";
     if (frame_.matches.size() < to_index(min_matches_)) {
       why += " of at least " + std::to_string(min_matches_);
-    } else if (lie_on_a_line(frame_.matches)) {
+    } else if (matches_lie_on_a_line()) {
       why += ", all on a line of the image or in one place";
     }
     if (!tried) return why + ", and no previous shape to follow";

@@ -2,7 +2,6 @@
 #include "matches.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <string>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
@@ -11,7 +10,6 @@ namespace weft::collins_integrated {
 namespace {
 
 constexpr double kMeshNoise_px = 0.25;  // of mesh, camera and lengths: no match knows of it
-constexpr double kNarrowest = 1e-3;     // width over length, as standard deviations
 
 Error mistake(std::int64_t match, const std::string& problem) {
   return {Errc::invalid_data, "match " + std::to_string(match) + " " + problem};
@@ -58,39 +56,6 @@ Result<void> read_matches(const Correspondences& matches, const MeshModel& mesh,
     if (hidden_faces.empty() || hidden_faces[to_index(face)] == 0) observations.push_back(seen);
   }
   return {};
-}
-
-Result<void> read_hidden_faces(const Visibility& visibility, const MeshModel& mesh,
-                               std::vector<std::uint8_t>& hidden_faces) {
-  if (visibility.visible.rows() != mesh.vertex_count()) {
-    return Error{Errc::invalid_data,
-                 "the visibility has " + std::to_string(visibility.visible.rows()) +
-                     " vertices, the template " + std::to_string(mesh.vertex_count()) +
-                     ": use one template throughout"};
-  }
-  hidden_faces.assign(to_index(mesh.faces.rows()), 1);
-  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
-    for (Eigen::Index k = 0; k < 3; ++k) {
-      const std::int32_t v = mesh.faces(f, k);
-      const bool is_hidden =
-          visibility.visible(v) == 0 && visibility.why(v) != SightReason::outside;
-      if (!is_hidden) hidden_faces[to_index(f)] = 0;
-    }
-  }
-  return {};
-}
-
-bool lie_on_a_line(const std::vector<Observation>& observations) {
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  for (const Observation& seen : observations) mean += seen.seen_px;
-  mean /= static_cast<double>(observations.size());
-  Eigen::Matrix2d squares = Eigen::Matrix2d::Zero();
-  for (const Observation& seen : observations) {
-    const Eigen::Vector2d off = seen.seen_px - mean;
-    squares += off * off.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> spread(squares, Eigen::EigenvaluesOnly);
-  return !(spread.eigenvalues()[0] > kNarrowest * kNarrowest * spread.eigenvalues()[1]);
 }
 
 }  // namespace weft::collins_integrated

@@ -5,7 +5,6 @@
 #include <vector>
 #include <weft/core/result.hpp>
 #include <weft/data/correspondences.hpp>
-#include <weft/data/visibility.hpp>
 
 #include "energy.hpp"
 #include "mesh_model.hpp"
@@ -18,13 +17,5 @@ namespace weft::collins_integrated {
 Result<void> read_matches(const Correspondences& matches, const MeshModel& mesh, double noise_px,
                           const std::vector<std::uint8_t>& hidden_faces,
                           std::vector<Observation>& observations);
-
-/// [F] 1 for faces of which a visibility says that no corner is seen, those outside the image not
-/// counted. Fails on a visibility of another mesh.
-Result<void> read_hidden_faces(const Visibility& visibility, const MeshModel& mesh,
-                               std::vector<std::uint8_t>& hidden_faces);
-
-/// Whether points lie on a line of the image, or in one place.
-bool lie_on_a_line(const std::vector<Observation>& observations);
 
 }  // namespace weft::collins_integrated

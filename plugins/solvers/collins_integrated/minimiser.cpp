@@ -13,12 +13,6 @@ constexpr double kMore = 10.0, kLess = 1.0 / 3.0;
 constexpr int kMostRefusals = 5;
 constexpr double kShortStep = 1e-4;  // mean edges
 
-double mean_diagonal(const solvers::BlockMatrix& matrix) {
-  double sum = 0.0;
-  for (const Eigen::Matrix3d& block : matrix.diagonal) sum += block.trace();
-  return sum / static_cast<double>(3 * matrix.diagonal.size());
-}
-
 }  // namespace
 
 Result<void> Minimiser::prepare(const MeshModel& mesh) {
@@ -42,7 +36,7 @@ MinimiserResult Minimiser::run(const FrameData& frame, const Scales& scales, int
   while (std::isfinite(result.energy) && result.iterations < max_iterations) {
     ++result.iterations;
     bool moved = false;
-    if (factor_.factorise(matrix_, damping * mean_diagonal(matrix_))) {
+    if (factor_.factorise(matrix_, damping * matrix_.mean_diagonal())) {
       step_m_ = -gradient_;
       factor_.solve(step_m_);
       tried_m_ = vertices_m + step_m_;

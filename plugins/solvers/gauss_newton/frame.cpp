@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "frame.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -9,28 +8,12 @@
 
 #include "common/hidden_bend.hpp"
 #include "common/known_spheres.hpp"
+#include "common/seen/image_line.hpp"
 
 namespace weft::gauss_newton {
 namespace {
 
 constexpr int kFewestMatches = 10;  // with less the object is lost
-
-/// From points of the image on a line no surface follows: all that is seen of one is seen from the
-/// side.
-bool lie_on_a_line(const std::vector<Observation>& observations) {
-  constexpr double kFlattest = 1e-3;
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  Eigen::Matrix2d squares = Eigen::Matrix2d::Zero();
-  for (const Observation& seen : observations)
-    mean += Eigen::Map<const Eigen::Vector2d>(seen.seen_px.data());
-  mean /= static_cast<double>(observations.size());
-  for (const Observation& seen : observations) {
-    const Eigen::Vector2d off = Eigen::Map<const Eigen::Vector2d>(seen.seen_px.data()) - mean;
-    squares += off * off.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> spread(squares, Eigen::EigenvaluesOnly);
-  return !(spread.eigenvalues()[0] > kFlattest * kFlattest * spread.eigenvalues()[1]);
-}
 
 /// Where the matches are wired, too few of them mean that the object is lost.
 Result<void> check_match_count(const SolverInput& in) {
@@ -51,7 +34,10 @@ Result<void> Frame::read(const SolverInput& in, const MeshModel& mesh) {
                      " of at least " + std::to_string(options.min_sightlines));
   }
   if (auto enough = check_match_count(in); !enough) return enough;
-  if (lie_on_a_line(data.observations)) {
+  const auto place_px = [](const Observation& seen) -> Eigen::Vector2d {
+    return Eigen::Map<const Eigen::Vector2d>(seen.seen_px.data());
+  };
+  if (solvers::lie_on_a_line(data.observations, place_px)) {
     return no_result("the points seen lie on a line of the image, or in one place");
   }
   held.assign(to_index(mesh.vertex_count()), 0);

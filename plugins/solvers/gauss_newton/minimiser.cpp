@@ -18,12 +18,6 @@ double rms(const Points3& values) {
   return std::sqrt(values.squaredNorm() / static_cast<double>(values.rows()));
 }
 
-double mean_diagonal(const BlockMatrix& matrix) {
-  double sum = 0.0;
-  for (const Eigen::Matrix3d& block : matrix.diagonal) sum += block.trace();
-  return sum / static_cast<double>(3 * matrix.diagonal.size());
-}
-
 }  // namespace
 
 Result<void> Minimiser::prepare(const MeshModel& mesh) {
@@ -69,7 +63,7 @@ MinimiserResult Minimiser::run(const FrameData& frame, const Expectation& expect
     }
     ++result.iterations;
     moved = false;
-    if (factor_.factorise(matrix_, damping * mean_diagonal(matrix_))) {
+    if (factor_.factorise(matrix_, damping * matrix_.mean_diagonal())) {
       step_m_ = -gradient_;
       factor_.solve(step_m_);
       tried_m_ = vertices_m + step_m_;

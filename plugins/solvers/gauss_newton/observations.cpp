@@ -9,6 +9,8 @@
 #include <weft/core/stop_check.hpp>
 #include <weft/geometry/check_sightlines.hpp>
 
+#include "common/seen/hidden_faces.hpp"
+
 namespace weft::gauss_newton {
 namespace {
 
@@ -24,27 +26,6 @@ std::optional<Whitening> whitening(const double* covariance_px2, double noise2_p
                                   covariance_px2[3] + noise2_px2);
 }
 
-/// [F] 1 for faces of which no corner is seen. A corner outside the image says nothing.
-Result<void> hidden_faces(const Visibility& visibility, const MeshModel& mesh,
-                          std::vector<std::uint8_t>& hidden) {
-  if (visibility.visible.rows() != mesh.vertex_count()) {
-    return Error{Errc::invalid_data,
-                 "the visibility has " + std::to_string(visibility.visible.rows()) +
-                     " vertices, the template " + std::to_string(mesh.vertex_count()) +
-                     ": use one template throughout"};
-  }
-  hidden.assign(to_index(mesh.faces.rows()), 1);
-  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
-    for (Eigen::Index k = 0; k < 3; ++k) {
-      const std::int32_t v = mesh.faces(f, k);
-      const bool is_hidden =
-          visibility.visible(v) == 0 && visibility.why(v) != SightReason::outside;
-      if (!is_hidden) hidden[to_index(f)] = 0;
-    }
-  }
-  return {};
-}
-
 }  // namespace
 
 Result<void> ObservationReader::read(const SolverInput& in, const MeshModel& mesh,
@@ -56,7 +37,10 @@ Result<void> ObservationReader::read(const SolverInput& in, const MeshModel& mes
     return Error{Errc::invalid_data, "needs 'correspondences' or 'sightlines'"};
   }
   if (in.visibility) {
-    if (auto found = hidden_faces(*in.visibility, mesh, hidden_); !found) return found;
+    if (auto found =
+            solvers::read_hidden_faces(*in.visibility, mesh.faces, mesh.vertex_count(), hidden_);
+        !found)
+      return found;
   }
   const bool takes_matches = in.correspondences && options.data != Data::sightlines;
   const bool takes_lines = in.sightlines && (options.data != Data::matches || !takes_matches);

@@ -30,6 +30,12 @@ void BlockMatrix::set_zero() {
   std::fill(coupling.begin(), coupling.end(), Eigen::Matrix3d::Zero());
 }
 
+double BlockMatrix::mean_diagonal() const {
+  double sum = 0.0;
+  for (const Eigen::Matrix3d& block : diagonal) sum += block.trace();
+  return sum / static_cast<double>(3 * diagonal.size());
+}
+
 Panel BlockCholesky::panel(const Front& front) {
   return {panels_.data() + front.panel, stride_for(front.rows())};
 }

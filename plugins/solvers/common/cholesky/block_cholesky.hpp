@@ -21,6 +21,7 @@ struct BlockMatrix {
   std::vector<Eigen::Matrix3d> coupling;  ///< [C]
 
   void set_zero();
+  double mean_diagonal() const;
 };
 
 /// The Cholesky factor of a BlockMatrix, by fronts (Duff and Reid, ACM TOMS 9, 1983): each node of
