@@ -236,6 +236,8 @@ async function draw_speed(figure, data, series) {
     }))
     .filter(({ error, fps }) => error !== null && Number.isFinite(fps));
   for (const value of values) value.name_dy = is_above_another(value, values) ? -7 : 0;
+  const all_fps = values.map(({ fps }) => fps);
+  const domain = [Math.min(...all_fps) / 1.3, Math.max(...all_fps) * 1.3];
   await draw(figure, {
     width: width_of(figure),
     height: kHeight,
@@ -251,7 +253,7 @@ async function draw_speed(figure, data, series) {
         field: "fps",
         type: "quantitative",
         title: "Frames a second, of one processor core",
-        scale: { type: "log" },
+        scale: { type: "log", domain, nice: false },
         axis: { tickCount: 4, format: "~r" },
       },
     },
