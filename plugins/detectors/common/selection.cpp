@@ -38,32 +38,76 @@ void Selector::put_in_order(const std::vector<cv::KeyPoint>& keypoints, std::vec
   std::sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
 }
 
+/// Groups keypoints by cells, each in the order given.
+void Selector::sort_into_cells(const std::vector<cv::KeyPoint>& keypoints, cv::Size image,
+                               int buckets, const std::vector<int>& order) {
+  cells_.clear();
+  first_.assign(to_index(buckets * buckets) + 2, 0);
+  for (const int i : order) {
+    const cv::Point2f& at = keypoints[to_index(i)].pt;
+    cells_.push_back(cell_of(at.y, image.height, buckets) * buckets +
+                     cell_of(at.x, image.width, buckets));
+    ++first_[to_index(cells_.back()) + 2];
+  }
+  for (std::size_t cell = 2; cell < first_.size(); ++cell) first_[cell] += first_[cell - 1];
+  ranked_.resize(order.size());
+  for (std::size_t place = 0; place < order.size(); ++place) {
+    const int to = first_[to_index(cells_[place]) + 1]++;
+    ranked_[to_index(to)] = {keypoints[to_index(order[place])].response, static_cast<int>(place)};
+  }
+}
+
+/// How many rounds, in each of which every cell gives one that it has, stay within the limit, and
+/// how many are left of it then.
+Selector::Rounds Selector::rounds_within(int limit) {
+  counts_.clear();
+  for (std::size_t cell = 0; cell + 2 < first_.size(); ++cell) {
+    counts_.push_back(first_[cell + 1] - first_[cell]);
+  }
+  std::sort(counts_.begin(), counts_.end());
+  Rounds rounds{0, limit};
+  for (std::size_t i = 0; i < counts_.size(); ++i) {
+    const int giving = static_cast<int>(counts_.size() - i), more = counts_[i] - rounds.all;
+    if (static_cast<std::int64_t>(more) * giving > rounds.left) {
+      rounds.all += rounds.left / giving;
+      rounds.left %= giving;
+      break;
+    }
+    rounds.all += more;
+    rounds.left -= more * giving;
+  }
+  return rounds;
+}
+
 void Selector::spread(const std::vector<cv::KeyPoint>& keypoints, cv::Size image, int limit,
                       int buckets, std::vector<int>& order) {
   if (limit == 0 || order.size() <= to_index(limit)) return;
   buckets = std::min(buckets, static_cast<int>(std::sqrt(static_cast<double>(limit))));
-  ranked_.clear();
-  for (std::size_t place = 0; place < order.size(); ++place) {
-    ranked_.push_back({0, keypoints[to_index(order[place])].response, static_cast<int>(place)});
-  }
+  sort_into_cells(keypoints, image, buckets, order);
+  const Rounds rounds = rounds_within(limit);
   const auto before = [](const Ranked& a, const Ranked& b) {
-    return std::tuple(a.rank, -a.response, a.place) < std::tuple(b.rank, -b.response, b.place);
+    return std::tuple(-a.response, a.place) < std::tuple(-b.response, b.place);
   };
-  std::sort(ranked_.begin(), ranked_.end(), before);
-
-  taken_.assign(to_index(buckets * buckets), 0);
-  for (Ranked& one : ranked_) {
-    const cv::Point2f& at = keypoints[to_index(order[to_index(one.place)])].pt;
-    const int cell =
-        cell_of(at.y, image.height, buckets) * buckets + cell_of(at.x, image.width, buckets);
-    one.rank = taken_[to_index(cell)]++;
+  keep_.assign(order.size(), 0);
+  last_.clear();
+  for (std::size_t cell = 0; cell + 2 < first_.size(); ++cell) {
+    const auto begin = ranked_.begin() + first_[cell], end = ranked_.begin() + first_[cell + 1];
+    auto kept = end;
+    if (end - begin > rounds.all) {
+      kept = begin + rounds.all;
+      std::nth_element(begin, kept, end, before);
+      last_.push_back(*kept);  // may be the cell's one of the last round
+    }
+    for (auto each = begin; each != kept; ++each) keep_[to_index(each->place)] = 1;
   }
-  const auto end = ranked_.begin() + limit;
-  std::nth_element(ranked_.begin(), end, ranked_.end(), before);
-  std::sort(ranked_.begin(), end,
-            [](const Ranked& a, const Ranked& b) { return a.place < b.place; });
-  for (std::size_t i = 0; i < to_index(limit); ++i) order[i] = order[to_index(ranked_[i].place)];
-  order.resize(to_index(limit));
+  const auto enough = last_.begin() + rounds.left;
+  std::nth_element(last_.begin(), enough, last_.end(), before);
+  for (auto each = last_.begin(); each != enough; ++each) keep_[to_index(each->place)] = 1;
+  std::size_t count = 0;
+  for (std::size_t place = 0; place < order.size(); ++place) {
+    if (keep_[place] != 0) order[count++] = order[place];
+  }
+  order.resize(count);
 }
 
 const std::vector<int>& Selector::choose(const std::vector<cv::KeyPoint>& keypoints, cv::Size image,

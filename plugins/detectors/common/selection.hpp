@@ -42,15 +42,26 @@ class Selector {
               std::vector<int>& order);
 
  private:
-  /// A keypoint seen by the cap: how many of its cell are stronger, and where it stood.
+  /// A keypoint seen by the cap.
   struct Ranked {
-    int rank;
     float response;
     int place;  ///< in the order
   };
+  struct Rounds {
+    int all, left;
+  };
 
-  std::vector<int> order_, taken_;
-  std::vector<Ranked> ranked_;
+  void sort_into_cells(const std::vector<cv::KeyPoint>& keypoints, cv::Size image, int buckets,
+                       const std::vector<int>& order);
+  Rounds rounds_within(int limit);
+
+  std::vector<int> order_;
+  std::vector<int> cells_;      ///< of each place
+  std::vector<int> first_;      ///< in `ranked_`, of each cell and beyond the last
+  std::vector<Ranked> ranked_;  ///< cell by cell
+  std::vector<int> counts_;     ///< of the cells, ascending
+  std::vector<Ranked> last_;    ///< the strongest of each cell beyond the rounds of all
+  std::vector<char> keep_;      ///< of each place
 };
 
 }  // namespace weft::detectors

@@ -81,7 +81,7 @@ RatioMatching::RatioMatching(Params& p) {
          "largest distance of a match (RootSIFT: up to 1.42, hamming: bits); 0 is no limit");
 }
 
-Result<Sides> RatioMatching::sides(const MatcherInput& in) const {
+Result<Sides> RatioMatching::sides(const MatcherInput& in) {
   if (!in.keypoints || !in.template_keypoints) {
     return Error{Errc::invalid_data,
                  "matching needs keypoints of the image and of the template; "
@@ -94,7 +94,11 @@ Result<Sides> RatioMatching::sides(const MatcherInput& in) const {
     return no_result(std::to_string(sides.trains.count()) + " keypoints " + place_of(!forward()) +
                      ": the ratio test needs at least 2");
   }
-  if (auto usable = check(templ, image, root_sift_); !usable) return usable.error();
+  const bool template_passed = templ.revision != 0 && templ.revision == passed_;
+  if (auto usable = check(templ, image, root_sift_, template_passed); !usable) {
+    return usable.error();
+  }
+  passed_ = templ.revision;
   return sides;
 }
 

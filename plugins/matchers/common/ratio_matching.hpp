@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <vector>
 #include <weft/sdk/matcher.hpp>
 
@@ -32,7 +33,7 @@ class RatioMatching {
   explicit RatioMatching(Params& p);
 
   /// The two sides of a search; no_result or an Error where there is nothing to search.
-  Result<Sides> sides(const MatcherInput& in) const;
+  Result<Sides> sides(const MatcherInput& in);
 
   /// Whether the template's keypoints are the queries.
   bool forward() const { return direction_ == Direction::template_to_image; }
@@ -57,6 +58,7 @@ class RatioMatching {
   double second_best_radius_px_ = 3.0;
   double max_distance_ = 0.0;
   std::vector<Match> matches_;
+  std::uint64_t passed_ = 0;  ///< revision of the template that was checked last
 };
 
 }  // namespace weft::matchers

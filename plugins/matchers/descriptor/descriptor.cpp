@@ -29,8 +29,8 @@ class Descriptor final : public Matcher {
                                          .mutual = matching_.mutual(),
                                          .ratio = matching_.ratio(),
                                          .threads = in.call.threads()};
-    if (!search_.run(load(sides->queries, sides->trains), sides->trains.xy_px, options,
-                     [&] { return in.call.cancelled(); })) {
+    if (!search_.run(load(sides->queries, sides->trains, in.call.threads()), sides->trains.xy_px,
+                     options, [&] { return in.call.cancelled(); })) {
       return Error{Errc::cancelled, "cancelled"};
     }
     neighbours_.clear();
@@ -43,13 +43,13 @@ class Descriptor final : public Matcher {
   }
 
  private:
-  matchers::CoarseDistances& load(const Keypoints& queries, const Keypoints& trains) {
+  matchers::CoarseDistances& load(const Keypoints& queries, const Keypoints& trains, int threads) {
     if (queries.metric == "hamming") {
       hamming_.load(queries.binary_descriptors, trains.binary_descriptors);
       return hamming_;
     }
     l2_.load(queries.descriptors, trains.descriptors, matching_.root_sift(), queries.revision,
-             trains.revision);
+             trains.revision, threads);
     return l2_;
   }
 
@@ -64,5 +64,5 @@ class Descriptor final : public Matcher {
 }  // namespace weft::descriptor
 
 using weft::descriptor::Descriptor;
-WEFT_PLUGIN(Descriptor, "matchers/descriptor", "1.1.0",
+WEFT_PLUGIN(Descriptor, "matchers/descriptor", "1.1.1",
             "Matches keypoints by their nearest descriptor with Lowe's ratio test, exactly.")

@@ -2,11 +2,12 @@
 #include "nearest_search.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <functional>
 #include <numeric>
 #include <span>
 #include <weft/core/index.hpp>
+
+#include "common/workers/sharing.hpp"
 
 namespace weft::descriptor {
 
@@ -19,29 +20,21 @@ bool NearestSearch::for_each_row(CoarseDistances& distances, const std::vector<i
                                  const Visit& visit) {
   distances.pack_trains();
   const int length = distances.row_length();
-  const int blocks = (static_cast<int>(queries.size()) + kBlockQueries - 1) / kBlockQueries;
-  const int workers = std::clamp(threads, 1, std::max(blocks, 1));
-  if (benches_.size() < to_index(workers)) benches_.resize(to_index(workers));
+  const Shares shares{static_cast<int>(queries.size()), kBlockQueries, threads};
+  if (benches_.size() < to_index(shares.workers())) benches_.resize(to_index(shares.workers()));
   if (cancelled()) return false;  // other threads may leave the caller's nothing to ask between
-  std::atomic<int> next = 0;
-  std::atomic<bool> stopped = false;
-  workers_.run(workers, [&](int worker) {
+  return share_out(workers_, shares, [&](int worker, int begin, int end) {
+    if (worker == 0 && cancelled()) return false;
     Bench& bench = benches_[to_index(worker)];
     bench.codes.resize(to_index(kBlockQueries) * to_index(length));
-    for (int block = next++; block < blocks && !stopped; block = next++) {
-      if (worker == 0 && cancelled()) stopped = true;
-      if (stopped) return;
-      const std::size_t first = to_index(block * kBlockQueries);
-      const std::span<const int> some(queries.data() + first,
-                                      std::min(to_index(kBlockQueries), queries.size() - first));
-      distances.fill(some, bench.scratch, bench.codes.data());
-      for (std::size_t i = 0; i < some.size(); ++i) {
-        bench.two.row.open(bench.codes.data() + i * to_index(length), length);
-        visit(bench, some[i]);
-      }
+    const std::span<const int> some(queries.data() + begin, to_index(end - begin));
+    distances.fill(some, bench.scratch, bench.codes.data());
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      bench.two.row.open(bench.codes.data() + i * to_index(length), length);
+      visit(bench, some[i]);
     }
+    return true;
   });
-  return !stopped;
 }
 
 /// Asks of each train that is a best for its nearest query.

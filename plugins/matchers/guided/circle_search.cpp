@@ -2,10 +2,11 @@
 #include "circle_search.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <limits>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
+
+#include "common/workers/sharing.hpp"
 
 namespace weft::guided {
 
@@ -28,23 +29,11 @@ void CircleSearch::lay_out(const std::vector<Eigen::Vector2d>& in_image, double 
 template <class Visit>
 void CircleSearch::for_each_query(const Options& options, Visit&& visit) {
   constexpr int kAtOnce = 32;
-  const int count = static_cast<int>(nearest_.size());
-  const int blocks = (count + kAtOnce - 1) / kAtOnce;
-  const int workers = std::clamp(options.threads, 1, std::max(blocks, 1));
-  if (benches_.size() < to_index(workers)) benches_.resize(to_index(workers));
-  std::atomic<int> next = 0;
-  workers_.run(workers, [&](int worker) {
-    try {
-      for (int block = next++; block < blocks; block = next++) {
-        const int end = std::min(count, (block + 1) * kAtOnce);
-        for (int query = block * kAtOnce; query < end; ++query) {
-          visit(benches_[to_index(worker)], query);
-        }
-      }
-    } catch (...) {
-      next = blocks;
-      throw;
-    }
+  const Shares shares{static_cast<int>(nearest_.size()), kAtOnce, options.threads};
+  if (benches_.size() < to_index(shares.workers())) benches_.resize(to_index(shares.workers()));
+  share_out(workers_, shares, [&](int worker, int begin, int end) {
+    for (int query = begin; query < end; ++query) visit(benches_[to_index(worker)], query);
+    return true;
   });
 }
 

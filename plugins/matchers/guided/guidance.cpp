@@ -39,6 +39,7 @@ std::vector<Eigen::Vector2d> predicted_places(const Keypoints& template_keypoint
   const auto vertices_m = previous.vertices_m.matrix<3>();
   const auto weights = template_keypoints.barycentrics.matrix<3>();
   std::vector<Eigen::Vector2d> places;
+  places.reserve(to_index(template_keypoints.count()));
   for (std::int64_t i = 0; i < template_keypoints.count(); ++i) {
     const std::int32_t face = template_keypoints.face(i);
     Eigen::Vector2d place = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());

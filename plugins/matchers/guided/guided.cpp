@@ -16,6 +16,7 @@ namespace {
 
 std::vector<Eigen::Vector2d> places_of(const Keypoints& keypoints) {
   std::vector<Eigen::Vector2d> places;
+  places.reserve(to_index(keypoints.count()));
   for (std::int64_t i = 0; i < keypoints.count(); ++i) {
     places.emplace_back(keypoints.xy_px(i, 0), keypoints.xy_px(i, 1));
   }
@@ -77,8 +78,8 @@ class Guided final : public Matcher {
                                         .ratio = matching_.ratio(),
                                         .mutual = matching_.mutual(),
                                         .threads = in.call.threads()};
-    const auto& nearest = search_.run(load(sides.queries, sides.trains), forward ? templ : image,
-                                      forward ? image : templ, options);
+    const auto& nearest = search_.run(load(sides.queries, sides.trains, in.call.threads()),
+                                      forward ? templ : image, forward ? image : templ, options);
     neighbours_.clear();
     for (int query = 0; query < static_cast<int>(nearest.size()); ++query) {
       const matchers::Nearest& found = nearest[to_index(query)];
@@ -105,13 +106,13 @@ class Guided final : public Matcher {
     for (const NamedArray& entry : evidence.entries()) diag.entries().push_back(entry);
   }
 
-  matchers::CoarseDistances& load(const Keypoints& queries, const Keypoints& trains) {
+  matchers::CoarseDistances& load(const Keypoints& queries, const Keypoints& trains, int threads) {
     if (queries.metric == "hamming") {
       hamming_.load(queries.binary_descriptors, trains.binary_descriptors);
       return hamming_;
     }
     l2_.load(queries.descriptors, trains.descriptors, matching_.root_sift(), queries.revision,
-             trains.revision);
+             trains.revision, threads);
     return l2_;
   }
 
@@ -131,6 +132,6 @@ class Guided final : public Matcher {
 }  // namespace
 }  // namespace weft::guided
 
-WEFT_PLUGIN(weft::guided::Guided, "matchers/guided", "1.0.1",
+WEFT_PLUGIN(weft::guided::Guided, "matchers/guided", "1.0.2",
             "Matches keypoints near where the previous shape has them, and all over where that "
             "fails.")

@@ -2,9 +2,11 @@
 #include "tracker.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <weft/core/stop_check.hpp>
+
+#include "common/view/beside.hpp"
+#include "common/workers/sharing.hpp"
 
 namespace weft::track {
 namespace {
@@ -14,15 +16,6 @@ constexpr float kAlike = 0.6F;             // [] correlation of a patch that may
 constexpr double kFollowsOthers_px = 2.5;  // [px of the level] from the affine field
 constexpr float kReach_px = 6.0F;          // [px of the level] half a patch
 constexpr float kLargestDeviation_px = 0.35F;
-
-/// Where the patch of a point may lie instead of around it, nearer ones first: up to half a patch,
-/// so that the point is in it.
-struct Aside {
-  int dx, dy;  ///< [px of the level]
-};
-constexpr Aside kAsides[] = {{0, 0},  {3, 0},  {-3, 0},  {0, 3},  {0, -3}, {3, 3},
-                             {-3, 3}, {3, -3}, {-3, -3}, {6, 0},  {-6, 0}, {0, 6},
-                             {0, -6}, {6, 6},  {-6, 6},  {6, -6}, {-6, -6}};
 
 bool is_found(const Target& target) {
   return target.fate == Fate::found && target.correlation >= kAlike;
@@ -59,12 +52,9 @@ void Tracker::find(const view::PredictedView& view, const view::Pyramid& image,
 /// the border of what is drawn it is the nearest piece that was drawn wholly.
 view::Patch::Fit Tracker::take(const view::PredictedView& view, int level, const Target& target,
                                Bench& bench) const {
-  view::Patch::Fit fit = view::Patch::Fit::not_drawn;
-  for (const auto& [dx, dy] : kAsides) {
-    fit = take(view, level, target, dx, dy, bench);
-    if (fit != view::Patch::Fit::not_drawn) break;
-  }
-  return fit;
+  return view::take_beside([&](const view::Aside& aside) {
+    return take(view, level, target, aside.dx, aside.dy, bench);
+  });
 }
 
 /// That which lies so many px of the level beside it.
@@ -96,21 +86,17 @@ view::Patch::Fit Tracker::take(const view::PredictedView& view, int level, const
 
 void Tracker::align(const view::PredictedView& view, const view::Pyramid& image, int level,
                     int threads, std::vector<Target>& targets) {
-  constexpr std::size_t kShare = 16;  // targets that a thread takes at a time
-  const std::size_t shares = (targets.size() + kShare - 1) / kShare;
-  const int workers = std::clamp(threads, 1, static_cast<int>(std::max<std::size_t>(shares, 1)));
-  if (benches_.size() < to_index(workers)) benches_.resize(to_index(workers));
-  std::atomic<std::size_t> next = 0;
-  workers_.run(workers, [&](int worker) {
-    for (std::size_t share = next++; share < shares; share = next++) {
-      worked(static_cast<std::int64_t>(100 * kShare) * workers);
-      const std::size_t end = std::min((share + 1) * kShare, targets.size());
-      for (std::size_t i = share * kShare; i < end; ++i) {
-        // What was found at a quarter of the size is near enough for the full one.
-        if (level > 0 && level < kFirstLevel && is_found(targets[i])) continue;
-        align(view, image, level, benches_[to_index(worker)], targets[i], deviations_px_[i]);
-      }
+  constexpr int kShare = 16;  // targets that a thread takes at a time
+  const Shares shares{static_cast<int>(targets.size()), kShare, threads};
+  if (benches_.size() < to_index(shares.workers())) benches_.resize(to_index(shares.workers()));
+  share_out(workers_, shares, [&](int worker, int begin, int end) {
+    worked(std::int64_t{100} * kShare * shares.workers());
+    for (std::size_t i = to_index(begin); i < to_index(end); ++i) {
+      // What was found at a quarter of the size is near enough for the full one.
+      if (level > 0 && level < kFirstLevel && is_found(targets[i])) continue;
+      align(view, image, level, benches_[to_index(worker)], targets[i], deviations_px_[i]);
     }
+    return true;
   });
 }
 

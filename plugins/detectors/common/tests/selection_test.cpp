@@ -4,6 +4,13 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <numeric>
+#include <utility>
+#include <weft/core/index.hpp>
+#include <weft/core/rng.hpp>
 
 namespace weft::detectors {
 namespace {
@@ -60,6 +67,54 @@ TEST(Selection, PrefersTheEarlierPlaceAmongEqualResponses) {
   std::vector<int> order{0, 1, 2};
   keep_spread(keypoints, {100, 100}, 2, 16, order);
   EXPECT_THAT(order, ElementsAre(0, 1));
+}
+
+/// As keep_spread() is described: round after round, by sorting.
+std::vector<int> spread_by_rounds(const std::vector<cv::KeyPoint>& keypoints, int side, int limit,
+                                  int buckets) {
+  buckets = std::min(buckets, static_cast<int>(std::sqrt(limit)));
+  std::vector<int> strongest_first(keypoints.size());
+  std::iota(strongest_first.begin(), strongest_first.end(), 0);
+  std::stable_sort(strongest_first.begin(), strongest_first.end(), [&](int a, int b) {
+    return keypoints[to_index(a)].response > keypoints[to_index(b)].response;
+  });
+  std::map<std::pair<int, int>, int> taken;
+  std::vector<std::pair<int, int>> by_round;  // round, place among the strongest
+  for (int s = 0; s < static_cast<int>(strongest_first.size()); ++s) {
+    const cv::Point2f& at = keypoints[to_index(strongest_first[to_index(s)])].pt;
+    const auto cell = [&](float x) { return static_cast<int>(x) * buckets / side; };
+    by_round.emplace_back(taken[{cell(at.x), cell(at.y)}]++, s);
+  }
+  std::sort(by_round.begin(), by_round.end());
+  std::vector<int> kept;
+  for (int k = 0; k < limit; ++k) {
+    kept.push_back(strongest_first[to_index(by_round[to_index(k)].second)]);
+  }
+  std::sort(kept.begin(), kept.end());
+  return kept;
+}
+
+TEST(Selection, IsThatOfRoundsOverTheCellsWhateverTheirNumber) {
+  constexpr std::uint64_t kSeed = 417;
+  std::printf("seed %llu\n", static_cast<unsigned long long>(kSeed));
+  Rng rng(kSeed);
+  constexpr int kSide = 64;
+  for (int round = 0; round < 60; ++round) {
+    // Crowded at the left, and of few responses, so that many are equal.
+    std::vector<cv::KeyPoint> keypoints;
+    for (int i = 0; i < 300; ++i) {
+      const double u = rng.uniform(), v = rng.uniform(), response = rng.uniform();
+      keypoints.push_back(keypoint(std::floor(static_cast<float>(kSide * u * u)),
+                                   std::floor(static_cast<float>(kSide * v)),
+                                   std::floor(static_cast<float>(12.0 * response))));
+    }
+    const int limit = 1 + 5 * round, buckets = 1 << round % 5;
+    std::vector<int> order(keypoints.size());
+    std::iota(order.begin(), order.end(), 0);
+    keep_spread(keypoints, {kSide, kSide}, limit, buckets, order);
+    EXPECT_EQ(order, spread_by_rounds(keypoints, kSide, limit, buckets))
+        << "limit " << limit << ", buckets " << buckets;
+  }
 }
 
 TEST(Selection, ToleratesKeypointsOutsideTheImage) {

@@ -7,18 +7,22 @@
 #include <utility>
 #include <weft/core/index.hpp>
 
+#include "common/workers/sharing.hpp"
+
 namespace weft::matchers {
 namespace {
 
 /// Added to the errors of two rows, for what is rounded when they are computed [bytes].
 constexpr double kMargin = 0.01;
+/// Rows that a thread takes together.
+constexpr int kRowsAtATime = 128;
 
 int rounded_up(int count, int multiple) { return (count + multiple - 1) / multiple * multiple; }
 
 }  // namespace
 
 void CoarseL2::Side::load(const Array<float>& descriptors, bool with_root,
-                          std::uint64_t new_revision) {
+                          std::uint64_t new_revision, Workers& workers, int threads) {
   const bool is_kept = new_revision != 0 && new_revision == revision && with_root == root &&
                        count() == descriptors.dim(0);
   const int length = static_cast<int>(descriptors.dim(1));
@@ -29,14 +33,19 @@ void CoarseL2::Side::load(const Array<float>& descriptors, bool with_root,
     return;
   }
   revision = 0;  // until all is there
-  rows.clear();
+  rows.resize(to_index(descriptors.dim(0)));
   rounding = {};
   range = {0.0F, with_root ? 1.0 : 0.0};
-  for (std::int64_t i = 0; i < descriptors.dim(0); ++i) {
-    const float* numbers = descriptors.row(i);
-    rows.push_back(with_root ? root_of(numbers, length) : ComparedRow{numbers, length});
-    if (with_root) continue;
-    const RowSurvey survey = survey_row(numbers, length);
+  share_out(workers, {count(), kRowsAtATime, threads}, [&](int, int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      const float* numbers = descriptors.row(i);
+      rows[to_index(i)] = with_root ? root_of(numbers, length) : ComparedRow{numbers, length};
+    }
+    return true;
+  });
+  for (const ComparedRow& row : rows) {
+    if (with_root) break;
+    const RowSurvey survey = survey_row(row.numbers, length);
     range.lowest = std::min(range.lowest, survey.lowest);
     range.largest_norm = std::max(range.largest_norm, survey.norm);
   }
@@ -57,7 +66,7 @@ CoarseL2::Range CoarseL2::range_of_both() const {
   return range;
 }
 
-void CoarseL2::Side::quantise(const Rounding& wanted) {
+void CoarseL2::Side::quantise(const Rounding& wanted, Workers& workers, int threads) {
   if (rounding == wanted) return;
   const auto padded = to_index(rounded_up(count(), kCodeBlock));
   const int row_bytes = wanted.row_bytes;
@@ -72,16 +81,21 @@ void CoarseL2::Side::quantise(const Rounding& wanted) {
   halves.assign(padded, 1 << 20);
   errors.resize(rows.size());
   fine_errors.resize(rows.size());
+  share_out(workers, {count(), kRowsAtATime, threads}, [&](int, int begin, int end) {
+    for (std::size_t i = to_index(begin); i < to_index(end); ++i) {
+      const std::size_t first = i * to_index(row_bytes);
+      const Rounded rounded = round_row(rows[i], wanted.lowest, wanted.scale, bytes.data() + first,
+                                        fine.data() + first);
+      halves[i] = (rounded.squared_norm + 1) / 2;
+      errors[i] = rounded.error;
+      fine_errors[i] = rounded.fine_error;
+    }
+    return true;
+  });
   largest_error = largest_fine_error = 0.0F;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const std::size_t first = i * to_index(row_bytes);
-    const Rounded rounded =
-        round_row(rows[i], wanted.lowest, wanted.scale, bytes.data() + first, fine.data() + first);
-    halves[i] = (rounded.squared_norm + 1) / 2;
-    errors[i] = rounded.error;
-    fine_errors[i] = rounded.fine_error;
-    largest_error = std::max(largest_error, rounded.error);
-    largest_fine_error = std::max(largest_fine_error, rounded.fine_error);
+    largest_error = std::max(largest_error, errors[i]);
+    largest_fine_error = std::max(largest_fine_error, fine_errors[i]);
   }
   is_packed = false;
   rounding = wanted;
@@ -104,9 +118,9 @@ void CoarseL2::Side::pack() {
 }
 
 void CoarseL2::load(const Array<float>& queries, const Array<float>& trains, bool root,
-                    std::uint64_t query_revision, std::uint64_t train_revision) {
-  query_side_.load(queries, root, query_revision);
-  train_side_.load(trains, root, train_revision);
+                    std::uint64_t query_revision, std::uint64_t train_revision, int threads) {
+  query_side_.load(queries, root, query_revision, workers_, threads);
+  train_side_.load(trains, root, train_revision, workers_, threads);
   queries_ = query_side_.count();
   trains_ = train_side_.count();
   length_ = static_cast<int>(queries.dim(1));
@@ -121,8 +135,8 @@ void CoarseL2::load(const Array<float>& queries, const Array<float>& trains, boo
   fitting = std::exp2(std::floor(kSteps * std::log2(fitting)) / kSteps);
   const auto scale = static_cast<float>(std::clamp(fitting, kSmallestScale, kLargestScale));
   scale_ = static_cast<double>(scale);
-  query_side_.quantise({range.lowest, scale, row_bytes_});
-  train_side_.quantise({range.lowest, scale, row_bytes_});
+  query_side_.quantise({range.lowest, scale, row_bytes_}, workers_, threads);
+  train_side_.quantise({range.lowest, scale, row_bytes_}, workers_, threads);
 }
 
 void CoarseL2::pack_trains() { train_side_.pack(); }

@@ -6,6 +6,7 @@
 #include "common/distances/byte_kernels.hpp"
 #include "common/distances/coarse_distances.hpp"
 #include "common/distances/row_kernels.hpp"
+#include "common/workers/workers.hpp"
 
 namespace weft::matchers {
 
@@ -19,9 +20,9 @@ class CoarseL2 final : public CoarseDistances {
 
   /// Finite descriptors [Q,D] and [T,D], which must outlive this. With `root`, those of ComparedRow
   /// are compared in their place. A side of the same revision as before, not 0, is the same as
-  /// before: what was made of it is kept.
+  /// before: what was made of it is kept. The same on any number of threads.
   void load(const Array<float>& queries, const Array<float>& trains, bool root,
-            std::uint64_t query_revision = 0, std::uint64_t train_revision = 0);
+            std::uint64_t query_revision = 0, std::uint64_t train_revision = 0, int threads = 1);
 
   void fill(std::span<const int> queries, Scratch& scratch, std::int16_t* codes) const override;
   void pack_trains() override;
@@ -65,8 +66,9 @@ class CoarseL2 final : public CoarseDistances {
     Rounding rounding;  ///< of the bytes; scale 0 for none
 
     int count() const { return static_cast<int>(rows.size()); }
-    void load(const Array<float>& descriptors, bool with_root, std::uint64_t new_revision);
-    void quantise(const Rounding& wanted);
+    void load(const Array<float>& descriptors, bool with_root, std::uint64_t new_revision,
+              Workers& workers, int threads);
+    void quantise(const Rounding& wanted, Workers& workers, int threads);
     void pack();
   };
 
@@ -74,6 +76,7 @@ class CoarseL2 final : public CoarseDistances {
   double slack(int query) const;
 
   const ByteKernels* kernels_;
+  Workers workers_;
   Side query_side_, train_side_;
   int length_ = 0, row_bytes_ = 0;
   double scale_ = 1.0;

@@ -200,6 +200,29 @@ TEST(CoarseL2, KeepsWhatItMadeOfASideOfTheSameRevisionOnly) {
   }
 }
 
+TEST(CoarseL2, TheBitsAreThoseOfOneThreadForAnyNumberOfThem) {
+  std::printf("seed 6\n");
+  Rng rng(6);
+  for (const int length : {128, 37}) {
+    for (const bool root : {true, false}) {
+      const Array<float> a = random_descriptors(700, length, rng),
+                         b = random_descriptors(301, length, rng);
+      CoarseL2 alone, shared;
+      alone.load(a, b, root);
+      for (const int threads : {2, 4, 1, 3}) {
+        shared.load(a, b, root, 0, 0, threads);
+        EXPECT_EQ(codes_of(shared), codes_of(alone)) << threads << " threads";
+        for (int query = 0; query < 700; query += 7) {
+          EXPECT_EQ(shared.fine_distance(query, 13), alone.fine_distance(query, 13));
+          EXPECT_EQ(shared.distance(query, 300), alone.distance(query, 300));
+          EXPECT_EQ(shared.lower(query, 500), alone.lower(query, 500));
+          EXPECT_EQ(shared.fine_slack(query), alone.fine_slack(query));
+        }
+      }
+    }
+  }
+}
+
 TEST(CoarseL2, SwappingSidesSwapsThem) {
   Rng rng(4);
   CoarseL2 distances;
