@@ -61,8 +61,8 @@ Seen look_along(cv::ORB& orb, Axis axis) {
         to[to_index(bit)] = edge;
       }
     }
-    constexpr int kBlurred =
-        5;  // positions at which an edge between neighbours parts them, less one
+    // Positions at which an edge between neighbours parts them, less one.
+    constexpr int kBlurred = 5;
     for (std::size_t bit = 0; bit < kBits; ++bit) {
       if (from[bit] > to[bit]) continue;
       seen.sum[bit] = from[bit] + to[bit] - 1;

@@ -9,13 +9,15 @@
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
+#include "common/workers/sharing.hpp"
+
 namespace weft::sift_fast {
 namespace {
 
 /// Passes of ten nanoseconds or so in a task, in an orientation and in a description.
 constexpr int kPassesOfTask = 3'000, kPassesOfKeypoint = 200;
 /// Keypoints that a thread takes at a time.
-constexpr std::size_t kAtATime = 16;
+constexpr int kAtATime = 16;
 /// Sigmas from a keypoint to the farthest gradients of its angle, and to most of its descriptor.
 constexpr float kReachOfAngle = 4.5F, kReachOfDescriptor = 8.0F;
 
@@ -113,22 +115,12 @@ void Search::carry_out(const Task& task, const GreyImage& image, Worker& worker)
 template <class Each>
 void Search::for_each(std::size_t count, int threads, Each each) {
   reserve_workers(threads);
-  next_ = 0;
-  given_up_ = false;
-  auto work = [&](int worker) {
-    try {
-      for (std::size_t begin = next_.fetch_add(kAtATime); begin < count && !given_up_;
-           begin = next_.fetch_add(kAtATime)) {
-        const std::size_t end = std::min(begin + kAtATime, count);
-        for (std::size_t i = begin; i < end; ++i) each(workers_[to_index(worker)], i);
-        if (worker == 0) worked(kPassesOfKeypoint * static_cast<std::int64_t>(end - begin));
-      }
-    } catch (...) {
-      given_up_ = true;
-      throw;
-    }
-  };
-  pool_.run(threads, std::ref(work));
+  const Shares shares{static_cast<int>(count), kAtATime, threads};
+  share_out(pool_, shares, [&](int worker, int begin, int end) {
+    for (int i = begin; i < end; ++i) each(workers_[to_index(worker)], to_index(i));
+    if (worker == 0) worked(std::int64_t{kPassesOfKeypoint} * (end - begin));
+    return true;
+  });
 }
 
 std::span<const Spot> Search::find(const GreyImage& image, int threads) {

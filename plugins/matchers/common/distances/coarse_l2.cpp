@@ -43,11 +43,12 @@ void CoarseL2::Side::load(const Array<float>& descriptors, bool with_root,
     }
     return true;
   });
-  for (const ComparedRow& row : rows) {
-    if (with_root) break;
-    const RowSurvey survey = survey_row(row.numbers, length);
-    range.lowest = std::min(range.lowest, survey.lowest);
-    range.largest_norm = std::max(range.largest_norm, survey.norm);
+  if (!with_root) {
+    for (const ComparedRow& row : rows) {
+      const RowSurvey survey = survey_row(row.numbers, length);
+      range.lowest = std::min(range.lowest, survey.lowest);
+      range.largest_norm = std::max(range.largest_norm, survey.norm);
+    }
   }
   revision = new_revision;
   root = with_root;

@@ -107,16 +107,7 @@ TEST_F(Refine, IsNotPulledByLight) {
   const LabelledMatches matches = drawn({.count = 200, .noise_px = 0.5});
   const Image image = scene_.image_of(now_, rng_);
   for (const double gain : {0.5, 1.4}) {
-    Image lit;
-    lit.pixels = Array<std::uint8_t>({image.pixels.dim(0), image.pixels.dim(1)});
-    for (std::int64_t y = 0; y < image.pixels.dim(0); ++y) {
-      for (std::int64_t x = 0; x < image.pixels.dim(1); ++x) {
-        // From left to right a gradient of 40 % more.
-        const double light = gain * (0.8 + 0.4 * static_cast<double>(x) / 640.0);
-        lit.pixels(y, x) = static_cast<std::uint8_t>(
-            std::lround(std::clamp(light * 0.7 * image.pixels(y, x) + 10.0, 0.0, 255.0)));
-      }
-    }
+    const Image lit = view::PrintedScene::unevenly_lit(image, gain);
     const Correspondences after = refined(lit, matches.matches);
     EXPECT_LT(median(distances_px(after, matches.true_px)), 0.1) << gain;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -80,6 +81,21 @@ struct PrintedScene {
           static_cast<std::uint8_t>(std::lround(std::clamp(grey + 1.5 * rng.normal(), 0.0, 255.0)));
     }
     return image;
+  }
+
+  /// The image under another light: contrast times `gain`, with a gradient from left to right of
+  /// 40 %.
+  static Image unevenly_lit(const Image& image, double gain) {
+    Image lit = image;
+    lit.pixels = Array<std::uint8_t>({image.pixels.dim(0), image.pixels.dim(1)});
+    for (std::int64_t y = 0; y < image.pixels.dim(0); ++y) {
+      for (std::int64_t x = 0; x < image.pixels.dim(1); ++x) {
+        const double light = gain * (0.8 + 0.4 * static_cast<double>(x) / 640.0);
+        lit.pixels(y, x) = static_cast<std::uint8_t>(
+            std::lround(std::clamp(light * 0.7 * image.pixels(y, x) + 10.0, 0.0, 255.0)));
+      }
+    }
+    return lit;
   }
 
   Eigen::Vector2d place_of(const Eigen::Vector2d& texel, const DevelopableSheet& bent_sheet) const {
