@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+#include <weft/geometry/camera_model.hpp>
+#include <weft/sdk/source.hpp>
+#include <weft/truth/truth_map.hpp>
+
+#include "common/scene/random_stream.hpp"
+#include "cover.hpp"
+
+namespace weft::true_matches {
+namespace {
+
+/// Purposes of random streams.
+constexpr std::uint64_t kCover = 1, kMatches = 2;
+
+/// A match as it is drawn: where it is on the template and in the image, without and with noise.
+struct Drawn {
+  Eigen::Vector2d xy_m;      ///< [2] m, template
+  Eigen::Vector2d true_px;   ///< [2] px
+  Eigen::Vector2d image_px;  ///< [2] px
+};
+
+bool in_image(const Eigen::Vector2d& pixel, const Camera& camera) {
+  return pixel.x() >= -0.5 && pixel.x() <= static_cast<double>(camera.width_px) - 0.5 &&
+         pixel.y() >= -0.5 && pixel.y() <= static_cast<double>(camera.height_px) - 0.5;
+}
+
+/// The host finds pixel and face of the template from template_xy_m.
+Correspondences matches_of(const std::vector<Drawn>& drawn) {
+  const auto count = static_cast<std::int64_t>(drawn.size());
+  Correspondences matches;
+  matches.template_px = Array<double>({count, 2}, 0.0);
+  matches.template_xy_m = Array<double>({count, 2});
+  matches.image_px = Array<double>({count, 2});
+  matches.face = Array<std::int32_t>({count}, -1);
+  matches.barycentrics = Array<double>({count, 3}, 0.0);
+  matches.kept = Array<std::uint8_t>({count}, 1);
+  matches.score = Array<double>({count}, 1.0);
+  for (std::int64_t n = 0; n < count; ++n) {
+    matches.template_xy_m.matrix<2>().row(n) = drawn[to_index(n)].xy_m;
+    matches.image_px.matrix<2>().row(n) = drawn[to_index(n)].image_px;
+  }
+  return matches;
+}
+
+/// Draws matches on the true surface of another source, as many, as noisy and as incomplete as is
+/// asked for, and may state a camera that is not the one that took the frames.
+class TrueMatches final : public Source {
+ public:
+  static constexpr About kAbout{
+      .reference = "Shetab-Bushehri et al. 2023, ROBUSfT, Section VI (correct matches)",
+      .produces = "image time correspondences ground_truth",
+      .uses_truth = true};
+
+  explicit TrueMatches(Params& p) {
+    p.component("frames", frames_, "source of the frames and of their truth");
+    p.read("matches", matches_, "", {0, 100000}, "matches of a frame, evenly over what is seen");
+    p.read("noise_px", noise_px_, "px", {0.0, 1000.0}, "sigma along u and v of the image points");
+    p.read("covered", covered_, "", {0.0, 1.0},
+           "share of the object, from one side, that something grey lies over");
+    p.read("focal_error", focal_error_, "", {-0.9, 10.0},
+           "stated focal length over the true one, less 1");
+    p.read("center_error_px", center_error_px_, "px", {-10000.0, 10000.0},
+           "stated principal point less the true one, along u and along v");
+    p.read("seed", seed_, "", {0, 9e15},
+           "chooses matches, noise and the covered side; the run's seed does not matter");
+  }
+
+  Result<Camera> open(const Call& call) override {
+    auto camera = frames_.open(call);
+    if (!camera) return camera.error();
+    const auto count = frames_.count(call);
+    if (!count) return count.error();
+    frame_count_ = *count;
+    camera_ = *camera;
+    Camera stated = camera_;
+    stated.fx *= 1.0 + focal_error_;
+    stated.fy *= 1.0 + focal_error_;
+    stated.cx += center_error_px_;
+    stated.cy += center_error_px_;
+    return stated;
+  }
+
+  std::int64_t count() const override { return frame_count_.frames; }
+  bool live() const override { return frame_count_.live != 0; }
+
+  Result<SourceFrame> read(std::int64_t index, const Call& call) override {
+    auto given = frames_.read(call);
+    if (!given) return given.error();
+    const std::string reason = given.degenerate_reason();
+    SourceFrame frame = *std::move(given);
+    frame.correspondences.reset();
+    if (frame.ground_truth && frame.ground_truth->count() > 0) {
+      const auto status = draw(frame, static_cast<std::uint64_t>(index));
+      if (!status) return status.error();
+    }
+    if (!reason.empty()) return degenerate(std::move(frame), reason);
+    return frame;
+  }
+
+ private:
+  /// Lays the cover over the frame, and draws matches where it does not lie.
+  Result<void> draw(SourceFrame& frame, std::uint64_t index) const {
+    GroundTruth& truth = *frame.ground_truth;
+    const auto map = TruthMap::create(truth);
+    if (!map) return map.error();
+    Rng side = stream(kCover, 0);
+    const Cover cover(truth, covered_, side);
+    Rng rng = stream(kMatches, index);
+    const std::vector<Drawn> drawn = draw_matches(truth, *map, cover, rng);
+    frame.correspondences = matches_of(drawn);
+    truth.match_label = {};
+    truth.match_xy_px = Array<double>({static_cast<std::int64_t>(drawn.size()), 2});
+    for (std::size_t n = 0; n < drawn.size(); ++n) {
+      truth.match_xy_px.matrix<2>().row(static_cast<Eigen::Index>(n)) = drawn[n].true_px;
+    }
+    if (covered_ > 0.0) cover.hide(truth, frame.image);
+    return {};
+  }
+
+  /// Points even over the box of the template; those beside the surface, hidden, covered or outside
+  /// the image are drawn again. The first n are the same whatever number is asked for.
+  std::vector<Drawn> draw_matches(const GroundTruth& truth, const TruthMap& map, const Cover& cover,
+                                  Rng& rng) const {
+    constexpr std::int64_t kDrawsPerMatch = 200;  // a share of 1/200 in sight is still found
+    const auto flat_m = truth.template_xy_m.matrix<2>();
+    const Eigen::Vector2d low = flat_m.colwise().minCoeff(), high = flat_m.colwise().maxCoeff();
+    const Pinhole pinhole{camera_.fx, camera_.fy, camera_.cx, camera_.cy};
+    std::vector<Drawn> drawn;
+    for (std::int64_t left = kDrawsPerMatch * matches_;
+         left > 0 && static_cast<std::int64_t>(drawn.size()) < matches_; --left) {
+      const double x_m = rng.uniform(low.x(), high.x()), y_m = rng.uniform(low.y(), high.y());
+      const Eigen::Vector2d error(rng.normal(), rng.normal());
+      if (cover.over({x_m, y_m})) continue;
+      const auto place = map.at({x_m, y_m});
+      if (!place || place->hidden || !(place->point_m.z() > 0.0)) continue;
+      const Eigen::Vector2d true_px = project(pinhole, place->point_m);
+      const Eigen::Vector2d image_px = true_px + noise_px_ * error;
+      if (in_image(true_px, camera_)) drawn.push_back({{x_m, y_m}, true_px, image_px});
+    }
+    return drawn;
+  }
+
+  Rng stream(std::uint64_t purpose, std::uint64_t frame) const {
+    return scene::random_stream(static_cast<std::uint64_t>(seed_), purpose, frame);
+  }
+
+  SourceComponent frames_{"sources/frex"};
+  std::int64_t matches_ = 300;
+  double noise_px_ = 0.0;
+  double covered_ = 0.0;
+  double focal_error_ = 0.0;
+  double center_error_px_ = 0.0;
+  std::int64_t seed_ = 1;
+
+  Count frame_count_;
+  Camera camera_{};  ///< that took the frames
+};
+
+}  // namespace
+}  // namespace weft::true_matches
+
+using weft::true_matches::TrueMatches;
+WEFT_PLUGIN(TrueMatches, "sources/true_matches", "1.0.0",
+            "Draws matches on the true surface of another source; for experiments only.")

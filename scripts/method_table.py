@@ -1,0 +1,179 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Checks or writes the table of methods: method_table.py [--write] WEFT ROOT
+or measures its figures anew:               method_table.py --measure ROOT RESULTS...
+
+The lines of docs/methods.md between `<!-- methods -->` and `<!-- /methods -->` are the table of all
+solvers. Who made them, what each reads and whether it is trained is what the manifests of the
+installed plugins say (WEFT, the program; WEFT_PLUGIN_PATH). Errors and times are those of
+docs/evidence/methods.json, which --measure writes from the results folders of the ablations
+solvers_first_test, solvers_kinect, solvers_cloth and solvers_curved (mean 3D error, mm) and of one
+that was run with --timing (solvers_times, ms of processor time a frame). A folder that is not given
+leaves its figures as they are; values of the axis that are no solver are left out.
+
+Prints one line for each mistake and exits 1 if there is one; exits 2 on wrong usage.
+"""
+
+import json
+import re
+import statistics
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+PAGE, FIGURES = "docs/methods.md", "docs/evidence/methods.json"
+BEGIN, END = "<!-- methods -->", "<!-- /methods -->"
+FIX = "write it anew with scripts/method_table.py --write WEFT ROOT"
+# Plans, and what their column says.
+COLUMNS = {"solvers_first_test": "FREX, mm", "solvers_kinect": "Kinect, mm",
+           "solvers_cloth": "cloth, mm", "solvers_curved": "curved, mm", "solvers_times": "ms"}
+HEAD = ["method", "by", "registration", "wide baseline", "training", "start", *COLUMNS.values(),
+        "code"]
+# Solvers that stand for two published methods, by a value of the plans' axis.
+VARIANTS = {"chhatkuli_2014": "solvers/chhatkuli_stable", "chhatkuli_2017": "solvers/chhatkuli_stable"}
+
+
+def component_of(name: str) -> str:
+    return VARIANTS.get(name, f"solvers/{name}")
+
+
+def output_of(*command: str) -> Any:
+    return json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+
+
+def solvers_of(weft: str) -> dict[str, dict[str, Any]]:
+    """The manifest of each solver that is installed, by id."""
+    ids = [plugin["id"] for plugin in output_of(weft, "plugins", "list", "--json")["plugins"]
+           if not plugin["shadowed"] and plugin["id"].startswith("solvers/")]
+    return {each: output_of(weft, "plugins", "show", each, "--json") for each in ids}
+
+
+def author_of(reference: str) -> str:
+    """`Bartoli 2015`: the first author of the first reference, and its year."""
+    first = reference.split(";")[0]
+    years = re.findall(r"\b(?:19|20)\d\d\b", first)
+    return " ".join([first.split(",")[0].split()[0], *years[-1:]])
+
+
+def registration_of(manifest: dict[str, Any]) -> str:
+    """What a method takes of the picture."""
+    if "image" in manifest["needs"]:
+        return "texture and matches"
+    return "warp of matches" if "sightlines" in manifest["needs"] else "matches"
+
+
+def baseline_of(manifest: dict[str, Any]) -> str:
+    """A method that needs the frame before cannot find an object anew."""
+    if "previous.shape" in manifest["needs"]:
+        return "no"
+    return "yes, and follows" if "previous.shape" in manifest["reads"] else "yes"
+
+
+def training_of(manifest: dict[str, Any]) -> str:
+    trained = any(each["name"].startswith("training_") for each in manifest["parameters"])
+    return "simulated shapes" if trained else "none"
+
+
+def start_of(manifest: dict[str, Any]) -> str:
+    """The solver whose shape it begins with, where it takes one."""
+    found = [each["default"] for each in manifest["parameters"] if each.get("role") == "solvers"]
+    return f"`{found[0].split('/')[1]}`" if found else "none"
+
+
+def figure(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2f}" if value < 10 else f"{value:.1f}"
+
+
+def table_of(solvers: dict[str, dict[str, Any]], figures: dict[str, dict[str, float]]) -> list[str]:
+    """The rows of the table: methods that were measured, the most exact on FREX first."""
+    names = sorted({name for column in figures.values() for name in column},
+                   key=lambda name: (figures.get("solvers_first_test", {}).get(name, 1e9), name))
+    rows = []
+    for name in names:
+        component = component_of(name)
+        manifest = solvers.get(component)
+        if manifest is None:
+            continue
+        rows.append([f"`{name}`", author_of(manifest["reference"]), registration_of(manifest),
+                     baseline_of(manifest), training_of(manifest), start_of(manifest),
+                     *(figure(figures.get(plan, {}).get(name)) for plan in COLUMNS),
+                     f"[{manifest['version']}](../plugins/{component})"])
+    return ["", f"| {' | '.join(HEAD)} |", "|---" * len(HEAD) + "|",
+            *(f"| {' | '.join(row)} |" for row in rows), ""]
+
+
+def mistakes_of(root: Path, solvers: dict[str, dict[str, Any]], write: bool) -> list[str]:
+    figures = json.loads((root / FIGURES).read_text(encoding="utf-8"))
+    lines = (root / PAGE).read_text(encoding="utf-8").splitlines()
+    if BEGIN not in lines or END not in lines[lines.index(BEGIN):]:
+        return [f"{PAGE}: the lines {BEGIN} and {END} are missing"]
+    begin = lines.index(BEGIN) + 1
+    end = lines.index(END, begin)
+    table = table_of(solvers, figures)
+    unknown = sorted({name for column in figures.values() for name in column
+                      if component_of(name) not in solvers})
+    mistakes = [f"{FIGURES}: there is no solver {name}" for name in unknown]
+    if lines[begin:end] != table:
+        if write:
+            text = "\n".join([*lines[:begin], *table, *lines[end:]]) + "\n"
+            (root / PAGE).write_text(text, encoding="utf-8")
+        else:
+            mistakes.append(f"{PAGE}:{begin}: the table of methods is out of date: {FIX}")
+    return mistakes
+
+
+def means_of(folder: Path, timed: bool) -> dict[str, float]:
+    """What each value of the axis `solver` has on average over the sequences: mm, or ms a frame."""
+    plan = json.loads((folder / "plan.json").read_text(encoding="utf-8"))
+    lines = [json.loads(line) for file in sorted((folder / "results").glob("*.jsonl"))
+             if not file.name.startswith("withdrawn-")
+             for line in file.read_text(encoding="utf-8").splitlines()]
+    found = {line["key"]: line for line in reversed(lines)}
+    values: dict[str, list[float]] = {}
+    for cell in plan["cells"]:
+        line = found.get(cell["key"])
+        if line is None or line["outcome"] != "done":
+            continue
+        if timed:
+            value = sum(stage["mean_processor_ms"] for stage in line["timing"]["stages"]
+                        if stage["stage"] in ("warps", "passes", "solvers"))
+        else:
+            value = line["metrics"]["all"]["error_solved"]["mean_mm"]
+        if value is not None:
+            values.setdefault(cell["axes"]["solver"], []).append(value)
+    return {name: round(statistics.fmean(each), 3) for name, each in sorted(values.items())}
+
+
+def measure(root: Path, folders: list[str]) -> list[str]:
+    figures = json.loads((root / FIGURES).read_text()) if (root / FIGURES).exists() else {}
+    for folder in map(Path, folders):
+        plan = json.loads((folder / "plan.json").read_text(encoding="utf-8"))["name"]
+        timed = any(folder.glob("results/alone-*.jsonl"))
+        column = "solvers_times" if timed else plan
+        if column not in COLUMNS:
+            return [f"{folder}: the plan {plan} has no column"]
+        figures[column] = {name: value for name, value in means_of(folder, timed).items()
+                           if (root / "plugins" / component_of(name)).is_dir()}
+    text = json.dumps(figures, indent=1, sort_keys=True) + "\n"
+    (root / FIGURES).write_text(text, encoding="utf-8")
+    return []
+
+
+def main(arguments: list[str]) -> int:
+    if arguments[:1] == ["--measure"] and len(arguments) > 2:
+        mistakes, good = measure(Path(arguments[1]).resolve(), arguments[2:]), f"{FIGURES} is written"
+    else:
+        write = arguments[:1] == ["--write"]
+        arguments = arguments[1:] if write else arguments
+        if len(arguments) != 2 or not (Path(arguments[1]) / "plugins").is_dir():
+            print(__doc__, file=sys.stderr)
+            return 2
+        mistakes = mistakes_of(Path(arguments[1]).resolve(), solvers_of(arguments[0]), write)
+        good = "the table of methods is up to date"
+    print("\n".join(mistakes) if mistakes else good)
+    return 1 if mistakes else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
