@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <functional>
+#include <weft/core/stop_check.hpp>
 
 #include "common/workers/workers.hpp"
 
@@ -23,7 +24,8 @@ struct Shares {
 /// Calls each(worker, begin, end) for blocks of the pieces [0, count): each worker takes the first
 /// block that none has, again and again, so that blocks are begun in their order. When a call
 /// answers false or throws, all end with the blocks that they have. Returns whether all was done;
-/// throws what the lowest worker threw.
+/// throws what the lowest worker threw, and Stopped where the call of this thread is cancelled: the
+/// other workers, which may have done it all, cannot ask.
 template <class Each>
 bool share_out(Workers& workers, const Shares& shares, Each&& each) {
   std::atomic<int> next = 0;
@@ -42,6 +44,7 @@ bool share_out(Workers& workers, const Shares& shares, Each&& each) {
     }
   };
   workers.run(shares.workers(), std::ref(job));
+  ask_to_go_on();
   return !stopped;
 }
 

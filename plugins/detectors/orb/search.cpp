@@ -187,7 +187,6 @@ void Search::describe(int index) {
 }
 
 void Search::run(const cv::Mat& grey, const Array<std::uint8_t>* mask, int threads) {
-  ask_to_go_on();
   lay_out(grey.size());
   // The first piece makes the levels, while others look at those that are there.
   const Shares shares{static_cast<int>(strips_.size()) + 1, 1, threads};
@@ -204,7 +203,6 @@ void Search::run(const cv::Mat& grey, const Array<std::uint8_t>* mask, int threa
     worked(static_cast<std::int64_t>(kPassesOfPixel * kRowsOfStrip * grey.cols));
     return true;
   });
-  ask_to_go_on();  // other threads, which may have done it all, cannot ask
   gather();
   share_cap();
   share_out(workers_, {static_cast<int>(found_.size()), 1, threads}, [&](int, int level, int) {

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <vector>
 #include <weft/core/index.hpp>
+#include <weft/core/stop_check.hpp>
 
 namespace weft {
 namespace {
@@ -56,6 +57,15 @@ TEST(Sharing, EndsOnAllThreadsWhereOneThrowsAndGoesOnNextTime) {
     EXPECT_THROW(share_out(workers, {1000, 1, threads}, fail_at_once), std::runtime_error);
     EXPECT_LE(calls, threads) << "each thread ends with the block it has";
     EXPECT_TRUE(share_out(workers, {1000, 1, threads}, [](int, int, int) { return true; }));
+  }
+}
+
+TEST(Sharing, NoticesACancelledCallWhoeverDidTheWork) {
+  Workers workers;
+  for (const int threads : {1, 2, 4}) {
+    const StopCheck check([](const void*) { return true; }, nullptr);
+    EXPECT_THROW(share_out(workers, {1000, 1, threads}, [](int, int, int) { return true; }),
+                 Stopped);
   }
 }
 
