@@ -25,11 +25,6 @@ struct Drawn {
   Eigen::Vector2d image_px;  ///< [2] px
 };
 
-bool in_image(const Eigen::Vector2d& pixel, const Camera& camera) {
-  return pixel.x() >= -0.5 && pixel.x() <= static_cast<double>(camera.width_px) - 0.5 &&
-         pixel.y() >= -0.5 && pixel.y() <= static_cast<double>(camera.height_px) - 0.5;
-}
-
 /// The host finds pixel and face of the template from template_xy_m.
 Correspondences matches_of(const std::vector<Drawn>& drawn) {
   const auto count = static_cast<std::int64_t>(drawn.size());
@@ -141,7 +136,8 @@ class TrueMatches final : public Source {
       if (!place || place->hidden || !(place->point_m.z() > 0.0)) continue;
       const Eigen::Vector2d true_px = project(pinhole, place->point_m);
       const Eigen::Vector2d image_px = true_px + noise_px_ * error;
-      if (in_image(true_px, camera_)) drawn.push_back({{x_m, y_m}, true_px, image_px});
+      if (!camera_.shows(true_px.x(), true_px.y())) continue;
+      drawn.push_back({{x_m, y_m}, true_px, image_px});
     }
     return drawn;
   }
