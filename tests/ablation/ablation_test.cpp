@@ -344,8 +344,8 @@ TEST_F(AblateCommand, RunsAPlanAndPrintsATable) {
       "show: [counts.frames]\nexpect: [{metric: counts.frames, at_least: 2}]\n");
   const auto ended = ablate({plan, "--out", path("out"), "--jobs", "2"});
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
-  EXPECT_THAT(ended.out, HasSubstr("every  cells  failed  counts.frames\n"
-                                   "2          1       0              2\n"));
+  EXPECT_THAT(ended.out, HasSubstr("every  cells  failed  frames\n"
+                                   "2          1       0       2\n"));
   EXPECT_THAT(ended.out, HasSubstr("2 cells (2 distinct): 2 done, 0 failed, 0 left"));
   EXPECT_THAT(ended.out, HasSubstr("met: counts.frames"));
   EXPECT_EQ(ablate({plan, "--out", path("out"), "--status"}).exit_code, 0);

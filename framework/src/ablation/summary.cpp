@@ -6,6 +6,7 @@
 #include <weft/core/statistics.hpp>
 
 #include "ablation/ablation.hpp"
+#include "metrics/forms/catalogue.hpp"
 
 namespace weft::evaluation {
 namespace {
@@ -87,7 +88,7 @@ std::string summary_table(const Results& results) {
   }
   const std::size_t text_columns = head.size();
   head.insert(head.end(), {"cells", "failed"});
-  head.insert(head.end(), metrics.begin(), metrics.end());
+  for (const std::string& metric : metrics) head.push_back(metric_heading(metric));
   std::vector<Row> rows{head};
   for (const Selection& where : selections) {
     Row& row = rows.emplace_back();

@@ -15,7 +15,9 @@ constexpr const char* kCertaintyNote =
 
 TextTable certainty_sheet(const Results& results, const ReportTables& tables) {
   TextTable table{"confidence", "Confidence", kCertaintyNote, {}, {}};
-  for (const PlanAxis& axis : results.plan.axes) table.columns.push_back({axis.name, axis.name});
+  for (const PlanAxis& axis : results.plan.axes) {
+    table.columns.push_back({axis.name, axis.name, false, "", true});
+  }
   for (const TextColumn& column :
        {TextColumn{"frames", "frames", true},
         TextColumn{"mean confidence", "mean_confidence", true},

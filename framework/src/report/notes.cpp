@@ -8,7 +8,6 @@
 #include <set>
 
 #include "report/sheets.hpp"
-#include "report/statistics.hpp"
 
 namespace weft::evaluation {
 namespace {
@@ -52,35 +51,29 @@ std::string listed(const List& values) {
   return fmt::format("{}", fmt::join(values, ", "));
 }
 
-/// By how much those differ of which one is named the better, if they are few.
-std::string differences_of(const ComparisonResult& comparison) {
-  constexpr std::size_t kMost = 6;
-  std::vector<std::string> differences;
-  for (const PairComparison& pair : comparison.table.pairs) {
-    if (pair.verdict != Call::a && pair.verdict != Call::b) continue;
-    if (!std::isfinite(pair.test.mean)) continue;
-    differences.push_back(
-        fmt::format("{} − {} = {:.3g} {}", pair.a, pair.b, pair.test.mean + 0.0, comparison.unit));
+/// The verdicts of the pairs of a table, to compare with those of another.
+std::vector<std::pair<std::string, Call>> calls_of(const ComparisonTable& table) {
+  std::vector<std::pair<std::string, Call>> calls;
+  for (const PairComparison& pair : table.pairs) {
+    calls.emplace_back(pair.a + "\n" + pair.b, pair.verdict);
   }
-  if (differences.empty() || differences.size() > kMost) return "";
-  return fmt::format(" {}.", fmt::join(differences, ", "));
+  return calls;
 }
 
-/// The sentence of the only pair, or what is to be said of all.
-std::string verdict_of(const ComparisonResult& comparison) {
-  const ComparisonTable& table = comparison.table;
-  std::string name = comparison.plan.axis + ": ";
-  if (table.pairs.size() == 1) return name + table.pairs.front().sentence;
-  name = comparison.plan.axis + ", " + measure_of(comparison.plan.metric) + ": ";
-  if (table.pairs.empty()) return name + "there is nothing to compare.";
-  std::int64_t n = 0;
-  for (const PairComparison& pair : table.pairs) n = std::max(n, pair.test.n);
-  const std::string text = name + table.headline;
-  const std::string sequences =
-      n >= kLeastSequences
-          ? fmt::format(" n = {} sequences.", n)
-          : fmt::format(" There are {} of at least {} sequences.", n, kLeastSequences);
-  return name + table.headline + differences_of(comparison) + sequences;
+Verdict verdict_of(const ComparisonResult& comparison) {
+  Verdict verdict{comparison.plan.axis, comparison.table.headline, {}, {}};
+  if (comparison.table.pairs.empty()) {
+    verdict.text = "There is nothing to compare.";
+    return verdict;
+  }
+  const auto calls = calls_of(comparison.table);
+  for (const ApartComparison& apart : comparison.apart) {
+    for (const ComparisonTable& table : apart.tables) {
+      if (table.pairs.empty()) continue;
+      (calls_of(table) == calls ? verdict.like : verdict.unlike).push_back(table.headline);
+    }
+  }
+  return verdict;
 }
 
 }  // namespace
@@ -100,9 +93,7 @@ std::string combinations_note(const Results& results, const ReportTables& tables
         alignment_text(results), kLeastSequences);
   }
   if (!shown_metrics(results, tables).empty()) {
-    text +=
-        "Columns with a dot in their name: metrics that the plan shows, as weft eval --json names "
-        "them, averaged over cells like the mean. ";
+    text += "Further metrics are those that the plan shows, averaged over cells like the mean. ";
   }
   return text +
          "Frames failed: with truth, but without a shape, or off by more than a tenth of the "
@@ -195,18 +186,19 @@ std::vector<std::string> notices_of(const Results& results, const ReportTables& 
   return notices;
 }
 
-std::vector<std::string> verdicts_of(const ReportTables& tables) {
-  std::vector<std::string> verdicts;
+std::vector<Verdict> verdicts_of(const ReportTables& tables) {
+  std::vector<Verdict> verdicts;
   for (const ComparisonResult& comparison : tables.comparisons) {
     verdicts.push_back(verdict_of(comparison));
   }
   if (verdicts.empty()) {
-    verdicts.emplace_back("The plan names no comparison, so no difference is named.");
+    verdicts.push_back({"", "The plan names no comparison, so no difference is named.", {}, {}});
   }
   if (tables.expectations.empty()) return verdicts;
   const auto met = std::count_if(tables.expectations.begin(), tables.expectations.end(),
                                  [](const ExpectationOutcome& outcome) { return outcome.met; });
-  verdicts.push_back(fmt::format("Expectations: {} of {} met.", met, tables.expectations.size()));
+  verdicts.push_back(
+      {"", fmt::format("Expectations: {} of {} met.", met, tables.expectations.size()), {}, {}});
   return verdicts;
 }
 

@@ -22,8 +22,16 @@ std::string counted(std::size_t count, const std::string& thing);
 /// What restrains everything that a report says, the gravest first.
 std::vector<std::string> notices_of(const Results& results, const ReportTables& tables);
 
-/// What came of each comparison, and of the expectations, in a sentence each.
-std::vector<std::string> verdicts_of(const ReportTables& tables);
+/// What came of a comparison.
+struct Verdict {
+  std::string about;  ///< the axis; empty: no comparison
+  std::string text;
+  std::vector<std::string> unlike;  ///< with one value of another axis: another verdict
+  std::vector<std::string> like;    ///< the same verdict
+};
+
+/// One for each comparison of the plan, and one of its expectations.
+std::vector<Verdict> verdicts_of(const ReportTables& tables);
 
 /// What was run, by name: the axes with their values, the data, the command.
 std::vector<std::pair<std::string, std::string>> facts_of(const Results& results,

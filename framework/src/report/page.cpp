@@ -41,8 +41,8 @@ std::vector<Section> sections_of(const Results& results, const ReportTables& tab
                                  const Figures& figures, bool scripted) {
   std::vector<Section> sections = {
       {"verdicts", "In short", verdicts_part(results, tables)},
-      {"compared", "What was compared", compared_part(results, tables)},
       {"results", "Results", results_part(results, tables)},
+      {"compared", "What was compared", compared_part(results, tables)},
       {"comparisons", "Comparisons", comparisons_part(tables, scripted)},
       {"expectations", "Expectations", expectations_part(results, tables)},
       {"errors", "Errors", scripted ? curves_part(tables) : ""},

@@ -54,8 +54,12 @@ std::string markdown_head(const Results& results, const ReportTables& tables) {
   for (const std::string& notice : notices_of(results, tables)) {
     text += "> " + markdown_escaped(notice) + "\n\n";
   }
-  for (const std::string& verdict : verdicts_of(tables)) {
-    text += "- " + markdown_escaped(verdict) + "\n";
+  for (const Verdict& verdict : verdicts_of(tables)) {
+    text += "- " + (verdict.about.empty() ? "" : "**" + markdown_escaped(verdict.about) + "** ") +
+            markdown_escaped(verdict.text) + "\n";
+    for (const auto* list : {&verdict.unlike, &verdict.like}) {
+      for (const std::string& apart : *list) text += "  - " + markdown_escaped(apart) + "\n";
+    }
   }
   return text + "\n";
 }

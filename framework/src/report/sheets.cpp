@@ -15,7 +15,9 @@ namespace {
 constexpr std::size_t kBetterColumn = 5;  ///< of comparisons
 
 void add_axes(const Results& results, TextTable& table) {
-  for (const PlanAxis& axis : results.plan.axes) table.columns.push_back({axis.name, axis.name});
+  for (const PlanAxis& axis : results.plan.axes) {
+    table.columns.push_back({axis.name, axis.name, false, "", true});
+  }
 }
 
 /// The values of a combination; the first leads to what reproduces it.
@@ -107,14 +109,16 @@ TextTable combinations_sheet(const Results& results, const ReportTables& tables)
     }
   }
   for (const std::size_t metric : shown_metrics(results, tables)) {
-    table.columns.push_back({results.plan.show[metric], results.plan.show[metric], true});
+    const std::string& path = results.plan.show[metric];
+    table.columns.push_back({metric_heading(path), path, true});
   }
   for (const TextColumn& column :
-       {TextColumn{"frames solved", "frames_solved", true, "frames"},
-        TextColumn{"frames failed", "frames_failed", true, "frames_with_truth"},
-        TextColumn{"cells failed", "cells_failed", true, "cells"},
-        TextColumn{"not run", "cells_missing", true}, TextColumn{"n", "sequences", true},
-        TextColumn{"reads the truth", "uses_truth"}}) {
+       {TextColumn{"frames solved", "frames_solved", true, "frames", true},
+        TextColumn{"frames failed", "frames_failed", true, "frames_with_truth", true},
+        TextColumn{"cells failed", "cells_failed", true, "cells", true},
+        TextColumn{"not run", "cells_missing", true, "", true},
+        TextColumn{"n", "sequences", true, "", true},
+        TextColumn{"reads the truth", "uses_truth", false, "", true}}) {
     table.columns.push_back(column);
   }
   for (std::size_t i = 0; i < tables.combinations.size(); ++i) {
@@ -128,25 +132,25 @@ TextTable comparison_sheet(const std::vector<ComparisonResult>& comparisons) {
                   "Comparisons",
                   comparisons_note(),
                   {{"axis", "axis"},
-                   {"metric", "metric"},
-                   {"unit", "unit"},
+                   {"metric", "metric", false, "", true},
+                   {"unit", "unit", false, "", true},
                    {"A", "a"},
                    {"B", "b"},
                    {"better", "better"},
                    {"A − B", "difference", true},
                    {"95 % from", "low", true},
                    {"to", "high", true},
-                   {"n", "sequences", true},
+                   {"n", "sequences", true, "", true},
                    {"p", "p", true},
                    {"p, Holm", "p_holm", true},
                    {"smallest effect", "smallest_effect", true},
-                   {"fails only A", "only_a_failed", true},
-                   {"only B", "only_b_failed", true},
-                   {"of", "places", true}},
+                   {"fails only A", "only_a_failed", true, "", true},
+                   {"only B", "only_b_failed", true, "", true},
+                   {"of", "places", true, "", true}},
                   {}};
-  for (const auto& [plan, unit, result] : comparisons) {
-    for (const PairComparison& pair : result.pairs) {
-      table.rows.push_back(comparison_row(plan, pair));
+  for (const ComparisonResult& comparison : comparisons) {
+    for (const PairComparison& pair : comparison.table.pairs) {
+      table.rows.push_back(comparison_row(comparison.plan, pair));
     }
   }
   return table;
@@ -162,7 +166,7 @@ TextTable expectations_sheet(const Results& results, const ReportTables& tables)
                    {"at most", "at_most", true},
                    {"measured", "measured", true},
                    {"cells", "cells", true},
-                   {"without it", "cells_without", true},
+                   {"without it", "cells_without", true, "", true},
                    {"met", "met"}},
                   {}};
   for (std::size_t i = 0; i < tables.expectations.size(); ++i) {
@@ -182,11 +186,11 @@ TextTable filters_sheet(const Results& results, const ReportTables& tables) {
   TextTable table{"filters", "Filters", filters_note(results), {}, {}};
   add_axes(results, table);
   for (const TextColumn& column :
-       {TextColumn{"stage", "stage"}, TextColumn{"TPR, %", "tpr_percent", true},
+       {TextColumn{"stage", "stage", false, "", true}, TextColumn{"TPR, %", "tpr_percent", true},
         TextColumn{"FPR, %", "fpr_percent", true}, TextColumn{"kept, %", "kept_percent", true},
         TextColumn{"precision, %", "precision_percent", true},
         TextColumn{"matches", "entered", true}, TextColumn{"mismatches", "mismatches", true},
-        TextColumn{"n", "sequences", true}}) {
+        TextColumn{"n", "sequences", true, "", true}}) {
     table.columns.push_back(column);
   }
   for (std::size_t i = 0; i < tables.combinations.size(); ++i) {
@@ -232,11 +236,11 @@ TextTable cells_sheet(const Results& results, const std::vector<std::size_t>& ce
   add_axes(results, table);
   for (const TextColumn& column :
        {TextColumn{"sequence", "sequence"}, TextColumn{"seed", "seed", true},
-        TextColumn{"outcome", "outcome"}, TextColumn{"mean, mm", "mean_mm", true},
+        TextColumn{"outcome", "outcome", false, "", true}, TextColumn{"mean, mm", "mean_mm", true},
         TextColumn{"worst, mm", "worst_mm", true},
         TextColumn{"solved", "frames_solved", true, "frames"},
         TextColumn{"failed", "frames_failed", true, "frames_with_truth"},
-        TextColumn{"reason", "reason"}, TextColumn{"key", "key"}}) {
+        TextColumn{"reason", "reason", false, "", true}, TextColumn{"key", "key"}}) {
     table.columns.push_back(column);
   }
   for (const std::size_t index : cells) {

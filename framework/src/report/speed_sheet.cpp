@@ -15,7 +15,9 @@ constexpr const char* kSpeedNote =
 
 TextTable speed_sheet(const Results& results, const ReportTables& tables) {
   TextTable table{"speed", "Time against accuracy", kSpeedNote, {}, {}};
-  for (const PlanAxis& axis : results.plan.axes) table.columns.push_back({axis.name, axis.name});
+  for (const PlanAxis& axis : results.plan.axes) {
+    table.columns.push_back({axis.name, axis.name, false, "", true});
+  }
   table.columns.push_back({"mean, mm", "mean_mm", true});
   table.columns.push_back({"processor, ms a frame", "processor_ms", true});
   table.columns.push_back({"frames a second", "frames_per_second", true});

@@ -7,7 +7,6 @@
 
 #include "metrics/forms/catalogue.hpp"
 #include "metrics/forms/metric_path.hpp"
-#include "report/tables.hpp"
 
 namespace weft::evaluation {
 namespace {
@@ -31,22 +30,41 @@ std::size_t axis_index(const Results& results, const std::string& name) {
   return to_index(axis - results.plan.axes.begin());
 }
 
-}  // namespace
+constexpr const char* kData = "data";  ///< as `where` of a plan names it
 
-std::string measure_of(const std::string& metric) {
-  return metric == kErrorMetric ? "mean 3D error" : metric;
+/// The axes by which a comparison is taken apart; data with too few sequences are no values.
+std::vector<PlanAxis> other_few_valued_axes(const PlanRecord& plan, const std::string& axis) {
+  constexpr std::size_t kMostValues = 8;
+  std::vector<PlanAxis> axes;
+  for (const PlanAxis& each : plan.axes) {
+    if (each.name != axis && each.swept.empty()) axes.push_back(each);
+  }
+  PlanAxis data{kData, {}, "", {}, {}};
+  for (const PlanData& each : plan.data) {
+    if (std::ssize(each.sequences) >= kLeastSequences) data.values.push_back(each.name);
+  }
+  if (plan.data.size() > 1) axes.push_back(data);
+  std::erase_if(axes, [](const PlanAxis& each) {
+    return each.values.empty() || (each.values.size() < 2 && each.name != kData) ||
+           each.values.size() > kMostValues;
+  });
+  return axes;
 }
+
+}  // namespace
 
 Better better_of(const std::string& metric) {
   const MetricField* field = field_of(metric);
   return field != nullptr ? field->better.value_or(Better::lower) : Better::lower;
 }
 
-std::vector<Observation> observations_of(const Results& results, const PlanComparison& plan) {
+std::vector<Observation> observations_of(const Results& results, const PlanComparison& plan,
+                                         const Selection& where) {
   const std::size_t axis = axis_index(results, plan.axis);
   Repeats repeats;
   std::vector<Observation> observations;
   for (const PlanCell& cell : results.plan.cells) {
+    if (!results.plan.selects(where, cell)) continue;
     const CellRecord& record = results.record(cell);
     if (record.outcome == CellOutcome::missing) continue;
     Observation one{cell.sequence, 0, repeats.number_of(cell, axis), cell.values[axis]};
@@ -68,6 +86,15 @@ std::vector<Observation> observations_of(const Results& results, const PlanCompa
   return observations;
 }
 
+ComparisonOptions options_of(const PlanComparison& plan) {
+  ComparisonOptions options;
+  options.measure = metric_name(plan.metric);
+  options.unit = unit_of(plan.metric);
+  options.better = better_of(plan.metric);
+  options.reference = plan.reference;
+  return options;
+}
+
 Result<ComparisonTable> compare(const Results& results, const PlanComparison& plan) {
   if (axis_index(results, plan.axis) == results.plan.axes.size()) {
     return Error{Errc::not_found,
@@ -76,12 +103,24 @@ Result<ComparisonTable> compare(const Results& results, const PlanComparison& pl
   }
   const std::vector<Observation> observations = observations_of(results, plan);
   if (observations.empty()) return ComparisonTable{};
-  ComparisonOptions options;
-  options.measure = measure_of(plan.metric);
-  options.unit = unit_of(plan.metric);
-  options.better = better_of(plan.metric);
-  options.reference = plan.reference;
-  return compare(observations, options);
+  return compare(observations, options_of(plan));
+}
+
+Result<std::vector<ApartComparison>> compare_apart(const Results& results,
+                                                   const PlanComparison& plan) {
+  std::vector<ApartComparison> apart;
+  for (const PlanAxis& axis : other_few_valued_axes(results.plan, plan.axis)) {
+    std::vector<ObservationGroup> groups;
+    for (const std::string& value : axis.values) {
+      const std::string where =
+          axis.name == kData ? "On " + value : "With " + axis.name + " " + value;
+      groups.push_back({where, observations_of(results, plan, {{axis.name, value}})});
+    }
+    auto tables = compare_apart(groups, options_of(plan));
+    if (!tables) return tables.error();
+    apart.push_back({axis.name, axis.values, *std::move(tables)});
+  }
+  return apart;
 }
 
 }  // namespace weft::evaluation

@@ -6,10 +6,10 @@
 #include <map>
 #include <set>
 
+#include "metrics/forms/catalogue.hpp"
 #include "report/notes.hpp"
 #include "report/parts.hpp"
 #include "report/sheets.hpp"
-#include "report/statistics.hpp"
 
 namespace weft::evaluation {
 namespace {
@@ -71,18 +71,37 @@ std::string speed_part(const Results& results, const ReportTables& tables, bool 
          to_html(sheet) + "<h3>By stage</h3>\n";
 }
 
+std::string items_html(const std::vector<std::string>& texts) {
+  std::string text = "<ul>\n";
+  for (const std::string& each : texts) text += "<li>" + html_escaped(each) + "</li>\n";
+  return text + "</ul>\n";
+}
+
+/// The verdict, what contradicts it on other axes, and, folded if it is long, what confirms it.
+std::string verdict_html(const Verdict& verdict) {
+  constexpr std::size_t kMostOpen = 6;
+  std::string text = "<div class=\"verdict\">\n";
+  if (!verdict.about.empty()) text += "<h3>" + html_escaped(verdict.about) + "</h3>\n";
+  text += "<p>" + html_escaped(verdict.text) + "</p>\n";
+  if (!verdict.unlike.empty()) text += items_html(verdict.unlike);
+  if (verdict.like.empty()) return text + "</div>\n";
+  if (verdict.unlike.size() + verdict.like.size() <= kMostOpen) {
+    return text + items_html(verdict.like) + "</div>\n";
+  }
+  return text +
+         fmt::format("<details><summary>The same verdict in {}</summary>{}</details></div>\n",
+                     counted(verdict.like.size(), "part"), items_html(verdict.like));
+}
+
 }  // namespace
 
 std::string verdicts_part(const Results& results, const ReportTables& tables) {
   std::string text;
+  for (const Verdict& verdict : verdicts_of(tables)) text += verdict_html(verdict);
   for (const std::string& notice : notices_of(results, tables)) {
     text += "<p class=\"notice\">" + html_escaped(notice) + "</p>\n";
   }
-  text += "<ul class=\"verdicts\">\n";
-  for (const std::string& verdict : verdicts_of(tables)) {
-    text += "<li>" + html_escaped(verdict) + "</li>\n";
-  }
-  return text + "</ul>\n";
+  return text;
 }
 
 std::string compared_part(const Results& results, const ReportTables& tables) {
@@ -107,8 +126,8 @@ std::string comparisons_part(const ReportTables& tables, bool scripted) {
     const ComparisonResult& comparison = tables.comparisons[i];
     if (comparison.table.pairs.empty()) continue;
     const std::string& metric = comparison.plan.metric;
-    text +=
-        fmt::format("<h3>{}: {}</h3>\n", html_escaped(comparison.plan.axis), html_escaped(metric));
+    text += fmt::format("<h3>{}: {}</h3>\n", html_escaped(comparison.plan.axis),
+                        html_escaped(metric_name(metric)));
     if (scripted) {
       text += fmt::format(
           "<figure class=\"differences\" id=\"figure-differences-{}\" data-comparison=\"{}\"><div "

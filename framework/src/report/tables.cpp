@@ -7,7 +7,6 @@
 #include <weft/core/statistics.hpp>
 
 #include "metrics/forms/catalogue.hpp"
-#include "report/statistics.hpp"
 #include "statistics/bootstrap.hpp"
 
 namespace weft::evaluation {
@@ -193,7 +192,10 @@ Result<ReportTables> make_tables(const Results& results) {
   for (const PlanComparison& plan : results.plan.comparisons) {
     auto table = compare(results, plan);
     if (!table) return table.error();
-    tables.comparisons.push_back({plan, unit_of(plan.metric), *std::move(table)});
+    auto apart = compare_apart(results, plan);
+    if (!apart) return apart.error();
+    tables.comparisons.push_back(
+        {plan, unit_of(plan.metric), *std::move(table), *std::move(apart)});
   }
   return tables;
 }

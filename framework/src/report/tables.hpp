@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "report/statistics.hpp"
 #include "results/expectations.hpp"
-#include "statistics/comparison.hpp"
 
 /// The tables of a report. Sequences count the same: a figure of a combination is the mean over its
 /// sequences of the mean over the seeds of a sequence.
@@ -47,6 +47,7 @@ struct ComparisonResult {
   PlanComparison plan;
   std::string unit;  ///< of the metric
   ComparisonTable table;
+  std::vector<ApartComparison> apart;  ///< by other axes
 };
 
 struct ReportTables {

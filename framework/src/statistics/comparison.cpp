@@ -70,6 +70,11 @@ PairComparison pair_up(const Panel& panel, std::size_t a, std::size_t b, std::ui
     if (!row.has_value(a) || !row.has_value(b)) return Value();
     return Value(*row.results[a] - *row.results[b]);
   });
+  for (const auto& [treatment, own] : {std::pair{a, &pair.mean_a}, std::pair{b, &pair.mean_b}}) {
+    *own = mean(means_of(sequence_means(panel, [=](const PanelRow& row) {
+      return row.has_value(a) && row.has_value(b) ? row.results[treatment] : Value();
+    })));
+  }
   pair.sequences_without_pair = missing_from(panel.sequences(), differences);
   pair.test = test_differences(means_of(differences), seed);
   pair.failures = pair_failures(panel, a, b, seed);
@@ -116,25 +121,27 @@ bool possible(const FriedmanComparison& friedman) {
 }
 
 /// Corrects every p that could be called for the number of them.
-void correct(ComparisonTable& table) {
+void correct(std::vector<ComparisonTable>& tables) {
   struct Hypothesis {
     double p;
     double* corrected;
   };
   std::vector<Hypothesis> family;
-  for (PairComparison& pair : table.pairs) {
-    FailurePair& failures = pair.failures;
-    if (pair.test.possible()) family.push_back({pair.test.p, &pair.p_holm});
-    if (failures.test.possible()) family.push_back({failures.test.p, &failures.p_holm});
-  }
-  if (table.friedman && possible(*table.friedman)) {
-    family.push_back({table.friedman->test.p, &table.friedman->p_holm});
+  for (ComparisonTable& table : tables) {
+    for (PairComparison& pair : table.pairs) {
+      FailurePair& failures = pair.failures;
+      if (pair.test.possible()) family.push_back({pair.test.p, &pair.p_holm});
+      if (failures.test.possible()) family.push_back({failures.test.p, &failures.p_holm});
+    }
+    if (table.friedman && possible(*table.friedman)) {
+      family.push_back({table.friedman->test.p, &table.friedman->p_holm});
+    }
   }
   std::vector<double> p;
   for (const Hypothesis& each : family) p.push_back(each.p);
   const std::vector<double> corrected = holm(p);
   for (std::size_t i = 0; i < family.size(); ++i) *family[i].corrected = corrected[i];
-  table.tests = static_cast<std::int64_t>(family.size());
+  for (ComparisonTable& table : tables) table.tests = static_cast<std::int64_t>(family.size());
 }
 
 /// Which of two is better by a test of a - b.
@@ -160,32 +167,60 @@ void decide(const ComparisonOptions& options, std::int64_t tests, PairComparison
   pair.sentence = sentence_of(pair, options, tests);
 }
 
+bool has(const Panel& panel, const std::string& treatment) {
+  const auto& names = panel.treatments;
+  return std::find(names.begin(), names.end(), treatment) != names.end();
+}
+
+/// What is known before the correction.
+ComparisonTable table_of(const Panel& panel, const ComparisonOptions& options) {
+  ComparisonTable table;
+  for (std::size_t t = 0; t < panel.treatments.size(); ++t) {
+    table.treatments.push_back(summarise(panel, t, options.seed));
+  }
+  table.pairs = pair_all(panel, options);
+  table.friedman = rank_all(panel, options);
+  return table;
+}
+
+void decide(const ComparisonOptions& options, const std::string& where, ComparisonTable& table) {
+  for (PairComparison& pair : table.pairs) decide(options, table.tests, pair);
+  if (table.friedman) {
+    table.friedman->differ = table.friedman->p_holm <= kAlpha;
+    table.friedman->sentence = sentence_of(*table.friedman);
+  }
+  table.headline = headline_of(table, options, where);
+}
+
 }  // namespace
 
 Result<ComparisonTable> compare(const std::vector<Observation>& observations,
                                 const ComparisonOptions& options) {
   const auto panel = make_panel(observations);
   if (!panel) return panel.error();
-  const auto& names = panel->treatments;
-  if (!options.reference.empty() &&
-      std::find(names.begin(), names.end(), options.reference) == names.end()) {
+  if (!options.reference.empty() && !has(*panel, options.reference)) {
     return Error{Errc::not_found,
                  "the reference '" + options.reference + "' is none of the treatments"};
   }
-  ComparisonTable table;
-  for (std::size_t t = 0; t < names.size(); ++t) {
-    table.treatments.push_back(summarise(*panel, t, options.seed));
+  std::vector<ComparisonTable> tables{table_of(*panel, options)};
+  correct(tables);
+  decide(options, "", tables.front());
+  return std::move(tables.front());
+}
+
+Result<std::vector<ComparisonTable>> compare_apart(const std::vector<ObservationGroup>& groups,
+                                                   const ComparisonOptions& options) {
+  std::vector<ComparisonTable> tables;
+  for (const ObservationGroup& group : groups) {
+    ComparisonTable& table = tables.emplace_back();
+    if (group.observations.empty()) continue;
+    const auto panel = make_panel(group.observations);
+    if (!panel) return panel.error();
+    table = table_of(*panel, options);
   }
-  table.pairs = pair_all(*panel, options);
-  table.friedman = rank_all(*panel, options);
-  correct(table);
-  for (PairComparison& pair : table.pairs) decide(options, table.tests, pair);
-  if (table.friedman) {
-    table.friedman->differ = table.friedman->p_holm <= kAlpha;
-    table.friedman->sentence = sentence_of(*table.friedman);
-  }
-  table.headline = headline_of(table, options);
-  return table;
+  correct(tables);
+  for (std::size_t i = 0; i < tables.size(); ++i) decide(options, groups[i].where, tables[i]);
+  return tables;
 }
 
 }  // namespace weft::evaluation

@@ -51,8 +51,9 @@ struct FailurePair {
 /// Whether a is better than b, over the places where both have a value.
 struct PairComparison {
   std::string a, b;
-  std::int64_t rows = 0;  ///< [] places
-  PairedTest test;        ///< a - b, by sequence
+  std::int64_t rows = 0;                        ///< [] places
+  double mean_a = kUnknown, mean_b = kUnknown;  ///< over sequences, of the same places
+  PairedTest test;                              ///< a - b, by sequence
   double p_holm = kUnknown;
   double smallest_effect = kUnknown;  ///< that n could show at the level left by Holm's first step
   Call call = Call::too_few;          ///< which one has the better values
@@ -81,11 +82,22 @@ struct ComparisonTable {
   std::string headline;                        ///< which one is the best, if one is
 };
 
+/// Results that are compared apart from others.
+struct ObservationGroup {
+  std::string where;  ///< begins its sentences: "With sift"; may be empty
+  std::vector<Observation> observations;
+};
+
 /// Compares treatments. One family, so that all that the table calls is wrong somewhere with a
 /// probability of at most 5 %: each pair's values and failures and Friedman's test, as far as they
 /// could reach p = 0.05 at all (Tarone 1990). Fails with not_found where the reference is no
 /// treatment, and as make_panel does.
 Result<ComparisonTable> compare(const std::vector<Observation>& observations,
                                 const ComparisonOptions& options = {});
+
+/// The same for several groups, which are one family: the more groups, the more a difference has to
+/// be to be called. A group with no results of the reference, or of no treatment, has no pairs.
+Result<std::vector<ComparisonTable>> compare_apart(const std::vector<ObservationGroup>& groups,
+                                                   const ComparisonOptions& options = {});
 
 }  // namespace weft::evaluation

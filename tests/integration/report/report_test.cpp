@@ -6,6 +6,7 @@
 
 #include "fake_results.hpp"
 #include "report/tables.hpp"
+#include "report/text/text_table.hpp"
 
 namespace weft::evaluation {
 namespace {
@@ -308,13 +309,83 @@ TEST(Report, SaysInShortWhatFailedAndWhatIsUndecided) {
   fake.write("plan.json", plan);
   for (const std::string& text : {written(fake), fake.read("report/tables.md")}) {
     EXPECT_THAT(text, HasSubstr("16 of 48 cells failed"));
-    EXPECT_THAT(text, HasSubstr("filter, mean 3D error: Too few to decide. There are 2 of at "
-                                "least 6 sequences."));
+    EXPECT_THAT(text, HasSubstr("Too few sequences to decide: 2 of at least 6."));
     EXPECT_THAT(text, HasSubstr("Expectations: 1 of 2 met."));
     EXPECT_THAT(text, HasSubstr("weft ablate stages.yaml --out results/stages"));
   }
   EXPECT_THAT(fake.read("report/comparisons.csv"), HasSubstr(",too few to decide,"));
   EXPECT_THAT(fake.read("report/expectations.csv"), HasSubstr(",1,,,16,16,no\n"));
+}
+
+/// The plan of `fake` with another axis `light`: its values are its odd and even seeds.
+void split_by_light(const FakeResults& fake) {
+  nlohmann::json plan = nlohmann::json::parse(fake.read("plan.json"));
+  plan["axes"].push_back({{"name", "light"}, {"values", {"day", "night"}}});
+  for (nlohmann::json& cell : plan["cells"]) {
+    cell["axes"]["light"] = cell["seed"] == 1 ? "day" : "night";
+    cell["seed"] = 1;
+  }
+  fake.write("plan.json", plan);
+}
+
+TEST(Report, TakesAVerdictApartByTheOtherAxes) {
+  FakeResults::Choice ten;
+  ten.sequences = 10;
+  FakeResults fake(ten);
+  split_by_light(fake);
+  const ReportTables tables = tables_of(read(fake));
+  ASSERT_EQ(tables.comparisons.size(), 1U);
+  const ComparisonResult& comparison = tables.comparisons.front();
+  ASSERT_EQ(comparison.apart.size(), 1U) << "alpha is swept: it has a figure instead";
+  EXPECT_EQ(comparison.apart[0].axis, "light");
+  EXPECT_EQ(comparison.apart[0].values, (std::vector<std::string>{"day", "night"}));
+  for (const ComparisonTable& table : comparison.apart[0].tables) {
+    ASSERT_EQ(table.pairs.size(), 2U);
+    // Every other sequence errs by 1 mm more; one frame of the first is missing.
+    EXPECT_NEAR(table.pairs[0].test.mean, 0.5, 1e-9);
+    EXPECT_EQ(table.pairs[0].test.n, 10);
+  }
+  written(fake);
+  const std::string text = fake.read("report/tables.md");
+  EXPECT_THAT(text, HasSubstr("- **filter** Better than steady in mean 3D error: nothing. Worse:"));
+  EXPECT_THAT(text, HasSubstr("  - With light day, better than steady in mean 3D error: "));
+  EXPECT_THAT(text, HasSubstr("  - With light night, better than steady"));
+}
+
+TEST(Report, FoldsColumnsInWhichAllRowsHaveTheSame) {
+  TextTable table{"t",
+                  "T",
+                  "What it means.",
+                  {{"name", "name", false, "", true},
+                   {"mean", "mean", true},
+                   {"failed", "failed", true, "of", true},
+                   {"n", "n", true, "", true}},
+                  {}};
+  for (const char* name : {"a", "b"}) {
+    TextRow row{{text_cell(name), number_cell(1.0, 1), text_cell("0 of 20"), count_cell(8)}};
+    row.cells[2].exact = "0";
+    row.cells[2].of = "20";
+    table.rows.push_back(row);
+  }
+  EXPECT_EQ(
+      to_markdown(table),
+      "## T\n\nIn every row: failed 0 of 20; n 8. What it means.\n\n| name | mean |\n|---|---:|\n"
+      "| a | 1.0 |\n| b | 1.0 |\n\n")
+      << "a measured figure stays, however alike it is";
+  EXPECT_EQ(to_csv(table), "name,mean,failed,of,n\na,1,0,20,8\nb,1,0,20,8\n");
+  table.rows[1].cells[3] = count_cell(9);
+  EXPECT_THAT(to_html(table), HasSubstr("<td class=\"number\" data-value=\"9\">9</td>"));
+  table.rows.pop_back();
+  EXPECT_EQ(folded(table).columns.size(), 4U);
+}
+
+TEST(Report, NamesMetricsAsPeopleDoAndInFilesAsProgramsDo) {
+  FakeResults fake({});
+  nlohmann::json plan = nlohmann::json::parse(fake.read("plan.json"));
+  plan["show"] = {"filters.tpr_percent"};
+  fake.write("plan.json", plan);
+  EXPECT_THAT(written(fake), HasSubstr("mismatches rejected (TPR), %"));
+  EXPECT_THAT(fake.read("report/combinations.csv"), HasSubstr(",filters.tpr_percent,"));
 }
 
 TEST(Report, SaysHowErrorsWereMeasuredAndMeasuresThemSoAgain) {

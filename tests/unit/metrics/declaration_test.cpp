@@ -151,6 +151,29 @@ TEST(DeclaredMetrics, SayWhichWayIsBetterWithTheNameOfAStageAndWithout) {
   EXPECT_EQ(unit_of("filters.aem.tpr_percent"), "%");
 }
 
+TEST(DeclaredMetrics, HaveNamesForPeople) {
+  EXPECT_EQ(metric_name("all.error_solved.mean_mm"), "mean 3D error");
+  EXPECT_EQ(metric_heading("all.error_solved.mean_mm"), "mean 3D error, mm");
+  EXPECT_EQ(metric_name("groups.mdh.error_held.worst_mm"),
+            "3D error of the worst frame of held frames, mdh");
+  EXPECT_EQ(metric_heading("filters.aem.tpr_percent"), "mismatches rejected (TPR), aem, %");
+  EXPECT_EQ(metric_name("filters.tpr_percent"), "mismatches rejected (TPR)");
+  EXPECT_EQ(metric_name("image.reprojection_frames"), "reprojection frames");
+  EXPECT_EQ(metric_name("nothing.of_this"), "nothing.of_this");
+  for (const CatalogueEntry& entry : run_catalogue()) {
+    EXPECT_EQ(metric_name(entry.path).find('_'), std::string::npos) << entry.path;
+  }
+}
+
+TEST(DeclaredMetrics, HaveNoNameForWhatIsNotMeasured) {
+  const std::vector<CatalogueEntry> entries = run_catalogue();
+  for (const std::string& ending : named_endings()) {
+    EXPECT_TRUE(std::any_of(entries.begin(), entries.end(), [&](const CatalogueEntry& entry) {
+      return entry.path.ends_with(ending);
+    })) << ending;
+  }
+}
+
 TEST(DeclaredMetrics, OfFramesAreTheColumnsOfTheCsvFile) {
   const RunMetrics metrics = full_run();
   std::stringstream header(to_csv(metrics).substr(0, to_csv(metrics).find('\n')));

@@ -96,12 +96,15 @@ TEST(Compare, NamesTheBetterWithEffectIntervalAndN) {
   EXPECT_DOUBLE_EQ(pair.test.mean, -1.5);
   EXPECT_EQ(pair.p_holm, pair.test.p);
   EXPECT_EQ(pair.rows, 8);
-  EXPECT_THAT(
+  EXPECT_EQ(
       pair.sentence,
-      StartsWith("new has a lower mean 3D error than old, by 1.5 mm: 95 % interval 1 to "
-                 "2 mm, standardised effect 2.81, n = 8 sequences, p = 0.00781. No failures "
-                 "in 8 results of each."));
-  EXPECT_EQ(table->headline, "new is better than each of the others.");
+      "new is better than old by 1.5 mm: mean 3D error 4.5 instead of 6.0 mm, 95 % interval 1 "
+      "to 2 mm, p = 0.00781, 8 sequences; standardised effect 2.81. No failures in 8 results "
+      "of each.");
+  EXPECT_EQ(
+      table->headline,
+      "new is better than old by 1.5 mm: mean 3D error 4.5 instead of 6.0 mm, 95 % interval 1 "
+      "to 2 mm, p = 0.00781, 8 sequences.");
   EXPECT_DOUBLE_EQ(table->treatments[0].mean, 4.5);
   EXPECT_DOUBLE_EQ(table->treatments[0].median, 4.5);
   EXPECT_LT(table->treatments[0].interval.low, 4.5);
@@ -113,12 +116,13 @@ TEST(Compare, TurnsTheVerdictWhereHigherIsBetter) {
   add("new", {1, 2, 3, 4, 5, 6, 7, 8}, observations);
   add("old", {2, 4, 4, 6, 6, 8, 8, 10}, observations);
   ComparisonOptions options;
-  options.measure = "AoS";
+  options.measure = "precision";
   options.unit = "%";
   options.better = Better::higher;
   const auto table = compare(observations, options);
   EXPECT_EQ(table->pairs[0].verdict, Call::b);
-  EXPECT_THAT(table->pairs[0].sentence, StartsWith("old has a higher AoS than new, by 1.5 %"));
+  EXPECT_THAT(table->pairs[0].sentence,
+              StartsWith("old is better than new by 1.5 %: precision 6.0 instead of 4.5 %"));
 }
 
 TEST(Compare, NamesNoWinnerInsideTheNoiseAndSaysWhatWouldHaveShown) {
@@ -130,9 +134,10 @@ TEST(Compare, NamesNoWinnerInsideTheNoiseAndSaysWhatWouldHaveShown) {
   EXPECT_NEAR(table->pairs[0].smallest_effect,
               smallest_effect(table->pairs[0].test.standard_deviation, 8), 1e-12);
   EXPECT_THAT(table->pairs[0].sentence,
-              StartsWith("No difference between a and b is shown in mean 3D error: a - b = 0 mm"));
+              StartsWith("a and b cannot be told apart: mean 3D error 1.5 and 1.5 mm, a difference "
+                         "of 0 mm, 95 % interval "));
   EXPECT_THAT(table->pairs[0].sentence, HasSubstr("would be shown 4 times in 5"));
-  EXPECT_THAT(table->headline, StartsWith("No winner"));
+  EXPECT_THAT(table->headline, StartsWith("a and b cannot be told apart"));
   observations.clear();
   add("a", {1, 2, 3, 4, 5, 6}, observations);
   add("b", {1, 2, 3, 4, 5, 6}, observations);
@@ -144,16 +149,17 @@ TEST(Compare, SaysTooFewBelowSixSequencesAndWithTooManyTests) {
   const auto five = compare(graded({"a", "b"}, 5));
   EXPECT_EQ(five->pairs[0].verdict, Call::too_few);
   EXPECT_THAT(five->pairs[0].sentence,
-              StartsWith("Too few to decide between a and b in mean 3D error: 5 of at least 6 "));
-  EXPECT_EQ(five->headline, "Too few to decide.");
+              StartsWith("Too few sequences to tell a from b in mean 3D error: 5 of at least 6; "));
+  EXPECT_THAT(five->headline, StartsWith("Too few sequences to tell a from b"));
   const auto six = compare(graded({"a", "b"}, 6));
   EXPECT_EQ(six->pairs[0].verdict, Call::a);
   // Three pairs and Friedman's test: 4 x 2/64 > 0.05 for any outcome.
   const auto three = compare(graded({"a", "b", "c"}, 6));
   EXPECT_EQ(three->tests, 4);
   EXPECT_EQ(three->pairs[0].call, Call::too_few);
-  EXPECT_THAT(three->pairs[0].sentence, HasSubstr("with 4 tests 6 sequences could call none"));
+  EXPECT_THAT(three->pairs[0].sentence, HasSubstr("with 4 tests 6 could call nothing"));
   EXPECT_TRUE(std::isnan(three->pairs[0].smallest_effect));
+  EXPECT_EQ(three->headline, "Too few sequences to decide: 6 for 4 tests.");
 }
 
 TEST(Compare, CountsAndNamesWhatHasNoPartner) {
@@ -200,6 +206,10 @@ TEST(Compare, TestsFailuresApartFromValues) {
   EXPECT_THAT(pair.sentence,
               HasSubstr("Failures in 40 results of each: a 20, b 1; b fails less (p"));
   EXPECT_THAT(pair.sentence, HasSubstr("Neither is named the better."));
+  EXPECT_THAT(compare(observations)->headline,
+              StartsWith("Neither of a and b is named the better: a is better than b by 1 mm: "));
+  EXPECT_THAT(compare(observations)->headline,
+              HasSubstr(", but b fails in 1 of 40 results, a in 20 (p"));
   EXPECT_EQ(compare(observations)->tests, 2);
 }
 
@@ -216,6 +226,7 @@ TEST(Compare, FindsATreatmentThatAlwaysFailsWorse) {
   EXPECT_EQ(table->treatments[1].failures, 8);
   EXPECT_EQ(table->treatments[1].sequences, 0);
   EXPECT_TRUE(std::isnan(table->treatments[1].mean));
+  EXPECT_THAT(table->headline, StartsWith("a is better than b: a fails in 0 of 8 results, b in 8"));
 }
 
 TEST(Compare, RanksManyTreatmentsWhereAllHaveAValue) {
@@ -234,7 +245,60 @@ TEST(Compare, RanksManyTreatmentsWhereAllHaveAValue) {
     EXPECT_EQ(pair.verdict, Call::a);
     EXPECT_GE(pair.p_holm, pair.test.p);
   }
-  EXPECT_EQ(table->headline, "a is better than each of the others.");
+  EXPECT_THAT(table->headline, StartsWith("a is better than each of the others in mean 3D error: "
+                                          "than b by "));
+  EXPECT_THAT(table->headline, HasSubstr("p at most 0.0"));
+  EXPECT_THAT(table->headline, HasSubstr("Holm's correction for 4 tests, 10 sequences."));
+}
+
+TEST(Compare, SaysOfTheBestWhatItCannotBeToldFrom) {
+  auto observations = graded({"a", "b"}, 12);
+  std::cout << "seed 33\n";
+  Rng rng(33);
+  for (int s = 0; s < 12; ++s) {
+    const double near_a = 10.0 * s + 0.1 + (s % 2 == 0 ? 0.3 : -0.3) + rng.uniform(-0.01, 0.01);
+    observations.push_back({sequence_name(s), 0, 1, "near", near_a});
+  }
+  const auto table = compare(observations);
+  EXPECT_THAT(table->headline,
+              StartsWith("a is better than 1 of the other 2 in mean 3D error: than b by "));
+  EXPECT_THAT(table->headline, HasSubstr("Not told apart from it: near by "));
+}
+
+TEST(Compare, NamesTheLargestDifferenceWhereNoneIsTold) {
+  std::vector<Observation> observations;
+  add("a", {1, 2, 1, 2, 1, 2, 1, 2, 1, 2}, observations);
+  add("b", {2, 1, 2, 1, 2, 1, 2, 1, 2, 1}, observations);
+  add("c", {2, 2, 2, 2, 1, 2, 2, 1, 1, 1}, observations);
+  EXPECT_THAT(compare(observations)->headline,
+              StartsWith("None of the 3 can be told from another. a and c cannot be told apart: "
+                         "mean 3D error 1.50 and 1.60 mm, a difference of 0.1 mm, "));
+}
+
+TEST(Compare, TakesGroupsApartAndCorrectsForAllOfThem) {
+  // With `easy` the two are the same but for a toss; with `hard` b is worse by 1.
+  std::vector<ObservationGroup> groups{{"With easy", {}}, {"With hard", {}}};
+  add("a", {1, 2, 1, 2, 1, 2, 1, 2}, groups[0].observations);
+  add("b", {2, 1, 2, 1, 2, 1, 2, 1}, groups[0].observations);
+  add("a", {1, 2, 3, 4, 5, 6, 7, 8}, groups[1].observations);
+  add("b", {2, 3, 4, 5, 6, 7, 8, 9}, groups[1].observations);
+  const auto tables = compare_apart(groups);
+  ASSERT_TRUE(tables);
+  ASSERT_EQ(tables->size(), 2U);
+  EXPECT_EQ((*tables)[0].pairs[0].verdict, Call::undecided);
+  EXPECT_EQ((*tables)[1].pairs[0].verdict, Call::a);
+  EXPECT_EQ((*tables)[1].tests, 2);
+  const double alone = compare(groups[1].observations)->pairs[0].p_holm;
+  EXPECT_DOUBLE_EQ((*tables)[1].pairs[0].p_holm, 2.0 * alone);
+  EXPECT_THAT((*tables)[0].headline,
+              StartsWith("With easy, a and b cannot be told apart: mean 3D "));
+  EXPECT_EQ((*tables)[1].headline,
+            "With hard, a is better than b by 1 mm: mean 3D error 4.5 instead of 5.5 mm, 95 % "
+            "interval 1 to 1 mm, p = 0.0156 after Holm's correction for 2 tests, 8 sequences.");
+  // A group without results has nothing to say, and takes nothing from the others.
+  groups.push_back({"With none", {}});
+  EXPECT_TRUE((*compare_apart(groups))[2].pairs.empty());
+  EXPECT_EQ((*compare_apart(groups))[1].tests, 2);
 }
 
 TEST(Compare, ComparesWithAReferenceOnly) {
@@ -246,7 +310,8 @@ TEST(Compare, ComparesWithAReferenceOnly) {
   EXPECT_EQ(table->pairs[1].a, "c");
   EXPECT_EQ(table->pairs[1].b, "b");
   EXPECT_EQ(table->pairs[1].verdict, Call::b);
-  EXPECT_EQ(table->headline, "Better than b: a. Worse: c.");
+  EXPECT_THAT(table->headline, StartsWith("Better than b in mean 3D error: a by "));
+  EXPECT_THAT(table->headline, HasSubstr("). Worse: c by "));
   options.reference = "d";
   const auto unknown = compare(graded({"a", "b"}, 8), options);
   ASSERT_FALSE(unknown);

@@ -86,27 +86,34 @@ std::vector<std::string> words_of(const std::string& path) {
   return words;
 }
 
-bool matches(const std::vector<std::string>& pattern, const std::vector<std::string>& words) {
+/// Whether the words of a path are those of a pattern, whose STAGE or KIND may be left out; then
+/// `label` is what stands there.
+bool matches(const std::vector<std::string>& pattern, const std::vector<std::string>& words,
+             std::string& label) {
   std::size_t at = 0;
   for (const std::string& each : pattern) {
     const bool is_label = each == "KIND" || each == "STAGE";
     const bool is_named = is_label && words.size() == pattern.size();
     if (is_label && !is_named) continue;
     if (at == words.size() || (!is_label && words[at] != each)) return false;
+    if (is_named) label = words[at];
     ++at;
   }
   return at == words.size();
 }
 
-std::string table_of(const std::string& title, const std::vector<CatalogueEntry>& entries) {
-  std::string text = fmt::format("| {} | unit | better | meaning |\n|---|---|---|---|\n", title);
+std::string table_of(const std::string& title, const std::vector<CatalogueEntry>& entries,
+                     bool named) {
+  std::string text = fmt::format("| {} | {}unit | better | meaning |\n|---|{}---|---|---|\n", title,
+                                 named ? "name | " : "", named ? "---|" : "");
   for (const CatalogueEntry& entry : entries) {
     const auto& better = entry.field.better;
     std::string meaning = entry.field.meaning;
     for (std::size_t at = 0; (at = meaning.find('|', at)) != std::string::npos; at += 2) {
       meaning.insert(at, 1, '\\');
     }
-    text += fmt::format("| `{}` | {} | {} | {} |\n", entry.path, unit_of(entry.path),
+    const std::string name = named ? metric_name(entry.path) + " | " : "";
+    text += fmt::format("| `{}` | {}{} | {} | {} |\n", entry.path, name, unit_of(entry.path),
                         !better ? "" : (*better == Better::lower ? "lower" : "higher"), meaning);
   }
   return text;
@@ -118,13 +125,19 @@ std::vector<CatalogueEntry> run_catalogue() { return catalogue_of<RunMetrics>('.
 
 std::vector<CatalogueEntry> frame_catalogue() { return catalogue_of<FrameMetrics>('_'); }
 
-const MetricField* field_of(const std::string& path) {
+FoundEntry entry_of(const std::string& path) {
   static const std::vector<CatalogueEntry> kEntries = run_catalogue();
   const std::vector<std::string> words = words_of(path);
   for (const CatalogueEntry& entry : kEntries) {
-    if (matches(words_of(entry.path), words)) return &entry.field;
+    std::string label;
+    if (matches(words_of(entry.path), words, label)) return {&entry, label};
   }
-  return nullptr;
+  return {};
+}
+
+const MetricField* field_of(const std::string& path) {
+  const CatalogueEntry* entry = entry_of(path).entry;
+  return entry == nullptr ? nullptr : &entry->field;
 }
 
 std::string unit_of(const std::string& path) {
@@ -137,8 +150,8 @@ std::string unit_of(const std::string& path) {
 }
 
 std::string metrics_page() {
-  return table_of("`metric:` of a run", run_catalogue()) + "\n" +
-         table_of("column of a frame", frame_catalogue());
+  return table_of("`metric:` of a run", run_catalogue(), true) + "\n" +
+         table_of("column of a frame", frame_catalogue(), false);
 }
 
 }  // namespace weft::evaluation

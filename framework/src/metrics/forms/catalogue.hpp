@@ -23,6 +23,23 @@ std::vector<CatalogueEntry> frame_catalogue();
 /// null where there is none.
 const MetricField* field_of(const std::string& path);
 
+/// The same with its path, and the name of the stage or kind, if the path has one: "aem" of
+/// "filters.aem.tpr_percent".
+struct FoundEntry {
+  const CatalogueEntry* entry = nullptr;  ///< null where there is none
+  std::string label;
+};
+
+FoundEntry entry_of(const std::string& path);
+
+/// What people call the number of a path, without its unit: "mean 3D error", "matches kept, aem";
+/// the path itself where there is no such number.
+std::string metric_name(const std::string& path);
+/// "mean 3D error, mm".
+std::string metric_heading(const std::string& path);
+/// The ends of paths that have such a name in the list, for a test of the list.
+std::vector<std::string> named_endings();
+
 /// "mm" of "mean_mm", "%" of "tpr_percent"; empty for counts.
 std::string unit_of(const std::string& path);
 

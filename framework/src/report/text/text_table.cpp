@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <weft/core/csv_field.hpp>
@@ -68,6 +69,25 @@ TextCell figure_cell(double value) {
   return cell;
 }
 
+TextTable folded(TextTable table) {
+  if (table.rows.size() < 2) return table;
+  std::string common;
+  for (std::size_t c = table.columns.size(); c-- > 1;) {
+    const std::string& first = table.rows.front().cells[c].shown;
+    const bool same = std::all_of(table.rows.begin(), table.rows.end(),
+                                  [&](const TextRow& row) { return row.cells[c].shown == first; });
+    if (!table.columns[c].foldable || !same) continue;
+    common = table.columns[c].name + " " + first + (common.empty() ? "" : "; ") + common;
+    const auto at = static_cast<std::ptrdiff_t>(c);
+    table.columns.erase(table.columns.begin() + at);
+    for (TextRow& row : table.rows) row.cells.erase(row.cells.begin() + at);
+  }
+  if (!common.empty()) {
+    table.note = "In every row: " + common + "." + (table.note.empty() ? "" : " ") + table.note;
+  }
+  return table;
+}
+
 std::string to_csv(const TextTable& table) {
   std::string text;
   for (const TextColumn& column : table.columns) {
@@ -85,7 +105,8 @@ std::string to_csv(const TextTable& table) {
   return text;
 }
 
-std::string to_markdown(const TextTable& table) {
+std::string to_markdown(const TextTable& whole) {
+  const TextTable table = folded(whole);
   std::string text = "## " + table.title + "\n\n";
   if (!table.note.empty()) text += markdown_escaped(table.note) + "\n\n";
   std::string rule;
@@ -101,7 +122,8 @@ std::string to_markdown(const TextTable& table) {
   return text + "\n";
 }
 
-std::string to_html(const TextTable& table) {
+std::string to_html(const TextTable& whole) {
+  const TextTable table = folded(whole);
   std::string text = fmt::format(
       "<div class=\"scroll\" tabindex=\"0\"><table class=\"sortable\" "
       "id=\"table-{}\"><thead><tr>",

@@ -26,7 +26,8 @@ struct TextColumn {
   std::string name;     ///< as people read it, with its unit
   std::string field{};  ///< as programs do
   bool numeric = false;
-  std::string of{};  ///< for programs, the name of the whole that a share is of
+  std::string of{};       ///< for programs, the name of the whole that a share is of
+  bool foldable = false;  ///< said once for all rows, where people read it, if all have the same
 };
 
 struct TextRow {
@@ -44,8 +45,13 @@ struct TextTable {
   std::vector<TextRow> rows;
 };
 
-/// Shares have a second column, with the whole.
+/// Without the foldable columns in which all rows, of at least two, have the same; `note` then
+/// begins with what they have: "In every row: cells failed 0 of 20; n 8."
+TextTable folded(TextTable table);
+
+/// Every column, however alike its cells are. Shares have a second column, with the whole.
 std::string to_csv(const TextTable& table);
+/// Folded.
 std::string to_markdown(const TextTable& table);
 std::string to_html(const TextTable& table);
 
