@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <iostream>
+#include <limits>
+#include <string>
+#include <weft/geometry/distance_constraints.hpp>
+#include <weft/geometry/mesh_topology.hpp>
+#include <weft/geometry/rigid_alignment.hpp>
+#include <weft/testing/plugin_under_test.hpp>
+#include <weft/testing/synthetic.hpp>
+
+namespace weft::plain_start {
+namespace {
+
+using testing::input;
+using testing::PluginAnswer;
+using testing::PluginUnderTest;
+
+constexpr const char* kId = "solvers/plain_start";
+constexpr double kTilt_rad = 0.5;
+
+struct Scene {
+  Template templ = testing::make_template();
+  Camera camera = testing::make_camera();
+  Points3 truth_m;
+  Correspondences matches;
+
+  explicit Scene(double radius_m, double noise_px = 0.0, int count = 150) {
+    testing::PoseSpec pose;
+    pose.x_m = 0.03;
+    pose.tilt_y_rad = kTilt_rad;
+    pose.roll_rad = 0.4;
+    const auto sheet = testing::make_cylinder({}, radius_m, 0.3, pose);
+    truth_m = testing::bent_vertices(templ, sheet);
+    std::cout << "seed 5\n";
+    Rng rng(5);
+    testing::MatchSpec spec;
+    spec.count = count;
+    spec.noise_px = noise_px;
+    matches = testing::draw_matches(templ, camera, sheet, spec, rng).matches;
+  }
+
+  PluginAnswer run(PluginUnderTest& plugin, std::uint64_t frame = 0) const {
+    return plugin.process(
+        0, {input("template", templ), input("camera", camera), input("correspondences", matches)},
+        frame);
+  }
+
+  Points3 vertices_m(const std::string& params, std::uint64_t frame = 0) const {
+    PluginUnderTest plugin(kId, params);
+    const PluginAnswer out = run(plugin, frame);
+    EXPECT_EQ(out.status, WEFT_OK) << out.message;
+    const auto shape = out.get<Shape>();
+    return shape ? Points3(shape->vertices_m.matrix<3>())
+                 : Points3::Zero(templ.vertices_m.rows(), 3);
+  }
+
+  double error_m(const Points3& vertices_m) const {
+    return (vertices_m - truth_m).rowwise().norm().mean();
+  }
+};
+
+double largest_strain(const Template& templ, const Points3& vertices_m) {
+  const auto topology = build_topology(templ.faces.matrix<3>(), vertices_m.rows());
+  const auto edges = distance_constraints(topology->edges, templ.vertices_m.matrix<3>());
+  return strain_statistics(*edges, vertices_m).max;
+}
+
+double rms_distance_m(const Points3& a, const Points3& b) {
+  return std::sqrt((a - b).rowwise().squaredNorm().mean());
+}
+
+/// Along the rows of the sheet.
+double rms_second_difference_m(const Points3& moved_m) {
+  constexpr Eigen::Index kColumns = 10;
+  double sum = 0.0;
+  std::int64_t count = 0;
+  for (Eigen::Index v = 1; v + 1 < moved_m.rows(); ++v) {
+    if (v % kColumns == 0 || v % kColumns == kColumns - 1) continue;
+    sum += (moved_m.row(v - 1) - 2.0 * moved_m.row(v) + moved_m.row(v + 1)).squaredNorm();
+    ++count;
+  }
+  return std::sqrt(sum / static_cast<double>(count));
+}
+
+TEST(PlainStart, FindsTheExactPoseOfAFlatTiltedSheet) {
+  const Scene scene(1e9);
+  EXPECT_LT(scene.error_m(scene.vertices_m("{}")), 1e-6);
+}
+
+TEST(PlainStart, KeepsTheTemplateAtRestWhereTheSheetIsBent) {
+  const Scene scene(0.2, 0.5);
+  const Points3 found_m = scene.vertices_m("{}");
+  EXPECT_LT(largest_strain(scene.templ, found_m), 1e-9);
+  EXPECT_LT(scene.error_m(found_m), 0.026) << "half of the height of the bend, 52 mm";
+  EXPECT_GT(scene.error_m(found_m), 0.002);
+}
+
+TEST(PlainStart, FrontalFacesTheCameraWithTheMiddleAndTheTurnInTheImageOfThePose) {
+  const Scene scene(1e9);
+  const Points3 found_m = scene.vertices_m("{shape: frontal}");
+  EXPECT_LT(found_m.col(2).maxCoeff() - found_m.col(2).minCoeff(), 1e-6);
+  EXPECT_LT((found_m.colwise().mean() - scene.truth_m.colwise().mean()).norm(), 1e-6);
+  EXPECT_LT(largest_strain(scene.templ, found_m), 1e-9);
+  const auto moved = align_points(scene.truth_m, found_m, AlignmentKind::rigid);
+  ASSERT_TRUE(moved);
+  EXPECT_NEAR(Eigen::AngleAxisd(moved->rotation).angle(), kTilt_rad, 1e-5);
+}
+
+TEST(PlainStart, BendsAtRandomByTheAmplitudeInMetresAndSmoothly) {
+  const Scene scene(1e9);
+  const Points3 flat_m = scene.vertices_m("{}");
+  for (const double bend_m : {0.005, 0.02}) {
+    const Points3 bent_m = scene.vertices_m("{bend_m: " + std::to_string(bend_m) + "}");
+    EXPECT_NEAR(rms_distance_m(bent_m, flat_m), bend_m, 1e-9);
+    // The shortest wave has 1.44 times the amplitude, noise without smoothness 2.45 times.
+    EXPECT_LT(rms_second_difference_m(bent_m - flat_m), 1.5 * bend_m);
+  }
+}
+
+TEST(PlainStart, DrawsAnotherBendInEachFrameAndTheSameFromTheSameSeed) {
+  const Scene scene(1e9);
+  const Points3 first_m = scene.vertices_m("{bend_m: 0.02}", 3);
+  EXPECT_EQ(first_m, scene.vertices_m("{bend_m: 0.02}", 3));
+  EXPECT_GT(rms_distance_m(first_m, scene.vertices_m("{bend_m: 0.02}", 4)), 0.005);
+}
+
+TEST(PlainStart, GivesThePreviousShapeAgainAndThePoseWhereThereIsNone) {
+  const Scene scene(0.2);
+  Shape previous;
+  previous.vertices_m = make_array<double>(scene.truth_m);
+  previous.source = Array<std::uint8_t>({scene.truth_m.rows()}, 1);
+  PluginUnderTest plugin(kId, "{shape: previous}");
+  const PluginAnswer out = plugin.process(
+      0, {input("template", scene.templ), input("camera", scene.camera),
+          input("correspondences", scene.matches), input("previous.shape", previous)});
+  ASSERT_EQ(out.status, WEFT_OK) << out.message;
+  EXPECT_EQ(Points3(out.get<Shape>()->vertices_m.matrix<3>()), scene.truth_m);
+  EXPECT_EQ(scene.vertices_m("{shape: previous}"), scene.vertices_m("{shape: rigid}"));
+}
+
+TEST(PlainStart, IsSureOfARigidSheetAndNotOfABentOne) {
+  PluginUnderTest plugin(kId);
+  const PluginAnswer flat = Scene(1e9).run(plugin), bent = Scene(0.1).run(plugin);
+  ASSERT_TRUE(flat.get<Shape>() && bent.get<Shape>());
+  EXPECT_EQ(flat.get<Shape>()->shape_state(), ShapeState::estimated);
+  EXPECT_EQ(bent.get<Shape>()->shape_state(), ShapeState::weak);
+}
+
+TEST(PlainStart, TooFewCollinearOrCoincidentMatchesGiveNoResult) {
+  PluginUnderTest plugin(kId);
+  for (const int count : {0, 1, 5}) {
+    EXPECT_EQ(Scene(0.25, 0.0, count).run(plugin).status, WEFT_NO_RESULT) << count;
+  }
+  Scene one_pixel(0.25);
+  for (std::int64_t i = 0; i < one_pixel.matches.count(); ++i) {
+    one_pixel.matches.image_px(i, 0) = 320.0;
+    one_pixel.matches.image_px(i, 1) = 240.0;
+  }
+  EXPECT_EQ(one_pixel.run(plugin).status, WEFT_NO_RESULT);
+}
+
+TEST(PlainStart, AMatchThatIsNotANumberGivesNoShape) {
+  Scene scene(0.25);
+  scene.matches.image_px(17, 0) = std::numeric_limits<double>::quiet_NaN();
+  PluginUnderTest plugin(kId);
+  const PluginAnswer out = scene.run(plugin);
+  EXPECT_NE(out.status, WEFT_OK);
+  EXPECT_FALSE(out.message.empty());
+}
+
+}  // namespace
+}  // namespace weft::plain_start
