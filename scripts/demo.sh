@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds Weft, runs pipelines/demo.yaml, evaluates it and says where the results are.
+# Builds Weft, runs pipelines/demo.yaml, evaluates it, writes its report and says where all of it is.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # shellcheck source=scripts/common.sh
@@ -20,10 +20,10 @@ fail() {
   exit 1
 }
 
-echo "1/4 Packages"
+echo "1/5 Packages"
 scripts/bootstrap.sh "$@" || fail "packages could not be installed; the list is in scripts/bootstrap.sh"
 
-echo "2/4 Build (the first time takes minutes)"
+echo "2/5 Build (the first time takes minutes)"
 weft_logged build/release/configure.log cmake --preset release \
   || fail "configuring failed; see build/release/configure.log"
 weft_logged build/release/build.log \
@@ -36,7 +36,7 @@ if [[ -e $run ]]; then
 fi
 mkdir -p runs
 
-echo "3/4 Run pipelines/demo.yaml"
+echo "3/5 Run pipelines/demo.yaml"
 build/release/bin/weft run pipelines/demo.yaml --out "$run" || {
   status=$?
   case $status in
@@ -48,9 +48,13 @@ build/release/bin/weft run pipelines/demo.yaml --out "$run" || {
   fail "$why"
 }
 
-echo "4/4 Evaluate"
+echo "4/5 Evaluate"
 build/release/bin/weft eval "$run" \
   || fail "the run is complete, but its evaluation failed; the results are in $PWD/$run"
+
+echo "5/5 Report"
+build/release/bin/weft report "$run" > build/release/report.log \
+  || fail "the run is complete, but its report failed; the results are in $PWD/$run"
 
 # show TITLE FIND-EXPRESSION...: the files that match, or their folder where there are many.
 show() {
@@ -69,5 +73,7 @@ echo
 echo "Results"
 show overlay -name '*.mp4' -o -name '*.avi' -o -name '*.mkv'
 show meshes -name '*.obj' -o -name '*.ply'
-show report -name 'metrics*.json' -o -name 'eval*.json' -o -name 'report*.html'
+show metrics -name 'metrics*.json'
 show run -name manifest.json
+echo
+echo "Open this page in a browser: $PWD/$run/report.html"

@@ -7,6 +7,7 @@
 #include "cli/commands.hpp"
 #include "cli/output/new_file.hpp"
 #include "report/report.hpp"
+#include "report/runs/run_report.hpp"
 
 namespace weft::cli {
 namespace {
@@ -17,6 +18,25 @@ std::string assets_folder() {
   std::error_code code;
   const fs::path program = fs::read_symlink("/proc/self/exe", code);
   return (program.parent_path().parent_path() / "share" / "weft" / "report").string();
+}
+
+/// Of a run or an ablation, whichever wrote the folder.
+Result<evaluation::ReportFiles> write_report_of(const std::string& folder,
+                                                const evaluation::ReportOptions& options) {
+  namespace fs = std::filesystem;
+  std::error_code code;
+  if (!fs::is_directory(folder, code)) {
+    return Error{Errc::not_found, "there is no such folder", folder};
+  }
+  if (evaluation::is_run_folder(folder)) return evaluation::write_run_report(folder, options);
+  if (!fs::exists(folder + "/plan.json", code) && !fs::exists(folder + "/results", code)) {
+    return Error{
+        Errc::not_found,
+        "is neither the folder of a run (it has no frames.jsonl) nor of an ablation (it has "
+        "no plan.json); give one that `weft run` or `weft ablate` wrote",
+        folder};
+  }
+  return evaluation::write_report(folder, options);
 }
 
 bool is_same(const std::string& a, const std::string& b) {
@@ -34,8 +54,8 @@ void add_report_command(CLI::App& app, Context& context) {
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "report", "Write one page with the tables, figures and shapes of an ablation");
-  command->add_option("DIR", options->folder, "Results folder that `weft ablate` wrote")
+      "report", "Write one page with the tables, figures and shapes of a run or an ablation");
+  command->add_option("DIR", options->folder, "Folder that `weft run` or `weft ablate` wrote")
       ->required();
   command->add_option("--out", options->page, "The page (default: DIR/report.html)");
   add_overwrite(*command, options->overwrite);
@@ -48,7 +68,7 @@ void add_report_command(CLI::App& app, Context& context) {
         return;
       }
     }
-    const auto files = evaluation::write_report(options->folder, {options->page, assets_folder()});
+    const auto files = write_report_of(options->folder, {options->page, assets_folder()});
     if (!files) {
       print_error(files.error());
       context.exit_code =

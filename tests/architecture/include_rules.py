@@ -56,6 +56,7 @@ INTERNAL = {
     "ablation": "core data roles host/records host/loading host/calling pipeline/execution "
     "pipeline/runs metrics results ablation/plan",
     "report/text": "core",
+    "report/runs": "core data statistics metrics results report/text",
     "report": "core statistics metrics results report/text",
     "bench": "core data host/records host/loading host/calling pipeline/configuration "
     "pipeline/graph pipeline/execution pipeline/runs statistics",

@@ -3,7 +3,9 @@ import { page_data } from "./data.js";
 import { sort_tables, filter_tables, copy_commands } from "./tables.js";
 import { Selection } from "./selection.js";
 import { draw_figures } from "./figures.js";
+import { draw_run } from "./run.js";
 import { start_viewer } from "./viewer.js";
+import { draw_worst } from "./worst.js";
 
 /** Light or dark as the system has it, until the reader chooses. */
 function offer_theme() {
@@ -29,6 +31,8 @@ async function start() {
   const selection = new Selection(data.treatments);
   const viewer = start_viewer(data);
   await draw_figures(data, selection);
+  await draw_run(data, viewer);
+  draw_worst(data);
   // For tests and for curious readers: `weft_report.viewer.positions()` is what the view draws.
   window.weft_report = { viewer, selection };
   document.documentElement.dataset.ready = "true";

@@ -23,7 +23,9 @@ import {
   WireframeGeometry,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { axes_of } from "./axes.js";
 import { floats, indices, shown } from "./data.js";
+import { colours_of, kRampStyle, scale_of, vertex_errors } from "./errors.js";
 
 const kPlayMs = 100;
 
@@ -35,7 +37,7 @@ function colour_of(name) {
 
 /** What is drawn: the estimate as a surface with its edges, the truth as points or as edges, and a
     line from each true point to its place on the estimate. */
-class Drawing {
+export class Drawing {
   constructor() {
     this.group = new Group();
     // OpenCV's axes to those of WebGL: y up, z towards the viewer.
@@ -62,11 +64,13 @@ class Drawing {
     this.errors = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
     this.group.add(this.surface, this.edges, this.truth, this.errors);
     this.enlarged = 1;
+    this.by_error = true;
     this.colour();
   }
 
   colour() {
-    this.surface.material.color = colour_of("--series-1");
+    const { material } = this.surface;
+    material.color = material.vertexColors ? new Color(0xffffff) : colour_of("--series-1");
     this.edges.material.color = colour_of("--ink");
     this.truth.material.color = colour_of("--series-2");
     this.errors.material.color = colour_of("--series-2");
@@ -80,6 +84,7 @@ class Drawing {
       geometry.setIndex(new BufferAttribute(cell.faces, 1));
       geometry.computeVertexNormals();
     }
+    this.#colour_by_error(geometry, cell, frame);
     this.#replace(this.surface, geometry);
     this.#replace(
       this.edges,
@@ -87,6 +92,17 @@ class Drawing {
     );
     this.#replace(this.truth, points_geometry(frame.truth));
     this.#replace(this.errors, points_geometry(segments(frame, this.enlarged)));
+  }
+
+  #colour_by_error(geometry, cell, frame) {
+    const errors = this.by_error && cell.scale_mm !== null ? vertex_errors(frame) : null;
+    if (errors) {
+      geometry.setAttribute("color", new BufferAttribute(colours_of(errors, cell.scale_mm), 3));
+    }
+    const { material } = this.surface;
+    material.needsUpdate = material.vertexColors !== Boolean(errors);
+    material.vertexColors = Boolean(errors);
+    this.colour();
   }
 
   #replace(object, geometry) {
@@ -112,17 +128,15 @@ function segments({ truth, placed }, enlarged) {
   return new Float32Array(ends);
 }
 
-function decoded(cell) {
-  return {
-    ...cell,
-    faces: indices(cell.faces),
-    frames: cell.frames.map((frame) => ({
-      ...frame,
-      vertices: floats(frame.vertices),
-      truth: floats(frame.truth),
-      placed: floats(frame.placed),
-    })),
-  };
+/** A cell with numbers for its base64, and the end of the scale of its errors, mm. */
+export function decoded(cell) {
+  const frames = cell.frames.map((frame) => ({
+    ...frame,
+    vertices: floats(frame.vertices),
+    truth: floats(frame.truth),
+    placed: floats(frame.placed),
+  }));
+  return { ...cell, faces: indices(cell.faces), frames, scale_mm: scale_of(frames) };
 }
 
 class Viewer {
@@ -161,9 +175,25 @@ class Viewer {
   choose(index) {
     this.#cell = decoded(this.cells[index]);
     this.slider.max = this.#cell.frames.length - 1;
+    this.#show_scale();
     this.show(Number(this.slider.max) < this.#index ? 0 : this.#index);
     this.look_from_camera();
     this.root.querySelector(".command").textContent = this.#cell.command;
+  }
+
+  #show_scale() {
+    const { scale_mm } = this.#cell;
+    const scale = this.root.querySelector(".error-scale");
+    scale.hidden = scale_mm === null;
+    scale.querySelector(".ramp").style.background = kRampStyle;
+    scale.querySelector(".high").textContent = `${scale_mm} mm and more`;
+  }
+
+  /** The frame of that number, or the nearest one that the page has. */
+  show_frame(number) {
+    const distances = this.#cell.frames.map(({ frame }) => Math.abs(frame - number));
+    this.show(distances.indexOf(Math.min(...distances)));
+    this.root.scrollIntoView({ behavior: "smooth", block: "nearest" });
   }
 
   show(index) {
@@ -187,6 +217,10 @@ class Viewer {
       }
     }
     if (box.isEmpty()) return;
+    if (this.axes) this.scene.remove(this.axes);
+    this.axes = axes_of(box, colour_of("--ink"));
+    this.axes.visible = this.root.querySelector(".axes").checked;
+    this.scene.add(this.axes);
     const centre = box.getCenter(new Vector3());
     const radius = 0.5 * box.getSize(new Vector3()).length();
     const distance = radius / Math.tan((this.camera.fov * Math.PI) / 360);
@@ -237,7 +271,15 @@ class Viewer {
     });
     this.root.querySelector(".play").addEventListener("click", () => this.toggle_play());
     this.root.querySelector(".reset").addEventListener("click", () => this.look_from_camera());
-    for (const box of this.root.querySelectorAll("input[type=checkbox]")) {
+    this.root.querySelector(".axes").addEventListener("change", ({ target }) => {
+      if (this.axes) this.axes.visible = target.checked;
+      this.render();
+    });
+    this.root.querySelector(".by-error").addEventListener("change", ({ target }) => {
+      this.drawing.by_error = target.checked;
+      this.show(this.#index);
+    });
+    for (const box of this.root.querySelectorAll("input[type=checkbox][value]:not([value=''])")) {
       box.addEventListener("change", () => {
         for (const part of box.value.split(" ")) this.drawing[part].visible = box.checked;
         this.render();
@@ -246,7 +288,7 @@ class Viewer {
     new ResizeObserver(() => this.render()).observe(this.canvas);
     document.documentElement.addEventListener("themechange", () => {
       this.drawing.colour();
-      this.render();
+      this.look_from_camera();
     });
   }
 }
@@ -257,6 +299,7 @@ export function start_viewer(data) {
   if (!root || data.cells.length === 0) return null;
   const choice = root.querySelector("select");
   for (const { name } of data.cells) choice.append(new Option(name));
+  choice.closest("label").hidden = data.cells.length < 2;
   try {
     const viewer = new Viewer(root, data.cells);
     root.classList.add("started");

@@ -7,6 +7,8 @@
 #include "report/parts.hpp"
 #include "report/sheets.hpp"
 #include "report/text/base64.hpp"
+#include "report/text/page.hpp"
+#include "report/text/text_table.hpp"
 
 namespace weft::evaluation {
 namespace {
@@ -37,11 +39,6 @@ std::string sweep_figure(const Results& results, const Sweep& sweep, std::size_t
       "class=\"controls\"></div><ul class=\"legend\"></ul><div "
       "class=\"plot\"></div>\n<figcaption>{}</figcaption></figure>\n",
       index, index, title, caption);
-}
-
-std::string checkbox(const std::string& parts, const std::string& label) {
-  return fmt::format("<label><input type=\"checkbox\" value=\"{}\" checked> {}</label>\n", parts,
-                     label);
 }
 
 bool has_scores(const ReportTables& tables, const std::string& stage) {
@@ -110,17 +107,20 @@ std::string worst_part(const Results& results, const Figures& figures) {
   std::string text =
       "<p>The frames with the largest errors of each combination. Lines: the estimated mesh over "
       "the image, blue where its confidence is 1, yellow at 0.5 and orange at 0, fainter where it "
-      "is only predicted. Blue dots: the matches that were kept. A click on a command copies "
-      "it.</p>\n<div class=\"thumbnails\">\n";
-  for (const ShownFrame& frame : figures.worst_frames) {
+      "is only predicted. Blue dots: the matches that were kept. Beside it, from the camera, the "
+      "estimate coloured by its error, and the truth. A click on a command copies it.</p>\n<div "
+      "class=\"worst\">\n";
+  for (std::size_t i = 0; i < figures.worst_frames.size(); ++i) {
+    const ShownFrame& frame = figures.worst_frames[i];
     const PlanCell& cell = results.plan.cells[frame.cell];
     const TextCell error = number_cell(frame.mean_mm, 3);
     std::string values;
     for (const std::string& value : cell.values) values += html_escaped(value) + " · ";
     text += fmt::format(
-        "<figure><img alt=\"\" src=\"data:{};base64,{}\">\n<figcaption>{}{}, seed {}, frame {}: "
+        "<figure data-worst=\"{}\"><img alt=\"\" src=\"data:{};base64,{}\">\n<figcaption>{}{}, "
+        "seed {}, frame {}: "
         "{}<br><code class=\"command\">{}</code></figcaption></figure>\n",
-        frame.picture.type, base64(frame.picture.bytes), values, html_escaped(cell.sequence),
+        i, frame.picture.type, base64(frame.picture.bytes), values, html_escaped(cell.sequence),
         cell.seed, frame.picture.frame,
         std::isfinite(frame.mean_mm) ? error.shown + " mm mean error"
                                      : "no error could be measured",
@@ -131,29 +131,11 @@ std::string worst_part(const Results& results, const Figures& figures) {
 
 std::string viewer_part(const Figures& figures) {
   if (figures.cells.empty()) return "";
-  return fmt::format(
-             "<p>The page holds the worst, the median and the best cell of each combination that "
-             "the figures draw at first, at most {} frames a cell and {} true points a frame, "
-             "evenly chosen. A line leads from each true point to its place on the estimate, "
-             "longer than it is where the errors are enlarged. Drag to turn, scroll to come "
-             "nearer.</p>\n<p "
-             "class=\"needs-script\">The 3D view needs JavaScript.</p>\n",
-             ViewLimits{}.frames, ViewLimits{}.truth_points) +
-         "<div id=\"viewer\"><div class=\"controls\"><label>Cell <select "
-         "aria-label=\"Cell\"></select></label></div>\n"
-         "<canvas aria-label=\"Estimate and truth in 3D\"></canvas>\n<div class=\"controls\">"
-         "<button type=\"button\" class=\"plain play\">Play</button>\n"
-         "<input type=\"range\" min=\"0\" max=\"0\" value=\"0\" step=\"1\" "
-         "aria-label=\"Frame\">\n<output class=\"readout\"></output></div>\n"
-         "<div class=\"controls\">" +
-         checkbox("surface edges", "<span class=\"key estimate\"></span>estimate") +
-         checkbox("truth", "<span class=\"key truth\"></span>true points") +
-         checkbox("errors", "errors") +
-         "<label>enlarged <select class=\"enlarged\" aria-label=\"Errors enlarged\">"
-         "<option value=\"1\">1×</option><option value=\"10\">10×</option>"
-         "<option value=\"50\">50×</option></select></label>"
-         "<button type=\"button\" class=\"plain reset\">Reset the view</button></div>\n"
-         "<p class=\"small\">Again: <code class=\"command\"></code></p></div>\n";
+  return viewer_html(
+      fmt::format("The page holds the worst, the median and the best cell of each combination that "
+                  "the figures draw at first, at most {} frames a cell and {} true points a frame, "
+                  "evenly chosen.",
+                  ViewLimits{}.frames, ViewLimits{}.truth_points));
 }
 
 }  // namespace weft::evaluation

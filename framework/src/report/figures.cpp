@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 namespace weft::evaluation {
 namespace {
 
 constexpr std::size_t kMostDrawn = 8;      ///< colours that can be told apart
-constexpr std::size_t kMostPictures = 12;  ///< of worst frames
+constexpr std::size_t kMostPictures = 8;   ///< of worst frames
 constexpr std::size_t kPicturesOfOne = 2;  ///< of them of one combination
 
 /// The combinations with the smallest mean errors, at most kMostDrawn, in the plan's order.
@@ -122,6 +123,17 @@ std::vector<ShownFrame> worst_frames(const Results& results, const ReportTables&
   return shown;
 }
 
+/// The shape and the truth of a frame.
+Result<void> add_view(const Results& results, ShownFrame& shown) {
+  const ViewLimits limits{std::numeric_limits<int>::max(), ViewLimits{}.truth_points};
+  auto view = read_cell_view(cell_folder(results, results.plan.cells[shown.cell]), limits);
+  if (!view) return view.error();
+  std::erase_if(view->frames,
+                [&](const ViewFrame& frame) { return frame.frame != shown.picture.frame; });
+  shown.view = *std::move(view);
+  return {};
+}
+
 }  // namespace
 
 Result<Figures> make_figures(const Results& results, const ReportTables& tables) {
@@ -134,6 +146,9 @@ Result<Figures> make_figures(const Results& results, const ReportTables& tables)
     }
   }
   figures.worst_frames = worst_frames(results, tables);
+  for (ShownFrame& frame : figures.worst_frames) {
+    if (auto added = add_view(results, frame); !added) return added.error();
+  }
   return figures;
 }
 

@@ -22,6 +22,7 @@ struct ShownFrame {
   std::size_t cell = 0;  ///< index into Results::cells
   double mean_mm = kUnknown;
   Thumbnail picture;
+  CellView view = {};  ///< the frame alone; nothing where the cell keeps no shape of it
 };
 
 /// What the page shows beside its tables.

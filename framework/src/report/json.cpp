@@ -6,15 +6,12 @@
 #include "report/figures.hpp"
 #include "report/sheets.hpp"
 #include "report/text/base64.hpp"
+#include "report/text/page.hpp"
 
 namespace weft::evaluation {
 namespace {
 
 using nlohmann::ordered_json;
-
-std::string packed(const std::vector<float>& values) {
-  return base64_of(std::span<const float>(values));
-}
 
 ordered_json curve_json(const Curve& curve) {
   return {{"x", packed(curve.x)}, {"y", packed(curve.y)}};
@@ -100,11 +97,9 @@ ordered_json scores_json(const Results& results, const ReportTables& tables,
   return {{"axes", std::move(axes)}, {"combinations", std::move(combinations)}};
 }
 
-ordered_json cell_json(const Results& results, const ShownCell& shown) {
-  const PlanCell& cell = results.plan.cells[shown.cell];
-  const CellRecord& record = results.record(cell);
+ordered_json view_json(const CellView& view, const CellRecord& record) {
   ordered_json frames = ordered_json::array();
-  for (const ViewFrame& frame : shown.view.frames) {
+  for (const ViewFrame& frame : view.frames) {
     const auto error =
         std::find_if(record.errors.begin(), record.errors.end(),
                      [&](const FrameError& one) { return one.frame == frame.frame; });
@@ -115,17 +110,22 @@ ordered_json cell_json(const Results& results, const ShownCell& shown) {
                       {"truth", packed(frame.truth)},
                       {"placed", packed(frame.placed)}});
   }
-  return {{"name", shown.name},
-          {"command", command_of(results, cell)},
-          {"faces", base64_of(std::span<const std::uint32_t>(shown.view.faces))},
+  return {{"faces", base64_of(std::span<const std::uint32_t>(view.faces))},
           {"frames", std::move(frames)}};
+}
+
+ordered_json cell_json(const Results& results, const ShownCell& shown) {
+  const PlanCell& cell = results.plan.cells[shown.cell];
+  ordered_json object{{"name", shown.name}, {"command", command_of(results, cell)}};
+  object.update(view_json(shown.view, results.record(cell)));
+  return object;
 }
 
 }  // namespace
 
 std::string to_json(const Results& results, const ReportTables& tables, const Figures& figures) {
   ordered_json object{{"measure", {{"name", "mean 3D error of a frame"}, {"unit", "mm"}}}};
-  for (const char* list : {"treatments", "comparisons", "sweeps", "scores", "cells"}) {
+  for (const char* list : {"treatments", "comparisons", "sweeps", "scores", "cells", "worst"}) {
     object[list] = ordered_json::array();
   }
   for (std::size_t i = 0; i < tables.combinations.size(); ++i) {
@@ -138,13 +138,12 @@ std::string to_json(const Results& results, const ReportTables& tables, const Fi
   for (const std::string& stage : tables.filter_stages) {
     object["scores"].push_back(scores_json(results, tables, stage));
   }
-  for (const ShownCell& cell : figures.cells) object["cells"].push_back(cell_json(results, cell));
-  // A text could hold the end of the element that the JSON stands in.
-  std::string text;
-  for (const char c : object.dump(-1, ' ', true, ordered_json::error_handler_t::replace)) {
-    text += c == '<' ? std::string("\\u003c") : std::string(1, c);
+  for (const ShownFrame& frame : figures.worst_frames) {
+    object["worst"].push_back(
+        view_json(frame.view, results.record(results.plan.cells[frame.cell])));
   }
-  return text;
+  for (const ShownCell& cell : figures.cells) object["cells"].push_back(cell_json(results, cell));
+  return script_safe(object.dump(-1, ' ', true, ordered_json::error_handler_t::replace));
 }
 
 }  // namespace weft::evaluation

@@ -2,9 +2,6 @@
 #include "report/report.hpp"
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <optional>
 #include <weft/core/whole_file.hpp>
 
 #include "report/notes.hpp"
@@ -15,24 +12,6 @@ namespace weft::evaluation {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::optional<std::string> read_text(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) return std::nullopt;
-  return std::string(std::istreambuf_iterator<char>(stream), {});
-}
-
-Result<PageAssets> read_assets(const std::string& folder) {
-  const auto style = read_text(folder + "/report.css");
-  if (!style) {
-    return Error{
-        Errc::not_found,
-        "there is no such file, but it belongs to the program: build or install Weft again",
-        folder + "/report.css"};
-  }
-  return PageAssets{*style, read_text(folder + "/report.js").value_or(""),
-                    read_text(folder + "/licences.txt").value_or("")};
-}
 
 /// A text as it is, between marks of which it has no longer ones.
 std::string markdown_code(const std::string& text) {
@@ -94,10 +73,11 @@ Result<ReportFiles> write_report(const std::string& folder, const ReportOptions&
   auto files = write_tables(folder + "/report", *results, *tables);
   if (!files) return files.error();
   const std::string page = options.page.empty() ? folder + "/report.html" : options.page;
-  if (auto written = write_whole(page_html(*results, *tables, *figures, *assets), page); !written) {
+  const Page content = page_of(*results, *tables, *figures, assets->scripted());
+  if (auto written = write_whole(page_html(content, *assets), page); !written) {
     return written.error();
   }
-  return ReportFiles{page, *std::move(files), !assets->script.empty()};
+  return ReportFiles{page, *std::move(files), assets->scripted()};
 }
 
 }  // namespace weft::evaluation

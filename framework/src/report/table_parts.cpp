@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <set>
 
@@ -10,13 +8,10 @@
 #include "report/notes.hpp"
 #include "report/parts.hpp"
 #include "report/sheets.hpp"
+#include "report/text/page.hpp"
 
 namespace weft::evaluation {
 namespace {
-
-std::string fact(const std::string& name, const std::string& value) {
-  return "<dt>" + html_escaped(name) + "</dt><dd>" + value + "</dd>\n";
-}
 
 /// The failed cells of a combination, each with its reason.
 std::string failures_of(const Results& results, const Combination& combination) {
@@ -54,9 +49,9 @@ TextTable without_heading(const ComparisonResult& comparison) {
 
 /// The effective settings of a cell, where its folder has them.
 std::string settings_of(const Results& results, const PlanCell& cell) {
-  std::ifstream stream(results.folder + "/cells/" + cell.key + "/pipeline.yaml", std::ios::binary);
-  if (!stream) return "";
-  const std::string settings{std::istreambuf_iterator<char>(stream), {}};
+  const std::string settings =
+      text_of_file(results.folder + "/cells/" + cell.key + "/pipeline.yaml");
+  if (settings.empty()) return "";
   return "<details><summary>Its effective settings</summary><pre>" + html_escaped(settings) +
          "</pre></details>\n";
 }
@@ -105,13 +100,7 @@ std::string verdicts_part(const Results& results, const ReportTables& tables) {
 }
 
 std::string compared_part(const Results& results, const ReportTables& tables) {
-  std::string text = "<dl class=\"facts\">\n";
-  for (const auto& [name, value] : facts_of(results, tables)) {
-    text += fact(name, html_escaped(value));
-  }
-  text +=
-      fact("command", "<code class=\"command\">" + html_escaped(results.plan.command) + "</code>");
-  return text + "</dl>\n";
+  return facts_html(facts_of(results, tables), results.plan.command);
 }
 
 std::string results_part(const Results& results, const ReportTables& tables) {

@@ -6,11 +6,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <map>
-#include <optional>
-#include <weft/data/ground_truth.hpp>
-#include <weft/data/shape.hpp>
-#include <weft/data/template.hpp>
 #include <weft/geometry/face_locator.hpp>
 
 #include "host/records/npz.hpp"
@@ -19,12 +14,6 @@ namespace weft::evaluation {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// The records of one frame; the record structs borrow from the file's records.
-struct FrameShapes {
-  std::optional<Shape> shape;
-  std::optional<GroundTruth> truth;
-};
 
 struct CellShapes {
   Template sheet;
@@ -110,33 +99,34 @@ ViewFrame view_frame(const Template& sheet, const FaceLocator& locator, std::uin
   return frame;
 }
 
-Result<CellView> view_of(const CellShapes& cell, const ViewLimits& limits) {
-  const auto faces = cell.sheet.faces.matrix<3>();
-  const auto locator = FaceLocator::create(cell.sheet.flat_px.matrix<2>(), faces);
-  if (!locator) return locator.error();
-  CellView view;
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    for (int k = 0; k < 3; ++k) view.faces.push_back(static_cast<std::uint32_t>(faces(f, k)));
-  }
-  const std::size_t step =
-      std::max<std::size_t>(1, (cell.frames.size() + limits.frames - 1) / limits.frames);
-  std::size_t position = 0;
-  for (const auto& [index, stored] : cell.frames) {
-    if (position++ % step != 0) continue;
-    if (stored.shape && stored.shape->vertices_m.rows() != cell.sheet.vertices_m.rows()) {
-      return Error{Errc::invalid_data, "a shape is not of the template's mesh"};
-    }
-    view.frames.push_back(view_frame(cell.sheet, *locator, index, stored, limits.truth_points));
-  }
-  return view;
-}
-
 std::string media_type(const fs::path& file) {
   if (file.extension() == ".png") return "image/png";
   return file.extension() == ".jpg" ? "image/jpeg" : "";
 }
 
 }  // namespace
+
+Result<CellView> view_of(const Template& sheet, const std::map<std::uint64_t, FrameShapes>& frames,
+                         const ViewLimits& limits) {
+  const auto faces = sheet.faces.matrix<3>();
+  const auto locator = FaceLocator::create(sheet.flat_px.matrix<2>(), faces);
+  if (!locator) return locator.error();
+  CellView view;
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) view.faces.push_back(static_cast<std::uint32_t>(faces(f, k)));
+  }
+  const std::size_t step =
+      std::max<std::size_t>(1, (frames.size() + limits.frames - 1) / limits.frames);
+  std::size_t position = 0;
+  for (const auto& [index, stored] : frames) {
+    if (position++ % step != 0) continue;
+    if (stored.shape && stored.shape->vertices_m.rows() != sheet.vertices_m.rows()) {
+      return Error{Errc::invalid_data, "a shape is not of the template's mesh"};
+    }
+    view.frames.push_back(view_frame(sheet, *locator, index, stored, limits.truth_points));
+  }
+  return view;
+}
 
 Result<CellView> read_cell_view(const std::string& folder, const ViewLimits& limits) {
   const std::string file = folder + "/shapes.npz";
@@ -146,7 +136,7 @@ Result<CellView> read_cell_view(const std::string& folder, const ViewLimits& lim
   if (!records) return records.error();
   const auto cell = sort_records(*records);
   if (!cell) return Error{cell.error().code, cell.error().message, file};
-  auto view = view_of(*cell, limits);
+  auto view = view_of(cell->sheet, cell->frames, limits);
   if (!view) return Error{view.error().code, view.error().message, file};
   return view;
 }

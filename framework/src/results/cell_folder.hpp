@@ -2,9 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 #include <weft/core/result.hpp>
+#include <weft/data/ground_truth.hpp>
+#include <weft/data/shape.hpp>
+#include <weft/data/template.hpp>
 
 namespace weft::evaluation {
 
@@ -27,6 +32,17 @@ struct ViewLimits {
   std::size_t frames = 60;
   std::size_t truth_points = 300;
 };
+
+/// The records of one frame, which borrow from others.
+struct FrameShapes {
+  std::optional<Shape> shape;
+  std::optional<GroundTruth> truth;
+};
+
+/// Frames as a viewer draws them, with the faces of the template. Fails where a shape is of another
+/// mesh.
+Result<CellView> view_of(const Template& sheet, const std::map<std::uint64_t, FrameShapes>& frames,
+                         const ViewLimits& limits);
 
 /// Reads the shapes that an ablation kept of a cell: `shapes.npz` in its folder. A view without
 /// frames where there is no such file; an error where it is damaged.

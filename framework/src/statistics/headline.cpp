@@ -65,19 +65,41 @@ std::string gains_text(const std::vector<const PairComparison*>& pairs, const st
 std::string common_evidence(const ComparisonTable& table) {
   double largest_p = 0.0;
   std::int64_t n = 0;
+  bool has_interval = false;
   for (const PairComparison& pair : table.pairs) {
     n = std::max(n, pair.test.n);
+    has_interval = has_interval || !std::isnan(pair.test.interval.low);
     if (decided(pair.verdict) && pair.call == pair.verdict) {
       largest_p = std::max(largest_p, pair.p_holm);
     }
   }
-  const std::string p = largest_p > 0.0
-                            ? fmt::format(
-                                  "In brackets 95 % intervals; p at most {} after Holm's "
-                                  "correction for {} tests, ",
-                                  three_digits(largest_p), table.tests)
-                            : "";
-  return " " + p + sequences_text(n) + ".";
+  std::string text = has_interval ? " In brackets 95 % intervals; " : " ";
+  if (largest_p > 0.0) {
+    text += fmt::format("p at most {} after Holm's correction for {} tests, ",
+                        three_digits(largest_p), table.tests);
+  }
+  return text + sequences_text(n) + ".";
+}
+
+/// "tran, lower by 0.03 mm (-0.01 to 0.07)": of the others.
+std::string undecided_list(const std::vector<const PairComparison*>& pairs, const std::string& name,
+                           const std::string& unit) {
+  std::vector<std::string> texts;
+  for (const PairComparison* pair : pairs) {
+    std::string& text = texts.emplace_back(other_of(*pair, name));
+    if (decided(pair->call)) {
+      text += ", for errors and failures contradict each other";
+      continue;
+    }
+    const Gain gain = gain_of(*pair);
+    const double mean = pair->a == name ? -pair->test.mean : pair->test.mean;
+    text += (mean < 0.0 ? ", lower by " : ", higher by ") + with_unit(gain.mean, unit);
+    if (!std::isnan(gain.interval.low)) {
+      text += fmt::format(" ({} to {})", three_digits(gain.interval.low),
+                          three_digits(gain.interval.high));
+    }
+  }
+  return list_of(texts);
 }
 
 /// Of those without a verdict.
@@ -85,8 +107,7 @@ std::string rest_text(const Standing& standing, const std::string& unit) {
   std::string text;
   if (!standing.undecided.empty()) {
     text += fmt::format(" Not told apart from it: {}.",
-                        gains_text(standing.undecided, standing.name, unit,
-                                   ", for errors and failures contradict each other"));
+                        undecided_list(standing.undecided, standing.name, unit));
   }
   if (!standing.too_few.empty()) {
     text += fmt::format(" Too few sequences to tell from it: {}.",

@@ -2,10 +2,21 @@
 #include <gtest/gtest.h>
 
 #include "fake_results.hpp"
+#include "fake_run.hpp"
 #include "support/child.hpp"
 
 namespace weft::evaluation {
 namespace {
+
+/// The script opens the page in a browser.
+void use_page(const std::string& script, const std::string& page, const std::string& scratch) {
+  std::filesystem::create_directories(WEFT_SCREENSHOTS);
+  const auto used = testing::Child({"/usr/bin/node", std::string(WEFT_PAGE_SCRIPTS "/") + script,
+                                    WEFT_WEB, page, WEFT_SCREENSHOTS},
+                                   scratch)
+                        .wait();
+  EXPECT_EQ(used.exit_code, 0) << used.out << used.err;
+}
 
 /// What is absent of what opens a page, or nothing.
 std::string absent() {
@@ -26,12 +37,19 @@ TEST(ReportPage, OpensInABrowserWithItsCurvesAndItsShapes) {
   const std::string scratch = fake.folder() + "/program";
   const auto report = testing::Child({WEFT_PROGRAM, "report", fake.folder()}, scratch).wait();
   ASSERT_EQ(report.exit_code, 0) << report.err;
-  std::filesystem::create_directories(WEFT_SCREENSHOTS);
-  const auto page = testing::Child({"/usr/bin/node", WEFT_PAGE_SCRIPT, WEFT_WEB,
-                                    fake.folder() + "/report.html", WEFT_SCREENSHOTS},
-                                   scratch)
-                        .wait();
-  EXPECT_EQ(page.exit_code, 0) << page.out << page.err;
+  use_page("page_test.mjs", fake.folder() + "/report.html", scratch);
+}
+
+TEST(ReportPage, OfARunOpensInABrowserWithItsFramesAndItsShapes) {
+  if (const std::string file = absent(); !file.empty()) {
+    GTEST_SKIP() << file << " is absent: install chromium and npm, run scripts/bootstrap.sh";
+  }
+  TestRun run;
+  write_eight_frames(run, true);
+  const std::string scratch = run.folder() + "/program";
+  const auto report = testing::Child({WEFT_PROGRAM, "report", run.folder()}, scratch).wait();
+  ASSERT_EQ(report.exit_code, 0) << report.err;
+  use_page("run_page_test.mjs", run.folder() + "/report.html", scratch);
 }
 
 }  // namespace

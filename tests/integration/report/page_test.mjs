@@ -1,61 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// page_test.mjs WEB PAGE SCREENSHOTS: opens a report in Chromium without a network and uses it.
+// page_test.mjs WEB PAGE SCREENSHOTS: uses the report of an ablation.
 import assert from "node:assert/strict";
-import { mkdtempSync, rmSync } from "node:fs";
-import { createRequire } from "node:module";
-import { tmpdir } from "node:os";
-import path from "node:path";
-import { pathToFileURL } from "node:url";
+import { marks, screenshot_file, shot, use_page } from "./browser.mjs";
 
-const [web, file, screenshots] = process.argv.slice(2);
-const puppeteer = createRequire(path.join(web, "package.json"))("puppeteer-core");
-const profile = mkdtempSync(path.join(tmpdir(), "weft-chromium-"));
-
-const browser = await puppeteer.launch({
-  executablePath: "/usr/bin/chromium",
-  headless: true,
-  userDataDir: profile,
-  args: [
-    "--no-sandbox",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--disable-gpu",
-    "--enable-unsafe-swiftshader",
-  ],
-});
-
-/** Marks of a figure that Vega has drawn: elements of one kind of mark. */
-const marks = (page, figure, kind) =>
-  page.$$eval(`#${figure} svg .mark-${kind} path`, (all) => all.length);
 const positions = (page) => page.evaluate(() => window.weft_report.viewer.positions());
-const shot = (page, name, fullPage = false) =>
-  page.screenshot({ path: path.join(screenshots, name), fullPage });
 
-try {
-  const page = await browser.newPage();
-  const complaints = [];
-  page.on("console", (message) => {
-    // The drivers of WebGL warn of what this test itself does when it reads pixels.
-    if (
-      ["error", "warn"].includes(message.type()) &&
-      !message.text().includes("GL Driver Message")
-    ) {
-      complaints.push(message.text());
-    }
-  });
-  page.on("pageerror", (error) => complaints.push(String(error)));
-  page.on("request", (request) => {
-    if (!/^(file|data|blob):/.test(request.url())) complaints.push(`asks for ${request.url()}`);
-  });
-  await page.setViewport({ width: 1200, height: 900 });
-  // Other tests may have the processor.
-  page.setDefaultTimeout(180000);
-  await page.goto(pathToFileURL(file).href);
-  await page.waitForSelector("html[data-ready=true]", { timeout: 180000 });
-
+await use_page(async (page) => {
   // Curves: a line for each of the eight combinations with an error.
   assert.equal(await marks(page, "figure-distribution", "line"), 8);
   assert.equal(await marks(page, "figure-by-frame", "line"), 8);
@@ -75,6 +25,12 @@ try {
   assert.equal(await marks(page, "figure-scores-0", "line"), 2);
   await page.select('#figure-scores-0 select[aria-label="filter"]', "shaky");
   assert.equal(await marks(page, "figure-scores-0", "line"), 2);
+
+  // The worst frames: the picture that was kept, the estimate by its error, and the truth.
+  const worst = await page.$$eval(".worst figure", (all) => all.length);
+  assert.ok(worst > 0);
+  assert.equal(await page.$$eval(".worst figure > img", (all) => all.length), worst);
+  assert.equal(await page.$$eval(".worst .view img", (all) => all.length), 2 * worst);
 
   // A square of the main table takes its combination out of the figures.
   await page.click('button.swatch[data-treatment="0"]');
@@ -129,12 +85,12 @@ try {
     /frame 5 · estimated/,
   );
 
-  await shot(page, "light.png", true);
+  await shot(page, "light", true);
   await (await page.$("#figure-reliability")).screenshot({
-    path: path.join(screenshots, "reliability.png"),
+    path: screenshot_file("reliability"),
   });
   await page.$eval("#viewer", (viewer) => viewer.scrollIntoView());
-  await shot(page, "viewer.png");
+  await shot(page, "viewer");
 
   // Dark: the paper gets darker than the ink, and the figures follow without being drawn again.
   await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: "dark" }]);
@@ -150,17 +106,7 @@ try {
     );
   assert.ok((await brightness("body", "backgroundColor")) < (await brightness("body", "color")));
   assert.ok((await brightness("#figure-distribution svg .mark-text text", "fill")) > 384);
-  await shot(page, "dark.png", true);
-
+  await shot(page, "dark", true);
   await page.emulateMediaFeatures([]);
-  await page.setViewport({ width: 400, height: 800 });
-  const overflow = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
-  assert.ok(overflow <= 0, `the page is ${overflow} px too wide for a telephone`);
-  await shot(page, "narrow.png", true);
-  await page.pdf({ path: path.join(screenshots, "print.pdf") });
-
-  assert.deepEqual(complaints, []);
-} finally {
-  await browser.close();
-  rmSync(profile, { recursive: true, force: true });
-}
+  await page.pdf({ path: screenshot_file("print", "pdf") });
+});

@@ -262,7 +262,7 @@ TEST(Compare, SaysOfTheBestWhatItCannotBeToldFrom) {
   const auto table = compare(observations);
   EXPECT_THAT(table->headline,
               StartsWith("a is better than 1 of the other 2 in mean 3D error: than b by "));
-  EXPECT_THAT(table->headline, HasSubstr("Not told apart from it: near by "));
+  EXPECT_THAT(table->headline, HasSubstr("Not told apart from it: near, higher by "));
 }
 
 TEST(Compare, NamesTheLargestDifferenceWhereNoneIsTold) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace weft::evaluation {
 
@@ -17,6 +18,10 @@ template <class T>
 std::string base64_of(std::span<const T> numbers) {
   static_assert(std::endian::native == std::endian::little);
   return base64({reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()});
+}
+
+inline std::string packed(const std::vector<float>& values) {
+  return base64_of(std::span<const float>(values));
 }
 
 }  // namespace weft::evaluation

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// run_page_test.mjs WEB PAGE SCREENSHOTS: uses the report of a run of eight frames.
+import assert from "node:assert/strict";
+import { marks, shot, use_page } from "./browser.mjs";
+
+await use_page(async (page) => {
+  // A point for each frame, one of them without an error; an area for each stage.
+  assert.equal(await marks(page, "figure-run", "symbol"), 8);
+  assert.equal(await marks(page, "figure-run-times", "area"), 2);
+
+  // Six worst frames, each with its picture of the video, its estimate and the truth.
+  assert.equal(await page.$$eval(".worst figure > img", (all) => all.length), 6);
+  assert.equal(await page.$$eval(".worst .view img", (all) => all.length), 2 * 6);
+
+  // A click on a frame of the figure shows it in 3D.
+  const points = await page.$$("#figure-run svg .mark-symbol path");
+  await points[5].click();
+  const readout = await page.$eval("#viewer .readout", (one) => one.textContent);
+  assert.match(readout, /^frame 5 · estimated · mean error 5\.00 mm$/);
+  const scale = await page.$eval("#viewer .error-scale", (one) => one.textContent);
+  assert.equal(scale, "010 mm and more");
+  await shot(page, "light", true);
+});
