@@ -67,6 +67,15 @@ Result<Array<float>> CalibratedCamera::undistorted_depth(const cv::Mat& stored,
   return depth_m;
 }
 
+Result<Array<std::uint8_t>> CalibratedCamera::undistorted_mask(const cv::Mat& stored,
+                                                               const std::string& name) const {
+  if (auto fits = check_size(stored.size(), name); !fits) return fits.error();
+  Array<std::uint8_t> mask({std::int64_t{stored.rows}, std::int64_t{stored.cols}});
+  cv::Mat target(stored.size(), CV_8U, mask.data());
+  cv::bitwise_and(undistorter_.nearest(stored != 0), cv::Scalar(1), target);
+  return mask;
+}
+
 Result<cv::Mat> read_image_of(const std::string& path, const CalibratedCamera& camera) {
   const auto file = read_image_bytes(path);
   if (!file) return file.error();

@@ -36,6 +36,11 @@ class CalibratedCamera {
   Result<Array<float>> undistorted_depth(const cv::Mat& stored, const std::string& name,
                                          double unit_m) const;
 
+  /// A mask of the camera (one channel) as 0 and 1 [H,W], without its distortion: 1 where the
+  /// nearest stored pixel is not 0, 0 where the camera did not see. Fails as check_size() does.
+  Result<Array<std::uint8_t>> undistorted_mask(const cv::Mat& stored,
+                                               const std::string& name) const;
+
  private:
   std::string path_;
   Camera camera_;

@@ -41,7 +41,7 @@ class Grippers final : public Source {
  public:
   static constexpr About kAbout{
       .reference = "Shetab-Bushehri et al. 2023, ROBUSfT (grippers of a robot)",
-      .produces = "image time known_points ground_truth",
+      .produces = "image time known_points ground_truth region",
       .uses_truth = true};
 
   explicit Grippers(Params& p) {

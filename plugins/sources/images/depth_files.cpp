@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "depth_files.hpp"
 
-#include <set>
-
-#include "common/frame_files.hpp"
+#include "files_by_stem.hpp"
 
 namespace weft::images {
 namespace {
@@ -29,28 +27,9 @@ void DepthFiles::declare(Params& p) {
 }
 
 Result<void> DepthFiles::open(const std::vector<std::string>& stems) {
-  path_of_.clear();
-  if (pattern_.empty()) return {};
-  std::set<std::string> frames;
-  for (const std::string& stem : stems) {
-    if (frames.insert(stem).second) continue;
-    return Error{Errc::invalid_value,
-                 "two frames have the stem '" + stem +
-                     "', so that 'depth' is ambiguous: narrow 'path' or rename one"};
-  }
-  const auto paths = sources::matching_files(pattern_);
-  if (!paths) return Error{paths.error().code, "depth: " + paths.error().message};
-  for (const std::string& path : *paths) {
-    const std::string stem = sources::stem_of(path);
-    if (frames.count(stem) == 0) {
-      return Error{Errc::invalid_data,
-                   path + ": belongs to no frame: no image has the stem '" + stem + "'"};
-    }
-    const auto [twin, is_new] = path_of_.emplace(stem, path);
-    if (is_new) continue;
-    return Error{Errc::invalid_data, path + ": belongs to the frame '" + stem +
-                                         "', which already has " + twin->second + ": remove one"};
-  }
+  auto files = files_by_stem("depth", pattern_, stems);
+  if (!files) return files.error();
+  path_of_ = *std::move(files);
   return {};
 }
 

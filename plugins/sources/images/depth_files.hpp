@@ -18,8 +18,7 @@ class DepthFiles {
  public:
   void declare(Params& p);
 
-  /// Finds the files, one a frame of the same stem. Fails on a file without a frame, on two of a
-  /// frame and, where there are files, on two frames with one stem.
+  /// Finds the files, one a frame of the same stem. Fails as files_by_stem() does.
   Result<void> open(const std::vector<std::string>& stems);
 
   /// Adds the depth of the frame to its truth, without the lens's distortion; a frame that has no

@@ -11,6 +11,7 @@
 #include "common/truth_files.hpp"
 #include "depth_files.hpp"
 #include "image_file.hpp"
+#include "region_files.hpp"
 
 namespace weft::images {
 namespace {
@@ -25,7 +26,7 @@ struct Frame {
 /// Image files of a calibrated camera, in bytewise order of their paths.
 class Images final : public Source {
  public:
-  static constexpr About kAbout{.produces = "image time ground_truth"};
+  static constexpr About kAbout{.produces = "image time ground_truth region"};
 
   explicit Images(Params& p) {
     p.input_path("path", path_, "image files; * ? and [ ] work in the file name and in folders",
@@ -38,6 +39,7 @@ class Images final : public Source {
                  "belongs to the frame STEM, the longest that fits");
     p.labels("apart", apart_, "frames that are reported apart: stem and reason");
     depth_.declare(p);
+    region_.declare(p);
     p.read("fps", fps_, "1/s", {1e-3, 1e6}, "frames a second; gives each frame its time");
   }
 
@@ -50,6 +52,7 @@ class Images final : public Source {
     if (calibrated) mistakes.expect("camera", found.check_sizes(*camera));
     mistakes.expect("truth", found.attach_truth());
     mistakes.expect("depth", found.attach_depth());
+    mistakes.expect("region", found.attach_region());
     mistakes.expect("apart", found.mark_apart());
   }
 
@@ -64,6 +67,7 @@ class Images final : public Source {
     if (auto fit = check_sizes(camera_); !fit) return fit.error();
     if (auto attached = attach_truth(); !attached) return attached.error();
     if (auto attached = attach_depth(); !attached) return attached.error();
+    if (auto attached = attach_region(); !attached) return attached.error();
     if (auto marked = mark_apart(); !marked) return marked.error();
     return camera_.pinhole();
   }
@@ -89,6 +93,9 @@ class Images final : public Source {
     result.ground_truth = *std::move(truth);
     const auto added = depth_.add_to(result.ground_truth, frame.stem, camera_);
     if (!added) return added.error();
+    auto region = region_.read(frame.stem, camera_);
+    if (!region) return region.error();
+    result.region = *std::move(region);
     return result;
   }
 
@@ -147,6 +154,7 @@ class Images final : public Source {
   }
 
   Result<void> attach_depth() { return depth_.open(stems()); }
+  Result<void> attach_region() { return region_.open(stems()); }
   Result<void> attach_truth() { return truth_.open(truth_path_, stems()); }
 
   Result<void> mark_apart() {
@@ -181,6 +189,7 @@ class Images final : public Source {
 
   sources::CalibratedCamera camera_;
   DepthFiles depth_;
+  RegionFiles region_;
   std::vector<Frame> frames_;
   sources::TruthFiles truth_;
   std::map<std::string, std::size_t> frame_of_;  // index of each stem
@@ -190,5 +199,6 @@ class Images final : public Source {
 }  // namespace weft::images
 
 using weft::images::Images;
-WEFT_PLUGIN(Images, "sources/images", "1.0.0",
-            "Reads image files of a calibrated camera, undistorted, with truth where there is any.")
+WEFT_PLUGIN(Images, "sources/images", "1.1.0",
+            "Reads image files of a calibrated camera, undistorted, with truth and regions where "
+            "there are any.")

@@ -15,7 +15,7 @@ class KnownPointSource final : public Source {
  public:
   static constexpr About kAbout{
       .reference = "Shetab-Bushehri et al. 2023, ROBUSfT (known 3D points of grippers)",
-      .produces = "image time known_points ground_truth"};
+      .produces = "image time known_points ground_truth region"};
 
   explicit KnownPointSource(Params& p) {
     p.component("frames", frames_, "source of the frames");

@@ -17,7 +17,7 @@ namespace weft {
 /// An asterisk marks what is required in, or produced by, every use; see docs/records.md.
 ///   sources open: -> camera*
 ///   sources count: -> count*
-///   sources read: -> image, time, known_points, ground_truth, correspondences
+///   sources read: -> image, time, known_points, ground_truth, correspondences, region
 ///   templates build: -> template*
 ///   detectors detect: image*, region -> keypoints*
 ///   matchers match: keypoints, template_keypoints, correspondences, image, template, camera,

@@ -14,6 +14,7 @@ struct SourceFrame {
   std::optional<KnownPoints> known_points{};
   std::optional<GroundTruth> ground_truth{};
   std::optional<Correspondences> correspondences{};
+  std::optional<Region> region{};
 };
 
 /// Role `sources`: frames, the camera that took them, and truth where it is known. Images are
@@ -41,7 +42,8 @@ class Source {
                  "read", {output_slot<Image>("image", false), output_slot<Time>("time", false),
                           output_slot<KnownPoints>("known_points", false),
                           output_slot<GroundTruth>("ground_truth", false),
-                          output_slot<Correspondences>("correspondences", false)})}};
+                          output_slot<Correspondences>("correspondences", false),
+                          output_slot<Region>("region", false)})}};
   }
 
   std::int32_t process(ProcessCall& call) {
@@ -62,6 +64,7 @@ class Source {
       if (status) status = call.write("known_points", frame.known_points);
       if (status) status = call.write("ground_truth", frame.ground_truth);
       if (status) status = call.write("correspondences", frame.correspondences);
+      if (status) status = call.write("region", frame.region);
       return status;
     });
   }
@@ -87,6 +90,7 @@ struct SourceComponent : ComponentHandle {
     if (status) status = take(*answer, frame.known_points);
     if (status) status = take(*answer, frame.ground_truth);
     if (status) status = take(*answer, frame.correspondences);
+    if (status) status = take(*answer, frame.region);
     if (!status) return status.error();
     if (!answer->degenerate_reason.empty()) return degenerate(frame, answer->degenerate_reason);
     return frame;

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+#include <weft/core/params.hpp>
+#include <weft/data/image.hpp>
+
+#include "common/calibrated_camera.hpp"
+
+namespace weft::images {
+
+/// Masks that say where in the frames the object may be seen: one channel, 0 where it is not.
+class RegionFiles {
+ public:
+  void declare(Params& p);
+
+  /// Finds the files, one for each frame and of the same stem. Fails on a frame without a mask and
+  /// as files_by_stem() does.
+  Result<void> open(const std::vector<std::string>& stems);
+
+  /// The region of the frame, without the lens's distortion; nothing where no masks were given.
+  Result<std::optional<Region>> read(const std::string& stem,
+                                     const sources::CalibratedCamera& camera) const;
+
+ private:
+  std::string pattern_;
+  std::map<std::string, std::string> path_of_;  ///< by stem
+};
+
+}  // namespace weft::images
