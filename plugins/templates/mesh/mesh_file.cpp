@@ -3,6 +3,8 @@
 
 #include <weft/core/text_file.hpp>
 
+#include "common/ply/ply_reader.hpp"
+
 namespace weft::mesh {
 namespace {
 
@@ -36,8 +38,7 @@ Result<MeshFile> read_mesh_file(const std::string& path) {
     return Error{text.error().code, path + ": cannot be read: " + text.error().message +
                                         ": correct 'mesh' or its file"};
   }
-  const bool is_ply = text->starts_with("ply") && text->find_first_of("\r\n") == 3;
-  auto file = is_ply ? parse_ply(path, *text) : parse_obj(path, *text);
+  auto file = ply::is_ply(*text) ? parse_ply(path, *text) : parse_obj(path, *text);
   if (!file) return file.error();
   if (file->faces.empty()) {
     return Error{Errc::invalid_data, path + ": the mesh has no faces: export it with its faces"};

@@ -3,11 +3,16 @@
 #include <array>
 #include <weft/core/index.hpp>
 
+#include "common/ply/text_lines.hpp"
 #include "mesh_file.hpp"
-#include "text_lines.hpp"
 
 namespace weft::mesh {
 namespace {
+
+using ply::mistake_at;
+using ply::number_in;
+using ply::TextLines;
+using ply::words_of;
 
 using Words = std::vector<std::string_view>;
 

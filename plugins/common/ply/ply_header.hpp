@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "text_lines.hpp"
+#include "common/ply/text_lines.hpp"
 
-namespace weft::mesh {
+namespace weft::ply {
 
 enum class PlyFormat { ascii, little_endian, big_endian };
 enum class PlyType { i8, u8, i16, u16, i32, u32, f32, f64 };
@@ -26,14 +26,19 @@ struct PlyElement {
 
   /// Place of the first property that has one of these names, or -1.
   int find(std::initializer_list<std::string_view> names) const;
+  /// Place of the list of a face's corners, or -1.
+  int corners() const { return find({"vertex_indices", "vertex_index"}); }
 };
 
 struct PlyHeader {
   PlyFormat format = PlyFormat::ascii;
-  std::vector<PlyElement> elements;  ///< with vertex (x, y, z) and face (a list of indices)
+  std::vector<PlyElement> elements;  ///< with vertex (x, y, z); a face has a list of indices
 };
 
-/// Reads up to end_header; `lines` then stand behind it. A mistake is told with path and line.
-Result<PlyHeader> read_ply_header(const std::string& path, TextLines& lines);
+/// What a file is read for: a cloud needs no faces.
+enum class PlyUse { mesh, cloud };
 
-}  // namespace weft::mesh
+/// Reads up to end_header; `lines` then stand behind it. A mistake is told with path and line.
+Result<PlyHeader> read_ply_header(const std::string& path, TextLines& lines, PlyUse use);
+
+}  // namespace weft::ply

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ply_header.hpp"
+#include "common/ply/ply_header.hpp"
 
 #include <algorithm>
 #include <map>
 
-namespace weft::mesh {
+namespace weft::ply {
 namespace {
 
 using Words = std::vector<std::string_view>;
@@ -61,10 +61,10 @@ std::string take_line(const Words& words, bool& has_format, PlyHeader& header) {
     return {};
   }
   return "'" + std::string(kind) +
-         "' does not belong into the header of a PLY file: is it damaged? Export the mesh again";
+         "' does not belong into the header of a PLY file: is it damaged? Export it again";
 }
 
-std::string missing_in(const PlyHeader& header, bool has_format) {
+std::string missing_in(const PlyHeader& header, bool has_format, PlyUse use) {
   if (!has_format) return "the header has no line 'format ...'";
   const auto named = [&](std::string_view name) {
     return std::find_if(header.elements.begin(), header.elements.end(),
@@ -72,7 +72,7 @@ std::string missing_in(const PlyHeader& header, bool has_format) {
   };
   for (const PlyElement& element : header.elements) {
     if (element.properties.empty() && element.count > 0) {  // would be read for ever
-      return "the element '" + element.name + "' has no properties: export the mesh again";
+      return "the element '" + element.name + "' has no properties: export it again";
     }
   }
   const auto vertex = named("vertex"), face = named("face");
@@ -80,7 +80,8 @@ std::string missing_in(const PlyHeader& header, bool has_format) {
       std::min({vertex->find({"x"}), vertex->find({"y"}), vertex->find({"z"})}) < 0) {
     return "the file has no element 'vertex' with the properties x, y and z";
   }
-  if (face == header.elements.end() || face->find({"vertex_indices", "vertex_index"}) < 0) {
+  const bool may_lack = use == PlyUse::cloud && (face == header.elements.end() || face->count == 0);
+  if (!may_lack && (face == header.elements.end() || face->corners() < 0)) {
     return "the file has no element 'face' with the list vertex_indices: a cloud of points is no "
            "mesh";
   }
@@ -98,7 +99,7 @@ int PlyElement::find(std::initializer_list<std::string_view> names) const {
   return -1;
 }
 
-Result<PlyHeader> read_ply_header(const std::string& path, TextLines& lines) {
+Result<PlyHeader> read_ply_header(const std::string& path, TextLines& lines, PlyUse use) {
   PlyHeader header;
   bool has_format = false;
   lines.next();  // "ply"
@@ -107,7 +108,7 @@ Result<PlyHeader> read_ply_header(const std::string& path, TextLines& lines) {
     if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
     const bool ends = words[0] == "end_header";
     const std::string wrong =
-        ends ? missing_in(header, has_format) : take_line(words, has_format, header);
+        ends ? missing_in(header, has_format, use) : take_line(words, has_format, header);
     if (!wrong.empty()) return mistake_at(path, lines.number(), wrong);
     if (ends) return header;
   }
@@ -115,4 +116,4 @@ Result<PlyHeader> read_ply_header(const std::string& path, TextLines& lines) {
                     "the header has no end: is the file cut off? Copy or export it again");
 }
 
-}  // namespace weft::mesh
+}  // namespace weft::ply

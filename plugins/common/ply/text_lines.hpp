@@ -11,7 +11,7 @@
 #include <vector>
 #include <weft/core/result.hpp>
 
-namespace weft::mesh {
+namespace weft::ply {
 
 /// Reads a text line by line, ended by LF or CR LF.
 class TextLines {
@@ -65,4 +65,4 @@ inline Error mistake_at(const std::string& path, std::int64_t line, const std::s
   return {Errc::invalid_data, path + ":" + std::to_string(line) + ": " + sentence, {}};
 }
 
-}  // namespace weft::mesh
+}  // namespace weft::ply
