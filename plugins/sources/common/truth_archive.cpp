@@ -29,6 +29,12 @@ Result<TruthArchive> TruthArchive::read(const std::string& path) {
     member->bytes = std::move(file.bytes);
     members.push_back(*std::move(member));
   }
+  if (members.empty()) {
+    return Error{Errc::invalid_data,
+                 path +
+                     ": there is no record 'ground_truth', and no array 'points' of a cloud: "
+                     "save one of the two"};
+  }
   auto record = NpzRecord::create(std::move(members), kSlot);
   if (!record) return Error{record.error().code, path + ": " + record.error().message};
   return TruthArchive(path, *std::move(record));

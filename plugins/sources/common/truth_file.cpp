@@ -3,119 +3,77 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <set>
-#include <sstream>
-#include <string_view>
+#include <string>
+#include <utility>
 #include <vector>
 #include <weft/core/index.hpp>
-#include <weft/core/text_file.hpp>
+
+#include "common/csv_lines.hpp"
 
 namespace weft::sources {
 namespace {
 
 constexpr std::array<const char*, 8> kColumns{"point_id", "template_x_mm", "template_y_mm", "u_px",
                                               "v_px",     "X_mm",          "Y_mm",          "Z_mm"};
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-
 /// The numbers of a line; the first entry, the point's name, is unused.
 using Row = std::array<double, kColumns.size()>;
 
-std::vector<std::string> split(std::string_view line) {
-  std::vector<std::string> fields;
-  while (true) {
-    const std::size_t comma = line.find(',');
-    const std::string_view field = line.substr(0, comma);
-    const std::size_t first = field.find_first_not_of(" \t");
-    const std::size_t last = field.find_last_not_of(" \t");
-    fields.emplace_back(first == field.npos ? "" : field.substr(first, last - first + 1));
-    if (comma == line.npos) return fields;
-    line.remove_prefix(comma + 1);
-  }
-}
-
 class TruthReader {
  public:
-  explicit TruthReader(const std::string& path) : path_(path) {}
+  explicit TruthReader(CsvLines lines) : lines_(std::move(lines)) {}
 
   Result<GroundTruth> read() {
-    constexpr std::uint64_t kMostBytes = 1U << 26U;
-    auto text = read_text_file(path_, kMostBytes);
-    if (!text) {
-      return Error{text.error().code, path_ + ": cannot be read: " + text.error().message};
-    }
-    stream_.str(*std::move(text));
-    if (!next_line()) return mistake("is empty: the first line names the columns");
+    if (!lines_.next()) return lines_.mistake("is empty: the first line names the columns");
     if (auto header = read_header(); !header) return header.error();
-    while (next_line()) {
+    while (lines_.next()) {
       if (auto row = read_row(); !row) return row.error();
     }
-    if (rows_.empty()) return mistake("holds no points");
+    if (rows_.empty()) return lines_.mistake("holds no points");
     return truth();
   }
 
  private:
-  Error mistake(const std::string& message) const {
-    return {Errc::invalid_data, path_ + ":" + std::to_string(line_number_) + ": " + message, {}};
-  }
-
-  /// Goes to the next line that is not blank.
-  bool next_line() {
-    std::string line;
-    while (std::getline(stream_, line)) {
-      if (++line_number_ == 1 && line.starts_with(kByteOrderMark)) {
-        line.erase(0, kByteOrderMark.size());
-      }
-      if (!line.empty() && line.back() == '\r') line.pop_back();
-      if (line.find_first_not_of(" \t") == line.npos) continue;
-      fields_ = split(line);
-      return true;
-    }
-    return false;
-  }
-
   Result<void> read_header() {
-    for (const std::string& name : fields_) {
+    for (const std::string& name : lines_.fields()) {
       const auto known = std::find(kColumns.begin(), kColumns.end(), name);
       if (known == kColumns.end()) {
-        return mistake("the column '" + name + "' is unknown: remove or rename it");
+        return lines_.mistake("the column '" + name + "' is unknown: remove or rename it");
       }
       const auto column = to_index(known - kColumns.begin());
       if (std::find(column_of_.begin(), column_of_.end(), column) != column_of_.end()) {
-        return mistake("the column '" + name + "' is given twice: remove one");
+        return lines_.mistake("the column '" + name + "' is given twice: remove one");
       }
       column_of_.push_back(column);
     }
     for (std::size_t column = 0; column < kColumns.size(); ++column) {
       if (std::find(column_of_.begin(), column_of_.end(), column) == column_of_.end()) {
-        return mistake(std::string("the column '") + kColumns[column] + "' is missing: add it");
+        return lines_.mistake(std::string("the column '") + kColumns[column] +
+                              "' is missing: add it");
       }
     }
     return {};
   }
 
   Result<void> read_row() {
-    if (fields_.size() != column_of_.size()) {
-      return mistake("has " + std::to_string(fields_.size()) + " fields where the header has " +
-                     std::to_string(column_of_.size()));
+    const std::vector<std::string>& fields = lines_.fields();
+    if (fields.size() != column_of_.size()) {
+      return lines_.mistake("has " + std::to_string(fields.size()) +
+                            " fields where the header has " + std::to_string(column_of_.size()));
     }
     Row row{};
-    for (std::size_t i = 0; i < fields_.size(); ++i) {
-      const std::string& text = fields_[i];
+    for (std::size_t i = 0; i < fields.size(); ++i) {
       const std::size_t column = column_of_[i];
       if (column == 0) {
-        if (!points_.insert(text).second) return mistake("the point '" + text + "' is given twice");
-        continue;
+        if (points_.insert(fields[i]).second) continue;
+        return lines_.mistake("the point '" + fields[i] + "' is given twice");
       }
-      const char* end = text.data() + text.size();
-      const auto parsed = std::from_chars(text.data(), end, row[column]);
-      if (parsed.ec != std::errc{} || parsed.ptr != end || !std::isfinite(row[column])) {
-        return mistake(std::string("'") + kColumns[column] + "' must be a finite number, not '" +
-                       text + "'");
-      }
+      const auto number = lines_.number(i, kColumns[column]);
+      if (!number) return number.error();
+      row[column] = *number;
     }
-    if (!(row[7] > 0.0)) return mistake("'Z_mm' must be positive: the camera looks along +z");
+    if (!(row[7] > 0.0))
+      return lines_.mistake("'Z_mm' must be positive: the camera looks along +z");
     rows_.push_back(row);
     return {};
   }
@@ -138,10 +96,7 @@ class TruthReader {
     return truth;
   }
 
-  std::string path_;
-  std::istringstream stream_;
-  int line_number_ = 0;
-  std::vector<std::string> fields_;
+  CsvLines lines_;
   std::vector<std::size_t> column_of_;  // entry of kColumns for each field of the file
   std::set<std::string> points_;
   std::vector<Row> rows_;
@@ -149,6 +104,10 @@ class TruthReader {
 
 }  // namespace
 
-Result<GroundTruth> read_truth_file(const std::string& path) { return TruthReader(path).read(); }
+Result<GroundTruth> read_truth_file(const std::string& path) {
+  auto lines = CsvLines::open(path);
+  if (!lines) return lines.error();
+  return TruthReader(*std::move(lines)).read();
+}
 
 }  // namespace weft::sources

@@ -35,8 +35,9 @@ class Images final : public Source {
                  "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info",
                  Need::required);
     p.input_path("truth", truth_path_,
-                 "CSV files of true points or npz files of truth records; STEM_KIND.csv or .npz "
-                 "belongs to the frame STEM, the longest that fits");
+                 "CSV files of true points, npz files of truth records, clouds as PLY, CSV or npz; "
+                 "STEM_KIND.csv belongs to the frame STEM, the longest that fits");
+    truth_.declare(p);
     p.labels("apart", apart_, "frames that are reported apart: stem and reason");
     depth_.declare(p);
     region_.declare(p);

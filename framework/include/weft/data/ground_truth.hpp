@@ -19,10 +19,25 @@ struct GroundTruth {
   Array<float> uv_m = {};  ///< [H,W,2] m, template point seen at the pixel, NaN where none is
   Array<double> match_xy_px = {};  ///< [N,2] px, true image of the source's matches, or NaN
   Array<std::int8_t> match_label =
-      {};  ///< [N] of the source's matches: 1 correct, 0 mismatch, -1 unknown
+      {};                      ///< [N] of the source's matches: 1 correct, 0 mismatch, -1 unknown
+  Array<double> cloud_m = {};  ///< [P,3] m, camera frame, on the surface; nobody knows where on it
+  Array<std::int32_t> cloud_faces = {};  ///< [G,3] the cloud's points are corners of the surface
+  Array<std::uint8_t> part_names = {};   ///< [n] of the parts that are scored apart, one a line
+  Array<std::int32_t> point_part = {};   ///< [T] index of each true point's part, -1 for none
+  Array<std::int32_t> cloud_part = {};   ///< [P] the same of the cloud's points
   Diagnostics diag = {};
 
   std::int64_t count() const { return template_xy_m.rows(); }
+  /// The names of the parts, as `point_part` and `cloud_part` count them.
+  std::vector<std::string> parts() const {
+    std::vector<std::string> names;
+    for (std::int64_t i = 0; part_names.present() && i < part_names.rows(); ++i) {
+      const char letter = static_cast<char>(part_names(i));
+      if (i == 0 || letter == '\n') names.emplace_back();
+      if (letter != '\n') names.back().push_back(letter);
+    }
+    return names;
+  }
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -40,6 +55,16 @@ struct GroundTruth {
     visit(self.match_label,
           Field{"match_label", "N", "-1, 0 or 1",
                 "of the source's matches: correct 1, mismatch 0, unknown -1", true});
+    visit(self.cloud_m, Field{"cloud_m", "P,3", "m, camera",
+                              "points of the surface, nobody knows where on it", true});
+    visit(self.cloud_faces,
+          Field{"cloud_faces", "G,3", "index", "triangles over the points of the cloud", true});
+    visit(self.part_names,
+          Field{"part_names", "*", "", "parts that are scored apart, one a line", true});
+    visit(self.point_part,
+          Field{"point_part", "T", "index", "part of each true point, -1 for none", true});
+    visit(self.cloud_part,
+          Field{"cloud_part", "P", "index", "part of each point of the cloud, -1 for none", true});
     visit(self.diag, Field{"diag.*", "*", "", "evidence", true});
   }
 };

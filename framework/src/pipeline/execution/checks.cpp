@@ -72,6 +72,7 @@ class FitCheck {
       const auto legal = check_face_indices(truth.faces.matrix<3>(), truth.count());
       if (!legal) return broken("the true surface: " + legal.error().message);
     }
+    if (auto legal = check_cloud(truth); !legal) return legal;
     Result<void> fits;
     if (truth.depth_m.present()) fits = check_size("the true depth", truth.depth_m, camera_);
     if (fits && truth.uv_m.present()) fits = check_size("the true uv", truth.uv_m, camera_);
@@ -79,6 +80,24 @@ class FitCheck {
   }
 
  private:
+  static Result<void> check_cloud(const GroundTruth& truth) {
+    if (truth.cloud_faces.present()) {
+      const std::int64_t points = truth.cloud_m.present() ? truth.cloud_m.rows() : 0;
+      const auto legal = check_face_indices(truth.cloud_faces.matrix<3>(), points);
+      if (!legal) return broken("the true cloud: " + legal.error().message);
+    }
+    const auto parts = static_cast<std::int64_t>(truth.parts().size());
+    for (const auto* part_of : {&truth.point_part, &truth.cloud_part}) {
+      for (std::int64_t i = 0; part_of->present() && i < part_of->rows(); ++i) {
+        const std::int32_t part = (*part_of)(i);
+        if (part >= -1 && part < parts) continue;
+        return broken("the true point " + std::to_string(i) + " is of part " +
+                      std::to_string(part) + ", the truth names " + std::to_string(parts));
+      }
+    }
+    return {};
+  }
+
   const Template& templ_;
   const Camera& camera_;
 };

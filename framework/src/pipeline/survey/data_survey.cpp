@@ -66,6 +66,9 @@ void add_truth(const GroundTruth& given, DataSurvey& survey) {
   truth.has["visible"] += given.visible.present();
   truth.has["depth_m"] += given.depth_m.present();
   truth.has["uv_m"] += given.uv_m.present();
+  truth.has["cloud_m"] += given.cloud_m.present();
+  truth.has["cloud_faces"] += given.cloud_faces.present();
+  truth.has["parts"] += given.part_names.present();
   truth.has["match_xy_px"] += given.match_xy_px.present();
   truth.has["match_label"] += given.match_label.present();
   add_points(given, survey.camera, truth);
