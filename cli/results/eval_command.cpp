@@ -17,6 +17,7 @@ struct EvalOptions {
   std::string alignment = "none";
   double match_tolerance_px = 2.0;
   bool frames = false;
+  bool surfaces = false;
   bool no_save = false;
   bool quiet = false;
   bool overwrite = false;  ///< json_file and csv_file
@@ -26,6 +27,7 @@ Result<void> evaluate(const EvalOptions& options, const std::string& alignment) 
   evaluation::EvaluationOptions choice;
   choice.alignment = *evaluation::alignment_of(alignment);
   choice.match_tolerance_px = options.match_tolerance_px;
+  if (options.surfaces) choice.surface_samples = evaluation::kSurfaceSamples;
   const auto metrics = evaluation::evaluate_run(options.folder, choice);
   if (!metrics) return metrics.error();
   if (!options.no_save) {
@@ -100,6 +102,11 @@ void add_eval_command(CLI::App& app, Context& context) {
       ->check(CLI::PositiveNumber);
   command->add_flag("--frames", options->frames,
                     "Print a row for each frame too, and the frames with the largest errors");
+  command->add_flag(
+      "--surfaces", options->surfaces,
+      fmt::format("Add Chamfer distances as the literature has them, between {} places drawn over "
+                  "the mesh and the points of the truth, and print all",
+                  evaluation::kSurfaceSamples));
   command->add_flag("--no-save", options->no_save, "Write nothing into the run folder");
   add_overwrite(*command, options->overwrite);
   command->add_flag("--quiet", options->quiet, "No table");

@@ -51,6 +51,9 @@ TEST_F(Identity, TellsCellsApartByWhatMayChangeTheirResults) {
   Measurement scaled;
   scaled.options.alignment = Alignment::scale;
   EXPECT_TRUE(keys.insert(of(chain(), 0, scaled).key).second);
+  Measurement sampled;
+  sampled.options.surface_samples = 100;
+  EXPECT_TRUE(keys.insert(of(chain(), 0, sampled).key).second);
   const std::string nested =
       "{use: filters/test.warped, params: {warp: {use: warps/test.scripted, "
       "params: {degenerate_at: [1]}}}}";

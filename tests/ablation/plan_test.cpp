@@ -128,6 +128,17 @@ TEST_F(PlanTest, LeavesStagesOutAndPutsOthersIn) {
                                                   "warps", "passes", "solvers"));
 }
 
+TEST_F(PlanTest, DrawsSamplesOfSurfacesWhereItNamesSuchAMetric) {
+  const auto samples = [&](const std::string& show) {
+    return expand("data: {plain: {}}\nshow: [" + show + "]\n")
+        .plan()
+        .measurement.options.surface_samples;
+  };
+  EXPECT_EQ(samples("surface.chamfer_mm"), 0);
+  EXPECT_EQ(samples("surface.sampled_chamfer_mm"), kSurfaceSamples);
+  EXPECT_EQ(samples("parts.hidden.surface.sampled_from_truth_mm"), kSurfaceSamples);
+}
+
 TEST_F(PlanTest, TakesAFolderForASequence) {
   for (const char* name : {"b", "a"}) {
     fs::create_directories(path(std::string("set/") + name + "/gt"));

@@ -48,7 +48,8 @@ INTERNAL = {
     "printing": "core data generators",
     "statistics": "core",
     "metrics/runs": "core data roles host/records pipeline/execution statistics",
-    "metrics": "core data geometry truth statistics metrics/runs",
+    "metrics/shapes": "core data geometry",
+    "metrics": "core data geometry truth statistics metrics/runs metrics/shapes",
     "metrics/forms": "core metrics",
     "results": "core data geometry host/records statistics metrics",
     "ablation/plan": "core yaml roles host/records host/loading pipeline/configuration pipeline/runs "

@@ -14,14 +14,14 @@
 ///
 /// JSON both ways, the CSV file, columns of tables, the paths of `metric:`, which way a metric is
 /// better and docs/metrics.md follow from it. A member is a number, a text, an enumeration, a list
-/// of numbers or texts, a struct of metrics, or a list of such structs, told apart by their `stage`
-/// or `kind`. A visitor has, besides operator(),
+/// of numbers or texts, a struct of metrics, or a list of such structs, told apart by their
+/// `stage`, `kind` or `part`. A visitor has, besides operator(),
 ///
 ///   derived(field, value)           what follows from other members, so that no reader takes it
 ///   object(field, there, f)         members of some frames, in an object of their own in JSON
 ///   when(there, f)                  members of some frames: f(visit)
 ///   optional(member)                the members of a struct that some frames lack
-///   keyed(field, pairs)             structs by the name of their stage
+///   keyed(field, pairs)             structs by the name of their stage or part
 namespace weft::evaluation {
 
 /// Of a share of 1.

@@ -149,16 +149,30 @@ Result<void> measure_error(const ShapeMeter& meter, const FrameRecords& records,
   if (frame.visibility && frame.outcome == FrameOutcome::solved) {
     count_errors(*errors, records.ground_truth->visible, *frame.visibility);
   }
+  add_errors(*errors, *records.ground_truth, frame.parts);
   frame.extrapolated = errors->extrapolated;
   frame.unlocated = errors->unlocated;
   if (frame.points == 0) {
-    frame.no_error_because = "the truth has no points";
+    frame.no_error_because = records.ground_truth->cloud_m.present()
+                                 ? "nobody knows where on the template its points are"
+                                 : "the truth has no points";
   } else if (errors->distances_m.empty()) {
     frame.no_error_because = "no point of the truth lies on the template's mesh";
   } else {
     frame.error = summarise(*errors);
   }
   return {};
+}
+
+/// Of a solved frame: the shape and all of the truth, and each part of it, as surfaces.
+void measure_surfaces(const FrameRecords& records, const Template& sheet, std::int64_t samples,
+                      FrameMetrics& frame) {
+  const auto vertices_m = records.shape->vertices_m.matrix<3>();
+  const auto faces = sheet.faces.matrix<3>();
+  const TrueSurface truth = true_surface(*records.ground_truth);
+  if (truth.points_m.empty()) return;
+  frame.surface = surface_metrics(vertices_m, faces, truth, samples);
+  frame.parts = frame_parts(vertices_m, faces, *records.ground_truth, samples);
 }
 
 void measure_warps(const FrameRecords& records, const Template& sheet, const TruthMap& truth,
@@ -237,12 +251,10 @@ Result<FrameMetrics> evaluate_frame(const RunReader& reader, const ShapeMeter& m
   frame.strain_mean = strain.mean;
   frame.strain_p95 = strain.p95;
   if (frame.has_truth) {
+    const bool solved = frame.outcome == FrameOutcome::solved;
+    if (solved) measure_surfaces(records, reader.sheet(), options.surface_samples, frame);
     auto done = measure_error(meter, records, options.alignment, frame);
-    if (done && frame.outcome == FrameOutcome::solved) {
-      if (frame.points > 0) {
-        frame.surface = surface_metrics(records.shape->vertices_m.matrix<3>(),
-                                        reader.sheet().faces.matrix<3>(), *records.ground_truth);
-      }
+    if (done && solved) {
       done = measure_certainty(reader, meter, records, frame);
     }
     if (!done) return done.error();

@@ -3,7 +3,7 @@
 
 #include "metrics/metrics.hpp"
 #include "metrics/runs/run_reader.hpp"
-#include "metrics/shape_meter.hpp"
+#include "metrics/shapes/shape_meter.hpp"
 
 namespace weft::evaluation {
 

@@ -10,6 +10,7 @@
 
 #include "metrics/certainty_metrics.hpp"
 #include "metrics/match_metrics.hpp"
+#include "metrics/part_metrics.hpp"
 #include "metrics/surface_metrics.hpp"
 #include "metrics/visibility_metrics.hpp"
 #include "metrics/warp_metrics.hpp"
@@ -105,6 +106,7 @@ struct FrameMetrics {
   std::optional<SurfaceMetrics> surface;       ///< of a solved frame with true points
   std::optional<VisibilityCounts> visibility;  ///< where the truth says what is seen
   std::optional<FrameCertainty> certainty;     ///< of a solved frame with an error
+  FrameParts parts;                            ///< of a solved frame, where the truth has parts
   MotionMetrics motion;
   std::vector<std::pair<std::string, FilterCounts>> filters;  ///< by stage
   std::vector<std::pair<std::string, WarpErrors>> warps;      ///< by stage
@@ -162,6 +164,7 @@ struct FrameMetrics {
     visit({"truth_map_px", "how well the truth predicts itself", kLower}, self.image.truth_map_px);
     visit.optional(self.depth);
     visit.optional(self.surface);
+    visit.keyed({"parts", "parts of the truth, each scored by itself"}, self.parts);
     visit.derived({"visibility", "where the truth says what the camera sees"},
                   visibility_of(self.visibility));
     visit.optional(self.certainty);

@@ -11,7 +11,7 @@
 #include "metrics/frame_evaluation.hpp"
 #include "metrics/jitter.hpp"
 #include "metrics/runs/run_reader.hpp"
-#include "metrics/shape_meter.hpp"
+#include "metrics/shapes/shape_meter.hpp"
 
 namespace weft::evaluation {
 namespace {
@@ -159,33 +159,34 @@ void add_certainty(RunMetrics& metrics) {
   metrics.certainty = summarise_certainty(frames);
 }
 
-/// Of the frames whose truth counts, what `member` has of each stage, in the order in which the
-/// stages are first met.
+/// Of the frames whose truth counts, what `member` has of each stage or part, in the order in which
+/// these are first met.
 template <class Metrics>
-std::vector<std::pair<std::string, std::vector<Metrics>>> by_stage(
+std::vector<std::pair<std::string, std::vector<Metrics>>> by_name(
     const std::vector<FrameMetrics>& frames,
     std::vector<std::pair<std::string, Metrics>> FrameMetrics::*member) {
-  std::vector<std::pair<std::string, std::vector<Metrics>>> stages;
+  std::vector<std::pair<std::string, std::vector<Metrics>>> all;
   for (const FrameMetrics& frame : frames) {
     if (!frame.apart.empty()) continue;
-    for (const auto& [stage, each] : frame.*member) {
-      auto known = std::find_if(stages.begin(), stages.end(), [&named = stage](const auto& entry) {
+    for (const auto& [name, each] : frame.*member) {
+      auto known = std::find_if(all.begin(), all.end(), [&named = name](const auto& entry) {
         return entry.first == named;
       });
-      if (known == stages.end()) known = stages.insert(known, {stage, {}});
+      if (known == all.end()) known = all.insert(known, {name, {}});
       known->second.push_back(each);
     }
   }
-  return stages;
+  return all;
 }
 
-void summarise_stages(RunMetrics& metrics) {
-  for (const auto& [stage, counts] : by_stage(metrics.frames, &FrameMetrics::filters)) {
+void summarise_named(RunMetrics& metrics) {
+  for (const auto& [stage, counts] : by_name(metrics.frames, &FrameMetrics::filters)) {
     metrics.filters.push_back(summarise_filter(stage, counts));
   }
-  for (const auto& [stage, errors] : by_stage(metrics.frames, &FrameMetrics::warps)) {
+  for (const auto& [stage, errors] : by_name(metrics.frames, &FrameMetrics::warps)) {
     metrics.warps.push_back(summarise_warp(stage, errors));
   }
+  metrics.parts = summarise_parts(by_name(metrics.frames, &FrameMetrics::parts));
 }
 
 void group_frames(double off_mm, RunMetrics& metrics) {
@@ -264,7 +265,7 @@ RunMetrics RunEvaluator::finish(bool has_solver) {
   add_surfaces(metrics);
   add_visibility(metrics);
   add_certainty(metrics);
-  summarise_stages(metrics);
+  summarise_named(metrics);
   count_frames(metrics);
   metrics.has_solver = has_solver;
   if (has_solver) {

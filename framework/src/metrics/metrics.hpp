@@ -17,7 +17,8 @@ struct FrameRecords;
 
 struct EvaluationOptions {
   Alignment alignment = Alignment::none;
-  double match_tolerance_px = 2.0;  ///< [] px, a match this near its true place is correct
+  double match_tolerance_px = 2.0;   ///< [] px, a match this near its true place is correct
+  std::int64_t surface_samples = 0;  ///< [] places drawn for sampled distances; 0: no such figures
 };
 
 /// Evaluates a run folder against the ground truth in it; changes nothing. A run without truth has

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "metrics/alignment.hpp"
 #include "metrics/frame_metrics.hpp"
 #include "metrics/run_summaries.hpp"
+#include "metrics/shapes/alignment.hpp"
 #include "metrics/truth_metrics.hpp"
 
 namespace weft::evaluation {
@@ -27,6 +27,7 @@ struct RunMetrics {
   ImageSummary image;                  ///< frames apart are left out
   DepthSummary depth;                  ///< frames apart are left out
   SurfaceSummary surface;              ///< frames apart are left out
+  std::vector<PartMetrics> parts;      ///< of the truth; frames apart are left out
   VisibilityMetrics visibility;        ///< frames apart are left out
   CertaintyMetrics certainty;          ///< frames apart are left out
   std::vector<FilterMetrics> filters;  ///< by stage; frames apart are left out
@@ -56,6 +57,7 @@ struct RunMetrics {
     visit({"image", "errors in the image, of solved frames"}, self.image);
     visit({"depth", "against depth images"}, self.depth);
     visit({"surface", "mesh and truth as surfaces"}, self.surface);
+    visit({"parts", "parts of the truth, by their names"}, self.parts);
     visit({"visibility", "what the camera sees"}, self.visibility);
     visit({"certainty", "how sure the shapes are"}, self.certainty);
     visit({"filters", "by the name of the stage"}, self.filters);

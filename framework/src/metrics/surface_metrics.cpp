@@ -1,125 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "metrics/surface_metrics.hpp"
 
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <array>
-#include <boost/geometry.hpp>
-#include <boost/geometry/index/rtree.hpp>
 #include <cmath>
-#include <iterator>
-#include <limits>
 #include <utility>
-#include <weft/core/index.hpp>
+#include <vector>
 #include <weft/core/statistics.hpp>
 
 namespace weft::evaluation {
 namespace {
 
-namespace index = boost::geometry::index;
-
-using Corners = std::array<Eigen::Vector3d, 3>;
-
 /// Each face of the mesh is cut into so many triangles of equal area along each side.
 constexpr int kCuts = 4;
 constexpr double kDense = 0.01;  // of the diagonal of the mesh
-
-/// Ericson, Real-Time Collision Detection, 2005, 5.1.5: by the region of the plane in which the
-/// point lies.
-double distance_to(const Corners& corners, const Eigen::Vector3d& point) {
-  const auto& [a, b, c] = corners;
-  const Eigen::Vector3d ab = b - a, ac = c - a;
-  const auto to_segment = [&](const Eigen::Vector3d& from, const Eigen::Vector3d& way) {
-    const double length2 = way.squaredNorm();
-    const double at = length2 > 0.0 ? std::clamp((point - from).dot(way) / length2, 0.0, 1.0) : 0.0;
-    return (from + at * way - point).norm();
-  };
-  const Eigen::Vector3d normal = ab.cross(ac);
-  const double area2 = normal.squaredNorm();
-  if (area2 > 0.0) {
-    const Eigen::Vector3d ap = point - a;
-    const double v = ap.cross(ac).dot(normal) / area2, w = ab.cross(ap).dot(normal) / area2;
-    if (v >= 0.0 && w >= 0.0 && v + w <= 1.0) return std::abs(ap.dot(normal)) / std::sqrt(area2);
-  }
-  return std::min({to_segment(a, ab), to_segment(a, ac), to_segment(b, c - b)});
-}
-
-/// Triangles, or points, to look for the nearest one.
-class Nearest {
- public:
-  void add(const Corners& corners) { triangles_.push_back(corners); }
-
-  /// After the last one.
-  void sort() {
-    std::vector<Entry> entries;
-    for (std::size_t i = 0; i < triangles_.size(); ++i) {
-      const auto& [a, b, c] = triangles_[i];
-      entries.emplace_back(box(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)), i);
-    }
-    tree_ = Tree(entries);
-  }
-
-  double distance(const Eigen::Vector3d& point) const {
-    found_.clear();
-    tree_.query(index::nearest(Place(point.x(), point.y(), point.z()), 4),
-                std::back_inserter(found_));
-    double least = least_of_found(point);
-    // Another may be nearer although its box is farther off than theirs.
-    found_.clear();
-    const Eigen::Vector3d reach = Eigen::Vector3d::Constant(least);
-    tree_.query(index::intersects(box(point - reach, point + reach)), std::back_inserter(found_));
-    return std::min(least, least_of_found(point));
-  }
-
- private:
-  using Place = boost::geometry::model::point<double, 3, boost::geometry::cs::cartesian>;
-  using Box = boost::geometry::model::box<Place>;
-  using Entry = std::pair<Box, std::size_t>;
-  using Tree = index::rtree<Entry, index::quadratic<16>>;
-
-  static Box box(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
-    return {Place(low.x(), low.y(), low.z()), Place(high.x(), high.y(), high.z())};
-  }
-  double least_of_found(const Eigen::Vector3d& point) const {
-    double least = std::numeric_limits<double>::infinity();
-    for (const Entry& entry : found_) {
-      least = std::min(least, distance_to(triangles_[entry.second], point));
-    }
-    return least;
-  }
-
-  std::vector<Corners> triangles_;
-  Tree tree_;
-  mutable std::vector<Entry> found_;
-};
-
-Nearest surface_of(const Points3View& points, const FacesView& faces) {
-  Nearest nearest;
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    nearest.add({points.row(faces(f, 0)), points.row(faces(f, 1)), points.row(faces(f, 2))});
-  }
-  nearest.sort();
-  return nearest;
-}
-
-Nearest cloud_of(const Points3View& points) {
-  Nearest nearest;
-  for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    nearest.add({points.row(i), points.row(i), points.row(i)});
-  }
-  nearest.sort();
-  return nearest;
-}
-
-double area_of(const Points3View& vertices_m, const FacesView& faces) {
-  double area_m2 = 0.0;
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    const Eigen::RowVector3d a = vertices_m.row(faces(f, 0));
-    area_m2 +=
-        0.5 * (vertices_m.row(faces(f, 1)) - a).cross(vertices_m.row(faces(f, 2)) - a).norm();
-  }
-  return area_m2;
-}
 
 /// Sums of distances and of their squares, in mm.
 struct Sums {
@@ -149,33 +41,85 @@ void for_each_place(const Corners& corners, Visit&& visit) {
   }
 }
 
+/// Writes the means of both ways into members of the same names; the second where it is known.
+template <class Distances>
+void take(const Sums& from, const Sums& to, Distances& distances) {
+  distances.from_truth_mm = from.distance / from.weight;
+  distances.from_truth_squared_mm2 = from.square / from.weight;
+  if (!(to.weight > 0.0)) return;
+  distances.to_truth_mm = to.distance / to.weight;
+  distances.to_truth_squared_mm2 = to.square / to.weight;
+}
+
+Sums sums_between(const std::vector<Eigen::Vector3d>& points, const NearestPoint& nearest) {
+  Sums sums;
+  for (const Eigen::Vector3d& point : points) sums.add(1.0, nearest.distance(point));
+  return sums;
+}
+
+std::optional<SampledDistances> sampled(const std::vector<Corners>& mesh, const TrueSurface& truth,
+                                        bool dense, std::int64_t samples) {
+  const std::vector<Eigen::Vector3d> places = places_on(mesh, samples, kMeshSeed);
+  if (places.empty()) return std::nullopt;
+  std::vector<Eigen::Vector3d> true_places = places_on(truth.faces, samples, kTruthSeed);
+  const std::vector<Eigen::Vector3d>& alone = true_places.empty() ? truth.points_m : truth.loose_m;
+  true_places.insert(true_places.end(), alone.begin(), alone.end());
+  SampledDistances distances;
+  const Sums from = sums_between(true_places, NearestPoint(places));
+  take(from, dense ? sums_between(places, NearestPoint(true_places)) : Sums{}, distances);
+  return distances;
+}
+
+SampledSummary summarise_sampled(std::span<const SurfaceMetrics> frames) {
+  SampledSummary summary;
+  const auto mean_of = [&](auto&& value_of) {
+    std::vector<double> values;
+    for (const SurfaceMetrics& frame : frames) {
+      const double value = frame.sampled ? value_of(*frame.sampled) : kUnknown;
+      if (std::isfinite(value)) values.push_back(value);
+    }
+    return mean_or_unknown(values);
+  };
+  for (const SurfaceMetrics& frame : frames) summary.frames += frame.sampled.has_value();
+  summary.from_truth_mm = mean_of([](const auto& each) { return each.from_truth_mm; });
+  summary.to_truth_mm = mean_of([](const auto& each) { return each.to_truth_mm; });
+  summary.chamfer_mm = mean_of([](const auto& each) { return each.chamfer_mm(); });
+  summary.from_truth_squared_mm2 =
+      mean_of([](const auto& each) { return each.from_truth_squared_mm2; });
+  summary.to_truth_squared_mm2 =
+      mean_of([](const auto& each) { return each.to_truth_squared_mm2; });
+  summary.chamfer_squared_mm2 =
+      mean_of([](const auto& each) { return each.chamfer_squared_mm2(); });
+  return summary;
+}
+
 }  // namespace
 
 SurfaceMetrics surface_metrics(const Points3View& vertices_m, const FacesView& faces,
-                               const GroundTruth& truth) {
-  const auto points_m = truth.points_m.matrix<3>();
-  SurfaceMetrics metrics;
-  Sums from, to;
-  const Nearest mesh = surface_of(vertices_m, faces);
-  for (Eigen::Index i = 0; i < points_m.rows(); ++i) from.add(1.0, mesh.distance(points_m.row(i)));
-  metrics.from_truth_mm = from.distance / from.weight;
-  metrics.from_truth_squared_mm2 = from.square / from.weight;
+                               const TrueSurface& truth, std::int64_t samples) {
+  const std::vector<Corners> triangles = corners_of(vertices_m, faces);
+  double area_m2 = 0.0;
+  for (const Corners& corners : triangles) area_m2 += area_of(corners);
   const double diagonal_m =
       (vertices_m.colwise().maxCoeff() - vertices_m.colwise().minCoeff()).norm();
-  const double spacing_m =
-      std::sqrt(area_of(vertices_m, faces) / static_cast<double>(points_m.rows()));
-  if (!truth.faces.present() && spacing_m > kDense * diagonal_m) return metrics;
-  const Nearest truly =
-      truth.faces.present() ? surface_of(points_m, truth.faces.matrix<3>()) : cloud_of(points_m);
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    const Corners corners{vertices_m.row(faces(f, 0)), vertices_m.row(faces(f, 1)),
-                          vertices_m.row(faces(f, 2))};
-    const double area_m2 = (corners[1] - corners[0]).cross(corners[2] - corners[0]).norm();
-    for_each_place(corners,
-                   [&](const Eigen::Vector3d& place) { to.add(area_m2, truly.distance(place)); });
+  const double spacing_m = std::sqrt(area_m2 / static_cast<double>(truth.points_m.size()));
+  const bool dense = !truth.faces.empty() || spacing_m <= kDense * diagonal_m;
+  Sums from, to;
+  const NearestPlace mesh(triangles);
+  for (const Eigen::Vector3d& point : truth.points_m) from.add(1.0, mesh.distance(point));
+  if (dense) {
+    std::vector<Corners> truly = truth.faces;
+    for (const Eigen::Vector3d& point : truth.loose_m) truly.push_back({point, point, point});
+    const NearestPlace nearest(std::move(truly));
+    for (const Corners& corners : triangles) {
+      for_each_place(corners, [&](const Eigen::Vector3d& place) {
+        to.add(area_of(corners), nearest.distance(place));
+      });
+    }
   }
-  metrics.to_truth_mm = to.distance / to.weight;
-  metrics.to_truth_squared_mm2 = to.square / to.weight;
+  SurfaceMetrics metrics;
+  take(from, to, metrics);
+  if (samples > 0) metrics.sampled = sampled(triangles, truth, dense, samples);
   return metrics;
 }
 
@@ -202,6 +146,7 @@ SurfaceSummary summarise_surfaces(std::span<const SurfaceMetrics> frames) {
   summary.frames_both_ways = static_cast<std::int64_t>(sums_mm2.size());
   summary.chamfer_squared_mm2 = mean_or_unknown(sums_mm2);
   summary.worst_chamfer_squared_mm2 = percentile(sums_mm2, 100.0);
+  summary.sampled = summarise_sampled(frames);
   return summary;
 }
 

@@ -4,7 +4,7 @@
 #include <weft/truth/truth_map.hpp>
 
 #include "metrics/field.hpp"
-#include "metrics/shape_meter.hpp"
+#include "metrics/shapes/shape_meter.hpp"
 
 namespace weft::evaluation {
 namespace {

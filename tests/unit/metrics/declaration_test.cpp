@@ -45,6 +45,8 @@ RunMetrics full_run() {
   metrics.filters.back().wrong_scores[39] = 12;
   metrics.warps.emplace_back().stage = "warps";
   metrics.warps.back().salient_px = 0.5;
+  metrics.parts.emplace_back().part = "hidden";
+  metrics.parts.back().surface.sampled.chamfer_mm = 6.5;
   metrics.jitter.cuts = 2;
   FrameMetrics& frame = metrics.frames.emplace_back();
   frame.frame = 3;
@@ -60,6 +62,8 @@ RunMetrics full_run() {
   frame.visibility.emplace().seen_right = 8;
   frame.certainty.emplace().confidence = 0.75;
   frame.filters.emplace_back("aem", FilterCounts{}).second.entered = 40;
+  frame.surface.emplace().sampled.emplace().to_truth_mm = 1.75;
+  frame.parts.emplace_back("hidden", FramePart{}).second.surface.emplace().from_truth_mm = 2.25;
   frame.warps.emplace_back("bbs", WarpErrors{}).second.salient_px = 0.375;
   return metrics;
 }
@@ -74,7 +78,7 @@ void add_numbers(const json& place, const std::string& path, std::set<std::strin
   if (!place.is_array()) return;
   for (const json& entry : place) {
     if (!entry.is_object()) continue;
-    for (const char* label : {"stage", "kind"}) {
+    for (const char* label : {"stage", "kind", "part"}) {
       if (entry.contains(label))
         add_numbers(entry, start + entry.at(label).get<std::string>(), paths);
     }
@@ -91,6 +95,9 @@ TEST(DeclaredMetrics, AreTheSameAfterAWayThroughJson) {
   EXPECT_EQ(again->frames.at(0).state, ShapeState::weak);
   EXPECT_DOUBLE_EQ(again->frames.at(0).strain_mean, 0.125);
   EXPECT_EQ(again->filters.at(0).wrong_scores[39], 12);
+  EXPECT_DOUBLE_EQ(again->parts.at(0).surface.sampled.chamfer_mm, 6.5);
+  EXPECT_DOUBLE_EQ(again->frames.at(0).surface->sampled->to_truth_mm, 1.75);
+  EXPECT_DOUBLE_EQ(again->frames.at(0).parts.at(0).second.surface->from_truth_mm, 2.25);
   EXPECT_DOUBLE_EQ(again->frames.at(0).warps.at(0).second.salient_px, 0.375);
 }
 
@@ -132,7 +139,7 @@ TEST(DeclaredMetrics, AreAllInTheCatalogueWithTheirUnits) {
     std::string path = entry.path;
     for (const auto& [word, name] :
          {std::pair{"groups.KIND", "groups.mdh"}, std::pair{"filters.STAGE", "filters.aem"},
-          std::pair{"warps.STAGE", "warps.warps"}}) {
+          std::pair{"warps.STAGE", "warps.warps"}, std::pair{"parts.PART", "parts.hidden"}}) {
       if (path.starts_with(word)) path.replace(0, std::string(word).size(), name);
     }
     known.insert(path);
@@ -184,6 +191,7 @@ TEST(DeclaredMetrics, OfFramesAreTheColumnsOfTheCsvFile) {
     std::string name = entry.path;
     const bool is_warps = name.ends_with("_px") || name.ends_with("_vertices");
     if (name.starts_with("STAGE")) name.replace(0, 5, is_warps ? "bbs" : "aem");
+    if (name.starts_with("PART")) name.replace(0, 4, "hidden");
     known.push_back(name);
   }
   EXPECT_THAT(columns, IsSupersetOf(known));
@@ -191,6 +199,7 @@ TEST(DeclaredMetrics, OfFramesAreTheColumnsOfTheCsvFile) {
   EXPECT_THAT(columns, Contains("confidence"));
   EXPECT_THAT(columns, Contains("aem_entered"));
   EXPECT_THAT(columns, Contains("bbs_salient_px"));
+  EXPECT_THAT(columns, Contains("hidden_sampled_to_truth_mm"));
 }
 
 }  // namespace

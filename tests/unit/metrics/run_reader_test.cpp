@@ -8,7 +8,7 @@
 
 #include "metrics/forms/metrics_report.hpp"
 #include "metrics/metrics.hpp"
-#include "metrics/shape_meter.hpp"
+#include "metrics/shapes/shape_meter.hpp"
 #include "test_run.hpp"
 
 namespace weft::evaluation {

@@ -44,11 +44,11 @@ Faces faces_of(int columns, int rows) {
   return faces;
 }
 
-GroundTruth truth_of(const Points3& points_m, const Faces& faces) {
+TrueSurface truth_of(const Points3& points_m, const Faces& faces) {
   GroundTruth truth;
   truth.points_m = make_array<double>(points_m);
   if (faces.rows() > 0) truth.faces = make_array<std::int32_t>(faces);
-  return truth;
+  return true_surface(truth);
 }
 
 TEST(SurfaceMetrics, AreTheGapOfParallelSheetsWhateverTheirMeshes) {
@@ -128,7 +128,7 @@ TEST(SurfaceMetrics, MeasureFacesWithoutAreaAsLinesAndPoints) {
 
 TEST(SurfaceMetrics, OfARunAreMeansOverItsFrames) {
   const std::vector<SurfaceMetrics> frames{
-      {1.0, 2.0, 1.5, 5.0}, {3.0, kUnknown, 9.5, kUnknown}, {2.0, 4.0, 4.5, 17.0}};
+      {1.0, 2.0, 1.5, 5.0, {}}, {3.0, kUnknown, 9.5, kUnknown, {}}, {2.0, 4.0, 4.5, 17.0, {}}};
   const SurfaceSummary summary = summarise_surfaces(frames);
   EXPECT_EQ(summary.frames, 3);
   EXPECT_EQ(summary.frames_both_ways, 2);

@@ -39,6 +39,7 @@ class PlanReader {
     for (const yaml::Node& item : list(root, "comparisons")) read_comparison(item);
     for (const yaml::Node& item : list(root, "expect")) read_expectation(item);
     check_metrics();
+    measure_named();
   }
 
  private:
@@ -289,6 +290,14 @@ class PlanReader {
       if (std::string because = why_no_metric(metric, {}); !because.empty()) {
         values_.problem(at, std::move(because));
       }
+    }
+  }
+
+  /// What is measured on demand only.
+  void measure_named() {
+    for (const auto& [metric, at] : metrics_of(plan_)) {
+      if (metric.find(".sampled_") == std::string::npos) continue;
+      plan_.measurement.options.surface_samples = kSurfaceSamples;
     }
   }
 

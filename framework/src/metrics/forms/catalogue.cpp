@@ -32,7 +32,9 @@ class Collector : public EveryDeclaration<Collector> {
     } else if constexpr (ListOf<Member>::value) {
       // The frames have a catalogue of their own.
       using Entry = typename ListOf<Member>::Type;
-      const char* label = std::is_same_v<Entry, GroupMetrics> ? "KIND" : "STAGE";
+      const char* label = std::is_same_v<Entry, GroupMetrics>  ? "KIND"
+                          : std::is_same_v<Entry, PartMetrics> ? "PART"
+                                                               : "STAGE";
       if constexpr (!std::is_same_v<Entry, FrameMetrics>) {
         enter(std::string(field.name) + joint_ + label, Entry{});
       }
@@ -56,7 +58,7 @@ class Collector : public EveryDeclaration<Collector> {
   template <class Metrics>
   void keyed(const MetricField& /*field*/,
              const std::vector<std::pair<std::string, Metrics>>& /*pairs*/) {
-    enter("STAGE", Metrics{});
+    enter(std::is_same_v<Metrics, FramePart> ? "PART" : "STAGE", Metrics{});
   }
 
  private:
@@ -92,7 +94,7 @@ bool matches(const std::vector<std::string>& pattern, const std::vector<std::str
              std::string& label) {
   std::size_t at = 0;
   for (const std::string& each : pattern) {
-    const bool is_label = each == "KIND" || each == "STAGE";
+    const bool is_label = each == "KIND" || each == "STAGE" || each == "PART";
     const bool is_named = is_label && words.size() == pattern.size();
     if (is_label && !is_named) continue;
     if (at == words.size() || (!is_label && words[at] != each)) return false;

@@ -14,13 +14,13 @@ struct CatalogueEntry {
   MetricField field;
 };
 
-/// The numbers of a run, by their paths; KIND and STAGE stand for names.
+/// The numbers of a run, by their paths; KIND, PART and STAGE stand for names.
 std::vector<CatalogueEntry> run_catalogue();
 /// The numbers of a frame, by the names of their columns in the CSV file.
 std::vector<CatalogueEntry> frame_catalogue();
 
-/// The declaration of the number that a path names, with the name of a stage or kind or without it;
-/// null where there is none.
+/// The declaration of the number that a path names, with the name of a stage, kind or part or
+/// without it; null where there is none.
 const MetricField* field_of(const std::string& path);
 
 /// The same with its path, and the name of the stage or kind, if the path has one: "aem" of

@@ -13,7 +13,7 @@ namespace {
 using nlohmann::json;
 
 std::string label_of(const json& entry) {
-  for (const char* key : {"stage", "kind"}) {
+  for (const char* key : {"stage", "kind", "part"}) {
     const auto found = entry.find(key);
     if (found != entry.end() && found->is_string()) return found->get<std::string>();
   }
@@ -75,7 +75,8 @@ Result<double> metric_at(const json& metrics, const std::string& path) {
 }
 
 std::string why_no_metric(const std::string& path, const std::vector<std::string>& filters) {
-  if (path.starts_with("groups.")) return {};  // their kinds are the data's
+  // Their kinds and parts are the data's.
+  if (path.starts_with("groups.") || path.starts_with("parts.")) return {};
   RunMetrics metrics;
   for (const std::string& stage : filters) {
     metrics.filters.emplace_back();

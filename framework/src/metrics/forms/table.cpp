@@ -16,30 +16,6 @@ namespace {
 
 constexpr std::ptrdiff_t kWorstFrames = 5;
 
-/// Characters of UTF-8 text: all bytes but those that continue one.
-std::size_t characters(const std::string& text) {
-  return to_index(std::count_if(text.begin(), text.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
-  }));
-}
-
-/// Rows of cells as aligned columns: the first to the left, the others to the right.
-std::string align(const std::vector<TableRow>& rows) {
-  std::vector<std::size_t> widths(rows.front().size(), 0);
-  for (const TableRow& row : rows) {
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      widths[i] = std::max(widths[i], characters(row[i]));
-    }
-  }
-  std::string text;
-  for (const TableRow& row : rows) {
-    text += fmt::format("  {:<{}}", row[0], widths[0]);
-    for (std::size_t i = 1; i < row.size(); ++i) text += fmt::format("  {:>{}}", row[i], widths[i]);
-    text += '\n';
-  }
-  return text;
-}
-
 std::string group_name(const GroupMetrics& group) {
   const std::string kind = group.kind.empty() ? "(no kind)" : printable(group.kind);
   return group.apart.empty() ? kind : kind + " (" + printable(group.apart) + ")";
@@ -180,17 +156,6 @@ std::string depth_text(const DepthSummary& depth) {
       depth.frames, depth.matches, depth.without_depth, depth.frames_without_median);
 }
 
-std::string surface_text(const SurfaceSummary& surface) {
-  if (surface.frames_both_ways == 0) return "";
-  return fmt::format(
-      "mesh and truth as surfaces, not aligned\n"
-      "  Chamfer distance: {} mm from the truth, {} mm to it; squared, both ways: {} mm^2 mean, {} "
-      "mm^2 worst of {} frames\n",
-      decimal(surface.from_truth_mm, 2), decimal(surface.to_truth_mm, 2),
-      decimal(surface.chamfer_squared_mm2, 3), decimal(surface.worst_chamfer_squared_mm2, 3),
-      surface.frames_both_ways);
-}
-
 }  // namespace
 
 std::string to_table(const RunMetrics& metrics) {
@@ -203,7 +168,7 @@ std::string to_table(const RunMetrics& metrics) {
     return text + "no ground truth in this run: give the source `truth` to measure errors\n";
   }
   return text + to_error_table(metrics) + image_text(metrics.image) + depth_text(metrics.depth) +
-         surface_text(metrics.surface) + visibility_text(metrics.visibility) +
+         surfaces_text(metrics) + visibility_text(metrics.visibility) +
          certainty_text(metrics.certainty) + warps_text(metrics) + filters_text(metrics);
 }
 

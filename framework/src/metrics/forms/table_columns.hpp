@@ -10,8 +10,6 @@
 
 namespace weft::evaluation {
 
-using TableRow = std::vector<std::string>;
-
 /// The titles of the members that have a column, or their values as people read them.
 class TableColumns : public EveryDeclaration<TableColumns> {
  public:

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "metrics/metrics.hpp"
 
@@ -12,10 +13,16 @@ inline constexpr const char* kNoValue = "-";
 /// With so many decimals; kNoValue for what is not finite.
 std::string decimal(double value, int decimals);
 
+using TableRow = std::vector<std::string>;
+
+/// Rows of cells as aligned columns: the first to the left, the others to the right.
+std::string align(const std::vector<TableRow>& rows);
+
 /// Text from a file on one line: control characters could move a terminal's cursor.
 std::string printable(std::string text);
 
 /// Lines of the table of a run; empty where there is nothing to say.
+std::string surfaces_text(const RunMetrics& metrics);
 std::string visibility_text(const VisibilityMetrics& visibility);
 std::string certainty_text(const CertaintyMetrics& certainty);
 

@@ -229,7 +229,9 @@ Result<FrameRecords> RunReader::sort(host::NamedRecords records, const FrameLine
     return damaged_run(file, "has in visibility no entry for each vertex");
   }
   if (frame.ground_truth && !(frame.ground_truth->template_xy_m.matrix<2>().allFinite() &&
-                              frame.ground_truth->points_m.matrix<3>().allFinite())) {
+                              frame.ground_truth->points_m.matrix<3>().allFinite() &&
+                              (!frame.ground_truth->cloud_m.present() ||
+                               frame.ground_truth->cloud_m.matrix<3>().allFinite()))) {
     return damaged_run(file, "has a ground truth with NaN or infinity");
   }
   return frame;

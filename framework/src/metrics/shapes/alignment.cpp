@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "metrics/alignment.hpp"
+#include "metrics/shapes/alignment.hpp"
 
 #include <weft/geometry/rigid_alignment.hpp>
 

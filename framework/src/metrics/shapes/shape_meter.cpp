@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "metrics/shape_meter.hpp"
+#include "metrics/shapes/shape_meter.hpp"
 
 #include <weft/geometry/barycentric.hpp>
 #include <weft/geometry/mesh_topology.hpp>

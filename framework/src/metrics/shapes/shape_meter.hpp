@@ -8,7 +8,7 @@
 #include <weft/geometry/distance_constraints.hpp>
 #include <weft/geometry/face_locator.hpp>
 
-#include "metrics/alignment.hpp"
+#include "metrics/shapes/alignment.hpp"
 
 namespace weft::evaluation {
 
