@@ -12,6 +12,7 @@
 #include "ablation/ablation.hpp"
 #include "cli/commands.hpp"
 #include "cli/run/interruption.hpp"
+#include "cli/run/run_settings.hpp"
 #include "cli/standard_components.hpp"
 #include "results/expectations.hpp"
 #include "results/results_index.hpp"
@@ -23,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 
 struct AblateOptions {
   std::string plan, folder, engine = "local";
-  std::vector<std::string> settings;
+  std::vector<std::string> settings, without;
   int jobs = 1;
   bool timing = false, accept_rebuilt = false, status = false, quiet = false;
   std::vector<std::string> retry;
@@ -86,6 +87,7 @@ std::string command_of(const AblateOptions& options, const Context& context) {
     command += " --plugin-path " + shell_word(folder);
   }
   command += " ablate " + shell_word(options.plan);
+  for (const std::string& name : options.without) command += " --without " + shell_word(name);
   for (const std::string& setting : options.settings) command += " --set " + shell_word(setting);
   return command;
 }
@@ -172,8 +174,8 @@ void ablate(AblateOptions options, Context& context) {
     context.exit_code = error.code == Errc::invalid_value ? kBadConfiguration : kInputOutput;
   };
   const auto registry = context.registry();
-  auto [grid, report] =
-      evaluation::load_grid(options.plan, registry, options.settings, standard_helpers());
+  auto [grid, report] = evaluation::load_grid(options.plan, registry, options.settings,
+                                              standard_helpers(), options.without);
   if (!report.ok()) {
     fmt::print(stderr, "{}", report.text());
     context.exit_code = kBadConfiguration;
@@ -224,8 +226,11 @@ void add_ablate_command(CLI::App& app, Context& context) {
                     "Take results of components of the same version that were built anew");
   command
       ->add_option("--set", options->settings,
-                   "PATH=VALUE over all cells, such as source.frames=20; may be repeated")
+                   "PATH=VALUE over all cells, such as source.frames=20, or over the plan, such as "
+                   "data_use=tuning or axes.bend.values=[1, 2]; may be repeated")
+      ->option_text("PATH=VALUE")
       ->allow_extra_args(false);
+  add_without(*command, options->without);
   CLI::Option* retry =
       command
           ->add_option("--retry", options->retry,

@@ -15,15 +15,15 @@ namespace {
 
 struct CheckOptions {
   std::string file;
-  std::vector<std::string> settings;
+  std::vector<std::string> settings, without;
 };
 
 /// What there is to say of a sound file; the report has the mistakes of another.
 std::pair<std::string, ConfigReport> check_file(const CheckOptions& options,
                                                 const host::Registry& registry) {
   if (evaluation::is_plan(options.file)) {
-    auto [grid, report] =
-        evaluation::load_grid(options.file, registry, options.settings, standard_helpers());
+    auto [grid, report] = evaluation::load_grid(options.file, registry, options.settings,
+                                                standard_helpers(), options.without);
     return {fmt::format("a plan of {} cells", grid.cells().size()), std::move(report)};
   }
   const std::string folder = std::filesystem::absolute(free_folder(options.file)).string();
@@ -34,6 +34,12 @@ std::pair<std::string, ConfigReport> check_file(const CheckOptions& options,
 }
 
 void check(const CheckOptions& options, Context& context) {
+  if (!options.without.empty() && !evaluation::is_plan(options.file)) {
+    print_error({Errc::invalid_value,
+                 "--without is for plans; in a pipeline 'without' stands in a file", options.file});
+    context.exit_code = kBadConfiguration;
+    return;
+  }
   const auto [content, report] = check_file(options, context.registry());
   if (report.ok()) {
     fmt::print("{}: ok, {}\n", options.file, content);
@@ -51,6 +57,7 @@ void add_check_command(CLI::App& app, Context& context) {
       "check", "Check a pipeline or an ablation plan without running it; lists all mistakes");
   command->add_option("FILE", options->file, "Pipeline or plan (YAML)")->type_name("")->required();
   add_settings(*command, options->settings);
+  add_without(*command, options->without);
   command->footer(
       "Exit codes:\n"
       "  0  the pipeline, or every cell of the plan, can be run\n"

@@ -15,6 +15,14 @@ void add_settings(CLI::App& command, std::vector<std::string>& settings) {
       ->allow_extra_args(false);
 }
 
+void add_without(CLI::App& command, std::vector<std::string>& names) {
+  command
+      .add_option("--without", names,
+                  "Leave out of a plan: AXIS, AXIS.VALUE or data.NAME; may be repeated")
+      ->option_text("NAME")
+      ->allow_extra_args(false);
+}
+
 std::string free_folder(const std::string& pipeline) {
   const std::string base = "runs/" + std::filesystem::path(pipeline).stem().string();
   std::string folder = base;

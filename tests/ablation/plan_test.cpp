@@ -22,7 +22,7 @@ std::vector<std::string> wrong_plans() {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(WEFT_PLANS)) {
     const std::string name = entry.path().stem().string();
-    if (name != "base") names.push_back(name);
+    if (entry.is_regular_file() && name != "base") names.push_back(name);
   }
   std::sort(names.begin(), names.end());
   return names;

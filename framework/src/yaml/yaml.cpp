@@ -134,6 +134,15 @@ Position position_in(std::string_view where, std::string_view file) {
   return at;
 }
 
+void set_source(Node& node, int source) {
+  node.at.source = source;
+  for (Node& item : node.items) set_source(item, source);
+  for (Entry& entry : node.entries) {
+    entry.at.source = source;
+    set_source(entry.value, source);
+  }
+}
+
 Result<Document> parse(std::string_view text_bytes, std::string file_name) {
   const Text text(text_bytes);
   if (const auto fault = text.check()) return syntax_error(text, *fault, file_name);

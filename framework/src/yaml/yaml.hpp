@@ -59,6 +59,9 @@ struct Entry {
   bool doubtful = false;  ///< the text gives the key again; this is the first value
 };
 
+/// Says of which text all positions in a node are.
+void set_source(Node& node, int source);
+
 /// Same content, wherever it stands. Quoting counts only where it decides the type: `"a"` equals
 /// `a`, but `"1"` differs from `1`. Scalars are compared as written: `1.0` differs from `1.00`.
 bool operator==(const Node& a, const Node& b);

@@ -21,7 +21,7 @@ class GridBuilder {
     grid_.checks_ = std::make_shared<host::ComponentChecks>();
     grid_.settings_ = std::move(settings);
     grid_.base_ = read_base(grid_.plan_.pipeline, grid_.paths());
-    report_.sources.push_back(grid_.plan_.source);
+    report_.sources = grid_.plan_.sources;
   }
 
   std::pair<Grid, ConfigReport> build() {
@@ -108,7 +108,8 @@ class GridBuilder {
         return source.name == mistake.source.name && source.is_setting == mistake.source.is_setting;
       };
       auto at = std::find_if(report_.sources.begin(), report_.sources.end(), same);
-      const bool in_plan = at == report_.sources.begin();
+      const auto of_plan = static_cast<std::ptrdiff_t>(grid_.plan_.sources.size());
+      const bool in_plan = at - report_.sources.begin() < of_plan;
       if (at == report_.sources.end()) at = report_.sources.insert(at, mistake.source);
       mistake.problem.at.source = static_cast<int>(at - report_.sources.begin());
       if (!in_plan && mistake.pipelines < pipelines_) {
@@ -153,18 +154,11 @@ std::pair<Grid, ConfigReport> Grid::expand(Plan plan, const host::Registry& regi
   return GridBuilder(std::move(plan), registry, std::move(settings)).build();
 }
 
-host::PathRules Grid::paths() const { return host::PathRules::of_process({}, plan_.source.folder); }
+host::PathRules Grid::paths() const { return host::PathRules::of_process({}, plan_.file().folder); }
 
 PipelineDocument Grid::document(const Cell& cell) const {
-  std::vector<Patch> patches{{plan_.source, plan_.data[cell.data].sequences[cell.sequence].patch}};
-  for (std::size_t axis = 0; axis < plan_.axes.size(); ++axis) {
-    patches.push_back({plan_.source, plan_.axes[axis].values[cell.values[axis]].patch});
-  }
-  yaml::Node no_sinks;
-  no_sinks.kind = yaml::Kind::map;
-  no_sinks.entries.push_back({"sinks", {}, {}});
-  patches.push_back({plan_.source, no_sinks});
-  return laid_over(base_, patches, settings_, paths());
+  const NamedPatch& sequence = plan_.data[cell.data].sequences[cell.sequence];
+  return laid_over(base_, plan_.patches(&sequence, cell.values), settings_, paths());
 }
 
 std::pair<CheckedPipeline, ConfigReport> Grid::load(const Cell& cell,
@@ -198,11 +192,12 @@ std::string Grid::value_of(const Cell& cell, const std::string& name) const {
 }
 
 std::pair<Grid, ConfigReport> load_grid(const std::string& file, const host::Registry& registry,
-                                        const std::vector<std::string>& settings,
-                                        const Helpers& helpers) {
-  auto [plan, report] = load_plan(file, registry, settings, helpers);
+                                        std::vector<std::string> settings, const Helpers& helpers,
+                                        std::vector<std::string> without) {
+  const PlanChanges changes = PlanChanges::from(settings, std::move(without));
+  auto [plan, report] = load_plan(file, registry, settings, helpers, changes);
   if (!report.ok()) return {Grid(), std::move(report)};
-  return Grid::expand(std::move(plan), registry, settings);
+  return Grid::expand(std::move(plan), registry, std::move(settings));
 }
 
 }  // namespace weft::evaluation

@@ -72,9 +72,12 @@ class Grid {
   std::shared_ptr<Identifier> identifier_ = std::make_shared<Identifier>();
 };
 
-/// Reads, checks and expands a plan; use the grid only when the report is ok.
+/// Reads, checks and expands a plan; use the grid only when the report is ok. Settings whose path
+/// begins with a key of a plan (`axes.bend.values`, `data_use`) change the plan, all others its
+/// pipelines; `without` names axes, values and data that are left out.
 std::pair<Grid, ConfigReport> load_grid(const std::string& file, const host::Registry& registry,
-                                        const std::vector<std::string>& settings,
-                                        const Helpers& helpers = {});
+                                        std::vector<std::string> settings,
+                                        const Helpers& helpers = {},
+                                        std::vector<std::string> without = {});
 
 }  // namespace weft::evaluation

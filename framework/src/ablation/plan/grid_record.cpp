@@ -28,7 +28,7 @@ PlanAxis axis_record(const Axis& axis) {
 PlanRecord Grid::record(const std::string& command) const {
   PlanRecord record;
   record.name = plan_.name;
-  record.file = plan_.source.name;
+  record.file = plan_.file().name;
   record.command = command;
   record.data_use = plan_.reporting ? "reporting" : "tuning";
   for (const Axis& axis : plan_.axes) record.axes.push_back(axis_record(axis));

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <filesystem>
-#include <map>
 #include <set>
 #include <weft/core/quote.hpp>
 
+#include "ablation/plan/plan_document.hpp"
 #include "ablation/plan/plan_parts.hpp"
 #include "metrics/forms/metric_path.hpp"
 
@@ -25,7 +25,7 @@ class PlanReader {
                    {"weft", "name", "pipeline", "data_use", "axes", "data", "seeds", "metrics",
                     "show", "comparisons", "expect"});
     read_head(root);
-    if (const yaml::Node* axes = root.find("axes")) read_axes(*axes);
+    if (const yaml::Node* axes = root.find("axes")) plan_.axes = read_axes(*axes, values_, broken_);
     if (values_.has(root, "data", "a plan")) {
       const std::size_t before = values_.count();
       plan_.data = read_data(*root.find("data"), plan_, values_);
@@ -78,83 +78,11 @@ class PlanReader {
     const auto expanded = host::expand_variables(values_.text(node, "'pipeline'"), paths);
     if (!expanded) return values_.problem(node.at, expanded.error().message);
     if (expanded->empty()) return;
-    plan_.pipeline = (fs::path(plan_.source.folder) / *expanded).lexically_normal().string();
+    plan_.pipeline = (fs::path(plan_.folder_of(node.at)) / *expanded).lexically_normal().string();
     std::error_code code;
     if (fs::is_regular_file(plan_.pipeline, code)) return;
     values_.problem(node.at, "'pipeline': there is no file " + escaped(plan_.pipeline));
     plan_.pipeline.clear();
-  }
-
-  void read_axes(const yaml::Node& axes) {
-    if (axes.kind != yaml::Kind::map) {
-      return values_.problem(axes.at, "'axes' must be a map of names and values");
-    }
-    for (const yaml::Entry& entry : axes.entries) {
-      const std::vector<std::string> taken{"data", "sequence", "seed", "cell", "key"};
-      if (std::find(taken.begin(), taken.end(), entry.key) != taken.end()) {
-        values_.problem(entry.at, "an axis must not be called " + quote(entry.key) +
-                                      ", which has a meaning of its own");
-      }
-      values_.is_name(entry.key, entry.at, "the name of an axis");
-      const std::size_t before = values_.count();
-      std::vector<NamedPatch> values;
-      if (values_.is_map(entry.value, "an axis", {"set", "values"}) &&
-          values_.has(entry.value, "values", "an axis")) {
-        values = values_of(entry.value);
-      }
-      if (values_.count() > before) broken_.insert(entry.key);
-      if (const yaml::Node* set = entry.value.find("set")) refuse_same_setting(entry.key, *set);
-      if (!values.empty()) plan_.axes.push_back({entry.key, std::move(values)});
-    }
-  }
-
-  /// Of two axes with one setting the later would always win.
-  void refuse_same_setting(const std::string& axis, const yaml::Node& set) {
-    std::string path = set.scalar;
-    const std::size_t dot = path.find('.');  // `params` may be left out of a path
-    if (dot != std::string::npos && path.compare(dot, 8, ".params.") == 0) path.erase(dot, 7);
-    const auto [first, is_new] = settings_.emplace(path, axis);
-    if (is_new || path.empty()) return;
-    values_.problem(set.at, "the axis '" + first->second + "' sets " + quote(path) + " too");
-  }
-
-  std::vector<NamedPatch> values_of(const yaml::Node& axis) {
-    const yaml::Node* set = axis.find("set");
-    const yaml::Node& given = *axis.find("values");
-    const std::string path = set != nullptr ? values_.text(*set, "'set' of an axis") : "";
-    std::vector<NamedPatch> found;
-    for (const yaml::Node& item : set != nullptr ? given.items : std::vector<yaml::Node>{}) {
-      found.push_back({values_.text(item, "a value of an axis"), {}});
-      if (set != nullptr) found.back().patch = setting_patch(path, set->at, item);
-      check_value(found, item.at);
-    }
-    for (const yaml::Entry& entry : given.entries) {
-      found.push_back({entry.key, set != nullptr ? setting_patch(path, set->at, entry.value)
-                                                 : patch_of(entry.value)});
-      check_value(found, entry.at);
-    }
-    if (given.kind == yaml::Kind::sequence && set == nullptr) {
-      values_.problem(given.at,
-                      "an axis whose values are a list needs 'set', the setting they are for");
-    } else if (found.empty()) {
-      values_.problem(given.at, "an axis needs values: a list, or a map of names and patches");
-    }
-    return found;
-  }
-
-  void check_value(const std::vector<NamedPatch>& values, yaml::Position at) {
-    const std::string& name = values.back().name;
-    const auto same = [&](const NamedPatch& value) { return value.name == name; };
-    if (name.empty() || !values_.is_name(name, at, "the name of a value")) return;
-    if (std::count_if(values.begin(), values.end(), same) > 1) {
-      values_.problem(at, "the axis has the value " + quote(name) + " twice");
-    }
-  }
-
-  yaml::Node patch_of(const yaml::Node& node) {
-    if (!values_.is_map(node, "a value of an axis", patch_keys())) return {};
-    if (yaml::is_null(node)) return {};
-    return patch_in(node, values_);
   }
 
   void read_measurement(const yaml::Node& node) {
@@ -303,12 +231,25 @@ class PlanReader {
 
   Plan& plan_;
   PlanValues values_;
-  std::set<std::string> broken_;                 ///< axes with mistakes
-  std::map<std::string, std::string> settings_;  ///< the axis of each
+  std::set<std::string> broken_;  ///< axes with mistakes
   bool data_broken_ = false;
 };
 
 }  // namespace
+
+std::vector<Patch> Plan::patches(const NamedPatch* sequence,
+                                 const std::vector<std::size_t>& values) const {
+  std::vector<Patch> all;
+  if (sequence != nullptr) all.push_back({sources, sequence->patch});
+  for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+    all.push_back({sources, axes[axis].values[values[axis]].patch});
+  }
+  yaml::Node no_sinks;
+  no_sinks.kind = yaml::Kind::map;
+  no_sinks.entries.push_back({"sinks", {}, {}});
+  all.push_back({sources, std::move(no_sinks)});
+  return all;
+}
 
 std::vector<std::pair<std::string, yaml::Position>> metrics_of(const Plan& plan) {
   auto metrics = plan.show;
@@ -321,34 +262,25 @@ std::vector<std::pair<std::string, yaml::Position>> metrics_of(const Plan& plan)
   return metrics;
 }
 
+bool is_plan(const yaml::Node& root) {
+  const auto has = [&](const char* key) { return root.find(key) != nullptr; };
+  return has("pipeline") || has("axes") || has("data") || has("name");
+}
+
 bool is_plan(const std::string& file) {
   const auto text = yaml::read_text(file);
   const auto document = text ? yaml::parse(*text, file) : Result<yaml::Document>(text.error());
-  if (!document || document->root.kind != yaml::Kind::map) return false;
-  const auto has = [&](const char* key) { return document->root.find(key) != nullptr; };
-  return has("pipeline") || has("axes") || has("data");
+  return document && is_plan(document->root);
 }
 
-std::pair<Plan, ConfigReport> read_plan(const std::string& file, const Helpers& helpers) {
+std::pair<Plan, ConfigReport> read_plan(const std::string& file, const Helpers& helpers,
+                                        const PlanChanges& changes) {
+  PlanDocument document = read_plan_document(file, changes);
   Plan plan;
   plan.helpers = helpers;
-  std::error_code code;
-  plan.source = {file, fs::absolute(file, code).parent_path().string(), false};
-  ConfigReport report{{plan.source}, {}, false};
-  const auto text = yaml::read_text(file);
-  if (!text) {
-    report.problems.push_back({{1, 1}, "the plan cannot be read: " + text.error().message});
-    return {std::move(plan), std::move(report)};
-  }
-  auto document = yaml::parse(*text, file);
-  if (!document) {
-    report.problems.push_back(
-        {yaml::position_in(document.error().where, file), document.error().message});
-    return {std::move(plan), std::move(report)};
-  }
-  report.problems = std::move(document->problems);
-  const bool unreadable = document->root.kind == yaml::Kind::null && !report.ok();
-  if (!unreadable) PlanReader(plan, report.problems).read(document->root);
+  plan.sources = document.sources;
+  ConfigReport report{std::move(document.sources), std::move(document.problems), false};
+  if (document.complete) PlanReader(plan, report.problems).read(document.root);
   report.sort();
   return {std::move(plan), std::move(report)};
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 #include <vector>
+#include <weft/core/index.hpp>
 
 #include "metrics/metrics.hpp"
 #include "pipeline/configuration/config.hpp"
@@ -18,7 +19,7 @@ inline constexpr std::uint64_t kLastTuningSeed = 100;
 /// Something with a name that is laid over the base pipeline.
 struct NamedPatch {
   std::string name;
-  yaml::Node patch;  ///< see Patch; positions in the plan file
+  yaml::Node patch;  ///< see Patch; positions in Plan::sources
 };
 
 /// One thing that is varied.
@@ -57,7 +58,7 @@ struct Helpers {
 
 /// An ablation plan; docs/ablations.md describes the file.
 struct Plan {
-  ConfigSource source;  ///< the plan file
+  std::vector<ConfigSource> sources;  ///< the plan file, what it extends, the command line
   std::string name;
   std::string pipeline;  ///< file of the base
   bool reporting = false;
@@ -69,21 +70,42 @@ struct Plan {
   std::vector<PlannedComparison> comparisons;
   std::vector<PlannedExpectation> expect;
   Helpers helpers;
+
+  const ConfigSource& file() const { return sources.front(); }
+  /// The folder where relative paths start that stand there.
+  const std::string& folder_of(yaml::Position at) const {
+    return sources.at(to_index(at.source)).folder;
+  }
+  /// The value of each axis and a sequence, as they are laid over the pipeline; no sinks.
+  std::vector<Patch> patches(const NamedPatch* sequence,
+                             const std::vector<std::size_t>& values) const;
+};
+
+/// What the command line changes of a plan.
+struct PlanChanges {
+  std::vector<std::string> settings;  ///< PATH=VALUE; the path begins with a key of a plan
+  std::vector<std::string> without;   ///< what is left out, named as in the key `without`
+
+  /// Takes the settings out of the list that are a plan's and not its pipelines'.
+  static PlanChanges from(std::vector<std::string>& settings, std::vector<std::string> without);
 };
 
 /// Whether a file is a plan rather than a pipeline: it says which pipeline, axes or data. False
 /// where it cannot be read.
 bool is_plan(const std::string& file);
+bool is_plan(const yaml::Node& root);
 
 /// Reads a plan and checks all of it that needs no plugin. Use the plan only when the report is ok;
 /// otherwise it holds what is sound.
-std::pair<Plan, ConfigReport> read_plan(const std::string& file, const Helpers& helpers = {});
+std::pair<Plan, ConfigReport> read_plan(const std::string& file, const Helpers& helpers = {},
+                                        const PlanChanges& changes = {});
 
 /// Reads a plan and lays its parts over the pipeline, as far as they are sound: each value of an
 /// axis and each data once, with the first of all others. A mistake in a plan of a million cells is
 /// found without expanding it. What only some combinations show is left to Grid::expand.
 std::pair<Plan, ConfigReport> load_plan(const std::string& file, const host::Registry& registry,
                                         const std::vector<std::string>& settings,
-                                        const Helpers& helpers = {});
+                                        const Helpers& helpers = {},
+                                        const PlanChanges& changes = {});
 
 }  // namespace weft::evaluation

@@ -54,27 +54,17 @@ class PartsCheck {
     std::size_t parts = 1;  ///< how many have it
   };
 
-  std::vector<Patch> patches_of(const std::vector<std::size_t>& values, std::size_t data) const {
-    std::vector<Patch> patches;
-    if (!plan_.data.empty() && !plan_.data[data].sequences.empty()) {
-      patches.push_back({plan_.source, plan_.data[data].sequences.front().patch});
-    }
-    for (std::size_t axis = 0; axis < values.size(); ++axis) {
-      patches.push_back({plan_.source, plan_.axes[axis].values[values[axis]].patch});
-    }
-    yaml::Node no_sinks;
-    no_sinks.kind = yaml::Kind::map;
-    no_sinks.entries.push_back({"sinks", {}, {}});
-    patches.push_back({plan_.source, no_sinks});
-    return patches;
+  const NamedPatch* first_of(std::size_t data) const {
+    const bool none = plan_.data.empty() || plan_.data[data].sequences.empty();
+    return none ? nullptr : &plan_.data[data].sequences.front();
   }
 
   void lay(const std::vector<std::size_t>& values, std::size_t data) {
     if (parts_ == kMostParts) return;
     ++parts_;
-    const auto [pipeline, report] =
-        check_cell(plan_.pipeline, laid_over(base_, patches_of(values, data), settings_, paths_),
-                   registry_, plan_.source.folder, &checks_);
+    const auto [pipeline, report] = check_cell(
+        plan_.pipeline, laid_over(base_, plan_.patches(first_of(data), values), settings_, paths_),
+        registry_, plan_.file().folder, &checks_);
     std::vector<std::string> filters;
     for (const StageConfig& stage : pipeline.config.stages) {
       if (rules_of(stage.role).marks) filters.push_back(stage.name);
@@ -96,8 +86,8 @@ class PartsCheck {
     for (std::size_t axis = 0; axis < values.size(); ++axis) {
       name += plan_.axes[axis].name + "=" + plan_.axes[axis].values[values[axis]].name + ", ";
     }
-    if (plan_.data.empty() || plan_.data[data].sequences.empty()) return name + "any data";
-    return name + "sequence=" + plan_.data[data].sequences.front().name;
+    const NamedPatch* sequence = first_of(data);
+    return sequence == nullptr ? name + "any data" : name + "sequence=" + sequence->name;
   }
 
   /// Adds a mistake that does not follow from one of the grammar.
@@ -106,7 +96,8 @@ class PartsCheck {
       return source.name == mistake.source.name && source.is_setting == mistake.source.is_setting;
     };
     auto at = std::find_if(report_.sources.begin(), report_.sources.end(), same);
-    const bool in_plan = at == report_.sources.begin();
+    const auto of_plan = static_cast<std::ptrdiff_t>(plan_.sources.size());
+    const bool in_plan = at - report_.sources.begin() < of_plan;
     // Without its data a pipeline may lack what they would have brought.
     if (!in_plan && plan_.data.empty()) return;
     if (at == report_.sources.end()) at = report_.sources.insert(at, mistake.source);
@@ -135,7 +126,7 @@ class PartsCheck {
   const host::Registry& registry_;
   const std::vector<std::string>& settings_;
   ConfigReport& report_;
-  host::PathRules paths_ = host::PathRules::of_process({}, plan_.source.folder);
+  host::PathRules paths_ = host::PathRules::of_process({}, plan_.file().folder);
   PipelineDocument base_;         ///< the pipeline with what it extends, read once for all parts
   host::ComponentChecks checks_;  ///< asks a component once, in however many parts it stands
   std::map<std::string, Mistake> mistakes_;  ///< by place and message
@@ -175,8 +166,8 @@ std::pair<CheckedPipeline, ConfigReport> check_cell(const std::string& file,
 
 std::pair<Plan, ConfigReport> load_plan(const std::string& file, const host::Registry& registry,
                                         const std::vector<std::string>& settings,
-                                        const Helpers& helpers) {
-  auto loaded = read_plan(file, helpers);
+                                        const Helpers& helpers, const PlanChanges& changes) {
+  auto loaded = read_plan(file, helpers, changes);
   auto& [plan, report] = loaded;
   const bool complete = report.ok() && pipelines_of(plan) <= kFewPipelines;
   if (!complete && !plan.pipeline.empty()) {

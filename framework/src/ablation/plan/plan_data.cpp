@@ -78,7 +78,7 @@ class DataReader {
       return {};
     }
     const std::string pattern =
-        (fs::path(plan_.source.folder) / *expanded / "camera.yaml").string();
+        (fs::path(plan_.folder_of(folders.at)) / *expanded / "camera.yaml").string();
     const auto cameras = host::files_of(pattern);
     if (!cameras) {
       values_.problem(folders.at, "no folder with a camera.yaml matches " + quote(*expanded));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -78,6 +79,10 @@ std::pair<CheckedPipeline, ConfigReport> check_cell(const std::string& file,
 
 /// All metrics that a plan names.
 std::vector<std::pair<std::string, yaml::Position>> metrics_of(const Plan& plan);
+
+/// Reads `axes`; the names of those with mistakes go to `broken`.
+std::vector<Axis> read_axes(const yaml::Node& node, PlanValues& values,
+                            std::set<std::string>& broken);
 
 /// Reads `data`: names with what they are laid over the pipeline.
 std::vector<PlannedData> read_data(const yaml::Node& node, const Plan& plan, PlanValues& values);

@@ -10,20 +10,20 @@
 #include <weft/core/suggest.hpp>
 
 #include "pipeline/configuration/document_merge.hpp"
+#include "pipeline/configuration/extended_file.hpp"
 
 namespace weft {
 namespace {
 
 namespace fs = std::filesystem;
 
-void stamp(yaml::Position& at, int source) { at.source = source; }
-
-void stamp(yaml::Node& node, int source) {
-  stamp(node.at, source);
-  for (yaml::Node& item : node.items) stamp(item, source);
+/// Positions in one of a patch's texts become those in the document's, which begin at `first`.
+void shift_sources(yaml::Node& node, int first) {
+  node.at.source += first;
+  for (yaml::Node& item : node.items) shift_sources(item, first);
   for (yaml::Entry& entry : node.entries) {
-    stamp(entry.at, source);
-    stamp(entry.value, source);
+    entry.at.source += first;
+    shift_sources(entry.value, first);
   }
 }
 
@@ -65,7 +65,7 @@ class Reader {
       const int source = add_source({setting, fs::current_path(code).string(), true});
       if (document_.unreadable || document_.fragment) continue;
       auto [overlay, problems] = overlay_of(setting, document_.root);
-      stamp(overlay, source);
+      yaml::set_source(overlay, source);
       report(std::move(problems), source);
       laid.push_back({{1, 1, source}, leaves_of(overlay)});
       document_.root = merged(std::move(document_.root), std::move(overlay));
@@ -87,10 +87,11 @@ class Reader {
   }
 
   void lay(const Patch& patch) {
-    const int source = add_source(patch.source);
+    const int first = static_cast<int>(document_.sources.size());
+    for (const ConfigSource& source : patch.sources) add_source(source);
     if (document_.unreadable || document_.fragment) return;
     yaml::Node node = patch.node;
-    stamp(node, source);
+    shift_sources(node, first);
     refuse_twice(node);
     if (const yaml::Node* without = node.find("without")) leave_out(document_.root, *without);
     const yaml::Node* given = node.find("set");
@@ -102,7 +103,7 @@ class Reader {
     for (const yaml::Entry& setting : settings.entries) {
       auto [overlay, problems] = overlay_of(setting, document_.root);
       const bool sound = problems.empty();
-      report(std::move(problems), source);
+      for (yaml::Problem& each : problems) problem(each.at, std::move(each.message));
       if (sound) laid.push_back({setting.at, leaves_of(setting.value)});
       document_.root = merged(std::move(document_.root), std::move(overlay));
     }
@@ -144,7 +145,7 @@ class Reader {
 
   void report(std::vector<yaml::Problem> problems, int source) {
     for (yaml::Problem& problem : problems) {
-      stamp(problem.at, source);
+      problem.at.source = source;
       document_.problems.push_back(std::move(problem));
     }
   }
@@ -169,15 +170,15 @@ class Reader {
     if (!parsed) {
       document_.unreadable = chain.empty();
       yaml::Position at = yaml::position_in(parsed.error().where, file);
-      stamp(at, source);
+      at.source = source;
       return give_up(at, parsed.error().message);
     }
     yaml::Node root = std::move(parsed->root);
-    stamp(root, source);
+    yaml::set_source(root, source);
     report(std::move(parsed->problems), source);
     refuse_twice(root);
     if (root.partial) document_.fragment = true;
-    chain.push_back(canonical(file));
+    chain.push_back(canonical_path(file));
     return extended(std::move(root), source, chain);
   }
 
@@ -203,30 +204,12 @@ class Reader {
     return merged(std::move(base), std::move(root));
   }
 
-  static std::string canonical(const std::string& file) {
-    std::error_code code;
-    return fs::weakly_canonical(file, code).string();
-  }
-
   yaml::Node read_base(const yaml::Node& extends, int source,
                        const std::vector<std::string>& chain) {
-    if (extends.kind != yaml::Kind::scalar || extends.scalar.empty()) {
-      return give_up(extends.at, "'extends' must be the path of a pipeline file");
-    }
-    const auto expanded = host::expand_variables(extends.scalar, paths_);
-    if (!expanded) {
-      return give_up(extends.at, expanded.error().message);
-    }
-    const std::string& folder = document_.sources[to_index(source)].folder;
-    const std::string file = (fs::path(folder) / *expanded).lexically_normal().string();
-    if (const auto text = yaml::read_text(file); !text) {
-      return give_up(extends.at, text.error().code == Errc::not_found
-                                     ? "'extends': there is no file " + escaped(file)
-                                     : "'extends': " + escaped(file) + ": " + text.error().message);
-    }
-    if (std::find(chain.begin(), chain.end(), canonical(file)) != chain.end()) {
-      return give_up(extends.at, "'extends': " + escaped(file) + " extends itself");
-    }
+    const auto named = extended_file(extends, document_.sources[to_index(source)].folder, chain,
+                                     paths_, "a pipeline file");
+    if (!named) return give_up(extends.at, named.error().message);
+    const std::string& file = *named;
     yaml::Node base = read_file(file, chain);
     if (base.kind == yaml::Kind::map || document_.fragment) return base;
     return give_up(extends.at, "'extends': " + escaped(file) + " is no pipeline, which is a map");
@@ -275,7 +258,8 @@ class Reader {
 std::string place_in(const std::vector<ConfigSource>& sources, yaml::Position at) {
   const ConfigSource& source = sources.at(to_index(at.source));
   if (!source.is_setting) return yaml::place(source.name, at);
-  return "--set " + escaped(source.name, kMostShown) + ", column " + std::to_string(at.column);
+  return source.option + " " + escaped(source.name, kMostShown) + ", column " +
+         std::to_string(at.column);
 }
 
 PipelineDocument read_document(const std::string& file, const std::vector<std::string>& settings,

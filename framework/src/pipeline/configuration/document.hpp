@@ -15,15 +15,16 @@ struct ConfigSource {
   std::string name;    ///< a file, or a setting as the command line gave it
   std::string folder;  ///< where its relative paths start
   bool is_setting = false;
+  std::string option = "--set";  ///< that gave a setting
 };
 
 /// "file:line:column", or "--set a.b=c, column 5".
 std::string place_in(const std::vector<ConfigSource>& sources, yaml::Position at);
 
-/// Something laid over a pipeline that stands in a text of its own: keys of a pipeline that extends
+/// Something laid over a pipeline that stands in texts of its own: keys of a pipeline that extends
 /// another one, `without`, and `set`, a map of settings.
 struct Patch {
-  ConfigSource source;  ///< positions in `node` are in this text
+  std::vector<ConfigSource> sources;  ///< the texts that positions in `node` are in
   yaml::Node node;
 };
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -20,6 +22,14 @@ struct NamedStage {
 
 /// Removes stages and sinks by name; returns all that there were.
 std::vector<NamedStage> remove_stages(yaml::Node& root, const std::set<std::string>& unwanted);
+
+/// How many columns a text takes: its characters.
+int columns(std::string_view text);
+
+/// The YAML behind the '=' of a setting, positions in the text of the setting; nothing where it is
+/// no YAML.
+std::optional<yaml::Node> value_of_setting(const std::string& setting, std::size_t equals,
+                                           std::vector<yaml::Problem>& problems);
 
 /// The document that a setting "PATH=VALUE" lays over `root`, positions in the text of the setting.
 std::pair<yaml::Node, std::vector<yaml::Problem>> overlay_of(const std::string& setting,

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cstdlib>
 #include <iterator>
 #include <optional>
 #include <weft/core/index.hpp>
@@ -78,12 +77,6 @@ class Overlay {
     return fail(yaml::Position{1, column}, std::move(message));
   }
 
-  static int columns(std::string_view text) {
-    return static_cast<int>(std::count_if(text.begin(), text.end(), [](char c) {
-      return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
-    }));
-  }
-
   std::optional<Setting> split(const std::string& text) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos) {
@@ -91,8 +84,10 @@ class Overlay {
     }
     Setting setting;
     if (!split_path(text.substr(0, equals), {1, 1}, setting)) return std::nullopt;
-    return with_value(std::move(setting), text.substr(equals + 1),
-                      columns(text.substr(0, equals + 1)));
+    auto value = value_of_setting(text, equals, problems_);
+    if (!value) return std::nullopt;
+    setting.value = *std::move(value);
+    return setting;
   }
 
   /// The keys of a path that begins at `at`; false when one is empty or there are too many.
@@ -114,21 +109,6 @@ class Overlay {
       start = end + 1;
     }
     return true;
-  }
-
-  std::optional<Setting> with_value(Setting setting, const std::string& text, int column) {
-    auto value = yaml::parse(text, "");
-    if (!value) {
-      const std::size_t colon = value.error().where.rfind(':');
-      return fail(column + std::atoi(value.error().where.c_str() + colon + 1),
-                  value.error().message);
-    }
-    for (yaml::Problem& problem : value->problems) {
-      fail(column + problem.at.column, std::move(problem.message));
-    }
-    shift(value->root, column);
-    setting.value = std::move(value->root);
-    return setting;
   }
 
   /// Keys of the path from `i` on, one inside the other.
@@ -225,6 +205,28 @@ class Overlay {
 };
 
 }  // namespace
+
+int columns(std::string_view text) {
+  return static_cast<int>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+  }));
+}
+
+std::optional<yaml::Node> value_of_setting(const std::string& setting, std::size_t equals,
+                                           std::vector<yaml::Problem>& problems) {
+  const int column = columns(setting.substr(0, equals + 1));
+  auto value = yaml::parse(setting.substr(equals + 1), "");
+  if (!value) {
+    const yaml::Position at = yaml::position_in(value.error().where, "");
+    problems.push_back({{1, column + at.column}, value.error().message});
+    return std::nullopt;
+  }
+  for (yaml::Problem& problem : value->problems) {
+    problems.push_back({{1, column + problem.at.column}, std::move(problem.message)});
+  }
+  shift(value->root, column);
+  return std::move(value->root);
+}
 
 std::pair<yaml::Node, std::vector<yaml::Problem>> overlay_of(const std::string& setting,
                                                              const yaml::Node& root) {
