@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <iostream>
+#include <map>
 
 #include "bent_sheets.hpp"
 
@@ -144,6 +145,28 @@ TEST_F(SetupMonitorTest, TellsAPrincipalPointThatIsOff) {
   told_by(monitor, frames);
   ASSERT_EQ(monitor.warnings().size(), 1U);
   EXPECT_THAT(monitor.warnings()[0].text, HasSubstr("px left of and "));
+}
+
+/// By so little that no warning tells it.
+TEST_F(SetupMonitorTest, SaysOfAllFramesTogetherWhereThePrincipalPointLies) {
+  Camera given = real_;
+  given.cx += 12.0;
+  given.cy -= 8.0;
+  SetupMonitor monitor = watch(given);
+  std::vector<FrameResult> frames = sheet_frames(6, given);
+  EXPECT_THAT(monitor.camera(), IsEmpty());
+  told_by(monitor, frames);
+  EXPECT_THAT(monitor.warnings(), IsEmpty());
+  std::map<std::string, double> found;
+  for (const auto& [name, value] : monitor.camera()) found[name] = value;
+  EXPECT_EQ(found["frames"], 6.0);
+  EXPECT_NEAR(found["focal_factor"], 1.0, 0.02);
+  for (const std::string way : {"centre_", "centre_alone_"}) {
+    EXPECT_NEAR(found[way + "x_px"], -12.0, 5.0) << way;
+    EXPECT_NEAR(found[way + "y_px"], 8.0, 5.0) << way;
+    EXPECT_GT(found[way + "x_std_px"], 8.0) << "what frames have in common is in it: " << way;
+    EXPECT_LT(found[way + "x_std_px"], 12.0) << way;
+  }
 }
 
 /// The filter refuses such matches, so that no set that is filtered is there.

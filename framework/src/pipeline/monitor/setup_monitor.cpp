@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <weft/geometry/camera_model.hpp>
 
+#include "pipeline/monitor/joint_deviation.hpp"
+
 namespace weft {
 namespace {
 
@@ -16,27 +18,6 @@ std::string fixed(double value, int decimals) {
   char text[64];
   std::snprintf(text, sizeof(text), "%.*f", decimals, value);
   return text;
-}
-
-/// What many frames have in common does not average out: by a mesh that is not quite the surface, a
-/// template that is not quite the object. Standard deviations of focal, aspect, lens and centre.
-constexpr double kCommon[] = {0.015, 0.005, 0.02, 0.01, 0.01};
-
-/// All frames together. Where they contradict each other by more than their covariances, these are
-/// too small.
-CameraDeviation joint(const std::vector<CameraEvidence>& frames) {
-  CameraEvidence sum;
-  for (const CameraEvidence& frame : frames) sum.add(frame);
-  CameraDeviation deviation = CameraDeviation::of(sum);
-  double squares = 0.0;
-  for (const CameraEvidence& frame : frames) {
-    const PartVector rest = frame.weighted - frame.information * deviation.mean;
-    squares += rest.dot(CameraDeviation::of(frame).covariance * rest);
-  }
-  const double freedom = kParts * (static_cast<double>(frames.size()) - 1.0);
-  deviation.covariance *= std::max(1.0, squares / std::max(freedom, 1.0));
-  for (int k = 0; k < 5; ++k) deviation.covariance(k, k) += kCommon[k] * kCommon[k];
-  return deviation;
 }
 
 /// What is left of the matches; all of them where a filter had no result. Null without any.
@@ -136,18 +117,9 @@ void SetupMonitor::look_at_camera(const Shape& shape, const Correspondences& mat
     radius_ = std::max(radius_, std::hypot((matches.image_px(i, 0) - camera.cx) / camera.fx,
                                            (matches.image_px(i, 1) - camera.cy) / camera.fy));
   }
-  const CameraDeviation deviation = CameraDeviation::of(*evidence);
-  const PartVector stds = deviation.stds();
-  frame.setup.insert(frame.setup.end(), {{"focal_factor", std::exp(deviation.mean(kFocal))},
-                                         {"focal_std", stds(kFocal)},
-                                         {"aspect_factor", std::exp(2.0 * deviation.mean(kAspect))},
-                                         {"aspect_std", 2.0 * stds(kAspect)},
-                                         {"lens_k1", deviation.mean(kLens)},
-                                         {"lens_k1_std", stds(kLens)},
-                                         {"centre_x_px", camera.fx * deviation.mean(kCentreX)},
-                                         {"centre_x_std_px", camera.fx * stds(kCentreX)},
-                                         {"centre_y_px", camera.fy * deviation.mean(kCentreY)},
-                                         {"centre_y_std_px", camera.fy * stds(kCentreY)}});
+  for (const auto& [name, value] : camera_figures(CameraDeviation::of(*evidence), camera)) {
+    frame.setup.emplace_back(name, value);
+  }
 }
 
 void SetupMonitor::look_at_rejects(const Correspondences& matches, FrameResult& frame) {
@@ -208,13 +180,18 @@ std::vector<RunWarning> SetupMonitor::warnings() const {
   return warnings;
 }
 
+std::vector<std::pair<std::string, double>> SetupMonitor::camera() const {
+  if (static_cast<std::int64_t>(cameras_.size()) < kFewestFrames) return {};
+  return run_figures(cameras_, *host::view_as<Camera>(*camera_));
+}
+
 void SetupMonitor::judge_camera(std::vector<Finding>& findings) const {
   constexpr double kSure = 4.0, kFocal_share = 0.07, kAspect_share = 0.03, kLens_px = 1.5,
                    kCentre_share = 0.03;
   const auto frames = static_cast<std::int64_t>(cameras_.size());
   if (frames < kFewestFrames) return;
   const auto camera = *host::view_as<Camera>(*camera_);
-  const CameraDeviation found = joint(cameras_);
+  const CameraDeviation found = joint_deviation(cameras_);
   const PartVector stds = found.stds();
   const auto stands_out = [&](Part part, double least) {
     return std::abs(found.mean(part)) > std::max(least, kSure * stds(part));

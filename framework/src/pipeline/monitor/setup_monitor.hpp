@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pipeline/execution/frame_result.hpp"
@@ -25,6 +26,11 @@ class SetupMonitor {
 
   /// All that is found out by now, as warnings of "setup".
   std::vector<RunWarning> warnings() const;
+
+  /// What all frames together say of the camera, named as in the `setup` of a frame, with `frames`,
+  /// how many unlike ones were asked. `centre_alone_*` is the principal point by itself, focal
+  /// lengths and lens being as they are given. Nothing where fewer than three say something.
+  std::vector<std::pair<std::string, double>> camera() const;
 
  private:
   struct Finding {

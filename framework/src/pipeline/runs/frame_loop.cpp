@@ -89,6 +89,10 @@ std::vector<RunWarning> FrameLoop::warnings() const {
   return monitor_ ? monitor_->warnings() : std::vector<RunWarning>{};
 }
 
+std::vector<std::pair<std::string, double>> FrameLoop::camera() const {
+  return monitor_ ? monitor_->camera() : std::vector<std::pair<std::string, double>>{};
+}
+
 FrameOnItsWay FrameLoop::begin(PipelineInput::Frame read) {
   FrameResult result = executor_->begin(read.input);
   return {std::move(read), std::move(result)};

@@ -50,6 +50,7 @@ class FrameLoop {
 
   /// What the frames said of the set-up until now.
   std::vector<RunWarning> warnings() const;
+  std::vector<std::pair<std::string, double>> camera() const;
 
   /// A frame that no stage has seen.
   FrameOnItsWay begin(PipelineInput::Frame read);

@@ -75,6 +75,7 @@ class Run {
     summary_.warnings = warnings_.take();
     if (loop_) {
       for (RunWarning& warning : loop_->warnings()) summary_.warnings.push_back(std::move(warning));
+      summary_.camera = loop_->camera();
     }
     if (folder_ && summary_.cancelled && summary_.frames == 0) {
       trace_.reset();
@@ -82,9 +83,7 @@ class Run {
       folder_.reset();
     }
     if (folder_) {
-      const bool drops = pipeline_.config.latest_only;
-      need(folder_->end(summary_.frames, summary_.failed, summary_.stopped,
-                        drops ? std::optional(summary_.dropped) : std::nullopt));
+      need(folder_->end(summary_, pipeline_.config.latest_only));
       summary_.folder = folder_->path();
     }
     return summary_;

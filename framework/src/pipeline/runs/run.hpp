@@ -4,6 +4,8 @@
 #include <atomic>
 #include <cstdint>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "host/loading/component_checks.hpp"
 #include "pipeline/execution/executor.hpp"
@@ -35,6 +37,8 @@ struct RunSummary {
   bool stopped = false;      ///< by on_error: stop, or cancelled
   bool cancelled = false;    ///< without a frame, also when it was not yet open: no folder is left
   std::vector<RunWarning> warnings;  ///< the first of each text, at most 100
+  /// What the frames together say of the camera, see SetupMonitor::camera().
+  std::vector<std::pair<std::string, double>> camera;
 };
 
 /// A loaded, wired pipeline: what `weft check` checks and `weft run` runs.

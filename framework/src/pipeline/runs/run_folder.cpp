@@ -296,11 +296,12 @@ Result<void> RunFolder::add(const Graph& graph, const FrameResult& frame,
                       why_not_written(std::error_code(errno, std::generic_category())) + ")");
 }
 
-Result<void> RunFolder::end(std::int64_t frames, std::int64_t failed, bool stopped,
-                            std::optional<std::int64_t> dropped) const {
-  ordered_json summary{{"frames", frames}, {"failed", failed}, {"stopped", stopped}};
-  if (dropped) summary["dropped"] = *dropped;
-  return write_whole(dump(summary) + "\n", path_ + "/" + kEndFile);
+Result<void> RunFolder::end(const RunSummary& summary, bool drops) const {
+  ordered_json end{
+      {"frames", summary.frames}, {"failed", summary.failed}, {"stopped", summary.stopped}};
+  if (drops) end["dropped"] = summary.dropped;
+  for (const auto& [name, value] : summary.camera) end["camera"][name] = rounded(value, 1e4);
+  return write_whole(dump(end) + "\n", path_ + "/" + kEndFile);
 }
 
 }  // namespace weft

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <fstream>
-#include <optional>
 #include <string>
 
 #include "pipeline/execution/executor.hpp"
+#include "pipeline/runs/run.hpp"
 
 namespace weft {
 
@@ -41,9 +41,8 @@ class RunFolder {
                    const host::RecordPtr& ground_truth);
 
   /// Writes end.json: how many frames there are, so that a reader knows that none is missing, and
-  /// how many were dropped where that may be.
-  Result<void> end(std::int64_t frames, std::int64_t failed, bool stopped,
-                   std::optional<std::int64_t> dropped) const;
+  /// how many were dropped where that may be (`drops`); and what they say of the camera.
+  Result<void> end(const RunSummary& summary, bool drops) const;
 
   /// Removes the folder with all that is in it: it was new or empty, so that all is of this run.
   void withdraw();

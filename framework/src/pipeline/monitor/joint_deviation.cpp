@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/monitor/joint_deviation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+namespace weft {
+namespace {
+
+/// What many frames have in common does not average out: by a mesh that is not quite the surface, a
+/// template that is not quite the object. Standard deviations of focal, aspect, lens and centre.
+constexpr double kCommon[] = {0.015, 0.005, 0.02, 0.01, 0.01};
+
+}  // namespace
+
+CameraDeviation joint_deviation(const std::vector<CameraEvidence>& frames) {
+  CameraEvidence sum;
+  for (const CameraEvidence& frame : frames) sum.add(frame);
+  CameraDeviation deviation = CameraDeviation::of(sum);
+  double squares = 0.0;
+  for (const CameraEvidence& frame : frames) {
+    const PartVector rest = frame.weighted - frame.information * deviation.mean;
+    squares += rest.dot(CameraDeviation::of(frame).covariance * rest);
+  }
+  const double freedom = kParts * (static_cast<double>(frames.size()) - 1.0);
+  deviation.covariance *= std::max(1.0, squares / std::max(freedom, 1.0));
+  for (int k = 0; k < 5; ++k) deviation.covariance(k, k) += kCommon[k] * kCommon[k];
+  return deviation;
+}
+
+CameraDeviation joint_centre(std::vector<CameraEvidence> frames) {
+  constexpr double kKnown = 1e12;
+  for (CameraEvidence& frame : frames) {
+    for (const Part part : {kFocal, kAspect, kLens}) frame.information(part, part) += kKnown;
+  }
+  return joint_deviation(frames);
+}
+
+std::array<std::pair<const char*, double>, 10> camera_figures(const CameraDeviation& deviation,
+                                                              const Camera& camera) {
+  const PartVector stds = deviation.stds();
+  return {{{"focal_factor", std::exp(deviation.mean(kFocal))},
+           {"focal_std", stds(kFocal)},
+           {"aspect_factor", std::exp(2.0 * deviation.mean(kAspect))},
+           {"aspect_std", 2.0 * stds(kAspect)},
+           {"lens_k1", deviation.mean(kLens)},
+           {"lens_k1_std", stds(kLens)},
+           {"centre_x_px", camera.fx * deviation.mean(kCentreX)},
+           {"centre_x_std_px", camera.fx * stds(kCentreX)},
+           {"centre_y_px", camera.fy * deviation.mean(kCentreY)},
+           {"centre_y_std_px", camera.fy * stds(kCentreY)}}};
+}
+
+std::vector<std::pair<std::string, double>> run_figures(const std::vector<CameraEvidence>& frames,
+                                                        const Camera& camera) {
+  constexpr std::string_view kCentre = "centre_";
+  std::vector<std::pair<std::string, double>> figures{
+      {"frames", static_cast<double>(frames.size())}};
+  for (const auto& [name, value] : camera_figures(joint_deviation(frames), camera)) {
+    figures.emplace_back(name, value);
+  }
+  for (const auto& [name, value] : camera_figures(joint_centre(frames), camera)) {
+    const std::string_view of(name);
+    if (!of.starts_with(kCentre)) continue;
+    figures.emplace_back("centre_alone_" + std::string(of.substr(kCentre.size())), value);
+  }
+  return figures;
+}
+
+}  // namespace weft

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pipeline/monitor/self_calibration.hpp"
+
+namespace weft {
+
+/// By all frames together. Where they contradict each other by more than their covariances, these
+/// are too small, and grow; what frames have in common and does not average out is added.
+CameraDeviation joint_deviation(const std::vector<CameraEvidence>& frames);
+
+/// The same of the principal point by itself: focal lengths and lens are held as they are given.
+CameraDeviation joint_centre(std::vector<CameraEvidence> frames);
+
+/// A deviation by the names of a frame's `setup`: factors, k1, px, each with a standard deviation.
+std::array<std::pair<const char*, double>, 10> camera_figures(const CameraDeviation& deviation,
+                                                              const Camera& camera);
+
+/// What a run says of its camera: `frames`, their number, the figures of joint_deviation(), and
+/// `centre_alone_*`, those of joint_centre().
+std::vector<std::pair<std::string, double>> run_figures(const std::vector<CameraEvidence>& frames,
+                                                        const Camera& camera);
+
+}  // namespace weft
