@@ -6,6 +6,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/output/new_file.hpp"
+#include "report/paper/paper.hpp"
 #include "report/report.hpp"
 #include "report/runs/run_report.hpp"
 
@@ -39,6 +40,21 @@ Result<evaluation::ReportFiles> write_report_of(const std::string& folder,
   return evaluation::write_report(folder, options);
 }
 
+void print_paper(const std::string& folder, Context& context) {
+  const auto files =
+      evaluation::is_run_folder(folder)
+          ? Result<std::vector<std::string>>(
+                Error{Errc::invalid_value,
+                      "--paper is for the folder of an ablation; this one is of a run", folder})
+          : evaluation::write_paper(folder);
+  if (!files) {
+    print_error(files.error());
+    context.exit_code = kInputOutput;
+    return;
+  }
+  for (const std::string& file : *files) fmt::print("{}\n", file);
+}
+
 bool is_same(const std::string& a, const std::string& b) {
   std::error_code code;
   return std::filesystem::equivalent(a, b, code);
@@ -50,7 +66,7 @@ void add_report_command(CLI::App& app, Context& context) {
   struct Options {
     std::string folder;
     std::string page;
-    bool overwrite = false;
+    bool overwrite = false, paper = false;
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
@@ -59,7 +75,10 @@ void add_report_command(CLI::App& app, Context& context) {
       ->required();
   command->add_option("--out", options->page, "The page (default: DIR/report.html)");
   add_overwrite(*command, options->overwrite);
+  command->add_flag("--paper", options->paper,
+                    "Write tables for LaTeX and figures as SVG instead, to DIR/paper");
   command->callback([&context, options] {
+    if (options->paper) return print_paper(options->folder, context);
     const std::string own = options->folder + "/report.html";
     if (!options->page.empty() && !is_same(options->page, own)) {
       if (auto fresh = check_new_file(options->page, options->overwrite); !fresh) {

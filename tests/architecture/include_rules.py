@@ -59,6 +59,7 @@ INTERNAL = {
     "report/text": "core",
     "report/runs": "core data statistics metrics results report/text",
     "report": "core statistics metrics results report/text",
+    "report/paper": "core statistics metrics results report report/text",
     "bench": "core data host/records host/loading host/calling pipeline/configuration "
     "pipeline/graph pipeline/execution pipeline/runs statistics",
     "counting": "",

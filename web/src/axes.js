@@ -62,13 +62,9 @@ export function axes_of(box, colour) {
     ),
   );
   const height = 0.05 * extent;
-  const above = new Vector3(0, 0.8 * height, 0);
   for (const [name, end] of ends) {
-    // The length stands above the middle of the axis that is seen best.
-    const is_long = name === "x";
-    const sprite = label(is_long ? `x, ${length_mm} mm` : name, colour, height);
-    sprite.position.copy(corner).addScaledVector(end, is_long ? 0.5 : 1.1);
-    if (is_long) sprite.position.add(above);
+    const sprite = label(name === "y" ? `y, ${length_mm} mm` : name, colour, height);
+    sprite.position.copy(corner).addScaledVector(end, 1.1);
     group.add(sprite);
   }
   return group;

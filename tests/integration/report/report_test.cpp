@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "fake_results.hpp"
+#include "report/paper/paper.hpp"
 #include "report/tables.hpp"
+#include "report/text/latex.hpp"
 #include "report/text/text_table.hpp"
 
 namespace weft::evaluation {
@@ -367,16 +369,41 @@ TEST(Report, FoldsColumnsInWhichAllRowsHaveTheSame) {
     row.cells[2].of = "20";
     table.rows.push_back(row);
   }
-  EXPECT_EQ(
-      to_markdown(table),
-      "## T\n\nIn every row: failed 0 of 20; n 8. What it means.\n\n| name | mean |\n|---|---:|\n"
-      "| a | 1.0 |\n| b | 1.0 |\n\n")
+  EXPECT_EQ(to_markdown(table),
+            "## T\n\n"
+            "In every row: failed 0 of 20; n 8. What it means.\n\n| name | mean |\n|---|---:|\n"
+            "| a | 1.0 |\n| b | 1.0 |\n\n")
       << "a measured figure stays, however alike it is";
   EXPECT_EQ(to_csv(table), "name,mean,failed,of,n\na,1,0,20,8\nb,1,0,20,8\n");
   table.rows[1].cells[3] = count_cell(9);
   EXPECT_THAT(to_html(table), HasSubstr("<td class=\"number\" data-value=\"9\">9</td>"));
   table.rows.pop_back();
   EXPECT_EQ(folded(table).columns.size(), 4U);
+}
+
+TEST(Report, WritesTablesAndAFigureForAPaperWithTheirOrigin) {
+  FakeResults fake({});
+  const auto files = write_paper(fake.folder());
+  ASSERT_TRUE(files) << files.error().message;
+  const std::string table = fake.read("paper/combinations.tex");
+  EXPECT_THAT(table,
+              HasSubstr("% Filters <on> a plain sheet: Weft 0.1.0, weft ablate stages.yaml "
+                        "--out results/stages\n% sequences (name and data seed): plain_101, "));
+  EXPECT_THAT(table,
+              HasSubstr("\\begin{tabular}{llrrrrrrrr}\n\\toprule\nfilter & alpha & mean, mm & "
+                        "95 \\% from & to & worst, mm"));
+  EXPECT_THAT(table, HasSubstr("\nsteady & 0.1 & 2.395 & "));
+  const std::string figure = fake.read("paper/errors.svg");
+  EXPECT_THAT(figure, HasSubstr("<desc>Filters &lt;on&gt; a plain sheet: Weft 0.1.0"));
+  std::size_t points = 0;
+  for (std::size_t at = 0; (at = figure.find("<circle", at)) != std::string::npos; ++at) ++points;
+  EXPECT_EQ(points, 8U) << "the four combinations of `broken` have no error";
+  EXPECT_FALSE(std::filesystem::exists(fake.folder() + "/paper/cells.tex"));
+}
+
+TEST(Report, LeavesNoMarkupInTextForLatex) {
+  EXPECT_EQ(latex_escaped("a_b & 5 % of {x} − 1 · \\"),
+            "a\\_b \\& 5 \\% of \\{x\\} $-$ 1 $\\cdot$ \\textbackslash{}");
 }
 
 TEST(Report, NamesMetricsAsPeopleDoAndInFilesAsProgramsDo) {

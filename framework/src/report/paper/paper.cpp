@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/paper/paper.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <weft/core/whole_file.hpp>
+
+#include "report/sheets.hpp"
+#include "report/text/latex.hpp"
+
+namespace weft::evaluation {
+
+std::string origin_of(const Results& results) {
+  const PlanRecord& plan = results.plan;
+  return fmt::format(
+      "{}: Weft {}, {}\nsequences (name and data seed): {}\nrun seeds: {}; data for: {}; "
+      "alignment: {}\n",
+      plan.name, results.version, plan.command, fmt::join(plan.sequences, ", "),
+      fmt::join(plan.seeds, ", "), plan.data_use.empty() ? "the plan does not say" : plan.data_use,
+      results.alignment);
+}
+
+Result<std::vector<std::string>> write_paper(const std::string& folder) {
+  const auto results = read_results(folder);
+  if (!results) return results.error();
+  const auto tables = make_tables(*results);
+  if (!tables) return tables.error();
+  std::error_code code;
+  std::filesystem::create_directories(folder + "/paper", code);
+  const std::string origin = origin_of(*results);
+  std::vector<std::string> files;
+  const auto write = [&](const std::string& name, const std::string& text) {
+    files.push_back(folder + "/paper/" + name);
+    return write_whole(text, files.back());
+  };
+  for (const TextTable& sheet : all_sheets(*results, *tables)) {
+    if (sheet.id == "cells") continue;
+    if (auto written = write(sheet.id + ".tex", to_latex(sheet, origin)); !written) {
+      return written.error();
+    }
+  }
+  const std::string figure = error_figure(*results, *tables);
+  if (figure.empty()) return files;
+  if (auto written = write("errors.svg", figure); !written) return written.error();
+  return files;
+}
+
+}  // namespace weft::evaluation
