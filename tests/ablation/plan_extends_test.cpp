@@ -86,7 +86,7 @@ TEST_F(PlanExtends, ReadsRelativePathsInTheFolderOfTheFileThatSaysThem) {
 
 TEST_F(PlanExtends, AddsValuesAndPutsANewAxisBeforeTheOneListedAfterIt) {
   const Grid child =
-      load(write_child("axes:\n  match: {set: matchers.count, values: [30]}\n  every: {}\n"
+      load(write_child("axes:\n  match: {set: detectors.count, values: [30]}\n  every: {}\n"
                        "  solver: {values: {farther: {set: {solvers.distance_m: 0.5}}}}\n"));
   EXPECT_THAT(axes(child), ElementsAre("match", "every", "solver"));
   EXPECT_THAT(values(child, 2), ElementsAre("near", "far", "farther"));
@@ -94,7 +94,7 @@ TEST_F(PlanExtends, AddsValuesAndPutsANewAxisBeforeTheOneListedAfterIt) {
 
 TEST_F(PlanExtends, TakesOtherValuesWithAnotherSetting) {
   const Grid child =
-      load(write_child("axes: {every: {set: matchers.count, values: {some: 50}}}\n"));
+      load(write_child("axes: {every: {set: detectors.count, values: {some: 50}}}\n"));
   EXPECT_THAT(values(child, 0), ElementsAre("some"));
 }
 
