@@ -102,22 +102,27 @@ ordered_json json_of(const host::Installed& entry) {
   for (const host::ParameterSpec& parameter : component.parameters) {
     parameters.push_back(json_of(parameter));
   }
-  return {{"id", component.id},
-          {"version", component.version},
-          {"summary", component.summary},
-          {"reference", component.reference},
-          {"licence", component.licence},
-          {"methods", role_json(component)},
-          {"needs", component.needs},
-          {"reads", component.reads},
-          {"produces", component.produces},
-          {"determinism", component.determinism},
-          {"random", component.random},
-          {"uses_truth", component.uses_truth},
-          {"extensions", component.extensions},
-          {"library", entry.library->library},
-          {"origin", entry.origin},
-          {"parameters", std::move(parameters)}};
+  ordered_json json{{"id", component.id},
+                    {"version", component.version},
+                    {"summary", component.summary},
+                    {"reference", component.reference},
+                    {"licence", component.licence},
+                    {"methods", role_json(component)},
+                    {"needs", component.needs},
+                    {"reads", component.reads},
+                    {"produces", component.produces},
+                    {"determinism", component.determinism},
+                    {"random", component.random},
+                    {"uses_truth", component.uses_truth},
+                    {"extensions", component.extensions},
+                    {"library", entry.library->library},
+                    {"origin", entry.origin},
+                    {"parameters", std::move(parameters)}};
+  if (component.sweep) {
+    json["sweep"] = {{"parameter", component.sweep->parameter},
+                     {"values", component.sweep->values}};
+  }
+  return json;
 }
 
 void print_component(const host::Installed& entry) {
@@ -140,6 +145,9 @@ void print_component(const host::Installed& entry) {
   line("determinism", component.determinism + (component.random ? ", draws from the seed" : ""));
   line("truth", component.uses_truth ? "reads the ground truth" : "");
   line("extensions", words(component.extensions));
+  if (const auto& sweep = component.sweep) {
+    line("sweep", fmt::format("{} over {}", sweep->parameter, fmt::join(sweep->values, ", ")));
+  }
   line("library", entry.library->library);
   if (!component.parameters.empty()) fmt::print("\nparameters\n");
   for (const host::ParameterSpec& parameter : component.parameters) print_parameter(parameter);
@@ -207,8 +215,8 @@ void add_show(CLI::App& plugins, const std::shared_ptr<bool>& json, Context& con
       "Print JSON: {id, version, summary, reference, licence, methods: [{name, takes: "
       "[{slot, always}], makes: [{slot, always}]}], needs, reads, produces, "
       "determinism, random, uses_truth, extensions, library, origin, parameters: [{name, type, "
-      "list, required, default, unit, range, choices, role, help}]}; "
-      "default to role only where there is one");
+      "list, required, default, unit, range, choices, role, help}], sweep: {parameter, values}}; "
+      "sweep, and default to role, only where there is one");
   command->callback([&context, id, json] { show(*id, *json, context); });
 }
 

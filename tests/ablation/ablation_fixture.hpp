@@ -32,7 +32,7 @@ class AblationTest : public weft::testing::PipelineTest {
   }
 
   Grid expand(const std::string& rest) const {
-    auto [plan, report] = read_plan(write_plan(rest));
+    auto [plan, report] = read_plan(write_plan(rest), registry_of_all_);
     EXPECT_TRUE(report.ok()) << report.text();
     auto [grid, mistakes] = Grid::expand(std::move(plan), registry_of_all_, {});
     EXPECT_TRUE(mistakes.ok()) << mistakes.text();

@@ -78,7 +78,7 @@ TEST_F(PlanExtends, ReadsRelativePathsInTheFolderOfTheFileThatSaysThem) {
         "/base.yaml\ndata_use: tuning\ndata: {recorded: {folders: set/*}}\n",
         "recorded.yaml");
   const auto [plan, report] =
-      read_plan(write("weft: 1\nname: c\nextends: ../recorded.yaml\n", "below/c.yaml"),
+      read_plan(write("weft: 1\nname: c\nextends: ../recorded.yaml\n", "below/c.yaml"), registry_,
                 {.frames_source = "sources/images", .picture_sink = {}});
   ASSERT_TRUE(report.ok()) << report.text();
   EXPECT_EQ(plan.data.front().sequences.front().name, "a");

@@ -72,7 +72,7 @@ class PlanTest : public weft::testing::PipelineTest {
   }
 
   Grid expand(const std::string& rest, std::vector<std::string> settings = {}) const {
-    auto [plan, report] = read_plan(write_plan(rest));
+    auto [plan, report] = read_plan(write_plan(rest), registry_);
     EXPECT_TRUE(report.ok()) << report.text();
     auto [grid, mistakes] = Grid::expand(std::move(plan), registry_, std::move(settings));
     EXPECT_TRUE(mistakes.ok()) << mistakes.text();
@@ -145,7 +145,7 @@ TEST_F(PlanTest, TakesAFolderForASequence) {
     std::ofstream(path(std::string("set/") + name + "/camera.yaml")) << "fx: 1\n";
   }
   const auto [plan, report] =
-      read_plan(write_plan("data: {recorded: {folders: set/*}}\n"), kHelpers);
+      read_plan(write_plan("data: {recorded: {folders: set/*}}\n"), registry_, kHelpers);
   ASSERT_TRUE(report.ok()) << report.text();
   ASSERT_EQ(plan.data.front().sequences.size(), 2U);
   EXPECT_EQ(plan.data.front().sequences[0].name, "a");

@@ -275,7 +275,7 @@ TEST_F(Trust, PlanNamesStayInTheirFolder) {
     const std::string plan = write("weft: 1\nname: " + name + "\npipeline: " + WEFT_PLANS +
                                        "/base.yaml\ndata_use: tuning\ndata: {all: {}}\n",
                                    "named.yaml");
-    const auto [read, report] = read_plan(plan);
+    const auto [read, report] = read_plan(plan, registry_);
     ASSERT_FALSE(report.ok()) << name;
     EXPECT_THAT(report.text(), HasSubstr("named.yaml:2:7: ")) << name;
   }

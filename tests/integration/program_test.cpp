@@ -289,6 +289,10 @@ TEST_F(Program, ShowsAComponentWithItsParameters) {
                         "previous.shape, ground_truth; makes inlier_mask*\n"
                         "             (*: in every use of the role)\n"
                         "reads        previous.shape\n"));
+  EXPECT_THAT(weft({"plugins", "show", "filters/test.scripted"}).out,
+              HasSubstr("\nsweep        every over 2, 3, 5\n"));
+  EXPECT_THAT(weft({"plugins", "show", "filters/test.scripted", "--json"}).out,
+              HasSubstr("\"sweep\""));
   EXPECT_THAT(weft({"plugins", "show", "warps/test.scripted"}).out,
               HasSubstr("role         fit takes correspondences*, template*, weights; makes warp*\n"
                         "             evaluate takes warp*, points*; makes warp_samples*\n"));

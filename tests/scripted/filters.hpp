@@ -18,6 +18,7 @@ inline void tell_previous(const std::optional<weft::Shape>& previous, weft::Diag
 class EveryFilter final : public weft::Filter {
  public:
   static constexpr weft::About kAbout{.reads = "previous.shape"};
+  static constexpr weft::Sweep kSweep{"every", {2, 3, 5}};
 
   explicit EveryFilter(weft::Params& p) : script_(p), gate_(p) {
     p.read("every", every_, "", {0, 1000}, "rejects matches whose index it divides, 0 for none");

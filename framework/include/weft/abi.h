@@ -192,6 +192,17 @@ typedef struct weft_check {
                    weft_error* error);
 } weft_check;
 
+/* Extension of components with one number that decides how strict they are: values of it over which
+ * a ROC curve runs. It is read when the library is described and never asked for in a run. */
+#define WEFT_SWEEP "weft.draft.sweep/1"
+typedef struct weft_sweep {
+  uint32_t struct_size;
+  uint32_t reserved;
+  const char* parameter; /* a number that the component declares */
+  const double* values;  /* ascending, in its range, from one end of the curve to the other */
+  uint64_t count;        /* at least 2 */
+} weft_sweep;
+
 typedef struct weft_component {
   uint32_t struct_size;
   uint32_t flags; /* WEFT_FLAG_* */

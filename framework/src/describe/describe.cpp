@@ -5,6 +5,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <sstream>
 #include <string_view>
 #include <vector>
@@ -111,10 +112,17 @@ std::string contradiction(const weft_parameter& parameter) {
   return listed ? "" : "has a default that is none of its choices";
 }
 
+/// What a sweep may take of a parameter that is one number.
+struct Number {
+  std::string name;
+  double minimum, maximum;
+};
+
 /// Collects the declarations of one component.
 struct Declarations {
   std::ostringstream text{};
   std::vector<std::string> names{};
+  std::vector<Number> numbers{};
   std::string problem{};  ///< the first one
 
   void add(const weft_parameter& parameter) {
@@ -123,6 +131,13 @@ struct Declarations {
     if (std::find(names.begin(), names.end(), name) != names.end()) wrong = "is declared twice";
     if (!wrong.empty() && problem.empty()) problem = "parameter '" + name + "' " + wrong;
     names.push_back(name);
+    const weft_value& value = parameter.default_value;
+    const bool is_number = value.type == WEFT_VALUE_F64 || value.type == WEFT_VALUE_I64;
+    if (is_number && value.is_vector == 0) {
+      const bool bounded = parameter.minimum != parameter.maximum;
+      numbers.push_back(
+          {name, bounded ? parameter.minimum : -HUGE_VAL, bounded ? parameter.maximum : HUGE_VAL});
+    }
     write_parameter(text, parameter);
   }
 };
@@ -138,11 +153,38 @@ std::string words(std::string_view text) {
 /// Those abilities beyond its role that this version of Weft knows of.
 std::string extensions(const weft_component& component) {
   std::string list;
-  for (const char* name : {WEFT_DEVICE_MEMORY, WEFT_DEVICES, WEFT_CHECK}) {
+  for (const char* name : {WEFT_DEVICE_MEMORY, WEFT_DEVICES, WEFT_CHECK, WEFT_SWEEP}) {
     const bool has = component.get_extension != nullptr && component.get_extension(name) != nullptr;
     if (has) list += (list.empty() ? "" : " ") + std::string(name);
   }
   return words(list);
+}
+
+const weft_sweep* sweep_of(const weft_component& component) {
+  if (component.get_extension == nullptr) return nullptr;
+  return static_cast<const weft_sweep*>(component.get_extension(WEFT_SWEEP));
+}
+
+/// Writes the sweep of a component; returns what is wrong with it, or an empty text.
+std::string write_sweep(std::ostream& out, const weft_sweep& sweep,
+                        const std::vector<Number>& numbers) {
+  const std::string name = sweep.parameter;
+  const auto number_of = std::find_if(numbers.begin(), numbers.end(),
+                                      [&](const Number& each) { return each.name == name; });
+  if (number_of == numbers.end()) return "its sweep is of '" + name + "', which is no number of it";
+  const double* end = sweep.values + sweep.count;
+  const bool rising = std::adjacent_find(sweep.values, end, std::greater_equal<>()) == end;
+  const bool legal = sweep.count >= 2 && rising && sweep.values[0] >= number_of->minimum &&
+                     end[-1] <= number_of->maximum;
+  if (!legal) {
+    return "its sweep of '" + name + "' is not at least two ascending values in its range";
+  }
+  out << "    sweep:\n      parameter: " << double_quoted(name) << "\n      values: [";
+  for (const double* value = sweep.values; value != end; ++value) {
+    out << (value == sweep.values ? "" : ", ") << number(*value);
+  }
+  out << "]\n";
+  return {};
 }
 
 /// Returns what is wrong with the declarations, or an empty text.
@@ -168,7 +210,9 @@ std::string write_component(std::ostream& out, const weft_component& component) 
   }
   const std::string text = declarations.text.str();
   out << (text.empty() ? " []\n" : "\n" + text);
-  return declarations.problem;
+  const weft_sweep* sweep = sweep_of(component);
+  if (sweep == nullptr || !declarations.problem.empty()) return declarations.problem;
+  return write_sweep(out, *sweep, declarations.numbers);
 }
 
 }  // namespace

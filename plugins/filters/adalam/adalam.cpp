@@ -33,6 +33,7 @@ class AdaLam final : public weft::Filter {
       .reference = "Cavalli, Larsson, Oswald, Sattler and Pollefeys 2020, ECCV (AdaLAM)",
       .needs = "template camera",
       .random = true};
+  static constexpr weft::Sweep kSweep{"min_confidence", {2, 5, 10, 20, 50, 100, 200, 500, 3000}};
 
   explicit AdaLam(weft::Params& p) {
     p.read("min_confidence", settings_.min_confidence, "", {1e-3, 1e6},

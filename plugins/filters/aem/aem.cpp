@@ -41,6 +41,8 @@ class Aem final : public weft::Filter {
       .needs = "template",
       .reads = "camera previous.shape",
       .random = true};
+  static constexpr weft::Sweep kSweep{
+      "min_probability", {1e-30, 1e-6, 0.01, 0.5, 0.99, 0.9999, 0.99999, 0.999999, 0.9999999}};
 
   explicit Aem(weft::Params& p) {
     weft::aem::AnnealingOptions& annealing = options_.annealing;

@@ -36,6 +36,7 @@ class Gms final : public weft::Filter {
   static constexpr weft::About kAbout{
       .reference = "Bian, Lin, Matsushita, Yeung, Nguyen and Cheng 2017, CVPR (GMS)",
       .needs = "template camera"};
+  static constexpr weft::Sweep kSweep{"alpha", {0.5, 1, 2, 3, 4, 6, 8, 10, 15}};
 
   explicit Gms(weft::Params& p) {
     p.read("alpha", alpha_, "", {0, 1000},

@@ -31,6 +31,8 @@ class Vfc final : public weft::Filter {
   static constexpr weft::About kAbout{
       .reference = "Ma, Zhao, Tian, Yuille and Tu 2014, IEEE TIP 23(4) (Vector field consensus)",
       .random = true};
+  static constexpr weft::Sweep kSweep{"theta",
+                                      {1e-6, 1e-5, 0.0001, 0.001, 0.03, 0.5, 0.9, 0.99, 0.999}};
 
   explicit Vfc(weft::Params& p) {
     p.read("theta", settings_.theta, "", {0, 1}, "kept from this probability on");

@@ -54,6 +54,35 @@ struct Required final : Base {
   double alpha = 0.0;  // never used, so it need not be legal
 };
 
+struct Sweeping : Base {
+  explicit Sweeping(Params& p) {
+    p.read("alpha", alpha, "s", {0, 1}, "kept up to this");
+    p.read("alphas", alphas, "s", {0, 1}, "several");
+  }
+  double alpha = 0.5;
+  std::vector<double> alphas;
+};
+struct Swept final : Sweeping {
+  using Sweeping::Sweeping;
+  static constexpr weft::Sweep kSweep{"alpha", {0, 1e-6, 1}};
+};
+struct SweptOutside final : Sweeping {
+  using Sweeping::Sweeping;
+  static constexpr weft::Sweep kSweep{"alpha", {0.5, 2}};
+};
+struct SweptBackwards final : Sweeping {
+  using Sweeping::Sweeping;
+  static constexpr weft::Sweep kSweep{"alpha", {0.5, 0.1}};
+};
+struct SweptUnknown final : Sweeping {
+  using Sweeping::Sweeping;
+  static constexpr weft::Sweep kSweep{"beta", {0, 1}};
+};
+struct SweptVector final : Sweeping {
+  using Sweeping::Sweeping;
+  static constexpr weft::Sweep kSweep{"alphas", {0, 1}};
+};
+
 template <class T>
 Result<std::string> description() {
   static constexpr weft_component kComponent =
@@ -94,6 +123,25 @@ TEST(Describe, RefusesDeclarationsThatContradictThemselves) {
 
 TEST(Describe, RefusesAConstructorThatDoesMoreThanRead) {
   EXPECT_THAT(mistake<Failing>(), HasSubstr("belong in prepare()"));
+}
+
+TEST(Describe, WritesTheSweepOfAComponentThatHasOne) {
+  const auto text = description<Swept>();
+  ASSERT_TRUE(text) << text.error().message;
+  EXPECT_THAT(*text,
+              HasSubstr("    sweep:\n      parameter: \"alpha\"\n      values: [0, 1e-06, 1]\n"));
+  EXPECT_THAT(*text, HasSubstr("extensions: [\"weft.draft.sweep/1\"]"));
+  const auto without = description<Required>();
+  ASSERT_TRUE(without);
+  EXPECT_THAT(*without, ::testing::Not(HasSubstr("sweep")));
+}
+
+TEST(Describe, RefusesASweepThatNoPlanCouldRun) {
+  const char* wrong = "its sweep of 'alpha' is not at least two ascending values in its range";
+  EXPECT_EQ(mistake<SweptOutside>(), wrong);
+  EXPECT_EQ(mistake<SweptBackwards>(), wrong);
+  EXPECT_EQ(mistake<SweptUnknown>(), "its sweep is of 'beta', which is no number of it");
+  EXPECT_EQ(mistake<SweptVector>(), "its sweep is of 'alphas', which is no number of it");
 }
 
 TEST(Describe, WritesNoDefaultForWhatIsRequired) {

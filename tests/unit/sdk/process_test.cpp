@@ -252,6 +252,24 @@ struct WithDevices final : Filter {
   static inline bool is_broken = false;
 };
 
+/// A component with a threshold.
+struct WithSweep final : Filter {
+  static constexpr Sweep kSweep{"alpha", {0.5, 1}};
+  explicit WithSweep(Params&) {}
+  Result<InlierMask> filter(const FilterInput&) override { return make_mask(0); }
+};
+
+TEST(Component, TellsTheSweepOfItsClass) {
+  constexpr weft_component kSwept =
+      WEFT_COMPONENT(WithSweep, "filters/swept", "1.0.0", "Has a threshold.");
+  EXPECT_EQ(kSimple.get_extension(WEFT_SWEEP), nullptr);
+  const auto* sweep = static_cast<const weft_sweep*>(kSwept.get_extension(WEFT_SWEEP));
+  ASSERT_NE(sweep, nullptr);
+  EXPECT_STREQ(sweep->parameter, "alpha");
+  EXPECT_THAT(std::vector<double>(sweep->values, sweep->values + sweep->count),
+              ::testing::ElementsAre(0.5, 1.0));
+}
+
 TEST(Component, HasTheExtensionsThatItsClassHas) {
   constexpr weft_component kWithDevices =
       WEFT_COMPONENT(WithDevices, "filters/remote", "1.0.0", "Has devices.");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <exception>
+#include <iterator>
 #include <new>
 #include <string_view>
 #include <weft/core/mistakes.hpp>
@@ -51,10 +52,14 @@ struct Extensions {
     if constexpr (kChecks) {
       if (asked == WEFT_CHECK) return &kCheck;
     }
+    if constexpr (kSweeps) {
+      if (asked == WEFT_SWEEP) return &kSweepTable;
+    }
     return nullptr;
   }
 
  private:
+  static constexpr bool kSweeps = requires { T::kSweep.parameter; };
   static constexpr bool kChecks = requires(const T& t, Mistakes& m) { t.check(m); };
 
   static std::int32_t list_devices(void* context, void (*device)(void* context, const char* text),
@@ -75,6 +80,16 @@ struct Extensions {
     });
   }
 
+  static constexpr weft_sweep sweep_table() {
+    if constexpr (kSweeps) {
+      return {sizeof(weft_sweep), 0, T::kSweep.parameter, T::kSweep.values,
+              std::size(T::kSweep.values)};
+    } else {
+      return {};
+    }
+  }
+
+  static constexpr weft_sweep kSweepTable = sweep_table();
   static constexpr weft_devices kDevices{sizeof(weft_devices), 0, &list_devices};
   static constexpr weft_check kCheck{sizeof(weft_check), 0, &check};
 };

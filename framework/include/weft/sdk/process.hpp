@@ -25,6 +25,17 @@ struct About {
   const weft_device_memory* device_memory = nullptr;
 };
 
+/// The parameter that decides how strict a component is, and values of it from one end to the
+/// other, over which a plan sweeps it for a ROC curve: `static constexpr weft::Sweep
+/// kSweep{"alpha_s", {0.01, 0.1, 1}}` in its class.
+template <std::size_t Count>
+struct Sweep {
+  const char* parameter;
+  double values[Count];  ///< ascending; the component need not be stricter with the larger
+};
+template <std::size_t Count>
+Sweep(const char*, const double (&)[Count]) -> Sweep<Count>;
+
 /// Copies text into a fixed buffer, cut on a UTF-8 character boundary.
 template <std::size_t Size>
 void copy_text(char (&target)[Size], std::string_view text) {

@@ -15,17 +15,19 @@ namespace fs = std::filesystem;
 
 class PlanReader {
  public:
-  PlanReader(Plan& plan, std::vector<yaml::Problem>& problems) : plan_(plan), values_(problems) {}
+  PlanReader(Plan& plan, const host::Registry& registry, std::vector<yaml::Problem>& problems)
+      : plan_(plan), registry_(registry), values_(problems) {}
 
   void read(const yaml::Node& root) {
     if (root.kind != yaml::Kind::map) {
       return values_.problem(root.at, "a plan is a map with the keys weft, name, pipeline, data");
     }
     values_.is_map(root, "a plan",
-                   {"weft", "name", "pipeline", "data_use", "axes", "data", "seeds", "metrics",
-                    "show", "comparisons", "expect"});
+                   {"weft", "name", "extends", "without", "pipeline", "data_use", "axes", "data",
+                    "seeds", "metrics", "show", "comparisons", "expect"});
     read_head(root);
-    if (const yaml::Node* axes = root.find("axes")) plan_.axes = read_axes(*axes, values_, broken_);
+    if (const yaml::Node* axes = root.find("axes"))
+      plan_.axes = read_axes(*axes, registry_, values_, broken_);
     if (values_.has(root, "data", "a plan")) {
       const std::size_t before = values_.count();
       plan_.data = read_data(*root.find("data"), plan_, values_);
@@ -230,6 +232,7 @@ class PlanReader {
   }
 
   Plan& plan_;
+  const host::Registry& registry_;
   PlanValues values_;
   std::set<std::string> broken_;  ///< axes with mistakes
   bool data_broken_ = false;
@@ -273,14 +276,14 @@ bool is_plan(const std::string& file) {
   return document && is_plan(document->root);
 }
 
-std::pair<Plan, ConfigReport> read_plan(const std::string& file, const Helpers& helpers,
-                                        const PlanChanges& changes) {
+std::pair<Plan, ConfigReport> read_plan(const std::string& file, const host::Registry& registry,
+                                        const Helpers& helpers, const PlanChanges& changes) {
   PlanDocument document = read_plan_document(file, changes);
   Plan plan;
   plan.helpers = helpers;
   plan.sources = document.sources;
   ConfigReport report{std::move(document.sources), std::move(document.problems), false};
-  if (document.complete) PlanReader(plan, report.problems).read(document.root);
+  if (document.complete) PlanReader(plan, registry, report.problems).read(document.root);
   report.sort();
   return {std::move(plan), std::move(report)};
 }

@@ -95,9 +95,10 @@ struct PlanChanges {
 bool is_plan(const std::string& file);
 bool is_plan(const yaml::Node& root);
 
-/// Reads a plan and checks all of it that needs no plugin. Use the plan only when the report is ok;
-/// otherwise it holds what is sound.
-std::pair<Plan, ConfigReport> read_plan(const std::string& file, const Helpers& helpers = {},
+/// Reads a plan and checks all of it that needs no pipeline. Use the plan only when the report is
+/// ok; otherwise it holds what is sound.
+std::pair<Plan, ConfigReport> read_plan(const std::string& file, const host::Registry& registry,
+                                        const Helpers& helpers = {},
                                         const PlanChanges& changes = {});
 
 /// Reads a plan and lays its parts over the pipeline, as far as they are sound: each value of an

@@ -11,8 +11,8 @@ namespace {
 
 class AxesReader {
  public:
-  AxesReader(PlanValues& values, std::set<std::string>& broken)
-      : values_(values), broken_(broken) {}
+  AxesReader(const host::Registry& registry, PlanValues& values, std::set<std::string>& broken)
+      : registry_(registry), values_(values), broken_(broken) {}
 
   std::vector<Axis> read(const yaml::Node& axes) {
     std::vector<Axis> all;
@@ -27,13 +27,9 @@ class AxesReader {
       }
       values_.is_name(entry.key, entry.at, "the name of an axis");
       const std::size_t before = values_.count();
-      std::vector<NamedPatch> values;
-      if (values_.is_map(entry.value, "an axis", {"set", "values"}) &&
-          values_.has(entry.value, "values", "an axis")) {
-        values = values_of(entry.value);
-      }
+      std::vector<NamedPatch> values = values_of(entry.value);
       if (values_.count() > before) broken_.insert(entry.key);
-      if (const yaml::Node* set = entry.value.find("set")) refuse_same_setting(entry.key, *set);
+      refuse_same_setting(entry);
       if (!values.empty()) all.push_back({entry.key, std::move(values)});
     }
     return all;
@@ -41,35 +37,99 @@ class AxesReader {
 
  private:
   /// Of two axes with one setting the later would always win.
-  void refuse_same_setting(const std::string& axis, const yaml::Node& set) {
-    std::string path = set.scalar;
+  void refuse_same_setting(const yaml::Entry& axis) {
+    const bool components = axis.value.find("use") != nullptr;
+    const yaml::Node* set = axis.value.find(components ? "stage" : "set");
+    if (set == nullptr || set->scalar.empty()) return;
+    std::string path = set->scalar + (components ? ".use" : "");
     const std::size_t dot = path.find('.');  // `params` may be left out of a path
     if (dot != std::string::npos && path.compare(dot, 8, ".params.") == 0) path.erase(dot, 7);
-    const auto [first, is_new] = settings_.emplace(path, axis);
-    if (is_new || path.empty()) return;
-    values_.problem(set.at, "the axis '" + first->second + "' sets " + quote(path) + " too");
+    const auto [first, is_new] = settings_.emplace(path, axis.key);
+    if (is_new) return;
+    values_.problem(set->at, "the axis '" + first->second + "' sets " + quote(path) + " too");
   }
 
   std::vector<NamedPatch> values_of(const yaml::Node& axis) {
-    const yaml::Node* set = axis.find("set");
-    const yaml::Node& given = *axis.find("values");
-    const std::string path = set != nullptr ? values_.text(*set, "'set' of an axis") : "";
+    const yaml::Node* given = axis.find("values");
+    if (axis.find("use") != nullptr) {
+      if (!values_.is_map(axis, "an axis", {"stage", "use", "except", "sweep", "set", "values"})) {
+        return {};
+      }
+      std::vector<NamedPatch> found;
+      if (given != nullptr) add_patches(*given, found);
+      for (NamedPatch& value : component_values(axis, registry_, values_)) {
+        found.push_back(std::move(value));
+        check_value(found, axis.find("use")->at);
+      }
+      return found;
+    }
+    const bool legal = values_.is_map(axis, "an axis", {"set", "values"});
+    if (!legal || !values_.has(axis, "values", "an axis")) return {};
+    return axis.find("set") != nullptr ? of_setting(*axis.find("set"), *given) : of_patches(*given);
+  }
+
+  std::vector<NamedPatch> of_setting(const yaml::Node& set, const yaml::Node& given) {
+    const std::string path = values_.text(set, "'set' of an axis");
     std::vector<NamedPatch> found;
-    for (const yaml::Node& item : set != nullptr ? given.items : std::vector<yaml::Node>{}) {
-      found.push_back({values_.text(item, "a value of an axis"), {}});
-      if (set != nullptr) found.back().patch = setting_patch(path, set->at, item);
+    for (const yaml::Node& item : given.items) {
+      found.push_back(
+          {values_.text(item, "a value of an axis"), setting_patch(path, set.at, item)});
       check_value(found, item.at);
     }
     for (const yaml::Entry& entry : given.entries) {
-      found.push_back({entry.key, set != nullptr ? setting_patch(path, set->at, entry.value)
-                                                 : patch_of(entry.value)});
+      found.push_back({entry.key, setting_patch(path, set.at, entry.value)});
       check_value(found, entry.at);
     }
-    if (given.kind == yaml::Kind::sequence && set == nullptr) {
+    if (found.empty()) refuse_none(given.at);
+    return found;
+  }
+
+  std::vector<NamedPatch> of_patches(const yaml::Node& given) {
+    std::vector<NamedPatch> found;
+    add_patches(given, found);
+    if (given.kind == yaml::Kind::sequence) {
       values_.problem(given.at,
                       "an axis whose values are a list needs 'set', the setting they are for");
     } else if (found.empty()) {
-      values_.problem(given.at, "an axis needs values: a list, or a map of names and patches");
+      refuse_none(given.at);
+    }
+    return found;
+  }
+
+  void refuse_none(yaml::Position at) {
+    values_.problem(at, "an axis needs values: a list, or a map of names and patches");
+  }
+
+  void add_patches(const yaml::Node& given, std::vector<NamedPatch>& found) {
+    for (const yaml::Entry& entry : given.entries) {
+      const yaml::Node* sweep = entry.value.find("sweep");
+      NamedPatch value{entry.key, patch_of(entry.value)};
+      if (sweep == nullptr) {
+        found.push_back(std::move(value));
+        check_value(found, entry.at);
+        continue;
+      }
+      for (NamedPatch& each : swept(value, *sweep)) {
+        found.push_back(std::move(each));
+        check_value(found, entry.at);
+      }
+    }
+  }
+
+  /// A value for each number of `sweep: {PATH: [NUMBERS]}`, called by it.
+  std::vector<NamedPatch> swept(const NamedPatch& value, const yaml::Node& sweep) {
+    std::vector<NamedPatch> found;
+    if (sweep.entries.size() != 1 || sweep.entries.front().value.items.empty()) {
+      values_.problem(sweep.at,
+                      "'sweep' of a value must be one setting and its numbers, such as "
+                      "{filters.alpha_s: [0.1, 0.2]}");
+      return found;
+    }
+    const yaml::Entry& numbers = sweep.entries.front();
+    for (const yaml::Node& number : numbers.value.items) {
+      if (!values_.number(number, "a value of 'sweep'")) continue;
+      found.push_back({value.name + "_" + number.scalar,
+                       with_setting(value.patch, numbers.key, numbers.at, number)});
     }
     return found;
   }
@@ -84,11 +144,12 @@ class AxesReader {
   }
 
   yaml::Node patch_of(const yaml::Node& node) {
-    if (!values_.is_map(node, "a value of an axis", patch_keys())) return {};
+    if (!values_.is_map(node, "a value of an axis", patch_keys({"sweep"}))) return {};
     if (yaml::is_null(node)) return {};
     return patch_in(node, values_);
   }
 
+  const host::Registry& registry_;
   PlanValues& values_;
   std::set<std::string>& broken_;
   std::map<std::string, std::string> settings_;  ///< the axis of each
@@ -96,9 +157,9 @@ class AxesReader {
 
 }  // namespace
 
-std::vector<Axis> read_axes(const yaml::Node& node, PlanValues& values,
-                            std::set<std::string>& broken) {
-  return AxesReader(values, broken).read(node);
+std::vector<Axis> read_axes(const yaml::Node& node, const host::Registry& registry,
+                            PlanValues& values, std::set<std::string>& broken) {
+  return AxesReader(registry, values, broken).read(node);
 }
 
 }  // namespace weft::evaluation

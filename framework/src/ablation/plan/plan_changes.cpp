@@ -86,6 +86,7 @@ class LeavingOut {
   void leave_out_value(yaml::Entry& axis, const std::string& value, yaml::Position at) {
     const std::string key = axis.key;
     if (!erase_value(axis.value, value)) {
+      if (axis.value.find("use") != nullptr) return except(axis.value, value, at);
       const std::vector<std::string> known = values_of(axis.value);
       return problem(at, "the axis " + quote(key) + " has no value " + quote(value) +
                              did_you_mean(value, known));
@@ -93,6 +94,18 @@ class LeavingOut {
     forget([&](const std::string& named, const std::string& of) {
       return named == key && of == value;
     });
+  }
+
+  /// A component that `use` of an axis names.
+  static void except(yaml::Node& axis, const std::string& value, yaml::Position at) {
+    yaml::Entry* entry = entry_of(axis, "except");
+    if (entry == nullptr) {
+      axis.entries.push_back({"except", at, {}});
+      entry = &axis.entries.back();
+      entry->value.kind = yaml::Kind::sequence;
+      entry->value.at = at;
+    }
+    entry->value.items.push_back(yaml::text_node(value, at));
   }
 
   void leave_out_data(const std::string& data, yaml::Position at) {

@@ -167,7 +167,7 @@ std::pair<CheckedPipeline, ConfigReport> check_cell(const std::string& file,
 std::pair<Plan, ConfigReport> load_plan(const std::string& file, const host::Registry& registry,
                                         const std::vector<std::string>& settings,
                                         const Helpers& helpers, const PlanChanges& changes) {
-  auto loaded = read_plan(file, helpers, changes);
+  auto loaded = read_plan(file, registry, helpers, changes);
   auto& [plan, report] = loaded;
   const bool complete = report.ok() && pipelines_of(plan) <= kFewPipelines;
   if (!complete && !plan.pipeline.empty()) {

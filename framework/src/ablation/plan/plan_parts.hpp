@@ -81,8 +81,14 @@ std::pair<CheckedPipeline, ConfigReport> check_cell(const std::string& file,
 std::vector<std::pair<std::string, yaml::Position>> metrics_of(const Plan& plan);
 
 /// Reads `axes`; the names of those with mistakes go to `broken`.
-std::vector<Axis> read_axes(const yaml::Node& node, PlanValues& values,
-                            std::set<std::string>& broken);
+std::vector<Axis> read_axes(const yaml::Node& node, const host::Registry& registry,
+                            PlanValues& values, std::set<std::string>& broken);
+
+/// The values of an axis of components: one for each that `use` names without those in `except`,
+/// or, with `sweep: threshold`, one for each value of the parameter that the component declares for
+/// that. The parameters that `set` gives to a component go with them.
+std::vector<NamedPatch> component_values(const yaml::Node& axis, const host::Registry& registry,
+                                         PlanValues& values);
 
 /// Reads `data`: names with what they are laid over the pipeline.
 std::vector<PlannedData> read_data(const yaml::Node& node, const Plan& plan, PlanValues& values);

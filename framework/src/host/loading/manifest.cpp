@@ -86,6 +86,16 @@ ParameterSpec read_parameter(const yaml::Node& node) {
   return spec;
 }
 
+SweepSpec read_sweep(const yaml::Node& node) {
+  SweepSpec sweep{text(node, "parameter"), {}};
+  for (const yaml::Node& item : items(node, "values")) {
+    const auto value = yaml::as_double(item);
+    if (!value) throw Missing{item.at, "a value of 'sweep' is no number"};
+    sweep.values.push_back(*value);
+  }
+  return sweep;
+}
+
 ComponentManifest read_component(const yaml::Node& node) {
   ComponentManifest component;
   component.id = text(node, "id");
@@ -103,6 +113,7 @@ ComponentManifest read_component(const yaml::Node& node) {
   for (const yaml::Node& parameter : items(node, "parameters")) {
     component.parameters.push_back(read_parameter(parameter));
   }
+  if (const yaml::Node* sweep = node.find("sweep")) component.sweep = read_sweep(*sweep);
   return component;
 }
 

@@ -28,6 +28,12 @@ struct ParameterSpec {
   std::string role;  ///< of a component parameter
 };
 
+/// The parameter that decides how strict a component is, and values over which a ROC curve runs.
+struct SweepSpec {
+  std::string parameter;
+  std::vector<double> values;  ///< ascending
+};
+
 /// One component as its library's manifest describes it.
 struct ComponentManifest {
   std::string id, version, summary, reference, licence, determinism;
@@ -36,6 +42,7 @@ struct ComponentManifest {
   bool uses_truth = false;
   std::vector<std::string> extensions;  ///< "weft.draft.devices/1"
   std::vector<ParameterSpec> parameters;
+  std::optional<SweepSpec> sweep;
 
   std::string role() const { return id.substr(0, id.find('/')); }
 };
