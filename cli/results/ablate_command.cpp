@@ -11,6 +11,8 @@
 
 #include "ablation/ablation.hpp"
 #include "cli/commands.hpp"
+#include "cli/output/duration_text.hpp"
+#include "cli/results/forecast_text.hpp"
 #include "cli/run/interruption.hpp"
 #include "cli/run/run_settings.hpp"
 #include "cli/standard_components.hpp"
@@ -38,13 +40,6 @@ using MakeEngine = std::unique_ptr<evaluation::Engine> (*)(int jobs);
 
 /// The values of --engine.
 const std::map<std::string, MakeEngine> kEngines{{"local", evaluation::local_engine}};
-
-std::string duration_text(double seconds) {
-  const auto whole = static_cast<long>(std::lround(seconds));
-  if (whole < 60) return fmt::format("{} s", whole);
-  if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
-  return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
-}
 
 /// A line on the terminal that is drawn over itself; elsewhere a line now and then.
 class ProgressLine {
@@ -195,6 +190,7 @@ void ablate(AblateOptions options, Context& context) {
   if (!options.quiet) fmt::print("{}", evaluation::summary_table(state->results));
   print_failures(state->results);
   print_state(*state);
+  if (options.status) print_forecast(*state, options.folder, options.timing ? 1 : options.jobs);
   const bool is_undamaged = state->results.records.damaged.empty();
   const bool whole = state->left == 0 && is_undamaged;
   const bool met = !whole || print_expectations(state->results);
@@ -238,7 +234,9 @@ void add_ablate_command(CLI::App& app, Context& context) {
           ->option_text("failed|damaged")
           ->check(CLI::IsMember({"failed", "damaged"}))
           ->allow_extra_args(false);
-  command->add_flag("--status", options->status, "Say what is done; run and write nothing")
+  command
+      ->add_flag("--dry-run,--status", options->status,
+                 "Say what is done, and what the rest will take; run and write nothing")
       ->excludes(retry);
   command->add_flag("--quiet", options->quiet, "No progress and no table");
   command->callback([&context, options] { ablate(*options, context); });

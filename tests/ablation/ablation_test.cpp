@@ -351,6 +351,27 @@ TEST_F(AblateCommand, RunsAPlanAndPrintsATable) {
   EXPECT_EQ(ablate({plan, "--out", path("out"), "--status"}).exit_code, 0);
 }
 
+TEST_F(AblateCommand, SaysBeforehandWhatIsLeft) {
+  const std::string plan =
+      write_plan("axes: {every: {set: filters.every, values: [2, 3]}}\ndata: {all: {}}\n");
+  const auto first = ablate({plan, "--out", path("out"), "--dry-run"});
+  EXPECT_EQ(first.exit_code, 1);
+  EXPECT_THAT(first.out, HasSubstr("0 done, 0 failed, 2 left"));
+  EXPECT_THAT(first.out,
+              HasSubstr("  every: 2 (0 of 1), 3 (0 of 1)\n  data: all (0 of 2)\n"
+                        "time: not known before the first cells are done here\ndisk: 0 B in "));
+  EXPECT_FALSE(fs::exists(path("out")));
+  ASSERT_EQ(ablate({plan, "--out", path("out"), "--without", "every.3"}).exit_code, 0);
+  const auto half = ablate({plan, "--out", path("out"), "--dry-run"});
+  EXPECT_THAT(half.out, HasSubstr("  every: 2 (1 of 1), 3 (0 of 1)\n  data: all (1 of 2)\n"
+                                  "time: "));
+  ASSERT_EQ(ablate({plan, "--out", path("out")}).exit_code, 0);
+  const auto whole = ablate({plan, "--out", path("out"), "--dry-run"});
+  EXPECT_EQ(whole.exit_code, 0);
+  EXPECT_THAT(whole.out, ::testing::Not(HasSubstr("time: ")));
+  EXPECT_THAT(whole.out, HasSubstr("disk: "));
+}
+
 TEST_F(AblateCommand, IsNotNeededToCheckAPlan) {
   const std::string axis = "axes: {every: {set: filters.every, values: [2, 3]}}\n";
   const auto check = [&](const std::string& file) {
