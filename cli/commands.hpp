@@ -36,6 +36,7 @@ void add_replay_command(CLI::App& app, Context& context);
 void add_data_command(CLI::App& app, Context& context);
 void add_doctor_command(CLI::App& app, Context& context);
 void add_ablate_command(CLI::App& app, Context& context);
+void add_compare_command(CLI::App& app, Context& context);
 void add_records_command(CLI::App& app, Context& context);
 void add_metrics_command(CLI::App& app, Context& context);
 void add_report_command(CLI::App& app, Context& context);

@@ -53,6 +53,7 @@ int run_command(int argc, char** argv) {
   weft::cli::add_check_command(app, context);
   weft::cli::add_eval_command(app, context);
   weft::cli::add_ablate_command(app, context);
+  weft::cli::add_compare_command(app, context);
   weft::cli::add_data_command(app, context);
   weft::cli::add_plugins_command(app, context);
   weft::cli::add_replay_command(app, context);

@@ -12,6 +12,7 @@
 #include "ablation/ablation.hpp"
 #include "cli/commands.hpp"
 #include "cli/output/duration_text.hpp"
+#include "cli/results/ablate_plan.hpp"
 #include "cli/results/forecast_text.hpp"
 #include "cli/run/interruption.hpp"
 #include "cli/run/run_settings.hpp"
@@ -201,6 +202,16 @@ void ablate(AblateOptions options, Context& context) {
 }
 
 }  // namespace
+
+void ablate_plan(const std::string& plan, const std::string& folder, int jobs,
+                 const std::vector<std::string>& settings, Context& context) {
+  AblateOptions options;
+  options.plan = plan;
+  options.folder = folder;
+  options.jobs = jobs;
+  options.settings = settings;
+  ablate(std::move(options), context);
+}
 
 void add_ablate_command(CLI::App& app, Context& context) {
   const auto options = std::make_shared<AblateOptions>();

@@ -20,7 +20,10 @@ class GridBuilder {
     grid_.registry_ = &registry;
     grid_.checks_ = std::make_shared<host::ComponentChecks>();
     grid_.settings_ = std::move(settings);
-    grid_.base_ = read_base(grid_.plan_.pipeline, grid_.paths());
+    for (const std::string& pipeline : grid_.plan_.pipelines) {
+      grid_.bases_.push_back(read_base(pipeline, grid_.paths()));
+    }
+    parts_.resize(grid_.bases_.size());
     report_.sources = grid_.plan_.sources;
   }
 
@@ -65,16 +68,17 @@ class GridBuilder {
     ++pipelines_;
     const std::vector<std::uint64_t>& seeds = grid_.plan_.seeds;
     const PartNames names = part_names(document.root);
+    KnownParts& parts = parts_[grid_.plan_.pipeline_of(cell.values)];
     const bool legal = document.problems.empty();
-    auto known = legal ? parts_.find(names, seeds) : std::nullopt;
+    auto known = legal ? parts.find(names, seeds) : std::nullopt;
     if (!known) {
       auto [pipeline, report] = grid_.load(cell, std::move(document));
       if (report.ok()) {
-        parts_.note(names, pipeline, seeds, grid_.plan_.measurement, *grid_.identifier_,
-                    report.problems);
+        parts.note(names, pipeline, seeds, grid_.plan_.measurement, *grid_.identifier_,
+                   report.problems);
       }
       for (const yaml::Problem& problem : report.problems) note(report.sources, problem, cell);
-      known = parts_.find(names, seeds);
+      known = parts.find(names, seeds);
       if (!known) return;  // with a mistake the grid is not used
     }
     filters_.insert(known->filters);
@@ -143,7 +147,7 @@ class GridBuilder {
 
   Grid grid_;
   ConfigReport report_;
-  KnownParts parts_;
+  std::vector<KnownParts> parts_;            ///< of each pipeline: texts count from its file on
   std::map<std::string, Mistake> mistakes_;  ///< by place and message
   std::set<std::vector<std::string>> filters_;
   std::size_t pipelines_ = 0;
@@ -158,12 +162,14 @@ host::PathRules Grid::paths() const { return host::PathRules::of_process({}, pla
 
 PipelineDocument Grid::document(const Cell& cell) const {
   const NamedPatch& sequence = plan_.data[cell.data].sequences[cell.sequence];
-  return laid_over(base_, plan_.patches(&sequence, cell.values), settings_, paths());
+  const PipelineDocument& base = bases_[plan_.pipeline_of(cell.values)];
+  return laid_over(base, plan_.patches(&sequence, cell.values), settings_, paths());
 }
 
 std::pair<CheckedPipeline, ConfigReport> Grid::load(const Cell& cell,
                                                     PipelineDocument document) const {
-  auto loaded = check_cell(plan_.pipeline, std::move(document), *registry_, {}, checks_.get());
+  auto loaded = check_cell(plan_.pipelines[plan_.pipeline_of(cell.values)], std::move(document),
+                           *registry_, {}, checks_.get());
   if (!plan_.seeds.empty()) loaded.first.config.seed = cell.seed;
   return loaded;
 }

@@ -67,7 +67,7 @@ class Grid {
   const host::Registry* registry_ = nullptr;
   std::shared_ptr<host::ComponentChecks> checks_;  ///< of this expansion
   std::vector<std::string> settings_;
-  PipelineDocument base_;
+  std::vector<PipelineDocument> bases_;  ///< one for each of the plan's pipelines
   std::vector<Cell> cells_;
   std::shared_ptr<Identifier> identifier_ = std::make_shared<Identifier>();
 };

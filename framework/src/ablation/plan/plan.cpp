@@ -28,6 +28,7 @@ class PlanReader {
     read_head(root);
     if (const yaml::Node* axes = root.find("axes"))
       plan_.axes = read_axes(*axes, registry_, values_, broken_);
+    add_pipeline_axis(root);
     if (values_.has(root, "data", "a plan")) {
       const std::size_t before = values_.count();
       plan_.data = read_data(*root.find("data"), plan_, values_);
@@ -72,7 +73,20 @@ class PlanReader {
         values_.problem(use.at, "'data_use' must be one of: tuning, reporting");
       }
     }
-    if (values_.has(root, "pipeline", "a plan")) read_pipeline(*root.find("pipeline"));
+    if (values_.has(root, "pipeline", "a plan")) read_pipelines(*root.find("pipeline"));
+  }
+
+  /// A file, or several under names, which are then compared.
+  void read_pipelines(const yaml::Node& node) {
+    if (node.kind != yaml::Kind::map) return read_pipeline(node);
+    if (node.entries.size() < 2) {
+      values_.problem(node.at,
+                      "'pipeline' must be a file, or a map of names and at least two files");
+    }
+    for (const yaml::Entry& entry : node.entries) {
+      values_.is_name(entry.key, entry.at, "the name of a pipeline");
+      read_pipeline(entry.value);
+    }
   }
 
   void read_pipeline(const yaml::Node& node) {
@@ -80,11 +94,27 @@ class PlanReader {
     const auto expanded = host::expand_variables(values_.text(node, "'pipeline'"), paths);
     if (!expanded) return values_.problem(node.at, expanded.error().message);
     if (expanded->empty()) return;
-    plan_.pipeline = (fs::path(plan_.folder_of(node.at)) / *expanded).lexically_normal().string();
+    const auto file = (fs::path(plan_.folder_of(node.at)) / *expanded).lexically_normal().string();
     std::error_code code;
-    if (fs::is_regular_file(plan_.pipeline, code)) return;
-    values_.problem(node.at, "'pipeline': there is no file " + escaped(plan_.pipeline));
-    plan_.pipeline.clear();
+    if (!fs::is_regular_file(file, code)) {
+      return values_.problem(node.at, "'pipeline': there is no file " + escaped(file));
+    }
+    plan_.pipelines.push_back(file);
+  }
+
+  /// The axis of the pipelines, where there are several.
+  void add_pipeline_axis(const yaml::Node& root) {
+    const yaml::Node* pipelines = root.find("pipeline");
+    if (pipelines == nullptr || pipelines->kind != yaml::Kind::map) return;
+    for (const Axis& axis : plan_.axes) {
+      if (axis.name != "pipeline") continue;
+      values_.problem(root.find("axes")->find_entry("pipeline")->at,
+                      "the plan's pipelines are an axis of this name already");
+    }
+    Axis axis{"pipeline", {}};
+    for (const yaml::Entry& entry : pipelines->entries) axis.values.push_back({entry.key, {}});
+    if (plan_.pipelines.size() < axis.values.size()) return plan_.pipelines.clear();
+    plan_.axes.insert(plan_.axes.begin(), std::move(axis));
   }
 
   void read_measurement(const yaml::Node& node) {
@@ -263,17 +293,6 @@ std::vector<std::pair<std::string, yaml::Position>> metrics_of(const Plan& plan)
     metrics.emplace_back(each.expectation.metric, each.metric_at);
   }
   return metrics;
-}
-
-bool is_plan(const yaml::Node& root) {
-  const auto has = [&](const char* key) { return root.find(key) != nullptr; };
-  return has("pipeline") || has("axes") || has("data") || has("name");
-}
-
-bool is_plan(const std::string& file) {
-  const auto text = yaml::read_text(file);
-  const auto document = text ? yaml::parse(*text, file) : Result<yaml::Document>(text.error());
-  return document && is_plan(document->root);
 }
 
 std::pair<Plan, ConfigReport> read_plan(const std::string& file, const host::Registry& registry,

@@ -60,7 +60,8 @@ struct Helpers {
 struct Plan {
   std::vector<ConfigSource> sources;  ///< the plan file, what it extends, the command line
   std::string name;
-  std::string pipeline;  ///< file of the base
+  std::vector<std::string> pipelines;  ///< files of the base; several: one a value of `pipeline`,
+                                       ///< which is then the first axis
   bool reporting = false;
   std::vector<Axis> axes;
   std::vector<PlannedData> data;
@@ -70,6 +71,11 @@ struct Plan {
   std::vector<PlannedComparison> comparisons;
   std::vector<PlannedExpectation> expect;
   Helpers helpers;
+
+  /// Index of the base that cells with these values of the axes have.
+  std::size_t pipeline_of(const std::vector<std::size_t>& values) const {
+    return pipelines.size() > 1 ? values.front() : 0;
+  }
 
   const ConfigSource& file() const { return sources.front(); }
   /// The folder where relative paths start that stand there.

@@ -21,11 +21,11 @@ class PartsCheck {
  public:
   PartsCheck(const Plan& plan, const host::Registry& registry,
              const std::vector<std::string>& settings, ConfigReport& report)
-      : plan_(plan),
-        registry_(registry),
-        settings_(settings),
-        report_(report),
-        base_(read_base(plan.pipeline, paths_)) {}
+      : plan_(plan), registry_(registry), settings_(settings), report_(report) {
+    for (const std::string& pipeline : plan.pipelines) {
+      bases_.push_back(read_base(pipeline, paths_));
+    }
+  }
 
   void check() {
     const std::size_t before = report_.problems.size();
@@ -62,8 +62,10 @@ class PartsCheck {
   void lay(const std::vector<std::size_t>& values, std::size_t data) {
     if (parts_ == kMostParts) return;
     ++parts_;
+    const std::size_t base = plan_.pipeline_of(values);
     const auto [pipeline, report] = check_cell(
-        plan_.pipeline, laid_over(base_, plan_.patches(first_of(data), values), settings_, paths_),
+        plan_.pipelines[base],
+        laid_over(bases_[base], plan_.patches(first_of(data), values), settings_, paths_),
         registry_, plan_.file().folder, &checks_);
     std::vector<std::string> filters;
     for (const StageConfig& stage : pipeline.config.stages) {
@@ -127,8 +129,8 @@ class PartsCheck {
   const std::vector<std::string>& settings_;
   ConfigReport& report_;
   host::PathRules paths_ = host::PathRules::of_process({}, plan_.file().folder);
-  PipelineDocument base_;         ///< the pipeline with what it extends, read once for all parts
-  host::ComponentChecks checks_;  ///< asks a component once, in however many parts it stands
+  std::vector<PipelineDocument> bases_;  ///< pipelines with what they extend, read once
+  host::ComponentChecks checks_;         ///< asks a component once, in however many parts it stands
   std::map<std::string, Mistake> mistakes_;  ///< by place and message
   std::set<std::vector<std::string>> filters_;
   std::size_t parts_ = 0;
@@ -170,7 +172,7 @@ std::pair<Plan, ConfigReport> load_plan(const std::string& file, const host::Reg
   auto loaded = read_plan(file, registry, helpers, changes);
   auto& [plan, report] = loaded;
   const bool complete = report.ok() && pipelines_of(plan) <= kFewPipelines;
-  if (!complete && !plan.pipeline.empty()) {
+  if (!complete && !plan.pipelines.empty()) {
     PartsCheck(plan, registry, settings, report).check();
     report.sort();
   }

@@ -183,6 +183,17 @@ yaml::Node merged_plans(yaml::Node base, yaml::Node over) {
   return merged(std::move(base), std::move(over), Level::plan);
 }
 
+bool is_plan(const yaml::Node& root) {
+  const auto has = [&](const char* key) { return root.find(key) != nullptr; };
+  return has("pipeline") || has("axes") || has("data") || has("name");
+}
+
+bool is_plan(const std::string& file) {
+  const auto text = yaml::read_text(file);
+  const auto document = text ? yaml::parse(*text, file) : Result<yaml::Document>(text.error());
+  return document && is_plan(document->root);
+}
+
 PlanDocument read_plan_document(const std::string& file, const PlanChanges& changes) {
   return DocumentReader().read(file, changes);
 }

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cli/commands.hpp"
+
+namespace weft::cli {
+
+/// What `weft ablate PLAN --out FOLDER --jobs N --set ...` does; sets Context::exit_code.
+void ablate_plan(const std::string& plan, const std::string& folder, int jobs,
+                 const std::vector<std::string>& settings, Context& context);
+
+}  // namespace weft::cli

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <weft/core/whole_file.hpp>
+
+#include "ablation/plan/grid.hpp"
+#include "cli/results/ablate_plan.hpp"
+#include "cli/run/run_settings.hpp"
+#include "cli/standard_components.hpp"
+#include "metrics/forms/metric_path.hpp"
+#include "report/statistics.hpp"
+
+namespace weft::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CompareOptions {
+  std::vector<std::string> pipelines;
+  std::vector<std::string> folders, settings;
+  std::string seeds, metric = evaluation::kErrorMetric, out;
+  int jobs = 1;
+};
+
+/// The name of a file without what may not stand in the name of a value.
+std::string plain_name(const std::string& file) {
+  std::string name = fs::path(file).stem().string();
+  std::replace_if(
+      name.begin(), name.end(),
+      [](unsigned char c) { return std::isalnum(c) == 0 && c != '_' && c != '-'; }, '_');
+  return name;
+}
+
+std::vector<std::string> names_of(const CompareOptions& options) {
+  std::vector<std::string> names;
+  for (const std::string& file : options.pipelines) names.push_back(plain_name(file));
+  if (names[0] == names[1]) return {"first", "second"};
+  return names;
+}
+
+/// A scalar as YAML, whatever it holds.
+std::string quoted(const std::string& text) {
+  std::string yaml = yaml::emit(yaml::text_node(text));
+  while (!yaml.empty() && yaml.back() == '\n') yaml.pop_back();
+  return yaml;
+}
+
+/// What `weft ablate` would be given to answer the same.
+std::string plan_text(const CompareOptions& options, const std::string& name) {
+  const std::vector<std::string> names = names_of(options);
+  const auto path = [](const std::string& file) { return quoted(fs::absolute(file).string()); };
+  // Seeds up to 100 are for tuning; that is the caller's to know, who asks for no report.
+  const long first_seed = std::strtol(options.seeds.c_str(), nullptr, 10);
+  const bool tuning = !options.seeds.empty() && first_seed <= 100;
+  std::string text =
+      "# What `weft compare` asked; weft ablate runs it again.\nweft: 1\nname: " + name +
+      "\npipeline:\n";
+  for (std::size_t i = 0; i < 2; ++i) {
+    text += "  " + names[i] + ": " + path(options.pipelines[i]) + "\n";
+  }
+  text += std::string("data_use: ") + (tuning ? "tuning" : "reporting") + "\ndata:\n";
+  for (std::size_t i = 0; i < options.folders.size(); ++i) {
+    const fs::path folder = options.folders[i];
+    const bool is_one = fs::exists(folder / "camera.yaml");
+    text += fmt::format("  data_{}: {{folders: {}}}\n", i + 1,
+                        path((is_one ? folder : folder / "*").string()));
+  }
+  if (options.folders.empty()) {
+    text += options.seeds.empty() ? "  own: {}\n" : "  own: {seeds: [" + options.seeds + "]}\n";
+  }
+  return text + "show: [" + quoted(options.metric) + ", counts.solved_percent]\ncomparisons:\n" +
+         "  - {axis: pipeline, metric: " + quoted(options.metric) + "}\n";
+}
+
+/// Why pipelines that keep their own sources cannot be compared; empty where they can.
+std::string different_frames(const evaluation::Grid& grid) {
+  const std::vector<evaluation::Cell>& cells = grid.cells();
+  const auto source_of = [&](const evaluation::Cell& cell) {
+    return grid.load(cell).first.config.source->component.effective;
+  };
+  const auto other = std::find_if(cells.begin(), cells.end(), [&](const auto& cell) {
+    return cell.values.front() != cells.front().values.front();
+  });
+  if (other == cells.end() || source_of(*other) == source_of(cells.front())) return {};
+  return "the two pipelines have different sources, so their frames cannot be paired; name the "
+         "data "
+         "that both are to read: --data FOLDER";
+}
+
+/// Loads the plan, so that mistakes are said before anything runs.
+bool is_sound(const std::string& plan, const CompareOptions& options,
+              const host::Registry& registry) {
+  auto [grid, report] = evaluation::load_grid(plan, registry, options.settings, standard_helpers());
+  if (!report.ok()) {
+    fmt::print(stderr, "{}", report.text());
+    return false;
+  }
+  const std::string why = options.folders.empty() ? different_frames(grid) : "";
+  if (!why.empty()) print_error({Errc::invalid_value, why, {}});
+  return why.empty();
+}
+
+Result<void> print_answer(const std::string& folder, const std::string& metric) {
+  const auto results = evaluation::read_results(folder);
+  if (!results) return results.error();
+  const auto table = evaluation::compare(*results, {"pipeline", metric, {}});
+  if (!table) return table.error();
+  const bool any_value = std::any_of(table->treatments.begin(), table->treatments.end(),
+                                     [](const auto& treatment) { return treatment.sequences > 0; });
+  if (!any_value) {
+    return Error{Errc::not_found,
+                 "no frame has a value of " + metric +
+                     ": the data have no truth, or no frame was solved; name another with --metric "
+                     "(weft metrics lists them)",
+                 folder};
+  }
+  for (const evaluation::PairComparison& pair : table->pairs) fmt::print("{}\n", pair.sentence);
+  return {};
+}
+
+void compare(CompareOptions options, Context& context) {
+  const std::vector<std::string> names = names_of(options);
+  const std::string name = names[0] + "_and_" + names[1];
+  if (options.out.empty()) options.out = "comparisons/" + name;
+  const std::string plan = options.out + ".yaml";
+  std::error_code code;
+  fs::create_directories(fs::absolute(plan).parent_path(), code);
+  if (auto written = write_whole(plan_text(options, name), plan); !written) {
+    print_error(written.error());
+    context.exit_code = kInputOutput;
+    return;
+  }
+  if (!is_sound(plan, options, context.registry())) {
+    context.exit_code = kBadConfiguration;
+    return;
+  }
+  ablate_plan(plan, options.out, options.jobs, options.settings, context);
+  if (context.exit_code != kDone && context.exit_code != kFramesFailed) return;
+  if (auto answered = print_answer(options.out, options.metric); !answered) {
+    print_error(answered.error());
+    context.exit_code = kInputOutput;
+  }
+}
+
+}  // namespace
+
+void add_compare_command(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<CompareOptions>();
+  CLI::App* command = app.add_subcommand(
+      "compare",
+      "Say which of two pipelines is the better one, and whether that is more than chance");
+  command->add_option("PIPELINES", options->pipelines, "The two pipelines (YAML)")
+      ->type_name("")
+      ->expected(2)
+      ->check(CLI::ExistingFile)
+      ->required();
+  CLI::Option* data =
+      command
+          ->add_option(
+              "--data", options->folders,
+              "Folder of a sequence (frames, camera.yaml, gt), or of several such folders; "
+              "may be repeated (default: the source of the pipelines)")
+          ->option_text("FOLDER")
+          ->check(CLI::ExistingDirectory)
+          ->allow_extra_args(false);
+  command
+      ->add_option("--seeds", options->seeds,
+                   "A sequence for each of these seeds of the pipelines' source: 101-110")
+      ->option_text("SEEDS")
+      ->excludes(data);
+  command->add_option("--metric", options->metric, "What is compared; `weft metrics` lists them")
+      ->capture_default_str();
+  add_settings(*command, options->settings);
+  command->add_option("--jobs", options->jobs, "Processes; the results are the same for any number")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  command->add_option("--out", options->out,
+                      "Results folder, beside which the plan is written (default: "
+                      "comparisons/<names of the two>)");
+  command->footer(
+      "Exit codes:\n"
+      "  0  compared, whatever the answer\n"
+      "  1  cells failed, or the comparison is not finished; run it again to go on\n"
+      "  2  the command line or a pipeline is wrong\n"
+      "  3  something cannot be read or written, or no frame has the metric");
+  command->callback([&context, options] { compare(*options, context); });
+}
+
+}  // namespace weft::cli
