@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <weft/core/statistics.hpp>
-#include <weft/geometry/shape_evidence.hpp>
+
+#include "common/shape_signs.hpp"
 
 namespace weft::solvers {
 
@@ -20,14 +21,14 @@ Result<Shape> surface_shape(const SolverInput& in, const WarpGrid& grid,
   for (Eigen::Index v = 0; v < flat_px.rows(); ++v) {
     shape.source(v) = grid.near_match(flat_px.row(v)) ? 1 : 0;
   }
-  const double strain = mean(strains(grid.edges(), vertices_m));
-  const ShapeEvidence evidence =
-      shape_evidence(in.templ, in.camera, vertices_m, in.correspondences, in.sightlines);
+  const ShapeSigns signs = shape_signs(in, grid.edges(), vertices_m);
+  const double strain = signs.strain;
+  const ShapeEvidence& evidence = signs.evidence;
   // Half where lengths are off by 3 % in the mean; not calibrated.
   shape.confidence = std::min(1.0, evidence.agreeing / 30.0) *
                      logistic(-2.0 * std::log((strain + 1e-3) / 0.03)) *
                      confidence_of_filters(in.correspondences);
-  shape.diag.set("strain", strain);
+  signs.tell(shape.diag);
   return shape;
 }
 

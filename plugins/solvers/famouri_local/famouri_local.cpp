@@ -11,6 +11,7 @@
 #include <weft/sdk/solver.hpp>
 
 #include "common/seen_points.hpp"
+#include "common/shape_signs.hpp"
 #include "confidence.hpp"
 #include "depth_mesh.hpp"
 #include "match_depths.hpp"
@@ -91,14 +92,14 @@ class FamouriLocal final : public Solver {
     shape.source = Array<std::uint8_t>({vertices_m.rows()});
     const std::vector<std::uint8_t> seen = solvers::vertices_seen(found.points, vertices_m.rows());
     std::copy(seen.begin(), seen.end(), shape.source.data());
-    const double strain = mean(strains(edges_, vertices_m));
+    const solvers::ShapeSigns signs = solvers::shape_signs(in, edges_, vertices_m);
+    const double strain = signs.strain;
     double std_m = 0.0;
     for (const LocalDepth& depth : found.depths) std_m += depth.std_m;
     std_m /= static_cast<double>(found.depths.size());
     const auto rest_m = in.templ.vertices_m.matrix<3>();
     const double diagonal_m = (rest_m.colwise().maxCoeff() - rest_m.colwise().minCoeff()).norm();
-    const ShapeEvidence evidence =
-        shape_evidence(in.templ, in.camera, vertices_m, in.correspondences, in.sightlines);
+    const ShapeEvidence& evidence = signs.evidence;
     shape.confidence = confidence(strain, std_m, diagonal_m, evidence.agreeing) *
                        confidence_of_filters(in.correspondences);
     shape.diag.set("depths", static_cast<double>(found.depths.size()));
@@ -108,7 +109,7 @@ class FamouriLocal final : public Solver {
     shape.diag.set("odd_depths", found.odd);
     shape.diag.set("depth_std_m", std_m);
     shape.diag.set("noise_px", found.noise_px);
-    shape.diag.set("strain", strain);
+    signs.tell(shape.diag);
     return shape;
   }
 

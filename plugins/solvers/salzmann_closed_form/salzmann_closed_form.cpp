@@ -10,6 +10,7 @@
 #include <weft/sdk/solver.hpp>
 
 #include "common/seen_points.hpp"
+#include "common/shape_signs.hpp"
 #include "common/strain_confidence.hpp"
 #include "length_equations.hpp"
 #include "observed_shapes.hpp"
@@ -120,16 +121,16 @@ class SalzmannClosedForm final : public Solver {
     const std::vector<std::uint8_t> seen = solvers::vertices_seen(points, vertices_m.rows());
     shape.source = Array<std::uint8_t>({vertices_m.rows()});
     std::copy(seen.begin(), seen.end(), shape.source.data());
-    const double strain = mean(strains(edges_, vertices_m));
-    const ShapeEvidence evidence =
-        shape_evidence(in.templ, in.camera, vertices_m, in.correspondences, in.sightlines);
+    const solvers::ShapeSigns signs = solvers::shape_signs(in, edges_, vertices_m);
+    const double strain = signs.strain;
+    const ShapeEvidence& evidence = signs.evidence;
     shape.confidence = solvers::strain_confidence(strain, kUsualStrain, evidence.agreeing) *
                        confidence_of_filters(in.correspondences);
     shape.diag.set("points", static_cast<double>(points.size()));
     shape.diag.set("unknowns", static_cast<double>(solved.unknowns));
     shape.diag.set("rank_residual", solved.rank_residual);
     shape.diag.set("cost", solved.cost);
-    shape.diag.set("strain", strain);
+    signs.tell(shape.diag);
     return shape;
   }
 

@@ -84,6 +84,7 @@ TEST(BartoliIsometric, ContradictoryMatchesAreNeverASureShape) {
   EXPECT_NE(out.status, WEFT_ERROR) << out.message;
   if (shape) {
     EXPECT_EQ(shape->shape_state(), ShapeState::weak);
+    EXPECT_LT(shape->confidence, 0.5);
   }
 }
 

@@ -153,6 +153,7 @@ TEST(ChhatkuliStable, ContradictoryMatchesAreNeverASureShape) {
     EXPECT_NE(out.status, WEFT_ERROR) << out.message;
     if (shape) {
       EXPECT_EQ(shape->shape_state(), ShapeState::weak);
+      EXPECT_LT(shape->confidence, 0.5);
     }
   }
 }

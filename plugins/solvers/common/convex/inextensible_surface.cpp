@@ -8,9 +8,9 @@
 #include <weft/core/statistics.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/mesh_validation.hpp>
-#include <weft/geometry/shape_evidence.hpp>
 
 #include "common/least_bending.hpp"
+#include "common/shape_signs.hpp"
 #include "common/strain_confidence.hpp"
 
 namespace weft::solvers {
@@ -102,13 +102,13 @@ Result<Shape> InextensibleSurface::shape(const SolverInput& in, const ProgramRes
   shape.vertices_m = make_array<double>(vertices_m);
   shape.source = Array<std::uint8_t>({vertices_m.rows()});
   std::copy(seen.begin(), seen.end(), shape.source.data());
-  const double strain = mean(strains(program_.edges(), vertices_m));
-  const ShapeEvidence evidence =
-      shape_evidence(in.templ, in.camera, vertices_m, in.correspondences, in.sightlines);
+  const ShapeSigns signs = shape_signs(in, program_.edges(), vertices_m);
+  const double strain = signs.strain;
+  const ShapeEvidence& evidence = signs.evidence;
   shape.confidence = strain_confidence(strain, kUsualStrain, evidence.agreeing) *
                      confidence_of_filters(in.correspondences);
   explain(solved, shape.diag);
-  shape.diag.set("strain", strain);
+  signs.tell(shape.diag);
   if (solved.converged) return shape;
   shape.state = static_cast<std::int32_t>(ShapeState::weak);
   return degenerate(std::move(shape), "not converged in " + std::to_string(solved.iterations) +

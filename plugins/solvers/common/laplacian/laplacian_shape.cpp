@@ -8,7 +8,8 @@
 #include <vector>
 #include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
-#include <weft/geometry/shape_evidence.hpp>
+
+#include "common/shape_signs.hpp"
 
 namespace weft::solvers {
 namespace {
@@ -66,9 +67,9 @@ Result<Shape> shape_of_controls(const SolverInput& in, const ControlMesh& mesh,
   Shape shape;
   shape.vertices_m = make_array<double>(vertices_m);
   mark_measured(mesh, matches, inliers, shape);
-  const double strain = mean(strains(mesh.edges, vertices_m));
-  const ShapeEvidence evidence =
-      shape_evidence(in.templ, in.camera, vertices_m, in.correspondences, in.sightlines);
+  const ShapeSigns signs = shape_signs(in, mesh.edges, vertices_m);
+  const double strain = signs.strain;
+  const ShapeEvidence& evidence = signs.evidence;
   // Half where lengths are off by 3 % in the mean; not calibrated.
   shape.confidence = std::min(1.0, evidence.agreeing / 30.0) *
                      logistic(-2.0 * std::log((strain + 1e-3) / 0.03)) *
@@ -79,7 +80,7 @@ Result<Shape> shape_of_controls(const SolverInput& in, const ControlMesh& mesh,
   shape.diag.set("inliers", static_cast<double>(inliers.count));
   shape.diag.set("eigen_gap", inliers.shape.eigen_gap);
   shape.diag.set("residual_px", residual_px);
-  shape.diag.set("strain", strain);
+  signs.tell(shape.diag);
   shape.diag.set("max_stretch", most_stretched(mesh, vertices_m));
   return shape;
 }

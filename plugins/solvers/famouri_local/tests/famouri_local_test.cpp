@@ -262,6 +262,7 @@ TEST(FamouriLocal, ContradictoryMatchesAreNeverASureShape) {
   EXPECT_NE(out.status, WEFT_ERROR) << out.message;
   if (const auto shape = out.get<Shape>()) {
     EXPECT_EQ(shape->shape_state(), ShapeState::weak);
+    EXPECT_LT(shape->confidence, 0.5);
   }
 }
 

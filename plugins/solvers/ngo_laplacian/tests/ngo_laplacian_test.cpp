@@ -210,6 +210,7 @@ TEST(NgoLaplacianDegenerate, MatchesThatContradictEachOtherAreNoShapeToBeTrusted
     const auto shape = out.get<Shape>();
     if (shape) {
       EXPECT_NE(shape->shape_state(), ShapeState::estimated);
+      EXPECT_LT(shape->confidence, 0.5);
     }
   }
 }

@@ -165,6 +165,7 @@ TEST(OstlundLaplacianDegenerate, MatchesThatContradictEachOtherAreNoShapeToBeTru
     const auto shape = out.get<Shape>();
     if (shape) {
       EXPECT_NE(shape->shape_state(), ShapeState::estimated);
+      EXPECT_LT(shape->confidence, 0.5);
     }
   }
 }

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <weft/data/record.hpp>
+#include <weft/geometry/distance_constraints.hpp>
+#include <weft/geometry/shape_evidence.hpp>
+#include <weft/geometry/types.hpp>
+#include <weft/sdk/nested.hpp>
+
+namespace weft::solvers {
+
+/// What can be told of a shape without the truth: how it keeps the lengths of the template, meets
+/// the matches, and bends.
+struct ShapeSigns {
+  double strain = 0.0;         ///< [] mean |l / l0 - 1| over the edges
+  double strain_p95 = 0.0;     ///< [] 95th percentile of it
+  double residual_px = 0.0;    ///< [] px, median of the kept matches; infinite without any
+  double roughness_rad = 0.0;  ///< [] rad, see shape_signs()
+  double size_px = 0.0;        ///< [] px, diagonal of the box around the shape in the image
+  ShapeEvidence evidence;
+
+  /// As scalars strain, strain_p95, kept_residual_px, roughness_rad and size_px; the evidence is
+  /// told by the base class of solvers.
+  void tell(Diagnostics& diag) const;
+};
+
+/// Of vertices [V,3] m, camera frame, all before the camera, and the `edges` of the template.
+/// Roughness: how far the angle between a face and the mean of the faces at a corner of it is from
+/// that at rest, mean over all corners; matches with noise make it grow, and so do bends.
+ShapeSigns shape_signs(const SolverInput& in, std::span<const DistanceConstraint> edges,
+                       const Points3View& vertices_m);
+
+/// Weights of the logistic of confidence(), of the logarithm of each sign. Each solver has its own,
+/// fitted by scripts/fit_confidence.py to shapes of which the truth is known.
+struct ConfidenceWeights {
+  double bias = 0.0;
+  double strain = 0.0;      ///< of ln(strain + 0.001)
+  double strain_p95 = 0.0;  ///< of ln(strain_p95 + 0.001)
+  double residual = 0.0;    ///< of ln(residual_px + 0.1)
+  double roughness = 0.0;   ///< of ln(roughness_rad + 0.01)
+  double size = 0.0;        ///< of ln(size_px + 1)
+  double agreeing = 0.0;    ///< of ln(agreeing + 1)
+  double share = 0.0;       ///< of ln((agreeing + 1) / (kept + 1))
+  double coverage = 0.0;    ///< of ln(coverage + 0.05)
+};
+
+/// The probability that the mean error of what the camera sees is below 2 % of the template's
+/// diagonal, times what filters said of the matches: 1 / (1 + exp(-w . signs)). 0 for signs that
+/// are not finite, as where no match is kept.
+double confidence(const ShapeSigns& signs, const ConfidenceWeights& weights,
+                  const std::optional<Correspondences>& matches);
+
+}  // namespace weft::solvers
