@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/template/template_builder.hpp"
 
+#include <algorithm>
+
 #include "host/loading/component_spec.hpp"
 #include "pipeline/execution/checks.hpp"
 
@@ -35,6 +37,20 @@ Result<BuiltTemplate> build_template(const host::ComponentSpec& component) {
   BuiltTemplate built{outcome.find("template"), outcome.error.message};
   if (auto legal = check_template(*built.record); !legal) return legal.error();
   return built;
+}
+
+std::optional<host::ComponentSpec> with_mesh_of_file(const host::Registry& registry,
+                                                     const host::ComponentSpec& component) {
+  yaml::Node params = *component.effective.find("params");
+  const auto vertices =
+      std::find_if(params.entries.begin(), params.entries.end(),
+                   [](const yaml::Entry& entry) { return entry.key == "vertices"; });
+  if (vertices == params.entries.end() || vertices->value.scalar == "0") return std::nullopt;
+  vertices->value = yaml::plain_node("0");
+  std::vector<yaml::Problem> problems;
+  auto spec = host::resolve_component(registry, *component.effective.find("use"), &params,
+                                      host::PathRules::of_process({"."}, "."), problems);
+  return problems.empty() ? std::move(spec) : std::nullopt;
 }
 
 }  // namespace weft::cli

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "cli/commands.hpp"
@@ -24,5 +25,10 @@ struct BuiltTemplate {
 };
 
 Result<BuiltTemplate> build_template(const host::ComponentSpec& component);
+
+/// The same component with the mesh of its file, where it is asked for another one: its parameter
+/// `vertices`, of which 0 is the file's, is not 0.
+std::optional<host::ComponentSpec> with_mesh_of_file(const host::Registry& registry,
+                                                     const host::ComponentSpec& component);
 
 }  // namespace weft::cli

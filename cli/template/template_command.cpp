@@ -3,9 +3,13 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cstring>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <tuple>
 #include <utility>
+#include <weft/core/index.hpp>
 #include <weft/core/whole_file.hpp>
 
 #include "cli/output/json_text.hpp"
@@ -13,7 +17,9 @@
 #include "cli/template/template_builder.hpp"
 #include "cli/template/template_picture.hpp"
 #include "cli/template/template_text.hpp"
+#include "host/records/npz.hpp"
 #include "pipeline/configuration/config.hpp"
+#include "pipeline/survey/template_map.hpp"
 
 namespace weft::cli {
 namespace {
@@ -25,6 +31,7 @@ struct TemplateOptions {
   std::vector<std::string> settings;
   bool json = false;
   bool overwrite = false;  ///< png
+  std::optional<double> crop_px;
 };
 
 /// The shortest text that reads back as the same number.
@@ -69,6 +76,53 @@ Result<void> write_folder(const host::Registry& registry, const host::Record& re
     if (!drawn) return drawn;
   }
   return {};
+}
+
+/// Where the vertices of one mesh lie on the other, both ways.
+Result<host::NamedRecords> map_between(const Template& made, const Template& original) {
+  host::NamedRecords records;
+  for (const auto& [slot, from, onto] : {std::tuple{"template_on_original", &made, &original},
+                                         std::tuple{"original_on_template", &original, &made}}) {
+    const auto places = places_on_mesh(*from, *onto);
+    if (!places) return places.error();
+    const auto record = host::Record::make("places_on_mesh/1");
+    const std::int64_t shape[] = {places->face.rows(), 3};
+    void* faces = record->allocate("face", WEFT_I32, 1, shape);
+    void* weights = record->allocate("weights", WEFT_F64, 2, shape);
+    if (faces == nullptr || weights == nullptr) {
+      return Error{Errc::no_memory, "no memory for the map between the meshes"};
+    }
+    std::memcpy(faces, places->face.data(), to_index(shape[0]) * sizeof(std::int32_t));
+    std::memcpy(weights, places->weights.data(), to_index(3 * shape[0]) * sizeof(double));
+    records.emplace_back(slot, record);
+  }
+  return records;
+}
+
+/// Nothing where the mesh is that of the template's file.
+Result<host::NamedRecords> map_to_file(const host::Registry& registry,
+                                       const host::ComponentSpec& component,
+                                       const Template& templ) {
+  const auto original = with_mesh_of_file(registry, component);
+  if (!original) return host::NamedRecords{};
+  const auto built = build_template(*original);
+  if (!built) return built.error();
+  const auto mesh = host::view_as<Template>(*built->record);
+  if (!mesh) return mesh.error();
+  return map_between(templ, *mesh);
+}
+
+Result<void> write_folder(const host::Registry& registry, const host::ComponentSpec& component,
+                          const Template& templ, const TemplateOptions& options) {
+  const auto map = map_to_file(registry, component, templ);
+  if (!map) return map.error();
+  const Template kept =
+      options.crop_px ? with_cropped_texture(templ, *options.crop_px) : Template(templ);
+  const auto record = host::Record::copy_of(kept);
+  if (!record) return Error{Errc::no_memory, "no memory for the template"};
+  if (auto written = write_folder(registry, *record, kept, options.out); !written) return written;
+  if (map->empty()) return {};
+  return host::write_npz((fs::path(options.out) / "map.npz").string(), *map);
 }
 
 /// The component that --use and --set name; mistakes are printed.
@@ -128,7 +182,7 @@ void run(const TemplateOptions& options, Context& context) {
   if (!templ) return print_error(templ.error());
   context.exit_code = kInputOutput;
   if (!options.out.empty()) {
-    if (auto written = write_folder(registry, *built->record, *templ, options.out); !written) {
+    if (auto written = write_folder(registry, *component, *templ, options); !written) {
       return print_error(written.error());
     }
   }
@@ -177,6 +231,11 @@ void add_template_command(CLI::App& app, Context& context) {
   CLI::App* maker = add_command(
       *parent, "make", "Write mesh (OBJ), texture and drawing of a template into a folder", made);
   maker->add_option("--out", made->out, "Folder, new or empty")->option_text("FOLDER")->required();
+  maker
+      ->add_option("--crop", made->crop_px,
+                   "Crop the texture to the object and so many pixels beside it")
+      ->option_text("PX")
+      ->check(CLI::NonNegativeNumber);
   maker->callback([&context, made] { run(*made, context); });
   const auto shown = std::make_shared<TemplateOptions>();
   CLI::App* viewer = add_command(*parent, "show", "Print the figures of a template", shown);

@@ -11,6 +11,7 @@
 #include <weft/geometry/rigid_alignment.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 
+#include "host/records/npz.hpp"
 #include "support/child.hpp"
 #include "support/pipeline_fixture.hpp"
 
@@ -73,6 +74,68 @@ TEST_F(TemplateCommand, WritesAMeshThatIsReadBackAsTheSameTemplate) {
   }
   EXPECT_TRUE(fs::exists(path("again.png")));
   EXPECT_EQ(weft({"make", WEFT_PIPELINES "/outline.yaml", "--out", path("sole")}).exit_code, 3);
+}
+
+/// A fine label, of 49 x 34 vertices, meshed anew.
+const std::string kScan = "mesh=" + kData + "label_fine.ply";
+
+TEST_F(TemplateCommand, MeshesAScanAnewAndMapsBothMeshesOnEachOther) {
+  const Ended made = weft({"make", "--use", "templates/mesh", "--set", kScan, "--set",
+                           "texture=" + kData + "sheet_texture.png", "--set", "unit_m=0.001",
+                           "--set", "vertices=200", "--out", path("label")});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const std::string texture = ", texture: '" + kData + "sheet_texture.png'";
+  PluginUnderTest fine("templates/mesh",
+                       "{mesh: '" + kData + "label_fine.ply'" + texture + ", unit_m: 0.001}");
+  PluginUnderTest coarse("templates/mesh",
+                         "{mesh: '" + path("label/template.obj") + "'" + texture + "}");
+  const Template scan = *fine.process(0, {}).get<Template>();
+  const Template label = *coarse.process(0, {}).get<Template>();
+  EXPECT_NEAR(static_cast<double>(label.vertices_m.rows()), 200.0, 20.0);
+  const auto map = host::read_npz(path("label/map.npz"), host::NpzCheck::none);
+  ASSERT_TRUE(map) << map.error().message;
+  ASSERT_EQ(map->size(), 2U);
+  const auto worst_m = [](const host::Record& places, const Template& from, const Template& onto) {
+    const weft_record arrays = places.view("map");
+    const auto* face = static_cast<const std::int32_t*>(arrays.arrays[0].data);
+    const auto* weights = static_cast<const double*>(arrays.arrays[1].data);
+    EXPECT_EQ(arrays.arrays[0].shape[0], from.vertices_m.rows());
+    double worst = 0.0;
+    for (std::int64_t v = 0; v < from.vertices_m.rows(); ++v) {
+      EXPECT_GE(face[v], 0) << v;
+      Eigen::RowVector3d place = -from.vertices_m.matrix<3>().row(v);
+      for (int k = 0; k < 3; ++k) {
+        place += weights[3 * v + k] * onto.vertices_m.matrix<3>().row(onto.faces(face[v], k));
+      }
+      worst = std::max(worst, place.norm());
+    }
+    return worst;
+  };
+  EXPECT_EQ((*map)[0].first, "template_on_original");
+  EXPECT_LT(worst_m(*(*map)[0].second, label, scan), 1e-9);
+  // Chords of edges of about 10 mm on a radius of 72 mm.
+  EXPECT_LT(worst_m(*(*map)[1].second, scan, label), 4e-4);
+}
+
+TEST_F(TemplateCommand, CropsTheTextureToTheObject) {
+  const Ended made =
+      weft({"make", WEFT_PIPELINES "/outline.yaml", "--crop", "5", "--out", path("sole")});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_FALSE(fs::exists(path("sole/map.npz")));
+  const auto cropped =
+      figures({"--use", "templates/mesh", "--set", "mesh=" + path("sole/template.obj"), "--set",
+               "texture=" + path("sole/texture.png")});
+  const auto whole = figures({WEFT_PIPELINES "/outline.yaml"});
+  for (const char* key : {"mean_edge_mm", "area_cm2", "least_angle_deg"}) {
+    EXPECT_NEAR(cropped.at(key), whole.at(key), 1e-9) << key;
+  }
+  for (const int axis : {0, 1}) {
+    EXPECT_LT(cropped.at("texture_px").at(axis), whole.at("texture_px").at(axis));
+    EXPECT_NEAR(cropped.at("texel_mm").at(axis), whole.at("texel_mm").at(axis), 1e-9);
+  }
+  EXPECT_EQ(
+      weft({"make", WEFT_PIPELINES "/outline.yaml", "--crop", "-1", "--out", path("b")}).exit_code,
+      2);
 }
 
 TEST_F(TemplateCommand, SaysWhereAMeshIsBroken) {

@@ -7,6 +7,7 @@
 
 #include "common/images/texture_file.hpp"
 #include "flattening.hpp"
+#include "remeshing.hpp"
 #include "surface.hpp"
 
 namespace weft::mesh {
@@ -24,8 +25,10 @@ class MeshTemplate final : public TemplateBuilder {
   static constexpr About kAbout{
       .reference =
           "Shetab-Bushehri et al., ROBUSfT, arXiv:2301.04037 (2023); Liu et al., A "
-          "local/global approach to mesh parameterization, SGP 2008",
-      .licence = "GPL-3.0-or-later"};  // CGAL's parameterization
+          "local/global approach to mesh parameterization, SGP 2008; Shewchuk, Delaunay "
+          "refinement algorithms for triangular mesh generation, Computational Geometry 22 "
+          "(2002)",
+      .licence = "GPL-3.0-or-later"};  // CGAL's parameterization and meshes
 
   explicit MeshTemplate(Params& p) {
     p.input_path("mesh", mesh_path_, "the object at rest, OBJ or PLY", Need::required);
@@ -38,6 +41,8 @@ class MeshTemplate final : public TemplateBuilder {
     p.choice("texel_origin", texel_origin_,
              {{"edge", TexelOrigin::edge}, {"centre", TexelOrigin::centre}},
              "where texture coordinate 0 is: the outer edge or the centre of the first texel");
+    p.read("vertices", vertices_, "", {0, 250000},
+           "of the mesh, about, to which the file's surface is meshed anew; 0: the file's");
   }
 
   /// The surface is not flattened here, which may take long.
@@ -67,13 +72,19 @@ class MeshTemplate final : public TemplateBuilder {
     const Points2 flat_px = to_px(surface->texture, texture->pixels.size());
     if (auto done = orient(*file, flat_px, surface->faces); !done) return done.error();
     if (auto legal = check_overlap(*file, flat_px, surface->faces); !legal) return legal.error();
-    keep_covered(flat_px, surface->faces, texture->mask);
-    Template templ = assemble(vertices_m, flat_px, surface->faces);
+    const auto m_per_px = texel_pitch(vertices_m, flat_px, surface->faces).m_per_px;
+    TexturedMesh mesh{vertices_m, flat_px, std::move(surface->faces)};
+    if (vertices_ > 0) {
+      auto fewer = remeshed(mesh_path_, mesh, vertices_);
+      if (!fewer) return fewer.error();
+      mesh = *std::move(fewer);
+    }
+    keep_covered(mesh.flat_px, mesh.faces, texture->mask);
+    Template templ = assemble(mesh, m_per_px);
     image_files::store(*texture, templ);
-    if (surface->parts == 1) return templ;
-    return degenerate(std::move(templ), mesh_path_ + ": the surface has " +
-                                            std::to_string(surface->parts) +
-                                            " parts that do not touch; solvers use the largest");
+    const std::string note = note_of(surface->parts, mesh.vertices_m.rows());
+    if (note.empty()) return templ;
+    return degenerate(std::move(templ), mesh_path_ + ": " + note);
   }
 
  private:
@@ -154,17 +165,30 @@ class MeshTemplate final : public TemplateBuilder {
     cv::bitwise_and(mask, covered, mask);
   }
 
-  static Template assemble(const Points3& vertices_m, const Points2& flat_px, const Faces& faces) {
+  static Template assemble(const TexturedMesh& mesh, const Eigen::Vector2d& m_per_px) {
     Template templ;
-    templ.vertices_m = make_array<double>(vertices_m);
-    templ.flat_px = make_array<double>(flat_px);
-    templ.faces = make_array<std::int32_t>(faces);
-    templ.m_per_px = make_array<double>(texel_pitch(vertices_m, flat_px, faces).m_per_px);
+    templ.vertices_m = make_array<double>(mesh.vertices_m);
+    templ.flat_px = make_array<double>(mesh.flat_px);
+    templ.faces = make_array<std::int32_t>(mesh.faces);
+    templ.m_per_px = make_array<double>(m_per_px);
     return templ;
+  }
+
+  std::string note_of(int parts, Eigen::Index made) const {
+    constexpr double kClose = 0.2;
+    if (parts > 1) {
+      return "the surface has " + std::to_string(parts) +
+             " parts that do not touch; solvers use the largest";
+    }
+    if (vertices_ == 0 || std::abs(static_cast<double>(made) / vertices_ - 1.0) <= kClose)
+      return {};
+    return "meshed anew it has " + std::to_string(made) + " vertices instead of " +
+           std::to_string(vertices_) + ": its pieces and borders in the texture need so many";
   }
 
   std::string mesh_path_, texture_path_;
   double unit_m_ = 1.0;
+  int vertices_ = 0;
   Coordinates coordinates_ = Coordinates::file;
   TexelOrigin texel_origin_ = TexelOrigin::edge;
 };
@@ -173,5 +197,5 @@ class MeshTemplate final : public TemplateBuilder {
 }  // namespace weft::mesh
 
 using weft::mesh::MeshTemplate;
-WEFT_PLUGIN(MeshTemplate, "templates/mesh", "1.0.0",
+WEFT_PLUGIN(MeshTemplate, "templates/mesh", "1.1.0",
             "A surface of any shape from an OBJ or PLY file and its texture picture.")

@@ -6,7 +6,8 @@
 #include <weft/sdk/template_builder.hpp>
 
 #include "common/images/texture_file.hpp"
-#include "plane_mesh.hpp"
+#include "common/plane_mesh.hpp"
+#include "polygons.hpp"
 #include "segmentation.hpp"
 
 namespace weft::outline {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <opencv2/imgproc.hpp>
 #include <weft/core/index.hpp>
 
@@ -100,21 +99,6 @@ Polygon resampled(const Polygon& polygon, double spacing_px) {
 }
 
 }  // namespace
-
-double area_px2(const Polygon& polygon) {
-  double twice = 0.0;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Eigen::Vector2d &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-    twice += a.x() * b.y() - a.y() * b.x();
-  }
-  return 0.5 * std::abs(twice);
-}
-
-double Outline::area_px2() const {
-  return std::accumulate(
-      holes.begin(), holes.end(), outline::area_px2(outer),
-      [](double area, const Polygon& hole) { return area - outline::area_px2(hole); });
-}
 
 Outline trace_outline(const cv::Mat& mask) {
   Outline outline;

@@ -179,6 +179,23 @@ TEST_F(MeshTemplate, CutsAClosedSurfaceWhereItsTextureIs) {
   EXPECT_NEAR(static_cast<double>(covered), 0.81 * 300 * 120, 0.03 * 300 * 120);
 }
 
+TEST_F(MeshTemplate, MeshesTheSurfaceAnewWithAboutSoManyVertices) {
+  const Template file = built(half_cylinder(true)),
+                 same = built(half_cylinder(true), ", vertices: 0");
+  EXPECT_EQ(same.vertices_m.matrix<3>(), file.vertices_m.matrix<3>());
+  const Template anew = built(half_cylinder(true), ", vertices: 40");
+  EXPECT_NEAR(static_cast<double>(anew.vertices_m.rows()), 40.0, 4.0);
+  EXPECT_EQ(anew.m_per_px(0), file.m_per_px(0));
+  EXPECT_EQ(anew.m_per_px(1), file.m_per_px(1));
+  EXPECT_EQ(std::count(anew.mask.data(), anew.mask.data() + anew.mask.size(), 1), 300 * 120);
+}
+
+TEST_F(MeshTemplate, SaysWhenTheTextureNeedsMoreVertices) {
+  const PluginAnswer outcome = build(write(cube()), ", unit_m: 0.1, vertices: 8");
+  EXPECT_EQ(outcome.status, WEFT_DEGENERATE);
+  EXPECT_THAT(outcome.message, HasSubstr("it has 24 vertices instead of 8"));
+}
+
 TEST_F(MeshTemplate, NamesTheLineOfASurfaceThatCannotBeUsed) {
   const std::string points =
       "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvt .5 .5\n";

@@ -8,7 +8,8 @@
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/mesh_validation.hpp>
 
-#include "plane_mesh.hpp"
+#include "common/plane_mesh.hpp"
+#include "polygons.hpp"
 #include "segmentation.hpp"
 
 namespace weft::outline {

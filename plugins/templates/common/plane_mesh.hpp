@@ -4,7 +4,7 @@
 #include <weft/core/result.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "polygons.hpp"
+#include "polygon.hpp"
 
 namespace weft::outline {
 
