@@ -15,6 +15,7 @@
 #include "cli/output/json_text.hpp"
 #include "cli/output/new_file.hpp"
 #include "cli/template/template_builder.hpp"
+#include "cli/template/template_commands.hpp"
 #include "cli/template/template_picture.hpp"
 #include "cli/template/template_text.hpp"
 #include "host/records/npz.hpp"
@@ -243,6 +244,7 @@ void add_template_command(CLI::App& app, Context& context) {
       ->option_text("FILE");
   add_overwrite(*viewer, shown->overwrite);
   viewer->callback([&context, shown] { run(*shown, context); });
+  add_template_check(*parent, context);
 }
 
 }  // namespace weft::cli

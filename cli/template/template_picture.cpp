@@ -12,18 +12,39 @@
 
 namespace weft::cli {
 
+namespace {
+
+const char* name_of(Picture picture) {
+  switch (picture) {
+    case Picture::mesh:
+      return "mesh";
+    case Picture::texture:
+      return "texture";
+    case Picture::matches:
+      return "matches";
+  }
+  return "";
+}
+
+}  // namespace
+
 Result<void> write_picture(const host::Registry& registry, const host::Record& templ,
+                           Picture picture, const std::string& path) {
+  const weft_record inputs[] = {templ.view("template")};
+  return write_picture(registry, inputs, picture, path);
+}
+
+Result<void> write_picture(const host::Registry& registry, std::span<const weft_record> inputs,
                            Picture picture, const std::string& path) {
   const auto spec = resolve_text(
       registry, fmt::format("{{use: sinks/drawing, params: {{path: {}, content: {}}}}}",
-                            yaml_quoted(path), picture == Picture::mesh ? "mesh" : "texture"));
+                            yaml_quoted(path), name_of(picture)));
   if (!spec) return spec.error();
   host::Lane lane(0, {});
   const auto instance = lane.instantiate(*spec, "drawing");
   if (!instance) return instance.error();
-  const weft_record inputs[] = {templ.view("template")};
   for (const int method : {kOpenSink, kWriteFrame, kFinishSink}) {
-    const std::span<const weft_record> given(inputs, method == kWriteFrame ? 1 : 0);
+    const auto given = method == kWriteFrame ? inputs : std::span<const weft_record>();
     const host::Outcome outcome = lane.call(**instance, method, given, host::kOfflineFrame);
     if (!outcome.usable()) return outcome.error;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "cli/commands.hpp"
@@ -11,10 +12,15 @@ namespace weft::cli {
 enum class Picture {
   mesh,     ///< over the texture, with the object where it is not flat
   texture,  ///< alone
+  matches,  ///< of a frame, with its shape
 };
 
 /// Writes a picture of a template as PNG; sinks/drawing draws it.
 Result<void> write_picture(const host::Registry& registry, const host::Record& templ,
+                           Picture picture, const std::string& path);
+
+/// The same with what else the picture shows.
+Result<void> write_picture(const host::Registry& registry, std::span<const weft_record> inputs,
                            Picture picture, const std::string& path);
 
 }  // namespace weft::cli

@@ -138,6 +138,47 @@ TEST_F(TemplateCommand, CropsTheTextureToTheObject) {
       2);
 }
 
+/// The same picture left to right, as a PPM or PGM file.
+std::string mirrored_picture(const Template& templ) {
+  const std::int64_t height = templ.texture.dim(0), width = templ.texture.dim(1);
+  const std::int64_t channels = templ.texture.dim(2);
+  std::string file = std::string(channels == 3 ? "P6 " : "P5 ") + std::to_string(width) + " " +
+                     std::to_string(height) + " 255\n";
+  for (std::int64_t y = 0; y < height; ++y) {
+    for (std::int64_t x = width - 1; x >= 0; --x) {
+      for (std::int64_t c = channels - 1; c >= 0; --c) {  // RGB of BGR
+        file += static_cast<char>(templ.texture.row(y)[channels * x + c]);
+      }
+    }
+  }
+  return file;
+}
+
+TEST_F(TemplateCommand, FindsNoFaultInTheTemplatesOfThisRepository) {
+  for (const char* name : {"/label.yaml", "/outline.yaml"}) {
+    const Ended checked = weft({"check", WEFT_PIPELINES + std::string(name)});
+    EXPECT_EQ(checked.exit_code, 0) << name << checked.out << checked.err;
+    EXPECT_THAT(checked.out, HasSubstr("no fault found"));
+  }
+}
+
+TEST_F(TemplateCommand, FindsMirroredImportsAndDrawsThem) {
+  for (const char* flip : {"u", "v", "space"}) {
+    const Ended checked =
+        weft({"check", WEFT_PIPELINES "/label.yaml", "--set", "template.flip=" + std::string(flip),
+              "--png", path(std::string(flip) + ".png")});
+    EXPECT_EQ(checked.exit_code, 1) << flip << checked.err;
+    EXPECT_THAT(checked.out, HasSubstr("the mesh is mirrored against its picture")) << flip;
+    EXPECT_TRUE(read_text(path(std::string(flip) + ".png")).starts_with("\x89PNG"));
+  }
+  PluginUnderTest builder("templates/mesh", "{" + kLabel + "}");
+  write(mirrored_picture(*builder.process(0, {}).get<Template>()), "mirrored.ppm");
+  const Ended picture = weft(
+      {"check", WEFT_PIPELINES "/label.yaml", "--set", "template.texture=" + path("mirrored.ppm")});
+  EXPECT_EQ(picture.exit_code, 1) << picture.err;
+  EXPECT_THAT(picture.out, HasSubstr("the picture of the texture is mirrored"));
+}
+
 TEST_F(TemplateCommand, SaysWhereAMeshIsBroken) {
   write("v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 4\n", "broken.obj");
   const Ended broken =

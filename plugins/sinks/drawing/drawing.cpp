@@ -5,22 +5,26 @@
 #include <weft/core/whole_file.hpp>
 #include <weft/sdk/sink.hpp>
 
+#include "match_picture.hpp"
 #include "picture.hpp"
 
 namespace weft::drawing {
 namespace {
 
-enum class Content { mesh, texture };
+enum class Content { mesh, texture, matches };
 
-/// A picture of the template, which is the same in all frames.
+/// A picture of the template, which is the same in all frames, or of the first frame with a shape.
 class Drawing final : public Sink {
  public:
-  static constexpr About kAbout{.needs = "template"};
+  static constexpr About kAbout{.needs = "template", .reads = "image camera correspondences shape"};
 
   explicit Drawing(Params& p) {
     p.output_path("path", path_, "PNG file");
-    p.choice("content", content_, {{"mesh", Content::mesh}, {"texture", Content::texture}},
-             "the mesh over the texture, with the object where it is not flat; or the texture");
+    p.choice(
+        "content", content_,
+        {{"mesh", Content::mesh}, {"texture", Content::texture}, {"matches", Content::matches}},
+        "the mesh over the texture, with the object where it is not flat; the texture; or the "
+        "first image with a shape, its mesh and how far its matches are off");
   }
 
   Result<void> open(const Call&) override {
@@ -30,13 +34,14 @@ class Drawing final : public Sink {
 
   Result<void> write(const SinkInput& in) override {
     if (is_written_) return {};
+    const bool has_all = in.image && in.camera && in.correspondences && in.shape;
+    if (content_ == Content::matches && !has_all) return {};
     std::vector<std::uint8_t> png;
-    const cv::Mat picture =
-        content_ == Content::mesh ? draw_mesh(*in.templ) : texture_of(*in.templ);
+    const cv::Mat picture = picture_of(in);
     const std::vector<int> small{cv::IMWRITE_PNG_COMPRESSION, 6, cv::IMWRITE_PNG_STRATEGY,
                                  cv::IMWRITE_PNG_STRATEGY_DEFAULT};
     if (!cv::imencode(".png", picture, png, small)) {
-      return Error{Errc::unsupported, "the picture of the template is too large for PNG", path_};
+      return Error{Errc::unsupported, "the picture is too large for PNG", path_};
     }
     const std::string_view bytes(reinterpret_cast<const char*>(png.data()), png.size());
     if (auto written = write_whole(bytes, path_); !written) return written;
@@ -47,6 +52,11 @@ class Drawing final : public Sink {
   Result<void> finish(const Call&) override { return {}; }
 
  private:
+  cv::Mat picture_of(const SinkInput& in) const {
+    if (content_ == Content::matches) return draw_matches(in);
+    return content_ == Content::mesh ? draw_mesh(*in.templ) : texture_of(*in.templ);
+  }
+
   std::string path_ = "template.png";
   Content content_ = Content::mesh;
   bool is_written_ = false;
@@ -56,4 +66,4 @@ class Drawing final : public Sink {
 }  // namespace weft::drawing
 
 using weft::drawing::Drawing;
-WEFT_PLUGIN(Drawing, "sinks/drawing", "1.0.0", "A picture of the template and its mesh.")
+WEFT_PLUGIN(Drawing, "sinks/drawing", "1.1.0", "A picture of the template and its mesh.")

@@ -17,6 +17,8 @@ namespace {
 enum class Coordinates { file, flattened };
 /// Where coordinate 0 is: the outer edge or the centre of the picture's first texel.
 enum class TexelOrigin { edge, centre };
+/// What of a mesh that was mirrored on its way is turned back.
+enum class Flip { none, u, v, both, space };
 
 /// A surface of any shape from a mesh file, with its texture: flat, curved or closed. It is cut
 /// where its texture is.
@@ -41,6 +43,14 @@ class MeshTemplate final : public TemplateBuilder {
     p.choice("texel_origin", texel_origin_,
              {{"edge", TexelOrigin::edge}, {"centre", TexelOrigin::centre}},
              "where texture coordinate 0 is: the outer edge or the centre of the first texel");
+    p.choice("flip", flip_,
+             {{"none", Flip::none},
+              {"u", Flip::u},
+              {"v", Flip::v},
+              {"both", Flip::both},
+              {"space", Flip::space}},
+             "what is turned of a mesh that came mirrored: its texture coordinates left to right "
+             "(u), upside down (v) or both; its x axis (space)");
     p.read("vertices", vertices_, "", {0, 250000},
            "of the mesh, about, to which the file's surface is meshed anew; 0: the file's");
   }
@@ -66,7 +76,8 @@ class MeshTemplate final : public TemplateBuilder {
     if (!file) return file.error();
     auto surface = weld(*file);
     if (!surface) return surface.error();
-    const Points3 vertices_m = unit_m_ * surface->vertices;
+    Points3 vertices_m = unit_m_ * surface->vertices;
+    if (flip_ == Flip::space) vertices_m.col(0) *= -1.0;
     if (auto legal = check_size(vertices_m); !legal) return legal.error();
     if (auto found = find_coordinates(*file, *surface); !found) return found.error();
     const Points2 flat_px = to_px(surface->texture, texture->pixels.size());
@@ -144,9 +155,14 @@ class MeshTemplate final : public TemplateBuilder {
 
   Points2 to_px(const Points2& texture, cv::Size size) const {
     const double origin_px = texel_origin_ == TexelOrigin::edge ? -0.5 : 0.0;
+    const bool in_u = flip_ == Flip::u || flip_ == Flip::both;
+    const bool in_v = flip_ == Flip::v || flip_ == Flip::both;
+    Eigen::ArrayXd along_u = texture.col(0), along_v = texture.col(1);
+    if (in_u) along_u = 1.0 - along_u;
+    if (in_v) along_v = 1.0 - along_v;
     Points2 flat_px(texture.rows(), 2);
-    flat_px.col(0) = texture.col(0).array() * size.width + origin_px;
-    flat_px.col(1) = (1.0 - texture.col(1).array()) * size.height + origin_px;
+    flat_px.col(0) = along_u * size.width + origin_px;
+    flat_px.col(1) = (1.0 - along_v) * size.height + origin_px;
     return flat_px;
   }
 
@@ -188,6 +204,7 @@ class MeshTemplate final : public TemplateBuilder {
 
   std::string mesh_path_, texture_path_;
   double unit_m_ = 1.0;
+  Flip flip_ = Flip::none;
   int vertices_ = 0;
   Coordinates coordinates_ = Coordinates::file;
   TexelOrigin texel_origin_ = TexelOrigin::edge;

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <stdlib.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
@@ -117,6 +119,55 @@ TEST_F(DrawingTest, SaysWhichFileCannotBeWritten) {
   const PluginAnswer outcome = write(half_sheet(), "");
   EXPECT_EQ(outcome.status, WEFT_ERROR);
   EXPECT_THAT(outcome.message, ::testing::HasSubstr("cannot be written"));
+}
+
+TEST_F(DrawingTest, ShowsHowFarMatchesAreOffTheirPlacesOnTheShape) {
+  const Template sheet = weft::testing::make_template({5, 3, 0.4, 0.2, 800, 400});
+  const weft::Camera camera = weft::testing::make_camera();
+  weft::Shape shape;
+  shape.vertices_m = weft::Array<double>({15, 3});
+  for (int v = 0; v < 15; ++v) {
+    shape.vertices_m(v, 0) = sheet.vertices_m(v, 0) - 0.2;
+    shape.vertices_m(v, 1) = sheet.vertices_m(v, 1) - 0.1;
+    shape.vertices_m(v, 2) = 1.0;
+  }
+  shape.source = weft::Array<std::uint8_t>({15}, 1);
+  weft::Image image;
+  image.pixels = weft::Array<std::uint8_t>({camera.height_px, camera.width_px}, 100);
+  image.stem = "a";
+  // On the first corner of the first face, but seen 40 px to the right of it.
+  const double right_px = camera.cx + camera.fx * shape.vertices_m(sheet.faces(0, 0), 0) + 40.0;
+  const double down_px = camera.cy + camera.fy * shape.vertices_m(sheet.faces(0, 0), 1);
+  weft::Correspondences matches;
+  matches.template_px = weft::Array<double>({1, 2}, 0.0);
+  matches.image_px = weft::Array<double>({1, 2});
+  matches.image_px(0, 0) = right_px, matches.image_px(0, 1) = down_px;
+  matches.face = weft::Array<std::int32_t>({1}, 0);
+  matches.barycentrics = weft::Array<double>({1, 3}, 0.0);
+  matches.barycentrics(0, 0) = 1.0;
+  matches.kept = weft::Array<std::uint8_t>({1}, 1);
+  matches.score = weft::Array<double>({1}, 1.0);
+  PluginUnderTest sink("sinks/drawing",
+                       "{path: '" + (folder_ / "it.png").string() + "', content: matches}");
+  static_cast<void>(sink.process(kOpen, {}));
+  EXPECT_EQ(sink.process(kWrite, {input("template", sheet)}).status, WEFT_OK);
+  EXPECT_FALSE(fs::exists(folder_ / "it.png")) << "there is no shape yet";
+  const PluginAnswer outcome = sink.process(
+      kWrite, {input("template", sheet), input("image", image), input("camera", camera),
+               input("correspondences", matches), input("shape", shape)});
+  EXPECT_EQ(outcome.status, WEFT_OK) << outcome.message;
+  const cv::Mat picture = cv::imread((folder_ / "it.png").string());
+  ASSERT_EQ(picture.cols, camera.width_px);
+  const auto redness = [&](double x, double y) {
+    const auto colour =
+        picture.at<cv::Vec3b>(static_cast<int>(std::lround(y)), static_cast<int>(std::lround(x)));
+    return static_cast<int>(colour[2]) - colour[0];
+  };
+  // Half-way between, beside the edge that runs there in another colour.
+  int most = -255;
+  for (int y = -2; y <= 2; ++y) most = std::max(most, redness(right_px - 10.0, down_px + y));
+  EXPECT_GT(most, 100);
+  EXPECT_LT(std::abs(redness(20.0, 20.0)), 3);
 }
 
 }  // namespace

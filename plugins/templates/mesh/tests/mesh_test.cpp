@@ -156,6 +156,25 @@ TEST_F(MeshTemplate, TurnsAMeshThatWasExportedInsideOut) {
   }
 }
 
+TEST_F(MeshTemplate, TurnsBackAMeshThatCameMirrored) {
+  const Template given = built(half_cylinder(true));
+  const Points2 at_px = given.flat_px.matrix<2>();
+  for (const bool in_u : {false, true}) {
+    for (const bool in_v : {false, true}) {
+      const char* flip = in_u && in_v ? "both" : in_u ? "u" : in_v ? "v" : "none";
+      const Template turned = built(half_cylinder(true), std::string(", flip: ") + flip);
+      EXPECT_EQ(turned.vertices_m.matrix<3>(), given.vertices_m.matrix<3>());
+      for (std::int64_t v = 0; v < at_px.rows(); ++v) {
+        EXPECT_NEAR(turned.flat_px(v, 0), in_u ? 299.0 - at_px(v, 0) : at_px(v, 0), 1e-9);
+        EXPECT_NEAR(turned.flat_px(v, 1), in_v ? 119.0 - at_px(v, 1) : at_px(v, 1), 1e-9);
+      }
+    }
+  }
+  const Template mirrored = built(half_cylinder(true), ", flip: space");
+  EXPECT_EQ(mirrored.flat_px.matrix<2>(), at_px);
+  EXPECT_EQ(mirrored.vertices_m.matrix<3>().col(0), -given.vertices_m.matrix<3>().col(0));
+}
+
 TEST_F(MeshTemplate, LaysAHalfCylinderFlatAsTheRectangleThatItIs) {
   const Template given = built(half_cylinder(true));
   const Template laid = built(half_cylinder(false), ", coordinates: flattened");

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/execution/executor.hpp"
+#include "pipeline/survey/template_faults.hpp"
+
+namespace weft {
+
+/// A pipeline's frame 0 up to its last matches, and what they say.
+struct FirstFrame {
+  FirstLook look;
+  host::RecordPtr templ, camera, image;
+  host::RecordPtr matches;  ///< null where a stage had none
+};
+
+/// Runs the stages up to the matches on frame 0, with the texture as it is and mirrored.
+Result<FirstFrame> look_at_first_frame(const PipelineConfig& config, const Graph& graph,
+                                       host::Lane& lane);
+
+}  // namespace weft

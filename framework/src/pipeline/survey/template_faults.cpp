@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/survey/template_faults.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <weft/core/index.hpp>
+#include <weft/geometry/face_locator.hpp>
+
+namespace weft {
+namespace {
+
+constexpr std::array kFlips{Flip::none, Flip::u, Flip::v, Flip::both, Flip::space};
+
+/// A place of the texture where it was before the coordinates were turned.
+Eigen::Vector2d turned_back(const Eigen::Vector2d& at_px, Flip flip, const Template& templ) {
+  const auto width = static_cast<double>(templ.texture.dim(1));
+  const auto height = static_cast<double>(templ.texture.dim(0));
+  const bool in_u = flip == Flip::u || flip == Flip::both;
+  const bool in_v = flip == Flip::v || flip == Flip::both;
+  return {in_u ? width - 1.0 - at_px.x() : at_px.x(), in_v ? height - 1.0 - at_px.y() : at_px.y()};
+}
+
+void mirror_rows(const Array<std::uint8_t>& from, Array<std::uint8_t>& to) {
+  const std::int64_t width = from.dim(1), channels = from.dim(2);
+  for (std::int64_t y = 0; y < from.dim(0); ++y) {
+    for (std::int64_t x = 0; x < width; ++x) {
+      std::copy_n(from.row(y) + channels * x, channels, to.row(y) + channels * (width - 1 - x));
+    }
+  }
+}
+
+std::string tenths(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.1f", value);
+  return text.data();
+}
+
+}  // namespace
+
+const char* to_string(Flip flip) {
+  constexpr std::array kNames{"none", "u", "v", "both", "space"};
+  return kNames[static_cast<std::size_t>(flip)];
+}
+
+std::vector<FlippedFit> fit_flipped(const Template& templ, const Camera& camera,
+                                    const Correspondences& matches) {
+  std::vector<FlippedFit> fits;
+  const auto locator = FaceLocator::create(templ.flat_px.matrix<2>(), templ.faces.matrix<3>());
+  if (!locator) return fits;
+  const Points3 vertices_m = templ.vertices_m.matrix<3>();
+  for (const Flip flip : kFlips) {
+    std::vector<Eigen::RowVector3d> points_m;
+    std::vector<Eigen::RowVector2d> pixels;
+    for (std::int64_t i = 0; i < matches.count(); ++i) {
+      if (matches.kept(i) == 0) continue;
+      const Eigen::Vector2d at(matches.template_px(i, 0), matches.template_px(i, 1));
+      const FaceLocation on = locator->locate(turned_back(at, flip, templ));
+      if (on.face < 0) continue;
+      Eigen::RowVector3d& point = points_m.emplace_back(Eigen::RowVector3d::Zero());
+      for (int k = 0; k < 3; ++k) point += on.weights(k) * vertices_m.row(templ.faces(on.face, k));
+      pixels.emplace_back(matches.image_px(i, 0), matches.image_px(i, 1));
+    }
+    Points3 all_m(static_cast<Eigen::Index>(points_m.size()), 3);
+    Points2 all_px(all_m.rows(), 2);
+    for (Eigen::Index i = 0; i < all_m.rows(); ++i) {
+      all_m.row(i) = points_m[to_index(i)];
+      all_px.row(i) = pixels[to_index(i)];
+    }
+    if (flip == Flip::space) all_m.col(0) *= -1.0;
+    const auto pose = rest_pose({camera.fx, camera.fy, camera.cx, camera.cy}, all_m, all_px);
+    if (pose) fits.push_back({flip, all_m.rows(), *pose});
+  }
+  return fits;
+}
+
+Template mirrored(const Template& templ) {
+  Template result = templ;
+  const std::int64_t height = templ.texture.dim(0), width = templ.texture.dim(1);
+  result.texture = templ.texture.ndim() == 3
+                       ? Array<std::uint8_t>({height, width, templ.texture.dim(2)})
+                       : Array<std::uint8_t>({height, width});
+  result.mask = Array<std::uint8_t>({height, width});
+  mirror_rows(templ.texture, result.texture);
+  mirror_rows(templ.mask, result.mask);
+  result.flat_px = Array<double>({templ.flat_px.rows(), 2});
+  for (std::int64_t v = 0; v < templ.flat_px.rows(); ++v) {
+    result.flat_px(v, 0) = static_cast<double>(width - 1) - templ.flat_px(v, 0);
+    result.flat_px(v, 1) = templ.flat_px(v, 1);
+  }
+  result.faces = Array<std::int32_t>({templ.faces.rows(), 3});
+  for (std::int64_t f = 0; f < templ.faces.rows(); ++f) {
+    result.faces(f, 0) = templ.faces(f, 0);
+    result.faces(f, 1) = templ.faces(f, 2);
+    result.faces(f, 2) = templ.faces(f, 1);
+  }
+  return result;
+}
+
+std::vector<std::string> faults_of(const FirstLook& look) {
+  constexpr std::int64_t kFewest = 30;
+  constexpr double kClearly = 2.0, kNoise_px = 1.0, kAtRest = 0.02;
+  std::vector<std::string> faults;
+  const std::string kept = std::to_string(look.kept);
+  if (look.kept_mirrored >= kFewest && look.kept_mirrored > 3 * look.kept) {
+    faults.push_back("the picture of the texture is mirrored: " + kept +
+                     " of its matches are kept, and " + std::to_string(look.kept_mirrored) +
+                     " once it is mirrored; mirror its file left to right");
+    return faults;
+  }
+  if (look.kept < kFewest) {
+    faults.push_back("only " + kept +
+                     " matches are kept, too few to judge by: is the texture that of the object, "
+                     "and is the object in view, large and sharp enough?");
+    return faults;
+  }
+  if (look.fits.empty() || look.fits.front().flip != Flip::none) {
+    faults.push_back(
+        "the matches lie beside the mesh in the texture: its texture coordinates are "
+        "for another picture");
+    return faults;
+  }
+  const FlippedFit& given = look.fits.front();
+  const auto best = std::min_element(
+      look.fits.begin(), look.fits.end(),
+      [](const FlippedFit& a, const FlippedFit& b) { return a.pose.median_px < b.pose.median_px; });
+  const double given_px = given.pose.median_px, best_px = best->pose.median_px;
+  if (given_px > kNoise_px && given_px > kClearly * best_px && 2 * best->matches >= given.matches) {
+    faults.push_back("the mesh is mirrored against its picture: at rest it is " + tenths(given_px) +
+                     " px off its matches (median), and " + tenths(best_px) +
+                     " px with flip: " + to_string(best->flip) + "; set that");
+  } else if (given_px > kNoise_px && given_px > kAtRest * look.size_px) {
+    faults.push_back("the object at rest is " + tenths(given_px) +
+                     " px off its matches (median), " + tenths(100.0 * given_px / look.size_px) +
+                     " % of its size: the texture coordinates disagree with the mesh, or the frame "
+                     "does not show it at rest, or the camera is another");
+  }
+  return faults;
+}
+
+}  // namespace weft

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+#include <weft/data/camera.hpp>
+#include <weft/data/correspondences.hpp>
+#include <weft/data/template.hpp>
+
+#include "pipeline/survey/rest_pose.hpp"
+
+namespace weft {
+
+/// How a mesh may have been mirrored on its way into a file: not at all; its texture coordinates
+/// left to right, upside down or both; its vertices in space.
+enum class Flip { none, u, v, both, space };
+const char* to_string(Flip flip);
+
+/// How well the object at rest explains a frame's matches once it is mirrored so.
+struct FlippedFit {
+  Flip flip = Flip::none;
+  std::int64_t matches = 0;  ///< [] that lie on the mesh
+  RestPose pose;
+};
+
+/// What a frame that shows the object about at rest says of its template.
+struct FirstLook {
+  std::int64_t kept = 0;           ///< [] matches that filters left
+  std::int64_t kept_mirrored = 0;  ///< [] the same with the picture of the texture mirrored
+  double size_px = 0.0;            ///< [] diagonal of the box around those matches
+  std::vector<FlippedFit> fits;    ///< as given first; without those that no pose explains
+};
+
+/// Fits the object to the kept matches, mirrored in each way.
+std::vector<FlippedFit> fit_flipped(const Template& templ, const Camera& camera,
+                                    const Correspondences& matches);
+
+/// The same object with its picture, and all in it, mirrored left to right.
+Template mirrored(const Template& templ);
+
+/// Sentences that name each fault and what mends it; empty where there is none.
+std::vector<std::string> faults_of(const FirstLook& look);
+
+}  // namespace weft
