@@ -19,7 +19,7 @@ struct ValueProgress {
 struct FolderCosts {
   double seconds = 0.0;  ///< [s] of processes, by the times at which files of lines begin and end;
                          ///< 0 where the file system does not tell, or the folder is a copy
-  double bytes = 0.0;  ///< [bytes]
+  double bytes = 0.0;    ///< [bytes]
 };
 FolderCosts costs_of(const std::string& folder);
 

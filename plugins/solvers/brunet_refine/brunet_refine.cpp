@@ -10,7 +10,7 @@
 #include <weft/geometry/shape_evidence.hpp>
 #include <weft/sdk/solver.hpp>
 
-#include "common/seen_points.hpp"
+#include "common/seen/seen_points.hpp"
 #include "confidence.hpp"
 #include "match_sightlines.hpp"
 #include "refinement.hpp"

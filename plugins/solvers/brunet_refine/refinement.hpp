@@ -11,7 +11,7 @@
 #include <weft/geometry/bspline_basis.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "common/seen_points.hpp"
+#include "common/seen/seen_points.hpp"
 #include "common/spline_equations.hpp"
 #include "spline_costs.hpp"
 

@@ -12,7 +12,7 @@
 
 #include "common/cholesky/block_cholesky.hpp"
 #include "common/cholesky/couplings.hpp"
-#include "common/seen_points.hpp"
+#include "common/seen/seen_points.hpp"
 #include "match_depths.hpp"
 
 namespace weft::famouri_local {

@@ -10,7 +10,7 @@
 #include <weft/geometry/mesh_validation.hpp>
 #include <weft/sdk/solver.hpp>
 
-#include "common/seen_points.hpp"
+#include "common/seen/seen_points.hpp"
 #include "common/shape_signs.hpp"
 #include "confidence.hpp"
 #include "depth_mesh.hpp"

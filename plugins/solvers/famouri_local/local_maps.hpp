@@ -9,7 +9,7 @@
 #include <weft/data/camera.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "common/seen_points.hpp"
+#include "common/seen/seen_points.hpp"
 #include "local_map.hpp"
 #include "nearest_places.hpp"
 

@@ -9,7 +9,7 @@
 #include <vector>
 #include <weft/geometry/types.hpp>
 
-#include "common/seen_points.hpp"
+#include "common/seen/seen_points.hpp"
 
 namespace weft::famouri_local {
 

@@ -9,7 +9,7 @@
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/sdk/solver.hpp>
 
-#include "common/seen_points.hpp"
+#include "common/seen/seen_points.hpp"
 #include "random_bend.hpp"
 #include "rigid_pose.hpp"
 

@@ -7,7 +7,7 @@
 #include <weft/data/camera.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "common/seen_points.hpp"
+#include "common/seen/seen_points.hpp"
 
 namespace weft::plain_start {
 

@@ -6,7 +6,7 @@
 #include <weft/data/camera.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "common/seen_points.hpp"
+#include "common/seen/seen_points.hpp"
 #include "smooth_modes.hpp"
 
 namespace weft::salzmann_closed_form {

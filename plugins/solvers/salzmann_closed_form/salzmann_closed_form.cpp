@@ -9,7 +9,7 @@
 #include <weft/geometry/mesh_validation.hpp>
 #include <weft/sdk/solver.hpp>
 
-#include "common/seen_points.hpp"
+#include "common/seen/seen_points.hpp"
 #include "common/shape_signs.hpp"
 #include "common/strain_confidence.hpp"
 #include "length_equations.hpp"

@@ -88,8 +88,8 @@ TEST(PartMetrics, HaveSampledDistancesWhereTheseAreAskedFor) {
   for (const PartMetrics& part : metrics->parts) {
     EXPECT_GT(part.surface.sampled.from_truth_mm, part.surface.from_truth_mm) << part.part;
   }
-  EXPECT_THAT(to_table(*metrics), AllOf(HasSubstr("parts of the truth"), HasSubstr("close, sampled"),
-                                        HasSubstr("far, sampled")));
+  EXPECT_THAT(to_table(*metrics), AllOf(HasSubstr("parts of the truth"),
+                                        HasSubstr("close, sampled"), HasSubstr("far, sampled")));
 }
 
 TEST(PartMetrics, AreFoundByTheirNamesAndComeBackFromJson) {

@@ -12,7 +12,7 @@
 #include "common/cholesky/couplings.hpp"
 #include "common/convex/barrier.hpp"
 #include "common/convex/patch_prior.hpp"
-#include "common/seen_points.hpp"
+#include "common/seen/seen_points.hpp"
 
 namespace weft::solvers {
 

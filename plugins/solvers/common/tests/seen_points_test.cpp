@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/seen_points.hpp"
+#include "common/seen/seen_points.hpp"
 
 #include <gtest/gtest.h>
 

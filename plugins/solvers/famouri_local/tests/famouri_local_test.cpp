@@ -12,7 +12,7 @@
 #include <weft/testing/plugin_under_test.hpp>
 #include <weft/testing/synthetic.hpp>
 
-#include "common/seen_points.hpp"
+#include "common/seen/seen_points.hpp"
 #include "match_depths.hpp"
 
 namespace weft::famouri_local {
