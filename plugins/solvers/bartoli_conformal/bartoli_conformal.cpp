@@ -13,6 +13,13 @@ namespace weft::bartoli_conformal {
 namespace {
 
 constexpr std::size_t kFewestPoints = 50;
+// Fitted to simulated sheets: docs/evidence/0023-confidence-of-solvers.md.
+constexpr solvers::ConfidenceWeights kConfidence{.bias = -28.556,
+                                                 .strain = -1.686,
+                                                 .strain_p95 = -1.435,
+                                                 .size = 2.357,
+                                                 .agreeing = 0.534,
+                                                 .share = 0.681};
 
 /// The closed-form conformal solution: a surface whose local scale is free.
 class BartoliConformal final : public Solver {
@@ -49,7 +56,8 @@ class BartoliConformal final : public Solver {
     if (auto fitted = surface_.fit(reading.places_px, found->points_m, smoothing_); !fitted) {
       return fitted.error();
     }
-    auto shape = solvers::surface_shape(in, grid_, surface_.at(in.templ.flat_px.matrix<2>()));
+    auto shape =
+        solvers::surface_shape(in, grid_, surface_.at(in.templ.flat_px.matrix<2>()), kConfidence);
     if (!shape) return shape;
     // Half where the other surface is as likely.
     const double chosen = found->scale_spread, other = found->other_scale_spread;
@@ -75,5 +83,5 @@ class BartoliConformal final : public Solver {
 }  // namespace weft::bartoli_conformal
 
 using weft::bartoli_conformal::BartoliConformal;
-WEFT_PLUGIN(BartoliConformal, "solvers/bartoli_conformal", "1.0.0",
+WEFT_PLUGIN(BartoliConformal, "solvers/bartoli_conformal", "1.1.0",
             "Closed-form conformal shape from a warp and its first derivatives.")

@@ -12,6 +12,16 @@ namespace weft::bartoli_isometric {
 namespace {
 
 constexpr std::size_t kFewestPoints = 16;
+// Fitted to simulated sheets: docs/evidence/0023-confidence-of-solvers.md.
+constexpr solvers::ConfidenceWeights kConfidence{.bias = -27.760,
+                                                 .strain = -0.588,
+                                                 .strain_p95 = -0.576,
+                                                 .residual = -1.285,
+                                                 .roughness = -3.896,
+                                                 .size = 2.087,
+                                                 .agreeing = 1.291,
+                                                 .share = 1.058,
+                                                 .coverage = 0.499};
 
 /// The closed-form isometric solution: depth from a warp and its first derivatives.
 class BartoliIsometric final : public Solver {
@@ -42,7 +52,8 @@ class BartoliIsometric final : public Solver {
     if (auto fitted = surface_.fit(found.places_px, found.points_m, smoothing_); !fitted) {
       return fitted.error();
     }
-    auto shape = solvers::surface_shape(in, grid_, surface_.at(in.templ.flat_px.matrix<2>()));
+    auto shape =
+        solvers::surface_shape(in, grid_, surface_.at(in.templ.flat_px.matrix<2>()), kConfidence);
     if (!shape) return shape;
     shape->diag.set("points", static_cast<double>(found.points.size()));
     shape->diag.set("folded_points", static_cast<double>(found.folded));
@@ -61,5 +72,5 @@ class BartoliIsometric final : public Solver {
 }  // namespace weft::bartoli_isometric
 
 using weft::bartoli_isometric::BartoliIsometric;
-WEFT_PLUGIN(BartoliIsometric, "solvers/bartoli_isometric", "1.0.0",
+WEFT_PLUGIN(BartoliIsometric, "solvers/bartoli_isometric", "1.1.0",
             "Closed-form isometric shape from a warp and its first derivatives.")

@@ -15,6 +15,15 @@ namespace {
 
 constexpr std::size_t kFewestPoints = 50;
 constexpr double kLeastShare = 0.2;  // of the template; less bends no surface reliably
+// Fitted to simulated sheets: docs/evidence/0023-confidence-of-solvers.md.
+constexpr solvers::ConfidenceWeights kConfidence{.bias = -20.462,
+                                                 .strain = -0.566,
+                                                 .residual = -1.159,
+                                                 .roughness = -1.308,
+                                                 .size = 2.481,
+                                                 .agreeing = 0.384,
+                                                 .share = 3.432,
+                                                 .coverage = 0.417};
 
 enum class Variant { cvpr2014, tpami2017 };
 
@@ -62,7 +71,8 @@ class ChhatkuliStable final : public Solver {
     if (auto fitted = surface_.fit(reading.places_px, depth->points_m, smoothing_); !fitted) {
       return fitted.error();
     }
-    auto shape = solvers::surface_shape(in, grid_, surface_.at(in.templ.flat_px.matrix<2>()));
+    auto shape =
+        solvers::surface_shape(in, grid_, surface_.at(in.templ.flat_px.matrix<2>()), kConfidence);
     if (!shape) return shape;
     report(reading, *depth, shape->diag);
     if (warp->degenerate_reason.empty()) return shape;
@@ -106,5 +116,5 @@ class ChhatkuliStable final : public Solver {
 }  // namespace weft::chhatkuli_stable
 
 using weft::chhatkuli_stable::ChhatkuliStable;
-WEFT_PLUGIN(ChhatkuliStable, "solvers/chhatkuli_stable", "1.0.0",
+WEFT_PLUGIN(ChhatkuliStable, "solvers/chhatkuli_stable", "1.1.0",
             "Closed-form isometric shape, integrated from gradients or normals.")

@@ -5,14 +5,12 @@
 #include <string>
 #include <utility>
 #include <vector>
-#include <weft/core/statistics.hpp>
 #include <weft/geometry/distance_constraints.hpp>
 #include <weft/geometry/mesh_validation.hpp>
 #include <weft/sdk/solver.hpp>
 
 #include "common/seen/seen_points.hpp"
 #include "common/shape_signs.hpp"
-#include "confidence.hpp"
 #include "depth_mesh.hpp"
 #include "match_depths.hpp"
 
@@ -21,6 +19,14 @@ namespace {
 
 constexpr std::size_t kFewestMatches = 10;
 constexpr std::size_t kFewestDepths = 10;
+// Fitted to simulated sheets: docs/evidence/0023-confidence-of-solvers.md.
+constexpr solvers::ConfidenceWeights kConfidence{.bias = -9.296,
+                                                 .strain = -1.885,
+                                                 .strain_p95 = -1.052,
+                                                 .roughness = -0.018,
+                                                 .agreeing = 0.671,
+                                                 .share = 4.441,
+                                                 .coverage = 3.146};
 
 /// Depth of each match from its nearest neighbours alone, then a mesh through the points.
 class FamouriLocal final : public Solver {
@@ -93,15 +99,10 @@ class FamouriLocal final : public Solver {
     const std::vector<std::uint8_t> seen = solvers::vertices_seen(found.points, vertices_m.rows());
     std::copy(seen.begin(), seen.end(), shape.source.data());
     const solvers::ShapeSigns signs = solvers::shape_signs(in, edges_, vertices_m);
-    const double strain = signs.strain;
     double std_m = 0.0;
     for (const LocalDepth& depth : found.depths) std_m += depth.std_m;
     std_m /= static_cast<double>(found.depths.size());
-    const auto rest_m = in.templ.vertices_m.matrix<3>();
-    const double diagonal_m = (rest_m.colwise().maxCoeff() - rest_m.colwise().minCoeff()).norm();
-    const ShapeEvidence& evidence = signs.evidence;
-    shape.confidence = confidence(strain, std_m, diagonal_m, evidence.agreeing) *
-                       confidence_of_filters(in.correspondences);
+    shape.confidence = solvers::confidence(signs, kConfidence, in.correspondences);
     shape.diag.set("depths", static_cast<double>(found.depths.size()));
     shape.diag.set("contradicting_matches", found.contradicting);
     shape.diag.set("undetermined_depths", found.undetermined);
@@ -126,5 +127,5 @@ class FamouriLocal final : public Solver {
 }  // namespace weft::famouri_local
 
 using weft::famouri_local::FamouriLocal;
-WEFT_PLUGIN(FamouriLocal, "solvers/famouri_local", "1.0.0",
+WEFT_PLUGIN(FamouriLocal, "solvers/famouri_local", "1.1.0",
             "Depth of each match from its nearest neighbours, then a mesh through the points.")

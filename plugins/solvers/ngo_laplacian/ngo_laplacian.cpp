@@ -13,6 +13,14 @@
 namespace weft::ngo_laplacian {
 namespace {
 
+// Fitted to simulated sheets: docs/evidence/0023-confidence-of-solvers.md.
+constexpr solvers::ConfidenceWeights kConfidence{.bias = -9.751,
+                                                 .strain = -1.731,
+                                                 .strain_p95 = -0.556,
+                                                 .agreeing = 0.407,
+                                                 .share = 0.188,
+                                                 .coverage = 3.605};
+
 /// Where an iteration began; the numbers are those of diag.start.
 enum class Start { previous = 0, convex = 1, linear = 2 };
 
@@ -62,7 +70,7 @@ class NgoLaplacian final : public Solver {
     if (previous_m) offer(Start::previous, *previous_m);
     if (!best) return no_result("the constrained steps ran away from every start");
     auto shape = solvers::shape_of_controls(in, front_.mesh(), front_.matches(), front_.inliers(),
-                                            best->controls_m);
+                                            best->controls_m, kConfidence);
     if (!shape) return shape;
     shape->diag.set("iterations", best->iterations);
     shape->diag.set("energy_m2", best->energy_m2);
@@ -102,5 +110,5 @@ class NgoLaplacian final : public Solver {
 }  // namespace weft::ngo_laplacian
 
 using weft::ngo_laplacian::NgoLaplacian;
-WEFT_PLUGIN(NgoLaplacian, "solvers/ngo_laplacian", "1.0.0",
+WEFT_PLUGIN(NgoLaplacian, "solvers/ngo_laplacian", "1.1.0",
             "Shape of a Laplacian mesh under constraints on lengths; it finds its own outliers.")

@@ -10,6 +10,15 @@
 namespace weft::ostlund_laplacian {
 namespace {
 
+// Fitted to simulated sheets: docs/evidence/0023-confidence-of-solvers.md.
+constexpr solvers::ConfidenceWeights kConfidence{.bias = -32.454,
+                                                 .strain = -1.020,
+                                                 .strain_p95 = -0.090,
+                                                 .residual = -0.609,
+                                                 .size = 3.596,
+                                                 .agreeing = 1.322,
+                                                 .share = 9.377};
+
 /// A mesh moved by few control vertices: linear with outlier rejection, then without stretch.
 class OstlundLaplacian final : public Solver {
  public:
@@ -35,7 +44,7 @@ class OstlundLaplacian final : public Solver {
     const solvers::InextensibleFit fit =
         solvers::inextensible_fit(front_.mesh(), front_.matches(), front_.inliers(), fit_);
     auto shape = solvers::shape_of_controls(in, front_.mesh(), front_.matches(), front_.inliers(),
-                                            fit.controls_m);
+                                            fit.controls_m, kConfidence);
     if (!shape) return shape;
     shape->diag.set("iterations", fit.iterations);
     shape->diag.set("converged", fit.converged ? 1.0 : 0.0);
@@ -54,5 +63,5 @@ class OstlundLaplacian final : public Solver {
 }  // namespace weft::ostlund_laplacian
 
 using weft::ostlund_laplacian::OstlundLaplacian;
-WEFT_PLUGIN(OstlundLaplacian, "solvers/ostlund_laplacian", "1.0.0",
+WEFT_PLUGIN(OstlundLaplacian, "solvers/ostlund_laplacian", "1.1.0",
             "Shape of a Laplacian mesh with few controls from matches; it finds its own outliers.")

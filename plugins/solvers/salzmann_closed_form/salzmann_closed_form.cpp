@@ -5,13 +5,11 @@
 #include <utility>
 #include <vector>
 #include <weft/core/index.hpp>
-#include <weft/core/statistics.hpp>
 #include <weft/geometry/mesh_validation.hpp>
 #include <weft/sdk/solver.hpp>
 
 #include "common/seen/seen_points.hpp"
 #include "common/shape_signs.hpp"
-#include "common/strain_confidence.hpp"
 #include "length_equations.hpp"
 #include "observed_shapes.hpp"
 #include "smooth_modes.hpp"
@@ -22,7 +20,14 @@ namespace {
 using solvers::SeenPoint;
 
 constexpr std::size_t kFewestMatches = 10;
-constexpr double kUsualStrain = 0.03;  // where the confidence is a half
+// Fitted to simulated sheets: docs/evidence/0023-confidence-of-solvers.md.
+constexpr solvers::ConfidenceWeights kConfidence{.bias = -26.135,
+                                                 .strain = -1.799,
+                                                 .strain_p95 = -1.638,
+                                                 .residual = -0.327,
+                                                 .size = 2.419,
+                                                 .share = 0.131,
+                                                 .coverage = 2.020};
 
 /// The shapes that the image allows, combined so that edges keep their lengths.
 class SalzmannClosedForm final : public Solver {
@@ -122,10 +127,7 @@ class SalzmannClosedForm final : public Solver {
     shape.source = Array<std::uint8_t>({vertices_m.rows()});
     std::copy(seen.begin(), seen.end(), shape.source.data());
     const solvers::ShapeSigns signs = solvers::shape_signs(in, edges_, vertices_m);
-    const double strain = signs.strain;
-    const ShapeEvidence& evidence = signs.evidence;
-    shape.confidence = solvers::strain_confidence(strain, kUsualStrain, evidence.agreeing) *
-                       confidence_of_filters(in.correspondences);
+    shape.confidence = solvers::confidence(signs, kConfidence, in.correspondences);
     shape.diag.set("points", static_cast<double>(points.size()));
     shape.diag.set("unknowns", static_cast<double>(solved.unknowns));
     shape.diag.set("rank_residual", solved.rank_residual);
@@ -151,5 +153,5 @@ class SalzmannClosedForm final : public Solver {
 }  // namespace weft::salzmann_closed_form
 
 using weft::salzmann_closed_form::SalzmannClosedForm;
-WEFT_PLUGIN(SalzmannClosedForm, "solvers/salzmann_closed_form", "1.0.0",
+WEFT_PLUGIN(SalzmannClosedForm, "solvers/salzmann_closed_form", "1.1.0",
             "Inextensible surface in closed form: smooth shapes that the image allows.")

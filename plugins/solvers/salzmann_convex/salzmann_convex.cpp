@@ -7,6 +7,15 @@
 namespace weft::salzmann_convex {
 namespace {
 
+// Fitted to simulated sheets: docs/evidence/0023-confidence-of-solvers.md.
+constexpr solvers::ConfidenceWeights kConfidence{.bias = -42.060,
+                                                 .strain = -1.321,
+                                                 .roughness = -0.966,
+                                                 .size = 4.234,
+                                                 .agreeing = 1.776,
+                                                 .share = 0.149,
+                                                 .coverage = 1.875};
+
 /// Inextensible surfaces by one convex program: edges may shorten, as they do across a fold.
 class SalzmannConvex final : public Solver {
  public:
@@ -31,7 +40,7 @@ class SalzmannConvex final : public Solver {
     const auto filled =
         surface_.fill(in.templ, solved->vertices_m, surface_.vertices_with_matches());
     if (!filled) return filled.error();
-    return surface_.shape(in, *solved, *filled);
+    return surface_.shape(in, *solved, *filled, kConfidence);
   }
 
  private:
@@ -42,5 +51,5 @@ class SalzmannConvex final : public Solver {
 }  // namespace weft::salzmann_convex
 
 using weft::salzmann_convex::SalzmannConvex;
-WEFT_PLUGIN(SalzmannConvex, "solvers/salzmann_convex", "1.0.0",
+WEFT_PLUGIN(SalzmannConvex, "solvers/salzmann_convex", "1.1.0",
             "Inextensible surface, also with sharp folds, by one convex program on the matches.")

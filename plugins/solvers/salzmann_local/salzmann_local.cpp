@@ -10,6 +10,15 @@
 namespace weft::salzmann_local {
 namespace {
 
+// Fitted to simulated sheets: docs/evidence/0023-confidence-of-solvers.md.
+constexpr solvers::ConfidenceWeights kConfidence{.bias = -59.878,
+                                                 .strain = -1.312,
+                                                 .strain_p95 = -0.473,
+                                                 .size = 7.046,
+                                                 .agreeing = 2.183,
+                                                 .share = 1.037,
+                                                 .coverage = 2.190};
+
 /// The inextensible surface of salzmann_convex, held by linear local models of how sheets bend.
 class SalzmannLocal final : public Solver {
  public:
@@ -45,7 +54,7 @@ class SalzmannLocal final : public Solver {
         in.templ, solved->vertices_m,
         has_prior() ? surface_.parts_with_matches() : surface_.vertices_with_matches());
     if (!filled) return filled.error();
-    auto shape = surface_.shape(in, *solved, *filled);
+    auto shape = surface_.shape(in, *solved, *filled, kConfidence);
     if (shape) shape->diag.set("bend", solved->prior_rms);
     return shape;
   }
@@ -74,5 +83,5 @@ class SalzmannLocal final : public Solver {
 }  // namespace weft::salzmann_local
 
 using weft::salzmann_local::SalzmannLocal;
-WEFT_PLUGIN(SalzmannLocal, "solvers/salzmann_local", "1.0.0",
+WEFT_PLUGIN(SalzmannLocal, "solvers/salzmann_local", "1.1.0",
             "Inextensible surface with learned bends of its patches, by one convex program.")

@@ -5,21 +5,12 @@
 #include <cmath>
 #include <string>
 #include <utility>
-#include <weft/core/statistics.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/mesh_validation.hpp>
 
 #include "common/least_bending.hpp"
-#include "common/shape_signs.hpp"
-#include "common/strain_confidence.hpp"
 
 namespace weft::solvers {
-namespace {
-
-constexpr double kUsualStrain = 0.03;
-
-}  // namespace
-
 Result<MeshAtRest> mesh_at_rest(const Template& templ) {
   const auto vertices_m = templ.vertices_m.matrix<3>();
   const auto faces = templ.faces.matrix<3>();
@@ -93,7 +84,8 @@ Result<Points3> InextensibleSurface::fill(const Template& templ, const Points3Vi
 }
 
 Result<Shape> InextensibleSurface::shape(const SolverInput& in, const ProgramResult& solved,
-                                         const Points3View& vertices_m) const {
+                                         const Points3View& vertices_m,
+                                         const ConfidenceWeights& weights) const {
   if (!(vertices_m.allFinite() && vertices_m.col(2).minCoeff() > 0.0)) {
     return no_result("the surface reaches behind the camera");
   }
@@ -103,10 +95,7 @@ Result<Shape> InextensibleSurface::shape(const SolverInput& in, const ProgramRes
   shape.source = Array<std::uint8_t>({vertices_m.rows()});
   std::copy(seen.begin(), seen.end(), shape.source.data());
   const ShapeSigns signs = shape_signs(in, program_.edges(), vertices_m);
-  const double strain = signs.strain;
-  const ShapeEvidence& evidence = signs.evidence;
-  shape.confidence = strain_confidence(strain, kUsualStrain, evidence.agreeing) *
-                     confidence_of_filters(in.correspondences);
+  shape.confidence = confidence(signs, weights, in.correspondences);
   explain(solved, shape.diag);
   signs.tell(shape.diag);
   if (solved.converged) return shape;

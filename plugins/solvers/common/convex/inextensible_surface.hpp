@@ -14,6 +14,7 @@
 #include "common/convex/inextensible_program.hpp"
 #include "common/convex/patch_prior.hpp"
 #include "common/convex/weighed_matches.hpp"
+#include "common/shape_signs.hpp"
 
 namespace weft::solvers {
 
@@ -57,11 +58,11 @@ class InextensibleSurface {
   /// [V] 1 for vertices of connected parts of the mesh with a match that counts.
   std::vector<std::uint8_t> parts_with_matches() const;
 
-  /// The record of vertices [V,3] m, with its confidence, which is not calibrated, and what the
-  /// program said in `diag`. no_result where they are not all in front of the camera; degenerate
+  /// The record of vertices [V,3] m, with its confidence by `weights`, and what the program said in
+  /// `diag`. no_result where they are not all in front of the camera; degenerate
   /// where the program did not converge.
   Result<Shape> shape(const SolverInput& in, const ProgramResult& solved,
-                      const Points3View& vertices_m) const;
+                      const Points3View& vertices_m, const ConfidenceWeights& weights) const;
 
  private:
   void explain(const ProgramResult& solved, Diagnostics& diag) const;

@@ -2,14 +2,11 @@
 #include "common/laplacian/laplacian_shape.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
 #include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
-
-#include "common/shape_signs.hpp"
 
 namespace weft::solvers {
 namespace {
@@ -54,7 +51,8 @@ void mark_measured(const ControlMesh& mesh, const SeenMatches& matches, const In
 
 Result<Shape> shape_of_controls(const SolverInput& in, const ControlMesh& mesh,
                                 const SeenMatches& matches, const Inliers& inliers,
-                                const Eigen::MatrixX3d& controls_m) {
+                                const Eigen::MatrixX3d& controls_m,
+                                const ConfidenceWeights& weights) {
   const Points3 vertices_m = mesh.weights * controls_m;
   if (!(vertices_m.allFinite() && vertices_m.col(2).minCoeff() > 0.0)) {
     return no_result("the surface reaches behind the camera");
@@ -68,12 +66,7 @@ Result<Shape> shape_of_controls(const SolverInput& in, const ControlMesh& mesh,
   shape.vertices_m = make_array<double>(vertices_m);
   mark_measured(mesh, matches, inliers, shape);
   const ShapeSigns signs = shape_signs(in, mesh.edges, vertices_m);
-  const double strain = signs.strain;
-  const ShapeEvidence& evidence = signs.evidence;
-  // Half where lengths are off by 3 % in the mean; not calibrated.
-  shape.confidence = std::min(1.0, evidence.agreeing / 30.0) *
-                     logistic(-2.0 * std::log((strain + 1e-3) / 0.03)) *
-                     confidence_of_filters(in.correspondences);
+  shape.confidence = confidence(signs, weights, in.correspondences);
   if (inliers.shape.eigen_gap < kClearGap) {
     shape.state = static_cast<std::int32_t>(ShapeState::weak);
   }

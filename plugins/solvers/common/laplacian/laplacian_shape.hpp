@@ -8,14 +8,17 @@
 #include "common/laplacian/control_mesh.hpp"
 #include "common/laplacian/inlier_search.hpp"
 #include "common/laplacian/seen_matches.hpp"
+#include "common/shape_signs.hpp"
 
 namespace weft::solvers {
 
-/// The record of the shape that controls [N,3] m make, with its confidence, the vertices of faces
-/// with inliers as measured, and the evidence: diag.inlier [M of the record] is 1 for inliers.
-/// no_result for a shape that is not finite, not all in front of the camera or far from the image.
+/// The record of the shape that controls [N,3] m make, with its confidence by `weights`, the
+/// vertices of faces with inliers as measured, and the evidence: diag.inlier [M of the record] is 1
+/// for inliers. no_result for a shape that is not finite, not all in front of the camera or far
+/// from the image.
 Result<Shape> shape_of_controls(const SolverInput& in, const ControlMesh& mesh,
                                 const SeenMatches& matches, const Inliers& inliers,
-                                const Eigen::MatrixX3d& controls_m);
+                                const Eigen::MatrixX3d& controls_m,
+                                const ConfidenceWeights& weights);
 
 }  // namespace weft::solvers

@@ -13,7 +13,6 @@
 #include <weft/testing/synthetic.hpp>
 
 #include "common/isometric_point.hpp"
-#include "confidence.hpp"
 #include "depth_mesh.hpp"
 #include "local_depth.hpp"
 #include "local_map.hpp"
@@ -284,15 +283,6 @@ TEST(DepthMesh, UncertainDepthsCountLess) {
   const double weighed_m = (scene.fit() - scene.truth_m).rowwise().norm().mean();
   std::cout << 1e3 * equal_m << " mm, weighed " << 1e3 * weighed_m << " mm\n";
   EXPECT_LT(weighed_m, 0.7 * equal_m);
-}
-
-TEST(Confidence, FallsWithStrainNoiseAndFewMatches) {
-  const double sure = confidence(0.005, 0.002, 0.35, 100);
-  EXPECT_GT(sure, 0.95);
-  EXPECT_LT(confidence(0.08, 0.002, 0.35, 100), sure);
-  EXPECT_LT(confidence(0.005, 0.05, 0.35, 100), sure);
-  EXPECT_LT(confidence(0.005, 0.002, 0.35, 12), 0.5);
-  EXPECT_LT(confidence(0.1, 0.02, 0.35, 100), 0.05);
 }
 
 }  // namespace
