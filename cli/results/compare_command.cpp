@@ -9,6 +9,7 @@
 #include <weft/core/whole_file.hpp>
 
 #include "ablation/plan/grid.hpp"
+#include "cli/data/sequence_maker.hpp"
 #include "cli/results/ablate_plan.hpp"
 #include "cli/run/run_settings.hpp"
 #include "cli/standard_components.hpp"
@@ -43,17 +44,12 @@ std::vector<std::string> names_of(const CompareOptions& options) {
   return names;
 }
 
-/// A scalar as YAML, whatever it holds.
-std::string quoted(const std::string& text) {
-  std::string yaml = yaml::emit(yaml::text_node(text));
-  while (!yaml.empty() && yaml.back() == '\n') yaml.pop_back();
-  return yaml;
-}
-
 /// What `weft ablate` would be given to answer the same.
 std::string plan_text(const CompareOptions& options, const std::string& name) {
   const std::vector<std::string> names = names_of(options);
-  const auto path = [](const std::string& file) { return quoted(fs::absolute(file).string()); };
+  const auto path = [](const std::string& file) {
+    return yaml_quoted(fs::absolute(file).string());
+  };
   // Seeds up to 100 are for tuning; that is the caller's to know, who asks for no report.
   const long first_seed = std::strtol(options.seeds.c_str(), nullptr, 10);
   const bool tuning = !options.seeds.empty() && first_seed <= 100;
@@ -73,8 +69,9 @@ std::string plan_text(const CompareOptions& options, const std::string& name) {
   if (options.folders.empty()) {
     text += options.seeds.empty() ? "  own: {}\n" : "  own: {seeds: [" + options.seeds + "]}\n";
   }
-  return text + "show: [" + quoted(options.metric) + ", counts.solved_percent]\ncomparisons:\n" +
-         "  - {axis: pipeline, metric: " + quoted(options.metric) + "}\n";
+  return text + "show: [" + yaml_quoted(options.metric) +
+         ", counts.solved_percent]\ncomparisons:\n" +
+         "  - {axis: pipeline, metric: " + yaml_quoted(options.metric) + "}\n";
 }
 
 /// Why pipelines that keep their own sources cannot be compared; empty where they can.
@@ -88,8 +85,7 @@ std::string different_frames(const evaluation::Grid& grid) {
   });
   if (other == cells.end() || source_of(*other) == source_of(cells.front())) return {};
   return "the two pipelines have different sources, so their frames cannot be paired; name the "
-         "data "
-         "that both are to read: --data FOLDER";
+         "data that both are to read: --data FOLDER";
 }
 
 /// Loads the plan, so that mistakes are said before anything runs.

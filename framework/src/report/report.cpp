@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report/report.hpp"
 
-#include <filesystem>
 #include <weft/core/whole_file.hpp>
 
 #include "report/notes.hpp"
 #include "report/page.hpp"
 #include "report/sheets.hpp"
+#include "report/text/table_files.hpp"
 
 namespace weft::evaluation {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// A text as it is, between marks of which it has no longer ones.
 std::string markdown_code(const std::string& text) {
@@ -43,22 +41,6 @@ std::string markdown_head(const Results& results, const ReportTables& tables) {
   return text + "\n";
 }
 
-Result<std::vector<std::string>> write_tables(const std::string& folder, const Results& results,
-                                              const ReportTables& tables) {
-  std::error_code code;
-  fs::create_directories(folder, code);
-  std::vector<std::string> files;
-  std::string markdown = markdown_head(results, tables);
-  for (const TextTable& sheet : all_sheets(results, tables)) {
-    files.push_back(folder + "/" + sheet.id + ".csv");
-    if (auto written = write_whole(to_csv(sheet), files.back()); !written) return written.error();
-    markdown += to_markdown(sheet);
-  }
-  files.push_back(folder + "/tables.md");
-  if (auto written = write_whole(markdown, files.back()); !written) return written.error();
-  return files;
-}
-
 }  // namespace
 
 Result<ReportFiles> write_report(const std::string& folder, const ReportOptions& options) {
@@ -70,7 +52,8 @@ Result<ReportFiles> write_report(const std::string& folder, const ReportOptions&
   if (!tables) return tables.error();
   const auto figures = make_figures(*results, *tables);
   if (!figures) return figures.error();
-  auto files = write_tables(folder + "/report", *results, *tables);
+  auto files = write_table_files(folder + "/report", markdown_head(*results, *tables),
+                                 all_sheets(*results, *tables));
   if (!files) return files.error();
   const std::string page = options.page.empty() ? folder + "/report.html" : options.page;
   const Page content = page_of(*results, *tables, *figures, assets->scripted());

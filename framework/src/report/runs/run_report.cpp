@@ -5,6 +5,7 @@
 #include <weft/core/whole_file.hpp>
 
 #include "report/runs/run_page.hpp"
+#include "report/text/table_files.hpp"
 
 namespace weft::evaluation {
 namespace {
@@ -12,24 +13,13 @@ namespace {
 namespace fs = std::filesystem;
 
 Result<std::vector<std::string>> write_tables(const RunData& run) {
-  const std::string folder = run.folder + "/report";
-  std::error_code code;
-  fs::create_directories(folder, code);
-  std::vector<std::string> files;
-  std::string markdown = "# " + markdown_escaped(run.metrics.run) + "\n\n";
+  std::string head = "# " + markdown_escaped(run.metrics.run) + "\n\n";
   for (const std::string& sentence : sentences_of(run)) {
-    markdown += "- " + markdown_escaped(sentence) + "\n";
+    head += "- " + markdown_escaped(sentence) + "\n";
   }
-  markdown += "\n";
-  for (const TextTable& sheet : {reasons_sheet(run), stages_sheet(run), frames_sheet(run)}) {
-    if (sheet.rows.empty()) continue;
-    files.push_back(folder + "/" + sheet.id + ".csv");
-    if (auto written = write_whole(to_csv(sheet), files.back()); !written) return written.error();
-    markdown += to_markdown(sheet);
-  }
-  files.push_back(folder + "/tables.md");
-  if (auto written = write_whole(markdown, files.back()); !written) return written.error();
-  return files;
+  std::vector<TextTable> sheets{reasons_sheet(run), stages_sheet(run), frames_sheet(run)};
+  std::erase_if(sheets, [](const TextTable& sheet) { return sheet.rows.empty(); });
+  return write_table_files(run.folder + "/report", head + "\n", sheets);
 }
 
 }  // namespace
