@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <weft/core/index.hpp>
+#include <weft/geometry/barycentric.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 
@@ -56,11 +57,9 @@ cv::Mat draw_matches(const SinkInput& in) {
     if (!matches.kept(i)) continue;
     const Eigen::Vector2d at(matches.image_px(i, 0), matches.image_px(i, 1));
     if (matches.face(i) >= 0) {
-      Eigen::RowVector3d place = Eigen::RowVector3d::Zero();
-      for (int k = 0; k < 3; ++k) {
-        place += matches.barycentrics(i, k) * vertices_m.row(faces(matches.face(i), k));
-      }
-      trace_line(picture, at, project(camera, place.transpose()), kOff);
+      const Eigen::Vector3d place_m =
+          interpolate(vertices_m, faces, matches.face(i), matches.barycentrics.matrix<3>().row(i));
+      trace_line(picture, at, project(camera, place_m), kOff);
     }
     trace_line(picture, at - Eigen::Vector2d(1.5, 0.0), at + Eigen::Vector2d(1.5, 0.0), kSeen);
     trace_line(picture, at - Eigen::Vector2d(0.0, 1.5), at + Eigen::Vector2d(0.0, 1.5), kSeen);

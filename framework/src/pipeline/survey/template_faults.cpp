@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <weft/core/index.hpp>
+#include <weft/geometry/barycentric.hpp>
 #include <weft/geometry/face_locator.hpp>
 
 namespace weft {
@@ -47,7 +48,8 @@ const char* to_string(Flip flip) {
 std::vector<FlippedFit> fit_flipped(const Template& templ, const Camera& camera,
                                     const Correspondences& matches) {
   std::vector<FlippedFit> fits;
-  const auto locator = FaceLocator::create(templ.flat_px.matrix<2>(), templ.faces.matrix<3>());
+  const auto faces = templ.faces.matrix<3>();
+  const auto locator = FaceLocator::create(templ.flat_px.matrix<2>(), faces);
   if (!locator) return fits;
   const Points3 vertices_m = templ.vertices_m.matrix<3>();
   for (const Flip flip : kFlips) {
@@ -58,8 +60,7 @@ std::vector<FlippedFit> fit_flipped(const Template& templ, const Camera& camera,
       const Eigen::Vector2d at(matches.template_px(i, 0), matches.template_px(i, 1));
       const FaceLocation on = locator->locate(turned_back(at, flip, templ));
       if (on.face < 0) continue;
-      Eigen::RowVector3d& point = points_m.emplace_back(Eigen::RowVector3d::Zero());
-      for (int k = 0; k < 3; ++k) point += on.weights(k) * vertices_m.row(templ.faces(on.face, k));
+      points_m.emplace_back(interpolate(vertices_m, faces, on.face, on.weights).transpose());
       pixels.emplace_back(matches.image_px(i, 0), matches.image_px(i, 1));
     }
     Points3 all_m(static_cast<Eigen::Index>(points_m.size()), 3);
