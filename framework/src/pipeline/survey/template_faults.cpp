@@ -38,6 +38,18 @@ std::string tenths(double value) {
   return text.data();
 }
 
+/// The flip of the best fit, and those that a symmetric object does not tell from it.
+std::string flips_like(const FlippedFit& best, const std::vector<FlippedFit>& fits) {
+  constexpr double kAlike = 1.25;  // noise alone makes medians of a few hundred differ by less
+  std::string flips;
+  std::size_t count = 0;
+  for (const FlippedFit& fit : fits) {
+    if (fit.pose.median_px > kAlike * best.pose.median_px) continue;
+    flips += (count++ == 0 ? "" : " or ") + std::string(to_string(fit.flip));
+  }
+  return flips + (count == 1 ? "; set that" : ", which fit alike; set one of them");
+}
+
 }  // namespace
 
 const char* to_string(Flip flip) {
@@ -130,7 +142,7 @@ std::vector<std::string> faults_of(const FirstLook& look) {
   if (given_px > kNoise_px && given_px > kClearly * best_px && 2 * best->matches >= given.matches) {
     faults.push_back("the mesh is mirrored against its picture: at rest it is " + tenths(given_px) +
                      " px off its matches (median), and " + tenths(best_px) +
-                     " px with flip: " + to_string(best->flip) + "; set that");
+                     " px with flip: " + flips_like(*best, look.fits));
   } else if (given_px > kNoise_px && given_px > kAtRest * look.size_px) {
     faults.push_back("the object at rest is " + tenths(given_px) +
                      " px off its matches (median), " + tenths(100.0 * given_px / look.size_px) +
