@@ -14,39 +14,42 @@ namespace weft::cli {
 namespace {
 
 struct CheckOptions {
-  std::string file;
-  std::vector<std::string> settings, without;
+  std::vector<std::string> files, settings, without;
 };
 
 /// What there is to say of a sound file; the report has the mistakes of another.
-std::pair<std::string, ConfigReport> check_file(const CheckOptions& options,
+std::pair<std::string, ConfigReport> check_file(const std::string& file,
+                                                const CheckOptions& options,
                                                 const host::Registry& registry) {
-  if (evaluation::is_plan(options.file)) {
-    auto [grid, report] = evaluation::load_grid(options.file, registry, options.settings,
+  if (evaluation::is_plan(file)) {
+    auto [grid, report] = evaluation::load_grid(file, registry, options.settings,
                                                 standard_helpers(), options.without);
     return {fmt::format("a plan of {} cells", grid.cells().size()), std::move(report)};
   }
-  const std::string folder = std::filesystem::absolute(free_folder(options.file)).string();
-  auto [pipeline, report] = check_pipeline(options.file, registry, folder, options.settings);
+  const std::string folder = std::filesystem::absolute(free_folder(file)).string();
+  auto [pipeline, report] = check_pipeline(file, registry, folder, options.settings);
   return {fmt::format("{} stages, {} sinks", pipeline.config.stages.size(),
                       pipeline.config.sinks.size()),
           std::move(report)};
 }
 
 void check(const CheckOptions& options, Context& context) {
-  if (!options.without.empty() && !evaluation::is_plan(options.file)) {
-    print_error({Errc::invalid_value,
-                 "--without is for plans; in a pipeline 'without' stands in a file", options.file});
+  const host::Registry registry = context.registry();
+  for (const std::string& file : options.files) {
+    if (!options.without.empty() && !evaluation::is_plan(file)) {
+      print_error({Errc::invalid_value,
+                   "--without is for plans; in a pipeline 'without' stands in a file", file});
+      context.exit_code = kBadConfiguration;
+      continue;
+    }
+    const auto [content, report] = check_file(file, options, registry);
+    if (report.ok()) {
+      fmt::print("{}: ok, {}\n", file, content);
+      continue;
+    }
+    fmt::print(stderr, "{}", report.text());
     context.exit_code = kBadConfiguration;
-    return;
   }
-  const auto [content, report] = check_file(options, context.registry());
-  if (report.ok()) {
-    fmt::print("{}: ok, {}\n", options.file, content);
-    return;
-  }
-  fmt::print(stderr, "{}", report.text());
-  context.exit_code = kBadConfiguration;
 }
 
 }  // namespace
@@ -54,14 +57,16 @@ void check(const CheckOptions& options, Context& context) {
 void add_check_command(CLI::App& app, Context& context) {
   const auto options = std::make_shared<CheckOptions>();
   CLI::App* command = app.add_subcommand(
-      "check", "Check a pipeline or an ablation plan without running it; lists all mistakes");
-  command->add_option("FILE", options->file, "Pipeline or plan (YAML)")->type_name("")->required();
+      "check", "Check pipelines and ablation plans without running them; lists all mistakes");
+  command->add_option("FILE", options->files, "Pipelines and plans (YAML)")
+      ->type_name("")
+      ->required();
   add_settings(*command, options->settings);
   add_without(*command, options->without);
   command->footer(
       "Exit codes:\n"
-      "  0  the pipeline, or every cell of the plan, can be run\n"
-      "  2  the command line or the file is wrong");
+      "  0  the pipelines, and every cell of the plans, can be run\n"
+      "  2  the command line or a file is wrong");
   command->callback([&context, options] { check(*options, context); });
 }
 

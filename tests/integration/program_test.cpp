@@ -14,6 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using ::testing::AllOf;
 using testing::chain;
 using testing::Child;
 using testing::Ended;
@@ -98,6 +99,17 @@ TEST_F(Program, ExitsWithTwoForAMistakeOfTheUser) {
   EXPECT_EQ(refused.err, "error: solvers/test.scripted: refuses as scripted\n");
 }
 
+TEST_F(Program, ChecksSeveralFilesAndNamesTheMistakesOfEach) {
+  const std::string bad = write(chain({{"solvers", "{distance: 1}"}}), "bad.yaml");
+  const std::string good = write(chain(), "good.yaml");
+  const std::string other = write("weft: 2\n", "other.yaml");
+  const Ended ended = weft({"check", bad, good, other});
+  EXPECT_EQ(ended.exit_code, 2);
+  EXPECT_THAT(ended.out, StartsWith(good + ": ok, "));
+  EXPECT_THAT(ended.err, AllOf(StartsWith(bad + ":"), HasSubstr("\n" + other + ":1:7: ")));
+  EXPECT_EQ(weft({"check", good, good}).exit_code, 0);
+}
+
 TEST_F(Program, SuggestsTheCommandThatIsMeant) {
   const auto refusal = [&](const std::vector<std::string>& arguments) {
     const Ended ended = weft(arguments);
@@ -110,7 +122,7 @@ TEST_F(Program, SuggestsTheCommandThatIsMeant) {
   EXPECT_EQ(refusal({"frobnicate"}),
             "error: no command 'frobnicate'; there are: run, check, eval, ablate, compare, data, "
             "plugins, replay, bench, doctor, records, metrics, report, template\n");
-  EXPECT_THAT(refusal({"check", "x.yaml", "y.yaml"}), HasSubstr("y.yaml"));
+  EXPECT_THAT(refusal({"run", "x.yaml", "y.yaml"}), HasSubstr("y.yaml"));
   EXPECT_THAT(refusal({"--frob", "check"}), HasSubstr("FILE is required"));
 }
 
@@ -131,7 +143,7 @@ TEST_F(Program, HelpsWithTypesAndExitCodes) {
   EXPECT_THAT(run, HasSubstr("Exit codes:\n  0  done, or interrupted; at most max_failed"));
   EXPECT_THAT(
       help({"check"}),
-      HasSubstr("Exit codes:\n  0  the pipeline, or every cell of the plan, can be run\n  2  "));
+      HasSubstr("Exit codes:\n  0  the pipelines, and every cell of the plans, can be run\n  2  "));
   const std::string eval = help({"eval"});
   EXPECT_THAT(eval, HasSubstr("--alignment none|scale|rigid|all (default: none)"));
   EXPECT_THAT(eval, HasSubstr("one after another, into metrics.json, metrics_scale.json and "));
