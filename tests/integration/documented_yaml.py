@@ -32,11 +32,11 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "hostile"))
 from documentation import QUOTE, pages  # noqa: E402
 from pictures import png  # noqa: E402
 
-NOT_CHECKED = 0
+NOT_CHECKED = 1
 BASE = "pipelines/demo.yaml"
 FENCE = re.compile(r"^(\s*)```(\S*)")
 OVER = re.compile(r"<!-- over: (\S+) -->")
-EXCUSE = re.compile(r"<!-- not checked: (\S.*) -->")
+EXCUSE = re.compile(r"<!-- (?:file: \S+, )?not checked: (\S.*) -->")
 COMPONENT = re.compile(r"^\s*(?:- )?(?:\w+: )?\{?use: \w+/")
 PLACE = re.compile(r"^(\S+?):(\d+):(\d+): ")
 
