@@ -3,11 +3,9 @@
 // camera sees them.
 import {
   AmbientLight,
-  Box3,
   DirectionalLight,
   PerspectiveCamera,
   Scene,
-  Vector3,
   WebGLRenderer,
 } from "three";
 import { element } from "./data.js";
@@ -16,24 +14,40 @@ import { Drawing, decoded } from "./viewer.js";
 
 const kWidth = 420;
 const kHeight = 340;
+const kMargin = 1.12;
 
-/** A camera at the origin, as the real one, that sees all points and hardly more. */
+/** The real camera's picture, cut to all points that are before it, with a margin. */
 function camera_for({ vertices, truth }) {
-  const box = new Box3();
+  const x = [],
+    y = [],
+    z = [];
   for (const points of [vertices, truth]) {
     for (let i = 0; i < points.length; i += 3) {
-      box.expandByPoint(new Vector3(points[i], -points[i + 1], -points[i + 2]));
+      if (!(points[i + 2] > 0)) continue;
+      x.push(points[i] / points[i + 2]);
+      y.push(-points[i + 1] / points[i + 2]);
+      z.push(points[i + 2]);
     }
   }
-  if (box.isEmpty()) return null;
-  const centre = box.getCenter(new Vector3());
-  const radius = 0.5 * box.getSize(new Vector3()).length();
-  const angle = 2 * Math.asin(Math.min(0.9, (0.68 * radius) / centre.length()));
-  const camera = new PerspectiveCamera((angle * 180) / Math.PI, kWidth / kHeight, 0.001, 100);
-  camera.lookAt(centre);
-  camera.near = Math.max(0.001, centre.length() - 2 * radius);
-  camera.far = centre.length() + 2 * radius;
-  camera.updateProjectionMatrix();
+  if (z.length === 0) return null;
+  const least = (values) => values.reduce((a, b) => Math.min(a, b));
+  const most = (values) => values.reduce((a, b) => Math.max(a, b));
+  const centre_x = 0.5 * (least(x) + most(x)),
+    centre_y = 0.5 * (least(y) + most(y));
+  const half_y =
+    0.5 * kMargin * Math.max(most(y) - least(y), ((most(x) - least(x)) * kHeight) / kWidth, 1e-6);
+  const half_x = (half_y * kWidth) / kHeight;
+  const near = 0.5 * least(z);
+  const camera = new PerspectiveCamera();
+  camera.projectionMatrix.makePerspective(
+    (centre_x - half_x) * near,
+    (centre_x + half_x) * near,
+    (centre_y + half_y) * near,
+    (centre_y - half_y) * near,
+    near,
+    2 * most(z),
+  );
+  camera.projectionMatrixInverse.copy(camera.projectionMatrix).invert();
   return camera;
 }
 

@@ -66,6 +66,33 @@ export async function use_page(use) {
 /** Marks of a figure that Vega has drawn: elements of one kind of mark. */
 export const marks = (page, figure, kind) =>
   page.$$eval(`#${figure} svg .mark-${kind} path`, (all) => all.length);
+
+/** In each picture of a worst frame the sheet lies within: something is drawn, and nothing at an
+    edge. */
+export async function expect_whole_sheets(page) {
+  const seen = await page.$$eval(".worst .view img", async (all) => {
+    const inked = async (image) => {
+      await image.decode();
+      const [width, height] = [image.naturalWidth, image.naturalHeight];
+      const canvas = Object.assign(document.createElement("canvas"), { width, height });
+      const pen = canvas.getContext("2d", { willReadFrequently: true });
+      pen.drawImage(image, 0, 0);
+      const any = (...box) => pen.getImageData(...box).data.some((v, i) => i % 4 === 3 && v > 0);
+      return {
+        all: any(0, 0, width, height),
+        left: any(0, 0, 4, height),
+        right: any(width - 4, 0, 4, height),
+        top: any(0, 0, width, 4),
+        bottom: any(0, height - 4, width, 4),
+      };
+    };
+    return Promise.all(all.map(inked));
+  });
+  for (const each of seen) {
+    assert.deepEqual(each, { all: true, left: false, right: false, top: false, bottom: false });
+  }
+}
+
 /** Keeps a picture of the page for people, named after the script. */
 export const shot = (page, name, fullPage = false) =>
   page.screenshot({ path: screenshot_file(name), fullPage });

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // page_test.mjs WEB PAGE SCREENSHOTS: uses the report of an ablation.
 import assert from "node:assert/strict";
-import { marks, screenshot_file, shot, use_page } from "./browser.mjs";
+import { expect_whole_sheets, marks, screenshot_file, shot, use_page } from "./browser.mjs";
 
 const positions = (page) => page.evaluate(() => window.weft_report.viewer.positions());
 
@@ -31,6 +31,7 @@ await use_page(async (page) => {
   assert.ok(worst > 0);
   assert.equal(await page.$$eval(".worst figure > img", (all) => all.length), worst);
   assert.equal(await page.$$eval(".worst .view img", (all) => all.length), 2 * worst);
+  await expect_whole_sheets(page);
 
   // A square of the main table takes its combination out of the figures.
   await page.click('button.swatch[data-treatment="0"]');

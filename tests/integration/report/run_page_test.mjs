@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // run_page_test.mjs WEB PAGE SCREENSHOTS: uses the report of a run of eight frames.
 import assert from "node:assert/strict";
-import { marks, shot, use_page } from "./browser.mjs";
+import { expect_whole_sheets, marks, shot, use_page } from "./browser.mjs";
 
 await use_page(async (page) => {
   // A point for each frame, one of them without an error; an area for each stage.
@@ -11,6 +11,8 @@ await use_page(async (page) => {
   // Six worst frames, each with its picture of the video, its estimate and the truth.
   assert.equal(await page.$$eval(".worst figure > img", (all) => all.length), 6);
   assert.equal(await page.$$eval(".worst .view img", (all) => all.length), 2 * 6);
+
+  await expect_whole_sheets(page);
 
   // A click on a frame of the figure shows it in 3D.
   const points = await page.$$("#figure-run svg .mark-symbol path");
