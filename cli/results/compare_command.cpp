@@ -14,7 +14,7 @@
 #include "cli/run/run_settings.hpp"
 #include "cli/standard_components.hpp"
 #include "metrics/forms/metric_path.hpp"
-#include "report/statistics.hpp"
+#include "report/tables/statistics.hpp"
 
 namespace weft::cli {
 namespace {

@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "ablation_fixture.hpp"
-#include "report/tables.hpp"
+#include "report/tables/tables.hpp"
 #include "support/child.hpp"
 
 namespace weft::evaluation {

@@ -58,8 +58,9 @@ INTERNAL = {
     "pipeline/runs metrics results ablation/plan",
     "report/text": "core",
     "report/runs": "core data statistics metrics results report/text",
-    "report": "core statistics metrics results report/text",
-    "report/paper": "core statistics metrics results report report/text",
+    "report/tables": "core statistics metrics results",
+    "report": "core statistics metrics results report/text report/tables",
+    "report/paper": "core statistics metrics results report report/text report/tables",
     "bench": "core data host/records host/loading host/calling pipeline/configuration "
     "pipeline/graph pipeline/execution pipeline/runs statistics",
     "counting": "",

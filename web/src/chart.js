@@ -73,37 +73,23 @@ export async function draw(figure, spec) {
   offer_download(figure, view);
 }
 
-/** Colour and dash of series by name, as channels of an encoding. */
-export function series_channels(series) {
-  const domain = series.map(({ name }) => name);
+/** The colours of series by name, as a channel of an encoding. */
+export function colours_of(series) {
   return {
-    color: {
-      field: "series",
-      type: "nominal",
-      legend: null,
-      scale: { domain, range: series.map(({ colour }) => colour) },
-    },
-    strokeDash: {
-      field: "series",
-      type: "nominal",
-      legend: null,
-      scale: { domain, range: series.map(({ dash }) => dash) },
-    },
+    field: "series",
+    type: "nominal",
+    legend: null,
+    scale: { domain: series.map(({ name }) => name), range: series.map(({ colour }) => colour) },
   };
 }
 
-/** The legend of a plot: a line sample, a name and a note for each series. */
-export function write_legend(figure, series, left_out = 0) {
-  const items = series.map(({ name, colour, dash, note }) => {
-    const sample = element("span", { className: dash[1] ? "sample dashed" : "sample" });
+/** The legend of a plot of areas or bars: a colour and a name for each series. */
+export function write_legend(figure, series) {
+  const items = series.map(({ name, colour }) => {
+    const sample = element("span", { className: "sample" });
     sample.style.setProperty("--colour", colour);
-    const item = element("li", {}, sample, element("span", { textContent: name }));
-    if (note) item.append(element("span", { className: "note", textContent: note }));
-    return item;
+    return element("li", {}, sample, element("span", { textContent: name }));
   });
-  if (left_out > 0) {
-    items.push(element("li", { className: "note", textContent: `${left_out} more are not drawn` }));
-  }
   figure.querySelector(".legend").replaceChildren(...items);
 }
 

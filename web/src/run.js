@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // The figures of a single run: what each frame came to, and how long its stages took.
 import { floats } from "./data.js";
-import { draw, series_channels, width_of, write_legend } from "./chart.js";
+import { colours_of, draw, width_of, write_legend } from "./chart.js";
 import { kColours } from "./selection.js";
 
 const kHeight = 280;
 
 // Of the states of a shape; one that is seldom seen stands out.
 const kStates = [
-  { name: "estimated", colour: "var(--series-1)", dash: [1, 0] },
-  { name: "weak", colour: "var(--series-5)", dash: [1, 0] },
-  { name: "predicted", colour: "var(--series-2)", dash: [1, 0] },
-  { name: "lost", colour: "var(--bad)", dash: [1, 0] },
-  { name: "none", colour: "var(--series-8)", dash: [1, 0] },
+  { name: "estimated", colour: "var(--series-1)" },
+  { name: "weak", colour: "var(--series-5)" },
+  { name: "predicted", colour: "var(--series-2)" },
+  { name: "lost", colour: "var(--bad)" },
+  { name: "none", colour: "var(--series-8)" },
 ];
 
 /** One row a frame; a frame without a figure lies at the foot. */
@@ -58,7 +58,7 @@ async function draw_frames(figure, data, choose) {
         encoding: {
           x,
           y: { field: "foot", type: "quantitative", title },
-          color: series_channels(there).color,
+          color: colours_of(there),
           tooltip: [
             { field: "frame", title: "frame" },
             { field: "series", title: "state" },
@@ -85,7 +85,6 @@ async function draw_times(figure, { run }) {
   const series = names.map((name, i) => ({
     name,
     colour: `var(--series-${(i % kColours) + 1})`,
-    dash: [1, 0],
   }));
   write_legend(figure, series);
   await draw(figure, {
@@ -106,7 +105,7 @@ async function draw_times(figure, { run }) {
         scale: { nice: false },
       },
       y: { field: "ms", type: "quantitative", aggregate: "sum", title: "Time for a frame, ms" },
-      color: series_channels(series).color,
+      color: colours_of(series),
       order: { field: "series" },
     },
   });

@@ -2,7 +2,7 @@
 // What a filter thinks of mismatches and of correct matches: two histograms over its score, for one
 // value of each axis.
 import { element, floats } from "./data.js";
-import { draw, series_channels, width_of, write_legend } from "./chart.js";
+import { colours_of, draw, width_of } from "./chart.js";
 import { style_of } from "./selection.js";
 
 const kHeight = 240;
@@ -23,26 +23,41 @@ function outline(name, shares) {
   }];
 }
 
+/** The names of the outlines, each over its highest bin; apart where these are the same. */
+function names_of(outlines) {
+  const tops = outlines
+    .filter((points) => points.length > 0)
+    .map((points) => points.reduce((a, b) => (b.y > a.y ? b : a)));
+  const near = tops.length === 2 && Math.abs(tops[0].x - tops[1].x) < 0.2;
+  return tops.map((top, i) => ({ ...top, dy: near && i === 1 ? -24 : -9 }));
+}
+
 export async function draw_scores(figure, { axes, combinations }) {
   const again = async () => {
     const shown = combinations.find(({ values }) =>
       values.every((value, i) => value === selects[i].value),
     );
-    write_legend(figure, kSeries);
+    const outlines = kSeries.map(({ key, name }) =>
+      shown ? outline(name, floats(shown[key])) : [],
+    );
+    const x = { field: "x", type: "quantitative", title: "Score", scale: { domain: [0, 1] } };
+    const y = { field: "y", type: "quantitative", title: "Share, %" };
     await draw(figure, {
       width: width_of(figure),
       height: kHeight,
-      data: {
-        values: kSeries.flatMap(({ key, name }) => (shown ? outline(name, floats(shown[key])) : [])),
-      },
-      transform: [{ window: [{ op: "row_number", as: "place" }] }],
-      mark: { type: "line", interpolate: "step-after", strokeWidth: 2 },
-      encoding: {
-        x: { field: "x", type: "quantitative", title: "Score", scale: { domain: [0, 1] } },
-        y: { field: "y", type: "quantitative", title: "Share, %" },
-        order: { field: "place" },
-        ...series_channels(kSeries),
-      },
+      layer: [
+        {
+          data: { values: outlines.flat() },
+          transform: [{ window: [{ op: "row_number", as: "place" }] }],
+          mark: { type: "line", interpolate: "step-after", strokeWidth: 2 },
+          encoding: { x, y, order: { field: "place" }, color: colours_of(kSeries) },
+        },
+        {
+          data: { values: names_of(outlines) },
+          mark: { type: "text", fontSize: 12, dy: { expr: "datum.dy" } },
+          encoding: { x, y, text: { field: "series" } },
+        },
+      ],
     });
   };
   const selects = axes.map(({ name, values }, i) => {

@@ -2,16 +2,16 @@
 // Which combinations the figures draw, chosen in the main table, which thereby is their legend.
 
 export const kColours = 8;
-const kSolidLines = 4;
+const kMost = 16; // panels of a figure: from the ninth on the colours begin anew
 
-/** Colour and dashes of a slot; the page's style defines the colour for light, dark and print. */
+/** The colour of a slot; the page's style defines it for light, dark and print. */
 export function style_of(slot) {
-  return { colour: `var(--series-${slot + 1})`, dash: slot < kSolidLines ? [1, 0] : [5, 3] };
+  return { colour: `var(--series-${(slot % kColours) + 1})` };
 }
 
 export class Selection extends EventTarget {
   #treatments;
-  #slots = Array(kColours).fill(null); // index of a treatment, or null
+  #slots = Array(kMost).fill(null); // index of a treatment, or null
   #buttons = new Map();
 
   constructor(treatments) {
@@ -22,14 +22,14 @@ export class Selection extends EventTarget {
       this.#buttons.set(treatment, button);
       button.addEventListener("click", () => this.toggle(treatment));
     }
-    const drawn = treatments.filter(({ drawn }) => drawn).slice(0, kColours);
+    const drawn = treatments.filter(({ drawn }) => drawn).slice(0, kMost);
     drawn.forEach(({ id }, slot) => {
       this.#slots[slot] = id;
     });
     this.#show();
   }
 
-  /** The treatments drawn, each with its colour and dashes. */
+  /** The treatments drawn, each with its colour. */
   drawn() {
     return this.#slots.flatMap((id, slot) =>
       id === null ? [] : [{ treatment: this.#treatments[id], ...style_of(slot) }],
@@ -41,7 +41,7 @@ export class Selection extends EventTarget {
     const free = this.#slots.indexOf(null);
     if (slot >= 0) this.#slots[slot] = null;
     else if (free >= 0) this.#slots[free] = id;
-    else return; // every colour is in use: the button says so
+    else return; // every panel is in use: the button says so
     this.#show();
     this.dispatchEvent(new Event("change"));
   }
@@ -52,12 +52,12 @@ export class Selection extends EventTarget {
       const slot = this.#slots.indexOf(id);
       button.setAttribute("aria-pressed", slot >= 0);
       button.style.setProperty("--colour", slot >= 0 ? style_of(slot).colour : "transparent");
-      button.classList.toggle("dashed", slot >= kSolidLines);
+      button.classList.toggle("dashed", slot >= kColours);
       button.title =
         slot >= 0
           ? "Drawn in the figures; click to leave it out"
           : full
-            ? `The figures draw ${kColours} at most; leave one out first`
+            ? `The figures draw ${kMost} at most; leave one out first`
             : "Click to draw it in the figures";
     }
   }

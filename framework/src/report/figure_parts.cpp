@@ -16,7 +16,7 @@ namespace {
 /// A place for a figure, with what a reader should know of it.
 std::string figure(const std::string& id, const std::string& caption) {
   return fmt::format(
-      "<figure id=\"{}\"><ul class=\"legend\"></ul><div class=\"plot\"></div>\n"
+      "<figure id=\"{}\"><div class=\"plot\"></div>\n"
       "<figcaption>{}</figcaption></figure>\n",
       id, caption);
 }
@@ -28,16 +28,15 @@ std::string sweep_figure(const Results& results, const Sweep& sweep, std::size_t
                                 : "ROC of " + html_escaped(sweep.stage) + " over " + axis;
   const std::string caption =
       sweep.stage.empty()
-          ? "Means over sequences, each the mean over its seeds; the interval of each mean is in "
-            "the table of results."
+          ? "Means over sequences, each the mean over its seeds; the band is the interval of the "
+            "mean error in the table of results. Measures that do not change are left out."
           : "A point is the mean over all frames at one value of " + axis +
                 ", which changes what the stage rejects and not what it is given. AUC: trapezoids, "
-                "with (0, 0) and (100, 100) added, to which the thin lines lead; in percent. "
+                "with (0, 0) and (100, 100) added; in percent. "
                 "Positive is a rejected match.";
   return fmt::format(
       "<figure class=\"sweep\" id=\"figure-sweep-{}\" data-sweep=\"{}\"><h3>{}</h3>\n<div "
-      "class=\"controls\"></div><ul class=\"legend\"></ul><div "
-      "class=\"plot\"></div>\n<figcaption>{}</figcaption></figure>\n",
+      "class=\"controls\"></div><div class=\"plot\"></div>\n<figcaption>{}</figcaption></figure>\n",
       index, index, title, caption);
 }
 
@@ -53,29 +52,49 @@ bool has_scores(const ReportTables& tables, const std::string& stage) {
 
 }  // namespace
 
-std::string curves_part(const ReportTables& tables) {
+std::string curves_part(const ReportTables& tables, const Figures& figures) {
   if (!tables.has_error) return "";
-  return "<p>Which combinations are drawn is chosen with the squares in the table of results, "
-         "eight at most.</p>\n<h3>Distribution</h3>\n" +
-         figure("figure-distribution",
-                "Share of all frames with truth whose mean error is at most x. Frames without a "
-                "shape of their own have no error: they keep a curve below 100 %.") +
-         "<h3>Over the frames</h3>\n" +
+  std::string text =
+      "<p>Which combinations are drawn is chosen with the squares in the table of results, "
+      "sixteen at most. Each of many has a panel of its own, in which the others are grey; those "
+      "with the same curve share one.</p>\n<h3>Distribution</h3>\n" +
+      figure("figure-distribution",
+             "Share of all frames with truth whose mean error is at most x. Frames without a "
+             "shape of their own have no error: they keep a curve below 100 %.");
+  const auto long_enough = [](const FrameCurve& curve) { return curve.error.x.size() > 1; };
+  if (std::none_of(figures.over_frames.begin(), figures.over_frames.end(), long_enough)) {
+    return text;
+  }
+  return text + "<h3>Over the frames</h3>\n" +
          figure("figure-by-frame",
-                "Mean over sequences, each the mean over its seeds, of the error at each frame. "
-                "Frames that were not solved are left out: see the table for how many they are.");
+                fmt::format("Mean over sequences, each the mean over its seeds, of the error at "
+                            "each frame, or of how much more it is than that of the combination "
+                            "with the smallest mean, sequence by sequence. The band is the 95 % "
+                            "interval by a bootstrap over sequences, from {} on. Frames that were "
+                            "not solved are left out: see the table for how many they are.",
+                            kLeastSequences));
 }
 
 std::string certainty_part(const Results& results, const ReportTables& tables, bool scripted) {
   const TextTable sheet = certainty_sheet(results, tables);
   if (sheet.rows.empty()) return "";
-  if (!scripted) return to_html(sheet);
+  // A single point is in the table already.
+  const auto says_more = [](const Combination& combination) {
+    const auto& bins = combination.certainty.bins;
+    return std::count_if(bins.begin(), bins.end(),
+                         [](const ConfidenceBin& bin) { return bin.frames > 0; }) > 1;
+  };
+  if (!scripted ||
+      std::none_of(tables.combinations.begin(), tables.combinations.end(), says_more)) {
+    return to_html(sheet);
+  }
   return to_html(sheet) + "<h3>Reliability</h3>\n" +
          figure(
              "figure-reliability",
              "Of the frames whose confidence is in a tenth of [0, 1], the share that is right, at "
              "their mean confidence; larger where there are more of them. On the diagonal a "
-             "confidence is what it says; above it, it is too low.");
+             "confidence is what it says; above it, it is too low. Combinations whose frames are "
+             "all in one tenth are not drawn.");
 }
 
 std::string sweeps_part(const Results& results, const Figures& figures) {
@@ -93,7 +112,7 @@ std::string scores_part(const ReportTables& tables) {
     text += fmt::format(
         "<figure class=\"scores\" id=\"figure-scores-{}\" data-scores=\"{}\"><h3>Scores of "
         "{}</h3>\n"
-        "<div class=\"controls\"></div><ul class=\"legend\"></ul><div class=\"plot\"></div>\n"
+        "<div class=\"controls\"></div><div class=\"plot\"></div>\n"
         "<figcaption>What the filter thinks of the matches that it is given, 1 best: share of all "
         "mismatches, and of all correct matches, in each fortieth of its scores.</figcaption>"
         "</figure>\n",
@@ -132,8 +151,9 @@ std::string worst_part(const Results& results, const Figures& figures) {
 std::string viewer_part(const Figures& figures) {
   if (figures.cells.empty()) return "";
   return viewer_html(
-      fmt::format("The page holds the worst, the median and the best cell of each combination that "
-                  "the figures draw at first, at most {} frames a cell and {} true points a frame, "
+      fmt::format("The page holds the worst, the median and the best cell of each of the eight "
+                  "combinations with the smallest mean errors, at most {} frames a cell and {} "
+                  "true points a frame, "
                   "evenly chosen.",
                   ViewLimits{}.frames, ViewLimits{}.truth_points));
 }

@@ -9,12 +9,13 @@
 namespace weft::evaluation {
 namespace {
 
-constexpr std::size_t kMostDrawn = 8;      ///< colours that can be told apart
+constexpr std::size_t kMostDrawn = 16;     ///< panels of a figure
+constexpr std::size_t kMostInView = 8;     ///< combinations whose shapes the page holds
 constexpr std::size_t kMostPictures = 8;   ///< of worst frames
 constexpr std::size_t kPicturesOfOne = 2;  ///< of them of one combination
 
-/// The combinations with the smallest mean errors, at most kMostDrawn, in the plan's order.
-std::vector<std::size_t> drawn_at_first(const ReportTables& tables) {
+/// The combinations with the smallest mean errors, at most so many, in the plan's order.
+std::vector<std::size_t> best_of(const ReportTables& tables, std::size_t most) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < tables.combinations.size(); ++i) {
     if (std::isfinite(tables.combinations[i].mean_mm)) order.push_back(i);
@@ -22,7 +23,7 @@ std::vector<std::size_t> drawn_at_first(const ReportTables& tables) {
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return tables.combinations[a].mean_mm < tables.combinations[b].mean_mm;
   });
-  if (order.size() > kMostDrawn) order.resize(kMostDrawn);
+  if (order.size() > most) order.resize(most);
   std::sort(order.begin(), order.end());
   return order;
 }
@@ -138,9 +139,11 @@ Result<void> add_view(const Results& results, ShownFrame& shown) {
 
 Result<Figures> make_figures(const Results& results, const ReportTables& tables) {
   Figures figures;
-  figures.drawn = drawn_at_first(tables);
+  figures.drawn = best_of(tables, kMostDrawn);
+  if (!figures.drawn.empty()) figures.reference = best_of(tables, 1).front();
+  figures.over_frames = errors_over_frames(results, tables, figures.reference, figures.drawn);
   figures.sweeps = sweeps_of(results, tables);
-  for (const std::size_t index : figures.drawn) {
+  for (const std::size_t index : best_of(tables, kMostInView)) {
     if (auto added = add_cells(results, tables.combinations[index], figures.cells); !added) {
       return added.error();
     }

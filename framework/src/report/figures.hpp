@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "report/curves.hpp"
-#include "report/tables.hpp"
+#include "report/tables/tables.hpp"
 #include "results/cell_folder.hpp"
 
 namespace weft::evaluation {
@@ -28,6 +28,8 @@ struct ShownFrame {
 /// What the page shows beside its tables.
 struct Figures {
   std::vector<std::size_t> drawn;  ///< combinations that the figures draw at first
+  std::size_t reference = 0;       ///< that differences are taken from: the smallest mean error
+  std::vector<FrameCurve> over_frames;  ///< one a combination
   std::vector<Sweep> sweeps;
   std::vector<ShownCell> cells;
   std::vector<ShownFrame> worst_frames;

@@ -13,8 +13,14 @@ namespace {
 
 using nlohmann::ordered_json;
 
+ordered_json band_json(const Band& band) {
+  return {{"x", packed(band.x)}, {"low", packed(band.low)}, {"high", packed(band.high)}};
+}
+
 ordered_json curve_json(const Curve& curve) {
-  return {{"x", packed(curve.x)}, {"y", packed(curve.y)}};
+  ordered_json object{{"x", packed(curve.x)}, {"y", packed(curve.y)}};
+  if (!curve.band.x.empty()) object["band"] = band_json(curve.band);
+  return object;
 }
 
 ordered_json treatment_json(const Results& results, const ReportTables& tables,
@@ -35,11 +41,14 @@ ordered_json treatment_json(const Results& results, const ReportTables& tables,
       {"id", index},
       {"name", combination.name},
       {"mean_mm", combination.mean_mm},
+      {"low_mm", combination.interval_mm.low},
+      {"high_mm", combination.interval_mm.high},
       {"processor_ms", combination.processor_ms},
       {"reliability", {{"x", packed(said)}, {"y", packed(came_true)}, {"frames", packed(frames)}}},
       {"drawn", std::count(figures.drawn.begin(), figures.drawn.end(), index) > 0},
       {"distribution", curve_json(distribution_of(results, combination))},
-      {"by_frame", curve_json(error_over_frames(results, combination))},
+      {"by_frame", curve_json(figures.over_frames[index].error)},
+      {"by_frame_difference", curve_json(figures.over_frames[index].difference)},
       {"stages", std::move(stages)}};
 }
 
@@ -53,7 +62,21 @@ ordered_json comparison_json(const ComparisonResult& comparison) {
                      {"high", pair.test.interval.high},
                      {"decided", pair.call == Call::a || pair.call == Call::b}});
   }
-  return {{"unit", comparison.unit}, {"pairs", std::move(pairs)}};
+  ordered_json scenes = ordered_json::array();
+  for (const std::vector<SceneEffect>& effects : comparison.scenes) {
+    ordered_json& list = scenes.emplace_back(ordered_json::array());
+    for (const SceneEffect& effect : effects) {
+      list.push_back({{"scene", effect.scene},
+                      {"difference", effect.mean},
+                      {"low", effect.interval.low},
+                      {"high", effect.interval.high}});
+    }
+  }
+  const bool low_is_good = better_of(comparison.plan.metric) == Better::lower;
+  return {{"unit", comparison.unit},
+          {"low_is_good", low_is_good},
+          {"pairs", std::move(pairs)},
+          {"scenes", std::move(scenes)}};
 }
 
 ordered_json sweep_json(const Results& results, const Sweep& sweep) {
@@ -68,12 +91,14 @@ ordered_json sweep_json(const Results& results, const Sweep& sweep) {
     curves.push_back({{"others", curve.others},
                       {"values", packed(curve.values)},
                       {"figures", std::move(figures)},
+                      {"band", band_json(curve.error_band)},
                       {"auc", curve.auc_percent},
                       {"partial_auc", curve.partial_auc_percent}});
   }
   return {{"axis", results.plan.axes[sweep.axis].swept},
           {"roc", !sweep.stage.empty()},
           {"measures", sweep.measures},
+          {"banded_measure", kErrorMeasure},
           {"others", std::move(others)},
           {"curves", std::move(curves)}};
 }
@@ -125,6 +150,9 @@ ordered_json cell_json(const Results& results, const ShownCell& shown) {
 
 std::string to_json(const Results& results, const ReportTables& tables, const Figures& figures) {
   ordered_json object{{"measure", {{"name", "mean 3D error of a frame"}, {"unit", "mm"}}}};
+  if (!tables.combinations.empty()) {
+    object["reference"] = tables.combinations[figures.reference].name;
+  }
   for (const char* list : {"treatments", "comparisons", "sweeps", "scores", "cells", "worst"}) {
     object[list] = ordered_json::array();
   }

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "report/tables.hpp"
+#include "report/tables/tables.hpp"
 
 /// Plain texts that stand on the page and in tables.md alike.
 namespace weft::evaluation {

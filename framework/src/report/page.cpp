@@ -13,7 +13,7 @@ Page page_of(const Results& results, const ReportTables& tables, const Figures& 
       {"compared", "What was compared", compared_part(results, tables)},
       {"comparisons", "Comparisons", comparisons_part(tables, scripted)},
       {"expectations", "Expectations", expectations_part(results, tables)},
-      {"errors", "Errors", scripted ? curves_part(tables) : ""},
+      {"errors", "Errors", scripted ? curves_part(tables, figures) : ""},
       {"axes", "Along an axis", scripted ? sweeps_part(results, figures) : ""},
       {"filters", "Filters",
        filters_part(results, tables) + (scripted ? scores_part(tables) : std::string())},

@@ -19,7 +19,7 @@ std::string times_part(const Results& results, const ReportTables& tables, bool 
 std::string reproduce_part(const Results& results, const ReportTables& tables);
 
 // Figures
-std::string curves_part(const ReportTables& tables);
+std::string curves_part(const ReportTables& tables, const Figures& figures);
 std::string sweeps_part(const Results& results, const Figures& figures);
 std::string scores_part(const ReportTables& tables);
 std::string worst_part(const Results& results, const Figures& figures);

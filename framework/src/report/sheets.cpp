@@ -7,7 +7,7 @@
 #include "metrics/forms/catalogue.hpp"
 #include "metrics/forms/metric_path.hpp"
 #include "report/notes.hpp"
-#include "report/statistics.hpp"
+#include "report/tables/statistics.hpp"
 
 namespace weft::evaluation {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "report/tables.hpp"
+#include "report/tables/tables.hpp"
 #include "report/text/text_table.hpp"
 
 namespace weft::evaluation {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <weft/core/index.hpp>
 
 #include "report/curves.hpp"
@@ -68,7 +69,7 @@ SweepCurve roc_along(const ReportTables& tables, const Family& family, const std
     if (rates != nullptr) points.push_back({value, rates->fpr_percent, rates->tpr_percent});
   }
   const RocCurve roc = roc_curve(std::move(points));
-  SweepCurve curve{family.others, {}, {{}, {}}, roc.auc_percent, roc.partial_auc_percent};
+  SweepCurve curve{family.others, {}, {{}, {}}, {}, roc.auc_percent, roc.partial_auc_percent};
   for (const RocPoint& point : roc.points) {
     curve.values.push_back(static_cast<float>(point.threshold));
     curve.figures[0].push_back(static_cast<float>(point.fpr_percent));
@@ -94,7 +95,7 @@ std::vector<double> response_of(const ReportTables& tables, std::size_t index) {
 
 std::vector<std::string> response_measures(const ReportTables& tables) {
   std::vector<std::string> measures;
-  if (tables.has_error) measures.emplace_back("mean 3D error, mm");
+  if (tables.has_error) measures.emplace_back(kErrorMeasure);
   for (const std::string& stage : tables.filter_stages) {
     for (const char* measure : {"kept (n_s), %", "precision (AoS), %", "TPR, %", "FPR, %"}) {
       measures.push_back(stage + ": " + measure);
@@ -107,9 +108,12 @@ Sweep response_along(const ReportTables& tables, std::size_t axis,
                      const std::vector<Family>& families) {
   Sweep sweep{axis, "", response_measures(tables), {}};
   for (const Family& family : families) {
-    SweepCurve curve{family.others, {}, std::vector<std::vector<float>>(sweep.measures.size())};
+    SweepCurve curve;
+    curve.others = family.others;
+    curve.figures.resize(sweep.measures.size());
     for (const auto& [value, index] : family.members) {
       curve.values.push_back(static_cast<float>(value));
+      curve.error_band.add(value, tables.combinations[index].interval_mm);
       const std::vector<double> figures = response_of(tables, index);
       for (std::size_t m = 0; m < figures.size(); ++m) {
         curve.figures[m].push_back(static_cast<float>(figures[m]));
@@ -118,6 +122,26 @@ Sweep response_along(const ReportTables& tables, std::size_t axis,
     sweep.curves.push_back(std::move(curve));
   }
   return sweep;
+}
+
+/// Whether the numbers along some curve differ.
+bool changes(const Sweep& sweep, std::size_t measure) {
+  return std::any_of(sweep.curves.begin(), sweep.curves.end(), [&](const SweepCurve& curve) {
+    std::set<float> different;
+    for (const float figure : curve.figures[measure]) {
+      if (!std::isnan(figure)) different.insert(figure);
+    }
+    return different.size() > 1;
+  });
+}
+
+void drop_constant_measures(Sweep& sweep) {
+  for (std::size_t m = sweep.measures.size(); m-- > 0;) {
+    if (changes(sweep, m)) continue;
+    const auto place = static_cast<std::ptrdiff_t>(m);
+    sweep.measures.erase(sweep.measures.begin() + place);
+    for (SweepCurve& curve : sweep.curves) curve.figures.erase(curve.figures.begin() + place);
+  }
 }
 
 }  // namespace
@@ -151,7 +175,9 @@ std::vector<Sweep> sweeps_of(const Results& results, const ReportTables& tables)
       }
       if (!roc.curves.empty()) sweeps.push_back(std::move(roc));
     }
-    sweeps.push_back(response_along(tables, axis, families));
+    Sweep response = response_along(tables, axis, families);
+    drop_constant_measures(response);
+    if (!response.measures.empty()) sweeps.push_back(std::move(response));
   }
   return sweeps;
 }

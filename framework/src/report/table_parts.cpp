@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -37,6 +38,21 @@ std::string sentences_of(const ComparisonTable& table) {
   return text + "</ul>\n";
 }
 
+/// A place for the differences scene by scene, where there are several.
+std::string scenes_figure(const ComparisonResult& comparison, std::size_t index) {
+  const auto several = [](const std::vector<SceneEffect>& scenes) { return scenes.size() > 1; };
+  if (std::none_of(comparison.scenes.begin(), comparison.scenes.end(), several)) return "";
+  return fmt::format(
+      "<figure class=\"scenes\" id=\"figure-scenes-{0}\" data-comparison=\"{0}\"><h4>Scene by "
+      "scene</h4>\n<div class=\"plot\"></div>\n<figcaption>The same difference on each sequence, "
+      "or kind of data where there are many. Orange: A is better there; blue: B is; grey: the 95 "
+      "% interval holds zero, or there are too few frames for one. The interval of a sequence is "
+      "by a bootstrap over stretches of its frames: how sure the difference is on this very "
+      "sequence, not on others like it, and not corrected for the number of rows.</figcaption>"
+      "</figure>\n",
+      index);
+}
+
 /// The rows of a comparison without what its heading says.
 TextTable without_heading(const ComparisonResult& comparison) {
   constexpr std::ptrdiff_t kHeading = 3;  // axis, metric and unit
@@ -60,8 +76,10 @@ std::string speed_part(const Results& results, const ReportTables& tables, bool 
   const TextTable sheet = speed_sheet(results, tables);
   if (sheet.rows.empty()) return "";
   const char* figure =
-      "<figure id=\"figure-speed\"><ul class=\"legend\"></ul><div class=\"plot\"></div>\n"
-      "<figcaption>Better is up and to the left.</figcaption></figure>\n";
+      "<figure id=\"figure-speed\"><div class=\"plot\"></div>\n"
+      "<figcaption>Better is up and to the left. Filled, on the broken line: no other is both as "
+      "fast and as accurate. The lines through the points are the 95 % intervals of the "
+      "errors.</figcaption></figure>\n";
   return std::string("<h3>Time against accuracy</h3>\n") + (scripted ? figure : "") +
          to_html(sheet) + "<h3>By stage</h3>\n";
 }
@@ -123,6 +141,7 @@ std::string comparisons_part(const ReportTables& tables, bool scripted) {
           "class=\"plot\"></div>\n<figcaption>Mean difference, with its 95 % interval from {} "
           "sequences on. {} is better. Grey: not decided.</figcaption></figure>\n",
           i, i, kLeastSequences, better_of(metric) == Better::lower ? "Less" : "More");
+      text += scenes_figure(comparison, i);
     }
     text += to_html(without_heading(comparison)) + sentences_of(comparison.table);
   }

@@ -6,20 +6,38 @@ import { expect_whole_sheets, marks, screenshot_file, shot, use_page } from "./b
 const positions = (page) => page.evaluate(() => window.weft_report.viewer.positions());
 
 await use_page(async (page) => {
-  // Curves: a line for each of the eight combinations with an error.
-  assert.equal(await marks(page, "figure-distribution", "line"), 8);
-  assert.equal(await marks(page, "figure-by-frame", "line"), 8);
+  // The threshold changes no error: of the eight combinations with one, four share a curve each.
+  // Both have a panel of the distribution, with the line itself and both in grey.
+  const texts = (figure) =>
+    page.$$eval(`#${figure} svg text`, (all) => all.map((one) => one.textContent));
+  assert.equal(await marks(page, "figure-distribution", "line"), 2 * (1 + 2));
+  assert.ok((await texts("figure-distribution")).includes("steady · 0.05 and 3 more"));
+  // Over the frames two lines have their names at their ends, and bands.
+  assert.equal(await marks(page, "figure-by-frame", "line"), 2);
+  assert.equal(await marks(page, "figure-by-frame", "area"), 2);
+  assert.ok((await texts("figure-by-frame")).includes("shaky · 0.05 and 3 more"));
+  assert.equal(await page.$$eval("#figure-by-frame .legend", (all) => all.length), 0);
+  // As differences only what differs from the reference has a curve of its own.
+  await page.select("#figure-by-frame select", "difference from steady · 0.05");
+  await page.waitForFunction(() =>
+    document.querySelector("#figure-by-frame svg").textContent.includes("Difference of the error"),
+  );
+  assert.equal(await marks(page, "figure-by-frame", "line"), 2);
+  await page.select("#figure-by-frame select", "error");
+  // A row for each sequence, in the panel of the one pair that has values.
+  assert.equal(await marks(page, "figure-scenes-0", "symbol"), 8);
+  assert.ok((await texts("figure-scenes-0")).includes("Difference from steady, mm"));
   assert.equal(await marks(page, "figure-times", "rect"), 3 * 8);
   // Frames a second over the error: a point and a name for each.
   assert.equal(await marks(page, "figure-speed", "symbol"), 8);
   assert.equal(await page.$$eval("#figure-speed .mark-text.role-mark text", (all) => all.length), 8);
-  // What is promised and what came true: the diagonal, and of each combination two tenths.
-  assert.equal(await marks(page, "figure-reliability", "line"), 1 + 8);
-  assert.equal(await marks(page, "figure-reliability", "symbol"), 2 * 8);
+  // What is promised and what came true, in two panels: the diagonal, the line and both in grey.
+  assert.equal(await marks(page, "figure-reliability", "line"), 2 * (1 + 1 + 2));
+  assert.equal(await marks(page, "figure-reliability", "symbol"), 2 * 2);
   const sweeps = await page.$$eval("figure.sweep h3", (all) => all.map((one) => one.textContent));
   assert.deepEqual(sweeps, ["ROC of filters over alpha", "Along alpha"]);
-  // The diagonal, and of two curves the measured part and the whole.
-  assert.equal(await marks(page, "figure-sweep-0", "line"), 1 + 2 * 2);
+  // Both filters reject the same: one curve, and the diagonal.
+  assert.equal(await marks(page, "figure-sweep-0", "line"), 2);
 
   // Scores of mismatches and of correct matches, for the values that are chosen.
   assert.equal(await marks(page, "figure-scores-0", "line"), 2);
@@ -35,8 +53,8 @@ await use_page(async (page) => {
 
   // A square of the main table takes its combination out of the figures.
   await page.click('button.swatch[data-treatment="0"]');
-  await page.waitForFunction(
-    () => document.querySelectorAll("#figure-distribution svg .mark-line path").length === 7,
+  await page.waitForFunction(() =>
+    document.querySelector("#figure-distribution svg").textContent.includes("steady · 0.1 and 2 more"),
   );
 
   // Sorting: ascending, then descending; what has no mean stays last.

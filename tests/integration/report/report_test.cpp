@@ -6,7 +6,7 @@
 
 #include "fake_results.hpp"
 #include "report/paper/paper.hpp"
-#include "report/tables.hpp"
+#include "report/tables/tables.hpp"
 #include "report/text/latex.hpp"
 #include "report/text/text_table.hpp"
 

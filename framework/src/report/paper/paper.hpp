@@ -5,7 +5,7 @@
 #include <vector>
 #include <weft/core/result.hpp>
 
-#include "report/tables.hpp"
+#include "report/tables/tables.hpp"
 
 namespace weft::evaluation {
 

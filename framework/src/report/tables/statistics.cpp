@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/statistics.hpp"
+#include "report/tables/statistics.hpp"
 
 #include <algorithm>
 #include <map>

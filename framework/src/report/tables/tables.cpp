@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/tables.hpp"
+#include "report/tables/tables.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -194,8 +194,9 @@ Result<ReportTables> make_tables(const Results& results) {
     if (!table) return table.error();
     auto apart = compare_apart(results, plan);
     if (!apart) return apart.error();
+    auto scenes = scene_effects(results, plan, table->pairs);
     tables.comparisons.push_back(
-        {plan, unit_of(plan.metric), *std::move(table), *std::move(apart)});
+        {plan, unit_of(plan.metric), *std::move(table), *std::move(apart), std::move(scenes)});
   }
   return tables;
 }

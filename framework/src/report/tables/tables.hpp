@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "report/statistics.hpp"
+#include "report/tables/scene_effects.hpp"
+#include "report/tables/statistics.hpp"
 #include "results/expectations.hpp"
 
 /// The tables of a report. Sequences count the same: a figure of a combination is the mean over its
@@ -47,7 +48,8 @@ struct ComparisonResult {
   PlanComparison plan;
   std::string unit;  ///< of the metric
   ComparisonTable table;
-  std::vector<ApartComparison> apart;  ///< by other axes
+  std::vector<ApartComparison> apart;            ///< by other axes
+  std::vector<std::vector<SceneEffect>> scenes;  ///< one list for each pair of `table`
 };
 
 struct ReportTables {
