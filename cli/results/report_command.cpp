@@ -41,18 +41,21 @@ Result<evaluation::ReportFiles> write_report_of(const std::string& folder,
 }
 
 void print_paper(const std::string& folder, Context& context) {
-  const auto files =
+  const auto paper =
       evaluation::is_run_folder(folder)
-          ? Result<std::vector<std::string>>(
+          ? Result<evaluation::PaperFiles>(
                 Error{Errc::invalid_value,
                       "--paper is for the folder of an ablation; this one is of a run", folder})
           : evaluation::write_paper(folder);
-  if (!files) {
-    print_error(files.error());
+  if (!paper) {
+    print_error(paper.error());
     context.exit_code = kInputOutput;
     return;
   }
-  for (const std::string& file : *files) fmt::print("{}\n", file);
+  for (const std::string& file : paper->files) fmt::print("{}\n", file);
+  if (paper->figures && !paper->pdf) {
+    fmt::print("(no PDF: figures are also written as PDF where librsvg2-bin is installed)\n");
+  }
 }
 
 bool is_same(const std::string& a, const std::string& b) {
@@ -76,7 +79,7 @@ void add_report_command(CLI::App& app, Context& context) {
   command->add_option("--out", options->page, "The page (default: DIR/report.html)");
   add_overwrite(*command, options->overwrite);
   command->add_flag("--paper", options->paper,
-                    "Write tables for LaTeX and figures as SVG instead, to DIR/paper");
+                    "Write tables for LaTeX and figures as SVG (and PDF) instead, to DIR/paper");
   command->callback([&context, options] {
     if (options->paper) return print_paper(options->folder, context);
     const std::string own = options->folder + "/report.html";

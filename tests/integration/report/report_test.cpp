@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "fake_results.hpp"
 #include "report/paper/paper.hpp"
 #include "report/tables/tables.hpp"
@@ -399,6 +401,53 @@ TEST(Report, WritesTablesAndAFigureForAPaperWithTheirOrigin) {
   for (std::size_t at = 0; (at = figure.find("<circle", at)) != std::string::npos; ++at) ++points;
   EXPECT_EQ(points, 8U) << "the four combinations of `broken` have no error";
   EXPECT_FALSE(std::filesystem::exists(fake.folder() + "/paper/cells.tex"));
+}
+
+/// Where programs are looked for, with one `rsvg-convert` that does what a script says, or none.
+class Programs {
+ public:
+  Programs(const std::string& folder, const std::string& script) {
+    std::filesystem::create_directories(folder);
+    const std::string file = folder + "/rsvg-convert";
+    if (!script.empty()) {
+      std::ofstream(file) << "#!/bin/sh\n" << script << "\n";
+      std::filesystem::permissions(file, std::filesystem::perms::owner_all);
+    }
+    setenv("PATH", folder.c_str(), 1);
+  }
+  ~Programs() { setenv("PATH", before_.c_str(), 1); }
+  Programs(const Programs&) = delete;
+  Programs& operator=(const Programs&) = delete;
+
+ private:
+  std::string before_ = getenv("PATH") == nullptr ? "" : getenv("PATH");
+};
+
+TEST(Report, WritesFiguresAsPdfWhereAProgramForItIsInstalled) {
+  FakeResults fake({});
+  {
+    const Programs none(fake.folder() + "/none", "");
+    const auto paper = write_paper(fake.folder());
+    ASSERT_TRUE(paper) << paper.error().message;
+    EXPECT_TRUE(paper->figures);
+    EXPECT_FALSE(paper->pdf);
+    EXPECT_THAT(paper->files.back(), HasSubstr("paper/errors.svg"));
+  }
+  {
+    const Programs one(fake.folder() + "/one",
+                       "echo \"$1 $SOURCE_DATE_EPOCH $3\" > \"${2#--output=}\"");
+    const auto paper = write_paper(fake.folder());
+    ASSERT_TRUE(paper) << paper.error().message;
+    EXPECT_TRUE(paper->pdf);
+    EXPECT_THAT(paper->files.back(), HasSubstr("paper/errors.pdf"));
+    EXPECT_EQ(fake.read("paper/errors.pdf"),
+              "--format=pdf 0 " + fake.folder() + "/paper/errors.svg\n");
+  }
+  const Programs fails(fake.folder() + "/fails", "exit 1");
+  const auto paper = write_paper(fake.folder());
+  ASSERT_FALSE(paper);
+  EXPECT_THAT(paper.error().message, HasSubstr("rsvg-convert did not make a PDF"));
+  EXPECT_THAT(paper.error().where, HasSubstr("errors.svg"));
 }
 
 TEST(Report, LeavesNoMarkupInTextForLatex) {

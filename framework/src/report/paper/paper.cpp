@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <weft/core/whole_file.hpp>
 
+#include "report/paper/pdf.hpp"
 #include "report/sheets.hpp"
 #include "report/text/latex.hpp"
 
@@ -21,7 +22,7 @@ std::string origin_of(const Results& results) {
       results.alignment);
 }
 
-Result<std::vector<std::string>> write_paper(const std::string& folder) {
+Result<PaperFiles> write_paper(const std::string& folder) {
   const auto results = read_results(folder);
   if (!results) return results.error();
   const auto tables = make_tables(*results);
@@ -29,10 +30,10 @@ Result<std::vector<std::string>> write_paper(const std::string& folder) {
   std::error_code code;
   std::filesystem::create_directories(folder + "/paper", code);
   const std::string origin = origin_of(*results);
-  std::vector<std::string> files;
+  PaperFiles paper;
   const auto write = [&](const std::string& name, const std::string& text) {
-    files.push_back(folder + "/paper/" + name);
-    return write_whole(text, files.back());
+    paper.files.push_back(folder + "/paper/" + name);
+    return write_whole(text, paper.files.back());
   };
   for (const TextTable& sheet : all_sheets(*results, *tables)) {
     if (sheet.id == "cells") continue;
@@ -41,9 +42,14 @@ Result<std::vector<std::string>> write_paper(const std::string& folder) {
     }
   }
   const std::string figure = error_figure(*results, *tables);
-  if (figure.empty()) return files;
+  paper.figures = !figure.empty();
+  if (!paper.figures) return paper;
   if (auto written = write("errors.svg", figure); !written) return written.error();
-  return files;
+  auto pdf = write_pdf(paper.files.back());
+  if (!pdf) return pdf.error();
+  paper.pdf = pdf->has_value();
+  if (paper.pdf) paper.files.push_back(**std::move(pdf));
+  return paper;
 }
 
 }  // namespace weft::evaluation

@@ -17,8 +17,14 @@ std::string origin_of(const Results& results);
 /// origin. Empty where no combination has an error.
 std::string error_figure(const Results& results, const ReportTables& tables);
 
-/// Writes the tables of a results folder as LaTeX, and its figures as SVG, to DIR/paper; the files.
-/// Fails as write_report does.
-Result<std::vector<std::string>> write_paper(const std::string& folder);
+struct PaperFiles {
+  std::vector<std::string> files;
+  bool figures = false;  ///< there is a figure
+  bool pdf = false;      ///< it is there as PDF too
+};
+
+/// Writes the tables of a results folder as LaTeX, and its figures as SVG and, where write_pdf can,
+/// as PDF, to DIR/paper. Fails as write_report does.
+Result<PaperFiles> write_paper(const std::string& folder);
 
 }  // namespace weft::evaluation
