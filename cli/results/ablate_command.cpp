@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <map>
 #include <memory>
 #include <weft/core/shell_word.hpp>
 
@@ -13,6 +12,7 @@
 #include "cli/commands.hpp"
 #include "cli/output/duration_text.hpp"
 #include "cli/results/ablate_plan.hpp"
+#include "cli/results/ablate_slurm.hpp"
 #include "cli/results/forecast_text.hpp"
 #include "cli/run/interruption.hpp"
 #include "cli/run/run_settings.hpp"
@@ -31,16 +31,15 @@ struct AblateOptions {
   int jobs = 1;
   bool timing = false, accept_rebuilt = false, status = false, quiet = false;
   std::vector<std::string> retry;
+  SlurmArguments slurm;
 
+  int processes() const { return timing ? 1 : jobs; }
   bool retries(const char* what) const {
     return std::find(retry.begin(), retry.end(), what) != retry.end();
   }
 };
 
-using MakeEngine = std::unique_ptr<evaluation::Engine> (*)(int jobs);
-
-/// The values of --engine.
-const std::map<std::string, MakeEngine> kEngines{{"local", evaluation::local_engine}};
+constexpr const char* kSlurm = "slurm";
 
 /// A line on the terminal that is drawn over itself; elsewhere a line now and then.
 class ProgressLine {
@@ -86,6 +85,15 @@ std::string command_of(const AblateOptions& options, const Context& context) {
   for (const std::string& name : options.without) command += " --without " + shell_word(name);
   for (const std::string& setting : options.settings) command += " --set " + shell_word(setting);
   return command;
+}
+
+/// The same as a job calls it, in its folder.
+std::string slurm_call(const AblateOptions& options, const evaluation::ResultsFolder& folder,
+                       const Context& context) {
+  constexpr std::size_t kName = sizeof("weft") - 1;
+  return program_word() + command_of(options, context).substr(kName) + " --out " +
+         shell_word(folder.path()) + " --engine " + kSlurm + (options.timing ? " --timing" : "") +
+         (options.accept_rebuilt ? " --accept-rebuilt" : "");
 }
 
 void print_failures(const evaluation::Results& results) {
@@ -152,19 +160,47 @@ Result<evaluation::AblationState> execute(evaluation::Grid& grid,
   if (options.status) return evaluation::state_of(grid, folder, how);
   const std::atomic<bool>& interrupted = watch_for_interruption();
   now_running("the cells of the plan, in processes of their own");
-  const auto engine = kEngines.at(options.engine)(options.timing ? 1 : options.jobs);
+  const auto engine = options.engine == kSlurm
+                          ? slurm_engine(slurm_call(options, folder, context), options.slurm,
+                                         options.processes(), grid.plan().cluster)
+                          : evaluation::local_engine(options.processes());
   ProgressLine line(grid.cells().size(), options.quiet);
   auto state = evaluation::run_ablation(
       grid, folder, *engine, how, [&](double share) { line.show(share); }, interrupted);
   line.clear();
-  if (!state) return state;
+  if (!state || options.engine == kSlurm) return state;
   if (auto index = evaluation::write_index(state->results, folder.path()); !index) {
     return index.error();
   }
   return state;
 }
 
+/// What concerns Slurm alone: true when it was all there was to do.
+bool manage_slurm(evaluation::Grid& grid, const AblateOptions& options, Context& context) {
+  if (options.engine != kSlurm) return false;
+  if (!options.slurm.task.empty()) {
+    evaluation::AblationOptions how;
+    how.timed = options.timing;
+    how.accept_rebuilt = options.accept_rebuilt;
+    context.exit_code =
+        run_slurm_task(grid, options.slurm, options.folder, options.processes(), how);
+  } else if (options.slurm.cancel) {
+    context.exit_code = cancel_slurm(options.folder);
+  } else {
+    return false;
+  }
+  return true;
+}
+
 void ablate(AblateOptions options, Context& context) {
+  if (options.engine != kSlurm && options.slurm.any()) {
+    print_error(
+        {Errc::invalid_value,
+         "--partition, --sbatch, --chunk-minutes, --cell-seconds and --cancel need --engine slurm",
+         {}});
+    context.exit_code = kBadConfiguration;
+    return;
+  }
   const auto fail = [&](const Error& error) {
     print_error(error);
     context.exit_code = error.code == Errc::invalid_value ? kBadConfiguration : kInputOutput;
@@ -174,11 +210,13 @@ void ablate(AblateOptions options, Context& context) {
                                               standard_helpers(), options.without);
   if (!report.ok()) {
     fmt::print(stderr, "{}", report.text());
+    tell_slurm_failure(options.slurm, options.folder, report.text());
     context.exit_code = kBadConfiguration;
     return;
   }
   const std::string& plan = grid.plan().name;
   if (options.folder.empty()) options.folder = "ablations/" + plan;
+  if (manage_slurm(grid, options, context)) return;
   const auto folder = options.status ? evaluation::ResultsFolder::look(options.folder, plan)
                                      : evaluation::ResultsFolder::open(options.folder, plan);
   if (!folder) {
@@ -186,12 +224,17 @@ void ablate(AblateOptions options, Context& context) {
     context.exit_code = kBadConfiguration;
     return;
   }
-  const auto state = execute(grid, *folder, options, context);
+  auto state = execute(grid, *folder, options, context);
   if (!state) return fail(state.error());
+  if (options.engine == kSlurm && !options.status && !state->reasons.empty()) {
+    return print_submitted(*state, options.folder);
+  }
+  Pace pace{options.processes(), fmt::format("--jobs {}", options.processes())};
+  if (options.engine == kSlurm && options.status) pace = print_queue(*state, options.folder);
   if (!options.quiet) fmt::print("{}", evaluation::summary_table(state->results));
   print_failures(state->results);
   print_state(*state);
-  if (options.status) print_forecast(*state, options.folder, options.timing ? 1 : options.jobs);
+  if (options.status) print_forecast(*state, options.folder, pace);
   const bool is_undamaged = state->results.records.damaged.empty();
   const bool whole = state->left == 0 && is_undamaged;
   const bool met = !whole || print_expectations(state->results);
@@ -227,7 +270,7 @@ void add_ablate_command(CLI::App& app, Context& context) {
   command->add_flag("--timing", options->timing,
                     "Run each cell alone, nothing shared, one job, and keep the times");
   command->add_option("--engine", options->engine, "Where cells run")
-      ->check(CLI::IsMember(&kEngines))
+      ->check(CLI::IsMember({"local", kSlurm}))
       ->capture_default_str();
   command->add_flag("--accept-rebuilt", options->accept_rebuilt,
                     "Take results of components of the same version that were built anew");
@@ -249,6 +292,7 @@ void add_ablate_command(CLI::App& app, Context& context) {
       ->add_flag("--dry-run,--status", options->status,
                  "Say what is done, and what the rest will take; run and write nothing")
       ->excludes(retry);
+  add_slurm_options(*command, options->slurm);
   command->add_flag("--quiet", options->quiet, "No progress and no table");
   command->callback([&context, options] { ablate(*options, context); });
 }

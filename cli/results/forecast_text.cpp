@@ -30,16 +30,20 @@ void print_axis(const std::string& name, const std::vector<evaluation::ValueProg
 
 }  // namespace
 
-void print_forecast(const evaluation::AblationState& state, const std::string& folder, int jobs) {
-  const evaluation::FolderCosts costs = evaluation::costs_of(folder);
-  const evaluation::Forecast forecast = evaluation::forecast(state, costs, jobs);
+void print_forecast(const evaluation::AblationState& state, const std::string& folder,
+                    const Pace& pace) {
+  evaluation::FolderCosts costs = evaluation::costs_of(folder);
+  if (pace.cell_seconds) {
+    costs.seconds = *pace.cell_seconds * static_cast<double>(state.results.records.cells.size());
+  }
+  const evaluation::Forecast forecast = evaluation::forecast(state, costs, pace.processes);
   for (const auto& [axis, values] : forecast.axes) print_axis(axis, values);
   if (forecast.missing > 0) {
     const std::string left =
         std::isnan(forecast.seconds_left)
             ? "not known before the first cells are done here"
-            : fmt::format("about {} left with --jobs {} (mean of {} finished)",
-                          duration_text(forecast.seconds_left), jobs, forecast.finished);
+            : fmt::format("about {} left with {} (mean of {} finished)",
+                          duration_text(forecast.seconds_left), pace.by, forecast.finished);
     fmt::print("time: {}\n", left);
   }
   const bool more = forecast.missing > 0 && !std::isnan(forecast.bytes_left);

@@ -56,6 +56,7 @@ INTERNAL = {
     "statistics metrics results",
     "ablation": "core data roles host/records host/loading host/calling pipeline/execution "
     "pipeline/runs metrics results ablation/plan",
+    "cluster": "core host/records host/loading metrics/runs results ablation/plan ablation",
     "report/text": "core",
     "report/runs": "core data statistics metrics results report/text",
     "report/tables": "core statistics metrics results",
@@ -65,7 +66,7 @@ INTERNAL = {
     "pipeline/graph pipeline/execution pipeline/runs statistics",
     "counting": "",
     "cli": "core data geometry generators truth sdk yaml describe roles host pipeline printing "
-    "metrics results ablation report bench",
+    "metrics results ablation cluster report bench",
 }
 LAYERS = INSTALLED | INTERNAL
 PLUGIN_LAYERS = ("core", "data", "geometry", "generators", "truth", "sdk")

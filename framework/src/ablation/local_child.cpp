@@ -98,7 +98,7 @@ Result<ChildProcess> start_child(const Order& order, const std::vector<const Cel
   if (getppid() != parent) _exit(1);
   close(ends[0]);
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
-  print_into(order.folder.path() + "/log.txt");
+  print_into(order.folder.log_file());
   run_cells(order, cells, ends[1]);
   _exit(0);
 }

@@ -18,7 +18,7 @@ struct ChildProcess {
 };
 
 /// Starts a process that runs these cells and writes their results; it dies with this one. What
-/// components and libraries print goes into log.txt of the results folder.
+/// components and libraries print goes into the log of the results folder.
 ///
 /// The process is a fork, so that the plan need not be read again: this one has loaded no plugin
 /// and must have no threads.

@@ -27,6 +27,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr int kMostFiles = 1'000'000;
+constexpr const char* kLockFile = ".lock";  ///< where a folder cannot be locked itself
 
 Error io_error(const std::string& file, const std::string& message) {
   return {Errc::io, message, file};
@@ -46,7 +47,9 @@ bool is_fresh(const std::string& path) {
   std::error_code code;
   for (const auto& entry : fs::directory_iterator(path, code)) {
     const bool empty_folder = entry.is_directory(code) && fs::is_empty(entry.path(), code);
-    if (entry.path().extension() != ".part" && !empty_folder) return false;
+    const bool passing =
+        entry.path().extension() == ".part" || entry.path().filename() == kLockFile;
+    if (!passing && !empty_folder) return false;
   }
   return true;
 }
@@ -79,12 +82,24 @@ Result<void> check_schema(const std::string& path, const std::string& plan) {
 /// The folder's descriptor, locked for this process and its children. Children of a process that
 /// was killed may still be dying.
 Result<int> lock_folder(const std::string& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  int descriptor = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) return io_error(path, "cannot be opened");
+  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EBADF) {
+    // NFS locks what is open for writing alone.
+    close(descriptor);
+    const std::string file = path + "/" + kLockFile;
+    descriptor = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (descriptor < 0) return io_error(file, "cannot be created; is the folder writable?");
+  }
   constexpr int kTries = 100;
   constexpr auto kPause = std::chrono::milliseconds(50);
   for (int i = 0; i < kTries; ++i) {
     if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
+    if (errno != EWOULDBLOCK && errno != EINTR) {
+      const std::error_code code(errno, std::generic_category());
+      close(descriptor);
+      return io_error(path, "cannot be locked (" + code.message() + ")");
+    }
     std::this_thread::sleep_for(kPause);
   }
   close(descriptor);
@@ -132,7 +147,9 @@ Result<void> LineWriter::append(const std::string& line) {
 }
 
 ResultsFolder::ResultsFolder(ResultsFolder&& other) noexcept
-    : path_(std::move(other.path_)), lock_(std::exchange(other.lock_, -1)) {}
+    : path_(std::move(other.path_)),
+      lock_(std::exchange(other.lock_, -1)),
+      shared_(std::move(other.shared_)) {}
 
 ResultsFolder::~ResultsFolder() {
   if (lock_ >= 0) close(lock_);
@@ -164,6 +181,21 @@ Result<ResultsFolder> ResultsFolder::open(const std::string& path, const std::st
   return folder;
 }
 
+Result<ResultsFolder> ResultsFolder::join(const std::string& path, const std::string& plan,
+                                          SharedWriter writer) {
+  std::error_code code;
+  if (!fs::exists(path + "/manifest.json", code)) {
+    return Error{Errc::not_found, "is no results folder here; do all machines share it?", path};
+  }
+  if (auto legal = check_schema(path, plan); !legal) return legal.error();
+  if (access((path + "/results").c_str(), W_OK) != 0) return io_error(path, "cannot be written");
+  ResultsFolder folder(fs::absolute(path).string(), -1);
+  folder.shared_ = std::move(writer);
+  return folder;
+}
+
+std::string ResultsFolder::log_file() const { return shared_ ? shared_->log : path_ + "/log.txt"; }
+
 Result<void> ResultsFolder::describe(const Grid& grid, const std::string& command,
                                      bool accept_rebuilt) const {
   auto manifest = write_whole(manifest_text(grid, accept_rebuilt), path_ + "/manifest.json");
@@ -183,10 +215,11 @@ Result<void> ResultsFolder::withdraw(const std::vector<Damage>& lines) const {
 }
 
 Result<LineWriter> ResultsFolder::writer(bool timed) const {
-  return lines_file(timed ? "alone" : "cached");
+  const std::string kind = timed ? "alone" : "cached";
+  return lines_file(shared_ ? kind + "-" + shared_->name : kind);
 }
 
-Result<LineWriter> ResultsFolder::lines_file(const char* kind) const {
+Result<LineWriter> ResultsFolder::lines_file(const std::string& kind) const {
   for (int number = 1; number < kMostFiles; ++number) {
     const std::string file = fmt::format("{}/results/{}-{:06}.jsonl", path_, kind, number);
     constexpr int kFlags = O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC;
@@ -213,14 +246,29 @@ void remove_begun_files(const std::string& folder) {
 
 }  // namespace
 
+/// Where files of a cell are written: in its folder, or where another writer of the same cell does
+/// not write into them.
+Result<std::string> ResultsFolder::begin_files(const std::string& folder) const {
+  if (!shared_) {
+    remove_begun_files(folder);
+    return folder;
+  }
+  const std::string work = shared_->work + "/" + std::to_string(getpid());
+  std::error_code code;
+  fs::create_directories(work, code);
+  if (code) return io_error(work, "cannot be created; is the disk full?");
+  return work;
+}
+
 Result<void> ResultsFolder::keep(const Cell& cell, const CellResult& result, bool timed,
                                  const Measurement& measurement, LineWriter& lines) const {
   const std::string folder = path_ + "/cells/" + cell.identity.key;
   std::error_code code;
   fs::create_directories(folder, code);
   if (code) return io_error(folder, "cannot be created; is the disk full?");
-  remove_begun_files(folder);
-  const auto path_of = [&](const std::string& name) { return folder + "/" + name; };
+  const auto work = begin_files(folder);
+  if (!work) return work.error();
+  const auto path_of = [&](const std::string& name) { return *work + "/" + name; };
   std::vector<std::string> names{"pipeline.yaml"};
   if (auto written = write_whole(result.pipeline, path_of(names.back())); !written) return written;
   if (!result.shapes.empty()) {
@@ -236,9 +284,11 @@ Result<void> ResultsFolder::keep(const Cell& cell, const CellResult& result, boo
   std::vector<CellFile> files;
   for (const std::string& name : names) {
     if (auto lasting = make_last(path_of(name)); !lasting) return lasting;
-    auto file = cell_file(folder, name);
+    auto file = cell_file(*work, name);
     if (!file) return file.error();
     files.push_back(*std::move(file));
+    if (shared_) fs::rename(path_of(name), folder + "/" + name, code);
+    if (code) return io_error(folder, "cannot take " + name + " (" + code.message() + ")");
   }
   for (const std::string& each : {folder, path_ + "/cells"}) {
     if (auto lasting = make_last(each); !lasting) return lasting;

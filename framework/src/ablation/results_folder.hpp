@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,13 @@ class LineWriter {
   std::int64_t size_ = 0;  ///< [bytes] of whole lines
 };
 
+/// Who writes into a results folder that others write into at the same time.
+struct SharedWriter {
+  std::string name;  ///< that no other writer has; of the files of lines
+  std::string work;  ///< a folder in the results folder for files that are not whole yet
+  std::string log;   ///< the file of what components print
+};
+
 /// The folder of an ablation; docs/results.md describes it. Whatever a process has finished stays
 /// when it is killed.
 class ResultsFolder {
@@ -39,11 +47,16 @@ class ResultsFolder {
   static Result<ResultsFolder> open(const std::string& path, const std::string& plan);
   /// The same for reading alone: creates nothing, locks nothing, and may be absent.
   static Result<ResultsFolder> look(const std::string& path, const std::string& plan);
+  /// The folder of an ablation under way for one of its writers on several machines: locks nothing.
+  static Result<ResultsFolder> join(const std::string& path, const std::string& plan,
+                                    SharedWriter writer);
   ResultsFolder(ResultsFolder&& other) noexcept;
   ResultsFolder& operator=(ResultsFolder&&) = delete;
   ~ResultsFolder();
 
   const std::string& path() const { return path_; }
+  /// Where components print.
+  std::string log_file() const;
 
   /// Writes manifest.json and plan.json. `command` repeats the ablation.
   Result<void> describe(const Grid& grid, const std::string& command, bool accept_rebuilt) const;
@@ -59,11 +72,13 @@ class ResultsFolder {
                     const Measurement& measurement, LineWriter& lines) const;
 
  private:
-  Result<LineWriter> lines_file(const char* kind) const;
+  Result<LineWriter> lines_file(const std::string& kind) const;
+  Result<std::string> begin_files(const std::string& folder) const;
   ResultsFolder(std::string path, int lock) : path_(std::move(path)), lock_(lock) {}
 
   std::string path_;
-  int lock_;  ///< descriptor of the folder, which holds the lock; -1 for reading
+  int lock_;  ///< descriptor of the folder, which holds the lock; -1 where none is held
+  std::optional<SharedWriter> shared_;
 };
 
 }  // namespace weft::evaluation

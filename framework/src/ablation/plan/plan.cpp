@@ -24,7 +24,7 @@ class PlanReader {
     }
     values_.is_map(root, "a plan",
                    {"weft", "name", "extends", "without", "pipeline", "data_use", "axes", "data",
-                    "seeds", "metrics", "show", "comparisons", "expect"});
+                    "seeds", "metrics", "cluster", "show", "comparisons", "expect"});
     read_head(root);
     if (const yaml::Node* axes = root.find("axes"))
       plan_.axes = read_axes(*axes, registry_, values_, broken_);
@@ -38,6 +38,9 @@ class PlanReader {
       plan_.seeds = values_.seeds(*seeds, "run seeds");
     }
     if (const yaml::Node* metrics = root.find("metrics")) read_measurement(*metrics);
+    if (const yaml::Node* cluster = root.find("cluster")) {
+      plan_.cluster = read_cluster(*cluster, values_);
+    }
     if (const yaml::Node* show = root.find("show")) plan_.show = values_.texts(*show, "'show'");
     for (const yaml::Node& item : list(root, "comparisons")) read_comparison(item);
     for (const yaml::Node& item : list(root, "expect")) read_expectation(item);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -50,6 +51,15 @@ struct Measurement {
   bool frames = true;  ///< keep the figures of each frame
 };
 
+/// How cells are to be handed to a cluster, see docs/cluster.md; the command line may say
+/// otherwise.
+struct PlannedCluster {
+  std::string partition;
+  std::vector<std::string> sbatch;      ///< further options of sbatch
+  std::optional<double> chunk_minutes;  ///< [min] that a task is to take
+  std::optional<double> cell_seconds;   ///< [s] that a cell takes
+};
+
 /// Components that an ablation uses without a plan that names them; the program says which.
 struct Helpers {
   std::string frames_source;  ///< reads `folders`: a source with the parameters path, camera, truth
@@ -67,6 +77,7 @@ struct Plan {
   std::vector<PlannedData> data;
   std::vector<std::uint64_t> seeds;  ///< run seeds; none: the pipeline's own
   Measurement measurement;
+  PlannedCluster cluster;
   std::vector<std::pair<std::string, yaml::Position>> show;  ///< metrics of the table
   std::vector<PlannedComparison> comparisons;
   std::vector<PlannedExpectation> expect;

@@ -11,8 +11,8 @@ namespace weft::evaluation {
 namespace {
 
 /// The keys of a plan that the command line may change.
-constexpr const char* kKeys[] = {"name",  "pipeline", "data_use", "axes",        "data",
-                                 "seeds", "metrics",  "show",     "comparisons", "expect"};
+constexpr const char* kKeys[] = {"name",    "pipeline", "data_use", "axes",        "data",  "seeds",
+                                 "metrics", "cluster",  "show",     "comparisons", "expect"};
 
 yaml::Entry* entry_of(yaml::Node& map, std::string_view key) {
   const auto found = std::find_if(map.entries.begin(), map.entries.end(),

@@ -173,4 +173,34 @@ yaml::Node with_setting(yaml::Node patch, const std::string& path, yaml::Positio
   return patch;
 }
 
+PlannedCluster read_cluster(const yaml::Node& node, PlanValues& values) {
+  PlannedCluster cluster;
+  const std::vector<std::string> keys{"partition", "sbatch", "chunk_minutes", "cell_seconds"};
+  if (!values.is_map(node, "'cluster'", keys)) return cluster;
+  if (const yaml::Node* partition = node.find("partition")) {
+    cluster.partition = values.text(*partition, "'partition'");
+  }
+  if (const yaml::Node* sbatch = node.find("sbatch")) {
+    for (const auto& [option, at] : values.texts(*sbatch, "'sbatch'")) {
+      // Anything else would be taken for the script.
+      if (option.starts_with("-")) cluster.sbatch.push_back(option);
+      if (!option.empty() && !option.starts_with("-")) {
+        values.problem(at, "an option of sbatch begins with a dash, such as --mem=4G");
+      }
+    }
+  }
+  const auto above_zero = [&](const char* key) -> std::optional<double> {
+    const yaml::Node* value = node.find(key);
+    if (value == nullptr) return std::nullopt;
+    const auto number = values.number(*value, std::string("'") + key + "'");
+    if (number && !(*number > 0.0)) {
+      values.problem(value->at, std::string("'") + key + "' must be above 0");
+    }
+    return number;
+  };
+  cluster.chunk_minutes = above_zero("chunk_minutes");
+  cluster.cell_seconds = above_zero("cell_seconds");
+  return cluster;
+}
+
 }  // namespace weft::evaluation

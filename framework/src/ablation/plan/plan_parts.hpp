@@ -93,6 +93,9 @@ std::vector<NamedPatch> component_values(const yaml::Node& axis, const host::Reg
 /// Reads `data`: names with what they are laid over the pipeline.
 std::vector<PlannedData> read_data(const yaml::Node& node, const Plan& plan, PlanValues& values);
 
+/// Reads `cluster`.
+PlannedCluster read_cluster(const yaml::Node& node, PlanValues& values);
+
 /// Keys of a patch, besides which data and axes may have some of their own.
 std::vector<std::string> patch_keys(std::vector<std::string> more = {});
 

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+#include <weft/core/result.hpp>
+
+namespace weft::cluster {
+
+/// Which task runs a cell. A claim is a symbolic link `claims/KEY` to the id of its task: no file
+/// system lets two machines make the same one, and it is never there without its owner. A task that
+/// Slurm has put into the queue again keeps its id, and with it its claims.
+///
+/// Claims save work; results do not depend on them: of a cell that was run twice one line counts.
+class Claims {
+ public:
+  /// Of the tasks of a results folder; creates what is missing.
+  static Result<Claims> open(const std::string& results);
+
+  /// The task that has the cell now: `task`, or the one that was first.
+  Result<std::string> take(const std::string& key, const std::string& task) const;
+  void release(const std::string& key, const std::string& task) const;
+
+  /// The folder for what this task writes before it is whole.
+  std::string work_of(const std::string& task) const;
+
+  /// Takes claims and begun files from all tasks but these.
+  void clear(const std::set<std::string>& tasks) const;
+
+ private:
+  explicit Claims(std::string folder) : folder_(std::move(folder)) {}
+
+  std::string folder_;  ///< cluster_folder()
+};
+
+}  // namespace weft::cluster

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cluster/program.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <weft/core/index.hpp>
+
+namespace weft::cluster {
+namespace {
+
+/// The two ends of a pipe, closed by its end.
+class Pipe {
+ public:
+  Pipe() { ok_ = pipe2(ends_, O_CLOEXEC) == 0; }
+  ~Pipe() {
+    close_end(0);
+    close_end(1);
+  }
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
+
+  explicit operator bool() const { return ok_; }
+  int read_end() const { return ends_[0]; }
+  int write_end() const { return ends_[1]; }
+  void close_end(int which) {
+    if (ends_[which] >= 0) close(ends_[which]);
+    ends_[which] = -1;
+  }
+
+ private:
+  int ends_[2] = {-1, -1};
+  bool ok_ = false;
+};
+
+/// 0, or why the program could not be started.
+int start(const std::vector<std::string>& words, int out, int err, pid_t& process) {
+  std::vector<std::string> copy = words;
+  std::vector<char*> arguments;
+  for (std::string& word : copy) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, err, STDERR_FILENO);
+  const int failure =
+      posix_spawnp(&process, arguments[0], &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  return failure;
+}
+
+/// False at the end.
+bool append(int end, std::string& text) {
+  char bytes[4096];
+  const ssize_t count = read(end, bytes, sizeof(bytes));
+  if (count < 0) return errno == EINTR;
+  text.append(bytes, to_index(count));
+  return count > 0;
+}
+
+void read_both(const Pipe& out, const Pipe& err, Answer& answer) {
+  pollfd ends[] = {{out.read_end(), POLLIN, 0}, {err.read_end(), POLLIN, 0}};
+  while (ends[0].fd >= 0 || ends[1].fd >= 0) {
+    if (poll(ends, 2, -1) < 0 && errno != EINTR) return;
+    if (ends[0].revents != 0 && !append(ends[0].fd, answer.out)) ends[0].fd = -1;
+    if (ends[1].revents != 0 && !append(ends[1].fd, answer.err)) ends[1].fd = -1;
+  }
+}
+
+}  // namespace
+
+Result<Answer> run_program(const std::vector<std::string>& words) {
+  Pipe out, err;
+  if (!out || !err) return Error{Errc::io, "cannot open a pipe"};
+  pid_t process = 0;
+  if (const int failure = start(words, out.write_end(), err.write_end(), process); failure != 0) {
+    return Error{failure == ENOENT ? Errc::not_found : Errc::io,
+                 std::string("cannot be started: ") + std::strerror(failure), words.front()};
+  }
+  out.close_end(1);
+  err.close_end(1);
+  Answer answer;
+  read_both(out, err, answer);
+  int status = 0;
+  while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
+  }
+  answer.exit_code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+  return answer;
+}
+
+}  // namespace weft::cluster

@@ -1,0 +1,298 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""`weft ablate --engine slurm` against a Slurm that is none: its tasks run on this machine, are
+killed, lost and put into the queue again. loopback_test.py does it with Slurm itself.
+
+Usage: slurm_test.py --weft PROGRAM --plugin-path FOLDER [--seed N]
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import sys
+import tempfile
+import threading
+import time
+import unittest
+from pathlib import Path
+from random import Random, SystemRandom
+
+import fake_slurm
+from fake_nodes import Killer, Nodes
+from planned import CELLS, TASKS, Planned, Program, differing, other_build
+
+OPTIONS = argparse.Namespace()
+
+
+class SlurmTest(unittest.TestCase):
+    frame_ms = 0
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.scratch = tempfile.TemporaryDirectory(prefix="weft_slurm_")
+        cls.folder = Path(cls.scratch.name)
+        cls.path = os.environ["PATH"]
+        bin_folder = cls.folder / "bin"
+        bin_folder.mkdir()
+        for name in ("sbatch", "squeue", "sinfo", "scancel"):
+            (bin_folder / name).symlink_to(Path(fake_slurm.__file__).resolve())
+        os.environ["PATH"] = f"{bin_folder}:{cls.path}"
+        cls.plugins = cls.folder / "plugins"
+        cls.plugins.mkdir()
+        for file in Path(OPTIONS.plugin_path).iterdir():
+            if file.suffix in (".so", ".yaml"):
+                shutil.copy2(file, cls.plugins)
+        program = Program(OPTIONS.weft, [str(cls.plugins)])
+        cls.planned = Planned(program, cls.folder, cls.frame_ms)
+        cls.out, cls.outs = "out00", 0  # names of one length: tables are aligned
+        told = cls.planned.ask(cls.out, "--quiet")
+        assert told.code == 0, told.text
+        cls.local_s = told.ms / 1000.0
+        cls.expected = cls.planned.results(cls.out)
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        os.environ["PATH"] = cls.path
+        cls.scratch.cleanup()
+
+    def setUp(self) -> None:
+        type(self).outs += 1
+        self.out = f"out{self.outs:02}"
+        self.new_queue("queue")
+
+    def new_queue(self, name: str) -> None:
+        queue = self.folder / f"{name}_{self.out}"
+        queue.mkdir()
+        os.environ["FAKE_SLURM"] = str(queue)
+        self.nodes = Nodes(queue, dict(os.environ))
+
+    def submit(self, *arguments: str) -> str:
+        told = self.planned.submit(self.out, *arguments)
+        self.assertEqual(told.code, 0, told.text)
+        return told.out
+
+    def status(self, *arguments: str) -> str:
+        told = self.planned.submit(self.out, "--status", *arguments)
+        self.assertIn(told.code, (0, 1), told.text)
+        return told.out
+
+    def assert_kept(self, before: dict[str, object]) -> dict[str, object]:
+        """What was finished is still there; returns what is now."""
+        now = self.planned.finished(self.out)
+        self.assertEqual({name: now.get(name) for name in before}, before)
+        return now
+
+    def assert_whole(self) -> None:
+        told = self.planned.submit(self.out)
+        self.assertEqual(told.code, 0, told.text)
+        self.assertIn(f"{CELLS} done, 0 failed, 0 left", told.out)
+        self.assertEqual(differing(self.planned.results(self.out), self.expected), [])
+
+
+class GivesTheTablesOfTheLocalEngine(SlurmTest):
+    def test_in_tasks_of_so_many_minutes_with_a_summary_at_their_end(self) -> None:
+        said = self.submit()
+        self.assertIn(f"job 1: {CELLS} cells in {TASKS} tasks", said)
+        tasks = self.planned.tasks(self.out)
+        self.assertEqual([len(keys) for keys in tasks], [CELLS // TASKS] * TASKS)
+        self.assertEqual(len({key for keys in tasks for key in keys}), CELLS)
+        self.assertIn(f"0 tasks run, {TASKS} wait, 0 ended; {CELLS} cells are on their way",
+                      self.status())
+        self.nodes.run()
+        summary = self.folder / self.out / "slurm/000001/summary.txt"
+        self.assertIn(f"{CELLS} done, 0 failed, 0 left", summary.read_text())
+        self.assertEqual(self.planned.lines(self.out), CELLS)
+        self.assertFalse((self.folder / self.out / "index.sqlite").exists())
+        self.assert_whole()
+
+    def test_after_some_cells_were_run_here_with_the_options_of_the_plan(self) -> None:
+        told = self.planned.ask(self.out, "--quiet", "--without", "every.4")
+        self.assertEqual(told.code, 0, told.text)
+        self.assertTrue((self.folder / self.out / "index.sqlite").exists())
+        plan = self.folder / "with_cluster.yaml"
+        plan.write_text((self.folder / "plan.yaml").read_text() + "cluster: {partition: gpu, "
+                        "sbatch: [--mem=4G], chunk_minutes: 1, cell_seconds: 60}\n")
+        told = self.planned.program.ask(self.folder, "ablate", plan.name, "--out", self.out,
+                                        "--engine", "slurm", "--set", "cluster.cell_seconds=30",
+                                        "--sbatch=--time=10", "--jobs", "2")
+        self.assertIn("job 1: 4 cells in 1 task", told.out, told.err)
+        job = (self.folder / f"queue_{self.out}/jobs/1/job.json").read_text()
+        for option in ('"partition": "gpu"', '"mem": "4G"', '"time": "10"', '"cpus-per-task": "2"'):
+            self.assertIn(option, job)
+        self.assertFalse((self.folder / self.out / "index.sqlite").exists(), "it knows too little")
+        self.nodes.run()
+        self.assert_whole()
+
+    def test_and_their_times_where_they_are_asked_for(self) -> None:
+        self.submit("--timing", "--without", "every.3", "--without", "every.4")
+        self.nodes.run()
+        files = sorted(file.name for file in (self.folder / self.out / "results").iterdir())
+        self.assertEqual(len(files), 4)
+        self.assertTrue(all(name.startswith("alone-1_") for name in files), files)
+        self.assertIn("4 done, 0 failed, 0 left", self.status("--timing", "--without", "every.3",
+                                                              "--without", "every.4"))
+
+
+class SurvivesWhateverBecomesOfTasks(SlurmTest):
+    frame_ms = 20
+
+    def test_lost_requeued_thought_lost_killed_and_ended(self) -> None:
+        seed = OPTIONS.seed
+        print(f"seed {seed}")
+        killer = Killer(Random(seed), share=0.6, longest_s=self.local_s)
+        known: dict[str, object] = {}
+        for rounds in range(1, 30):
+            self.submit()
+            self.nodes.run(killer)
+            known = self.assert_kept(known)
+            if self.planned.cells(self.out) == CELLS:
+                break
+        print(f"{rounds} submissions, {self.planned.lines(self.out)} lines, {killer.done}")
+        self.assert_whole()
+
+    def test_a_task_that_ended_early_is_told_and_only_its_cells_run_again(self) -> None:
+        self.submit()
+        self.nodes.run(Killer(Random(1), share=1.0, longest_s=0.0, kinds=("lost",)), most=1)
+        self.nodes.run()
+        self.assertRegex(self.status(), "left: 2 cells of a task that ended early; .*/task_0.txt")
+        self.assertIn("2 cells in 1 task", self.submit())
+        self.nodes.run()
+        self.assert_whole()
+
+
+class RunsACellOnce(SlurmTest):
+    frame_ms = 10
+
+    def test_in_spite_of_two_submissions_at_once(self) -> None:
+        told = []
+        threads = [threading.Thread(target=lambda: told.append(self.planned.submit(self.out)))
+                   for _ in range(2)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        for each in [each for each in told if "is in use by another" in each.err]:
+            told[told.index(each)] = self.planned.submit(self.out)  # it had no more patience
+        self.assertEqual([each.code for each in told], [0, 0], [each.text for each in told])
+        keys = [key for task in self.planned.tasks(self.out) for key in task]
+        self.assertEqual(len(keys), CELLS)
+        self.assertEqual(len(set(keys)), CELLS)
+        self.assertTrue(any(f"{CELLS} cells wait or run already" in each.out for each in told))
+
+    def test_or_counts_it_once_where_submissions_cannot_see_each_other(self) -> None:
+        self.submit()
+        first = self.nodes
+        self.new_queue("other")
+        (self.nodes.folder / "jobs/1").mkdir(parents=True)  # its jobs have other numbers
+        self.submit()
+        self.assertEqual(sum(len(keys) for keys in self.planned.tasks(self.out)), 2 * CELLS)
+        beside = threading.Thread(target=first.run)
+        beside.start()
+        self.nodes.run()
+        beside.join()
+        print(f"{self.planned.lines(self.out)} lines of {CELLS} cells")
+        self.assert_whole()
+
+
+class Cancels(SlurmTest):
+    def test_all_tasks_and_leaves_what_is_finished(self) -> None:
+        self.submit()
+        self.nodes.run(most=2)
+        before = self.planned.finished(self.out)
+        gate = self.folder / "gate"  # holds the next tasks
+        gate.touch()
+        nodes = threading.Thread(target=self.nodes.run)
+        nodes.start()
+        try:
+            while not (self.folder / "gate.arrived").exists():
+                time.sleep(0.01)
+            self.assertRegex(self.status(), r"[12] tasks? run, [23] wait, 2 ended; 8 cells are on ")
+            told = self.planned.submit(self.out, "--cancel")
+        finally:
+            gate.unlink()
+            nodes.join()
+        self.assertRegex(told.out, r"4 tasks ended; run again", told.err)
+        self.assert_kept(before)
+        self.assertIn("0 tasks run, 0 wait, 6 ended; 0 cells are on their way", self.status())
+        self.submit()
+        self.nodes.run()
+        self.assert_whole()
+
+
+class SaysWhatIsWrong(SlurmTest):
+    def refused(self, code: int, *arguments: str, out: str = "") -> str:
+        told = self.planned.submit(out or self.out, *arguments)
+        self.assertEqual(told.code, code, told.text)
+        self.assertEqual(told.dirt(), "")
+        self.assertFalse(list(self.folder.glob(f"queue_{self.out}/jobs/*")), "nothing is submitted")
+        return told.err
+
+    def test_before_it_submits(self) -> None:
+        self.assertIn("Slurm has no partition 'man'; did you mean 'main'?",
+                      self.refused(2, "--partition", "man"))
+        self.assertIn("cannot be made a folder", self.refused(2, out="plan.yaml/out"))
+        self.assertIn("unrecognized option '--frob'", self.refused(3, "--sbatch=--frob=1"))
+        self.assertFalse(list((self.folder / self.out).glob("slurm/0*")), "no trace of it")
+        fakes, os.environ["PATH"] = os.environ["PATH"], self.path_without_slurm()
+        try:
+            said = self.refused(3)
+        finally:
+            os.environ["PATH"] = fakes
+        self.assertIn("there is no sbatch on this machine", said)
+        self.assertIn("--engine local", said)
+
+    def path_without_slurm(self) -> str:
+        empty = self.folder / "empty"
+        empty.mkdir()
+        return str(empty)
+
+    def test_in_a_plan_and_on_the_command_line(self) -> None:
+        told = self.planned.ask(self.out, "--partition", "main")
+        self.assertEqual(told.code, 2)
+        self.assertIn("need --engine slurm", told.err)
+        for cluster, message in (("{partitio: main}", "did you mean 'partition'"),
+                                 ("{sbatch: [mem]}", "begins with a dash"),
+                                 ("{chunk_minutes: 0}", "must be above 0")):
+            plan = self.folder / "wrong.yaml"
+            plan.write_text((self.folder / "plan.yaml").read_text() + f"cluster: {cluster}\n")
+            told = self.planned.program.ask(self.folder, "check", plan.name)
+            self.assertEqual(told.code, 2)
+            self.assertRegex(told.err, r"wrong.yaml:\d+:\d+: .*" + message)
+
+    def test_of_nodes_with_other_plugins(self) -> None:
+        self.submit()
+        here = self.folder / "here"
+        shutil.copytree(self.plugins, here)
+        for library in self.plugins.glob("*.so"):
+            other_build(library)
+        self.nodes.run(most=1)
+        for library in self.plugins.glob("*.so"):
+            library.unlink()
+        self.nodes.run()
+        shutil.rmtree(self.plugins)
+        here.rename(self.plugins)
+        self.assertEqual(self.planned.lines(self.out), 0)
+        said = self.status()
+        self.assertRegex(said, r"left: .*: 2 cells have other keys here: components are of another "
+                               r"build: \w+/test\.\w+")
+        self.assertIn("plugin 'sources/test.scripted'", said)
+        self.assertIn(f"{CELLS} left", said)
+        self.submit()
+        self.nodes.run()
+        self.assert_whole()
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--weft", required=True)
+    parser.add_argument("--plugin-path", required=True)
+    parser.add_argument("--seed", type=int, default=SystemRandom().randrange(10**6))
+    global OPTIONS
+    OPTIONS, rest = parser.parse_known_args()
+    return 0 if unittest.main(argv=[sys.argv[0], *rest], exit=False).result.wasSuccessful() else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
