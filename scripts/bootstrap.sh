@@ -7,10 +7,11 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 usage() {
   cat <<'TEXT'
-usage: scripts/bootstrap.sh [--tests] [--without-contrib] [--without-opencl | --without-pocl]
+usage: scripts/bootstrap.sh [--tests] [--with-slurm] [--without-contrib] [--without-opencl | --without-pocl]
 
   --tests            also what tests need: clang, clang-format, clang-tidy, codespell, gcovr,
                      chromium
+  --with-slurm       also Slurm and MUNGE, for tests of ablations on a cluster
   --without-contrib  not libopencv-contrib-dev (148 MB, and VTK): templates/frex_sheet and
                      sources/frex_video are then left out of the build
   --without-opencl   neither OpenCL nor pocl: detectors/sift_gpu and matchers/gpu are left out
@@ -32,9 +33,11 @@ contrib=(libopencv-contrib-dev)
 opencl=(ocl-icd-opencl-dev opencl-headers opencl-clhpp-headers)
 pocl=(pocl-opencl-icd)
 tests=()
+slurm=()
 for argument in "$@"; do
   case $argument in
     --tests) tests=(clang clang-format clang-tidy codespell gcovr chromium) ;;
+    --with-slurm) slurm=(slurm-wlm munge) ;;
     --without-contrib) contrib=() ;;
     --without-opencl) opencl=() pocl=() ;;
     --without-pocl) pocl=() ;;
@@ -42,7 +45,7 @@ for argument in "$@"; do
     *) echo "bootstrap.sh: unknown argument '$argument'; see --help" >&2; exit 2 ;;
   esac
 done
-packages+=("${contrib[@]}" "${opencl[@]}" "${pocl[@]}" "${tests[@]}")
+packages+=("${contrib[@]}" "${opencl[@]}" "${pocl[@]}" "${tests[@]}" "${slurm[@]}")
 
 # npm comes with Node where that is not Debian's.
 command -v npm >/dev/null || packages+=(npm)

@@ -8,7 +8,7 @@ source scripts/common.sh
 
 usage() {
   cat <<'TEXT'
-usage: scripts/test.sh [--ci [--since REV] | --long [--all]] [--coverage] [--jobs N] [--without-...]
+usage: scripts/test.sh [--ci [--since REV] | --long [--all]] [--coverage] [--with-slurm] [--jobs N] [--without-...]
 
 Installs missing packages, builds the preset release and runs its tests labelled `quick`. Exits 1 if
 anything failed.
@@ -26,6 +26,8 @@ anything failed.
   --all     skip nothing of that
   --coverage
             also: the quick tests in the preset coverage, and the share of lines that they run
+  --with-slurm
+            installs Slurm, and runs ablations on a cluster of it that listens on loopback
   --without-contrib, --without-opencl, --without-pocl
             install less, see scripts/bootstrap.sh --help; what is not there is not tested
   --jobs N  compile and test N at a time (default: cores + 1, at most one for each 3 GiB of memory)
@@ -47,7 +49,7 @@ long=0
 all=0
 coverage=0
 since=
-without=()
+packages=()
 jobs=$(weft_jobs)
 while (($#)); do
   case $1 in
@@ -55,7 +57,8 @@ while (($#)); do
     --long) long=1 ;;
     --all) all=1 ;;
     --coverage) coverage=1 ;;
-    --without-*) without+=("$1") ;;
+    --with-slurm) packages+=("$1") && export WEFT_SLURM=1 ;;
+    --without-*) packages+=("$1") ;;
     --since)
       since=${2:-}
       git rev-parse --verify --quiet "$since^{commit}" >/dev/null \
@@ -216,7 +219,7 @@ what="quick tests"
 ((ci == 0)) || what="quick tests and checks"
 ((long == 0)) || what="quick and long tests, checks"
 echo "Weft: $what, $jobs jobs, data: ${WEFT_DATA:-none}"
-step bootstrap build/bootstrap.log scripts/bootstrap.sh --tests "${without[@]}" || exit 1
+step bootstrap build/bootstrap.log scripts/bootstrap.sh --tests "${packages[@]}" || exit 1
 build_and_test release
 if ((ci || long)); then
   build_and_test asan

@@ -1,0 +1,192 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""`weft ablate --engine slurm` against Slurm itself, on this machine, while tasks, daemons and nodes
+are killed.
+
+Usage: loopback_test.py --weft PROGRAM --plugin-path FOLDER [--kills N] [--seed N]
+
+Skipped (exit code 77) unless $WEFT_SLURM is set, as scripts/test.sh --with-slurm does.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+import time
+from pathlib import Path
+from random import Random, SystemRandom
+
+from loopback import NODES, Loopback, missing
+from planned import CELLS, TASKS, Planned, Program, differing
+
+SKIPPED = 77
+
+
+class Failed(Exception):
+    pass
+
+
+def check(holds: bool, what: str) -> None:
+    if not holds:
+        raise Failed(what)
+
+
+class Trial:
+    def __init__(self, slurm: Loopback, planned: Planned) -> None:
+        self.slurm, self.planned = slurm, planned
+        told = planned.ask("out00", "--quiet", "--jobs", "2")
+        check(told.code == 0, told.text)
+        self.expected = planned.results("out00")
+        self.done: dict[str, int] = {}
+
+    def submit(self, out: str, *arguments: str) -> str:
+        told = self.planned.submit(out, *arguments)
+        check(told.code == 0, told.text)
+        return told.out
+
+    def check_whole(self, out: str) -> None:
+        said = self.submit(out)
+        check(f"{CELLS} done, 0 failed, 0 left" in said, said)
+        different = differing(self.planned.results(out), self.expected)
+        check(not different, f"{out} differs from the local engine: {different}")
+        print(f"{out}: {self.planned.lines(out)} lines of {CELLS} cells")
+
+    def finish(self, out: str) -> None:
+        for _ in range(5):
+            check(self.slurm.wait_until_empty(), "tasks do not end: " + self.slurm.call("squeue"))
+            if self.planned.cells(out) == CELLS:
+                return
+            self.submit(out)
+        raise Failed(self.planned.submit(out, "--status").text)
+
+    def undisturbed(self) -> None:
+        """Tables are those of the local engine, and a summary is written."""
+        said = self.submit("out01", "--partition", "main")
+        check(f"{CELLS} cells in {TASKS} tasks" in said, said)
+        told = self.planned.submit("out01", "--status")
+        check("cells are on their way" in told.out, told.text)
+        check(self.slurm.wait_until_empty(), "tasks do not end")
+        summary = self.planned.folder / "out01/slurm/000001/summary.txt"
+        check(f"{CELLS} done" in summary.read_text(), summary.read_text())
+        self.check_whole("out01")
+
+    def node_lost(self) -> None:
+        """Its tasks go on where they were when it is back, or elsewhere."""
+        self.submit("out02")
+        time.sleep(2.0)
+        self.slurm.lose_node("n2")
+        time.sleep(1.0)
+        self.slurm.bring_back("n2")
+        self.finish("out02")
+        self.check_whole("out02")
+
+    def cancelled(self) -> None:
+        """What is finished stays, and the rest can be submitted again."""
+        self.submit("out03")
+        time.sleep(2.0)
+        told = self.planned.submit("out03", "--cancel")
+        check("tasks ended" in told.out, told.text)
+        before = self.planned.finished("out03")
+        check(self.slurm.wait_until_empty(), "tasks do not end")
+        now = self.planned.finished("out03")
+        check(before == {name: now.get(name) for name in before}, "a finished cell is gone")
+        self.submit("out03")
+        self.finish("out03")
+        self.check_whole("out03")
+
+    def refused(self) -> None:
+        told = self.planned.submit("out04", "--partition", "mani")
+        check(told.code == 2 and "did you mean 'main'?" in told.err, told.text)
+
+    def disturb(self, random: Random) -> bool:
+        """One thing at random; False where there was nothing to be killed."""
+        kind = random.choice(["task", "task", "process", "supervisor", "slurmd", "slurmctld", "node",
+                              "requeued", "cancelled"])
+        node = random.choice(NODES)
+        running = self.slurm.processes(node, supervisors=kind == "supervisor")
+        tasks = self.slurm.tasks()
+        if kind == "slurmd":
+            self.slurm.kill_daemon("slurmd." + node)
+            self.slurm.start_node(node)
+        elif kind == "slurmctld":
+            self.slurm.kill_daemon("slurmctld")
+            self.slurm.start_controller()
+        elif kind in ("requeued", "cancelled"):
+            if not tasks:
+                return False
+            words = ("scontrol", "requeue") if kind == "requeued" else ("scancel",)
+            self.slurm.call(*words, random.choice(tasks), check=False)
+        elif not running:
+            return False
+        elif kind == "node":
+            self.slurm.lose_node(node)
+            self.slurm.bring_back(node)
+        else:
+            self.slurm.kill(running[0] if kind == "task" else random.choice(running))
+        self.done[kind] = self.done.get(kind, 0) + 1
+        return True
+
+    def killed_at_random(self, kills: int, random: Random) -> None:
+        """No finished cell is lost, and none counts twice, whatever is killed when."""
+        rounds = 0
+        while sum(self.done.values()) < kills:
+            rounds += 1
+            out = f"out{10 + rounds}"
+            known: dict[str, object] = {}
+            while True:
+                self.submit(out)
+                for _ in range(3):
+                    time.sleep(random.random() * 1.5)
+                    if sum(self.done.values()) < kills:
+                        self.disturb(random)
+                check(self.slurm.wait_until_empty(), "tasks do not end")
+                now = self.planned.finished(out)
+                check(known == {name: now.get(name) for name in known}, "a finished cell is gone")
+                known = now
+                if self.planned.cells(out) == CELLS:
+                    break
+            self.check_whole(out)
+        print(f"{rounds} ablations, {self.done}")
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--weft", required=True)
+    parser.add_argument("--plugin-path", required=True)
+    parser.add_argument("--kills", type=int, default=5)
+    parser.add_argument("--seed", type=int, default=SystemRandom().randrange(10**6))
+    options = parser.parse_args()
+    if not os.environ.get("WEFT_SLURM"):
+        print("skipped: scripts/test.sh --with-slurm runs it")
+        return SKIPPED
+    if missing():
+        print(f"not installed: {', '.join(missing())}; see scripts/bootstrap.sh --with-slurm")
+        return 1
+    print(f"seed {options.seed}")
+    with tempfile.TemporaryDirectory(prefix="weft_slurm_") as scratch:
+        folder = Path(scratch)
+        folder.chmod(0o755)
+        slurm = Loopback(folder / "slurm")
+        try:
+            work = folder / "work"
+            work.mkdir()
+            program = Program(options.weft, [options.plugin_path])
+            trial = Trial(slurm, Planned(program, work, frame_ms=150))
+            for step in (trial.undisturbed, trial.node_lost, trial.cancelled, trial.refused):
+                print(step.__name__)
+                step()
+            trial.killed_at_random(options.kills, Random(options.seed))
+        except Failed as failure:
+            print(f"FAILED: {failure}")
+            for log in sorted((folder / "slurm/log").glob("*.log")):
+                print(log.name, *log.read_text(errors="replace").splitlines()[-20:], sep="\n  ")
+            return 1
+        finally:
+            slurm.stop()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
