@@ -226,7 +226,8 @@ function many_panels(figure, series, options) {
 
 /** Draws lines: series of {name, note, colour, points [{x, y}], band [{x, low, high}]}. Options: the
     channels `x` and `y` without data, `step`, `dots`, `sizes` (a field of points), `order` (a
-    field), `square`, `panels` (never one plot), `below` (layers under the lines), `zero`, `nothing` (what stands in place of no line). */
+    field), `square`, `panels` (never one plot), `below` (layers under the lines), `zero`, `nothing`
+    (what stands in place of no line). */
 export async function draw_lines(figure, all, options) {
   const series = without_copies(all.filter(({ points }) => points.length > 0));
   if (series.length === 0) {
