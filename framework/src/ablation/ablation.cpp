@@ -67,7 +67,7 @@ std::vector<Damage> failed_lines(const Grid& grid, const CellRecords& stored) {
 Result<CellRecords> read_and_withdraw(Grid& grid, const ResultsFolder& folder,
                                       const AblationOptions& options) {
   for (;;) {
-    auto stored = read_cell_records(folder.path(), {{}, false, options.retry_damaged});
+    auto stored = read_cell_records(folder.path(), {{}, false, options.retry_damaged, false});
     if (!stored) return stored;
     if (options.accept_rebuilt) adopt_rebuilt(grid, stored->cells);
     std::vector<Damage> lines;

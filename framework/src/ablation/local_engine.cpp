@@ -166,7 +166,7 @@ class LocalRun {
   }
 
   Result<void> leave_out_finished(Task& task) {
-    const auto stored = read_cell_records(order_.folder.path(), {});
+    const auto stored = read_cell_records(order_.folder.path(), {{}, false, false, false});
     if (!stored) return stored.error();
     const auto finished = [&](const Cell* cell) {
       const auto found = stored->cells.find(cell->identity.key);

@@ -26,6 +26,33 @@ Check check_of(std::string_view line) {
   return right ? Check::right : Check::wrong;
 }
 
+/// Where the JSON value that begins with a brace ends, behind its last; npos where it does not.
+std::size_t end_of_object(std::string_view text, std::size_t begin) {
+  int depth = 0;
+  for (std::size_t i = begin; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"') {
+      for (++i; i < text.size() && text[i] != '"'; ++i) i += text[i] == '\\' ? 1 : 0;
+    } else if (c == '{') {
+      ++depth;
+    } else if (c == '}' && --depth == 0) {
+      return i + 1;
+    }
+  }
+  return std::string_view::npos;
+}
+
+/// The line without its metrics, which are most of it. A quote in a text has a backslash before it,
+/// so that the first such name is none in a text, and what is before it holds no other object.
+std::string without_metrics(const std::string& line) {
+  constexpr std::string_view kStart = ",\"metrics\":{";
+  const std::size_t start = line.find(kStart);
+  if (start == std::string::npos) return line;
+  const std::size_t end = end_of_object(line, start + kStart.size() - 1);
+  if (end == std::string_view::npos) return line;
+  return line.substr(0, start) + line.substr(end);
+}
+
 }  // namespace
 
 bool is_key(const std::string& text) {
@@ -45,12 +72,15 @@ std::string withdrawal_line(const std::string& file, int number, const std::stri
       {{"schema", kWithdrawalSchema}, {"file", file}, {"line", number}, {"reason", reason}});
 }
 
-Result<TrustedLine> trusted_line(const std::string& text, bool with_frames) {
+Result<TrustedLine> trusted_line(const std::string& text, const LineParts& parts) {
   const auto keep = [&](int depth, json::parse_event_t event, json& parsed) {
-    return with_frames || !(depth == 2 && event == json::parse_event_t::key && parsed == "frames");
+    return parts.frames || !(depth == 2 && event == json::parse_event_t::key && parsed == "frames");
   };
   const Check check = check_of(text);
-  TrustedLine line{json::parse(text, keep, false), check == Check::right};
+  const bool whole = parts.metrics || check != Check::right;
+  TrustedLine line{
+      whole ? json::parse(text, keep, false) : json::parse(without_metrics(text), nullptr, false),
+      check == Check::right};
   const auto damaged = [](const std::string& what) { return Error{Errc::invalid_data, what}; };
   if (check == Check::wrong) return damaged("it was changed after it was written");
   if (!line.object.is_object()) return damaged("it is not a JSON object");

@@ -33,9 +33,15 @@ struct TrustedLine {
   bool checked = false;  ///< it had a check; those of older programs have none
 };
 
+/// What of a line is wanted; the rest may be left out, which takes less time.
+struct LineParts {
+  bool metrics = true;
+  bool frames = false;  ///< the list of frames of the metrics
+};
+
 /// Fails with incompatible where the line is whole and of another schema, with invalid_data where
-/// it is damaged. `with_frames`: with the list of frames of its metrics.
-Result<TrustedLine> trusted_line(const std::string& text, bool with_frames);
+/// it is damaged.
+Result<TrustedLine> trusted_line(const std::string& text, const LineParts& parts);
 
 /// Why the cell of a line failed; empty where it is done. A cell in which more frames had an error
 /// than max_failed has failed, also where an older program called it done.

@@ -161,15 +161,15 @@ double CellRecord::figure(const std::string& metric) const {
 
 Result<CellRecords> read_cell_records(const std::string& folder, const CellParts& parts) {
   CellRecords records;
-  auto faults =
-      read_result_lines(folder, parts.frames, [&](const LinePlace& place, const json& line) {
-        auto record = record_of(line, parts.metrics);
-        if (!record) return Result<void>(record.error());
-        record->place = place;
-        std::string key = record->key;
-        records.cells.emplace(std::move(key), *std::move(record));
-        return Result<void>();
-      });
+  auto faults = read_result_lines(folder, {parts.figures, parts.frames},
+                                  [&](const LinePlace& place, const json& line) {
+                                    auto record = record_of(line, parts.metrics);
+                                    if (!record) return Result<void>(record.error());
+                                    record->place = place;
+                                    std::string key = record->key;
+                                    records.cells.emplace(std::move(key), *std::move(record));
+                                    return Result<void>();
+                                  });
   if (!faults) return faults.error();
   records.damaged = std::move(faults->damaged);
   records.unchecked = faults->unchecked;

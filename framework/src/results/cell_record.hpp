@@ -111,6 +111,7 @@ struct CellParts {
   std::set<std::string> metrics = {};
   bool frames = false;   ///< the error of each frame
   bool content = false;  ///< compare the files of cells with the hashes in their lines
+  bool figures = true;   ///< without: what came of a cell alone, no number of its metrics
 };
 
 /// All finished cells of a results folder. A line that was cut off is none. Fails where a file

@@ -41,8 +41,8 @@ std::string likely_key(const std::string& text) {
 
 class LinesReader {
  public:
-  LinesReader(std::string folder, bool with_frames, const TakeLine& take)
-      : folder_(std::move(folder)), with_frames_(with_frames), take_(take) {}
+  LinesReader(std::string folder, const LineParts& parts, const TakeLine& take)
+      : folder_(std::move(folder)), parts_(parts), take_(take) {}
 
   Result<LineFaults> read() {
     const std::vector<std::string> files = files_of_lines(folder_);
@@ -87,7 +87,7 @@ class LinesReader {
   }
 
   Result<void> read_line(const std::string& text, const LinePlace& place, const TakeLine& take) {
-    const auto line = trusted_line(text, with_frames_);
+    const auto line = trusted_line(text, parts_);
     if (!line) return line.error();
     try {
       if (auto taken = take(place, line->object); !taken) return taken;
@@ -99,7 +99,7 @@ class LinesReader {
   }
 
   std::string folder_;
-  bool with_frames_;
+  LineParts parts_;
   const TakeLine& take_;
   std::set<std::pair<std::string, int>> withdrawn_;  ///< file and line
   LineFaults faults_;
@@ -112,9 +112,9 @@ std::string bytes_of(const std::string& file) {
 
 }  // namespace
 
-Result<LineFaults> read_result_lines(const std::string& folder, bool with_frames,
+Result<LineFaults> read_result_lines(const std::string& folder, const LineParts& parts,
                                      const TakeLine& take) {
-  return LinesReader(folder + "/results", with_frames, take).read();
+  return LinesReader(folder + "/results", parts, take).read();
 }
 
 std::string fault_of_files(const std::string& folder, const std::vector<CellFile>& files,

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "results/cell_line.hpp"
 #include "results/cell_record.hpp"
 
 /// The lines in results/ of a results folder, read the same way by all that read them.
@@ -22,7 +23,7 @@ struct LineFaults {
 /// Gives all lines of cells that count to `take`, by file and line: what was withdrawn and what is
 /// cut off at the end of a file is left out. An Error of `take` with invalid_data counts as damage;
 /// any other ends it. Fails where a file cannot be read or has a line of another schema.
-Result<LineFaults> read_result_lines(const std::string& folder, bool with_frames,
+Result<LineFaults> read_result_lines(const std::string& folder, const LineParts& parts,
                                      const TakeLine& take);
 
 /// What is wrong with the files of a cell, as its line lists them; empty: nothing. Their sizes are
