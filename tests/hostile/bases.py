@@ -58,7 +58,7 @@ PARAMETERS: dict[str, dict[str, Parameter]] = {
 
 ALL_PARAMETERS: dict[str, list[str]] = {
     component: [*known, "error_at", "throw_at", "wrong_length_at", "wrong_size_at", "warp", "start",
-                "image_shift_px", "short_samples_at", "bad_vertex_at", "bad_state_at", "path",
+                "image_shift_px", "short_samples_at", "bad_vertex_at", "bad_state_at", "path", "sleep_ms",
                 "refuse_finish"]
     for component, known in PARAMETERS.items()}
 
@@ -165,7 +165,7 @@ def plan(rng: Random) -> Map:
                  "other": {"set": {"source.frames": 1, "source.truth": "true"}}},
         "seeds": rng.choice(["1-2", 7]),
         "metrics": {"alignment": rng.choice(["none", "rigid"]), "match_tolerance_px": 2.5,
-                    "frames": True},
+                    "frames": True, "deadline_s": 3600},
         "show": rng.sample(METRICS, 2),
         "comparisons": [{"axis": "filter", "reference": "every", "metric": METRICS[0]}],
         "expect": [{"where": {"filter": "chance"}, "metric": METRICS[0]} | bound,

@@ -164,9 +164,10 @@ def wrong_data(rng: Random, data: Map) -> Planted:
 def wrong_metrics(rng: Random, metrics: Map) -> Planted:
     if rng.random() < 0.3:
         return rename_key(rng, "misspelt key", metrics, "alignment",
-                          ["alignment", "match_tolerance_px", "frames"])
+                          ["alignment", "match_tolerance_px", "frames", "deadline_s"])
     wrong = {"alignment": one_of("affine", "None", "[]"), "frames": one_of("yes", "1", "[]"),
-             "match_tolerance_px": one_of("0", "-1", "wide", "1e999", ".nan", '"2"')}
+             "match_tolerance_px": one_of("0", "-1", "wide", "1e999", ".nan", '"2"'),
+             "deadline_s": one_of("0", "-1", "soon", "1e999", ".nan", '"60"')}
     key = rng.choice(sorted(wrong))
     return Planted("wrong value", put_value(metrics, key, rng.choice(wrong[key])))
 

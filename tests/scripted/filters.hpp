@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
+#include <thread>
 #include <weft/sdk/filter.hpp>
 
 #include "gate.hpp"
@@ -22,11 +24,13 @@ class EveryFilter final : public weft::Filter {
 
   explicit EveryFilter(weft::Params& p) : script_(p), gate_(p) {
     p.read("every", every_, "", {0, 1000}, "rejects matches whose index it divides, 0 for none");
+    p.read("sleep_ms", sleep_ms_, "ms", {0, 10'000}, "time that each call takes");
   }
 
   weft::Result<weft::InlierMask> filter(const weft::FilterInput& in) override {
     if (auto cancelled = gate_.pass(in.call)) return *cancelled;
     if (auto failure = script_.failure(in.call)) return *failure;
+    std::this_thread::sleep_for(std::chrono::milliseconds(sleep_ms_));
     const std::int64_t count = in.correspondences.count();
     const std::int64_t length = script_.length(in.call, count);
     weft::InlierMask mask{
@@ -46,6 +50,7 @@ class EveryFilter final : public weft::Filter {
   Script script_;
   Gate gate_;
   int every_ = 0;
+  int sleep_ms_ = 0;
 };
 
 /// Keeps what the draw wants.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ablation/cell_group.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <deque>
 #include <weft/core/index.hpp>
@@ -56,13 +58,14 @@ class Member {
   const PipelineConfig& config() const { return pipeline_.config; }
 
   /// Makes the stages that no member before it has made.
-  void open(Common& common, const EvaluationOptions& options) {
+  void open(Common& common, const Measurement& measurement) {
+    deadline_s_ = measurement.deadline_s;
     common.lane.use_seed(cell_.seed);
     auto executor =
         Executor::create(pipeline_.config, pipeline_.graph, common.lane, common.input.templ(),
                          common.input.camera(), {&common.memo, cell_.identity.stages});
     if (!executor) return fail(executor.error());
-    auto evaluator = RunEvaluator::create(common.scene, options);
+    auto evaluator = RunEvaluator::create(common.scene, measurement.options);
     if (!evaluator) return fail(text_of(evaluator.error()));
     executor_ = *std::move(executor);
     evaluator_.emplace(*std::move(evaluator));
@@ -93,6 +96,10 @@ class Member {
     if (frame.failed() && config().stop_on_error) {
       blame_frames(first_error_.message + " (on_error: stop)");
     }
+    if (!has_ended() && deadline_s_ > 0.0 && spent_ms_ > 1e3 * deadline_s_) {
+      fail(fmt::format("frame {}: it ran longer than its deadline (deadline_s: {:g})", frame.index,
+                       deadline_s_));
+    }
   }
 
   void draw(const std::string& sink, const host::Registry& registry, const Common& common) {
@@ -120,6 +127,7 @@ class Member {
 
   void take(const StageReport& report, std::size_t stage) {
     if (report.shared) return;
+    spent_ms_ += report.took.ms;
     if (report.status != StageStatus::skipped) {
       result_.timings[stage].ms.push_back(report.took.ms);
       result_.timings[stage].processor_ms.push_back(report.took.processor_ms);
@@ -181,13 +189,15 @@ class Member {
   WorstFrames worst_;
   Error first_error_{};      ///< of a frame; without a message while there is none
   bool lost_input_ = false;  ///< the source could not read that frame's files
+  double deadline_s_ = 0.0;  ///< 0: none
+  double spent_ms_ = 0.0;    ///< by the stages that it executed
   CellResult result_;
 };
 
 class Group {
  public:
   Group(const Grid& grid, const std::vector<const Cell*>& cells, GroupObserver& observer)
-      : grid_(grid), options_(grid.plan().measurement.options), observer_(observer) {
+      : grid_(grid), observer_(observer) {
     for (const Cell* cell : cells) {
       auto [pipeline, report] = grid.load(*cell);
       if (report.ok()) {
@@ -204,9 +214,13 @@ class Group {
     const auto lane = make_lane();
     auto common = lane ? open(**lane) : lane.error();
     if (common) {
-      for (Member& member : members_) member.open(*common, options_);
+      for (Member& member : members_) {
+        observer_.cell_works();
+        member.open(*common, grid_.plan().measurement);
+      }
       run_frames(*common);
       for (Member& member : members_) {
+        observer_.cell_works();
         member.draw(grid_.plan().helpers.picture_sink, grid_.registry(), *common);
       }
     } else {
@@ -222,6 +236,7 @@ class Group {
  private:
   /// A result is one of the data that the cell's key speaks of, or none.
   Result<void> hand_over(Member& member, const RecordPtr& templ) {
+    observer_.cell_works();
     const std::string changed = grid_.changed_input(member.pipeline());
     const CellResult result = member.finish(templ);
     if (!changed.empty()) {
@@ -267,13 +282,15 @@ class Group {
       const RecordPtr truth = read->input.find("ground_truth");
       const RecordPtr kept_truth = truth != nullptr ? thinned(*truth) : nullptr;
       common.memo.next_frame();
-      for (Member& member : members_) member.process(common, *read, kept_truth);
+      for (Member& member : members_) {
+        observer_.cell_works();
+        member.process(common, *read, kept_truth);
+      }
       observer_.frame_done(index + 1, frames);
     }
   }
 
   const Grid& grid_;
-  EvaluationOptions options_;
   GroupObserver& observer_;
   std::deque<Member> members_;  ///< executors refer to what is in them
 };

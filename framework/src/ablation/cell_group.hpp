@@ -34,6 +34,8 @@ struct CellResult {
 class GroupObserver {
  public:
   virtual ~GroupObserver() = default;
+  /// A cell is about to use time of its own.
+  virtual void cell_works() {}
   /// `frames` is -1 when unknown.
   virtual void frame_done(std::int64_t done, std::int64_t frames) = 0;
   /// An Error ends the group: the result could not be kept.
@@ -46,6 +48,9 @@ class GroupObserver {
 /// executed once. What goes wrong in a cell is its result: it has failed where a run of its
 /// pipeline would end with exit code 1 or 2. What says nothing about the cell is not: memory that
 /// was short, a file that is gone or was changed meanwhile, a library that cannot be loaded.
+///
+/// A cell fails, and runs no further frame, when its stages have taken longer than the plan's
+/// deadline. What cells share counts for the first of them.
 Result<void> run_group(const Grid& grid, const std::vector<const Cell*>& cells,
                        GroupObserver& observer);
 

@@ -23,6 +23,10 @@ class Reporter final : public GroupObserver {
  public:
   Reporter(const Order& order, int pipe) : order_(order), pipe_(pipe) {}
 
+  void cell_works() override {
+    if (order_.grid.plan().measurement.deadline_s > 0.0) say("w");
+  }
+
   void frame_done(std::int64_t done, std::int64_t frames) override {
     if (frames <= 0) return;
     say("p" + std::to_string(static_cast<double>(done) / static_cast<double>(frames)));

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
 #include <poll.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstring>
 #include <deque>
@@ -21,6 +23,7 @@ namespace weft::evaluation {
 namespace {
 
 using Cells = std::vector<const Cell*>;
+using Clock = std::chrono::steady_clock;
 
 constexpr int kMostKills = 3;  ///< of one task, before it is left
 constexpr int kPause_ms = 200;
@@ -41,7 +44,9 @@ struct Child {
   std::string error;                        ///< why it gave up
   std::map<std::string, std::string> left;  ///< why cells have no result, by key
   bool no_memory = false;
-  bool done = false;  ///< it has kept all results
+  bool done = false;      ///< it has kept all results
+  double silent_s = 0.0;  ///< since it said something
+  bool ended = false;     ///< by this program, for it said nothing until its deadline
 };
 
 /// Signals that a program sends itself by a mistake; any other comes from outside.
@@ -100,7 +105,15 @@ class LocalRun {
   Result<void> listen() {
     std::vector<pollfd> pipes;
     for (const Child& child : children_) pipes.push_back({child.pipe, POLLIN, 0});
-    if (poll(pipes.data(), pipes.size(), kPause_ms) <= 0) return {};
+    const auto before = Clock::now();
+    const bool heard = poll(pipes.data(), pipes.size(), kPause_ms) > 0;
+    const auto waited = Clock::now() - before;
+    auto done = heard ? hear_all(pipes) : Result<void>();
+    end_silent(waited);
+    return done;
+  }
+
+  Result<void> hear_all(const std::vector<pollfd>& pipes) {
     auto pipe = pipes.begin();
     for (auto child = children_.begin(); child != children_.end(); ++pipe) {
       const bool ended = pipe->revents != 0 && !hear(*child);
@@ -115,11 +128,25 @@ class LocalRun {
     return {};
   }
 
+  /// Ends processes in which a cell works past its deadline. A pause of this program, which its
+  /// children share where somebody stops them all, counts for a moment only.
+  void end_silent(Clock::duration waited) {
+    const double deadline_s = order_.grid.plan().measurement.deadline_s;
+    const std::chrono::duration<double> longest = std::chrono::milliseconds(2 * kPause_ms);
+    for (Child& child : children_) {
+      child.silent_s += std::min<std::chrono::duration<double>>(waited, longest).count();
+      if (deadline_s <= 0.0 || child.silent_s <= deadline_s || child.ended) continue;
+      child.ended = true;
+      kill(child.process, SIGKILL);
+    }
+  }
+
   /// False at the end of what it says.
   static bool hear(Child& child) {
     char bytes[4096];
     const ssize_t count = read(child.pipe, bytes, sizeof(bytes));
     if (count < 0) return errno == EINTR || errno == EAGAIN;
+    child.silent_s = 0.0;
     child.said.append(bytes, to_index(count));
     for (std::size_t end = child.said.find('\n'); end != std::string::npos;
          end = child.said.find('\n')) {
@@ -147,10 +174,16 @@ class LocalRun {
     if (!child.error.empty()) return Error{Errc::io, child.error};
     if (auto rest = leave_out_finished(child.task); !rest) return rest;
     if (child.task.cells.empty()) return {};
+    if (child.ended) return blame(std::move(child.task), past_deadline());
     if (child.no_memory) return try_again(std::move(child.task), "there was not enough memory");
     const bool own_fault = !WIFSIGNALED(status) || is_own_fault(WTERMSIG(status));
-    return own_fault ? blame(std::move(child.task), status)
+    return own_fault ? blame(std::move(child.task), how_it_ended(status))
                      : try_again(std::move(child.task), how_it_ended(status));
+  }
+
+  std::string past_deadline() const {
+    return fmt::format("it did not end a call within its deadline (deadline_s: {:g})",
+                       order_.grid.plan().measurement.deadline_s);
   }
 
   void leave(Task& task, const std::map<std::string, std::string>& reasons) {
@@ -177,14 +210,14 @@ class LocalRun {
   }
 
   /// One of several cells did it: each is run alone. A cell that was alone has failed.
-  Result<void> blame(Task task, int status) {
+  Result<void> blame(Task task, const std::string& how) {
     if (task.cells.size() > 1) {
       split(task);
       return {};
     }
     Cell cell = *task.cells.front();
     CellResult result;
-    result.failure = how_it_ended(status);
+    result.failure = how;
     auto [pipeline, report] = order_.grid.load(cell);
     const std::string changed =
         report.ok() ? order_.grid.changed_input(pipeline) : "\n" + report.text();

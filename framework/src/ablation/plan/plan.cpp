@@ -121,7 +121,8 @@ class PlanReader {
   }
 
   void read_measurement(const yaml::Node& node) {
-    if (!values_.is_map(node, "'metrics'", {"alignment", "match_tolerance_px", "frames"})) return;
+    const std::vector<std::string> keys{"alignment", "match_tolerance_px", "frames", "deadline_s"};
+    if (!values_.is_map(node, "'metrics'", keys)) return;
     Measurement& measurement = plan_.measurement;
     if (const yaml::Node* alignment = node.find("alignment")) {
       const auto known = alignment_of(alignment->scalar);
@@ -136,6 +137,11 @@ class PlanReader {
     }
     if (const yaml::Node* frames = node.find("frames")) {
       measurement.frames = values_.flag(*frames, "'frames'").value_or(true);
+    }
+    if (const yaml::Node* deadline = node.find("deadline_s")) {
+      const auto value = values_.number(*deadline, "'deadline_s'");
+      if (value) measurement.deadline_s = *value;
+      if (value && !(*value > 0.0)) values_.problem(deadline->at, "'deadline_s' must be above 0");
     }
   }
 

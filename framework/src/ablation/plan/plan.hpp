@@ -48,7 +48,8 @@ struct PlannedComparison {
 /// How cells are measured and what of it is kept.
 struct Measurement {
   EvaluationOptions options;
-  bool frames = true;  ///< keep the figures of each frame
+  bool frames = true;       ///< keep the figures of each frame
+  double deadline_s = 0.0;  ///< [] s of a cell's own work; 0: none. No part of a cell's identity
 };
 
 /// How cells are to be handed to a cluster, see docs/cluster.md; the command line may say
