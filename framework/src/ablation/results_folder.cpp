@@ -18,13 +18,13 @@
 #include "metrics/runs/json_file.hpp"
 #include "pipeline/runs/source_revision.hpp"
 #include "results/cell_line.hpp"
+#include "results/checked_document.hpp"
 #include "results/result_lines.hpp"
 
 namespace weft::evaluation {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 
 constexpr int kMostFiles = 1'000'000;
 constexpr const char* kLockFile = ".lock";  ///< where a folder cannot be locked itself
@@ -64,6 +64,10 @@ Result<void> check_schema(const std::string& path, const std::string& plan) {
   }
   if (!manifest) return manifest.error();
   const std::string schema = text_in(*manifest, "schema");
+  if (const auto same = compare_check(*manifest, file); schema == kFolderSchema && !same) {
+    return Error{Errc::invalid_value,
+                 same.error().message + "; put it back, or choose another folder with --out", file};
+  }
   const std::string of = manifest->contains("plan") ? text_in(*manifest, "plan") : plan;
   if (schema == kFolderSchema && of == plan) return {};
   if (schema == kFolderSchema) {
@@ -108,17 +112,16 @@ Result<int> lock_folder(const std::string& path) {
 
 std::string manifest_text(const Grid& grid, bool accept_rebuilt) {
   const Measurement& measurement = grid.plan().measurement;
-  const nlohmann::ordered_json manifest{
-      {"schema", kFolderSchema},
-      {"weft", kVersion},
-      {"git", host::source_revision()},
-      {"plan", grid.plan().name},
-      {"metrics",
-       {{"alignment", to_string(measurement.options.alignment)},
-        {"match_tolerance_px", measurement.options.match_tolerance_px},
-        {"frames", measurement.frames}}},
-      {"accept_rebuilt", accept_rebuilt}};
-  return manifest.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+  nlohmann::ordered_json manifest{{"schema", kFolderSchema},
+                                  {"weft", kVersion},
+                                  {"git", host::source_revision()},
+                                  {"plan", grid.plan().name},
+                                  {"metrics",
+                                   {{"alignment", to_string(measurement.options.alignment)},
+                                    {"match_tolerance_px", measurement.options.match_tolerance_px},
+                                    {"frames", measurement.frames}}},
+                                  {"accept_rebuilt", accept_rebuilt}};
+  return checked_document(std::move(manifest), 2);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "metrics/runs/json_file.hpp"
 #include "results/cell_line.hpp"
+#include "results/checked_document.hpp"
 
 namespace weft::evaluation {
 namespace {
@@ -170,24 +171,28 @@ std::string to_json(const PlanRecord& plan) {
   for (const PlanCell& cell : plan.cells) cells.push_back(cell_json(cell, plan.axes));
   for (const PlanComparison& each : plan.comparisons) comparisons.push_back(comparison_json(each));
   for (const PlanExpectation& each : plan.expectations) expect.push_back(expectation_json(each));
-  const ordered_json object{{"name", plan.name},
-                            {"file", plan.file},
-                            {"command", plan.command},
-                            {"data_use", plan.data_use},
-                            {"axes", std::move(axes)},
-                            {"sequences", plan.sequences},
-                            {"data", std::move(data)},
-                            {"seeds", plan.seeds},
-                            {"show", plan.show},
-                            {"cells", std::move(cells)},
-                            {"comparisons", std::move(comparisons)},
-                            {"expect", std::move(expect)}};
-  return object.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+  ordered_json object{{"name", plan.name},
+                      {"file", plan.file},
+                      {"command", plan.command},
+                      {"data_use", plan.data_use},
+                      {"axes", std::move(axes)},
+                      {"sequences", plan.sequences},
+                      {"data", std::move(data)},
+                      {"seeds", plan.seeds},
+                      {"show", plan.show},
+                      {"cells", std::move(cells)},
+                      {"comparisons", std::move(comparisons)},
+                      {"expect", std::move(expect)}};
+  return checked_document(std::move(object), 1);
 }
 
 Result<PlanRecord> read_plan_record(const std::string& file) {
   const auto object = read_json_object(file);
   if (!object) return object.error();
+  if (const auto same = compare_check(*object, file); !same) {
+    return Error{same.error().code,
+                 same.error().message + "; `weft ablate` of the plan writes it anew", file};
+  }
   try {
     PlanRecord plan = plan_from(*object);
     for (const PlanCell& cell : plan.cells) {

@@ -6,6 +6,7 @@
 
 #include "metrics/runs/json_file.hpp"
 #include "results/cell_line.hpp"
+#include "results/checked_document.hpp"
 
 namespace weft::evaluation {
 namespace {
@@ -28,6 +29,7 @@ Result<void> read_manifest(const std::string& file, Results& results) {
                  "the schema is " + quote(schema) + ", this program reads '" + kFolderSchema + "'",
                  file};
   }
+  if (auto same = compare_check(*manifest, file); !same) return same;
   try {
     results.version = manifest->value("weft", "");
     if (const std::string git = text_in(*manifest, "git"); !git.empty()) {

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// A results folder of which something was flipped, cut or edited says so by name, or is the same.
+
+#include "ablation_fixture.hpp"
+
+namespace weft::evaluation {
+namespace {
+
+using ::testing::HasSubstr;
+
+class DamagedFolder : public AblationTest {
+ protected:
+  DamagedFolder()
+      : grid_(expand("axes: {every: {set: filters.every, values: [2, 3]}}\ndata: {all: {}}\n"
+                     "comparisons: [{axis: every, metric: counts.frames}]\n")) {
+    run(grid_, "out");
+  }
+
+  /// What a report is made of.
+  std::string content(const Results& results) const {
+    std::string text = to_json(results.plan) + results.version +
+                       std::to_string(results.match_tolerance_px) +
+                       std::to_string(results.accept_rebuilt);
+    for (const auto& [key, record] : results.records.cells) {
+      text += key + std::to_string(record.frames) + std::to_string(record.failed());
+    }
+    return text;
+  }
+
+  /// What the folder says of its faults; "same" where it has the results that it had.
+  std::string said(const std::string& expected) const {
+    const auto results = read_results(path("out"));
+    if (!results) return results.error().where + ": " + results.error().message;
+    std::string faults;
+    for (const Damage& damage : results->records.damaged) faults += damage.where + "\n";
+    return faults.empty() && content(*results) == expected ? "same" : faults;
+  }
+
+  Grid grid_;
+};
+
+TEST_F(DamagedFolder, NamesTheFileWhicheverBitOfItIsFlipped) {
+  const std::string expected = content(*read_results(path("out")));
+  for (const std::string name : {"plan.json", "manifest.json", "results/cached-000001.jsonl"}) {
+    const std::string file = path("out/" + name), good = weft::testing::read_text(file);
+    int flipped = 0, noticed = 0;
+    for (std::size_t at = 0; at < good.size(); at += good.size() / 97 + 1) {
+      std::string text = good;
+      text[at] = static_cast<char>(text[at] ^ (1 << at % 7));
+      std::ofstream(file) << text;
+      const std::string answer = said(expected);
+      const bool lost_its_end = name.ends_with("l") && at + 1 == good.size();
+      EXPECT_TRUE(answer == "same" || answer.find(file) != answer.npos || lost_its_end)
+          << name << ", byte " << at << ": " << answer;
+      ++flipped;
+      noticed += answer != "same";
+    }
+    EXPECT_GT(10 * noticed, 8 * flipped) << name;
+    std::ofstream(file) << good;
+  }
+  EXPECT_EQ(said(expected), "same");
+}
+
+TEST_F(DamagedFolder, NamesAFileThatWasCut) {
+  const std::string expected = content(*read_results(path("out")));
+  for (const std::string name : {"plan.json", "manifest.json"}) {
+    const std::string file = path("out/" + name), good = weft::testing::read_text(file);
+    for (const std::size_t size : {std::size_t{0}, good.size() / 2, good.size() - 2}) {
+      std::ofstream(file) << good.substr(0, size);
+      EXPECT_THAT(said(expected), HasSubstr(file)) << size;
+    }
+    std::ofstream(file) << good;
+  }
+}
+
+TEST_F(DamagedFolder, TakesAPlanThatWasEditedForDamageUntilItIsWrittenAnew) {
+  const std::string file = path("out/plan.json");
+  json plan = json::parse(weft::testing::read_text(file));
+  std::swap(plan["cells"][0]["axes"], plan["cells"][1]["axes"]);  // names the one the other
+  std::ofstream(file) << plan.dump(1);
+  const auto edited = read_results(path("out"));
+  ASSERT_FALSE(edited);
+  EXPECT_EQ(edited.error().where, file);
+  EXPECT_EQ(edited.error().message,
+            "was changed after it was written; `weft ablate` of the plan writes it anew");
+  EXPECT_EQ(run(grid_, "out").done, 2U);
+  EXPECT_TRUE(read_results(path("out")));
+  plan.erase("check");
+  std::ofstream(file) << plan.dump(1);
+  EXPECT_TRUE(read_results(path("out"))) << "older programs wrote none";
+}
+
+TEST_F(DamagedFolder, IsNotWrittenToWhereItsManifestWasEdited) {
+  const std::string file = path("out/manifest.json");
+  json manifest = json::parse(weft::testing::read_text(file));
+  manifest["metrics"]["match_tolerance_px"] = 3;
+  std::ofstream(file) << manifest.dump(2);
+  for (const auto& refused : {ResultsFolder::open(path("out"), "plan").error(),
+                              ResultsFolder::look(path("out"), "plan").error()}) {
+    EXPECT_EQ(refused.where, file);
+    EXPECT_THAT(refused.message, HasSubstr("was changed after it was written; put it back"));
+  }
+}
+
+}  // namespace
+}  // namespace weft::evaluation
