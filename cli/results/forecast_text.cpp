@@ -32,11 +32,12 @@ void print_axis(const std::string& name, const std::vector<evaluation::ValueProg
 
 void print_forecast(const evaluation::AblationState& state, const std::string& folder,
                     const Pace& pace) {
-  evaluation::FolderCosts costs = evaluation::costs_of(folder);
-  if (pace.cell_seconds) {
-    costs.seconds = *pace.cell_seconds * static_cast<double>(state.results.records.cells.size());
+  const double bytes = evaluation::bytes_in(folder);
+  evaluation::Forecast forecast = evaluation::forecast(state, bytes, pace.processes);
+  if (pace.cell_seconds && forecast.finished > 0) {
+    forecast.seconds_left =
+        *pace.cell_seconds * static_cast<double>(forecast.missing) / pace.processes;
   }
-  const evaluation::Forecast forecast = evaluation::forecast(state, costs, pace.processes);
   for (const auto& [axis, values] : forecast.axes) print_axis(axis, values);
   if (forecast.missing > 0) {
     const std::string left =
@@ -47,7 +48,7 @@ void print_forecast(const evaluation::AblationState& state, const std::string& f
     fmt::print("time: {}\n", left);
   }
   const bool more = forecast.missing > 0 && !std::isnan(forecast.bytes_left);
-  fmt::print("disk: {} in {}{}\n", size_text(costs.bytes), folder,
+  fmt::print("disk: {} in {}{}\n", size_text(bytes), folder,
              more ? fmt::format(", about {} more", size_text(forecast.bytes_left)) : "");
 }
 

@@ -183,6 +183,10 @@ TEST_F(Ablation, RunsACellAgainWhoseLineWasCutOff) {
   EXPECT_EQ(state.done, 1U);
   json first = json::parse(whole);
   json second = json::parse(weft::testing::read_text(path("out/results/cached-000002.jsonl")));
+  for (json* line : {&first, &second}) {
+    line->at("machine").erase("seconds");
+    line->erase("check");
+  }
   EXPECT_EQ(first, second);
 }
 

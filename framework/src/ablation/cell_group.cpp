@@ -4,7 +4,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <chrono>
 #include <deque>
+#include <utility>
 #include <weft/core/index.hpp>
 
 #include "ablation/kept_frames.hpp"
@@ -17,6 +19,7 @@
 namespace weft::evaluation {
 namespace {
 
+using Clock = std::chrono::steady_clock;
 using host::RecordPtr;
 
 void add_truth_users(const host::ComponentSpec& spec, std::vector<std::string>& users) {
@@ -238,7 +241,9 @@ class Group {
   Result<void> hand_over(Member& member, const RecordPtr& templ) {
     observer_.cell_works();
     const std::string changed = grid_.changed_input(member.pipeline());
-    const CellResult result = member.finish(templ);
+    CellResult result = member.finish(templ);
+    const auto now = Clock::now();
+    result.seconds = std::chrono::duration<double>(now - std::exchange(since_, now)).count();
     if (!changed.empty()) {
       observer_.cell_left(member.cell(), "its data changed while it ran: " + changed);
     } else if (!result.left.empty()) {
@@ -292,6 +297,7 @@ class Group {
 
   const Grid& grid_;
   GroupObserver& observer_;
+  Clock::time_point since_ = Clock::now();
   std::deque<Member> members_;  ///< executors refer to what is in them
 };
 

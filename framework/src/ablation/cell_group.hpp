@@ -25,6 +25,7 @@ struct CellResult {
   std::optional<RunMetrics> metrics;  ///< of all that could be measured
   std::vector<std::string> executed;  ///< stages that it ran itself
   std::vector<StageTiming> timings;   ///< of these stages and of the source
+  double seconds = 0.0;               ///< [s] its process took since its cell before
   std::string pipeline;               ///< the effective configuration, as YAML
   std::vector<std::pair<std::string, std::string>> pictures;  ///< of the worst frames, by file name
   host::NamedRecords shapes;  ///< template, and shape and truth of some of the frames

@@ -1,40 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ablation/forecast.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <set>
+#include <weft/core/statistics.hpp>
 
 namespace weft::evaluation {
 namespace {
-
-namespace fs = std::filesystem;
-
-double bytes_in(const std::string& folder) {
-  double bytes = 0.0;
-  std::error_code code;
-  for (fs::recursive_directory_iterator entry(folder, code), end; !code && entry != end;
-       entry.increment(code)) {
-    std::error_code of_file;
-    const auto size = entry->is_regular_file(of_file) ? entry->file_size(of_file) : 0;
-    if (!of_file) bytes += static_cast<double>(size);
-  }
-  return bytes;
-}
-
-/// From the birth of a file to its last line.
-double seconds_of(const fs::path& file) {
-  struct statx known {};
-  if (statx(AT_FDCWD, file.c_str(), 0, STATX_BTIME | STATX_MTIME, &known) != 0) return 0.0;
-  if ((known.stx_mask & STATX_BTIME) == 0) return 0.0;
-  const auto seconds = [](const statx_timestamp& time) {
-    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-  };
-  return std::max(0.0, seconds(known.stx_mtime) - seconds(known.stx_btime));
-}
 
 std::vector<ValueProgress> progress_of(const std::string& axis, const Results& results) {
   std::vector<ValueProgress> values;
@@ -51,17 +25,20 @@ std::vector<ValueProgress> progress_of(const std::string& axis, const Results& r
 
 }  // namespace
 
-FolderCosts costs_of(const std::string& folder) {
-  FolderCosts costs{0.0, bytes_in(folder)};
+double bytes_in(const std::string& folder) {
+  namespace fs = std::filesystem;
+  double bytes = 0.0;
   std::error_code code;
-  for (fs::directory_iterator file(folder + "/results", code), end; !code && file != end;
-       file.increment(code)) {
-    costs.seconds += seconds_of(file->path());
+  for (fs::recursive_directory_iterator entry(folder, code), end; !code && entry != end;
+       entry.increment(code)) {
+    std::error_code of_file;
+    const auto size = entry->is_regular_file(of_file) ? entry->file_size(of_file) : 0;
+    if (!of_file) bytes += static_cast<double>(size);
   }
-  return costs;
+  return bytes;
 }
 
-Forecast forecast(const AblationState& state, const FolderCosts& costs, int jobs) {
+Forecast forecast(const AblationState& state, double bytes, int jobs) {
   const Results& results = state.results;
   Forecast found;
   for (const PlanAxis& axis : results.plan.axes) {
@@ -75,9 +52,13 @@ Forecast forecast(const AblationState& state, const FolderCosts& costs, int jobs
   }
   found.finished = results.records.cells.size();
   if (found.finished == 0) return found;
-  const double ratio = static_cast<double>(found.missing) / static_cast<double>(found.finished);
-  if (costs.seconds > 0.0) found.seconds_left = costs.seconds * ratio / jobs;
-  found.bytes_left = costs.bytes * ratio;
+  std::vector<double> seconds;
+  for (const auto& [key, record] : results.records.cells) {
+    if (std::isfinite(record.seconds)) seconds.push_back(record.seconds);
+  }
+  const auto missing = static_cast<double>(found.missing);
+  if (!seconds.empty()) found.seconds_left = mean(seconds) * missing / jobs;
+  found.bytes_left = bytes * missing / static_cast<double>(found.finished);
   return found;
 }
 

@@ -15,13 +15,8 @@ struct ValueProgress {
   std::size_t cells = 0, finished = 0;  ///< done or failed
 };
 
-/// What a results folder has cost so far.
-struct FolderCosts {
-  double seconds = 0.0;  ///< [s] of processes, by the times at which files of lines begin and end;
-                         ///< 0 where the file system does not tell, or the folder is a copy
-  double bytes = 0.0;    ///< [bytes]
-};
-FolderCosts costs_of(const std::string& folder);
+/// What a results folder holds, in bytes.
+double bytes_in(const std::string& folder);
 
 /// What the cells that have no result will take, if they are like those that have one: a mean over
 /// keys, since cells share stages as they come.
@@ -33,6 +28,6 @@ struct Forecast {
   double bytes_left = kUnknown;    ///< [bytes] more; NaN where nothing is there
 };
 
-Forecast forecast(const AblationState& state, const FolderCosts& costs, int jobs);
+Forecast forecast(const AblationState& state, double bytes, int jobs);
 
 }  // namespace weft::evaluation

@@ -66,6 +66,7 @@ std::string line_of_cell(const Cell& cell, const CellResult& result, bool timed,
                        {"machine",
                         {{"processor", host::processor_name()},
                          {"system", system.release},
+                         {"seconds", result.seconds},
                          {"executed", result.executed}}},
                        {"files", files_json(files)}});
 }

@@ -115,6 +115,7 @@ Result<CellRecord> record_of(const json& line, const std::set<std::string>& want
   record.files = files_of_line(line);
   if (line.contains("machine")) {
     record.processor = text_in(line.at("machine"), "processor");
+    record.seconds = number_of(line.at("machine"), "seconds");
     record.executed = line.at("machine").value("executed", std::vector<std::string>());
   }
   if (line.contains("metrics") && line.at("metrics").is_object()) {

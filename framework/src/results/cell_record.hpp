@@ -92,6 +92,7 @@ struct CellRecord {
   std::vector<StageTime> times;           ///< empty where no uncached time was taken
   double processor_ms = kUnknown;         ///< [] ms a frame of all stages, the source not counted
   std::map<std::string, double> figures;  ///< by metric: those that were asked for
+  double seconds = kUnknown;  ///< [s] its process took for it; NaN in lines of older programs
 
   bool done() const { return outcome == CellOutcome::done; }
   bool failed() const { return outcome == CellOutcome::failed; }
