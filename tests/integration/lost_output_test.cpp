@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <opencv2/videoio.hpp>
+#include <set>
 
 #include "support/child.hpp"
 #include "support/pipeline_fixture.hpp"
@@ -146,6 +148,45 @@ TEST_F(LostOutput, OfTheRunFolderItselfNamesTheFile) {
   const Ended ended = limited(24, {"run", file, "--out", "run", "--quiet"});
   EXPECT_EQ(ended.exit_code, 3) << ended.out << ended.err;
   EXPECT_THAT(ended.err, HasSubstr(" cannot be written (it is beyond the file size limit"));
+}
+
+TEST_F(LostOutput, OfAnAblationNamesTheFileAndCostsNoCellThatWasFinished) {
+  write(chain({{"sources", "{frames: 12, truth: true}"}}));
+  write(
+      "weft: 1\nname: plan\npipeline: pipeline.yaml\ndata_use: tuning\naxes:\n"
+      "  distance: {set: solvers.distance_m, values: [0.2, 0.3, 0.4]}\n"
+      "data: {plain: {seeds: 2-3, seed_setting: source.frames}, long: {}}\n",
+      "plan.yaml");
+  const std::vector<std::string> ablate{"ablate", "plan.yaml", "--out", "cells", "--quiet"};
+  const auto finished = [&] {
+    std::set<std::string> keys;
+    for (const auto& file : fs::directory_iterator(path("cells/results"))) {
+      for (const std::string& line : read_lines(file.path().string())) {
+        EXPECT_TRUE(keys.insert(line.substr(line.find("\"key\""), 40)).second) << "twice";
+      }
+    }
+    return keys;
+  };
+  std::set<std::string> before;
+  int stopped = 0;
+  for (const int kb : {8, 12, 16, 24}) {
+    const Ended ended = limited(kb, ablate);
+    EXPECT_EQ(ended.signal, 0);
+    if (ended.exit_code != 0) {
+      ++stopped;
+      EXPECT_EQ(ended.exit_code, 3) << ended.out << ended.err;
+      EXPECT_THAT(ended.err, HasSubstr(path("cells/"))) << kb;
+      EXPECT_THAT(ended.err, HasSubstr(" cannot be written (it is beyond the file size limit"))
+          << kb;
+    }
+    if (!fs::exists(path("cells/results"))) continue;
+    const auto now = finished();
+    EXPECT_TRUE(std::includes(now.begin(), now.end(), before.begin(), before.end())) << kb;
+    before = now;
+  }
+  EXPECT_GT(stopped, 1);
+  EXPECT_EQ(weft(ablate).exit_code, 0);
+  EXPECT_EQ(finished().size(), 9U);
 }
 
 TEST_F(LostOutput, NeverTakesWhatAPipelineReads) {

@@ -137,10 +137,14 @@ LineWriter::~LineWriter() {
 
 Result<void> LineWriter::append(const std::string& line) {
   const std::string text = line + "\n";
-  const ssize_t written = write(descriptor_, text.data(), text.size());
-  const bool whole = written == static_cast<ssize_t>(text.size());
-  if (whole && fsync(descriptor_) == 0) {
-    size_ += written;
+  std::size_t done = 0;
+  while (done < text.size()) {  // only a further write says why one was short
+    const ssize_t written = write(descriptor_, text.data() + done, text.size() - done);
+    if (written <= 0) break;
+    done += static_cast<std::size_t>(written);
+  }
+  if (done == text.size() && fsync(descriptor_) == 0) {
+    size_ += static_cast<std::int64_t>(done);
     return {};
   }
   const std::error_code code(errno, std::generic_category());

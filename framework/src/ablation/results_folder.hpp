@@ -18,7 +18,7 @@ class LineWriter {
   LineWriter& operator=(LineWriter&&) = delete;
   ~LineWriter();
 
-  /// Appends a line with one write and makes it last; a line that did not fit is taken back.
+  /// Appends a line and makes it last; a line that did not fit is taken back.
   Result<void> append(const std::string& line);
 
  private:
