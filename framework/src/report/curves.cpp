@@ -71,7 +71,7 @@ Curve curve_of(const ErrorsByFrame& errors, bool with_band) {
         with_band && (curve.x.size() % step == 0 || curve.x.size() + 1 == errors.size());
     curve.x.push_back(static_cast<float>(frame));
     curve.y.push_back(static_cast<float>(mean(values)));
-    if (has_interval) curve.band.add(frame, bootstrap_interval(values));
+    if (has_interval) curve.band.add(static_cast<double>(frame), bootstrap_interval(values));
   }
   return curve;
 }
