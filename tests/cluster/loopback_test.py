@@ -55,7 +55,7 @@ class Trial:
 
     def finish(self, out: str) -> None:
         for _ in range(5):
-            check(self.slurm.wait_until_empty(), "tasks do not end: " + self.slurm.call("squeue"))
+            check(self.slurm.wait_until_empty(), "tasks do not end: " + self.slurm.state())
             if self.planned.cells(out) == CELLS:
                 return
             self.submit(out)
@@ -67,7 +67,7 @@ class Trial:
         check(f"{CELLS} cells in {TASKS} tasks" in said, said)
         told = self.planned.submit("out01", "--status")
         check("cells are on their way" in told.out, told.text)
-        check(self.slurm.wait_until_empty(), "tasks do not end")
+        check(self.slurm.wait_until_empty(), "tasks do not end: " + self.slurm.state())
         summary = self.planned.folder / "out01/slurm/000001/summary.txt"
         check(f"{CELLS} done" in summary.read_text(), summary.read_text())
         self.check_whole("out01")
@@ -89,7 +89,7 @@ class Trial:
         told = self.planned.submit("out03", "--cancel")
         check("tasks ended" in told.out, told.text)
         before = self.planned.finished("out03")
-        check(self.slurm.wait_until_empty(), "tasks do not end")
+        check(self.slurm.wait_until_empty(), "tasks do not end: " + self.slurm.state())
         now = self.planned.finished("out03")
         check(before == {name: now.get(name) for name in before}, "a finished cell is gone")
         self.submit("out03")
@@ -141,7 +141,7 @@ class Trial:
                     time.sleep(random.random() * 1.5)
                     if sum(self.done.values()) < kills:
                         self.disturb(random)
-                check(self.slurm.wait_until_empty(), "tasks do not end")
+                check(self.slurm.wait_until_empty(), "tasks do not end: " + self.slurm.state())
                 now = self.planned.finished(out)
                 check(known == {name: now.get(name) for name in known}, "a finished cell is gone")
                 known = now
