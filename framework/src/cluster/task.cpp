@@ -29,7 +29,7 @@ std::string machine_name() {
 }
 
 Result<std::set<std::string>> finished_keys(const std::string& results, bool timed) {
-  const auto stored = evaluation::read_cell_records(results, {});
+  const auto stored = evaluation::read_cell_records(results, {{}, false, false, false});
   if (!stored) return stored.error();
   std::set<std::string> keys;
   for (const auto& [key, record] : stored->cells) {
