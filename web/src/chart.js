@@ -93,6 +93,17 @@ export function write_legend(figure, series) {
   figure.querySelector(".legend").replaceChildren(...items);
 }
 
+/** The encoding of rows by the name of what they show, in the order of the data. */
+export function names_axis(axis = {}) {
+  return {
+    field: "name",
+    type: "nominal",
+    sort: null,
+    title: null,
+    axis: { labelLimit: 260, domain: false, ticks: false, ...axis },
+  };
+}
+
 /** The inner width that a plot has where it stands. */
 export function width_of(figure) {
   return Math.max(220, Math.min(figure.querySelector(".plot").clientWidth, 1100) - 70);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Differences of pairs with their intervals: over all scenes, and scene by scene.
-import { draw, width_of } from "./chart.js";
+import { draw, names_axis, width_of } from "./chart.js";
 
 const kMostPairs = 16; // panels of a figure
 const kPanelWidth = 150;
@@ -29,13 +29,7 @@ export async function draw_differences(figure, { pairs, unit }) {
     height: { step: 26 },
     data: { values },
     encoding: {
-      y: {
-        field: "name",
-        type: "nominal",
-        sort: null,
-        title: null,
-        axis: { labelLimit: 260, domain: false, ticks: false, grid: true },
-      },
+      y: names_axis({ grid: true }),
     },
     layer: [
       { mark: { type: "rule", strokeDash: [3, 3] }, encoding: { x: { datum: 0 }, y: null } },

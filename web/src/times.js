@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Times of a pass that took them: frames a second against the error, and what each stage takes.
-import { draw, colours_of, width_of, write_legend } from "./chart.js";
+import { draw, colours_of, names_axis, width_of, write_legend } from "./chart.js";
 
 const kHeight = 340;
 const kCharacter = 6.7; // px of a letter, about
@@ -149,13 +149,7 @@ export async function draw_stage_times(figure, drawn) {
     data: { values },
     mark: { type: "bar" },
     encoding: {
-      y: {
-        field: "name",
-        type: "nominal",
-        sort: null,
-        title: null,
-        axis: { labelLimit: 260, domain: false, ticks: false },
-      },
+      y: names_axis(),
       x: { field: "ms", type: "quantitative", title: "Mean time for a frame, ms" },
       order: { field: "order" },
       color: colours_of(series),
