@@ -46,6 +46,7 @@ INTERNAL = {
     "pipeline/survey": "core data geometry sdk yaml roles host/loading host/calling "
     "pipeline/execution",
     "printing": "core data generators",
+    "programs": "core",
     "statistics": "core",
     "metrics/runs": "core data roles host/records pipeline/execution statistics",
     "metrics/shapes": "core data geometry",
@@ -56,12 +57,13 @@ INTERNAL = {
     "statistics metrics results",
     "ablation": "core data roles host/records host/loading host/calling pipeline/execution "
     "pipeline/runs metrics results ablation/plan",
-    "cluster": "core host/records host/loading metrics/runs results ablation/plan ablation",
+    "cluster": "core programs host/records host/loading metrics/runs results ablation/plan "
+    "ablation",
     "report/text": "core",
     "report/runs": "core data statistics metrics results report/text",
     "report/tables": "core statistics metrics results",
     "report": "core statistics metrics results report/text report/tables",
-    "report/paper": "core statistics metrics results report report/text report/tables",
+    "report/paper": "core programs statistics metrics results report report/text report/tables",
     "bench": "core data host/records host/loading host/calling pipeline/configuration "
     "pipeline/graph pipeline/execution pipeline/runs statistics",
     "counting": "",

@@ -7,7 +7,7 @@
 #include <weft/core/quote.hpp>
 #include <weft/core/suggest.hpp>
 
-#include "cluster/program.hpp"
+#include "programs/program.hpp"
 
 namespace weft::cluster {
 namespace {

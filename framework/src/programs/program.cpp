@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cluster/program.hpp"
+#include "programs/program.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -12,7 +12,7 @@
 #include <cstring>
 #include <weft/core/index.hpp>
 
-namespace weft::cluster {
+namespace weft {
 namespace {
 
 /// The two ends of a pipe, closed by its end.
@@ -39,19 +39,26 @@ class Pipe {
   bool ok_ = false;
 };
 
+/// Adds texts and the end of a list as C programs take it.
+void add_all(std::vector<std::string>& texts, std::vector<char*>& list) {
+  for (std::string& text : texts) list.push_back(text.data());
+  list.push_back(nullptr);
+}
+
 /// 0, or why the program could not be started.
-int start(const std::vector<std::string>& words, int out, int err, pid_t& process) {
-  std::vector<std::string> copy = words;
-  std::vector<char*> arguments;
-  for (std::string& word : copy) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
+int start(std::vector<std::string> words, std::vector<std::string> settings, int out, int err,
+          pid_t& process) {
+  std::vector<char*> arguments, environment;
+  add_all(words, arguments);
+  for (char** each = environ; *each != nullptr; ++each) environment.push_back(*each);
+  add_all(settings, environment);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, err, STDERR_FILENO);
   const int failure =
-      posix_spawnp(&process, arguments[0], &actions, nullptr, arguments.data(), environ);
+      posix_spawnp(&process, arguments[0], &actions, nullptr, arguments.data(), environment.data());
   posix_spawn_file_actions_destroy(&actions);
   return failure;
 }
@@ -76,11 +83,13 @@ void read_both(const Pipe& out, const Pipe& err, Answer& answer) {
 
 }  // namespace
 
-Result<Answer> run_program(const std::vector<std::string>& words) {
+Result<Answer> run_program(const std::vector<std::string>& words,
+                           const std::vector<std::string>& settings) {
   Pipe out, err;
   if (!out || !err) return Error{Errc::io, "cannot open a pipe"};
   pid_t process = 0;
-  if (const int failure = start(words, out.write_end(), err.write_end(), process); failure != 0) {
+  if (const int failure = start(words, settings, out.write_end(), err.write_end(), process);
+      failure != 0) {
     return Error{failure == ENOENT ? Errc::not_found : Errc::io,
                  std::string("cannot be started: ") + std::strerror(failure), words.front()};
   }
@@ -95,4 +104,4 @@ Result<Answer> run_program(const std::vector<std::string>& words) {
   return answer;
 }
 
-}  // namespace weft::cluster
+}  // namespace weft

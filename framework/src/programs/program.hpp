@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+#include <weft/core/result.hpp>
+
+namespace weft {
+
+/// How a program ended, and what it printed.
+struct Answer {
+  int exit_code = 0;  ///< 128 and the number of the signal that ended it
+  std::string out, err;
+};
+
+/// Runs a program of the search path to its end; its input is empty, its environment this one's
+/// with `settings` ("NAME=VALUE") behind it. Errc::not_found where there is no such program.
+Result<Answer> run_program(const std::vector<std::string>& words,
+                           const std::vector<std::string>& settings = {});
+
+}  // namespace weft
