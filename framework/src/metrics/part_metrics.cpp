@@ -17,7 +17,7 @@ FrameParts frame_parts(const Points3View& vertices_m, const FacesView& faces,
     if (surface.points_m.empty()) continue;
     FramePart part;
     part.surface = surface_metrics(vertices_m, faces, surface, samples);
-    parts.emplace_back(names[i], std::move(part));
+    parts.emplace_back(names[i], part);
   }
   return parts;
 }

@@ -66,7 +66,9 @@ std::string error_figure(const Results& results, const ReportTables& tables) {
       "{0:.0f} {1:.0f}\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12\">\n"
       "<desc>{2}</desc>\n",
       left + kPlotPx + 2.0 * kMarginPx, bottom + kFootPx, html_escaped(origin_of(results)));
-  for (double mm = 0.0; mm <= end_mm + step / 2.0; mm += step) {
+  const auto ticks = static_cast<int>(std::lround(end_mm / step));
+  for (int i = 0; i <= ticks; ++i) {
+    const double mm = step * i;
     const double x = left + px_per_mm * mm;
     text += fmt::format(
         "<line x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1:.1f}\" y2=\"{2:.1f}\" stroke=\"#dddddd\"/>\n"
