@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that each plugin exports `weft_library` alone and needs no library of the host.
+"""Checks that each plugin exports `weft_library` alone and needs no library of the host, and that
+neither plugins nor programs read the clock of the day, which may jump.
 
-Usage: exported_symbols.py BUILD_PLUGIN_DIR
+Usage: exported_symbols.py BUILD_PLUGIN_DIR [PROGRAM ...]
 
 Prints one line `file: rule` for each violation; exits 1 if there is one, 2 on wrong usage.
 """
@@ -13,6 +14,9 @@ import sys
 from pathlib import Path
 
 SYMBOL = "weft_library"
+# `clock_gettime` is not among them: it reads steady clocks and those of processors, too.
+CLOCK_OF_THE_DAY = {"time", "gettimeofday", "ftime", "timespec_get",
+                    "_ZNSt6chrono3_V212system_clock3nowEv"}
 
 
 def output_of(*command: str) -> str:
@@ -28,8 +32,15 @@ def needed_libraries(library: Path) -> list[str]:
     return re.findall(r"\(NEEDED\).*\[(.+)\]", output_of("readelf", "-d", "-W", str(library)))
 
 
+def looks_at_the_day(file: Path) -> list[str]:
+    lines = output_of("nm", "-D", "--undefined-only", "--format=posix", str(file)).splitlines()
+    called = CLOCK_OF_THE_DAY & {line.split()[0].split("@")[0] for line in lines}
+    return [f"calls {name}, and the clock of the day may jump; take a steady one"
+            for name in sorted(called)]
+
+
 def violations_of(library: Path) -> list[str]:
-    found = []
+    found = looks_at_the_day(library)
     symbols = exported_symbols(library)
     if SYMBOL not in symbols:
         found.append(f"does not export {SYMBOL}; end the plugin with WEFT_PLUGIN(...)")
@@ -44,11 +55,13 @@ def violations_of(library: Path) -> list[str]:
 
 
 def main(arguments: list[str]) -> int:
-    libraries = sorted(Path(arguments[0]).glob("*.so")) if len(arguments) == 1 else []
+    libraries = sorted(Path(arguments[0]).glob("*.so")) if arguments else []
     if not libraries:
-        print("usage: exported_symbols.py FOLDER, one that holds plugins (*.so)", file=sys.stderr)
+        print("usage: exported_symbols.py FOLDER [PROGRAM ...]; the folder holds plugins (*.so)", file=sys.stderr)
         return 2
     violations = [f"{library}: {rule}" for library in libraries for rule in violations_of(library)]
+    violations += [f"{program}: {rule}" for program in map(Path, arguments[1:])
+                   for rule in looks_at_the_day(program)]
     for violation in violations:
         print(violation)
     print(f"{len(violations)} violations in {len(libraries)} plugins")

@@ -59,6 +59,16 @@ class ExportedSymbols(unittest.TestCase):
         self.assertEqual(result.returncode, 1)
         self.assertIn("needs libweft_host.so", result.stdout)
 
+    def test_names_a_look_at_the_clock_of_the_day(self) -> None:
+        code = TABLE + "#include <chrono>\nusing namespace std::chrono;\n"
+        steady = "static auto now() { return steady_clock::now(); } static auto start = now();\n"
+        link(self.folder, "filters_right.so", code + steady)
+        link(self.folder, "filters_wrong.so", code + steady.replace("steady", "system"))
+        result = check(self.folder)
+        self.assertEqual(result.returncode, 1)
+        self.assertRegex(result.stdout, r"filters_wrong.so: calls _ZNSt6chrono\w+system_clock\w+, ")
+        self.assertNotIn("filters_right.so", result.stdout)
+
     def test_refuses_a_folder_without_plugins(self) -> None:
         self.assertEqual(check(self.folder).returncode, 2)
 

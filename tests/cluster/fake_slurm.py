@@ -74,7 +74,7 @@ def sbatch(arguments: list[str]) -> str:
 
 def squeue(arguments: list[str]) -> str:
     options, _ = split(arguments)
-    assert options["format"] == "%j|%F|%K|%T", options
+    assert options["format"] == "%j|%F|%K|%T|%r", options
     names = options["name"].split(",")
     lines = []
     for folder in sorted(jobs_folder().glob("*"), key=lambda each: int(each.name)):
@@ -84,7 +84,9 @@ def squeue(arguments: list[str]) -> str:
         for task in job["tasks"]:
             state = (folder / f"{task}.state").read_text()
             if job["job-name"] in names and state in ("PENDING", "RUNNING"):
-                lines.append(f"{job['job-name']}|{folder.name}|{task}|{state}")
+                held = (folder / f"{task}.held").exists()
+                reason = "launch failed requeued held" if held else "None"
+                lines.append(f"{job['job-name']}|{folder.name}|{task}|{state}|{reason}")
     return "\n".join(lines)
 
 

@@ -83,6 +83,7 @@ class Loopback:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        self.held = 0  # tasks that Slurm would not start again
         for inner in ("munge", "state", "spool.n1", "spool.n2", "log"):
             (folder / inner).mkdir(parents=True)
         (folder / "munge").chmod(0o711)
@@ -173,8 +174,8 @@ class Loopback:
         """Of all jobs: what waits or runs, "12_3"."""
         return self.call("squeue", "-h", "-r", "-o", "%i").split()
 
-    def wait_until_empty(self) -> bool:
-        for _ in range(int(PATIENCE_S / 20.0)):
+    def wait_until_empty(self, seconds: float = PATIENCE_S) -> bool:
+        for _ in range(int(seconds / 20.0)):
             if wait_for(self._is_empty, 20.0):
                 return True
             # A controller that was killed forgets what ended just before; nodes that register anew
@@ -183,12 +184,22 @@ class Loopback:
         return False
 
     def _is_empty(self) -> bool:
-        # Slurm holds back for two minutes what it has put into the queue again.
         for line in self.call("squeue", "-h", "-r", "-t", "PD", "-o", "%i %r").splitlines():
-            if line.endswith("BeginTime"):
-                self.call("scontrol", "update", "JobId=" + line.split()[0], "StartTime=now",
-                          check=False)
+            task, _, reason = line.partition(" ")
+            if reason == "BeginTime":  # two minutes of what was put into the queue again
+                self.call("scontrol", "update", "JobId=" + task, "StartTime=now", check=False)
+            elif "held" in reason:
+                self.let_go(task)
         return not self.tasks()
+
+    def let_go(self, task: str) -> None:
+        """As an administrator does. A controller that was killed starts again what it had just
+        started; the node knows the task already, and Slurm holds the task and drains the node."""
+        self.held += 1
+        self.call("scontrol", "release", task, check=False)
+        for node in NODES:
+            if "drain" in self.call("sinfo", "-h", "-n", node, "-o", "%T"):
+                self.call("scontrol", "update", f"nodename={node}", "state=resume", check=False)
 
     def state(self) -> str:
         return self.call("squeue", check=False) + self.call("sinfo", "-N", "-l", check=False)

@@ -3,7 +3,9 @@
 """`weft ablate --engine slurm` against Slurm itself, on this machine, while tasks, daemons and nodes
 are killed.
 
-Usage: loopback_test.py --weft PROGRAM --plugin-path FOLDER [--kills N] [--seed N]
+Usage: loopback_test.py --weft PROGRAM --plugin-path FOLDER [--kills N] [--seed N] [--plan PLAN]
+
+PLAN, with the components that are installed, is run here and by Slurm, which loses a node meanwhile.
 
 Skipped (exit code 77) unless $WEFT_SLURM is set, as scripts/test.sh --with-slurm does.
 """
@@ -12,14 +14,15 @@ from __future__ import annotations
 
 import argparse
 import os
+import signal
 import sys
 import tempfile
 import time
 from pathlib import Path
 from random import Random, SystemRandom
 
-from loopback import NODES, Loopback, missing
-from planned import CELLS, TASKS, Planned, Program, differing
+from loopback import NODES, Loopback, missing, wait_for
+from planned import CELLS, TASKS, Planned, PlannedByFile, Program, differing
 
 SKIPPED = 77
 
@@ -38,7 +41,7 @@ class Trial:
         self.slurm, self.planned = slurm, planned
         told = planned.ask("out00", "--quiet", "--jobs", "2")
         check(told.code == 0, told.text)
-        self.expected = planned.results("out00")
+        self.expected, self.cells = planned.results("out00"), planned.cells("out00")
         self.done: dict[str, int] = {}
 
     def submit(self, out: str, *arguments: str) -> str:
@@ -48,15 +51,19 @@ class Trial:
 
     def check_whole(self, out: str) -> None:
         said = self.submit(out)
-        check(f"{CELLS} done, 0 failed, 0 left" in said, said)
+        check(" done, 0 failed, 0 left" in said, said)
         different = differing(self.planned.results(out), self.expected)
         check(not different, f"{out} differs from the local engine: {different}")
-        print(f"{out}: {self.planned.lines(out)} lines of {CELLS} cells")
+        print(f"{out}: {self.planned.lines(out)} lines of {self.cells} cells", flush=True)
+
+    def wait(self) -> None:
+        check(self.slurm.wait_until_empty(self.planned.program.patience_s),
+              "tasks do not end: " + self.slurm.state())
 
     def finish(self, out: str) -> None:
         for _ in range(5):
-            check(self.slurm.wait_until_empty(), "tasks do not end: " + self.slurm.state())
-            if self.planned.cells(out) == CELLS:
+            self.wait()
+            if self.planned.cells(out) == self.cells:
                 return
             self.submit(out)
         raise Failed(self.planned.submit(out, "--status").text)
@@ -67,7 +74,7 @@ class Trial:
         check(f"{CELLS} cells in {TASKS} tasks" in said, said)
         told = self.planned.submit("out01", "--status")
         check("cells are on their way" in told.out, told.text)
-        check(self.slurm.wait_until_empty(), "tasks do not end: " + self.slurm.state())
+        self.wait()
         summary = self.planned.folder / "out01/slurm/000001/summary.txt"
         check(f"{CELLS} done" in summary.read_text(), summary.read_text())
         self.check_whole("out01")
@@ -75,7 +82,9 @@ class Trial:
     def node_lost(self) -> None:
         """Its tasks go on where they were when it is back, or elsewhere."""
         self.submit("out02")
-        time.sleep(2.0)
+        check(wait_for(lambda: self.planned.cells("out02") > 0, self.planned.program.patience_s),
+              "no cell ends: " + self.slurm.state())
+        print(f"a node is lost after {self.planned.cells('out02')} cells", flush=True)
         self.slurm.lose_node("n2")
         time.sleep(1.0)
         self.slurm.bring_back("n2")
@@ -89,7 +98,7 @@ class Trial:
         told = self.planned.submit("out03", "--cancel")
         check("tasks ended" in told.out, told.text)
         before = self.planned.finished("out03")
-        check(self.slurm.wait_until_empty(), "tasks do not end: " + self.slurm.state())
+        self.wait()
         now = self.planned.finished("out03")
         check(before == {name: now.get(name) for name in before}, "a finished cell is gone")
         self.submit("out03")
@@ -141,14 +150,14 @@ class Trial:
                     time.sleep(random.random() * 1.5)
                     if sum(self.done.values()) < kills:
                         self.disturb(random)
-                check(self.slurm.wait_until_empty(), "tasks do not end: " + self.slurm.state())
+                self.wait()
                 now = self.planned.finished(out)
                 check(known == {name: now.get(name) for name in known}, "a finished cell is gone")
                 known = now
-                if self.planned.cells(out) == CELLS:
+                if self.planned.cells(out) == self.cells:
                     break
             self.check_whole(out)
-        print(f"{rounds} ablations, {self.done}")
+        print(f"{rounds} ablations, {self.done}, {self.slurm.held} tasks were held")
 
 
 def main() -> int:
@@ -157,6 +166,7 @@ def main() -> int:
     parser.add_argument("--plugin-path", required=True)
     parser.add_argument("--kills", type=int, default=5)
     parser.add_argument("--seed", type=int, default=SystemRandom().randrange(10**6))
+    parser.add_argument("--plan", type=Path)
     options = parser.parse_args()
     if not os.environ.get("WEFT_SLURM"):
         print("skipped: scripts/test.sh --with-slurm runs it")
@@ -164,7 +174,8 @@ def main() -> int:
     if missing():
         print(f"not installed: {', '.join(missing())}; see scripts/bootstrap.sh --with-slurm")
         return 1
-    print(f"seed {options.seed}")
+    print(f"seed {options.seed}", flush=True)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that daemons are stopped
     with tempfile.TemporaryDirectory(prefix="weft_slurm_") as scratch:
         folder = Path(scratch)
         folder.chmod(0o755)
@@ -175,9 +186,14 @@ def main() -> int:
             program = Program(options.weft, [options.plugin_path])
             trial = Trial(slurm, Planned(program, work, frame_ms=150))
             for step in (trial.undisturbed, trial.node_lost, trial.cancelled, trial.refused):
-                print(step.__name__)
+                print(step.__name__, flush=True)
                 step()
             trial.killed_at_random(options.kills, Random(options.seed))
+            if options.plan:
+                print(options.plan, flush=True)
+                (folder / "plan").mkdir()
+                program = Program(options.weft, [], patience_s=3600.0)
+                Trial(slurm, PlannedByFile(program, folder / "plan", options.plan)).node_lost()
         except Failed as failure:
             print(f"FAILED: {failure}")
             for log in sorted((folder / "slurm/log").glob("*.log")):

@@ -20,6 +20,8 @@ CELLS, TASKS = 12, 6
 class Planned:
     """The plan of twelve cells over two sequences in a folder, run here or by Slurm."""
 
+    plan, engine = "plan.yaml", SUBMIT
+
     def __init__(self, program: Program, folder: Path, frame_ms: int = 0) -> None:
         self.program, self.folder = program, folder
         stages = STAGES.replace("ISOLATED", "")
@@ -28,10 +30,10 @@ class Planned:
         (folder / "plan.yaml").write_text(PLAN)
 
     def ask(self, out: str, *arguments: str) -> Answer:
-        return self.program.ask(self.folder, "ablate", "plan.yaml", "--out", out, *arguments)
+        return self.program.ask(self.folder, "ablate", self.plan, "--out", out, *arguments)
 
     def submit(self, out: str, *arguments: str) -> Answer:
-        return self.ask(out, *SUBMIT, *arguments)
+        return self.ask(out, *self.engine, *arguments)
 
     def results(self, out: str) -> dict[str, str]:
         """All that is promised to be the same, tables of the report included; they name `out`."""
@@ -61,6 +63,15 @@ class Planned:
         orders = sorted((self.folder / out / "slurm").glob("*/order.json"))
         return [[key for group in chunk for key in group] for order in orders
                 for chunk in json.loads(order.read_text())["tasks"]]
+
+
+class PlannedByFile(Planned):
+    """Any plan, of which a cell takes about a second."""
+
+    engine = ["--engine", "slurm", "--chunk-minutes", "0.5", "--cell-seconds", "1"]
+
+    def __init__(self, program: Program, folder: Path, plan: Path) -> None:
+        self.program, self.folder, self.plan = program, folder, str(plan.resolve())
 
 
 def differing(one: dict[str, str], other: dict[str, str]) -> list[str]:

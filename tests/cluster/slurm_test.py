@@ -261,6 +261,15 @@ class SaysWhatIsWrong(SlurmTest):
             self.assertEqual(told.code, 2)
             self.assertRegex(told.err, r"wrong.yaml:\d+:\d+: .*" + message)
 
+    def test_of_a_task_that_slurm_holds_back(self) -> None:
+        self.submit()
+        held = self.folder / f"queue_{self.out}/jobs/1/3.held"
+        held.touch()
+        self.assertIn("left: Slurm holds task 1_3 back (launch failed requeued held); "
+                      "`scontrol release 1_3` lets it go", self.status())
+        held.unlink()
+        self.assertNotIn("holds", self.status())
+
     def test_of_nodes_with_other_plugins(self) -> None:
         self.submit()
         here = self.folder / "here"

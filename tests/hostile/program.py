@@ -66,8 +66,8 @@ class Answer:
 class Program:
     """The program under test and where its plugins are."""
 
-    def __init__(self, weft: str, plugins: list[str]) -> None:
-        self.weft = str(Path(weft).resolve())
+    def __init__(self, weft: str, plugins: list[str], patience_s: float = PATIENCE_S) -> None:
+        self.weft, self.patience_s = str(Path(weft).resolve()), patience_s
         self.options = [word for folder in plugins
                         for word in ("--plugin-path", str(Path(folder).resolve()))]
 
@@ -83,7 +83,7 @@ class Program:
                                  start_new_session=True)
         hung = False
         try:
-            out, err = child.communicate(timeout=PATIENCE_S)
+            out, err = child.communicate(timeout=self.patience_s)
         except subprocess.TimeoutExpired:
             hung = True
             os.killpg(child.pid, signal.SIGKILL)

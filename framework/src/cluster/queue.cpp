@@ -35,6 +35,7 @@ class Look {
       }
       ++(found->second->running ? state_.running : state_.waiting);
       if (found->second->running) state_.processes += submission.processes;
+      if (!found->second->held.empty()) tell_of_held(*found->second);
       state_.on_their_way += open;
       note(chunk);
     }
@@ -45,6 +46,12 @@ class Look {
  private:
   void note(const Chunk& chunk) {
     for (const Group& group : chunk) explained_.insert(group.begin(), group.end());
+  }
+
+  void tell_of_held(const QueuedTask& task) {
+    state_.reasons.push_back("Slurm holds task " + task.id + " back (" + task.held +
+                             "); `scontrol release " + task.id +
+                             "` lets it go, or end all with --cancel and run again");
   }
 
   void explain(const Submission& submission, int task, std::size_t open) {

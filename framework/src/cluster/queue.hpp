@@ -24,9 +24,10 @@ std::optional<double> cell_seconds_of(const std::vector<Submission>& submissions
 struct QueueState {
   std::size_t waiting = 0, running = 0, ended = 0;  ///< tasks
   int processes = 0;                                ///< of tasks that run
-  std::size_t on_their_way = 0;           ///< cells of tasks that wait or run, without a result
-  std::optional<double> cell_seconds;     ///< see cell_seconds_of
-  std::vector<std::string> reasons = {};  ///< why other cells have none, from tasks that ended
+  std::size_t on_their_way = 0;        ///< cells of tasks that wait or run, without a result
+  std::optional<double> cell_seconds;  ///< see cell_seconds_of
+  std::vector<std::string> reasons =
+      {};  ///< why cells have none, from tasks that ended or are held
 };
 
 /// Of all submissions of a results folder. `left` are the keys of cells without a result.

@@ -41,6 +41,11 @@ std::string one_line(const std::string& text) {
   return escaped(line, 500);
 }
 
+/// Of the reason why a task waits: "JobHeldUser", "launch failed requeued held" and their like.
+bool is_held(const std::string& reason) {
+  return reason.find("Held") != std::string::npos || reason.find("held") != std::string::npos;
+}
+
 /// What a program of Slurm printed.
 Result<std::string> ask(const std::vector<std::string>& words) {
   const auto answer = run_program(words);
@@ -63,13 +68,14 @@ Result<std::vector<QueuedTask>> queued_tasks(const std::vector<std::string>& job
   if (job_names.empty()) return tasks;
   const auto text =
       ask({"squeue", "--noheader", "--array", "--states=PENDING,RUNNING,SUSPENDED,COMPLETING",
-           "--name=" + joined(job_names), "--format=%j|%F|%K|%T"});
+           "--name=" + joined(job_names), "--format=%j|%F|%K|%T|%r"});
   if (!text) return text.error();
   for (const std::string& line : split(*text, '\n')) {
     const auto parts = split(line, '|');
-    const auto task = parts.size() == 4 ? number_of(parts[2]) : std::nullopt;
+    const auto task = parts.size() == 5 ? number_of(parts[2]) : std::nullopt;
     if (!task) return Error{Errc::invalid_data, "squeue answered " + quote(line)};
-    tasks.push_back({parts[0], parts[1] + "_" + parts[2], *task, parts[3] != "PENDING"});
+    tasks.push_back({parts[0], parts[1] + "_" + parts[2], *task, parts[3] != "PENDING",
+                     is_held(parts[4]) ? escaped(parts[4]) : ""});
   }
   return tasks;
 }

@@ -10,10 +10,11 @@ namespace weft::cluster {
 
 /// A task of an array that Slurm has not done with: it waits, runs or is being ended.
 struct QueuedTask {
-  std::string job;       ///< name of its job
-  std::string id;        ///< "12_3": number of its array and its own
-  int task = 0;          ///< its own
-  bool running = false;  ///< else it waits
+  std::string job;        ///< name of its job
+  std::string id;         ///< "12_3": number of its array and its own
+  int task = 0;           ///< its own
+  bool running = false;   ///< else it waits
+  std::string held = {};  ///< why Slurm will not start it before somebody lets it go; else empty
 };
 
 /// Of the jobs with these names, of any user.

@@ -70,11 +70,13 @@ PairComparison pair_up(const Panel& panel, std::size_t a, std::size_t b, std::ui
     if (!row.has_value(a) || !row.has_value(b)) return Value();
     return Value(*row.results[a] - *row.results[b]);
   });
-  for (const auto& [treatment, own] : {std::pair{a, &pair.mean_a}, std::pair{b, &pair.mean_b}}) {
-    *own = mean(means_of(sequence_means(panel, [=](const PanelRow& row) {
+  const auto mean_of = [&panel, a, b](std::size_t treatment) {
+    return mean(means_of(sequence_means(panel, [=](const PanelRow& row) {
       return row.has_value(a) && row.has_value(b) ? row.results[treatment] : Value();
     })));
-  }
+  };
+  pair.mean_a = mean_of(a);
+  pair.mean_b = mean_of(b);
   pair.sequences_without_pair = missing_from(panel.sequences(), differences);
   pair.test = test_differences(means_of(differences), seed);
   pair.failures = pair_failures(panel, a, b, seed);

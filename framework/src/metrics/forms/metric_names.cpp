@@ -14,7 +14,7 @@ struct HumanName {
 
 /// Names that the words of a path do not give. Behind `error_held` stand the same members as behind
 /// `error_solved`.
-constexpr HumanName kNames[] = {
+constexpr HumanName kHumanNames[] = {
     {"error_solved.mean_mm", "mean 3D error"},
     {"error_solved.standard_error_mm", "standard error of the mean 3D error"},
     {"error_solved.median_mm", "median 3D error"},
@@ -88,7 +88,7 @@ std::string name_of_entry(std::string path) {
     path.replace(at, kHeld.size(), "error_solved.");
     suffix = " of held frames";
   }
-  for (const HumanName& each : kNames) {
+  for (const HumanName& each : kHumanNames) {
     if (ends_in(path, each.ending)) return each.name + suffix;
   }
   return last_words_of(path) + suffix;
@@ -110,7 +110,7 @@ std::string metric_heading(const std::string& path) {
 
 std::vector<std::string> named_endings() {
   std::vector<std::string> endings;
-  for (const HumanName& each : kNames) endings.emplace_back(each.ending);
+  for (const HumanName& each : kHumanNames) endings.emplace_back(each.ending);
   return endings;
 }
 

@@ -69,8 +69,8 @@ class PlyCloud {
 }  // namespace
 
 Result<Cloud> read_ply_cloud(const std::string& path, double unit_m) {
-  constexpr std::uint64_t kMostBytes = 1U << 30U;
-  const auto text = read_text_file(path, kMostBytes);
+  constexpr std::uint64_t kMostCloudBytes = 1U << 30U;
+  const auto text = read_text_file(path, kMostCloudBytes);
   if (!text) {
     return Error{text.error().code, path + ": cannot be read: " + text.error().message};
   }
