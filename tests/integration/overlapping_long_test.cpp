@@ -38,7 +38,9 @@ class EveryPipeline : public testing::OverlappingPipelines,
     if (pipeline == "cuts.yaml") {
       return {"source.frames" + few, "source.cut_frames=[2]", "source.invisible_frames=[1]"};
     }
-    if (pipeline == "known_points.yaml") return {"source.frames.frames" + few};
+    if (pipeline == "known_points.yaml" || pipeline == "true_matches.yaml") {
+      return {"source.frames.frames" + few};
+    }
     if (is_recorded(pipeline)) {
       return {"source.path=" + folder_ + "/data/frames/*.png",
               "source.truth=" + folder_ + "/data/gt/*.csv"};

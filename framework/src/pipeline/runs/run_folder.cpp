@@ -289,7 +289,7 @@ Result<void> RunFolder::add(const Graph& graph, const FrameResult& frame,
   line["ms"] = time_by_component(frame.timings, &host::Spent::ms);
   line["processor_ms"] = time_by_component(frame.timings, &host::Spent::processor_ms);
   errno = 0;
-  frames_ << dump(line) << std::endl;
+  frames_ << dump(line) + "\n" << std::flush;  // at once: a line that was written has its end
   if (frames_) return {};
   return io_error(path_ + "/frames.jsonl",
                   "cannot be written (" +
