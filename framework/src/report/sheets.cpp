@@ -243,11 +243,14 @@ TextTable cells_sheet(const Results& results, const std::vector<std::size_t>& ce
         TextColumn{"reason", "reason", false, "", true}, TextColumn{"key", "key"}}) {
     table.columns.push_back(column);
   }
+  table.rows.reserve(cells.size());  // 10,000, or a million
   for (const std::size_t index : cells) {
     const PlanCell& cell = results.plan.cells[index];
     const CellRecord& record = results.record(cell);
     const SequenceSize size = results.size(cell);
-    TextRow row{{count_cell(cell.index)}, -1, record.outcome == CellOutcome::failed};
+    TextRow row{{}, -1, record.outcome == CellOutcome::failed};
+    row.cells.reserve(table.columns.size());
+    row.cells.push_back(count_cell(cell.index));
     for (const std::string& value : cell.values) row.cells.push_back(text_cell(value));
     for (const TextCell& figure :
          {text_cell(cell.sequence), text_cell(std::to_string(cell.seed)),
@@ -266,14 +269,18 @@ std::vector<TextTable> all_sheets(const Results& results, const ReportTables& ta
   std::vector<std::size_t> every(results.plan.cells.size());
   std::iota(every.begin(), every.end(), 0);
   std::vector<TextTable> sheets;
-  for (TextTable& table :
-       std::vector{combinations_sheet(results, tables), comparison_sheet(tables.comparisons),
-                   expectations_sheet(results, tables), filters_sheet(results, tables),
-                   roc_sheet(results, tables), certainty_sheet(results, tables),
-                   speed_sheet(results, tables), times_sheet(results, tables),
-                   cells_sheet(results, every)}) {
+  const auto add = [&sheets](TextTable table) {
     if (!table.rows.empty()) sheets.push_back(std::move(table));
-  }
+  };
+  add(combinations_sheet(results, tables));
+  add(comparison_sheet(tables.comparisons));
+  add(expectations_sheet(results, tables));
+  add(filters_sheet(results, tables));
+  add(roc_sheet(results, tables));
+  add(certainty_sheet(results, tables));
+  add(speed_sheet(results, tables));
+  add(times_sheet(results, tables));
+  add(cells_sheet(results, every));
   return sheets;
 }
 

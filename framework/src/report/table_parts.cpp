@@ -195,7 +195,7 @@ std::string reproduce_part(const Results& results, const ReportTables& tables) {
         "<p>The first of its cells again; the others with their keys: <code "
         "class=\"command\">" +
         html_escaped(command_of(results, first)) + "</code></p>\n" + settings_of(results, first) +
-        to_html(cells) + "</div></details>\n";
+        to_html(std::move(cells)) + "</div></details>\n";
   }
   return text;
 }

@@ -19,7 +19,7 @@ Result<std::vector<std::string>> write_tables(const RunData& run) {
   }
   std::vector<TextTable> sheets{reasons_sheet(run), stages_sheet(run), frames_sheet(run)};
   std::erase_if(sheets, [](const TextTable& sheet) { return sheet.rows.empty(); });
-  return write_table_files(run.folder + "/report", head + "\n", sheets);
+  return write_table_files(run.folder + "/report", head + "\n", std::move(sheets));
 }
 
 }  // namespace

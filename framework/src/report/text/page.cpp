@@ -67,13 +67,16 @@ Result<PageAssets> read_assets(const std::string& folder) {
                     read_text(folder + "/licences.txt").value_or("")};
 }
 
+// Appended to, never joined: a page has megabytes.
 std::string page_html(const Page& page, const PageAssets& assets) {
+  constexpr std::size_t kRest = 1 << 18;  // what is no script and no data, as a rule
   std::string text = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<meta name=\"color-scheme\" content=\"light dark\">\n<title>{}</title>\n"
       "<link rel=\"icon\" href=\"data:,\">\n<style>\n",
       html_escaped(page.title));
+  text.reserve(assets.script.size() + page.data.size() + kRest);
   text += assets.style + "</style></head>\n<body>\n" + header(page);
   if (!assets.scripted()) {
     text +=
@@ -83,10 +86,11 @@ std::string page_html(const Page& page, const PageAssets& assets) {
   }
   text += body(page.sections) + footer(page, assets);
   if (assets.scripted()) {
-    text += "<script type=\"application/json\" id=\"weft-data\">" + page.data +
-            "</script>\n<script>" + assets.script + "</script>\n";
+    text.append("<script type=\"application/json\" id=\"weft-data\">").append(page.data);
+    text.append("</script>\n<script>").append(assets.script).append("</script>\n");
   }
-  return text + "</body></html>\n";
+  text += "</body></html>\n";
+  return text;
 }
 
 std::string viewer_html(const std::string& about) {
@@ -119,7 +123,14 @@ std::string viewer_html(const std::string& about) {
 std::string script_safe(const std::string& json) {
   // A text could hold the end of the element that the JSON stands in.
   std::string text;
-  for (const char c : json) text += c == '<' ? std::string("\\u003c") : std::string(1, c);
+  text.reserve(json.size());
+  for (const char c : json) {
+    if (c == '<') {
+      text += "\\u003c";
+    } else {
+      text += c;
+    }
+  }
   return text;
 }
 

@@ -12,6 +12,6 @@ namespace weft::evaluation {
 /// Writes each table as ID.csv into the folder, which is made where it is missing, and all behind
 /// `head` as tables.md. Returns the files.
 Result<std::vector<std::string>> write_table_files(const std::string& folder, std::string head,
-                                                   const std::vector<TextTable>& tables);
+                                                   std::vector<TextTable> tables);
 
 }  // namespace weft::evaluation

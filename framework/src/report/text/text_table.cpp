@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <weft/core/csv_field.hpp>
 
 namespace weft::evaluation {
@@ -105,8 +106,8 @@ std::string to_csv(const TextTable& table) {
   return text;
 }
 
-std::string to_markdown(const TextTable& whole) {
-  const TextTable table = folded(whole);
+std::string to_markdown(TextTable whole) {
+  const TextTable table = folded(std::move(whole));
   std::string text = "## " + table.title + "\n\n";
   if (!table.note.empty()) text += markdown_escaped(table.note) + "\n\n";
   std::string rule;
@@ -122,8 +123,8 @@ std::string to_markdown(const TextTable& whole) {
   return text + "\n";
 }
 
-std::string to_html(const TextTable& whole) {
-  const TextTable table = folded(whole);
+std::string to_html(TextTable whole) {
+  const TextTable table = folded(std::move(whole));
   std::string text = fmt::format(
       "<div class=\"scroll\" tabindex=\"0\"><table class=\"sortable\" "
       "id=\"table-{}\"><thead><tr>",

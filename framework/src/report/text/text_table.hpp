@@ -52,8 +52,8 @@ TextTable folded(TextTable table);
 /// Every column, however alike its cells are. Shares have a second column, with the whole.
 std::string to_csv(const TextTable& table);
 /// Folded.
-std::string to_markdown(const TextTable& table);
-std::string to_html(const TextTable& table);
+std::string to_markdown(TextTable table);
+std::string to_html(TextTable table);
 
 /// Text in HTML, in an attribute as well.
 std::string html_escaped(const std::string& text);
