@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "frame_stream.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -9,6 +12,44 @@
 #include <filesystem>
 
 namespace weft::video {
+namespace {
+
+double steady_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// A pipe of the file system, open for reading without waiting for a writer.
+class Pipe {
+ public:
+  explicit Pipe(const std::string& path)
+      : number_(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {}
+  ~Pipe() {
+    if (number_ >= 0) ::close(number_);
+  }
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
+
+  int number() const { return number_; }
+  void wait_in_reads() const { fcntl(number_, F_SETFL, 0); }
+
+ private:
+  int number_;
+};
+
+/// Until somebody has written into a pipe; false where patience ends before.
+bool comes_to_life(int pipe, double patience_s, const std::function<bool()>& cancelled) {
+  constexpr int kLook_ms = 20;
+  for (const double end_s = steady_s() + patience_s; !cancelled();) {
+    pollfd look{pipe, POLLIN, 0};
+    const int ready = poll(&look, 1, kLook_ms);
+    if (ready > 0 && (look.revents & POLLIN) != 0) return true;
+    if (steady_s() >= end_s) return false;
+    if (ready > 0) usleep(1000 * kLook_ms);  // its writer has gone, which poll() tells at once
+  }
+  return false;
+}
+
+}  // namespace
 
 Result<FrameStream> FrameStream::open_file(const std::string& path) {
   std::error_code status;
@@ -33,7 +74,7 @@ Result<FrameStream> FrameStream::open_file(const std::string& path) {
   return stream;
 }
 
-Result<FrameStream> FrameStream::open_device(int number, const cv::Size& size_px) {
+Result<FrameStream> FrameStream::open_device(int number, const CameraSettings& settings) {
   FrameStream stream;
   stream.is_live_ = true;
   stream.name_ = "/dev/video" + std::to_string(number);
@@ -47,8 +88,62 @@ Result<FrameStream> FrameStream::open_device(int number, const cv::Size& size_px
                                ": cannot be opened as a camera: end other programs that use it, "
                                "and check that you may read it (group video)"};
   }
-  stream.capture_.set(cv::CAP_PROP_FRAME_WIDTH, size_px.width);
-  stream.capture_.set(cv::CAP_PROP_FRAME_HEIGHT, size_px.height);
+  stream.capture_.set(cv::CAP_PROP_FRAME_WIDTH, settings.size_px.width);
+  stream.capture_.set(cv::CAP_PROP_FRAME_HEIGHT, settings.size_px.height);
+  const auto refused = [&](const char* parameter) {
+    return Error{Errc::invalid_value, stream.name_ + ": the camera does not take '" + parameter +
+                                          "': leave it out, or see v4l2-ctl --list-ctrls-menus"};
+  };
+  if (settings.fps > 0.0 && !stream.capture_.set(cv::CAP_PROP_FPS, settings.fps)) {
+    return refused("fps");
+  }
+  if (settings.exposure_ms > 0.0) {
+    constexpr double kManual = 1.0, kUnits_per_ms = 10.0;  // of V4L2
+    const bool taken =
+        stream.capture_.set(cv::CAP_PROP_AUTO_EXPOSURE, kManual) &&
+        stream.capture_.set(cv::CAP_PROP_EXPOSURE, kUnits_per_ms * settings.exposure_ms);
+    if (!taken) return refused("exposure_ms");
+  }
+  return stream;
+}
+
+Result<FrameStream> FrameStream::open_address(const std::string& address, double patience_s,
+                                              const std::function<bool()>& cancelled) {
+  FrameStream stream;
+  stream.is_live_ = true;
+  stream.name_ = address;
+  const bool is_pipeline = address.find('!') != std::string::npos;
+  const bool is_file = !is_pipeline && address.find("://") == std::string::npos;
+  std::error_code status;
+  if (is_file && !std::filesystem::is_fifo(address, status)) {
+    return Error{Errc::not_found,
+                 address +
+                     ": is no address (rtsp://...), pipe or pipeline of GStreamer (a ! "
+                     "appsink): correct 'address', or give a file as 'path'"};
+  }
+  std::string source = address;
+  if (is_file) {
+    // Opened by its name it would wait for a writer, and for another one where the first has gone.
+    const auto pipe = std::make_shared<Pipe>(address);
+    if (pipe->number() < 0) return Error{Errc::io, address + ": the pipe cannot be read"};
+    if (!comes_to_life(pipe->number(), patience_s, cancelled)) {
+      return Error{Errc::io, address + ": nobody has written into the pipe"};
+    }
+    pipe->wait_in_reads();
+    source = "pipe:" + std::to_string(pipe->number());
+    stream.pipe_ = pipe;
+  }
+  const int patience_ms = static_cast<int>(std::clamp(1000.0 * patience_s, 1.0, 1e6));
+  const bool opened = is_pipeline
+                          ? stream.capture_.open(source, cv::CAP_GSTREAMER)
+                          : stream.capture_.open(source, cv::CAP_FFMPEG,
+                                                 {cv::CAP_PROP_OPEN_TIMEOUT_MSEC, patience_ms,
+                                                  cv::CAP_PROP_READ_TIMEOUT_MSEC, patience_ms});
+  if (!opened) {
+    return Error{Errc::io, address +
+                               ": sends no video that can be read: is it right, and is the "
+                               "camera on?"};
+  }
   return stream;
 }
 
@@ -63,8 +158,17 @@ double FrameStream::next_stamp_s() {
   const double stated_s = capture_.get(cv::CAP_PROP_POS_MSEC) / 1e3;
   if (stated_s > stamp_s_) return stated_s;
   if (!is_live_) return stamp_s_ + 1.0 / fps_;
-  // The clock of the drivers' times, too.
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  return std::max(steady_s(), std::nextafter(stamp_s_, HUGE_VAL));  // the clock of the drivers, too
+}
+
+void FrameStream::close() {
+  capture_.release();
+  pipe_.reset();
+}
+
+void FrameStream::continue_from(const FrameStream& before, double gap_s) {
+  number_ += before.number_ + 1;
+  first_stamp_s_ = stamp_s_ - before.time_s() - gap_s;
 }
 
 Result<void> FrameStream::ending() const {

@@ -2,11 +2,20 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <opencv2/videoio.hpp>
 #include <string>
 #include <weft/core/result.hpp>
 
 namespace weft::video {
+
+/// What a camera is asked for.
+struct CameraSettings {
+  cv::Size size_px;
+  double fps = 0.0;          ///< [1/s] 0 for its own
+  double exposure_ms = 0.0;  ///< [ms] 0 for its own
+};
 
 /// The frames of a video file or of a camera, one after the other. It never seeks: the containers'
 /// tables lead to wrong frames too often, decoding in order always gives the same ones.
@@ -14,13 +23,22 @@ class FrameStream {
  public:
   /// Fails, with the reason, on a file that is missing or no video.
   static Result<FrameStream> open_file(const std::string& path);
-  /// The camera /dev/videoN, asked for images of this size. Fails when it is missing or busy.
-  static Result<FrameStream> open_device(int number, const cv::Size& size_px);
+  /// The camera /dev/videoN. Fails when it is missing, busy or does not take a setting.
+  static Result<FrameStream> open_device(int number, const CameraSettings& settings);
+  /// What a camera sends: an address such as rtsp://..., a pipe of the file system, or a pipeline
+  /// of GStreamer that ends in `appsink`. Waits in vain for so many seconds.
+  static Result<FrameStream> open_address(const std::string& address, double patience_s,
+                                          const std::function<bool()>& cancelled);
 
   /// Goes to the next frame, at first to frame 0; false when there is none.
   bool advance();
   /// After advance() was false: an error unless a file ended where its header says.
   Result<void> ending() const;
+
+  /// Lets go of the file or camera; what is known of its last frame stays.
+  void close();
+  /// Counts on from another stream, whose last frame was so many seconds before this one's first.
+  void continue_from(const FrameStream& before, double gap_s);
 
   /// Of the current frame, counted from 0 as they are decoded.
   std::int64_t number() const { return number_; }
@@ -29,12 +47,13 @@ class FrameStream {
   double time_s() const { return stamp_s_ - first_stamp_s_; }
   /// The current frame, BGR, 8 bits a channel, not turned by a tag of the file.
   Result<cv::Mat> image();
-  /// File or device, for messages.
+  /// File, device or address, for messages.
   const std::string& name() const { return name_; }
 
  private:
   double next_stamp_s();
 
+  std::shared_ptr<const void> pipe_;  ///< that `capture_` reads, if any
   cv::VideoCapture capture_;
   std::string name_;
   bool is_live_ = false;

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <chrono>
 #include <filesystem>
+#include <thread>
+#include <utility>
 #include <weft/sdk/source.hpp>
 
 #include "common/calibrated_camera.hpp"
@@ -10,20 +13,27 @@
 namespace weft::video {
 namespace {
 
-/// The frames of a video file or of a camera that is connected, undistorted.
+/// The frames of a video file or of a camera, undistorted.
 class Video final : public Source {
  public:
   static constexpr About kAbout{.produces = "image time"};
 
   explicit Video(Params& p) {
-    p.input_path("path", path_, "video file, of any format that FFmpeg reads; or give 'device'");
-    p.read("device", device_, "", {-1, 1023}, "camera: N of /dev/videoN; -1 for none");
+    p.input_path("path", path_, "video file, of any format that FFmpeg reads");
+    p.read("device", device_, "", {-1, 1023}, "or a camera: N of /dev/videoN; -1 for none");
+    p.text("address", address_,
+           "or what a camera sends: rtsp://..., a pipe, or a pipeline of GStreamer to appsink");
     p.input_path("camera", camera_path_,
                  "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info",
                  Need::required);
     p.read("start_s", start_s_, "s", {0.0, 1e6}, "skip what is earlier than this");
     p.read("step", step_, "", {1, 1'000'000}, "take every step-th frame");
     p.read("max_frames", max_frames_, "", {0, 1'000'000'000}, "stop after so many; 0 for all");
+    p.read("fps", fps_, "1/s", {0.0, 10'000.0}, "frames a second asked of a device; 0: its own");
+    p.read("exposure_ms", exposure_ms_, "ms", {0.0, 10'000.0},
+           "exposure asked of a device; 0: its own");
+    p.read("patience_s", patience_s_, "s", {0.0, 86'400.0},
+           "how long a camera that gives no frame is tried again");
   }
 
   /// A camera is not opened, and where 'start_s' leads is not decoded.
@@ -31,7 +41,7 @@ class Video final : public Source {
     const auto camera = sources::CalibratedCamera::read_sizes(camera_path_);
     const bool calibrated = mistakes.expect("camera", camera);
     if (!mistakes.expect(path_.empty() ? "device" : "path", check_choice())) return;
-    if (device_ >= 0) return;
+    if (live()) return;
     auto stream = FrameStream::open_file(path_);
     if (!mistakes.expect("path", stream)) return;
     if (!stream->advance()) return mistakes.add("path", no_frame());
@@ -55,7 +65,7 @@ class Video final : public Source {
   /// Not even of a file: what its header says is an estimate, or wrong if the file was cut off.
   std::int64_t count() const override { return -1; }
 
-  bool live() const override { return device_ >= 0; }
+  bool live() const override { return path_.empty(); }
 
   Result<SourceFrame> read(std::int64_t index, const Call& call) override {
     if (index < 0) return Error{Errc::invalid_value, "frames are counted from 0"};
@@ -70,6 +80,7 @@ class Video final : public Source {
     SourceFrame frame;
     frame.image = *std::move(image);
     frame.time = Time{stream_.time_s() - first_time_s_};
+    if (!gap_.empty()) return degenerate(std::move(frame), std::exchange(gap_, {}));
     return frame;
   }
 
@@ -80,10 +91,8 @@ class Video final : public Source {
   Result<void> start(const Call& call) {
     is_at_a_frame_ = false;
     stream_ = {};  // a camera cannot be opened twice
-    const Camera& camera = camera_.pinhole();
-    const cv::Size size(static_cast<int>(camera.width_px), static_cast<int>(camera.height_px));
-    auto opened =
-        device_ < 0 ? FrameStream::open_file(path_) : FrameStream::open_device(device_, size);
+    gap_.clear();
+    auto opened = open_stream(patience_s_, call);
     if (!opened) return opened.error();
     stream_ = *std::move(opened);
     do {
@@ -96,15 +105,26 @@ class Video final : public Source {
     return {};
   }
 
+  Result<FrameStream> open_stream(double patience_s, const Call& call) const {
+    if (!path_.empty()) return FrameStream::open_file(path_);
+    if (!address_.empty()) {
+      return FrameStream::open_address(address_, patience_s, [&] { return call.cancelled(); });
+    }
+    const Camera& camera = camera_.pinhole();
+    const cv::Size size_px(static_cast<int>(camera.width_px), static_cast<int>(camera.height_px));
+    return FrameStream::open_device(device_, {size_px, fps_, exposure_ms_});
+  }
+
   Result<void> check_choice() const {
-    if (path_.empty() == (device_ >= 0)) return {};
-    return Error{Errc::invalid_value, "give either 'path' or 'device'"};
+    const int given = (path_.empty() ? 0 : 1) + (device_ < 0 ? 0 : 1) + (address_.empty() ? 0 : 1);
+    if (given == 1) return {};
+    return Error{Errc::invalid_value, "give one of 'path', 'device' and 'address'"};
   }
 
   std::string no_frame() const { return path_ + ": holds no frame that can be decoded"; }
 
   Error no_start() const {
-    if (device_ >= 0) return stream_.ending().error();
+    if (live()) return stream_.ending().error();
     if (stream_.number() < 0) return {Errc::invalid_data, no_frame(), {}};
     return {Errc::invalid_value,
             fmt::format("{}: its last frame is at {:.3f} s, before 'start_s': make that smaller",
@@ -116,7 +136,7 @@ class Video final : public Source {
     if (end_ && index >= *end_) return end_at(index);
     const bool is_past = passed() / step_ + (passed() % step_ == 0 ? 0 : 1) > index;
     if (!is_at_a_frame_ || is_past) {
-      if (device_ >= 0) {
+      if (live()) {
         return Error{Errc::invalid_value,
                      stream_.name() + ": a camera cannot give an earlier frame again"};
       }
@@ -125,12 +145,37 @@ class Video final : public Source {
     while (passed() / step_ < index) {
       if (call.cancelled()) return cancelled();
       if (stream_.advance()) continue;
+      if (live()) {
+        if (try_again(call)) continue;
+        if (call.cancelled()) return cancelled();
+      }
       is_at_a_frame_ = false;
       end_ = passed() / step_ + 1;
       ending_ = stream_.ending();
       return end_at(index);
     }
     return {};
+  }
+
+  /// A camera that gives no more frames is opened anew, as often as patience lasts, up to its next
+  /// frame. False where that fails.
+  bool try_again(const Call& call) {
+    using Clock = std::chrono::steady_clock;
+    const auto start = Clock::now();
+    const auto away_s = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
+    stream_.close();  // a camera cannot be opened twice
+    while (!call.cancelled() && away_s() < patience_s_) {
+      auto opened = open_stream(patience_s_ - away_s(), call);
+      if (opened && opened->advance()) {
+        opened->continue_from(stream_, away_s());
+        stream_ = *std::move(opened);
+        gap_ = fmt::format("{}: the camera gave no frames for {:.1f} s and was opened again",
+                           stream_.name(), away_s());
+        return true;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    return false;
   }
 
   /// Frames of the stream since frame 0 of this source.
@@ -146,10 +191,12 @@ class Video final : public Source {
 
   std::string path_;
   int device_ = -1;
+  std::string address_;
   std::string camera_path_;
   double start_s_ = 0.0;
   int step_ = 1;
   std::int64_t max_frames_ = 0;
+  double fps_ = 0.0, exposure_ms_ = 0.0, patience_s_ = 5.0;
 
   sources::CalibratedCamera camera_;
   FrameStream stream_;
@@ -158,11 +205,12 @@ class Video final : public Source {
   double first_time_s_ = 0.0;        // of the same
   std::optional<std::int64_t> end_;  // the first frame that the stream lacks, once known
   Result<void> ending_;
+  std::string gap_;  // why frames are missing before the next one
 };
 
 }  // namespace
 }  // namespace weft::video
 
 using weft::video::Video;
-WEFT_PLUGIN(Video, "sources/video", "1.0.0",
-            "Reads a video file or a connected camera of known calibration, undistorted.")
+WEFT_PLUGIN(Video, "sources/video", "1.1.0",
+            "Reads a video file or a camera of known calibration, undistorted.")

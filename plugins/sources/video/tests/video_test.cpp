@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <numeric>
+#include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
+#include <thread>
 #include <weft/core/rng.hpp>
 #include <weft/data/camera.hpp>
 #include <weft/data/image.hpp>
@@ -235,8 +242,9 @@ TEST_F(VideoSource, RefusesParametersThatDoNotFitTheVideo) {
   write_video(folder_.path("clip.avi"));
   EXPECT_THAT(refusal_of_file("clip.avi", ", start_s: 4"),
               AllOf(HasSubstr("'start_s'"), HasSubstr("3.900 s")));
-  EXPECT_THAT(refusal("step: 2"), HasSubstr("either 'path' or 'device'"));
-  EXPECT_THAT(refusal_of_file("clip.avi", ", device: 0"), HasSubstr("either 'path' or 'device'"));
+  EXPECT_THAT(refusal("step: 2"), HasSubstr("give one of 'path', 'device'"));
+  EXPECT_THAT(refusal_of_file("clip.avi", ", device: 0"),
+              HasSubstr("give one of 'path', 'device'"));
   write_camera(kWidth + 1, "null");
   EXPECT_THAT(refusal_of_file("clip.avi"),
               AllOf(HasSubstr("clip.avi"), HasSubstr("64 x 48"), HasSubstr("65 x 48")));
@@ -278,6 +286,95 @@ TEST_F(VideoSource, ReadsAVideoWhoseWriterWasKilledAsFarAsItGoes) {
 
 TEST_F(VideoSource, ACameraThatIsNotThereIsAnErrorThatSaysSo) {
   EXPECT_THAT(refusal("device: 1023"), AllOf(HasSubstr("/dev/video1023"), HasSubstr("'device'")));
+}
+
+/// Numbered frames as a camera's program writes them into a pipe, raw (YUV4MPEG2).
+std::string raw_video(int first, int frames) {
+  std::string text = "YUV4MPEG2 W64 H48 F10:1 Ip A1:1 C420jpeg\n";
+  for (int i = first; i < first + frames; ++i) {
+    cv::Mat luma;
+    cv::extractChannel(numbered(i), luma, 0);
+    text += "FRAME\n" + std::string(luma.ptr<char>(), luma.total());
+    text.append(luma.total() / 2, '\x80');  // grey
+  }
+  return text;
+}
+
+/// Pipes that stand for a camera, each with a thread that writes into it once somebody reads.
+class PipeSource : public VideoSource {
+ protected:
+  ~PipeSource() override {
+    std::vector<int> readers;  // for writers that wait
+    for (const std::string& pipe : pipes_) {
+      readers.push_back(open(pipe.c_str(), O_RDONLY | O_NONBLOCK));
+    }
+    for (std::thread& writer : writers_) writer.join();
+    for (const int reader : readers) close(reader);
+  }
+
+  std::string new_pipe() {
+    pipes_.push_back(folder_.path("pipe" + std::to_string(pipes_.size())));
+    EXPECT_EQ(mkfifo(pipes_.back().c_str(), 0600), 0);
+    return pipes_.back();
+  }
+  void write(const std::string& pipe, std::string video) {
+    writers_.emplace_back([pipe, video = std::move(video)] {
+      std::ofstream(pipe, std::ios::binary) << video;  // waits for a reader
+    });
+  }
+
+ private:
+  std::vector<std::string> pipes_;
+  std::vector<std::thread> writers_;
+};
+
+TEST_F(PipeSource, ReadsWhatACameraSendsAndGoesOnWhenItComesBack) {
+  const std::string first = new_pipe(), second = new_pipe(), camera = folder_.path("camera");
+  std::filesystem::create_symlink(first, camera);
+  write(first, raw_video(0, 5));
+  write(second, raw_video(20, 5));
+  PluginUnderTest source("sources/video", params("address: '" + camera + "', patience_s: 20"));
+  const PluginAnswer opened = source.process(kOpen, {});
+  ASSERT_EQ(opened.status, WEFT_OK) << opened.message;
+  EXPECT_EQ(source.process(kCount, {}).get<weft::Count>()->live, 1);
+  std::filesystem::remove(camera);
+  std::filesystem::create_symlink(second, camera);
+  std::vector<int> found;
+  double last_s = -1.0;
+  for (std::uint64_t i = 0; i < 10; ++i) {
+    const PluginAnswer frame = source.process(kRead, {}, i);
+    ASSERT_EQ(frame.status, i == 5 ? WEFT_DEGENERATE : WEFT_OK) << i << ": " << frame.message;
+    if (i == 5) {
+      EXPECT_THAT(frame.message, HasSubstr("the camera gave no frames for"));
+    }
+    found.push_back(number_in(*frame.get<weft::Image>()));
+    const double time_s = frame.get<weft::Time>()->t_s;
+    EXPECT_GT(time_s, last_s) << i;
+    last_s = time_s;
+  }
+  EXPECT_THAT(found, ElementsAre(0, 1, 2, 3, 4, 20, 21, 22, 23, 24));
+}
+
+TEST_F(PipeSource, ACameraThatDoesNotComeBackIsAnErrorAndThenTheEnd) {
+  const std::string pipe = new_pipe();
+  write(pipe, raw_video(0, 5));
+  PluginUnderTest source("sources/video", params("address: '" + pipe + "', patience_s: 0.3"));
+  ASSERT_EQ(source.process(kOpen, {}).status, WEFT_OK);
+  for (std::uint64_t i = 0; i < 5; ++i) ASSERT_EQ(source.process(kRead, {}, i).status, WEFT_OK);
+  const PluginAnswer gone = source.process(kRead, {}, 5);
+  EXPECT_EQ(gone.status, WEFT_ERROR);
+  EXPECT_THAT(gone.message, HasSubstr("is it still connected?"));
+  EXPECT_EQ(source.process(kRead, {}, 6).status, WEFT_NO_RESULT);
+}
+
+TEST_F(PipeSource, APipeIntoWhichNobodyWritesIsRefused) {
+  EXPECT_THAT(refusal("address: '" + new_pipe() + "', patience_s: 0.05"),
+              AllOf(HasSubstr("pipe0"), HasSubstr("nobody has written")));
+}
+
+TEST_F(PipeSource, OneOfFileDeviceAndAddressIsGiven) {
+  EXPECT_THAT(refusal("device: 0, address: '" + new_pipe() + "'"), HasSubstr("give one of"));
+  EXPECT_THAT(refusal("address: nowhere.mp4"), HasSubstr("give a file as 'path'"));
 }
 
 }  // namespace
