@@ -8,6 +8,7 @@ import path from "node:path";
 import { pathToFileURL } from "node:url";
 
 const [web, file, screenshots] = process.argv.slice(2);
+const PATIENCE_MS = 180000; // other tests may have the processor
 
 /** Opens the page that the command line names, gives it to `use` and complains of what the browser
     complains of, of requests, and of a page too wide for a telephone. */
@@ -17,6 +18,8 @@ export async function use_page(use) {
   const browser = await puppeteer.launch({
     executablePath: "/usr/bin/chromium",
     headless: true,
+    timeout: PATIENCE_MS,
+    protocolTimeout: PATIENCE_MS,
     userDataDir: profile,
     args: [
       "--no-sandbox",
@@ -46,10 +49,9 @@ export async function use_page(use) {
       if (!/^(file|data|blob):/.test(request.url())) complaints.push(`asks for ${request.url()}`);
     });
     await page.setViewport({ width: 1200, height: 900 });
-    // Other tests may have the processor.
-    page.setDefaultTimeout(180000);
+    page.setDefaultTimeout(PATIENCE_MS);
     await page.goto(pathToFileURL(file).href);
-    await page.waitForSelector("html[data-ready=true]", { timeout: 180000 });
+    await page.waitForSelector("html[data-ready=true]", { timeout: PATIENCE_MS });
     await use(page);
     await page.emulateMediaFeatures([]);
     await page.setViewport({ width: 400, height: 800 });
