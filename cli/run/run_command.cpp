@@ -2,6 +2,8 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <weft/core/index.hpp>
@@ -11,6 +13,7 @@
 #include "cli/run/interruption.hpp"
 #include "cli/run/run_settings.hpp"
 #include "cli/run/sudden_end.hpp"
+#include "pipeline/configuration/declared_paths.hpp"
 #include "pipeline/runs/run.hpp"
 
 namespace weft::cli {
@@ -21,7 +24,8 @@ namespace fs = std::filesystem;
 /// Progress on the terminal and what the summary needs.
 class Progress final : public RunObserver {
  public:
-  explicit Progress(bool quiet) : show_bar_(!quiet && isatty(STDERR_FILENO) != 0) {}
+  Progress(bool quiet, std::FILE* words)
+      : show_bar_(!quiet && isatty(STDERR_FILENO) != 0), words_(words) {}
 
   void started(std::int64_t frames) override { total_ = frames; }
 
@@ -58,34 +62,34 @@ class Progress final : public RunObserver {
 
   void print_table() const {
     clear_bar();
-    fmt::print("{:<16}{:>7}{:>12}{:>11}{:>9}{:>7}{:>9}{:>9}{:>9}\n", "stage", "ok", "degenerate",
-               "no_result", "skipped", "error", "ms p50", "ms p95", "cpu p50");
+    fmt::print(words_, "{:<16}{:>7}{:>12}{:>11}{:>9}{:>7}{:>9}{:>9}{:>9}\n", "stage", "ok",
+               "degenerate", "no_result", "skipped", "error", "ms p50", "ms p95", "cpu p50");
     for (const std::string& name : order_) {
       const Stage& stage = stages_.at(name);
       const auto count = [&](StageStatus status) { return stage.statuses[to_index(status)]; };
-      fmt::print("{:<16}{:>7}{:>12}{:>11}{:>9}{:>7}", name, count(StageStatus::ok),
+      fmt::print(words_, "{:<16}{:>7}{:>12}{:>11}{:>9}{:>7}", name, count(StageStatus::ok),
                  count(StageStatus::degenerate), count(StageStatus::no_result),
                  count(StageStatus::skipped), count(StageStatus::error));
       if (stage.ms.empty()) {
-        fmt::print("{:>9}{:>9}{:>9}\n", "-", "-", "-");
+        fmt::print(words_, "{:>9}{:>9}{:>9}\n", "-", "-", "-");
       } else {
-        fmt::print("{:>9.2f}{:>9.2f}{:>9.2f}\n", percentile(stage.ms, 50.0),
+        fmt::print(words_, "{:>9.2f}{:>9.2f}{:>9.2f}\n", percentile(stage.ms, 50.0),
                    percentile(stage.ms, 95.0), percentile(stage.processor_ms, 50.0));
       }
     }
-    fmt::print("shapes: ");
+    fmt::print(words_, "shapes: ");
     for (const char* state : {"estimated", "weak", "predicted", "lost", "none"}) {
       const auto found = states_.find(state);
-      if (found != states_.end()) fmt::print("{} {}  ", found->second, state);
+      if (found != states_.end()) fmt::print(words_, "{} {}  ", found->second, state);
     }
     if (!confidences_.empty()) {
-      fmt::print("confidence {:.2f} in the median, {:.2f} at least", median(confidences_),
+      fmt::print(words_, "confidence {:.2f} in the median, {:.2f} at least", median(confidences_),
                  percentile(confidences_, 0.0));
     }
-    fmt::print("\n");
+    fmt::print(words_, "\n");
     for (const std::string& name : order_) {
       const std::string& error = stages_.at(name).first_error;
-      if (!error.empty()) fmt::print("first error of {}: {}\n", name, error);
+      if (!error.empty()) fmt::print(words_, "first error of {}: {}\n", name, error);
     }
   }
 
@@ -113,6 +117,7 @@ class Progress final : public RunObserver {
   }
 
   bool show_bar_;
+  std::FILE* words_;  ///< where the table goes
   std::int64_t total_ = -1;
   std::int64_t done_ = 0;
   std::vector<std::string> order_;
@@ -120,6 +125,15 @@ class Progress final : public RunObserver {
   std::map<std::string, int> states_;
   std::vector<double> confidences_;  ///< [] of what was measured
 };
+
+/// Where the words of a run go: not to where a component of it writes.
+std::FILE* words_beside(const PipelineConfig& config) {
+  const auto outputs = declared_paths(config, WEFT_VALUE_OUTPUT_PATH, "/");
+  const bool taken = std::any_of(outputs.begin(), outputs.end(), [](const DeclaredPath& output) {
+    return output.path == "/dev/stdout";
+  });
+  return taken ? stderr : stdout;
+}
 
 void run(const std::string& file, std::string folder, const std::vector<std::string>& settings,
          const std::vector<std::string>& dumped, bool quiet, Context& context) {
@@ -134,7 +148,8 @@ void run(const std::string& file, std::string folder, const std::vector<std::str
     context.exit_code = kBadConfiguration;
     return;
   }
-  Progress progress(quiet);
+  std::FILE* const words = words_beside(pipeline.config);
+  Progress progress(quiet, words);
   const SuddenEndWatch watch;
   const auto summary = run_pipeline(pipeline, folder, progress, interrupted, dumped);
   now_running("the summary");
@@ -146,7 +161,7 @@ void run(const std::string& file, std::string folder, const std::vector<std::str
   }
   if (summary->cancelled && summary->frames == 0) {
     progress.clear_bar();
-    fmt::print("interrupted before the first frame was finished: no run folder is left\n");
+    fmt::print(words, "interrupted before the first frame was finished: no run folder is left\n");
     return;
   }
   if (!quiet) progress.print_table();
@@ -155,7 +170,7 @@ void run(const std::string& file, std::string folder, const std::vector<std::str
                warning.frames, summary->frames);
   }
   const bool drops = pipeline.config.latest_only;
-  fmt::print("{} frames{}, {} failed{}{}: {}\n", summary->frames,
+  fmt::print(words, "{} frames{}, {} failed{}{}: {}\n", summary->frames,
              drops ? fmt::format(", {} dropped", summary->dropped) : "", summary->failed,
              summary->warnings.empty() ? "" : fmt::format(", {} warned", summary->warnings.size()),
              summary->stopped ? ", stopped early" : "", summary->folder);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "support/pipeline_fixture.hpp"
@@ -65,6 +66,16 @@ TEST_F(OutputPaths, NeverGoOverWhatIsThereUnlessTheEntrySaysSo) {
   write("precious", "bell\a");
   EXPECT_THAT(answer("params: {path: \"" + path("bell\\a") + "\"}"),
               HasSubstr("bell\\x07 is a file"));
+}
+
+TEST_F(OutputPaths, ThatKeepNothingNeedNoPermission) {
+  ASSERT_EQ(mkfifo(path("pipe").c_str(), 0600), 0);
+  fs::create_symlink("pipe", path("link"));
+  for (const std::string& each : {path("pipe"), path("link"), std::string("/dev/stdout")}) {
+    EXPECT_EQ(answer(to(each)), "ok") << each;
+  }
+  EXPECT_THAT(answer("", {to(path("pipe")), to(path("link"))}),
+              HasSubstr("is the 'path' of sinks/test.scripted"));
 }
 
 TEST_F(OutputPaths, AreRefusedBeforeAnythingIsWritten) {

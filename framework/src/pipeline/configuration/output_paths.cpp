@@ -130,11 +130,20 @@ std::string taken_by_run(const fs::path& inside) {
   return found != kTaken.end() ? *found : "";
 }
 
-/// What is there and would be lost, in words; empty for nothing, an empty folder, /dev/null.
+/// What is written there is gone at once: into a pipe, a terminal, to where the program's own
+/// output goes.
+bool keeps_nothing(const fs::path& path) {
+  std::error_code code;
+  const fs::file_status status = fs::status(path, code);
+  return path == "/dev/stdout" || fs::is_fifo(status) || fs::is_character_file(status);
+}
+
+/// What is there and would be lost, in words; empty for nothing, an empty folder, what keeps
+/// nothing.
 std::string what_is_there(const fs::path& path) {
   std::error_code code;
   const fs::file_status status = fs::symlink_status(path, code);
-  if (!fs::exists(status) || fs::is_character_file(status)) return {};
+  if (!fs::exists(status) || keeps_nothing(path)) return {};
   if (fs::is_symlink(status)) return "a link";
   if (!fs::is_directory(status)) return "a file";
   return fs::is_empty(path, code) && !code ? "" : "a folder that is not empty";
