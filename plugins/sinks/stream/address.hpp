@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <boost/asio/ip/address.hpp>
+#include <cstdint>
+#include <string>
+#include <weft/core/result.hpp>
+
+namespace weft::stream {
+
+enum class Protocol { tcp, udp };
+
+struct Address {
+  Protocol protocol = Protocol::tcp;
+  boost::asio::ip::address host;
+  std::uint16_t port = 0;
+};
+
+/// Of `tcp://127.0.0.1:5005`, `udp://[::1]:5005`, `tcp://localhost:5005`. Names are not looked up.
+Result<Address> parse_address(const std::string& text);
+
+/// An error about the address `text` that says what to change, where there is advice.
+Error address_error(const std::string& text, const boost::system::error_code& code);
+
+}  // namespace weft::stream
