@@ -48,12 +48,12 @@ class Costs(NamedTuple):
     """Measured with the two nodes of tests/cluster/loopback_test.py, see docs/evidence."""
 
     controller_s: float = 0.02  # that Slurm's controller takes for each task
-    launch_s: float = 0.4  # until the program of a task runs
-    start_s: float = 0.5  # until it has read the plan and loaded the plugins
+    launch_s: float = 0.25  # until the program of a task runs
+    start_s: float = 0.4  # until it has read the plan and loaded the plugins
     read_s: float = 5e-6  # of the reader, for each result that there is
     folder_read_s: float = 2e-6  # of the shared folder, for the same
-    claim_s: float = 0.001  # of the shared folder, to claim a cell and to let go of it
-    keep_s: float = 0.005  # of the shared folder, to keep a cell's line and files
+    claim_s: float = 0.0001  # of the shared folder, to claim a cell and to let go of it
+    keep_s: float = 0.002  # of the shared folder, to keep a cell's line and files
     spread: float = 0.5  # standard deviation of the logarithm of a cell's time
 
 
