@@ -57,7 +57,6 @@ class ClusterModel(unittest.TestCase):
             self.assertAlmostEqual(sum(cells) / len(cells), cell_s, delta=0.02 * cell_s)
             self.assertAlmostEqual(len(tasks[0]) * cell_s, 600.0)
 
-
     def test_measures_a_folder_and_leaves_nothing_there(self):
         with tempfile.TemporaryDirectory() as folder:
             costs = cluster_model.measured(Path(folder), FREE, cells=3)

@@ -5,15 +5,13 @@
 #include <opencv2/videoio.hpp>
 #include <set>
 
-#include "support/child.hpp"
-#include "support/pipeline_fixture.hpp"
+#include "shelled_program.hpp"
 
 namespace weft {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::chain;
-using testing::Child;
 using testing::Ended;
 using ::testing::HasSubstr;
 using testing::read_lines;
@@ -22,23 +20,8 @@ using ::testing::StartsWith;
 
 /// The program, started by a shell that takes something away from it: its standard output, or the
 /// right to write large files.
-class LostOutput : public testing::PipelineTest {
+class LostOutput : public testing::ShelledProgram {
  protected:
-  Ended weft(const std::string& shell, const std::vector<std::string>& arguments) const {
-    std::vector<std::string> words{"/bin/sh",
-                                   "-c",
-                                   "cd '" + folder_ + "' && " + shell,
-                                   WEFT_PROGRAM,
-                                   "--plugin-path",
-                                   WEFT_TEST_PLUGINS,
-                                   "--plugin-path",
-                                   WEFT_REAL_PLUGINS};
-    words.insert(words.end(), arguments.begin(), arguments.end());
-    return Child(words, path("printed")).wait();
-  }
-  Ended weft(const std::vector<std::string>& arguments) const {
-    return weft(R"(exec "$0" "$@")", arguments);
-  }
   /// No file may be larger than this; the shell counts in 512 bytes.
   Ended limited(int kb, const std::vector<std::string>& arguments) const {
     return weft("ulimit -f " + std::to_string(2 * kb) + R"( && exec "$0" "$@")", arguments);

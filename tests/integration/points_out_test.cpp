@@ -3,34 +3,18 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
-#include "support/child.hpp"
-#include "support/pipeline_fixture.hpp"
+#include "shelled_program.hpp"
 
 namespace weft {
 namespace {
 
-using testing::Child;
 using testing::Ended;
 using ::testing::HasSubstr;
 using testing::read_lines;
 using ::testing::StartsWith;
 
-class PointsOut : public testing::PipelineTest {
+class PointsOut : public testing::ShelledProgram {
  protected:
-  /// `shell` starts the program by "$0" "$@".
-  Ended weft(const std::string& shell, const std::vector<std::string>& arguments) const {
-    std::vector<std::string> words{"/bin/sh",
-                                   "-c",
-                                   "cd '" + folder_ + "' && { " + shell + "; }",
-                                   WEFT_PROGRAM,
-                                   "--plugin-path",
-                                   WEFT_TEST_PLUGINS,
-                                   "--plugin-path",
-                                   WEFT_REAL_PLUGINS};
-    words.insert(words.end(), arguments.begin(), arguments.end());
-    return Child(words, path("printed")).wait();
-  }
-
   /// The scripted pipeline, whose sink is sinks/stream.
   std::string points(int frames, const std::string& params) const {
     std::string text = testing::chain({{"sources", "{frames: " + std::to_string(frames) + "}"}});
@@ -42,7 +26,7 @@ class PointsOut : public testing::PipelineTest {
 
 TEST_F(PointsOut, AreAllThatStandsOnTheStandardOutputTheyAreSentTo) {
   const std::string file = points(5, "path: /dev/stdout");
-  const Ended ended = weft(R"(exec "$0" "$@")", {"run", file, "--out", "run"});
+  const Ended ended = weft({"run", file, "--out", "run"});
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
   const std::vector<std::string> lines = read_lines(path("printed.out"));
   ASSERT_EQ(lines.size(), 5U) << ended.out;
@@ -53,8 +37,7 @@ TEST_F(PointsOut, AreAllThatStandsOnTheStandardOutputTheyAreSentTo) {
   EXPECT_THAT(ended.err, HasSubstr("ms p50"));
   EXPECT_THAT(ended.err, HasSubstr("5 frames, 0 failed: " + path("run\n")));
   // Elsewhere the words of a run stand where they always do.
-  const Ended usual =
-      weft(R"(exec "$0" "$@")", {"run", points(5, "path: points"), "--out", "file"});
+  const Ended usual = weft({"run", points(5, "path: points"), "--out", "file"});
   EXPECT_THAT(usual.out, HasSubstr("5 frames, 0 failed: " + path("file\n")));
   EXPECT_EQ(read_lines(path("file/points")), lines);
 }
@@ -76,7 +59,7 @@ TEST_F(PointsOut, AreReadByTheExampleBehindAPipeInBothFormats) {
 TEST_F(PointsOut, MayGoIntoANamedPipe) {
   ASSERT_EQ(mkfifo(path("pipe").c_str(), 0600), 0);
   const std::string file = points(5, "path: '" + path("pipe") + "'");
-  const Ended alone = weft(R"(exec "$0" "$@")", {"run", file, "--out", "alone"});
+  const Ended alone = weft({"run", file, "--out", "alone"});
   EXPECT_NE(alone.exit_code, 0);
   EXPECT_THAT(alone.err, HasSubstr("start its reader first"));
   // `exec` returns when both ends are open.
@@ -99,7 +82,7 @@ TEST_F(PointsOut, ThatNobodyReadsAnyMoreAreAnErrorOfTheirSinkAndTheRunGoesOn) {
 
 TEST_F(PointsOut, NeedADestinationThatWeftCheckCanUnderstand) {
   const auto answer = [&](const std::string& params) {
-    const Ended ended = weft(R"(exec "$0" "$@")", {"check", points(5, params)});
+    const Ended ended = weft({"check", points(5, params)});
     EXPECT_EQ(ended.exit_code, 2) << params;
     return ended.out + ended.err;
   };
