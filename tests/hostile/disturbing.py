@@ -48,6 +48,16 @@ def is_alive(process: int) -> bool:
     return state not in "ZX"
 
 
+def is_waiting(process: int, number: signal.Signals) -> bool:
+    """Whether a signal was sent that the process has not yet heard."""
+    try:
+        lines = Path(f"/proc/{process}/status").read_text().splitlines()
+    except OSError:
+        return False
+    masks = [int(line.split()[1], 16) for line in lines if line.startswith(("SigPnd", "ShdPnd"))]
+    return any(mask >> (number - 1) & 1 for mask in masks)
+
+
 def family_of(process: int) -> list[int]:
     """The process and all below it."""
     found = [process]
@@ -149,9 +159,10 @@ def interrupt(state: Disturbed, rng: Random) -> None:
 
 
 def interrupt_twice(state: Disturbed, rng: Random) -> None:
-    """While a call never asks whether it is cancelled."""
+    """While a call never asks whether it is cancelled. Signals that wait to be heard are one."""
     os.killpg(state.child.pid, signal.SIGINT)
-    time.sleep(0.05)
+    if not wait_for(lambda: not is_waiting(state.child.pid, signal.SIGINT)):
+        raise AssertionError("does not hear an interrupt")
     os.killpg(state.child.pid, signal.SIGINT)
     if not wait_for(lambda: state.child.poll() is not None):
         raise AssertionError("does not end after a second interrupt")
