@@ -5,18 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "cli/output/outcome.hpp"
 #include "host/loading/registry.hpp"
 
 namespace weft::cli {
-
-/// Exit codes of the program.
-inline constexpr int kDone = 0;
-inline constexpr int kFramesFailed = 1;
-inline constexpr int kNotUsable = 1;  ///< of doctor
-inline constexpr int kDifferent = 1;  ///< of replay
-inline constexpr int kBadConfiguration = 2;
-inline constexpr int kInputOutput = 3;
-inline constexpr int kComponentExited = 4;
 
 /// What all commands share.
 struct Context {
@@ -41,8 +33,6 @@ void add_records_command(CLI::App& app, Context& context);
 void add_metrics_command(CLI::App& app, Context& context);
 void add_report_command(CLI::App& app, Context& context);
 void add_template_command(CLI::App& app, Context& context);
-
-/// Prints "error: where: message" to stderr.
-void print_error(const Error& error);
+void add_calibrate_command(CLI::App& app, Context& context);
 
 }  // namespace weft::cli

@@ -1,24 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/core.h>
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <weft/core/quote.hpp>
 #include <weft/core/suggest.hpp>
 #include <weft/core/version.hpp>
 
 #include "cli/commands.hpp"
 #include "cli/output/standard_output.hpp"
-
-namespace weft::cli {
-
-void print_error(const Error& error) {
-  const std::string line = fmt::format("error: {}{}{}\n", escaped(error.where),
-                                       error.where.empty() ? "" : ": ", error.message);
-  std::fputs(line.c_str(), stderr);  // nobody is left to be told that this failed
-}
-
-}  // namespace weft::cli
 
 namespace {
 
@@ -63,6 +51,7 @@ int run_command(int argc, char** argv) {
   weft::cli::add_metrics_command(app, context);
   weft::cli::add_report_command(app, context);
   weft::cli::add_template_command(app, context);
+  weft::cli::add_calibrate_command(app, context);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

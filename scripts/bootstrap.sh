@@ -12,8 +12,8 @@ usage: scripts/bootstrap.sh [--tests] [--with-slurm] [--without-contrib] [--with
   --tests            also what tests need: clang, clang-format, clang-tidy, codespell, gcovr,
                      chromium
   --with-slurm       also Slurm and MUNGE, for tests of ablations on a cluster
-  --without-contrib  not libopencv-contrib-dev (148 MB, and VTK): templates/frex_sheet and
-                     sources/frex_video are then left out of the build
+  --without-contrib  not libopencv-contrib-dev (148 MB, and VTK): templates/frex_sheet,
+                     sources/frex_video and `weft calibrate` are then left out of the build
   --without-opencl   neither OpenCL nor pocl: detectors/sift_gpu and matchers/gpu are left out
   --without-pocl     not pocl (190 MB), OpenCL on the processor: for machines whose OpenCL devices
                      have drivers of their own

@@ -22,6 +22,7 @@ ROOT = Path(__file__).resolve().parent.parent
 OWN = "Apache-2.0"
 DEFAULT = "pipelines/demo.yaml"
 PROGRAM = "the program"
+CALIBRATE = "weft calibrate"
 
 
 class Library(NamedTuple):
@@ -94,7 +95,7 @@ web/package-lock.json fixes. Their full list and texts stand at the end of each 
 
 
 class Built(NamedTuple):
-    """What was built; a room is PROGRAM, a plugin's library or a folder of shared code."""
+    """What was built; a room is a program, a plugin's library or a folder of shared code."""
 
     licences: dict[str, dict[str, str]]  # component -> licence, of each plugin's library
     headers: dict[str, set[str]]  # absolute paths, of each room
@@ -114,7 +115,7 @@ def room_of(made: str) -> str | None:
     if program.endswith("_test") or program.startswith("weft_test"):
         return None
     if role is None:
-        return PROGRAM
+        return CALIBRATE if program in ("weft_calibrate", "weft_calibration") else PROGRAM
     if "common" in (role, name):
         return f"plugins/{role}/{name}"
     return f"{role}_{name}" if program.endswith("_objects") else None
@@ -128,7 +129,8 @@ def collect(build: Path) -> Built:
             room = room_of(line.split(":")[0])
         elif room is not None and line.strip().startswith("/usr/"):
             built.headers.setdefault(room, set()).add(line.strip())
-    libraries = {PROGRAM: [build / "bin/weft", build / "bin/weft-worker"]}
+    libraries = {PROGRAM: [build / "bin/weft", build / "bin/weft-worker"],
+                 CALIBRATE: [build / "bin/weft-calibrate"]}
     for manifest in sorted((build / "lib/weft/plugins").glob("*.plugin.yaml")):
         plugin = manifest.name.removesuffix(".plugin.yaml")
         libraries[plugin] = [manifest.with_name(plugin + ".so")]
@@ -242,8 +244,7 @@ def libraries_text(built: Built) -> str:
         names = [", ".join(built.licences[plugin]) for plugin in users]
         if users == plugins:
             names = ["all components"]
-        if library in uses.get(PROGRAM, ()):
-            names.insert(0, PROGRAM)
+        names[:0] = [program for program in (PROGRAM, CALIBRATE) if library in uses.get(program, ())]
         if names:
             text += f"\n  {library.name} ({library.licence})\n" + paragraph(", ".join(names), "    ")
     return text

@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <weft/core/whole_file.hpp>
 
-#include "cli/commands.hpp"
+#include "cli/output/outcome.hpp"
 
 namespace weft::cli {
 

@@ -8,6 +8,10 @@ include(CMakePackageConfigHelpers)
 set(package lib/cmake/weft)
 
 install(TARGETS weft weft_worker EXPORT weftTargets RUNTIME DESTINATION bin COMPONENT runtime)
+# With the plugins, as these have OpenCV already.
+if(TARGET weft_calibrate)
+  install(TARGETS weft_calibrate RUNTIME DESTINATION bin COMPONENT plugins)
+endif()
 if(TARGET weft_count_allocations)
   install(TARGETS weft_count_allocations LIBRARY DESTINATION lib/weft COMPONENT runtime)
 endif()

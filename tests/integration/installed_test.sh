@@ -35,6 +35,10 @@ weft run "$prefix/share/weft/pipelines/demo.yaml" --set source.frames=2 --quiet 
 test "$(grep -c '"state":"estimated"' run/frames.jsonl apart/frames.jsonl | grep -c ':2$')" = 2 ||
   fail "the sheet was not found in two frames"
 
+if test -x "$WEFT_BUILD_DIR/bin/weft-calibrate"; then
+  weft calibrate board --out board.pdf >/dev/null || fail "weft calibrate does not find its program"
+fi
+
 echo "-- an author in C"
 printf '#include <weft/abi.h>\nint main(void) { return WEFT_OK; }\n' >probe.c
 # shellcheck disable=SC2046

@@ -23,7 +23,9 @@ for plugin in detectors/sift_gpu solvers/brunet_refine templates/frex_sheet sour
   grep -q "Left out: $plugin needs .*Debian: " "$folder/said" || fail "nothing says that $plugin is left out"
   ! grep -q "$name" "$folder/targets" || fail "$name is still to be built"
 done
-! grep -qE 'sift_gpu|frex_video|frex_sheet|: notice$|documented_commands' "$folder/tests" \
+grep -q "Left out: weft calibrate needs .*Debian: " "$folder/said" || fail "nothing says that weft calibrate is left out"
+! grep -q weft_calibrat "$folder/targets" || fail "weft_calibrate is still to be built"
+! grep -qE 'sift_gpu|frex_video|frex_sheet|calibra|: notice$|documented_commands' "$folder/tests" \
   || fail "a test is left that cannot pass"
 for name in filters_myneighbor_test sources_frex_test template_test sinks_drawing_test; do
   grep -q ": $name\$" "$folder/tests" || fail "$name is lost, too"

@@ -17,8 +17,9 @@ namespace weft::sources {
 namespace {
 
 // Of what OpenCV's and ROS's calibration programs write, most is not read.
-const std::vector<std::string> kOwnKeys{"fx",     "fy",         "cx",      "cy",         "width",
-                                        "height", "distortion", "comment", "convention", "name"};
+const std::vector<std::string> kOwnKeys{"fx",         "fy",     "cx",         "cy",
+                                        "width",      "height", "distortion", "comment",
+                                        "convention", "name",   "calibration"};
 const std::vector<std::string> kForeignKeys{"image_width",
                                             "image_height",
                                             "camera_matrix",

@@ -164,6 +164,13 @@ TEST(CameraFile, RefusesWhatNoCameraCanHave) {
       {":3:50", "'cx' is 77", "-8 to 16"});
 }
 
+TEST(CameraFile, DoesNotReadWhatCalibrationSaysOfItsResult) {
+  expect_camera(
+      "fx: 500.25\nfy: 510\ncx: 3.5\ncy: -2.5\nwidth: 8\nheight: 6\ndistortion: null\n"
+      "calibration:\n  rms_px: 0.1\n  images:\n    - {name: \"a.png\", corners: 24, rms_px: "
+      "0.1}\n");
+}
+
 TEST(CameraFile, RefusesDistortionThatLeavesNothingOfTheImage) {
   const std::string own = "fx: 500\nfy: 500\ncx: 320\ncy: 240\nwidth: 640\nheight: 480\n";
   ASSERT_TRUE(read(own + "distortion: [-0.35, 0.18, 0.001, -0.001, -0.05]\n"));

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// `weft calibrate` is a program of its own, which links OpenCV; this hands over to it.
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "cli/commands.hpp"
+
+namespace weft::cli {
+namespace {
+
+/// Goes on as weft-calibrate, which stands beside this program; returns only where that fails.
+Error hand_over(std::vector<std::string> words) {
+  std::error_code code;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", code);
+  std::string program = (self.parent_path() / "weft-calibrate").string();
+  std::vector<char*> arguments{program.data()};
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  std::fflush(nullptr);
+  execv(program.c_str(), arguments.data());
+  if (errno == ENOENT) {
+    return {Errc::not_found,
+            "is not there: this Weft was built without OpenCV's module aruco; install "
+            "libopencv-contrib-dev and build again, or install the package weft-plugins",
+            program};
+  }
+  return {Errc::io, std::string("cannot be started: ") + std::strerror(errno), program};
+}
+
+}  // namespace
+
+void add_calibrate_command(CLI::App& app, Context& context) {
+  CLI::App* command =
+      app.add_subcommand("calibrate", "Print a board, and make a camera file from images of it");
+  command->prefix_command();
+  command->fallthrough(false);
+  command->set_help_flag();
+  command->callback([&context, command] {
+    print_error(hand_over(command->remaining()));
+    context.exit_code = kInputOutput;
+  });
+}
+
+}  // namespace weft::cli

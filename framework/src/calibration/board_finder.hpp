@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/aruco/charuco.hpp>
+#include <string>
+#include <weft/core/result.hpp>
+
+#include "calibration/board.hpp"
+#include "calibration/view.hpp"
+
+namespace weft::calibration {
+
+/// Finds a board in images, by its markers.
+class BoardFinder {
+ public:
+  explicit BoardFinder(const Board& board);
+
+  /// The corners that a grey image shows. Errc::no_result, with the reason, where these are too few
+  /// to say where the board is.
+  Result<View> find(const cv::Mat& grey, const std::string& name) const;
+
+ private:
+  Board board_;
+  cv::Ptr<cv::aruco::CharucoBoard> charuco_;
+  cv::Ptr<cv::aruco::DetectorParameters> parameters_;
+};
+
+}  // namespace weft::calibration
