@@ -10,10 +10,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// A sanitizer looks at memory and threads, in the run where most is on its way: that numbers are
+// the same whatever the overlap counts in release.
 #if defined(WEFT_SANITIZED)
-constexpr const char* kFrames = "4";
+constexpr bool kIsSanitized = true;
+constexpr const char *kFrames = "4", *kRecorded = "004";
 #else
-constexpr const char* kFrames = "8";
+constexpr bool kIsSanitized = false;
+constexpr const char *kFrames = "8", *kRecorded = "010";
 #endif
 
 std::vector<std::string> all_pipelines() {
@@ -58,7 +62,8 @@ class EveryPipeline : public testing::OverlappingPipelines,
       fs::create_directories(folder_ + "/data/" + kind);
       for (const auto& entry : fs::directory_iterator(data / kind)) {
         const std::string name = entry.path().filename().string();
-        if (name < "010") fs::create_symlink(entry.path(), folder_ + "/data/" + kind + "/" + name);
+        if (name >= kRecorded && !name.starts_with("009")) continue;  // which pipelines name
+        fs::create_symlink(entry.path(), folder_ + "/data/" + kind + "/" + name);
       }
     }
     return true;
@@ -70,17 +75,18 @@ TEST_P(EveryPipeline, GivesTheSameWithAnyNumberOfFramesAtOnce) {
   if (is_recorded(pipeline) && !few_recorded_frames()) {
     GTEST_SKIP() << "WEFT_DATA does not name a folder that holds kinect_paper/";
   }
-#if defined(WEFT_SANITIZED)
-  if (pipeline.starts_with("robusft_gpu")) {
+  if (kIsSanitized && pipeline.starts_with("robusft_gpu")) {
     GTEST_SKIP() << "the compiler of the kernels takes half a minute: counts in release alone";
   }
-#endif
   const std::vector<std::string> stages = stages_of(pipeline);
   ASSERT_FALSE(stages.empty());
-  expect_the_same(pipeline, {{"frames_at_once=2", "threads=2"},
-                             {"frames_at_once=4", "threads=4"},
-                             {"frames_at_once=3", "threads=3",
-                              stages[stages.size() / 2] + ".isolate=process"}});
+  std::vector<std::vector<std::string>> overlaps{{"frames_at_once=4", "threads=4"}};
+  if (!kIsSanitized) {
+    overlaps.push_back({"frames_at_once=2", "threads=2"});
+    overlaps.push_back(
+        {"frames_at_once=3", "threads=3", stages[stages.size() / 2] + ".isolate=process"});
+  }
+  expect_the_same(pipeline, overlaps);
 }
 
 INSTANTIATE_TEST_SUITE_P(Pipelines, EveryPipeline, ::testing::ValuesIn(all_pipelines()),
