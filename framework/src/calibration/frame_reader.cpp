@@ -42,8 +42,8 @@ class ImageFiles final : public FrameReader {
 
 class Capture final : public FrameReader {
  public:
-  Capture(std::string name, cv::VideoCapture capture, int step)
-      : name_(std::move(name)), capture_(std::move(capture)), step_(step) {}
+  Capture(std::string name, const cv::VideoCapture& capture, int step)
+      : name_(std::move(name)), capture_(capture), step_(step) {}
 
   Result<std::optional<Frame>> next() override {
     const int last = number_;
@@ -103,7 +103,7 @@ Result<std::unique_ptr<FrameReader>> open_film(const std::string& path, int fram
   const double count = capture.get(cv::CAP_PROP_FRAME_COUNT);
   const int step =
       std::isfinite(count) ? static_cast<int>(std::clamp(count / frames, 1.0, 1e6)) : 1;
-  return std::unique_ptr<FrameReader>(std::make_unique<Capture>(path, std::move(capture), step));
+  return std::unique_ptr<FrameReader>(std::make_unique<Capture>(path, capture, step));
 }
 
 Result<std::unique_ptr<FrameReader>> open_camera(int number) {
@@ -121,7 +121,7 @@ Result<std::unique_ptr<FrameReader>> open_camera(int number) {
                      "that you may read it (group video)",
                  {}};
   }
-  return std::unique_ptr<FrameReader>(std::make_unique<Capture>(name, std::move(capture), 1));
+  return std::unique_ptr<FrameReader>(std::make_unique<Capture>(name, capture, 1));
 }
 
 Result<std::unique_ptr<FrameReader>> open_files(const std::vector<std::string>& paths) {
