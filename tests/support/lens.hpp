@@ -34,6 +34,11 @@ struct Lens {
   }
 };
 
+/// Of an ordinary camera.
+inline Lens usual_lens() {
+  return {612.0, 608.0, 331.5, 236.2, -0.21, 0.08, 0.0012, -0.0007, 640, 480};
+}
+
 /// Where a flat board is: from its coordinates (x right, y down, 0) to the camera's, in metres.
 using BoardPose = Eigen::Isometry3d;
 

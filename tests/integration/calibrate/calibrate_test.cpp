@@ -129,9 +129,7 @@ class CalibrateCommand : public ::testing::Test {
   }
   static void TearDownTestSuite() { folder_.reset(); }
 
-  static Lens lens() {
-    return {612.0, 608.0, 331.5, 236.2, -0.21, 0.08, 0.0012, -0.0007, 640, 480};
-  }
+  static Lens lens() { return usual_lens(); }
   static std::string path(const std::string& name) { return folder_->path(name); }
   static std::vector<std::string> images(const std::string& folder) {
     std::vector<std::string> names;

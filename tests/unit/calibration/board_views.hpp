@@ -11,9 +11,7 @@ namespace weft::calibration {
 
 inline const Board kBoard{7, 5, 0.03};
 
-inline testing::Lens usual_lens() {
-  return {612.0, 608.0, 331.5, 236.2, -0.21, 0.08, 0.0012, -0.0007, 640, 480};
-}
+using testing::usual_lens;
 
 inline ImageSize size_of(const testing::Lens& lens) { return {lens.width_px, lens.height_px}; }
 
