@@ -5,6 +5,11 @@
 usage: scripts/green.py sources STEP       prints the hash of all that the step is made from
        scripts/green.py since STEP HASH    prints when it passed on that; exits 1 where it has not
        scripts/green.py record STEP HASH   it has passed on that just now
+       scripts/green.py tests STEP HASH SUITE LOG
+                                           so have those tests of a suite that CTest says passed in
+                                           its output LOG
+       scripts/green.py passed STEP HASH SUITE
+                                           prints the tests of a suite that have, a line each
 
 The hash covers the files behind the step that git tracks or would track, the versions of the
 compiler and of the installed -dev packages, and where recorded data are. It is kept in
@@ -15,17 +20,18 @@ import datetime
 import functools
 import hashlib
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 from typing import Iterable, Optional
 
 ROOT = Path(__file__).resolve().parent.parent
-# What the builds and tests of a step read, from the root; pages of text are left out.
-STEPS = {
-    "tsan": ("CMakeLists.txt", "CMakePresets.json", "cli", "docs/examples", "framework",
-             "pipelines", "plugins", "scripts", "tests", "web"),
-}
+CODE = ("CMakeLists.txt", "CMakePresets.json", "cli", "docs/examples", "framework", "pipelines",
+        "plugins", "scripts", "tests", "web")
+# What the builds and tests of a step read, from the root. Races hide in no page of text.
+STEPS = {"tests": (".",), "tsan": CODE}
+WITHOUT_PAGES = ("tsan",)
 TOOLS = (
     (os.environ.get("CXX", "c++"), "--version"),
     ("cmake", "--version"),
@@ -54,7 +60,8 @@ def output_of(*command: str) -> str:
 def sources(step: str) -> str:
     listed = output_of("git", "-C", str(ROOT), "ls-files", "-coz", "--exclude-standard", "--",
                        *STEPS[step])
-    files = {name for name in listed.split("\0") if name and not name.endswith(".md")}
+    files = {name for name in listed.split("\0")
+             if name and not (step in WITHOUT_PAGES and name.endswith(".md"))}
     return combined([*(f"{content(str(ROOT / name))} {name}" for name in files),
                      *(output_of(*tool) for tool in TOOLS),
                      "data " + os.environ.get("WEFT_DATA", "")])
@@ -77,7 +84,11 @@ class Green:
         return last[1] if last and last[0] == digest else None
 
     def record(self, name: str, digest: str) -> None:
-        self.passed[name] = (digest, datetime.datetime.now().strftime("%Y-%m-%d %H:%M"))
+        self.record_all([name], digest)
+
+    def record_all(self, names: Iterable[str], digest: str) -> None:
+        now = datetime.datetime.now().strftime("%Y-%m-%d %H:%M")
+        self.passed.update({name: (digest, now) for name in names})
         self.file.parent.mkdir(parents=True, exist_ok=True)
         half_written = self.file.with_suffix(".new")
         half_written.write_text(
@@ -86,12 +97,25 @@ class Green:
         half_written.replace(self.file)
 
 
-def run(verb: str, step: str, digest: str = "") -> int:
+def passed_in(log: Path) -> list[str]:
+    """The tests that CTest says passed; none where there is no such output."""
+    if not log.is_file():
+        return []
+    return re.findall(r"^ *\d+/\d+ +Test +#\d+: (\S+) \.+ +Passed ",
+                      log.read_text(encoding="utf-8", errors="replace"), re.MULTILINE)
+
+
+def run(verb: str, step: str, digest: str = "", suite: str = "", log: str = "") -> int:
     green = Green(ROOT / "build" / f"{step}.green")
     if verb == "sources":
         print(sources(step))
     elif verb == "record":
         green.record(step, digest)
+    elif verb == "tests":
+        green.record_all((f"{suite} {test}" for test in passed_in(Path(log))), digest)
+    elif verb == "passed":
+        names = (name for name in green.passed if green.since(name, digest))
+        print("\n".join(name.split(" ", 1)[1] for name in names if name.startswith(f"{suite} ")))
     else:
         when = green.since(step, digest)
         print(when or "")
@@ -100,7 +124,7 @@ def run(verb: str, step: str, digest: str = "") -> int:
 
 
 def main(arguments: list[str]) -> int:
-    expected = {"sources": 2, "since": 3, "record": 3}
+    expected = {"sources": 2, "since": 3, "record": 3, "tests": 5, "passed": 4}
     if not arguments or expected.get(arguments[0]) != len(arguments) or arguments[1] not in STEPS:
         print(__doc__, file=sys.stderr)
         return 2

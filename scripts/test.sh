@@ -22,7 +22,8 @@ anything failed.
             presets, those of asan with its test preset asan-stack, the quick tests in the preset
             tsan (of plugins, those that start threads), and the benchmarks of the stages
             (build/benchmarks.log). What the preset tsan and clang-tidy passed before and is
-            unchanged since is skipped
+            unchanged since is skipped, and so is each test that passed before on the very same
+            sources: a run that was stopped, or failed by the machine, goes on
   --all     skip nothing of that
   --coverage
             also: the quick tests in the preset coverage, and the share of lines that they run
@@ -132,12 +133,45 @@ collect_skipped() {
   )
 }
 
+# ctest_due TESTS LABEL NONE STEP LOG: the tests of a test preset that have not passed on these
+# sources. The sources stand beside the log, so that what passed before a run was stopped counts.
+ctest_due() {
+  local tests=$1 label=$2 none=$3 of=$4 log=$5 suite=$1-$2 sources passed=() status=0
+  sources=$(scripts/green.py sources "$of")
+  if [[ -f $log.sources ]]; then
+    scripts/green.py tests "$of" "$(<"$log.sources")" "$suite" "$log"
+  fi
+  ((all)) || mapfile -t passed < <(scripts/green.py passed "$of" "$sources" "$suite" | sed '/^$/d')
+  echo "$sources" >"$log.sources"
+  local skip=()
+  if ((${#passed[@]})); then
+    skip=(-E "^($(IFS='|' && echo "${passed[*]}"))\$")
+    none=ignore
+  fi
+  ctest --preset "$tests" -L "^$label\$" "${skip[@]}" -j "$jobs" --no-tests="$none" \
+    --output-log "$log" || status=$?
+  scripts/green.py tests "$of" "$sources" "$suite" "$log"
+  if ((status == 0 && ${#passed[@]})); then
+    local result
+    result=$(grep -oE '[0-9]+% tests passed.*' "$log" | tail -n 1 || true)
+    echo "summary: ok: ${result:-none was due}; ${#passed[@]} passed before on the same sources"
+  fi
+  return "$status"
+}
+
 run_tests() {
-  local preset=$1 label=$2 none=$3 tests=$1 status=0
-  # What it finds beyond the preset asan is rare, and costs as much as all else.
-  if ((long)) && [[ $preset == asan ]]; then tests=asan-stack; fi
-  step "$preset $label" "build/$preset/test-$label.log" \
-    ctest --preset "$tests" -L "^$label\$" -j "$jobs" --no-tests="$none" || status=1
+  local preset=$1 label=$2 none=$3 status=0 log=build/$1/test-$2.log
+  if ((long)); then
+    # What asan-stack finds beyond the preset asan is rare, and costs as much as all else.
+    local tests=$preset of=tests
+    [[ $preset != asan ]] || tests=asan-stack
+    [[ $preset != tsan ]] || of=tsan
+    step "$preset $label" "$log" \
+      ctest_due "$tests" "$label" "$none" "$of" "build/$preset/ctest-$label.log" || status=1
+  else
+    step "$preset $label" "$log" \
+      ctest --preset "$preset" -L "^$label\$" -j "$jobs" --no-tests="$none" || status=1
+  fi
   collect_skipped "$preset" "test-$label"
   return "$status"
 }

@@ -88,6 +88,27 @@ class GreenTest(unittest.TestCase):
         self.assertIsNotNone(again.since("a batch", "2"))
         self.assertIsNotNone(again.since("b", "1"))
 
+    def test_remembers_single_tests_that_passed_on_the_same_content(self) -> None:
+        log = self.root / "ctest.log"
+        log.write_text("      Start  7: a_test\n"
+                       " 1/3 Test  #7: a_test ........................   Passed    0.62 sec\n"
+                       " 2/3 Test #17: b_test ........................***Failed    0.62 sec\n"
+                       " 3/3 Test #18: c_test ........................***Skipped   0.00 sec\n"
+                       "50% tests passed, 1 tests failed out of 2\n")
+        now = self.said("sources", "tests")[1]
+        self.assertEqual(self.said("passed", "tests", now, "asan-quick"), (0, ""))
+        self.assertEqual(self.said("tests", "tests", now, "asan-quick", str(log)), (0, ""))
+        self.assertEqual(self.said("passed", "tests", now, "asan-quick"), (0, "a_test"))
+        self.assertEqual(self.said("passed", "tests", now, "release-quick"), (0, ""))
+        self.assertEqual(self.said("passed", "tests", "other", "asan-quick"), (0, ""))
+        gone = str(self.root / "no.log")
+        self.assertEqual(self.said("tests", "tests", now, "asan-quick", gone), (0, ""))
+
+    def test_minds_pages_where_tests_read_them(self) -> None:
+        before = self.said("sources", "tests")[1]
+        self.write("plugins/filters/near/README.md", "other text\n")
+        self.assertNotEqual(self.said("sources", "tests")[1], before)
+
     def test_refuses_what_it_does_not_know(self) -> None:
         for arguments in ((), ("sources",), ("sources", "release"), ("since", "tsan"),
                           ("forget", "tsan", "1")):
