@@ -148,8 +148,9 @@ ctest_due() {
     skip=(-E "^($(IFS='|' && echo "${passed[*]}"))\$")
     none=ignore
   fi
+  # CTest itself writes a log when it has ended, and none when it is ended.
   ctest --preset "$tests" -L "^$label\$" "${skip[@]}" -j "$jobs" --no-tests="$none" \
-    --output-log "$log" || status=$?
+    | tee "$log" || status=$?
   scripts/green.py tests "$of" "$sources" "$suite" "$log"
   if ((status == 0 && ${#passed[@]})); then
     local result
