@@ -114,8 +114,9 @@ def run(verb: str, step: str, digest: str = "", suite: str = "", log: str = "") 
     elif verb == "tests":
         green.record_all((f"{suite} {test}" for test in passed_in(Path(log))), digest)
     elif verb == "passed":
-        names = (name for name in green.passed if green.since(name, digest))
-        print("\n".join(name.split(" ", 1)[1] for name in names if name.startswith(f"{suite} ")))
+        for name in green.passed:
+            if name.startswith(f"{suite} ") and green.since(name, digest):
+                print(name.split(" ", 1)[1])
     else:
         when = green.since(step, digest)
         print(when or "")

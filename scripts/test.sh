@@ -141,7 +141,7 @@ ctest_due() {
   if [[ -f $log.sources ]]; then
     scripts/green.py tests "$of" "$(<"$log.sources")" "$suite" "$log"
   fi
-  ((all)) || mapfile -t passed < <(scripts/green.py passed "$of" "$sources" "$suite" | sed '/^$/d')
+  ((all)) || mapfile -t passed < <(scripts/green.py passed "$of" "$sources" "$suite")
   echo "$sources" >"$log.sources"
   local skip=()
   if ((${#passed[@]})); then
