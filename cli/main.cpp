@@ -38,6 +38,8 @@ int run_command(int argc, char** argv) {
       ->allow_extra_args(false);
   app.fallthrough();
   weft::cli::add_run_command(app, context);
+  weft::cli::add_init_command(app, context);
+  weft::cli::add_live_command(app, context);
   weft::cli::add_check_command(app, context);
   weft::cli::add_eval_command(app, context);
   weft::cli::add_ablate_command(app, context);

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "cli/commands.hpp"
+#include "cli/output/assets.hpp"
 #include "cli/output/new_file.hpp"
 #include "report/paper/paper.hpp"
 #include "report/report.hpp"
@@ -12,14 +13,6 @@
 
 namespace weft::cli {
 namespace {
-
-/// The folder of the page's style and script, in the build tree and in an installation.
-std::string assets_folder() {
-  namespace fs = std::filesystem;
-  std::error_code code;
-  const fs::path program = fs::read_symlink("/proc/self/exe", code);
-  return (program.parent_path().parent_path() / "share" / "weft" / "report").string();
-}
 
 /// Of a run or an ablation, whichever wrote the folder.
 Result<evaluation::ReportFiles> write_report_of(const std::string& folder,
@@ -90,7 +83,7 @@ void add_report_command(CLI::App& app, Context& context) {
         return;
       }
     }
-    const auto files = write_report_of(options->folder, {options->page, assets_folder()});
+    const auto files = write_report_of(options->folder, {options->page, asset("report")});
     if (!files) {
       print_error(files.error());
       context.exit_code =

@@ -41,8 +41,10 @@ INTERNAL = {
     "pipeline/graph": "core roles pipeline/configuration",
     "pipeline/execution": "core data geometry roles host/records host/calling pipeline/graph",
     "pipeline/monitor": "core data geometry pipeline/execution",
+    "pipeline/steering": "core yaml roles host/loading host/calling pipeline/configuration "
+    "pipeline/graph pipeline/execution",
     "pipeline/runs": "core data geometry roles host/loading pipeline/configuration pipeline/graph "
-    "pipeline/execution pipeline/monitor",
+    "pipeline/execution pipeline/monitor pipeline/steering",
     "pipeline/survey": "core data geometry sdk yaml roles host/loading host/calling "
     "pipeline/execution",
     "printing": "core data generators",

@@ -3,6 +3,10 @@
 
 #include <filesystem>
 #include <fstream>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
 #include <weft/sdk/sink.hpp>
 
 #include "script.hpp"
@@ -47,6 +51,55 @@ class LineSink final : public weft::Sink {
   bool refuse_open_ = false;
   bool refuse_finish_ = false;
   std::ofstream stream_;
+};
+
+/// Wishes by script, and writes what became of each.
+class SteeringSink final : public weft::Sink {
+ public:
+  static constexpr weft::About kAbout{.reads = "frame_report run_settings"};
+
+  explicit SteeringSink(weft::Params& p) {
+    p.labels("wishes", wishes_, "frames written before, and a letter; the wish");
+    p.output_path("path", path_, "lines: answers, and what each frame is told");
+  }
+
+  weft::Result<void> open(const weft::Call&) override {
+    lines_.open(path_);
+    return {};
+  }
+
+  weft::Result<void> write(const weft::SinkInput& in) override {
+    const std::lock_guard lock(mutex_);
+    ++written_;
+    if (in.run_settings) settings_ = in.run_settings->revision;
+    lines_ << "frame " << in.call.frame() << " settings " << settings_ << ' '
+           << (in.frame_report ? in.frame_report->json : "no report") << std::endl;
+    return {};
+  }
+
+  weft::Result<void> finish(const weft::Call&) override { return {}; }
+
+  /// One at a time, so that a pause is heard before what ends it.
+  std::vector<weft::Wish> take_wishes() {
+    const std::lock_guard lock(mutex_);
+    if (asked_ == wishes_.size() || std::stoull(wishes_[asked_].first) > written_) return {};
+    const auto number = static_cast<std::uint64_t>(asked_);
+    return {{number, wishes_[asked_++].second}};
+  }
+
+  void answer(const weft::WishAnswer& answer) {
+    const std::lock_guard lock(mutex_);
+    lines_ << "answer " << answer.number << " frame " << answer.frame << ' ' << answer.refusal
+           << std::endl;
+  }
+
+ private:
+  std::vector<std::pair<std::string, std::string>> wishes_;
+  std::string path_;
+  std::ofstream lines_;
+  std::mutex mutex_;
+  std::uint64_t settings_ = 0;
+  std::size_t written_ = 0, asked_ = 0;
 };
 
 /// Cannot do without visibility.

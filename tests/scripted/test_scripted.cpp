@@ -39,4 +39,5 @@ WEFT_LIBRARY(
     WEFT_COMPONENT(WarpSolver, "solvers/test.warped", "1.0.0", "Wants a warp."),
     WEFT_COMPONENT(KnownSolver, "solvers/test.known", "1.0.0", "Wants a known point."),
     WEFT_COMPONENT(LineSink, "sinks/test.scripted", "1.0.0", "A line for each frame."),
+    WEFT_COMPONENT(SteeringSink, "sinks/test.steering", "1.0.0", "Wishes by script."),
     WEFT_COMPONENT(VisibilitySink, "sinks/test.visibility", "1.0.0", "Wants visibility."))

@@ -203,6 +203,24 @@ typedef struct weft_sweep {
   uint64_t count;        /* at least 2 */
 } weft_sweep;
 
+/* Extension of sinks at which somebody steers the run. Both functions are called from any thread,
+ * also beside process. */
+#define WEFT_STEERING "weft.draft.steering/1"
+typedef struct weft_steering {
+  uint32_t struct_size;
+  uint32_t reserved;
+  /* Hands over what was wished for since it was last called, each wish once; `number` is the
+   * sink's own. Texts: "set PATH=VALUE" as of `weft run --set`, "pause", "step", "resume", "stop".
+   */
+  int32_t (*take_wishes)(void* self, void* context,
+                         void (*wish)(void* context, uint64_t number, const char* text),
+                         weft_error* error);
+  /* What became of a wish: `frame` is the first one for which it holds; `refusal` is "" where it is
+   * granted. */
+  int32_t (*answer)(void* self, uint64_t number, uint64_t frame, const char* refusal,
+                    weft_error* error);
+} weft_steering;
+
 typedef struct weft_component {
   uint32_t struct_size;
   uint32_t flags; /* WEFT_FLAG_* */

@@ -148,6 +148,8 @@ HeldRecord Scene::record(std::string_view slot) const {
   if (slot == "shape" || slot == "previous.shape") return hold(shape);
   if (slot == "known_points") return hold(known_points);
   if (slot == "ground_truth") return hold(ground_truth);
+  if (slot == "frame_report") return hold(frame_report);
+  if (slot == "run_settings") return hold(run_settings);
   return nullptr;
 }
 
@@ -187,6 +189,8 @@ Scene make_scene(int number) {
   for (std::int64_t y = 0; y < scene.camera.height_px; ++y) {
     std::fill_n(scene.region.mask.row(y), scene.camera.width_px / 2, std::uint8_t{1});
   }
+  scene.frame_report.json = R"({"frame":0,"state":"estimated","age":0,"stages":[]})";
+  scene.run_settings.json = R"({"stages":[]})";
   scene.follow_matches();
   return scene;
 }

@@ -7,6 +7,7 @@
 #include <weft/data/image.hpp>
 #include <weft/data/keypoints.hpp>
 #include <weft/data/known_points.hpp>
+#include <weft/data/run_report.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/data/sightlines.hpp>
 #include <weft/data/visibility.hpp>
@@ -32,6 +33,8 @@ struct Scene {
   Shape shape;
   KnownPoints known_points;
   GroundTruth ground_truth;
+  FrameReport frame_report;
+  RunSettings run_settings;
 
   /// The matches of these rows in place of all, with the sightlines and the truth that are theirs.
   void take_matches(const std::vector<std::int64_t>& rows);

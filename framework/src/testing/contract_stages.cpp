@@ -7,6 +7,7 @@
 #include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
 
+#include "host/calling/hashing.hpp"
 #include "testing/contract_outputs.hpp"
 
 namespace weft::testing {

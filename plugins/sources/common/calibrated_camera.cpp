@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/calibrated_camera.hpp"
 
+#include <algorithm>
 #include <opencv2/imgcodecs.hpp>
 #include <weft/core/image_file.hpp>
 
@@ -32,6 +33,19 @@ Result<CalibratedCamera> CalibratedCamera::read_sizes(const std::string& path) {
   camera.path_ = path;
   camera.camera_ = file->camera;
   return camera;
+}
+
+CalibratedCamera CalibratedCamera::guess(const cv::Size& size_px) {
+  CameraFile file;
+  Camera& camera = file.camera;
+  camera.fx = camera.fy = std::max(size_px.width, size_px.height);
+  camera.cx = 0.5 * (size_px.width - 1), camera.cy = 0.5 * (size_px.height - 1);
+  camera.width_px = size_px.width, camera.height_px = size_px.height;
+  CalibratedCamera guessed;
+  guessed.path_ = "the first frame";
+  guessed.camera_ = camera;
+  guessed.undistorter_ = Undistorter(file);
+  return guessed;
 }
 
 Result<void> CalibratedCamera::check_size(const cv::Size& size_px, const std::string& name) const {

@@ -21,6 +21,10 @@ class CalibratedCamera {
   /// The same without the maps of undistortion: to check a file and the sizes of its images.
   static Result<CalibratedCamera> read_sizes(const std::string& path);
 
+  /// A guess for a camera that nobody calibrated: a pinhole whose focal length is the longer side
+  /// of its images, 53 degrees, with the centre in their middle and no distortion.
+  static CalibratedCamera guess(const cv::Size& size_px);
+
   const Camera& pinhole() const { return camera_; }
 
   /// An error unless images of this size are the camera's; `name` is the image's in the message.

@@ -23,9 +23,10 @@ class Video final : public Source {
     p.read("device", device_, "", {-1, 1023}, "or a camera: N of /dev/videoN; -1 for none");
     p.text("address", address_,
            "or what a camera sends: rtsp://..., a pipe, or a pipeline of GStreamer to appsink");
-    p.input_path("camera", camera_path_,
-                 "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info",
-                 Need::required);
+    p.input_path(
+        "camera", camera_path_,
+        "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info; without "
+        "one the focal length is guessed, and each frame says so");
     p.read("start_s", start_s_, "s", {0.0, 1e6}, "skip what is earlier than this");
     p.read("step", step_, "", {1, 1'000'000}, "take every step-th frame");
     p.read("max_frames", max_frames_, "", {0, 1'000'000'000}, "stop after so many; 0 for all");
@@ -38,8 +39,9 @@ class Video final : public Source {
 
   /// A camera is not opened, and where 'start_s' leads is not decoded.
   void check(Mistakes& mistakes) const {
-    const auto camera = sources::CalibratedCamera::read_sizes(camera_path_);
-    const bool calibrated = mistakes.expect("camera", camera);
+    const auto camera = camera_path_.empty() ? sources::CalibratedCamera()
+                                             : sources::CalibratedCamera::read_sizes(camera_path_);
+    const bool calibrated = mistakes.expect("camera", camera) && !camera_path_.empty();
     if (!mistakes.expect(path_.empty() ? "device" : "path", check_choice())) return;
     if (live()) return;
     auto stream = FrameStream::open_file(path_);
@@ -51,13 +53,16 @@ class Video final : public Source {
 
   Result<Camera> open(const Call& call) override {
     if (auto chosen = check_choice(); !chosen) return chosen.error();
-    auto camera = sources::CalibratedCamera::read(camera_path_);
-    if (!camera) return camera.error();
-    camera_ = *std::move(camera);
+    if (is_calibrated()) {
+      auto camera = sources::CalibratedCamera::read(camera_path_);
+      if (!camera) return camera.error();
+      camera_ = *std::move(camera);
+    }
     end_.reset();
     if (auto started = start(call); !started) return started.error();
     const auto first = stream_.image();
     if (!first) return first.error();
+    if (!is_calibrated()) camera_ = sources::CalibratedCamera::guess(first->size());
     if (auto fits = camera_.check_size(first->size(), stream_.name()); !fits) return fits.error();
     return camera_.pinhole();
   }
@@ -81,10 +86,19 @@ class Video final : public Source {
     frame.image = *std::move(image);
     frame.time = Time{stream_.time_s() - first_time_s_};
     if (!gap_.empty()) return degenerate(std::move(frame), std::exchange(gap_, {}));
+    if (!is_calibrated()) {
+      return degenerate(std::move(frame),
+                        "not calibrated: the focal length is a guess, so depths are too; make a "
+                        "camera file with `weft calibrate`");
+    }
     return frame;
   }
 
  private:
+  static constexpr int kUsualWidth_px = 640, kUsualHeight_px = 480;  // asked of a device
+
+  bool is_calibrated() const { return !camera_path_.empty(); }
+
   static Error cancelled() { return {Errc::cancelled, "cancelled", {}}; }
 
   /// Opens the stream and goes to frame 0 of this source.
@@ -111,7 +125,9 @@ class Video final : public Source {
       return FrameStream::open_address(address_, patience_s, [&] { return call.cancelled(); });
     }
     const Camera& camera = camera_.pinhole();
-    const cv::Size size_px(static_cast<int>(camera.width_px), static_cast<int>(camera.height_px));
+    const cv::Size size_px = is_calibrated() ? cv::Size(static_cast<int>(camera.width_px),
+                                                        static_cast<int>(camera.height_px))
+                                             : cv::Size(kUsualWidth_px, kUsualHeight_px);
     return FrameStream::open_device(device_, {size_px, fps_, exposure_ms_});
   }
 
@@ -212,5 +228,4 @@ class Video final : public Source {
 }  // namespace weft::video
 
 using weft::video::Video;
-WEFT_PLUGIN(Video, "sources/video", "1.1.0",
-            "Reads a video file or a camera of known calibration, undistorted.")
+WEFT_PLUGIN(Video, "sources/video", "1.2.0", "Reads a video file or a camera, undistorted.")

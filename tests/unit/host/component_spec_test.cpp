@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "host/calling/hashing.hpp"
 #include "zoo/zoo.hpp"
 
 namespace weft::host {

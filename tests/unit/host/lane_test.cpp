@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "host/calling/hashing.hpp"
 #include "zoo/zoo.hpp"
 
 namespace weft::host {

@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include "host/calling/hashing.hpp"
 #include "host/calling/lane.hpp"
 
 namespace weft::host {

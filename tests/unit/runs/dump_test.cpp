@@ -38,7 +38,8 @@ class DumpTest : public testing::PipelineTest {
     const auto [pipeline, report] = check_pipeline(write(text), registry_, ran.folder);
     EXPECT_TRUE(report.ok()) << report.text();
     const std::atomic<bool> cancel{false};
-    if (report.ok()) ran.summary = run_pipeline(pipeline, ran.folder, ran, cancel, stages);
+    if (report.ok())
+      ran.summary = run_pipeline(pipeline, ran.folder, ran, cancel, {.dumped = stages});
     return ran;
   }
 

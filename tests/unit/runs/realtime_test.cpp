@@ -45,7 +45,7 @@ class Realtime : public testing::PipelineTest {
   void run_slowly(const std::string& text, SlowRun& ran, const std::string& folder = "") const {
     const auto [pipeline, report] = check(text);
     ASSERT_TRUE(report.ok()) << report.text();
-    ran.summary = run_pipeline(pipeline, folder, ran, ran.cancel, {}, &ran.clock);
+    ran.summary = run_pipeline(pipeline, folder, ran, ran.cancel, {.clock = &ran.clock});
     ASSERT_TRUE(ran.summary) << ran.summary.error().message;
   }
 
@@ -159,7 +159,8 @@ TEST_F(Realtime, EndsAtOnceWhereItIsStoppedWhileTheSourceWaits) {
   } stopper;
   const auto [pipeline, report] = check(chain({{"sources", "{frames: 9}"}}, "realtime: latest"));
   ASSERT_TRUE(report.ok()) << report.text();
-  const auto summary = run_pipeline(pipeline, path("run"), stopper, stopper.cancel, {}, &ran.clock);
+  const auto summary =
+      run_pipeline(pipeline, path("run"), stopper, stopper.cancel, {.clock = &ran.clock});
   ASSERT_TRUE(summary) << summary.error().message;
   EXPECT_EQ(summary->frames, 1);
   EXPECT_EQ(summary->dropped, 0);

@@ -166,7 +166,7 @@ TEST_F(Runs, WritesReasonsOfAnyBytesAsJson) {
                           "\x80\x01",
                           {0.1, 0.1},
                           {{"diag.x", std::numeric_limits<double>::quiet_NaN()}}});
-  ASSERT_TRUE(folder->add(Graph{}, frame, nullptr));
+  ASSERT_TRUE(folder->add(frame, {}));
   const auto lines = read_lines(path("run") + "/frames.jsonl");
   ASSERT_EQ(lines.size(), 1U);
   EXPECT_TRUE(json::parse(lines[0])["stages"][0]["diag.x"].is_null());

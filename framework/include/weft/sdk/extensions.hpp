@@ -55,12 +55,17 @@ struct Extensions {
     if constexpr (kSweeps) {
       if (asked == WEFT_SWEEP) return &kSweepTable;
     }
+    if constexpr (kSteers) {
+      if (asked == WEFT_STEERING) return &kSteering;
+    }
     return nullptr;
   }
 
  private:
   static constexpr bool kSweeps = requires { T::kSweep.parameter; };
   static constexpr bool kChecks = requires(const T& t, Mistakes& m) { t.check(m); };
+
+  static constexpr bool kSteers = requires(T & t) { t.take_wishes(); };
 
   static std::int32_t list_devices(void* context, void (*device)(void* context, const char* text),
                                    weft_error* error) {
@@ -79,6 +84,26 @@ struct Extensions {
       return WEFT_OK;
     });
   }
+  static std::int32_t take_wishes(void* self, void* context,
+                                  void (*wish)(void* context, std::uint64_t number,
+                                               const char* text),
+                                  weft_error* error) {
+    return guarded(error, [&]() -> std::int32_t {
+      if constexpr (kSteers) {
+        for (const auto& each : static_cast<T*>(self)->take_wishes()) {
+          wish(context, each.number, each.text.c_str());
+        }
+      }
+      return WEFT_OK;
+    });
+  }
+  static std::int32_t answer(void* self, std::uint64_t number, std::uint64_t frame,
+                             const char* refusal, weft_error* error) {
+    return guarded(error, [&]() -> std::int32_t {
+      if constexpr (kSteers) static_cast<T*>(self)->answer({number, frame, refusal});
+      return WEFT_OK;
+    });
+  }
 
   static constexpr weft_sweep sweep_table() {
     if constexpr (kSweeps) {
@@ -92,6 +117,7 @@ struct Extensions {
   static constexpr weft_sweep kSweepTable = sweep_table();
   static constexpr weft_devices kDevices{sizeof(weft_devices), 0, &list_devices};
   static constexpr weft_check kCheck{sizeof(weft_check), 0, &check};
+  static constexpr weft_steering kSteering{sizeof(weft_steering), 0, &take_wishes, &answer};
 };
 
 }  // namespace weft::detail

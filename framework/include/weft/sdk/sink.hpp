@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <weft/core/wish.hpp>
 #include <weft/sdk/export.hpp>
 #include <weft/sdk/nested.hpp>
 #include <weft/sdk/role.hpp>
@@ -22,6 +23,8 @@ struct SinkInput {
   std::optional<Visibility> visibility{};
   std::optional<Shape> shape{};  ///< `predicted` and `lost` ones too; see its state
   std::optional<GroundTruth> ground_truth{};
+  std::optional<FrameReport> frame_report{};
+  std::optional<RunSettings> run_settings{};  ///< as they hold for this frame
 
   template <class Self, class Visit>
   static void slots(Self& self, Visit&& visit) {
@@ -37,11 +40,15 @@ struct SinkInput {
     visit("visibility", self.visibility);
     visit("shape", self.shape);
     visit("ground_truth", self.ground_truth);
+    visit("frame_report", self.frame_report);
+    visit("run_settings", self.run_settings);
   }
 };
 
 /// Role `sinks`: files, windows and streams. A killed run must leave readable files: write
-/// numbered files under a temporary name and rename them.
+/// numbered files under a temporary name and rename them. One at which somebody may steer the run
+/// also has `std::vector<Wish> take_wishes()` and `void answer(const WishAnswer&)`: from any
+/// thread, also beside write().
 class Sink : public Prepared {
  public:
   /// Called once, after prepare().

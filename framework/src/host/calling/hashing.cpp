@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "host/calling/hashing.hpp"
+
 #include <xxhash.h>
 
 #include <weft/core/index.hpp>
 #include <weft/core/inline_vector.hpp>
-
-#include "host/calling/lane.hpp"
 
 namespace weft::host {
 

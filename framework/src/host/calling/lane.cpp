@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <weft/core/index.hpp>
 
+#include "host/calling/hashing.hpp"
 #include "host/calling/lane_parts.hpp"
 #include "host/records/plugin_error.hpp"
 
@@ -75,8 +76,9 @@ Result<Instance*> Lane::instantiate(const ComponentSpec& spec, const std::string
 }
 
 Instance& Lane::add(std::unique_ptr<Instance> instance) {
-  instance->handle = instances_.size() + 1;
   instance->run_seed = run_seed_;
+  const std::lock_guard lock(instances_mutex_);
+  instance->handle = instances_.size() + 1;
   instances_.push_back(std::move(instance));
   return *instances_.back();
 }
@@ -219,6 +221,7 @@ Outcome Lane::finish(Instance& instance, Scope& scope, std::span<const weft_reco
 }
 
 Instance* Lane::find(std::uint64_t handle) const {
+  const std::lock_guard lock(instances_mutex_);
   return handle >= 1 && handle <= instances_.size() ? instances_[handle - 1].get() : nullptr;
 }
 

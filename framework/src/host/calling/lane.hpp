@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <vector>
+#include <weft/core/wish.hpp>
 
 #include "host/calling/stopwatch.hpp"
 #include "host/loading/component_spec.hpp"
@@ -52,7 +53,8 @@ class Instance;
 struct Workplace;
 
 /// One set of component instances. Several threads may call instances of a lane, each instance and
-/// those nested in it one at a time; everything else is for one thread.
+/// those nested in it one at a time; one more thread may make and prepare others meanwhile.
+/// Everything else is for one thread.
 class Lane {
  public:
   using Log = std::function<void(const std::string& component, int level, const std::string& text,
@@ -81,6 +83,13 @@ class Lane {
   /// Creates the component and those nested in it in a worker: no library is loaded here.
   Result<Instance*> instantiate_isolated(const ComponentSpec& spec, const std::string& stage,
                                          const Isolation& isolation);
+
+  /// Puts an instance in the place of another one, which is destroyed with those nested in it:
+  /// this one evaluates what that one made. Nobody calls either meanwhile.
+  void replace(Instance& old, Instance& made);
+
+  /// Destroys an instance that nobody will call, with those nested in it.
+  void discard(Instance& instance);
 
   /// So many threads may work at a time, shared by the callers of this lane; before anything is
   /// made. With more than one caller, processor time is that of the calling thread alone.
@@ -128,6 +137,12 @@ class Lane {
   /// From now on calls of this instance are not told to stop.
   static void let_finish(Instance& instance);
 
+  /// Whether somebody may steer the run at this sink.
+  static bool steers(const Instance& sink);
+  /// Its wishes since this was last asked. From any thread, as is `answer`.
+  static Result<std::vector<Wish>> take_wishes(const Instance& sink);
+  static Result<void> answer(const Instance& sink, const WishAnswer& answer);
+
   /// Whether plugins are to stop. Nothing is created or prepared then.
   bool is_cancelled() const { return cancel_ || (watched_ && watched_()); }
 
@@ -140,6 +155,8 @@ class Lane {
 
   struct Scope;
   Instance& add(std::unique_ptr<Instance> instance);
+  std::unique_ptr<Instance> take_out(Instance& instance);
+  void destroy(std::unique_ptr<Instance> instance);
   Result<void> open_workplace();
   Outcome enter(Instance& instance, int method, std::span<const weft_record> inputs,
                 std::uint64_t frame, int depth);
@@ -159,7 +176,8 @@ class Lane {
   std::uint64_t run_seed_;
   Log log_;
   Announce announce_;
-  std::vector<std::unique_ptr<Instance>> instances_;  ///< handle - 1 is the index
+  mutable std::mutex instances_mutex_;
+  std::vector<std::unique_ptr<Instance>> instances_;  ///< handle - 1 is the index; null: destroyed
   int threads_a_call_ = 1;
   ProcessorTime processor_time_ = ProcessorTime::of_process;
   using TimingsByFrame = std::map<std::uint64_t, Timings, std::less<>,
@@ -178,12 +196,5 @@ class Lane {
 
 /// The handle by which calls name an instance.
 std::uint64_t handle_of(const Instance& instance);
-
-/// seed = XXH3_64(run_seed LE64, frame LE64, stage UTF-8, 0, nested path UTF-8).
-std::uint64_t component_seed(std::uint64_t run_seed, std::uint64_t frame, std::string_view stage,
-                             std::string_view nested_path);
-
-/// A revision that depends on the content alone.
-std::uint64_t content_revision(const Record& record);
 
 }  // namespace weft::host

@@ -6,6 +6,7 @@
 
 #include "pipeline/execution/checks.hpp"
 #include "pipeline/execution/compose.hpp"
+#include "pipeline/execution/stage_maker.hpp"
 
 namespace weft {
 
@@ -14,12 +15,6 @@ using host::Record;
 using host::RecordPtr;
 
 namespace {
-
-Result<host::Instance*> instantiate(host::Lane& lane, const StageConfig& stage,
-                                    const host::ComponentSpec& component) {
-  return stage.isolation ? lane.instantiate_isolated(component, stage.name, *stage.isolation)
-                         : lane.instantiate(component, stage.name);
-}
 
 /// Why a value that no stage makes is absent, where its source could read the frame.
 std::string why_absent(const ValueInfo& value) {
@@ -76,9 +71,15 @@ Result<std::unique_ptr<Executor>> Executor::create(const PipelineConfig& config,
 Executor::Stage Executor::stage_of(std::size_t index, MadeStage made) const {
   const StageConfig& config = config_.stages[index];
   const Node& node = graph_.stages[index];
-  Stage stage{&config,         &node, rules_of(config.role),
-              std::move(made), {},    MatchPlacer(template_, lane_.memory()),
-              config.name,     {},    {}};
+  Stage stage{std::shared_ptr<const StageConfig>(std::shared_ptr<void>(), &config),
+              &node,
+              rules_of(config.role),
+              std::move(made),
+              {},
+              MatchPlacer(template_, lane_.memory()),
+              config.name,
+              {},
+              {}};
   if (config.when) {
     stage.not_called = why_not_called(config, node, config_.stages);
     stage.not_called_cause = config.name + ": " + stage.not_called;
@@ -87,43 +88,10 @@ Executor::Stage Executor::stage_of(std::size_t index, MadeStage made) const {
 }
 
 Result<MadeStage> Executor::made_stage(const StageConfig& stage, const std::string& key) {
-  if (sharing_.memo == nullptr) return make(stage);
-  if (sharing_.memo->made(key) == nullptr) sharing_.memo->keep(key, make(stage));
+  const StageMaker maker{lane_, template_, camera_};
+  if (sharing_.memo == nullptr) return maker.make(stage);
+  if (sharing_.memo->made(key) == nullptr) sharing_.memo->keep(key, maker.make(stage));
   return *sharing_.memo->made(key);
-}
-
-Result<MadeStage> Executor::make(const StageConfig& stage) {
-  const auto instance = instantiate(lane_, stage, stage.component);
-  if (!instance) return instance.error();
-  if (auto ready = lane_.prepare(**instance, *template_, *camera_); !ready) return ready.error();
-  if (!rules_of(stage.role).sees_texture) return MadeStage{*instance, nullptr};
-  auto keypoints = detect_on_template(stage, *instance);
-  if (!keypoints) return keypoints.error();
-  return MadeStage{*instance, *std::move(keypoints)};
-}
-
-Result<RecordPtr> Executor::detect_on_template(const StageConfig& stage, host::Instance* instance) {
-  if (stage.on_template) {
-    const auto own = instantiate(lane_, stage, *stage.on_template);
-    if (!own) return own.error();
-    if (auto ready = lane_.prepare(**own, *template_, *camera_); !ready) return ready.error();
-    instance = *own;
-  }
-  const auto texture = texture_input(*template_);
-  if (!texture) return texture.error();
-  const weft_record inputs[] = {texture->image->view("image"), texture->region->view("region")};
-  const Outcome outcome = lane_.call(*instance, kRunStage, inputs, host::kOfflineFrame);
-  const std::string id = stage.component.component().id;
-  if (!outcome.usable()) return Error{outcome.error.code, outcome.error.message, id};
-  auto located = locate_on_template(*outcome.find("keypoints"), *template_);
-  if (!located) return located.error();
-  if (host::view_as<Keypoints>(**located)->count() == 0) {
-    return Error{Errc::invalid_data,
-                 "finds no keypoints on the template's texture; use a texture with more contrast "
-                 "or another detector",
-                 id};
-  }
-  return located;
 }
 
 void Executor::place_given(const FrameInput& input, FrameResult& result) const {
@@ -176,10 +144,29 @@ FrameResult Executor::begin(const FrameInput& input) {
 }
 
 void Executor::run_stage(std::size_t stage, FrameResult& result) {
+  change_until(result.place, stages_[stage]);
   for (const InputLink& link : stages_[stage].node->inputs) {
     place_past(to_index(link.value), result);
   }
   result.stages.push_back(answer(stages_[stage], result));
+}
+
+void Executor::change(std::size_t stage, std::shared_ptr<const StageConfig> config,
+                      MadeStage made) {
+  const std::lock_guard lock(changes_mutex_);
+  stages_[stage].changes.push_back({begun_, std::move(config), std::move(made)});
+}
+
+/// Frames before that one have passed the stage and all that call its component again, see rules().
+void Executor::change_until(std::uint64_t place, Stage& stage) {
+  const std::lock_guard lock(changes_mutex_);
+  while (!stage.changes.empty() && stage.changes.front().place <= place) {
+    Change change = std::move(stage.changes.front());
+    stage.changes.pop_front();
+    lane_.replace(*stage.made.instance, *change.made.instance);
+    stage.made = std::move(change.made);
+    stage.config = std::move(change.config);
+  }
 }
 
 void Executor::end(FrameResult& result) {

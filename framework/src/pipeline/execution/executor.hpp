@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <deque>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -24,6 +26,11 @@ class Executor {
                                                   host::Lane& lane, host::RecordPtr templ,
                                                   host::RecordPtr camera, Sharing sharing = {});
 
+  /// From the next frame that begins on, the stage of that index is this one, made by a StageMaker
+  /// for a configuration that differs in parameters alone; the one that it was is destroyed when no
+  /// frame needs it any more. From the thread that begins frames.
+  void change(std::size_t stage, std::shared_ptr<const StageConfig> config, MadeStage made);
+
   /// From now on frames hold what goes into this stage and comes out of it.
   void keep_calls_of(const std::string& stage);
 
@@ -44,8 +51,13 @@ class Executor {
   void restart();
 
  private:
+  struct Change {
+    std::uint64_t place;  ///< of the first frame for which it holds
+    std::shared_ptr<const StageConfig> config;
+    MadeStage made;
+  };
   struct Stage {
-    const StageConfig* config;
+    std::shared_ptr<const StageConfig> config;
     const Node* node;
     const RoleRules& rules;
     MadeStage made;
@@ -55,14 +67,14 @@ class Executor {
     host::SharedText not_called;        ///< why, in all frames in which its rule does not hold
     host::SharedText not_called_cause;  ///< the same as the cause for who reads its outputs
     bool is_kept = false;               ///< its calls are
+    std::deque<Change> changes{};       ///< to come
   };
 
   Executor(const PipelineConfig& config, const Graph& graph, host::Lane& lane,
            host::RecordPtr templ, host::RecordPtr camera, Sharing sharing);
   Stage stage_of(std::size_t index, MadeStage made) const;
-  Result<MadeStage> make(const StageConfig& stage);
+  void change_until(std::uint64_t place, Stage& stage);
   Result<MadeStage> made_stage(const StageConfig& stage, const std::string& key);
-  Result<host::RecordPtr> detect_on_template(const StageConfig& stage, host::Instance* instance);
   void place_given(const FrameInput& input, FrameResult& result) const;
   void place_past(std::size_t value, FrameResult& result) const;
   std::size_t steps_to_last_user_of_warp(std::size_t stage) const;
@@ -89,6 +101,7 @@ class Executor {
   std::vector<host::SharedText> absent_;  ///< why a value is, one for each, of what is no stage's
   History history_;
   std::uint64_t begun_ = 0;  ///< [frames]
+  std::mutex changes_mutex_;
   std::int64_t frames_since_measured_ = 0;
 };
 

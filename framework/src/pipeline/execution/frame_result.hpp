@@ -80,6 +80,7 @@ struct FrameResult {
   std::vector<StageCall> calls;       ///< of the stages of Executor::keep_calls_of
   NamedNumbers setup;                 ///< what it says of the run's set-up
   std::vector<std::string> warnings;  ///< of the set-up, found out by now
+  std::vector<std::string> changes;   ///< settings that hold from this frame on
 
   /// A frame is failed when a stage, the source or a sink had an error; no_result is none.
   bool failed() const;

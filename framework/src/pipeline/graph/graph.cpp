@@ -15,6 +15,7 @@ using host::ComponentManifest;
 constexpr int kLongestLag = 1000;  // [frames]
 constexpr int kRefused = -2;       // instead of a value: nothing is to be said of it
 constexpr std::string_view kPrevious = "previous.";
+constexpr const char* kTold[] = {"frame_report", "run_settings"};  // what the host says to sinks
 
 /// Sources have a choice; they say what they produce.
 bool declares(const ComponentManifest& component, const std::string& slot) {
@@ -46,6 +47,7 @@ class Wiring {
       graph_.stages.push_back(std::move(node));
     }
     reader_ = config_.stages.size();
+    for (const char* told : kTold) add(told, -1, "host");
     for (const StageConfig& sink : config_.sinks) graph_.sinks.push_back(connect(sink));
     if (!config_.doubtful_names) refuse_unread(config_, graph_, open_, problems_);
     return std::move(graph_);

@@ -42,6 +42,12 @@ struct Graph {
   int latest(const std::string& slot) const;
 };
 
+/// A loaded, wired pipeline: what `weft check` checks and `weft run` runs.
+struct CheckedPipeline {
+  PipelineConfig config;
+  Graph graph;
+};
+
 /// Connects all inputs; appends a mistake for each required input that nothing produces, with what
 /// could produce it.
 Graph wire(const PipelineConfig& config, const host::Registry& registry,

@@ -59,4 +59,18 @@ std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file,
   return {std::move(pipeline), std::move(report)};
 }
 
+Result<CheckedPipeline> check_change(const std::string& folder, const host::Registry& registry,
+                                     const std::vector<std::string>& settings) {
+  const std::string file = folder + "/pipeline.yaml";
+  auto document = read_document(file, settings, host::PathRules::of_process({}, folder));
+  auto [config, report] = load_pipeline(file, std::move(document), registry, folder);
+  CheckedPipeline pipeline{std::move(config), {}};
+  host::ComponentChecks checks;
+  ask_components(pipeline.config, checks, report.problems);
+  if (report.wirable) pipeline.graph = wire(pipeline.config, registry, report.problems);
+  report.sort();
+  if (report.ok()) return pipeline;
+  return Error{Errc::invalid_value, report.problems.front().message};
+}
+
 }  // namespace weft

@@ -3,7 +3,11 @@
 
 #include <algorithm>
 #include <thread>
+#include <weft/core/index.hpp>
+#include <weft/data/run_report.hpp>
 
+#include "pipeline/runs/frame_json.hpp"
+#include "pipeline/steering/settings_json.hpp"
 #include "roles/role_rules.hpp"
 
 namespace weft {
@@ -82,7 +86,34 @@ Result<void> FrameLoop::open_sinks() {
     host::Lane::let_finish(**instance);
     sinks_.push_back({sinks[i].name, &pipeline_.graph.sinks[i], *instance});
   }
+  report_ = value_for_sinks("frame_report");
+  settings_ = value_for_sinks("run_settings");
+  if (settings_) set_settings(settings_json(pipeline_.config));
   return {};
+}
+
+/// Nothing where no sink reads it.
+std::optional<std::size_t> FrameLoop::value_for_sinks(std::string_view slot) const {
+  for (const Node& sink : pipeline_.graph.sinks) {
+    for (const InputLink& link : sink.inputs) {
+      if (link.slot == slot) return to_index(link.value);
+    }
+  }
+  return std::nullopt;
+}
+
+std::vector<const host::Instance*> FrameLoop::steering_sinks() const {
+  std::vector<const host::Instance*> steering;
+  for (const Sink& sink : sinks_) {
+    if (host::Lane::steers(*sink.instance)) steering.push_back(sink.instance);
+  }
+  return steering;
+}
+
+void FrameLoop::set_settings(std::string json) {
+  const auto record = host::Record::copy_of(RunSettings{std::move(json)});
+  record->set_revision(now_set_ == nullptr ? 1 : now_set_->revision() + 1);
+  now_set_ = record;
 }
 
 std::vector<RunWarning> FrameLoop::warnings() const {
@@ -95,6 +126,7 @@ std::vector<std::pair<std::string, double>> FrameLoop::camera() const {
 
 FrameOnItsWay FrameLoop::begin(PipelineInput::Frame read) {
   FrameResult result = executor_->begin(read.input);
+  if (settings_) result.values[*settings_] = now_set_;
   return {std::move(read), std::move(result)};
 }
 
@@ -127,6 +159,7 @@ void FrameLoop::end(FrameOnItsWay& frame) {
   executor_->end(result);
   result.stages.insert(result.stages.begin(), frame.read.report);
   if (monitor_) monitor_->add(pipeline_.graph, result);
+  if (report_) result.values[*report_] = host::Record::copy_of(FrameReport{frame_json(result, {})});
 }
 
 FrameResult FrameLoop::process(const PipelineInput::Frame& read) {

@@ -45,6 +45,12 @@ class FrameLoop {
   /// told to stop: a frame that is there is written by all sinks, or by none.
   Result<void> open_sinks();
 
+  /// The sinks at which somebody may steer the run.
+  std::vector<const host::Instance*> steering_sinks() const;
+
+  /// Sinks of frames that begin from now on are told these.
+  void set_settings(std::string json);
+
   PipelineInput& input() { return input_; }
   Executor& executor() { return *executor_; }
 
@@ -86,6 +92,7 @@ class FrameLoop {
   void watch_set_up();
   void end(FrameOnItsWay& frame);
   StageReport write(const Sink& sink, const FrameResult& result);
+  std::optional<std::size_t> value_for_sinks(std::string_view slot) const;
 
   const CheckedPipeline& pipeline_;
   host::Lane& lane_;
@@ -93,6 +100,8 @@ class FrameLoop {
   std::unique_ptr<Executor> executor_;
   std::optional<SetupMonitor> monitor_;
   std::vector<Sink> sinks_;
+  std::optional<std::size_t> report_, settings_;  ///< the values of these, where a sink reads them
+  host::RecordPtr now_set_;
 };
 
 }  // namespace weft

@@ -33,12 +33,11 @@ void need(const Result<void>& result) {
 class Run {
  public:
   Run(const CheckedPipeline& pipeline, const std::string& folder, RunObserver& observer,
-      const std::atomic<bool>& cancel, const std::vector<std::string>& dumped, Clock& clock)
+      const std::atomic<bool>& cancel, RunOptions options)
       : pipeline_(pipeline),
         observer_(observer),
         cancel_(cancel),
-        dumped_(dumped),
-        clock_(clock),
+        options_(std::move(options)),
         lane_(need(lane_of(
             pipeline.config,
             [this](const std::string& component, int level, const std::string& text,
@@ -90,12 +89,14 @@ class Run {
   }
 
   void open() {
-    need(Dump::check_names(pipeline_.config, dumped_));
+    need(Dump::check_names(pipeline_.config, options_.dumped));
     loop_ = need(FrameLoop::open(pipeline_, *lane_));
     stop_if_cancelled();
+    if (options_.repeated) repeated_ = need(RepeatedFrames::of(*options_.repeated, loop_->input()));
     // Not before: a run that cannot start leaves no folder behind.
     if (!folder_path_.empty()) open_folder();
     need(loop_->open_sinks());
+    open_steering();
     if (trace_) need(trace_->add(lane_->take_timings()));
   }
 
@@ -108,8 +109,22 @@ class Run {
     folder_.emplace(need(RunFolder::create(folder_path_)));
     need(folder_->begin(pipeline_.config, *templ, *camera, loop_->input().frames()));
     trace_.emplace(need(Trace::create(folder_->path() + "/trace.json")));
-    dump_.emplace(need(Dump::create(folder_->path(), pipeline_.config, dumped_, templ, camera)));
-    for (const std::string& stage : dumped_) loop_->executor().keep_calls_of(stage);
+    dump_.emplace(
+        need(Dump::create(folder_->path(), pipeline_.config, options_.dumped, templ, camera)));
+    for (const std::string& stage : options_.dumped) loop_->executor().keep_calls_of(stage);
+  }
+
+  void open_steering() {
+    std::vector<const host::Instance*> sinks = loop_->steering_sinks();
+    if (options_.registry == nullptr || !folder_) return;
+    if (sinks.empty() && !options_.repeated) return;
+    const auto check = [this](const std::vector<std::string>& settings) {
+      return check_change(folder_->path(), *options_.registry, settings);
+    };
+    const StageMaker maker{*lane_, loop_->input().templ(), loop_->input().camera()};
+    steering_ = std::make_unique<Steering>(
+        ChangeMaker(pipeline_, maker, check), loop_->executor(), std::move(sinks),
+        options_.repeated ? options_.repeated->changes : ChangesByFrame());
   }
 
   void take_all_frames() {
@@ -128,6 +143,8 @@ class Run {
       failure = std::current_exception();
     }
     end_reading();
+    if (steering_) summary_.stopped = summary_.stopped || steering_->has_ended();
+    steering_.reset();
     lane_->count_processor_time(lane_->processor_time());
     if (writer_) writer_->close();  // a failure of its own is that of an earlier frame
     if (failure) std::rethrow_exception(failure);
@@ -148,7 +165,7 @@ class Run {
     latest_ = std::make_unique<LatestFrames>(
         LatestFrames::Source{[&input](std::uint64_t index) { return input.read(index); }, drop,
                              input.frames(), input.is_live()},
-        clock_);
+        options_.clock != nullptr ? *options_.clock : clock_of_machine_);
   }
 
   /// A source that waits for a frame is told to stop: nobody wants it any more.
@@ -180,12 +197,21 @@ class Run {
   /// False where there is no such frame, or none is wanted.
   bool read(std::uint64_t place, std::optional<FrameOnItsWay>& frame) {
     const std::int64_t count = loop_->input().frames();
-    const bool is_there = latest_ || count < 0 || place < static_cast<std::uint64_t>(count);
+    const bool is_there =
+        latest_ || repeated_ || count < 0 || place < static_cast<std::uint64_t>(count);
     if (cancel_.load() || !is_there) return false;
-    auto read =
-        latest_ ? latest_->take([this] { return cancel_.load(); }) : loop_->input().read(place);
+    if (steering_ && !steering_->wait_for_turn([this] { return cancel_.load(); })) return false;
+    auto read = repeated_ ? repeated_->read(place, loop_->input(), *lane_)
+                : latest_ ? latest_->take([this] { return cancel_.load(); })
+                          : loop_->input().read(place);
     if (!read) return false;
+    if (steering_) {
+      if (auto settings = need(steering_->change(read->input.index))) {
+        loop_->set_settings(*std::move(settings));
+      }
+    }
     frame.emplace(loop_->begin(*std::move(read)));
+    if (steering_) steering_->note(frame->result);
     return true;
   }
 
@@ -206,7 +232,11 @@ class Run {
   void keep(const FrameOnItsWay& frame) {
     const FrameResult& result = frame.result;
     if (folder_) {
-      need(folder_->add(pipeline_.graph, result, frame.read.input.find("ground_truth")));
+      const auto records =
+          options_.keeps_records
+              ? frame_records(pipeline_.graph, result, frame.read.input.find("ground_truth"))
+              : host::NamedRecords();
+      need(folder_->add(result, records));
       need(trace_->add(result));
       need(dump_->add(result));
     }
@@ -230,8 +260,8 @@ class Run {
   const CheckedPipeline& pipeline_;
   RunObserver& observer_;
   const std::atomic<bool>& cancel_;
-  const std::vector<std::string>& dumped_;  ///< names of stages
-  Clock& clock_;
+  RunOptions options_;
+  SteadyClock clock_of_machine_;
   WarningLog warnings_;
   std::mutex announcing_;
   std::unique_ptr<host::Lane> lane_;
@@ -244,17 +274,17 @@ class Run {
   RunSummary summary_;  ///< what is counted of frames is of who keeps them
   std::unique_ptr<LatestFrames> latest_;
   std::unique_ptr<FrameWriter> writer_;  ///< where there is a folder
+  std::unique_ptr<Steering> steering_;   ///< where somebody may change the run
+  std::optional<RepeatedFrames> repeated_;
 };
 
 }  // namespace
 
 Result<RunSummary> run_pipeline(const CheckedPipeline& pipeline, const std::string& output_folder,
                                 RunObserver& observer, const std::atomic<bool>& cancel,
-                                const std::vector<std::string>& dumped, Clock* clock) {
-  SteadyClock of_machine;
-  Clock& used = clock != nullptr ? *clock : of_machine;
+                                RunOptions options) {
   try {
-    return Run(pipeline, output_folder, observer, cancel, dumped, used).run();
+    return Run(pipeline, output_folder, observer, cancel, std::move(options)).run();
   } catch (const Failed& failed) {
     return failed.error;
   }

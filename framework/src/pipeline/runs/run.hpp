@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +12,8 @@
 #include "pipeline/execution/executor.hpp"
 #include "pipeline/execution/run_warning.hpp"
 #include "pipeline/runs/clock.hpp"
+#include "pipeline/steering/repeated_frames.hpp"
+#include "pipeline/steering/steering.hpp"
 
 namespace weft {
 
@@ -41,12 +44,6 @@ struct RunSummary {
   std::vector<std::pair<std::string, double>> camera;
 };
 
-/// A loaded, wired pipeline: what `weft check` checks and `weft run` runs.
-struct CheckedPipeline {
-  PipelineConfig config;
-  Graph graph;
-};
-
 /// Loads and wires a pipeline, refuses outputs that would go over what is there or what it reads,
 /// and asks its components about their files and parameters; use it only when the report is ok.
 /// `output_folder` is the run folder, new or empty; without a name, no component may write.
@@ -63,15 +60,31 @@ std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file,
                                                         const std::string& output_folder,
                                                         host::ComponentChecks* checks = nullptr);
 
+/// The same of the run folder of a run that goes on, with `settings` laid over what it runs. The
+/// Error has the first mistake. Outputs are not checked: they are those of the run.
+Result<CheckedPipeline> check_change(const std::string& folder, const host::Registry& registry,
+                                     const std::vector<std::string>& settings);
+
+struct RunOptions {
+  /// Stages of which calls are written too, see Dump.
+  std::vector<std::string> dumped{};
+  /// With `realtime: latest` it says when the frames of a source that is not live are there; null:
+  /// the clock of the machine.
+  Clock* clock = nullptr;
+  /// With it a run that has a folder can be changed while it runs, by those at its sinks.
+  const host::Registry* registry = nullptr;
+  /// To be done again, which needs `registry` and a folder, and a pipeline that takes all frames.
+  std::optional<RecordedRun> repeated{};
+  /// Whether the folder has the records of each frame; else its lines are all that is left of it.
+  bool keeps_records = true;
+};
+
 /// Runs all frames of the source into `output_folder`, which must be new or empty; an empty name
 /// leaves no run folder, only what the sinks write. Fails with the
 /// first error before the first frame, or when the run folder cannot be written; errors of single
 /// frames are recorded and counted. `cancel` may be set from another thread or a signal handler.
-/// The calls of the stages `dumped` are written too, see Dump. With `realtime: latest`, `clock`
-/// says when the frames of a source that is not live are there; null: that of the machine.
 Result<RunSummary> run_pipeline(const CheckedPipeline& pipeline, const std::string& output_folder,
                                 RunObserver& observer, const std::atomic<bool>& cancel,
-                                const std::vector<std::string>& dumped = {},
-                                Clock* clock = nullptr);
+                                RunOptions options = {});
 
 }  // namespace weft

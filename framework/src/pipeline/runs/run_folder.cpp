@@ -3,22 +3,18 @@
 
 #include <sys/utsname.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <weft/core/output_folder.hpp>
-#include <weft/core/statistics.hpp>
 #include <weft/core/version.hpp>
 #include <weft/core/whole_file.hpp>
-#include <weft/geometry/vertex_spread.hpp>
 
 #include "host/loading/processor.hpp"
 #include "pipeline/execution/match_depths.hpp"
+#include "pipeline/runs/frame_json.hpp"
 #include "pipeline/runs/source_revision.hpp"
 
 namespace weft {
@@ -83,49 +79,6 @@ std::string frame_name(std::uint64_t index) {
   char name[32];
   std::snprintf(name, sizeof(name), "%06llu", static_cast<unsigned long long>(index));
   return name;
-}
-
-/// Counts without a decimal point; JSON has no NaN, so that becomes null.
-ordered_json number_json(double value) {
-  constexpr double kLargestExact = 9007199254740992.0;
-  if (value == std::floor(value) && std::abs(value) < kLargestExact) {
-    return static_cast<std::int64_t>(value);
-  }
-  return value;
-}
-
-double rounded(double value, double parts) { return std::round(value * parts) / parts; }
-
-ordered_json stage_json(const StageReport& report) {
-  ordered_json object{{"stage", report.stage}, {"status", to_string(report.status)}};
-  if (!report.reason.empty()) object["reason"] = report.reason;
-  object["ms"] = rounded(report.took.ms, 1000.0);
-  object["processor_ms"] = rounded(report.took.processor_ms, 1000.0);
-  for (const auto& [name, value] : report.numbers) object[name] = number_json(value);
-  return object;
-}
-
-/// The sum over a component's calls, for each that was called.
-ordered_json time_by_component(const host::Timings& timings, double host::Spent::*part) {
-  std::map<std::string, double> sums;
-  for (const host::Timing& timing : timings) sums[timing.component] += timing.took.*part;
-  ordered_json times = ordered_json::object();
-  for (const auto& [component, sum] : sums) times[component] = rounded(sum, 1000.0);
-  return times;
-}
-
-/// How sure the shape is of itself, as a whole and at each vertex.
-void add_certainty(const host::RecordPtr& record, ordered_json& line) {
-  constexpr double kMmPerM = 1000.0;
-  const auto shape =
-      record == nullptr ? Result<Shape>(no_result("none")) : host::view_as<Shape>(*record);
-  line["confidence"] = shape ? ordered_json(rounded(shape->confidence, 1e4)) : ordered_json();
-  std::vector<double> stds_mm = shape ? vertex_stds_m(*shape) : std::vector<double>();
-  if (stds_mm.empty()) return;
-  for (double& each : stds_mm) each = rounded(kMmPerM * each, 100.0);
-  line["std_median_mm"] = median(stds_mm);
-  line["std_worst_mm"] = *std::max_element(stds_mm.begin(), stds_mm.end());
-  line["std_mm"] = stds_mm;
 }
 
 /// Text of any bytes as JSON: what is no UTF-8 is replaced.
@@ -267,29 +220,14 @@ void RunFolder::withdraw() {
   fs::remove_all(path_, ignored);
 }
 
-Result<void> RunFolder::add(const Graph& graph, const FrameResult& frame,
-                            const host::RecordPtr& ground_truth) {
-  const host::NamedRecords records = frame_records(graph, frame, ground_truth);
+Result<void> RunFolder::add(const FrameResult& frame, const host::NamedRecords& records) {
   if (!records.empty()) {
     const std::string file = path_ + "/frames/" + frame_name(frame.index) + ".npz";
     if (auto written = host::write_npz(file, records); !written) return written;
   }
-  ordered_json stages = ordered_json::array();
-  for (const StageReport& report : frame.stages) stages.push_back(stage_json(report));
-  ordered_json line{{"frame", frame.index},
-                    {"stem", frame.stem},
-                    {"state", to_string(frame.state)},
-                    {"age", frame.age_frames}};
-  add_certainty(frame.shape, line);
-  line["failed"] = frame.failed();
-  line["records"] = records.size();
-  line["stages"] = std::move(stages);
-  for (const auto& [name, value] : frame.setup) line["setup"][name] = rounded(value, 1e4);
-  if (!frame.warnings.empty()) line["warnings"] = frame.warnings;
-  line["ms"] = time_by_component(frame.timings, &host::Spent::ms);
-  line["processor_ms"] = time_by_component(frame.timings, &host::Spent::processor_ms);
   errno = 0;
-  frames_ << dump(line) + "\n" << std::flush;  // at once: a line that was written has its end
+  // At once: a line that was written has its end.
+  frames_ << frame_json(frame, records.size()) + "\n" << std::flush;
   if (frames_) return {};
   return io_error(path_ + "/frames.jsonl",
                   "cannot be written (" +

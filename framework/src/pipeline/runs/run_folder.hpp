@@ -36,9 +36,8 @@ class RunFolder {
   Result<void> begin(const PipelineConfig& config, const host::Record& templ,
                      const host::Record& camera, std::int64_t source_frames);
 
-  /// Writes one frame of the graph; its line is flushed.
-  Result<void> add(const Graph& graph, const FrameResult& frame,
-                   const host::RecordPtr& ground_truth);
+  /// Writes one frame and what is kept of it; its line is flushed.
+  Result<void> add(const FrameResult& frame, const host::NamedRecords& records);
 
   /// Writes end.json: how many frames there are, so that a reader knows that none is missing, and
   /// how many were dropped where that may be (`drops`); and what they say of the camera.

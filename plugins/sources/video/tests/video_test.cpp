@@ -223,6 +223,22 @@ TEST_F(VideoSource, RemovesTheDistortionOfTheLens) {
   EXPECT_NEAR(static_cast<double>(white("[0.5, 0, 0, 0, 0]")), 13.0, 1.0);
 }
 
+TEST_F(VideoSource, WithoutACameraFileTheFocalLengthIsGuessedAndEachFrameSaysSo) {
+  write_video(folder_.path("clip.avi"));
+  PluginUnderTest source("sources/video", "{path: '" + folder_.path("clip.avi") + "'}");
+  const PluginAnswer opened = source.process(kOpen, {});
+  ASSERT_EQ(opened.status, WEFT_OK) << opened.message;
+  const auto camera = *opened.get<weft::Camera>();
+  EXPECT_EQ(camera.fx, kWidth);
+  EXPECT_EQ(camera.fy, kWidth);
+  EXPECT_EQ(camera.cx, 31.5);
+  EXPECT_EQ(camera.cy, 23.5);
+  const PluginAnswer frame = source.process(kRead, {}, 3);
+  EXPECT_EQ(frame.status, WEFT_DEGENERATE);
+  EXPECT_THAT(frame.message, HasSubstr("not calibrated"));
+  EXPECT_EQ(number_in(*frame.get<weft::Image>()), 3);
+}
+
 TEST_F(VideoSource, RefusesWhatIsNoVideo) {
   EXPECT_THROW(opened("missing.avi"), std::runtime_error);
   folder_.write("empty.avi", "");

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <weft/core/image_file.hpp>
+#include <weft/core/whole_file.hpp>
+
+#include "cli/commands.hpp"
+#include "cli/output/new_file.hpp"
+
+namespace weft::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct InitOptions {
+  std::string folder, picture, object;
+  std::optional<std::string> camera;  ///< empty: there is none
+  std::optional<double> width_m;
+  std::optional<int> device;
+};
+
+/// The answer to a question on the terminal; nothing at the end of the input.
+std::optional<std::string> ask(const std::string& question) {
+  fmt::print("{}: ", question);
+  std::fflush(stdout);
+  std::string answer;
+  if (!std::getline(std::cin, answer)) {
+    fmt::print("\n");
+    return std::nullopt;
+  }
+  return answer;
+}
+
+Error unanswered(const std::string& option) {
+  return {Errc::invalid_value, "is missing, and there is nobody to ask: give it", option};
+}
+
+Result<void> fill_in(InitOptions& options) {
+  if (options.picture.empty() && options.object.empty()) {
+    auto picture = ask("Picture of the flat object, from edge to edge (PNG or JPEG)");
+    if (!picture) return unanswered("--picture");
+    options.picture = *std::move(picture);
+  }
+  if (options.object.empty() && !options.width_m) {
+    const auto width = ask("Its printed width in metres, such as 0.297");
+    if (!width) return unanswered("--width");
+    double metres = 0.0;
+    const char* const end = width->data() + width->size();
+    if (const auto read = std::from_chars(width->data(), end, metres);
+        read.ec != std::errc{} || read.ptr != end) {
+      return Error{Errc::invalid_value, "is no number of metres: '" + *width + "'", "--width"};
+    }
+    options.width_m = metres;
+  }
+  if (!options.device) {
+    const auto device = ask("Number N of the camera /dev/videoN, empty for 0");
+    if (!device) return unanswered("--device");
+    int number = 0;
+    const char* const end = device->data() + device->size();
+    const auto read = std::from_chars(device->data(), end, number);
+    if (!device->empty() && (read.ec != std::errc{} || read.ptr != end || number < 0)) {
+      return Error{Errc::invalid_value, "is no number of a camera: '" + *device + "'", "--device"};
+    }
+    options.device = number;
+  }
+  if (!options.camera) {
+    options.camera = ask("Camera file of `weft calibrate`, empty where there is none").value_or("");
+  }
+  return {};
+}
+
+Result<void> copy_into(const std::string& file, const std::string& folder,
+                       const std::string& name) {
+  std::error_code code;
+  fs::copy_file(file, folder + "/" + name, code);
+  if (!code) return {};
+  return Error{Errc::io, "cannot be copied into " + folder + ": " + code.message(), file};
+}
+
+/// About 12 cells along the longer side, square ones.
+std::string flat_template(const InitOptions& options, const ImageHeader& picture,
+                          const std::string& texture) {
+  constexpr double kCells = 12.0;
+  const auto width = static_cast<double>(picture.width_px);
+  const auto height = static_cast<double>(picture.height_px);
+  const double cell = std::max(width, height) / kCells;
+  const auto count = [&](double side) { return std::max(3L, std::lround(side / cell) + 1); };
+  return fmt::format(
+      "template:\n  use: templates/rectangular\n"
+      "  params: {{texture: {}, width_m: {}, columns: {}, rows: {}}}\n",
+      texture, *options.width_m, count(width), count(height));
+}
+
+/// Copies what the template is made of; the key `template` of the pipeline.
+Result<std::string> take_template(const InitOptions& options) {
+  if (!options.object.empty()) {
+    for (const char* name : {"template.obj", "texture.png"}) {
+      auto copied = copy_into(options.object + "/" + name, options.folder, name);
+      if (!copied) return copied.error();
+    }
+    return std::string(
+        "template:\n  use: templates/mesh\n  params: {mesh: template.obj, texture: texture.png}\n");
+  }
+  const auto picture = read_image_bytes(options.picture);
+  if (!picture) return picture.error();
+  const std::string texture = "texture" + fs::path(options.picture).extension().string();
+  if (auto copied = copy_into(options.picture, options.folder, texture); !copied) {
+    return copied.error();
+  }
+  return flat_template(options, picture->header, texture);
+}
+
+/// As pipelines/live.yaml, whole in one file.
+std::string pipeline_text(const InitOptions& options, const std::string& templ) {
+  const std::string camera = options.camera->empty() ? "" : ", camera: camera.yaml";
+  return fmt::format(
+      "# Show the object to the camera: weft live live.yaml\n"
+      "weft: 1\n"
+      "realtime: latest\n"
+      "source: {{use: sources/video, params: {{device: {}{}}}}}\n"
+      "{}"
+      "stages:\n"
+      "  - {{use: matchers/track, as: tracked}}\n"
+      "  - {{use: detectors/sift_fast, when: {{not_ok: tracked, every: 30}}}}\n"
+      "  - {{use: matchers/descriptor, params: {{direction: image_to_template}}}}\n"
+      "  - {{use: matchers/merge, as: matches, from: {{correspondences: [tracked, matchers]}}}}\n"
+      "  - use: filters/aem\n"
+      "  - {{use: warps/bbs, params: {{robust: \"off\"}}}}\n"
+      "  - use: passes/salient_cells\n"
+      "  - use: solvers/particle_sft\n"
+      "    params: {{start: {{use: solvers/brunet_mdh}}, tracked_damping: 0.05}}\n"
+      "sinks:\n"
+      "  - {{use: sinks/live, as: live}}\n",
+      *options.device, camera, templ);
+}
+
+Result<void> init(InitOptions options) {
+  if (auto made = make_new_folder(options.folder); !made) return made;
+  if (auto filled = fill_in(options); !filled) return filled;
+  if (!options.object.empty() && (!options.picture.empty() || options.width_m)) {
+    return Error{Errc::invalid_value, "brings picture and size: leave --picture and --width out",
+                 "--template"};
+  }
+  if (options.width_m && !(*options.width_m > 0.0 && std::isfinite(*options.width_m))) {
+    return Error{Errc::invalid_value, "must be above 0 metres", "--width"};
+  }
+  const auto templ = take_template(options);
+  if (!templ) return templ.error();
+  if (!options.camera->empty()) {
+    auto copied = copy_into(*options.camera, options.folder, "camera.yaml");
+    if (!copied) return copied;
+  }
+  return write_whole(pipeline_text(options, *templ), options.folder + "/live.yaml");
+}
+
+}  // namespace
+
+void add_init_command(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<InitOptions>();
+  CLI::App* command =
+      app.add_subcommand("init", "Make a folder with a live pipeline for an object of yours");
+  command->add_option("FOLDER", options->folder, "New folder")->type_name("")->required();
+  command->add_option("--picture", options->picture, "Picture of a flat object, from edge to edge")
+      ->option_text("FILE");
+  command->add_option("--width", options->width_m, "Its width")->option_text("METRES");
+  command
+      ->add_option("--template", options->object,
+                   "In place of both a folder that `weft template make` wrote")
+      ->option_text("FOLDER");
+  command->add_option("--device", options->device, "N of the camera /dev/videoN")
+      ->option_text("N")
+      ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option("--camera", options->camera,
+                   "Camera file, as `weft calibrate` writes it; empty: there is none")
+      ->option_text("FILE");
+  command->footer("What is not given is asked for.");
+  command->callback([&context, options] {
+    if (const auto done = init(*options); !done) {
+      print_error(done.error());
+      context.exit_code = done.error().code == Errc::io ? kInputOutput : kBadConfiguration;
+      return;
+    }
+    fmt::print("{}/live.yaml\nNext: weft live {}/live.yaml\n", options->folder, options->folder);
+  });
+}
+
+}  // namespace weft::cli

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <spawn.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "cli/commands.hpp"
+#include "cli/output/assets.hpp"
+#include "cli/run/run_settings.hpp"
+#include "cli/run/running.hpp"
+
+namespace weft::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSink = "sinks/live";
+
+struct LiveOptions {
+  RunArguments run;
+  bool demo = false, keep = false, record = false, no_browser = false;
+};
+
+/// Laid over every pipeline: the page, the newest frame only, and what keeps the frames.
+Patch live_patch(bool records) {
+  std::string text = std::string("realtime: latest\nsinks:\n  - {use: ") + kSink + ", as: live}\n";
+  if (records) {
+    text +=
+        "  - {use: sinks/dataset, as: recording, params: {path: recording, dense_truth: false}}\n";
+  }
+  auto parsed = yaml::parse(text, "weft live");
+  return {{{"weft live", "", true, "weft live"}}, std::move(parsed->root)};
+}
+
+/// A value of a parameter as text, or nothing.
+std::optional<std::string> value_of(const StageConfig& sink, const std::string& parameter) {
+  const yaml::Node* params = sink.component.effective.find("params");
+  const yaml::Node* value = params != nullptr ? params->find(parameter) : nullptr;
+  if (value == nullptr || value->scalar.empty()) return std::nullopt;
+  return value->scalar;
+}
+
+/// Where the page is; nothing where no sink shows one.
+std::optional<std::string> page_of(const PipelineConfig& config) {
+  for (const StageConfig& sink : config.sinks) {
+    if (sink.component.component().id != kSink) continue;
+    const auto token = value_of(sink, "token");
+    return "http://" + value_of(sink, "address").value_or("") + "/" +
+           (token ? "?token=" + *token : "");
+  }
+  return std::nullopt;
+}
+
+/// By the desktop, if there is one; it goes on by itself, and what it says is nobody's.
+void open_browser(std::string page) {
+  if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
+  posix_spawn_file_actions_t quiet;
+  posix_spawn_file_actions_init(&quiet);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    posix_spawn_file_actions_addopen(&quiet, stream, "/dev/null", O_RDWR, 0);
+  }
+  char program[] = "xdg-open";
+  char* const arguments[] = {program, page.data(), nullptr};
+  pid_t child = 0;
+  posix_spawnp(&child, program, &quiet, nullptr, arguments, environ);
+  posix_spawn_file_actions_destroy(&quiet);
+}
+
+/// The file to run: what was asked for, else a pipeline of `weft init` here, else the one that
+/// comes with the program.
+std::string pipeline_of(const LiveOptions& options) {
+  if (options.demo) return asset("pipelines/live_demo.yaml");
+  if (!options.run.pipeline.empty()) return options.run.pipeline;
+  return fs::exists("live.yaml") ? "live.yaml" : asset("pipelines/live.yaml");
+}
+
+void run_live(const LiveOptions& options, Context& context) {
+  if (options.demo && !options.run.pipeline.empty()) {
+    print_error({Errc::invalid_value, "give a pipeline or --demo, not both", {}});
+    context.exit_code = kBadConfiguration;
+    return;
+  }
+  RunArguments arguments = options.run;
+  arguments.pipeline = pipeline_of(options);
+  arguments.patches = {live_patch(options.record)};
+  arguments.keeps_records = options.keep;
+  bool has_started = false;
+  arguments.started = [&](const PipelineConfig& config) {
+    has_started = true;
+    const auto page = page_of(config);
+    if (!page) return;
+    fmt::print("{}\nCtrl-C ends it.\n", *page);
+    std::fflush(stdout);
+    if (!options.no_browser) open_browser(*page);
+  };
+  run(arguments, context);
+  if (has_started || context.exit_code == kDone) return;
+  fmt::print(stderr,
+             "weft live --demo shows a simulated sheet, without a camera. With one:\n"
+             "  another camera       --set source.device=1 (ls /dev/video*)\n"
+             "  another port         --set live.address=127.0.0.1:8091\n"
+             "  a picture of yours   weft init FOLDER, then weft live FOLDER/live.yaml\n");
+}
+
+}  // namespace
+
+void add_live_command(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<LiveOptions>();
+  CLI::App* command =
+      app.add_subcommand("live", "Show in the browser what a camera sees, while it runs");
+  command
+      ->add_option("PIPELINE", options->run.pipeline,
+                   "Pipeline file (default: live.yaml here, else the printed demo before camera 0)")
+      ->type_name("");
+  command->add_flag("--demo", options->demo, "A simulated sheet in place of a camera");
+  command
+      ->add_option("--out", options->run.folder,
+                   "Run folder, new or empty (default: runs/<name of the pipeline>)")
+      ->option_text("FOLDER");
+  add_settings(*command, options->run.settings);
+  command->add_flag("--keep", options->keep,
+                    "Keep the records of all frames in the run folder, not their lines only");
+  command->add_flag("--record", options->record,
+                    "Keep the frames that were taken in the run folder, see `weft run --repeat`");
+  command->add_flag("--no-browser", options->no_browser, "Print the address, open nothing");
+  command->callback([&context, options] { run_live(*options, context); });
+}
+
+}  // namespace weft::cli

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "cli/commands.hpp"
+#include "pipeline/configuration/config.hpp"
+
+namespace weft::cli {
+
+struct RunArguments {
+  std::string pipeline;
+  std::string folder;    ///< empty: a free one, named as the pipeline
+  std::string repeated;  ///< frames.jsonl of the run that is repeated, or empty
+  std::vector<std::string> settings, dumped;
+  std::vector<Patch> patches{};
+  bool quiet = false;
+  bool keeps_records = true;  ///< see RunOptions
+  /// Called before the first frame, when all sinks are open.
+  std::function<void(const PipelineConfig& config)> started{};
+};
+
+/// Checks and runs a pipeline with progress on stderr; prints what came of it, and mistakes.
+void run(const RunArguments& arguments, Context& context);
+
+}  // namespace weft::cli

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a lane does for runs that change while they run.
+#include "host/calling/lane_parts.hpp"
+#include "host/records/plugin_error.hpp"
+
+namespace weft::host {
+namespace {
+
+const weft_steering* steering_of(const Instance& sink) {
+  if (sink.table == nullptr || sink.table->get_extension == nullptr) return nullptr;
+  return static_cast<const weft_steering*>(sink.table->get_extension(WEFT_STEERING));
+}
+
+}  // namespace
+
+void Lane::replace(Instance& old, Instance& made) {
+  auto in_place = take_out(made);
+  auto gone = take_out(old);
+  in_place->handle = gone->handle;
+  {
+    const std::lock_guard lock(instances_mutex_);
+    instances_[in_place->handle - 1] = std::move(in_place);
+  }
+  destroy(std::move(gone));
+}
+
+void Lane::discard(Instance& instance) { destroy(take_out(instance)); }
+
+std::unique_ptr<Instance> Lane::take_out(Instance& instance) {
+  const std::lock_guard lock(instances_mutex_);
+  return std::move(instances_[instance.handle - 1]);
+}
+
+/// Those nested in it after it: it may call them until it is gone.
+void Lane::destroy(std::unique_ptr<Instance> instance) {
+  const std::vector<Instance*> nested = instance->nested;
+  instance.reset();
+  for (Instance* each : nested) destroy(take_out(*each));
+}
+
+bool Lane::steers(const Instance& sink) { return steering_of(sink) != nullptr; }
+
+Result<std::vector<Wish>> Lane::take_wishes(const Instance& sink) {
+  std::vector<Wish> wishes;
+  const auto note = [](void* context, std::uint64_t number, const char* text) {
+    static_cast<std::vector<Wish>*>(context)->push_back({number, text});
+  };
+  weft_error error{};
+  const auto status = steering_of(sink)->take_wishes(sink.self, &wishes, note, &error);
+  if (status != WEFT_OK) return plugin_error(status, error, sink.id);
+  return wishes;
+}
+
+Result<void> Lane::answer(const Instance& sink, const WishAnswer& answer) {
+  weft_error error{};
+  const auto status = steering_of(sink)->answer(sink.self, answer.number, answer.frame,
+                                                answer.refusal.c_str(), &error);
+  if (status != WEFT_OK) return plugin_error(status, error, sink.id);
+  return {};
+}
+
+}  // namespace weft::host

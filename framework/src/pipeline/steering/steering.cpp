@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/steering/steering.hpp"
+
+#include <chrono>
+#include <weft/core/quote.hpp>
+
+namespace weft {
+namespace {
+
+/// Whoever made the wish may be gone: that is no error of the run.
+void tell(const host::Instance& sink, const WishAnswer& answer) {
+  static_cast<void>(host::Lane::answer(sink, answer));
+}
+
+}  // namespace
+
+Steering::Steering(ChangeMaker maker, Executor& executor, std::vector<const host::Instance*> sinks,
+                   ChangesByFrame repeated)
+    : maker_(std::move(maker)),
+      executor_(executor),
+      sinks_(std::move(sinks)),
+      repeated_(std::move(repeated)),
+      thread_([this] { make_all(); }) {}
+
+Steering::~Steering() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_over_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+  for (const Made& made : made_) maker_.discard(made.change);
+}
+
+bool Steering::wait_for_turn(const std::function<bool()>& cancelled) {
+  constexpr std::chrono::milliseconds kAskEvery{10};  // nobody wakes a run for a wish
+  for (take_wishes(); pace_ == Pace::pausing && !cancelled(); take_wishes()) {
+    std::this_thread::sleep_for(kAskEvery);
+  }
+  if (pace_ == Pace::stepping) pace_ = Pace::pausing;
+  return pace_ != Pace::ended && !cancelled();
+}
+
+void Steering::take_wishes() {
+  for (const host::Instance* sink : sinks_) {
+    const auto wishes = host::Lane::take_wishes(*sink);
+    if (!wishes) continue;
+    for (const Wish& wish : *wishes) hear(*sink, wish);
+  }
+}
+
+void Steering::hear(const host::Instance& sink, const Wish& wish) {
+  constexpr std::string_view kSet = "set ";
+  if (wish.text.starts_with(kSet)) {
+    return ask({&sink, wish.number, wish.text.substr(kSet.size())});
+  }
+  static constexpr std::pair<std::string_view, Pace> kPaces[] = {{"pause", Pace::pausing},
+                                                                 {"step", Pace::stepping},
+                                                                 {"resume", Pace::going},
+                                                                 {"stop", Pace::ended}};
+  for (const auto& [word, pace] : kPaces) {
+    if (word != wish.text) continue;
+    pace_ = pace;
+    return tell(sink, {wish.number, next_frame_, ""});
+  }
+  tell(sink, {wish.number, 0,
+              "no run knows " + quote(wish.text) +
+                  "; wish for: set PATH=VALUE, pause, step, resume or stop"});
+}
+
+void Steering::ask(Asked asked) {
+  {
+    const std::lock_guard lock(mutex_);
+    asked_.push_back(std::move(asked));
+  }
+  changed_.notify_all();
+}
+
+void Steering::make_all() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [this] { return is_over_ || !asked_.empty(); });
+    if (is_over_) return;
+    Asked asked = std::move(asked_.front());
+    asked_.pop_front();
+    is_making_ = true;
+    lock.unlock();
+    auto change = maker_.make(asked.setting);
+    if (!change && asked.sink != nullptr) {
+      tell(*asked.sink, {asked.number, 0, change.error().message});
+    }
+    lock.lock();
+    is_making_ = false;
+    if (change) {
+      made_.push_back({std::move(asked), *std::move(change)});
+    } else if (asked.sink == nullptr) {
+      failure_ =
+          Error{change.error().code,
+                "cannot repeat the change " + quote(asked.setting) + ": " + change.error().message,
+                change.error().where};
+    }
+    changed_.notify_all();
+  }
+}
+
+/// Waits for the changes of an earlier run up to this frame.
+Result<void> Steering::repeat(std::uint64_t frame) {
+  if (repeated_.empty() || repeated_.begin()->first > frame) return {};
+  for (auto due = repeated_.begin(); due != repeated_.end() && due->first <= frame;
+       due = repeated_.erase(due)) {
+    for (std::string& setting : due->second) ask({nullptr, 0, std::move(setting)});
+  }
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return asked_.empty() && !is_making_; });
+  if (failure_) return *failure_;
+  return {};
+}
+
+Result<std::optional<std::string>> Steering::change(std::uint64_t frame) {
+  if (const auto repeated = repeat(frame); !repeated) return repeated.error();
+  std::deque<Made> made;
+  {
+    const std::lock_guard lock(mutex_);
+    made.swap(made_);
+  }
+  std::optional<std::string> settings;
+  for (Made& each : made) {
+    for (StageChange& stage : each.change.stages) {
+      executor_.change(stage.stage, std::move(stage.config), std::move(stage.made));
+    }
+    settings = std::move(each.change.settings);
+    held_.push_back(std::move(each.asked));
+  }
+  return settings;
+}
+
+void Steering::note(FrameResult& frame) {
+  next_frame_ = frame.index + 1;
+  for (Asked& asked : held_) {
+    if (asked.sink != nullptr) tell(*asked.sink, {asked.number, frame.index, ""});
+    frame.changes.push_back(std::move(asked.setting));
+  }
+  held_.clear();
+}
+
+}  // namespace weft

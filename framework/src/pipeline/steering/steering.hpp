@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "pipeline/execution/executor.hpp"
+#include "pipeline/steering/change_maker.hpp"
+#include "pipeline/steering/repeated_frames.hpp"
+
+namespace weft {
+
+/// Lets those at the sinks change a run, pause and end it; or an earlier run, whose changes are
+/// repeated at their frames. Changes are made in a thread of its own. All functions are for the
+/// thread that begins frames.
+class Steering {
+ public:
+  /// `sinks` are those at which somebody may steer. The executor and its lane outlive this.
+  Steering(ChangeMaker maker, Executor& executor, std::vector<const host::Instance*> sinks,
+           ChangesByFrame repeated);
+
+  /// Ends the thread. What no frame had is discarded.
+  ~Steering();
+  Steering(const Steering&) = delete;
+  Steering& operator=(const Steering&) = delete;
+
+  /// Before a frame is read: takes what is wished for, and waits while frames pause. False where
+  /// the run shall end, or is `cancelled`, which is asked again and again.
+  bool wait_for_turn(const std::function<bool()>& cancelled);
+
+  /// Between the reading of a frame and its begin: from this frame on, what is ready holds. Gives
+  /// the settings then, or nothing where they are those of the frame before. Fails where a change
+  /// cannot be repeated.
+  Result<std::optional<std::string>> change(std::uint64_t frame);
+
+  /// Whether somebody wished for the end.
+  bool has_ended() const { return pace_ == Pace::ended; }
+
+  /// Notes what has changed in the frame that has begun, and answers those who wished for it.
+  void note(FrameResult& frame);
+
+ private:
+  struct Asked {
+    const host::Instance* sink = nullptr;  ///< null: an earlier run
+    std::uint64_t number = 0;
+    std::string setting;
+  };
+  struct Made {
+    Asked asked;
+    PipelineChange change;
+  };
+  enum class Pace { going, stepping, pausing, ended };
+
+  void take_wishes();
+  void hear(const host::Instance& sink, const Wish& wish);
+  void ask(Asked asked);
+  Result<void> repeat(std::uint64_t frame);
+  void make_all();
+
+  ChangeMaker maker_;  ///< for the thread
+  Executor& executor_;
+  std::vector<const host::Instance*> sinks_;
+  ChangesByFrame repeated_;
+  Pace pace_ = Pace::going;
+  std::uint64_t next_frame_ = 0;  ///< the least number that it can have
+  std::vector<Asked> held_;       ///< what the frame that begins changes
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Asked> asked_;
+  std::deque<Made> made_;
+  std::optional<Error> failure_;  ///< to repeat a change
+  bool is_making_ = false, is_over_ = false;
+  std::thread thread_;
+};
+
+}  // namespace weft

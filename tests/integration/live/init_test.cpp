@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// weft init, typed as a new user would.
+#include <gmock/gmock.h>
+
+#include "integration/shelled_program.hpp"
+
+namespace weft {
+namespace {
+
+using testing::Ended;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::read_text;
+
+class Init : public testing::ShelledProgram {
+ protected:
+  std::string pipeline() const { return read_text(path("mine/live.yaml")); }
+
+  void expect_legal() const {
+    const Ended checked = weft({"check", "mine/live.yaml"});
+    EXPECT_EQ(checked.exit_code, 0) << checked.out << checked.err << pipeline();
+  }
+};
+
+TEST_F(Init, MakesAFolderWithALegalPipelineOfAPicture) {
+  const Ended ended = weft({"init", "mine", "--picture", WEFT_TEXTURE, "--width", "0.297",
+                            "--device", "7", "--camera", ""});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("Next: weft live mine/live.yaml"));
+  EXPECT_THAT(pipeline(), HasSubstr("{device: 7}"));
+  EXPECT_THAT(pipeline(), HasSubstr("width_m: 0.297"));
+  EXPECT_EQ(read_text(path("mine/texture.png")), read_text(WEFT_TEXTURE));
+  expect_legal();
+}
+
+TEST_F(Init, AsksForWhatIsNotGiven) {
+  write("fx: 500\nfy: 500\ncx: 319.5\ncy: 239.5\nwidth: 640\nheight: 480\n", "calibrated.yaml");
+  const Ended ended =
+      weft(R"(printf '%s\n0.2\n\n%s\n' ')" WEFT_TEXTURE R"(' calibrated.yaml | "$0" "$@")",
+           {"init", "mine"});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("Its printed width in metres"));
+  EXPECT_THAT(pipeline(), HasSubstr("{device: 0, camera: camera.yaml}"));
+  EXPECT_THAT(pipeline(), HasSubstr("width_m: 0.2,"));
+  expect_legal();
+}
+
+TEST_F(Init, SaysWhatIsMissingWhereThereIsNobodyToAsk) {
+  const Ended ended = weft(R"("$0" "$@" < /dev/null)", {"init", "mine"});
+  EXPECT_EQ(ended.exit_code, 2);
+  EXPECT_THAT(ended.err, HasSubstr("--picture: is missing"));
+}
+
+TEST_F(Init, TakesWhatTemplateMakeWrote) {
+  const Ended made = weft({"template", "make", "--use", "templates/rectangular", "--set",
+                           "texture=" WEFT_TEXTURE, "--set", "width_m=0.2", "--out", "sheet"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const Ended ended =
+      weft({"init", "mine", "--template", "sheet", "--device", "0", "--camera", ""});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(pipeline(), HasSubstr("mesh: template.obj"));
+  expect_legal();
+}
+
+TEST_F(Init, LeavesAFolderAloneThatIsInUse) {
+  std::filesystem::create_directories(path("mine"));
+  write("precious", "mine/live.yaml");
+  const Ended ended = weft({"init", "mine", "--picture", WEFT_TEXTURE, "--width", "0.297",
+                            "--device", "0", "--camera", ""});
+  EXPECT_NE(ended.exit_code, 0);
+  EXPECT_EQ(pipeline(), "precious");
+}
+
+TEST_F(Init, NamesAnOptionThatIsNoLength) {
+  const Ended ended = weft({"init", "mine", "--picture", WEFT_TEXTURE, "--width", "-1", "--device",
+                            "0", "--camera", ""});
+  EXPECT_EQ(ended.exit_code, 2);
+  EXPECT_THAT(ended.err, HasSubstr("--width: must be above 0 metres"));
+}
+
+}  // namespace
+}  // namespace weft
