@@ -19,7 +19,4 @@ struct Address {
 /// Of `tcp://127.0.0.1:5005`, `udp://[::1]:5005`, `tcp://localhost:5005`. Names are not looked up.
 Result<Address> parse_address(const std::string& text);
 
-/// An error about the address `text` that says what to change, where there is advice.
-Error address_error(const std::string& text, const boost::system::error_code& code);
-
 }  // namespace weft::stream

@@ -9,6 +9,7 @@
 #include <list>
 #include <thread>
 
+#include "common/network_address.hpp"
 #include "outlet.hpp"
 
 namespace weft::stream {
@@ -136,7 +137,7 @@ class TcpOutlet final : public Outlet {
 MadeOutlet listen_at(const Address& address, const std::string& name) {
   auto outlet = std::make_unique<TcpOutlet>();
   if (const auto code = outlet->listen({address.host, address.port})) {
-    return address_error(name, code);
+    return network::address_error(name, code);
   }
   return std::unique_ptr<Outlet>(std::move(outlet));
 }

@@ -4,6 +4,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 
+#include "common/network_address.hpp"
 #include "outlet.hpp"
 
 namespace weft::stream {
@@ -29,7 +30,7 @@ class UdpOutlet final : public Outlet {
     socket_.send_to(asio::buffer(message), reader_, 0, code);
     // A network that has no room for it now loses it, as it may lose any other datagram.
     if (!code || code == asio::error::would_block) return {};
-    if (code != asio::error::message_size) return address_error(name_, code);
+    if (code != asio::error::message_size) return network::address_error(name_, code);
     return Error{Errc::unsupported,
                  "a frame of " + std::to_string(message.size()) +
                      " bytes does not fit a datagram, which holds 65507: take format: packed, "
@@ -49,7 +50,7 @@ class UdpOutlet final : public Outlet {
 
 MadeOutlet send_to(const Address& address, const std::string& name) {
   auto outlet = std::make_unique<UdpOutlet>(address, name);
-  if (const auto code = outlet->open()) return address_error(name, code);
+  if (const auto code = outlet->open()) return network::address_error(name, code);
   return std::unique_ptr<Outlet>(std::move(outlet));
 }
 

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "exchange.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace weft::live {
+namespace {
+
+constexpr std::size_t kMostLines = 256, kMostWishes = 64;
+/// Wishes that nobody has answered: a run that forgets one must not fill the memory.
+constexpr std::size_t kMostAskers = 256;
+
+}  // namespace
+
+void Exchange::wake() {
+  if (is_woken_ || !wake_) return;
+  is_woken_ = true;
+  wake_();
+}
+
+void Exchange::put_frame(FrameCopy frame) {
+  const std::lock_guard lock(mutex_);
+  arrivals_.frame = std::move(frame);
+  wake();
+}
+
+void Exchange::put_line(std::string line) {
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  line += '\n';
+  const std::lock_guard lock(mutex_);
+  if (arrivals_.lines.size() == kMostLines) arrivals_.lines.pop_front();
+  arrivals_.lines.push_back(std::move(line));
+  wake();
+}
+
+void Exchange::put_settings(std::string settings) {
+  const std::lock_guard lock(mutex_);
+  arrivals_.settings = std::move(settings);
+  wake();
+}
+
+std::vector<Wish> Exchange::take_wishes() {
+  const std::lock_guard lock(mutex_);
+  std::vector<Wish> taken(std::make_move_iterator(wishes_.begin()),
+                          std::make_move_iterator(wishes_.end()));
+  wishes_.clear();
+  return taken;
+}
+
+void Exchange::answer(const WishAnswer& answer) {
+  const std::lock_guard lock(mutex_);
+  const auto asker = askers_.find(answer.number);
+  if (asker == askers_.end()) return;
+  arrivals_.answers.push_back(
+      {asker->second.client, asker->second.number, answer.frame, answer.refusal});
+  askers_.erase(asker);
+  wake();
+}
+
+void Exchange::attach(std::function<void()> wake) {
+  const std::lock_guard lock(mutex_);
+  wake_ = std::move(wake);
+  is_woken_ = false;
+}
+
+void Exchange::detach() { attach(nullptr); }
+
+Arrivals Exchange::take() {
+  const std::lock_guard lock(mutex_);
+  is_woken_ = false;
+  return std::exchange(arrivals_, {});
+}
+
+std::string Exchange::ask(ClientId client, std::uint64_t number, std::string text) {
+  const std::lock_guard lock(mutex_);
+  if (wishes_.size() == kMostWishes) {
+    return "64 wishes wait already: the run takes them before each frame, so wish again then";
+  }
+  if (askers_.size() == kMostAskers) askers_.erase(askers_.begin());
+  askers_[++asked_] = {client, number};
+  wishes_.push_back({asked_, std::move(text)});
+  return {};
+}
+
+}  // namespace weft::live

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+#include <weft/sdk/sink.hpp>
+
+#include "frame.hpp"
+
+namespace weft::live {
+
+using ClientId = std::uint64_t;
+
+/// What became of a client's wish, under the client's own number.
+struct ClientAnswer {
+  ClientId client;
+  std::uint64_t number, frame;
+  std::string refusal;
+};
+
+/// What has come from the run since the server last looked.
+struct Arrivals {
+  std::optional<FrameCopy> frame;  ///< the newest
+  std::deque<std::string> lines;   ///< reports, the newest ones
+  std::optional<std::string> settings;
+  std::vector<ClientAnswer> answers;
+};
+
+/// What passes between the run and the server, each on threads of its own. Nothing grows: of frames
+/// the newest stays, of all else so many that nobody who reads misses one.
+class Exchange {
+ public:
+  // From the run.
+  bool is_watched() const { return viewers_ > 0; }  ///< whether frames are worth copying
+  bool is_read() const { return readers_ > 0; }     ///< and lines
+  void put_frame(FrameCopy frame);
+  void put_line(std::string line);
+  void put_settings(std::string settings);
+  std::vector<Wish> take_wishes();
+  void answer(const WishAnswer& answer);
+
+  // From the server. `wake` is called, from any thread, when there is something to take.
+  void attach(std::function<void()> wake);
+  void detach();
+  Arrivals take();
+  /// Why the wish is not handed on; empty where it is.
+  std::string ask(ClientId client, std::uint64_t number, std::string text);
+  void count_viewers(int change) { viewers_ += change; }
+  void count_readers(int change) { readers_ += change; }
+
+ private:
+  struct Asker {
+    ClientId client;
+    std::uint64_t number;
+  };
+
+  void wake();
+
+  std::atomic<int> viewers_ = 0, readers_ = 0;
+  std::mutex mutex_;
+  std::function<void()> wake_;
+  bool is_woken_ = false;
+  Arrivals arrivals_;
+  std::deque<Wish> wishes_;
+  std::map<std::uint64_t, Asker> askers_;  ///< by our own number
+  std::uint64_t asked_ = 0;
+};
+
+}  // namespace weft::live

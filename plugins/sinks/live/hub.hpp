@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+#include <weft/data/camera.hpp>
+
+#include "exchange.hpp"
+#include "gate.hpp"
+
+namespace weft::live {
+
+/// What bounds the clients.
+struct Limits {
+  std::size_t clients = 64;
+  std::size_t message_bytes = 64 * 1024;      ///< of what a client says
+  std::chrono::milliseconds request{10'000};  ///< until a request and its answer are through
+  std::chrono::milliseconds write{20'000};    ///< until a client has taken what it is sent
+  std::chrono::milliseconds silence{30'000};  ///< until a client answers whether it is there
+  std::chrono::milliseconds end{400};         ///< for all clients together, after the last frame
+};
+
+/// What does not change in a run.
+struct LiveSetup {
+  Gate gate;
+  PictureStyle style{};
+  Camera camera{};
+  std::vector<std::int32_t> faces{};  ///< [F,3] vertex indices
+  std::string scene{};                ///< of hello, see messages.hpp
+  Limits limits{};
+};
+
+/// One connection. Everything of it belongs to the server's thread.
+class Client {
+ public:
+  virtual ~Client() = default;
+  Client(const Client&) = delete;
+  Client& operator=(const Client&) = delete;
+
+  /// The hub has a new frame or new settings.
+  virtual void look() {}
+  virtual void take_line(const Text& /*line*/) {}
+  virtual void take_answer(const ClientAnswer& /*answer*/) {}
+  /// The run is over: the client gets what is left, or, `at_once`, nothing any more.
+  virtual void end(bool at_once) = 0;
+
+ protected:
+  Client() = default;
+};
+
+/// What the clients share, of the server's thread.
+struct Hub {
+  Hub(LiveSetup given, Exchange& run) : setup(std::move(given)), exchange(run) {}
+  Hub(const Hub&) = delete;
+  Hub& operator=(const Hub&) = delete;
+
+  const LiveSetup setup;
+  Exchange& exchange;
+  std::shared_ptr<ShownFrame> newest;  ///< null before the first one
+  std::uint64_t frame_count = 0;       ///< counts up with each newest frame
+  std::string settings;                ///< one JSON object; empty before the first ones
+  std::uint64_t settings_count = 0;
+  std::set<Client*> clients;
+  ClientId last_client = 0;
+  std::function<void()> when_empty;  ///< called when the last client has gone; may be null
+};
+
+/// A client's place among the others, while it lives.
+class Place {
+ public:
+  Place(Hub& hub, Client& client) : hub_(hub), client_(client) { hub.clients.insert(&client); }
+  ~Place() {
+    hub_.clients.erase(&client_);
+    if (hub_.clients.empty() && hub_.when_empty) hub_.when_empty();
+  }
+  Place(const Place&) = delete;
+  Place& operator=(const Place&) = delete;
+
+ private:
+  Hub& hub_;
+  Client& client_;
+};
+
+}  // namespace weft::live

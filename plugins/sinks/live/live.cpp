@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <weft/core/index.hpp>
+#include <weft/core/quote.hpp>
+#include <weft/sdk/sink.hpp>
+
+#include "messages.hpp"
+#include "server.hpp"
+
+namespace weft::live {
+namespace {
+
+Array<std::uint8_t> copy_of(const Array<std::uint8_t>& pixels) {
+  Array<std::uint8_t> copy =
+      pixels.ndim() == 2 ? Array<std::uint8_t>({pixels.dim(0), pixels.dim(1)})
+                         : Array<std::uint8_t>({pixels.dim(0), pixels.dim(1), pixels.dim(2)});
+  for (std::int64_t y = 0; y < pixels.rows(); ++y) {
+    std::copy_n(pixels.row(y), pixels.row_elements(), copy.row(y));
+  }
+  return copy;
+}
+
+std::uint64_t now_ns() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
+}
+
+/// The run as it goes, for browsers and other programs: frames, what came of them, and a way to
+/// change the run.
+class Live final : public Sink {
+ public:
+  static constexpr About kAbout{.reads = "image time shape visibility frame_report run_settings"};
+
+  explicit Live(Params& p) {
+    p.text("address", address_, "ADDRESS:PORT at which it is served; port 0 takes a free one");
+    p.text("token", token_,
+           "what clients must know, at least 16 letters and digits; needed where others than this "
+           "machine reach the address");
+    p.text("origin", origin_,
+           "a page of another origin that may connect too, such as https://app.foxglove.dev");
+    p.read("jpeg_quality", style_.quality, "", {1, 100}, "of the images that clients are sent");
+    p.read("image_width_px", style_.width_px, "px", {0, 20'000},
+           "wider images are made smaller for clients; 0: none is");
+  }
+
+  void check(Mistakes& mistakes) const {
+    const auto place = destination();
+    if (!mistakes.expect("address", place)) return;
+    const Gate gate(place->host, token_, origin_);
+    mistakes.expect("token", gate.check_token());
+    mistakes.expect("origin", gate.check_origin());
+  }
+
+  Result<void> prepare(const PrepareInput& in) override {
+    vertex_count_ = in.templ.vertices_m.rows();
+    camera_ = in.camera;
+    faces_.clear();
+    for (std::int64_t f = 0; f < in.templ.faces.rows(); ++f) {
+      faces_.insert(faces_.end(), in.templ.faces.row(f), in.templ.faces.row(f) + 3);
+    }
+    scene_ = scene_members(in.templ, in.camera);
+    return {};
+  }
+
+  Result<void> open(const Call& call) override {
+    const auto place = destination();
+    if (!place) return place.error();
+    LiveSetup setup{Gate(place->host, token_, origin_), style_, camera_, faces_, scene_, {}};
+    if (auto fits = setup.gate.check_token(); !fits) return fits;
+    if (auto fits = setup.gate.check_origin(); !fits) return fits;
+    auto started = start_server(*place, std::move(setup), exchange_);
+    if (!started) return started.error();
+    server_ = *std::move(started);
+    call.log_info("the live view is at " + url(*place) + (token_.empty() ? "" : "?token=..."));
+    return {};
+  }
+
+  Result<void> write(const SinkInput& in) override {
+    if (!server_) return Error{Errc::io, "the live view is not open"};
+    if (in.shape) {
+      if (auto fits = check_shape(*in.shape); !fits) return fits;
+    }
+    if (in.run_settings && in.run_settings->revision != settings_revision_) {
+      settings_revision_ = in.run_settings->revision;
+      exchange_.put_settings(in.run_settings->json);
+    }
+    if (in.frame_report && exchange_.is_read()) exchange_.put_line(in.frame_report->json);
+    if (exchange_.is_watched()) exchange_.put_frame(shown_of(in));
+    return {};
+  }
+
+  Result<void> finish(const Call&) override {
+    if (server_) server_->finish();
+    server_.reset();
+    return {};
+  }
+
+  std::vector<Wish> take_wishes() { return exchange_.take_wishes(); }
+  void answer(const WishAnswer& answer) { exchange_.answer(answer); }
+
+ private:
+  Result<network::Address> destination() const {
+    auto place = network::parse_address(address_, 0);
+    if (place) return place;
+    return Error{Errc::invalid_value, quote(address_) + " " + place.error().message +
+                                          "; write 127.0.0.1:8090, [::1]:8090 or localhost:8090"};
+  }
+
+  std::string url(const network::Address& place) const {
+    std::string host = place.host.to_string();
+    if (place.host.is_v6()) host = "[" + host + "]";
+    if (place.host.is_unspecified()) host = "<address of this machine>";
+    return "http://" + host + ":" + std::to_string(server_->port()) + "/";
+  }
+
+  Result<void> check_shape(const Shape& shape) const {
+    if (shape.vertices_m.rows() != vertex_count_) {
+      return Error{Errc::invalid_data, "the shape has " + std::to_string(shape.vertices_m.rows()) +
+                                           " vertices, the template " +
+                                           std::to_string(vertex_count_)};
+    }
+    if (shape.vertices_m.matrix<3>().allFinite()) return {};
+    return Error{Errc::invalid_data, "the shape has a number that is not finite"};
+  }
+
+  FrameCopy shown_of(const SinkInput& in) const {
+    FrameCopy shown;
+    shown.frame = in.call.frame();
+    shown.taken_ns = now_ns();
+    if (in.time) shown.time_s = in.time->t_s;
+    if (in.image) shown.pixels = copy_of(in.image->pixels);
+    if (in.frame_report) shown.report = in.frame_report->json;
+    if (!in.shape) return shown;
+    shown.state = in.shape->shape_state();
+    shown.vertices_m.reserve(to_index(3 * vertex_count_));
+    for (std::int64_t v = 0; v < vertex_count_; ++v) {
+      const double* xyz = in.shape->vertices_m.row(v);
+      for (int i = 0; i < 3; ++i) shown.vertices_m.push_back(static_cast<float>(xyz[i]));
+    }
+    if (in.visibility && in.visibility->visible.rows() == vertex_count_) {
+      for (std::int64_t v = 0; v < vertex_count_; ++v) {
+        shown.visible.push_back(in.visibility->visible(v));
+      }
+    }
+    return shown;
+  }
+
+  std::string address_ = "127.0.0.1:8090", token_, origin_;
+  PictureStyle style_;
+
+  std::int64_t vertex_count_ = 0;
+  Camera camera_;
+  std::vector<std::int32_t> faces_;
+  std::string scene_;
+  std::optional<std::uint64_t> settings_revision_;
+  Exchange exchange_;  // outlives the server
+  std::unique_ptr<Server> server_;
+};
+
+}  // namespace
+}  // namespace weft::live
+
+using weft::live::Live;
+WEFT_PLUGIN(Live, "sinks/live", "1.0.0",
+            "Shows the run in a browser while it goes, sends it to other programs, and lets them "
+            "change it.")

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <deque>
+
+#include "messages.hpp"
+#include "protocol.hpp"
+
+namespace weft::live {
+namespace {
+
+class LiveProtocol final : public Protocol {
+ public:
+  LiveProtocol(Hub& hub, ClientId client) : hub_(hub), client_(client) {}
+
+  std::optional<Outgoing> next() override {
+    if (!is_greeted_) {
+      is_greeted_ = true;
+      settings_had_ = hub_.settings_count;
+      return text_message(hello_message(hub_.setup.scene, hub_.settings));
+    }
+    if (!answers_.empty()) {
+      Outgoing answer = text_message(std::move(answers_.front()));
+      answers_.pop_front();
+      return answer;
+    }
+    if (settings_had_ != hub_.settings_count) {
+      settings_had_ = hub_.settings_count;
+      return text_message(settings_message(hub_.settings));
+    }
+    if (!is_ready_ || is_served()) return std::nullopt;
+    is_ready_ = false;
+    frame_had_ = hub_.frame_count;
+    const auto message = [](ShownFrame& frame) {
+      return frame_message(frame.copy(), frame.jpeg());
+    };
+    return Outgoing{{}, hub_.newest->once(kLiveProtocol, message), false};
+  }
+
+  std::string receive(std::string_view message, bool is_text) override {
+    if (!is_text) return "a message that is no text";
+    const auto said = parse_said(message);
+    if (!said) return said.error().message;
+    if (!said->is_wish) {
+      is_ready_ = true;
+      return {};
+    }
+    const std::string refusal = hub_.exchange.ask(client_, said->number, said->text);
+    if (!refusal.empty()) answers_.push_back(answer_message(said->number, 0, refusal));
+    return {};
+  }
+
+  void take_answer(const ClientAnswer& answer) override {
+    answers_.push_back(answer_message(answer.number, answer.frame, answer.refusal));
+  }
+
+  bool takes_more() const override { return answers_.size() < kMostAnswers; }
+  bool is_served() const override { return frame_had_ == hub_.frame_count; }
+
+ private:
+  static constexpr std::size_t kMostAnswers = 64;
+
+  Hub& hub_;
+  ClientId client_;
+  bool is_greeted_ = false, is_ready_ = false;
+  std::uint64_t settings_had_ = 0, frame_had_ = 0;
+  std::deque<std::string> answers_;
+};
+
+}  // namespace
+
+std::unique_ptr<Protocol> speak_live(Hub& hub, ClientId client) {
+  return std::make_unique<LiveProtocol>(hub, client);
+}
+
+}  // namespace weft::live

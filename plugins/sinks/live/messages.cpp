@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "messages.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <vector>
+#include <weft/core/index.hpp>
+#include <weft/core/version.hpp>
+
+#include "json_text.hpp"
+
+namespace weft::live {
+namespace {
+
+using nlohmann::json;
+
+static_assert(std::endian::native == std::endian::little);
+constexpr std::uint32_t kMagic = 0x314C4657;  // "WFL1"
+
+/// JPEG of more would be large in hello, and textures of more are unknown to some browsers.
+constexpr int kMostTexture_px = 2048;
+constexpr int kTextureQuality = 85;
+
+/// Rows of the array, without what stands between them, as numbers of another type.
+template <class To, class From>
+std::vector<To> packed(const Array<From>& array) {
+  std::vector<To> numbers;
+  numbers.reserve(to_index(array.size()));
+  for (std::int64_t i = 0; i < array.rows(); ++i) {
+    const From* row = array.row(i);
+    std::transform(row, row + array.row_elements(), std::back_inserter(numbers),
+                   [](From number) { return static_cast<To>(number); });
+  }
+  return numbers;
+}
+
+template <class Number>
+void add_base64(std::string& text, const std::vector<Number>& numbers) {
+  text += '"' + base64(numbers.data(), numbers.size() * sizeof(Number)) + '"';
+}
+
+/// [V,2] of 0 to 1 from the texture's upper left corner, which is half a pixel before its first
+/// pixel's centre.
+std::vector<float> texture_places(const Template& templ) {
+  const double width_px = static_cast<double>(templ.texture.dim(1));
+  const double height_px = static_cast<double>(templ.texture.dim(0));
+  std::vector<float> places;
+  places.reserve(to_index(templ.flat_px.size()));
+  for (std::int64_t i = 0; i < templ.flat_px.rows(); ++i) {
+    places.push_back(static_cast<float>((templ.flat_px(i, 0) + 0.5) / width_px));
+    places.push_back(static_cast<float>((templ.flat_px(i, 1) + 0.5) / height_px));
+  }
+  return places;
+}
+
+std::string texture_of(const Template& templ) {
+  const std::int64_t longer_px = std::max(templ.texture.dim(0), templ.texture.dim(1));
+  PictureStyle style{kTextureQuality, 0};
+  if (longer_px > kMostTexture_px) {
+    style.width_px = std::max(
+        1, static_cast<int>(templ.texture.dim(1) * std::int64_t{kMostTexture_px} / longer_px));
+  }
+  return jpeg_of(templ.texture, style);
+}
+
+/// A member whose value is a JSON object, or null.
+void add_object(std::string& text, const char* name, const std::string& object) {
+  text += std::string("\"") + name + "\":" + (object.empty() ? "null" : object);
+}
+
+void put(std::string& bytes, std::uint32_t number) {
+  bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+}
+
+void put_part(std::string& bytes, const void* part, std::size_t count) {
+  if (count > 0) bytes.append(static_cast<const char*>(part), count);
+  bytes.append((4 - count % 4) % 4, '\0');
+}
+
+/// Whether it could end a line of a log, or hide what follows in a text of C.
+bool has_control_character(const std::string& text) {
+  return std::any_of(text.begin(), text.end(),
+                     [](char c) { return static_cast<unsigned char>(c) < 0x20; });
+}
+
+}  // namespace
+
+std::string base64(const void* bytes, std::size_t count) {
+  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  const auto* from = static_cast<const unsigned char*>(bytes);
+  std::string text;
+  text.reserve((count + 2) / 3 * 4);
+  for (std::size_t i = 0; i < count; i += 3) {
+    const std::size_t left = count - i;
+    const std::uint32_t group = (std::uint32_t{from[i]} << 16U) |
+                                (left > 1 ? std::uint32_t{from[i + 1]} << 8U : 0U) |
+                                (left > 2 ? std::uint32_t{from[i + 2]} : 0U);
+    text += kDigits[group >> 18U];
+    text += kDigits[(group >> 12U) & 63U];
+    text += left > 1 ? kDigits[(group >> 6U) & 63U] : '=';
+    text += left > 2 ? kDigits[group & 63U] : '=';
+  }
+  return text;
+}
+
+std::string scene_members(const Template& templ, const Camera& camera) {
+  std::string text = std::string("\"weft\":\"") + kVersion + "\",\"camera\":{\"fx\":";
+  add_number(text, camera.fx);
+  text += ",\"fy\":";
+  add_number(text, camera.fy);
+  text += ",\"cx\":";
+  add_number(text, camera.cx);
+  text += ",\"cy\":";
+  add_number(text, camera.cy);
+  text += ",\"width_px\":";
+  add_number(text, camera.width_px);
+  text += ",\"height_px\":";
+  add_number(text, camera.height_px);
+  text += "},\"template\":{\"vertices_m\":";
+  add_base64(text, packed<float>(templ.vertices_m));
+  text += ",\"faces\":";
+  add_base64(text, packed<std::int32_t>(templ.faces));
+  text += ",\"uv\":";
+  add_base64(text, texture_places(templ));
+  text += ",\"texture\":";
+  const std::string texture = texture_of(templ);
+  text += texture.empty()
+              ? "null}"
+              : "\"data:image/jpeg;base64," + base64(texture.data(), texture.size()) + "\"}";
+  return text;
+}
+
+std::string hello_message(const std::string& scene, const std::string& settings) {
+  std::string text = "{\"type\":\"hello\"," + scene + ",";
+  add_object(text, "settings", settings);
+  return text + "}";
+}
+
+std::string settings_message(const std::string& settings) {
+  std::string text = "{\"type\":\"settings\",";
+  add_object(text, "settings", settings);
+  return text + "}";
+}
+
+std::string answer_message(std::uint64_t number, std::uint64_t frame, const std::string& refusal) {
+  std::string text = "{\"type\":\"answer\",\"number\":";
+  add_number(text, number);
+  text += ",\"frame\":";
+  add_number(text, frame);
+  text += ",\"refusal\":";
+  return text + json(refusal).dump(-1, ' ', false, json::error_handler_t::replace) + "}";
+}
+
+std::string frame_message(const FrameCopy& frame, const std::string& jpeg) {
+  const std::size_t vertex_bytes = frame.vertices_m.size() * sizeof(float);
+  std::string text = "{\"frame\":";
+  add_number(text, frame.frame);
+  text += ",\"time_s\":";
+  add_number(text, frame.time_s);
+  text += ",";
+  add_object(text, "report", frame.report);
+  text += ",\"parts\":[";
+  std::size_t parts = 0;
+  const auto add_part = [&](const char* name, const char* type, std::size_t bytes) {
+    if (bytes == 0) return;
+    text += std::string(parts++ > 0 ? "," : "") + "{\"name\":\"" + name + "\",\"type\":\"" + type +
+            "\",\"bytes\":";
+    add_number(text, bytes);
+    text += "}";
+  };
+  add_part("image", "jpeg", jpeg.size());
+  add_part("vertices_m", "f32", vertex_bytes);
+  add_part("visible", "u8", frame.visible.size());
+  text += "]}";
+  text.append((4 - text.size() % 4) % 4, ' ');  // what follows stands at multiples of 4
+
+  std::string bytes;
+  bytes.reserve(text.size() + jpeg.size() + vertex_bytes + frame.visible.size() + 20);
+  put(bytes, kMagic);
+  put(bytes, static_cast<std::uint32_t>(text.size()));
+  bytes += text;
+  put_part(bytes, jpeg.data(), jpeg.size());
+  put_part(bytes, frame.vertices_m.data(), vertex_bytes);
+  put_part(bytes, frame.visible.data(), frame.visible.size());
+  return bytes;
+}
+
+Result<Said> parse_said(std::string_view message) {
+  const auto refuse = [](const char* why) { return Error{Errc::syntax, why}; };
+  const json said = json::parse(message, nullptr, false);
+  if (!said.is_object()) return refuse("a message that is no JSON object");
+  const auto type = said.find("type");
+  if (type == said.end() || !type->is_string()) return refuse("a message without a type");
+  if (*type == "ready") return Said{};
+  if (*type != "wish") return refuse("a message of another type than ready and wish");
+  const auto number = said.find("number"), text = said.find("text");
+  if (number == said.end() || !number->is_number_unsigned()) {
+    return refuse("a wish without a number from 0 on");
+  }
+  if (text == said.end() || !text->is_string()) return refuse("a wish without a text");
+  Said wish{true, number->get<std::uint64_t>(), text->get<std::string>()};
+  if (has_control_character(wish.text)) return refuse("a wish with a control character");
+  return wish;
+}
+
+}  // namespace weft::live

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <weft/core/result.hpp>
+#include <weft/data/camera.hpp>
+#include <weft/data/template.hpp>
+
+#include "frame.hpp"
+
+namespace weft::live {
+
+/// The messages of the protocol weft.live.1, as the tables in the README have them.
+
+/// What does not change in a run: `"weft":..,"camera":{..},"template":{..}`.
+std::string scene_members(const Template& templ, const Camera& camera);
+
+/// `settings` is a JSON object, or empty where nothing is known.
+std::string hello_message(const std::string& scene, const std::string& settings);
+std::string settings_message(const std::string& settings);
+std::string answer_message(std::uint64_t number, std::uint64_t frame, const std::string& refusal);
+
+/// `jpeg` is the picture, or empty.
+std::string frame_message(const FrameCopy& frame, const std::string& jpeg);
+
+/// What a client of weft.live.1 says.
+struct Said {
+  bool is_wish = false;  ///< else it is ready for a frame
+  std::uint64_t number = 0;
+  std::string text;
+};
+
+/// The error is the reason for which the client is closed.
+Result<Said> parse_said(std::string_view message);
+
+std::string base64(const void* bytes, std::size_t count);
+
+}  // namespace weft::live

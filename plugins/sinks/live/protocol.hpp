@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "hub.hpp"
+
+namespace weft::live {
+
+/// One message of a WebSocket.
+struct Outgoing {
+  std::string head;  ///< what is this client's own
+  Text body;         ///< what follows it; never null
+  bool is_text = true;
+};
+
+inline Outgoing text_message(std::string text) {
+  return {{}, std::make_shared<const std::string>(std::move(text)), true};
+}
+
+/// What is said over a WebSocket. The connection asks for the next message when the last one is
+/// through, so that nothing queues up for a client that does not read.
+class Protocol {
+ public:
+  virtual ~Protocol() = default;
+  virtual std::optional<Outgoing> next() = 0;
+  /// What the client says; the answer is empty, or why it is closed.
+  virtual std::string receive(std::string_view message, bool is_text) = 0;
+  virtual void take_answer(const ClientAnswer& /*answer*/) {}
+  /// Whether the client may say more before it has read what waits for it.
+  virtual bool takes_more() const = 0;
+  /// Whether the client has had the newest frame.
+  virtual bool is_served() const = 0;
+};
+
+constexpr std::string_view kLiveProtocol = "weft.live.1";
+constexpr std::string_view kFoxgloveProtocol = "foxglove.websocket.v1";
+
+std::unique_ptr<Protocol> speak_live(Hub& hub, ClientId client);
+std::unique_ptr<Protocol> speak_foxglove(Hub& hub);
+
+}  // namespace weft::live

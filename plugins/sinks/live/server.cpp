@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server.hpp"
+
+#include <fcntl.h>
+
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <future>
+#include <sstream>
+#include <thread>
+
+#include "sessions.hpp"
+
+namespace weft::live {
+namespace {
+
+/// A program that is started beside the run must not keep the port.
+void keep_from_children(int descriptor) { fcntl(descriptor, F_SETFD, FD_CLOEXEC); }
+
+/// All that it holds belongs to its thread, once that runs.
+class TcpServer final : public Server {
+ public:
+  TcpServer(LiveSetup setup, Exchange& exchange)
+      : hub_(std::move(setup), exchange),
+        acceptor_(context_),
+        retry_(context_),
+        last_moment_(context_),
+        work_(asio::make_work_guard(context_)) {}
+  ~TcpServer() override {
+    hub_.exchange.detach();
+    stop();
+  }
+  TcpServer(const TcpServer&) = delete;
+  TcpServer& operator=(const TcpServer&) = delete;
+
+  error_code listen(const tcp::endpoint& endpoint) {
+    error_code code;
+    acceptor_.open(endpoint.protocol(), code);
+    if (!code) keep_from_children(acceptor_.native_handle());
+    // Else the port of a run that has just ended is taken for a minute.
+    if (!code) acceptor_.set_option(tcp::acceptor::reuse_address(true), code);
+    if (!code) acceptor_.bind(endpoint, code);
+    if (!code) acceptor_.listen(tcp::acceptor::max_listen_connections, code);
+    if (code) return code;
+    port_ = acceptor_.local_endpoint(code).port();
+    accept();
+    std::promise<void> ended;
+    ended_ = ended.get_future();
+    thread_ = std::thread([this, promise = std::move(ended)]() mutable {
+      serve();
+      promise.set_value();
+    });
+    hub_.exchange.attach([this] { asio::post(context_, [this] { receive(); }); });
+    return code;
+  }
+
+  std::uint16_t port() const override { return port_; }
+
+  void finish() override {
+    if (!thread_.joinable()) return;
+    hub_.exchange.detach();
+    asio::post(context_, [this] { end(); });
+    ended_.wait_for(hub_.setup.limits.end);
+    stop();
+  }
+
+ private:
+  void serve() {
+    for (;;) {
+      try {
+        context_.run();
+        return;
+      } catch (const std::exception&) {
+        // Memory was short for one client, whose handler is gone and with it the client.
+      }
+    }
+  }
+
+  void stop() {
+    context_.stop();
+    if (thread_.joinable()) thread_.join();
+    hub_.when_empty = nullptr;
+  }
+
+  void accept() {
+    acceptor_.async_accept([this](const error_code& code, tcp::socket socket) {
+      if (!acceptor_.is_open()) return;
+      if (code) return accept_later();
+      keep_from_children(socket.native_handle());
+      error_code ignored;
+      socket.set_option(tcp::no_delay(true), ignored);
+      admit(std::move(socket));
+      accept();
+    });
+  }
+
+  /// There are too many open files, which may pass.
+  void accept_later() {
+    constexpr std::chrono::milliseconds kPause(100);
+    retry_.expires_after(kPause);
+    retry_.async_wait([this](const error_code& code) {
+      if (!code && acceptor_.is_open()) accept();
+    });
+  }
+
+  void admit(tcp::socket socket) {
+    const std::size_t most = hub_.setup.limits.clients;
+    if (hub_.clients.size() < most) {
+      serve_request(std::move(socket), hub_);
+    } else if (hub_.clients.size() < 2 * most) {
+      turn_away(std::move(socket), hub_);
+    }
+  }
+
+  void receive() {
+    Arrivals arrivals = hub_.exchange.take();
+    if (arrivals.settings) {
+      hub_.settings = *std::move(arrivals.settings);
+      ++hub_.settings_count;
+    }
+    if (arrivals.frame) {
+      hub_.newest = std::make_shared<ShownFrame>(*std::move(arrivals.frame), hub_.setup.style);
+      ++hub_.frame_count;
+    }
+    std::vector<Text> lines;
+    for (std::string& line : arrivals.lines) {
+      lines.push_back(std::make_shared<const std::string>(std::move(line)));
+    }
+    for (Client* client : hub_.clients) {
+      for (const ClientAnswer& answer : arrivals.answers) client->take_answer(answer);
+      for (const Text& line : lines) client->take_line(line);
+      if (arrivals.settings || arrivals.frame) client->look();
+    }
+  }
+
+  /// Clients that are not through in half of the time are told so at once; the thread ends when all
+  /// have gone.
+  void end() {
+    receive();
+    error_code ignored;
+    acceptor_.close(ignored);
+    retry_.cancel();
+    work_.reset();
+    for (Client* client : hub_.clients) client->end(false);
+    if (hub_.clients.empty()) return;
+    hub_.when_empty = [this] { last_moment_.cancel(); };
+    last_moment_.expires_after(hub_.setup.limits.end / 2);
+    last_moment_.async_wait([this](const error_code& code) {
+      if (code) return;
+      for (Client* client : hub_.clients) client->end(true);
+    });
+  }
+
+  Hub hub_;  // the clients in the context look into it to their end
+  asio::io_context context_{1};
+  tcp::acceptor acceptor_;
+  asio::steady_timer retry_, last_moment_;
+  asio::executor_work_guard<asio::io_context::executor_type> work_;
+  std::uint16_t port_ = 0;
+  std::future<void> ended_;
+  std::thread thread_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Server>> start_server(const network::Address& address, LiveSetup setup,
+                                             Exchange& exchange) {
+  auto server = std::make_unique<TcpServer>(std::move(setup), exchange);
+  const tcp::endpoint endpoint(address.host, address.port);
+  if (const auto code = server->listen(endpoint)) {
+    std::ostringstream name;
+    name << endpoint;
+    return network::address_error(name.str(), code);
+  }
+  return std::unique_ptr<Server>(std::move(server));
+}
+
+}  // namespace weft::live

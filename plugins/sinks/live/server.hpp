@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "common/network_address.hpp"
+#include "hub.hpp"
+
+namespace weft::live {
+
+/// HTTP and WebSockets at one port, served by a thread of its own.
+class Server {
+ public:
+  virtual ~Server() = default;
+  /// Another one than was asked for where that was 0.
+  virtual std::uint16_t port() const = 0;
+  /// Lets clients have the newest frame and ends them all, within Limits::end.
+  virtual void finish() = 0;
+};
+
+/// Listens from now on. `exchange` outlives the server.
+Result<std::unique_ptr<Server>> start_server(const network::Address& address, LiveSetup setup,
+                                             Exchange& exchange);
+
+}  // namespace weft::live

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <limits>
+#include <weft/testing/mistakes.hpp>
+#include <weft/testing/plugin_under_test.hpp>
+
+#include "live_fixture.hpp"
+
+namespace weft::live {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::input;
+using ::testing::IsEmpty;
+using testing::PluginAnswer;
+using testing::PluginUnderTest;
+
+constexpr int kOpen = 0, kWrite = 1, kFinish = 2;
+
+/// The sink as a run has it.
+class LiveSink : public ::testing::Test {
+ protected:
+  LiveSink() {
+    asio::io_context context;
+    const tcp::acceptor taken(context, {asio::ip::address_v4::loopback(), 0});
+    port_ = taken.local_endpoint().port();
+    shape_.vertices_m = Array<double>({4, 3}, 0.5);
+    shape_.source = Array<std::uint8_t>({4}, 1);
+    image_.pixels = Array<std::uint8_t>({30, 40, 3}, 120);
+    report_.json = R"({"frame":0,"state":"estimated"})";
+    settings_.json = R"({"stages":[]})";
+    visibility_.visible = Array<std::uint8_t>({4}, 1);
+    visibility_.score = Array<double>({4}, 1.0);
+    visibility_.reason = Array<std::uint8_t>({4}, 0);
+  }
+
+  std::string params() const { return "{address: '127.0.0.1:" + std::to_string(port_) + "'}"; }
+
+  PluginAnswer open(PluginUnderTest& sink) const {
+    EXPECT_TRUE(sink.prepare(templ_, testing::make_camera()));
+    return sink.process(kOpen, {});
+  }
+
+  PluginAnswer write(PluginUnderTest& sink, std::uint64_t frame) const {
+    const PluginAnswer answer =
+        sink.process(kWrite,
+                     {input("image", image_), input("shape", shape_), input("time", Time{1.5}),
+                      input("visibility", visibility_), input("frame_report", report_),
+                      input("run_settings", settings_)},
+                     frame);
+    sink.forget();
+    return answer;
+  }
+
+  std::uint16_t port_ = 0;
+  Template templ_ = testing::make_template({2, 2, 0.2, 0.15, 40, 30});
+  Shape shape_;
+  Image image_;
+  FrameReport report_;
+  RunSettings settings_;
+  Visibility visibility_;
+};
+
+TEST_F(LiveSink, ShowsFramesToWhoIsThere) {
+  PluginUnderTest sink("sinks/live", params());
+  ASSERT_EQ(open(sink).status, WEFT_OK);
+  ASSERT_EQ(write(sink, 0).status, WEFT_OK);
+  Viewer viewer(port_);
+  ASSERT_TRUE(viewer.is_open());
+  const json hello = viewer.text();
+  EXPECT_TRUE(hello["settings"]["stages"].is_array());
+  viewer.ready();
+  ASSERT_EQ(write(sink, 1).status, WEFT_OK);
+  const Decoded decoded = viewer.frame();
+  EXPECT_EQ(decoded.head["frame"], 1);
+  EXPECT_EQ(decoded.head["time_s"], 1.5);
+  EXPECT_EQ(decoded.head["report"]["state"], "estimated");
+  EXPECT_EQ(decoded.parts.at("image").substr(0, 3), "\xFF\xD8\xFF");
+  EXPECT_EQ(decoded.parts.at("vertices_m").size(), 48U);
+  EXPECT_EQ(decoded.parts.at("visible").size(), 4U);
+  settings_.revision = 5;
+  settings_.json = R"({"stages":[{"stage":"filters"}]})";
+  ASSERT_EQ(write(sink, 2).status, WEFT_OK);
+  EXPECT_EQ(viewer.text()["settings"]["stages"][0]["stage"], "filters");
+  EXPECT_EQ(sink.process(kFinish, {}).status, WEFT_OK);
+}
+
+TEST_F(LiveSink, ShowsFramesOfWhichLittleIsKnown) {
+  PluginUnderTest sink("sinks/live", params());
+  ASSERT_EQ(open(sink).status, WEFT_OK);
+  Viewer viewer(port_);
+  viewer.text();
+  viewer.ready();
+  ASSERT_EQ(sink.process(kWrite, {}, 6).status, WEFT_OK);
+  const Decoded decoded = viewer.frame();
+  EXPECT_EQ(decoded.head["frame"], 6);
+  EXPECT_TRUE(decoded.head["report"].is_null());
+  EXPECT_TRUE(decoded.parts.empty());
+}
+
+TEST_F(LiveSink, FindsThePortTakenByOneRunOnly) {
+  PluginUnderTest first("sinks/live", params());
+  ASSERT_EQ(open(first).status, WEFT_OK);
+  PluginUnderTest second("sinks/live", params());
+  const PluginAnswer refused = open(second);
+  EXPECT_EQ(refused.status, WEFT_ERROR);
+  EXPECT_THAT(refused.message, HasSubstr("another program has this port, choose another"));
+  EXPECT_EQ(status_of(answer_to(port_, request_for("/", port_))), "200");
+  ASSERT_EQ(first.process(kFinish, {}).status, WEFT_OK);
+  PluginUnderTest later("sinks/live", params());
+  EXPECT_EQ(open(later).status, WEFT_OK);
+  EXPECT_EQ(status_of(answer_to(port_, request_for("/", port_))), "200");
+}
+
+TEST_F(LiveSink, RefusesAShapeThatIsNoShapeOfThisTemplate) {
+  PluginUnderTest sink("sinks/live", params());
+  ASSERT_EQ(open(sink).status, WEFT_OK);
+  const Shape good = shape_;
+  shape_.vertices_m = Array<double>({2, 3}, 0.5);
+  EXPECT_THAT(write(sink, 0).message, HasSubstr("2 vertices, the template 4"));
+  shape_ = good;
+  shape_.vertices_m = Array<double>({4, 3}, std::numeric_limits<double>::quiet_NaN());
+  EXPECT_THAT(write(sink, 1).message, HasSubstr("not finite"));
+}
+
+TEST_F(LiveSink, NamesWhatIsWrongWithItsParametersBeforeAnythingRuns) {
+  const auto mistakes = [](const std::string& params) {
+    return testing::mistakes_of("sinks/live", params);
+  };
+  EXPECT_THAT(mistakes("{}"), IsEmpty());
+  EXPECT_THAT(mistakes("{address: 'localhost:0', token: 0123456789abcdef}"), IsEmpty());
+  EXPECT_THAT(mistakes("{address: somewhere}"),
+              ElementsAre(HasSubstr("address: 'somewhere' has no port")));
+  EXPECT_THAT(mistakes("{address: 'robot.local:80'}"),
+              ElementsAre(HasSubstr("write 127.0.0.1:8090")));
+  EXPECT_THAT(mistakes("{address: '0.0.0.0:8090'}"),
+              ElementsAre(HasSubstr("token: a token is needed")));
+  EXPECT_THAT(mistakes("{token: short}"), ElementsAre(HasSubstr("at least 16 characters")));
+  EXPECT_THAT(mistakes("{origin: nowhere}"), ElementsAre(HasSubstr("origin: the origin must be")));
+}
+
+TEST_F(LiveSink, RefusesWhenItRunsWhatItRefusesBefore) {
+  PluginUnderTest sink("sinks/live", "{address: '0.0.0.0:0'}");
+  const PluginAnswer refused = open(sink);
+  EXPECT_EQ(refused.status, WEFT_ERROR);
+  EXPECT_THAT(refused.message, HasSubstr("a token is needed"));
+  // Of a block that is kept for documentation: no machine has it.
+  PluginUnderTest elsewhere("sinks/live", "{address: '192.0.2.1:0', token: 0123456789abcdef}");
+  EXPECT_THAT(open(elsewhere).message, HasSubstr("choose one of its own"));
+}
+
+}  // namespace
+}  // namespace weft::live

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <malloc.h>
+
+#include "live_fixture.hpp"
+
+namespace weft::live {
+namespace {
+
+using ::testing::HasSubstr;
+
+using LiveClients = LiveServer;
+using Crowd = std::vector<std::unique_ptr<Viewer>>;
+
+[[maybe_unused]] std::size_t bytes_in_use() {
+  const struct mallinfo2 info = mallinfo2();
+  return info.uordblks + info.hblkhd;
+}
+
+Crowd viewers_at(std::uint16_t port, int count) {
+  Crowd crowd;
+  for (int i = 0; i < count; ++i) {
+    crowd.push_back(std::make_unique<Viewer>(port));
+    EXPECT_TRUE(crowd.back()->is_open());
+    EXPECT_EQ(crowd.back()->text()["type"], "hello");
+  }
+  return crowd;
+}
+
+TEST_F(LiveClients, ThatStallHoldNothingUpAndKeepNoFrames) {
+  start();
+  Crowd stalled = viewers_at(port_, 49);
+  Viewer quick(port_);
+  quick.text();
+  [[maybe_unused]] std::size_t before = 0;
+  constexpr std::uint64_t kLast = 1'000;
+  for (std::uint64_t number = 1; number <= kLast; ++number) {
+    exchange_.put_frame(frame(number, 160, 120, true));
+    quick.ready();
+    ASSERT_EQ(quick.frame().head["frame"], number);
+    if (number % 20 == 0) {
+      for (const auto& viewer : stalled) viewer->ready();
+    }
+#if !defined(WEFT_SANITIZED)
+    // From the first tenth on all clients have what they may keep.
+    if (number == kLast / 10) before = bytes_in_use();
+#endif
+  }
+#if !defined(WEFT_SANITIZED)
+  // Each of 900 frames has 19 kB of pixels and as many of JPEG.
+  EXPECT_LT(bytes_in_use(), before + 4'000'000);
+#endif
+  // They get what was sent to them, in order, and then the newest.
+  for (const auto& viewer : stalled) {
+    std::uint64_t last = 0;
+    while (last < kLast) {
+      const auto number = viewer->frame().head["frame"].get<std::uint64_t>();
+      ASSERT_GT(number, last);
+      last = number;
+      if (last < kLast) viewer->ready();
+    }
+  }
+}
+
+TEST_F(LiveClients, MayComeStallAndGo) {
+  start();
+  for (int round = 0; round < 4; ++round) {
+    Crowd crowd = viewers_at(port_, 50);
+    exchange_.put_frame(frame(static_cast<std::uint64_t>(round), 320, 240, true));
+    for (std::size_t i = 0; i < crowd.size(); i += 2) crowd[i]->ready();
+    crowd.erase(crowd.begin() + 10, crowd.end());
+    for (const auto& viewer : crowd) viewer->ready();
+    EXPECT_EQ(crowd[1]->frame().head["frame"], round);
+  }
+  wait_until([&] { return !exchange_.is_watched(); });
+  EXPECT_TRUE(Viewer(port_).is_open());
+}
+
+TEST_F(LiveClients, BeyondTheMostAreTurnedAwayUntilOneGoes) {
+  Limits limits;
+  limits.clients = 3;
+  start("", "", limits);
+  Crowd crowd = viewers_at(port_, 3);
+  const std::string answer = get("/");
+  EXPECT_EQ(status_of(answer), "503");
+  EXPECT_THAT(content_of(answer), HasSubstr("as many clients as it takes"));
+  crowd.pop_back();
+  wait_until([&] { return status_of(get("/")) == "200"; });
+}
+
+TEST_F(LiveClients, ThatTakeNothingAreLetGo) {
+  Limits limits;
+  limits.write = std::chrono::milliseconds(100);
+  start("", "", limits);
+  Viewer viewer(port_);
+  viewer.text();
+  // More than the system keeps for a connection.
+  for (std::uint64_t number = 0; exchange_.is_watched() && number < 2'000; ++number) {
+    FrameCopy large = frame(number);
+    large.vertices_m.assign(3'000'000, 0.5F);
+    exchange_.put_frame(large);
+    error_code ignored;
+    asio::write(viewer.connection(), asio::buffer("\x81\x90\0\0\0\0{\"type\":\"ready\"}", 22),
+                ignored);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_FALSE(exchange_.is_watched());
+}
+
+TEST_F(LiveClients, ThatAnswerNothingAreLetGo) {
+  Limits limits;
+  limits.silence = std::chrono::milliseconds(100);
+  start("", "", limits);
+  Viewer dead(port_);  // it answers only while it reads
+  ASSERT_TRUE(dead.is_open());
+  wait_until([&] { return !exchange_.is_watched(); });
+}
+
+TEST_F(LiveClients, DoNotKeepTheRunFromEnding) {
+  start();
+  Crowd stalled = viewers_at(port_, 20);
+  asio::io_context context;
+  tcp::socket mute(context);
+  mute.connect({asio::ip::address_v4::loopback(), port_});
+  const auto begin = std::chrono::steady_clock::now();
+  server_->finish();
+  const auto took = std::chrono::steady_clock::now() - begin;
+  EXPECT_LT(took, std::chrono::seconds(5)) << "nothing else ends them before 10 s";
+}
+
+TEST_F(LiveClients, LeaveNoThreadBehind) {
+  const auto before = thread_count();
+  for (int round = 0; round < 3; ++round) {
+    start();
+    Viewer viewer(port_);
+    viewer.text();
+    if (round > 0) server_->finish();
+    server_.reset();
+    wait_until([&] { return thread_count() <= before; });
+  }
+}
+
+}  // namespace
+}  // namespace weft::live

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "messages.hpp"
+
+#include "live_fixture.hpp"
+
+namespace weft::live {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string from_base64(const std::string& text) {
+  static const std::string kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes;
+  std::uint32_t group = 0, bits = 0;
+  for (const char digit : text.substr(0, text.find('='))) {
+    group = (group << 6U) | static_cast<std::uint32_t>(kDigits.find(digit));
+    bits += 6;
+    if (bits < 8) continue;
+    bits -= 8;
+    bytes += static_cast<char>((group >> bits) & 0xFFU);
+  }
+  return bytes;
+}
+
+template <class Number>
+std::vector<Number> numbers_of(const std::string& bytes) {
+  std::vector<Number> numbers(bytes.size() / sizeof(Number));
+  std::memcpy(numbers.data(), bytes.data(), numbers.size() * sizeof(Number));
+  return numbers;
+}
+
+TEST(LiveMessages, WriteBase64AsItsStandardHasIt) {
+  const std::pair<std::string, std::string> kExamples[] = {
+      {"", ""}, {"M", "TQ=="}, {"Ma", "TWE="}, {"Man", "TWFu"}, {"foobar", "Zm9vYmFy"}};
+  for (const auto& [bytes, text] : kExamples) {
+    EXPECT_EQ(base64(bytes.data(), bytes.size()), text);
+    EXPECT_EQ(from_base64(text), bytes);
+  }
+}
+
+TEST(LiveMessages, GreetWithCameraTemplateAndSettings) {
+  const Template templ = testing::make_template({2, 2, 0.2, 0.15, 40, 30});
+  const Camera camera = testing::make_camera();
+  const json hello = json::parse(hello_message(scene_members(templ, camera), R"({"stages":[]})"));
+  EXPECT_EQ(hello["type"], "hello");
+  EXPECT_EQ(hello["weft"], "0.1.0");
+  EXPECT_EQ(hello["camera"]["fx"], camera.fx);
+  EXPECT_EQ(hello["camera"]["cy"], camera.cy);
+  EXPECT_EQ(hello["camera"]["width_px"], 640);
+  EXPECT_EQ(hello["camera"]["height_px"], 480);
+  EXPECT_EQ(hello["settings"]["stages"].size(), 0U);
+  const auto vertices =
+      numbers_of<float>(from_base64(hello["template"]["vertices_m"].get<std::string>()));
+  ASSERT_EQ(vertices.size(), 12U);
+  for (std::int64_t v = 0; v < 4; ++v) {
+    for (std::int64_t i = 0; i < 3; ++i) {
+      EXPECT_FLOAT_EQ(vertices[static_cast<std::size_t>(3 * v + i)],
+                      static_cast<float>(templ.vertices_m(v, i)));
+    }
+  }
+  const auto faces =
+      numbers_of<std::int32_t>(from_base64(hello["template"]["faces"].get<std::string>()));
+  ASSERT_EQ(faces.size(), 6U);
+  EXPECT_EQ(faces[5], templ.faces(1, 2));
+  // The sheet ends where its texture ends.
+  const auto places = numbers_of<float>(from_base64(hello["template"]["uv"].get<std::string>()));
+  ASSERT_EQ(places.size(), 8U);
+  EXPECT_FLOAT_EQ(*std::min_element(places.begin(), places.end()), 0.0F);
+  EXPECT_FLOAT_EQ(*std::max_element(places.begin(), places.end()), 1.0F);
+  const auto texture = hello["template"]["texture"].get<std::string>();
+  const std::string start = "data:image/jpeg;base64,";
+  ASSERT_EQ(texture.substr(0, start.size()), start);
+  EXPECT_EQ(from_base64(texture.substr(start.size())).substr(0, 3), "\xFF\xD8\xFF");
+}
+
+TEST(LiveMessages, GreetWithoutSettingsWhereThereAreNone) {
+  const json hello = json::parse(hello_message(R"("weft":"x")", ""));
+  EXPECT_TRUE(hello["settings"].is_null());
+}
+
+TEST(LiveMessages, HoldAFramesPartsAtMultiplesOfFour) {
+  FrameCopy frame;
+  frame.frame = 7;
+  frame.time_s = 0.5;
+  frame.vertices_m = {1.0F, 2.0F, 3.0F};
+  frame.visible = {1};
+  for (const std::string report : {R"({})", R"({"a":1})", R"({"ab":1})", R"({"abc":1})"}) {
+    frame.report = report;
+    const Decoded decoded = decode(frame_message(frame, "jpeg!"));
+    EXPECT_EQ(decoded.head["frame"], 7);
+    EXPECT_EQ(decoded.head["time_s"], 0.5);
+    EXPECT_EQ(decoded.head["report"], json::parse(report));
+    EXPECT_EQ(decoded.parts.at("image"), "jpeg!");
+    EXPECT_EQ(numbers_of<float>(decoded.parts.at("vertices_m")), frame.vertices_m);
+    EXPECT_EQ(decoded.parts.at("visible"), std::string(1, '\x01'));
+  }
+}
+
+TEST(LiveMessages, LeaveOutWhatAFrameDoesNotHave) {
+  const Decoded decoded = decode(frame_message(FrameCopy{}, ""));
+  EXPECT_TRUE(decoded.head["time_s"].is_null());
+  EXPECT_TRUE(decoded.head["report"].is_null());
+  EXPECT_TRUE(decoded.parts.empty());
+}
+
+TEST(LiveMessages, AnswerWithWordsOfAnyKind) {
+  const json answer = json::parse(answer_message(3, 12, "\"no\"\n\xFF"));
+  EXPECT_EQ(answer["number"], 3);
+  EXPECT_EQ(answer["frame"], 12);
+  EXPECT_THAT(answer["refusal"].get<std::string>(), HasSubstr("\"no\"\n"));
+}
+
+TEST(LiveMessages, OfClientsAreReadOrRefusedWithTheReason) {
+  EXPECT_FALSE(parse_said(R"({"type":"ready"})")->is_wish);
+  const auto wish = parse_said(R"({"type":"wish","number":5,"text":"set a.b=1"})");
+  ASSERT_TRUE(wish);
+  EXPECT_TRUE(wish->is_wish);
+  EXPECT_EQ(wish->number, 5U);
+  EXPECT_EQ(wish->text, "set a.b=1");
+  const std::pair<std::string, std::string> kWrong[] = {
+      {"", "no JSON object"},
+      {"[1]", "no JSON object"},
+      {"{\"type\":\"ready\"", "no JSON object"},
+      {std::string(60'000, '['), "no JSON object"},
+      {"{}", "without a type"},
+      {R"({"type":5})", "without a type"},
+      {R"({"type":"stop"})", "of another type"},
+      {R"({"type":"wish","text":"pause"})", "without a number"},
+      {R"({"type":"wish","number":-1,"text":"pause"})", "without a number"},
+      {R"({"type":"wish","number":1.5,"text":"pause"})", "without a number"},
+      {R"({"type":"wish","number":1})", "without a text"},
+      {R"({"type":"wish","number":1,"text":"a\u0000b"})", "control character"}};
+  for (const auto& [text, why] : kWrong) {
+    const auto said = parse_said(text);
+    ASSERT_FALSE(said) << text;
+    EXPECT_THAT(said.error().message, HasSubstr(why)) << text;
+  }
+}
+
+TEST(LiveMessages, MakePicturesSmallerWhenAsked) {
+  Array<std::uint8_t> wide({30, 40, 3}, 90);
+  const auto size_of = [](const std::string& jpeg) {
+    // The marker of the frame's start is followed by length, precision, height and width.
+    for (std::size_t i = 0; i + 8 < jpeg.size(); ++i) {
+      if (jpeg[i] != '\xFF' || jpeg[i + 1] != '\xC0') continue;
+      const auto byte = [&](std::size_t at) { return static_cast<unsigned char>(jpeg[at]); };
+      return std::pair(byte(i + 7) * 256 + byte(i + 8), byte(i + 5) * 256 + byte(i + 6));
+    }
+    return std::pair(0, 0);
+  };
+  EXPECT_EQ(size_of(jpeg_of(wide, {80, 0})), std::pair(40, 30));
+  EXPECT_EQ(size_of(jpeg_of(wide, {80, 20})), std::pair(20, 15));
+  EXPECT_EQ(size_of(jpeg_of(wide, {80, 90})), std::pair(40, 30));
+  EXPECT_EQ(jpeg_of({}, {}), "");
+  EXPECT_EQ(jpeg_of(Array<std::uint8_t>({0, 0}), {}), "");
+}
+
+}  // namespace
+}  // namespace weft::live

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "live_fixture.hpp"
+
+namespace weft::live {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string wish_text(std::uint64_t number, const std::string& text) {
+  return json{{"type", "wish"}, {"number", number}, {"text", text}}.dump();
+}
+
+class LiveWishes : public LiveServer {
+ protected:
+  /// As many as are asked for; a run asks again and again.
+  std::vector<Wish> taken(std::size_t count) {
+    std::vector<Wish> all;
+    wait_until([&] {
+      for (Wish& wish : exchange_.take_wishes()) all.push_back(std::move(wish));
+      return all.size() >= count;
+    });
+    return all;
+  }
+};
+
+TEST_F(LiveWishes, ReachTheRunAndTheirAnswersReachWhoWished) {
+  start();
+  Viewer one(port_), other(port_);
+  one.text();
+  other.text();
+  one.say(wish_text(7, "set filters.alpha_s=0.2"));
+  const std::vector<Wish> first = taken(1);
+  other.say(wish_text(7, "pause"));
+  const std::vector<Wish> second = taken(1);
+  ASSERT_EQ(first.size(), 1U);
+  ASSERT_EQ(second.size(), 1U);
+  EXPECT_EQ(first[0].text, "set filters.alpha_s=0.2");
+  EXPECT_EQ(second[0].text, "pause");
+  EXPECT_NE(first[0].number, second[0].number);
+  exchange_.answer({second[0].number, 12, ""});
+  exchange_.answer({first[0].number, 0, "there is no stage 'filters'"});
+  const json refused = one.text(), granted = other.text();
+  EXPECT_EQ(refused, json::parse(R"({"type":"answer","number":7,"frame":0,
+                                     "refusal":"there is no stage 'filters'"})"));
+  EXPECT_EQ(granted, json::parse(R"({"type":"answer","number":7,"frame":12,"refusal":""})"));
+}
+
+TEST_F(LiveWishes, BeyondThoseThatMayWaitAreRefusedAtOnce) {
+  start();
+  Viewer viewer(port_);
+  viewer.text();
+  for (std::uint64_t number = 0; number < 66; ++number) viewer.say(wish_text(number, "step"));
+  for (const std::uint64_t number : {64U, 65U}) {
+    const json answer = viewer.text();
+    EXPECT_EQ(answer["number"], number);
+    EXPECT_THAT(answer["refusal"].get<std::string>(), HasSubstr("64 wishes wait already"));
+  }
+  EXPECT_EQ(taken(64).size(), 64U);
+  viewer.say(wish_text(66, "step"));
+  EXPECT_EQ(taken(1).size(), 1U);
+}
+
+TEST_F(LiveWishes, OfWhoHasGoneAreAnsweredToNobody) {
+  start();
+  {
+    Viewer viewer(port_);
+    viewer.text();
+    viewer.say(wish_text(1, "pause"));
+    wait_until([&] {
+      const auto wishes = exchange_.take_wishes();
+      for (const Wish& wish : wishes) exchange_.answer({wish.number, 0, ""});
+      return !wishes.empty();
+    });
+  }
+  exchange_.answer({999, 0, ""});  // that nobody asked
+  Viewer viewer(port_);
+  EXPECT_EQ(viewer.text()["type"], "hello");
+}
+
+TEST_F(LiveWishes, ThatTheRunForgetsFillNoMemory) {
+  for (std::uint64_t number = 0; number < 10'000; ++number) {
+    ASSERT_EQ(exchange_.ask(1, number, "step"), "");
+    ASSERT_EQ(exchange_.take_wishes().size(), 1U);
+  }
+  // The last 256 are remembered, and the first is not.
+  exchange_.answer({1, 0, ""});
+  EXPECT_EQ(exchange_.take().answers.size(), 0U);
+  for (std::uint64_t number = 1; number <= 10'000; ++number) exchange_.answer({number, 0, ""});
+  EXPECT_EQ(exchange_.take().answers.size(), 256U);
+}
+
+TEST_F(LiveWishes, AreNotReadFromWhoDoesNotReadTheAnswers) {
+  Hub hub({Gate(asio::ip::address_v4::loopback(), "", "")}, exchange_);
+  const auto protocol = speak_live(hub, 1);
+  for (std::uint64_t number = 0; number < 64 + 64; ++number) {
+    EXPECT_TRUE(protocol->takes_more()) << number;
+    ASSERT_EQ(protocol->receive(wish_text(number, "step"), true), "");
+  }
+  EXPECT_FALSE(protocol->takes_more());
+  EXPECT_THAT(*protocol->next()->body, HasSubstr("hello"));
+  EXPECT_FALSE(protocol->takes_more());
+  EXPECT_THAT(*protocol->next()->body, HasSubstr("\"number\":64"));
+  EXPECT_TRUE(protocol->takes_more());
+}
+
+}  // namespace
+}  // namespace weft::live
