@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs the Debian 12 packages that Weft needs and that are missing, and builds the script of the
-# reports' pages with npm; see --help. demo.sh calls it, and test.sh with --tests.
+# Installs the Debian 12 packages that Weft needs and that are missing, and builds the scripts of
+# reports and of the live page with npm; see --help. demo.sh calls it, and test.sh with --tests.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -69,21 +69,21 @@ install_packages() {
   "${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 
-# The script of the reports' pages, from the packages that web/package-lock.json fixes. Without a
-# registry reports have tables only, and say so.
-build_report_script() {
+# The scripts of reports and of the live page, from the packages that web/package-lock.json fixes.
+# Without a registry reports have tables only, and there is no live page; both say so.
+build_scripts() {
   local inputs
-  inputs=$(cat web/package-lock.json web/build.mjs web/src/*.js | sha256sum)
-  if [[ -f web/dist/report.js && $(cat web/dist/inputs 2>/dev/null) == "$inputs" ]]; then
+  inputs=$(cat web/package-lock.json web/build.mjs web/src/*.* web/src/live/*.js | sha256sum)
+  if [[ -f web/dist/report.js && -f web/dist/live.js && $(cat web/dist/inputs 2>/dev/null) == "$inputs" ]]; then
     return 0
   fi
-  echo "Building the script of the reports with npm"
+  echo "Building the scripts of reports and live page with npm"
   if npm --prefix web ci --no-audit --no-fund --loglevel=error && npm --prefix web run --silent build; then
     echo "$inputs" >web/dist/inputs
   else
-    echo "bootstrap.sh: npm could not build web/dist/report.js: reports will have tables only" >&2
+    echo "bootstrap.sh: npm could not build web/dist: reports will have tables only, and there will be no live page" >&2
   fi
 }
 
 install_packages
-build_report_script
+build_scripts

@@ -83,14 +83,14 @@ Tests, which are not installed, also use GoogleTest (BSD-3-Clause) and Google Be
 own, such as pocl (MIT).
 
 
-Libraries inside the pages of `weft report`
--------------------------------------------
+Libraries inside the pages of `weft report`, and inside the live page
+---------------------------------------------------------------------
 A page with figures contains them as one script that npm builds from the packages that
 web/package-lock.json fixes. Their full list and texts stand at the end of each such page.
 
-  Vega 6, Vega-Lite 6 (BSD-3-Clause): figures
-  D3, modules (ISC, BSD-3-Clause): figures, by Vega
-  three.js 0.187 (MIT): 3D view
+  Vega 6, Vega-Lite 6 (BSD-3-Clause): figures of reports
+  D3, modules (ISC, BSD-3-Clause): figures of reports, by Vega
+  three.js 0.187 (MIT): 3D view of both
 """
 
 

@@ -33,6 +33,7 @@ function label(text, colour, height) {
   const map = new CanvasTexture(canvas);
   map.colorSpace = SRGBColorSpace;
   const sprite = new Sprite(new SpriteMaterial({ map, depthTest: false, transparent: true }));
+  sprite.renderOrder = 1; // over what is transparent
   sprite.scale.set((height * canvas.width) / canvas.height, height, 1);
   return sprite;
 }

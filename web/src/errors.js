@@ -6,7 +6,7 @@ const kMmPerM = 1000;
 const kNeighbours = 4;
 
 // From blue over white-yellow to red, told apart without red and green (ColorBrewer's RdYlBu).
-const kStops = ["#2c7bb6", "#abd9e9", "#ffffbf", "#fdae61", "#d7191c"];
+export const kStops = ["#2c7bb6", "#abd9e9", "#ffffbf", "#fdae61", "#d7191c"];
 const kRamp = kStops.map((text) => new Color(text));
 export const kRampStyle = `linear-gradient(90deg, ${kStops.join(", ")})`;
 
@@ -71,12 +71,12 @@ export function scale_of(frames) {
   return round_number(errors[Math.floor(0.98 * (errors.length - 1))]);
 }
 
-/** Colours [V,3] of errors, for a scale that ends at `scale` mm. */
+/** Colours [V,3] of errors, for a scale from 0 to `scale` mm. */
 export function colours_of(errors, scale) {
   const colours = new Float32Array(3 * errors.length);
   const colour = new Color();
   errors.forEach((error, v) => {
-    const place = Math.min(1, error / scale) * (kRamp.length - 1);
+    const place = Math.min(1, Math.max(0, error / scale)) * (kRamp.length - 1);
     const below = Math.min(kRamp.length - 2, Math.floor(place));
     colour.lerpColors(kRamp[below], kRamp[below + 1], place - below);
     colours.set([colour.r, colour.g, colour.b], 3 * v);

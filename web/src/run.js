@@ -3,17 +3,9 @@
 import { floats } from "./data.js";
 import { colours_of, draw, width_of, write_legend } from "./chart.js";
 import { kColours } from "./selection.js";
+import { kStates } from "./states.js";
 
 const kHeight = 280;
-
-// Of the states of a shape; one that is seldom seen stands out.
-const kStates = [
-  { name: "estimated", colour: "var(--series-1)" },
-  { name: "weak", colour: "var(--series-5)" },
-  { name: "predicted", colour: "var(--series-2)" },
-  { name: "lost", colour: "var(--bad)" },
-  { name: "none", colour: "var(--series-8)" },
-];
 
 /** One row a frame; a frame without a figure lies at the foot. */
 function rows_of(run, has_error) {

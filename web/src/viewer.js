@@ -1,39 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 // The estimate against the truth, frame by frame, in the camera's frame (x right, y down, z ahead).
 import {
-  AmbientLight,
   Box3,
   BufferAttribute,
   BufferGeometry,
   Color,
-  DirectionalLight,
   DoubleSide,
   Group,
   LineBasicMaterial,
   LineSegments,
   Mesh,
   MeshLambertMaterial,
-  PerspectiveCamera,
   Points,
   PointsMaterial,
-  Scene,
-  Vector2,
   Vector3,
-  WebGLRenderer,
   WireframeGeometry,
 } from "three";
-import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { axes_of } from "./axes.js";
 import { floats, indices, shown } from "./data.js";
 import { colours_of, kRampStyle, scale_of, vertex_errors } from "./errors.js";
+import { View3d, colour_of } from "./view3d.js";
 
 const kPlayMs = 100;
-
-/** A colour of the page's style. */
-function colour_of(name) {
-  const text = getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-  return new Color(text);
-}
 
 /** What is drawn: the estimate as a surface with its edges, the truth as points or as edges, and a
     line from each true point to its place on the estimate. */
@@ -147,22 +134,9 @@ class Viewer {
   constructor(root, cells) {
     this.root = root;
     this.cells = cells;
-    this.canvas = root.querySelector("canvas");
-    this.renderer = new WebGLRenderer({
-      canvas: this.canvas,
-      antialias: true,
-      alpha: true,
-      preserveDrawingBuffer: true,
-    });
-    this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
-    this.scene = new Scene();
-    this.camera = new PerspectiveCamera(40, 1, 0.001, 100);
-    this.controls = new OrbitControls(this.camera, this.canvas);
+    this.view = new View3d(root.querySelector("canvas"));
     this.drawing = new Drawing();
-    const lamp = new DirectionalLight(0xffffff, 2);
-    lamp.position.set(0.4, 0.8, 1);
-    this.scene.add(this.drawing.group, new AmbientLight(0xffffff, 1.4), lamp);
-    this.controls.addEventListener("change", () => this.render());
+    this.view.scene.add(this.drawing.group);
     this.#listen();
     this.choose(0);
   }
@@ -203,10 +177,10 @@ class Viewer {
     this.root.querySelector(".readout").textContent =
       `frame ${frame.frame} · ${frame.state} · mean error ${shown(frame.mean_mm ?? NaN)} mm`;
     this.drawing.show(this.#cell, frame);
-    this.render();
+    this.view.render();
   }
 
-  /** Where the camera stands, but turned a little, and near enough to fill the view. */
+  /** So that all frames of the cell lie in the view. */
   look_from_camera() {
     const box = new Box3();
     for (const frame of this.#cell.frames) {
@@ -216,34 +190,7 @@ class Viewer {
         }
       }
     }
-    if (box.isEmpty()) return;
-    if (this.axes) this.scene.remove(this.axes);
-    this.axes = axes_of(box, colour_of("--ink"));
-    this.axes.visible = this.root.querySelector(".axes").checked;
-    this.scene.add(this.axes);
-    const centre = box.getCenter(new Vector3());
-    const radius = 0.5 * box.getSize(new Vector3()).length();
-    const distance = radius / Math.tan((this.camera.fov * Math.PI) / 360);
-    this.camera.position
-      .copy(centre)
-      .add(new Vector3(0.45, 0.35, 1).normalize().multiplyScalar(0.9 * distance));
-    this.camera.near = 0.01 * radius;
-    this.camera.far = 100 * radius;
-    this.camera.updateProjectionMatrix();
-    this.controls.target.copy(centre);
-    this.controls.update();
-    this.render();
-  }
-
-  render() {
-    const { clientWidth, clientHeight } = this.canvas;
-    const size = this.renderer.getSize(new Vector2());
-    if (size.x !== clientWidth || size.y !== clientHeight) {
-      this.renderer.setSize(clientWidth, clientHeight, false);
-      this.camera.aspect = clientWidth / Math.max(1, clientHeight);
-      this.camera.updateProjectionMatrix();
-    }
-    this.renderer.render(this.scene, this.camera);
+    this.view.look_at(box);
   }
 
   toggle_play() {
@@ -272,8 +219,7 @@ class Viewer {
     this.root.querySelector(".play").addEventListener("click", () => this.toggle_play());
     this.root.querySelector(".reset").addEventListener("click", () => this.look_from_camera());
     this.root.querySelector(".axes").addEventListener("change", ({ target }) => {
-      if (this.axes) this.axes.visible = target.checked;
-      this.render();
+      this.view.show_axes(target.checked);
     });
     this.root.querySelector(".by-error").addEventListener("change", ({ target }) => {
       this.drawing.by_error = target.checked;
@@ -282,10 +228,9 @@ class Viewer {
     for (const box of this.root.querySelectorAll("input[type=checkbox][value]:not([value=''])")) {
       box.addEventListener("change", () => {
         for (const part of box.value.split(" ")) this.drawing[part].visible = box.checked;
-        this.render();
+        this.view.render();
       });
     }
-    new ResizeObserver(() => this.render()).observe(this.canvas);
     document.documentElement.addEventListener("themechange", () => {
       this.drawing.colour();
       this.look_from_camera();

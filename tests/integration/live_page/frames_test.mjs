@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+// frames_test.mjs WEB: what the live page makes of frames, before it draws.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { frame_message, hello_message, sheet } from "./messages.mjs";
+import { close, module_loader } from "./modules.mjs";
+
+const load = module_loader(process.argv[2]);
+const { decode_frame, template_of } = await load("messages");
+const { edges_of, edge_lengths, project, vertex_strain } = await load("mesh");
+const { cause_of, notices_of, offline_words, percent, state_words } = await load("words");
+const { History, sample_of } = await load("history");
+const { Colouring } = await load("colouring");
+
+const as_buffer = (bytes) => Uint8Array.from(bytes).buffer;
+
+test("a frame is read as it was written", () => {
+  for (const word of ["", "x", "xx", "xxx"]) {
+    const message = frame_message({
+      frame: 312,
+      time_s: 12.5,
+      report: { word },
+      image: Buffer.from([1, 2, 3, 4, 5]),
+      vertices_m: [0.5, -1, 2],
+      visible: [1],
+    });
+    const frame = decode_frame(as_buffer(message));
+    assert.equal(frame.frame, 312);
+    assert.equal(frame.time_s, 12.5);
+    assert.deepEqual(frame.report, { word });
+    assert.deepEqual([...frame.image], [1, 2, 3, 4, 5]);
+    assert.deepEqual([...frame.vertices_m], [0.5, -1, 2]);
+    assert.deepEqual([...frame.visible], [1]);
+  }
+});
+
+test("a frame without parts has none", () => {
+  const frame = decode_frame(as_buffer(frame_message({ frame: 0 })));
+  assert.deepEqual(frame, { frame: 0, time_s: null, report: null });
+});
+
+test("a frame that is cut off anywhere is refused with words", () => {
+  const message = frame_message({ frame: 1, vertices_m: [1, 2, 3], visible: [1, 1, 0, 1] });
+  for (let length = 0; length < message.length; ++length) {
+    assert.throws(() => decode_frame(as_buffer(message.subarray(0, length))), /begin|cut off/);
+  }
+  message.writeUInt32LE(7, 0);
+  assert.throws(() => decode_frame(as_buffer(message)), /does not begin like a frame/);
+});
+
+test("a template has each edge once, with its length at rest", () => {
+  const mesh = sheet(5, 4, 0.4, 0.3);
+  const template = template_of(hello_message({ camera: null, mesh, texture: "", settings: null }));
+  assert.equal(template.faces.length, mesh.faces.length);
+  assert.equal(template.edges.length / 2, 5 * 4 + mesh.faces.length / 3 - 1); // Euler
+  const lengths = new Set([...template.rest_m].map((length) => length.toFixed(4)));
+  assert.deepEqual([...lengths].sort(), ["0.1000", "0.1414"]);
+  assert.equal(template.texture, null);
+  assert.equal(template_of({ template: null }), null);
+});
+
+test("strain is the share by which edges are longer", () => {
+  const mesh = sheet(5, 4, 0.4, 0.3);
+  const edges = edges_of(mesh.faces);
+  const rest_m = edge_lengths(mesh.vertices_m, edges);
+  for (const factor of [0.9, 1, 1.1]) {
+    const larger = mesh.vertices_m.map((value) => factor * value);
+    for (const strain of vertex_strain(larger, edges, rest_m)) close(strain, factor - 1, 1e-6);
+  }
+  // A vertex without an edge, and an edge without a length, have none.
+  assert.deepEqual([...vertex_strain([0, 0, 0], edges_of([]), [])], [0]);
+  assert.deepEqual([...vertex_strain([0, 0, 0, 1, 0, 0], [0, 1], [0])], [0, 0]);
+});
+
+test("the camera sees a point at fx X / Z + cx", () => {
+  const camera = { fx: 500, fy: 400, cx: 320, cy: 240 };
+  const at_px = project([0.1, -0.05, 0.5, 0, 0, 0, 0, 0, -1], camera);
+  assert.deepEqual([...at_px.subarray(0, 2)], [420, 200]);
+  assert.ok(at_px.subarray(2).every(Number.isNaN));
+});
+
+test("words name the state and the stage that is to blame", () => {
+  const agree = { stage: "filters", status: "no_result", reason: "4 matches of 312 agree" };
+  const stages = [{ stage: "detectors", status: "ok" }, agree];
+  const lost = state_words({ state: "lost", age: 31, confidence: 0, stages });
+  assert.equal(lost.title, "Lost");
+  assert.equal(lost.text, "the shape is the one of 31 frames ago; filters: 4 matches of 312 agree");
+  const predicted = state_words({ state: "predicted", age: 1, stages: [] });
+  assert.equal(predicted.text, "the shape of the frame before");
+  const weak = state_words({ state: "weak", confidence: 0.42, stages: [] });
+  assert.equal(weak.text, "it may well be wrong, 42\u00a0% sure");
+  assert.equal(state_words({ state: "none", stages }).text.startsWith("there has been none"), true);
+  assert.equal(state_words(null).title, "Unknown");
+  // An estimated shape needs no excuse, but an error is told all the same.
+  const estimated = state_words({ state: "estimated", confidence: 0.98, stages });
+  assert.equal(estimated.text, "98\u00a0% sure");
+  const error = { stage: "sight", status: "error", reason: "no memory" };
+  const failed = { state: "estimated", confidence: 0.98, failed: true, stages: [error] };
+  assert.equal(state_words(failed).text, "98\u00a0% sure; sight: no memory");
+  const silent = state_words({ state: "lost", age: 2, stages: [{ stage: "a", status: "error" }] });
+  assert.equal(silent.text, "the shape is the one of 2 frames ago; a: an error");
+});
+
+test("a stage whose place another took is not to blame", () => {
+  const tracked = { stage: "tracked", status: "no_result", reason: "there is no earlier shape" };
+  const filters = { stage: "filters", status: "no_result", reason: "4 matches of 312 agree" };
+  const skipped = { stage: "warps", status: "skipped", reason: "filters: 4 matches of 312 agree" };
+  const waits = { stage: "x", status: "skipped", reason: "not called: it is every 30 frames" };
+  assert.equal(cause_of([tracked, waits, filters, skipped]), filters);
+  assert.equal(cause_of([tracked, waits]), tracked);
+  assert.equal(cause_of([waits, { stage: "w", status: "degenerate" }]).stage, "w");
+  assert.equal(cause_of([waits]), null);
+});
+
+test("a camera that is not calibrated is told, and not blamed", () => {
+  const source = { stage: "sources", status: "degenerate", reason: "not calibrated: a guess" };
+  const report = { state: "weak", stages: [source], warnings: ["setup: a second print"] };
+  assert.deepEqual(notices_of(report), ["setup: a second print", "Not calibrated: a guess"]);
+  assert.equal(cause_of(report.stages), null);
+  assert.deepEqual(notices_of({ stages: [{ stage: "filters", status: "ok" }] }), []);
+  assert.deepEqual(notices_of(null), []);
+});
+
+test("news has another topic, numbers alone have not", () => {
+  const topic = (state, confidence) => state_words({ state, confidence, stages: [] }).topic;
+  assert.equal(topic("estimated", 0.9), topic("estimated", 0.8));
+  assert.notEqual(topic("estimated", 0.9), topic("lost", 0.9));
+});
+
+test("a probability is never rounded to certainty", () => {
+  assert.equal(percent(0.9996), "more than 99.9\u00a0%");
+  assert.equal(percent(0.995), "99.5\u00a0%");
+  assert.equal(percent(0.5), "50\u00a0%");
+  assert.equal(percent(1), "100\u00a0%");
+});
+
+test("words tell a run that ended from a network that is down", () => {
+  assert.match(offline_words(null, "host:8090"), /host:8090.*token=/);
+  assert.match(offline_words({ code: 1001, reason: "" }, ""), /^The run has ended/);
+  assert.match(offline_words({ code: 1006, reason: "" }, ""), /lost/);
+  assert.match(offline_words({ code: 1008, reason: "too many wishes" }, ""), /too many wishes/);
+});
+
+const report_of = (kept) => ({
+  state: "estimated",
+  confidence: 0.9,
+  stages: [
+    { stage: "matchers", ms: 3, matches: 300, kept: 300 },
+    { stage: "filters", ms: 2, matches: 300, kept },
+    { stage: "solvers", ms: 4 },
+  ],
+});
+
+test("a sample has the sum of times and the matches that the last filter kept", () => {
+  const sample = sample_of({ frame: 7, report: report_of(250) }, 1);
+  assert.equal(sample.total_ms, 9);
+  assert.equal(sample.kept, 250);
+  assert.equal(sample.matches, 300);
+  const bare = sample_of({ frame: 7, report: null }, 1);
+  assert.ok([bare.total_ms, bare.kept, bare.confidence].every(Number.isNaN));
+});
+
+test("the history holds half a minute and knows the run's rate", () => {
+  const history = new History();
+  // The run does 20 frames a second, the page is shown each second one.
+  for (let i = 0; i <= 1000; ++i) history.push(sample_of({ frame: 2 * i, report: null }, i / 10));
+  assert.equal(history.samples.length, 301);
+  assert.equal(history.samples[0].at_s, 70);
+  close(history.latest.rate, 20, 1e-9);
+  history.push(sample_of({ frame: 2001, report: null }, 110));
+  close(history.latest.rate, 0.1, 1e-9);
+  history.push(sample_of({ frame: 0, report: null }, 111));
+  assert.equal(history.samples.length, 1);
+});
+
+test("colours lie on the ramp, and their scales only grow", () => {
+  const mesh = sheet(5, 4, 0.4, 0.3);
+  const template = template_of(hello_message({ camera: null, mesh, texture: "", settings: null }));
+  const colouring = new Colouring();
+  const frame = (std_mm, factor) => ({
+    vertices_m: Float32Array.from(mesh.vertices_m, (value) => factor * value),
+    visible: Uint8Array.from({ length: 20 }, (_, v) => v % 2),
+    report: { confidence: 0.75, std_mm: Array(20).fill(std_mm) },
+  });
+  const of = (name, ...rest) => colouring.of(name, frame(...rest), template);
+  assert.equal(of("std", 4, 1).legend.high, "5 mm and more");
+  assert.equal(of("std", 1, 1).legend.high, "5 mm and more");
+  close(of("std", 1, 1).shares[0], 0.2, 1e-6);
+  assert.deepEqual([...new Set(of("confidence", 1, 1).shares)], [0.25]);
+  assert.deepEqual([...of("visibility", 1, 1).shares.slice(0, 4)], [1, 0, 1, 0]);
+  close(of("strain", 1, 1).shares[0], 0.5, 1e-3);
+  assert.equal(of("strain", 1, 1.1).legend.high, "longer by 10\u00a0%");
+  close(of("strain", 1, 1.1).shares[0], 1, 1e-3);
+  close(of("strain", 1, 0.95).shares[0], 0.25, 1e-3);
+  // What a pipeline does not tell is said.
+  const bare = { vertices_m: frame(1, 1).vertices_m, report: null };
+  for (const name of ["confidence", "std", "visibility", "texture"]) {
+    const { shares, legend } = colouring.of(name, bare, template);
+    assert.equal(shares, undefined);
+    assert.match(legend.text, /\.$/);
+  }
+  assert.match(colouring.of("strain", { report: null }, template).legend.text, /no shape/);
+});

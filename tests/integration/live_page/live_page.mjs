@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// Opens the live page of a run that the test plays.
+import assert from "node:assert/strict";
+import * as chromium from "../../support/chromium.mjs";
+import { hello_message } from "./messages.mjs";
+import { draw_picture } from "./picture.mjs";
+import { PlayedRun } from "./played_run.mjs";
+import { bent, camera, kVertices, mesh, report_of, settings } from "./scene.mjs";
+
+const [web, screenshots] = process.argv.slice(2);
+
+export const pause = (ms) => new Promise((done) => setTimeout(done, ms));
+
+/** Waits until `happened()` is true. */
+export async function eventually(happened, what) {
+  for (const end = Date.now() + chromium.kPatience_ms; !happened(); await pause(20)) {
+    assert.ok(Date.now() < end, `waited in vain for ${what}`);
+  }
+}
+
+/** The run, the page, and what tests do with both. */
+class LivePage {
+  #pictures = [];
+
+  constructor(page, complaints) {
+    this.page = page;
+    this.complaints = complaints;
+  }
+
+  async open() {
+    const { page } = this;
+    const texture = await draw_picture(page, { mesh, camera, number: null });
+    this.hello = hello_message({ camera, mesh, texture: texture.address, settings });
+    for (let number = 0; number < 2; ++number) {
+      const drawn = await draw_picture(page, { mesh, camera, number, vertices_m: bent(number) });
+      this.#pictures.push(drawn.bytes);
+    }
+    this.run = await this.start();
+    await page.setViewport({ width: 1400, height: 900 });
+    await page.goto(this.run.address);
+    await page.waitForSelector("html[data-ready=true]");
+    await this.until_text("#connection", "Connected");
+  }
+
+  /** A run, at the given port or a free one. */
+  async start(port, changes = {}) {
+    const run = new PlayedRun(web, { ...this.hello, ...changes });
+    await run.start(port);
+    return run;
+  }
+
+  /** Has the run show a frame, and waits until the page has drawn it. */
+  async show(frame, changes = {}) {
+    this.run.show({
+      frame,
+      time_s: frame / 30,
+      report: report_of(frame),
+      image: this.#pictures[frame % 2],
+      vertices_m: bent(frame),
+      visible: Array.from({ length: kVertices }, (_, v) => (v % 13 < 3 ? 0 : 1)),
+      ...changes,
+    });
+    await this.until((wanted) => window.weft_live.frame?.frame === wanted, frame);
+  }
+
+  text(selector) {
+    return this.page.$eval(selector, (one) => one.textContent.trim());
+  }
+
+  until(works, ...given) {
+    return this.page.waitForFunction(works, {}, ...given);
+  }
+
+  until_text(selector, part) {
+    return this.until(
+      (one, what) => document.querySelector(one).textContent.includes(what),
+      selector,
+      part,
+    );
+  }
+
+  shot(name) {
+    const file = chromium.screenshot_file(screenshots, name);
+    return this.page.screenshot({ path: file, fullPage: true });
+  }
+}
+
+/** Opens the page and gives it to `use`; the browser may complain of nothing but what `use` takes
+    out of `complaints`. */
+export async function use_live_page(use) {
+  const own = /^(data|blob):|^http:\/\/127\.0\.0\.1:/;
+  await chromium.use_chromium(web, own, async (page, complaints) => {
+    const live = new LivePage(page, complaints);
+    await live.open();
+    await use(live);
+    assert.deepEqual(complaints, []);
+    await live.run.end();
+  });
+}

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+// page_test.mjs WEB SCREENSHOTS: looks at the live page of a run that this test plays.
+import assert from "node:assert/strict";
+import { existsSync, mkdtempSync, readFileSync, readdirSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { overflow_of } from "../../support/chromium.mjs";
+import { expect_contrast } from "./contrast.mjs";
+import { eventually, use_live_page } from "./live_page.mjs";
+import { bent, camera, report_of } from "./scene.mjs";
+
+await use_live_page(async (live) => {
+  const { page } = live;
+  const mesh_pixels = () => page.$eval("#mesh", (canvas) => canvas.toDataURL());
+  const image_pixel = (x, y) =>
+    page.$eval(
+      "#image",
+      (canvas, u, v) => {
+        const copy = new OffscreenCanvas(canvas.width, canvas.height);
+        const pen = copy.getContext("2d", { willReadFrequently: true });
+        pen.drawImage(canvas, 0, 0);
+        const at = [Math.round(u * canvas.width), Math.round(v * canvas.height)];
+        return [...pen.getImageData(...at, 1, 1).data];
+      },
+      x,
+      y,
+    );
+
+  // Frames run: the image changes, the mesh has the vertices that were sent, words tell of it.
+  await live.show(0);
+  const corner = await image_pixel(0.02, 0.02);
+  await live.show(1);
+  assert.notDeepEqual(await image_pixel(0.02, 0.02), corner, "the image did not change");
+  const positions = await page.evaluate(() => window.weft_live.mesh.positions());
+  assert.deepEqual(positions, [...Float32Array.from(bent(1))]);
+  assert.equal(await live.text("#state .title"), "Estimated");
+  assert.equal(await live.text("#state .text"), "97\u00a0% sure");
+  assert.equal(await live.text("#state .frame"), "frame 1 · 0.03 s");
+  assert.equal(await live.text("#pipeline"), "pipelines/live.yaml");
+  await live.until_text("#announcement", "Estimated");
+
+  // The mesh lies over the image where the camera sees it, and nowhere else.
+  await live.show(2, { image: null });
+  const [x, y, z] = bent(2).slice(0, 3);
+  const seen = [(camera.fx * x) / z + camera.cx, (camera.fy * y) / z + camera.cy];
+  const inked = async (u, v) => {
+    const pixel = await image_pixel(u / camera.width_px, v / camera.height_px);
+    return pixel[3] > 0;
+  };
+  assert.equal(await inked(...seen), true);
+  assert.equal(await inked(seen[0] - 12, seen[1] - 12), false);
+  await page.click("#overlay");
+  assert.equal(await inked(...seen), false);
+  await page.click("#overlay");
+
+  // Mouse and keyboard turn the mesh.
+  await live.show(3);
+  const turned_by = async (act) => {
+    const before = await mesh_pixels();
+    await act();
+    assert.notEqual(await mesh_pixels(), before, "the mesh did not turn");
+  };
+  const box = await (await page.$("#mesh")).boundingBox();
+  await turned_by(async () => {
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.mouse.down();
+    await page.mouse.move(box.x + box.width / 2 + 60, box.y + box.height / 2 + 20, { steps: 4 });
+    await page.mouse.up();
+  });
+  await page.focus("#mesh");
+  for (const key of ["ArrowLeft", "ArrowUp", "+", "-", "Home"]) {
+    await turned_by(() => page.keyboard.press(key));
+  }
+
+  // Each colouring draws the mesh in another way and has its legend.
+  const drawings = new Set([await mesh_pixels()]);
+  for (const [name, legend] of [
+    ["confidence", "now 97\u00a0%"],
+    ["std", "2 mm and more"],
+    ["visibility", "hidden"],
+    ["strain", "longer by"],
+  ]) {
+    await page.select("#colouring", name);
+    assert.ok((await live.text("#legend")).includes(legend), await live.text("#legend"));
+    drawings.add(await mesh_pixels());
+  }
+  assert.equal(drawings.size, 5);
+  await page.select("#colouring", "std");
+
+  // The strips show what frames come to, and all of it is to be read in light and in dark.
+  for (let frame = 4; frame < 24; ++frame) await live.show(frame);
+  await live.until_text("[data-strip=kept] output", "of 312");
+  await live.shot("light");
+  await expect_contrast(page);
+  await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: "dark" }]);
+  await page.select("#colouring", "texture");
+  await live.shot("dark");
+  await expect_contrast(page);
+
+  // The state's words change with it, and a warning of the run stays until it is closed.
+  const reason = "4 matches of 312 agree";
+  const stages = report_of(24).stages.map((stage) =>
+    stage.stage === "filters" ? { ...stage, status: "no_result", reason } : stage,
+  );
+  const warnings = ["setup: the focal length seems to be 0.83 times the one given"];
+  const lost = { state: "lost", age: 31, confidence: 0, stages, warnings };
+  await live.show(24, { report: report_of(24, lost) });
+  assert.equal(await live.text("#state .title"), "Lost");
+  const words = `the shape is the one of 31 frames ago; filters: ${reason}`;
+  assert.equal(await live.text("#state .text"), words);
+  await live.until_text("#announcement", reason);
+  await live.until_text("#notices", "0.83 times");
+  await live.shot("lost");
+  await page.click("#notices button");
+  assert.equal(await live.text("#notices"), "");
+
+  // A frame without a shape, and one that cannot be read, are not the end.
+  const report = report_of(25, { state: "none" });
+  await live.show(25, { vertices_m: null, visible: null, report });
+  assert.deepEqual(await page.evaluate(() => window.weft_live.mesh.positions()), []);
+  live.run.show_bytes(Buffer.from("nonsense"));
+  await live.until_text("#notices", "could not be shown");
+  await live.show(26);
+  await page.click("#notices button");
+
+  // A picture of both views.
+  const downloads = mkdtempSync(path.join(tmpdir(), "weft-downloads-"));
+  const devtools = await page.createCDPSession();
+  const allowed = { behavior: "allow", downloadPath: downloads };
+  await devtools.send("Browser.setDownloadBehavior", allowed);
+  await page.click("#screenshot");
+  const saved = path.join(downloads, "weft_000026.png");
+  await eventually(() => existsSync(saved), saved);
+  assert.deepEqual([...readFileSync(saved).subarray(1, 4)], [...Buffer.from("PNG")]);
+  assert.deepEqual(readdirSync(downloads), ["weft_000026.png"]);
+  rmSync(downloads, { recursive: true });
+
+  // Each thing to use is reached by the tabulator, and is seen to be.
+  await page.emulateMediaFeatures([]);
+  const usable = await page.$$eval("button, input, select, summary, canvas[tabindex]", (all) => {
+    const seen = (one) => one.checkVisibility({ visibilityProperty: true });
+    return all.filter((one) => seen(one) && !one.matches(":disabled")).length;
+  });
+  await page.evaluate(() => document.activeElement.blur());
+  const reached = new Set();
+  for (let i = 0; i < usable + 3; ++i) {
+    await page.keyboard.press("Tab");
+    const focused = await page.evaluate(() => {
+      const one = document.activeElement;
+      if (one === document.body) return null;
+      one.dataset.reached ??= String(Math.random());
+      return { key: one.dataset.reached, outline: getComputedStyle(one).outlineStyle };
+    });
+    if (!focused) continue;
+    reached.add(focused.key);
+    assert.notEqual(focused.outline, "none");
+  }
+  assert.equal(reached.size, usable);
+
+  // As wide as a telephone.
+  await page.setViewport({ width: 390, height: 844 });
+  await live.show(27);
+  assert.ok((await overflow_of(page)) <= 0, `${await overflow_of(page)} px too wide`);
+  await live.shot("narrow");
+  await page.setViewport({ width: 1400, height: 900 });
+  assert.ok((await overflow_of(page)) <= 0);
+
+  // The run ends, and another one begins at the same place.
+  const { port } = live.run;
+  await live.run.end();
+  await live.until_text("#connection", "The run has ended.");
+  live.run = await live.start(port, { settings: null });
+  await live.until_text("#connection", "Connected");
+  await live.until_text("#stages", "The run tells none.");
+  // While nobody is there the browser itself complains of each try.
+  const { complaints } = live;
+  const ours = complaints.filter((each) => !each.includes("WebSocket connection to"));
+  complaints.splice(0, complaints.length, ...ours);
+});

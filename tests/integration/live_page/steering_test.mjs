@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+// steering_test.mjs WEB: what the live page makes of declarations, and how wishes go their way.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { close, module_loader } from "./modules.mjs";
+
+const load = module_loader(process.argv[2]);
+const parameters = await load("parameters");
+const { Wishes } = await load("wishes");
+const { socket_address } = await load("connection");
+
+test("a slider gives each value that it shows", () => {
+  for (const range of [
+    { type: "f64", minimum: 0, maximum: 1, default: 0.15 },
+    { type: "f64", minimum: 0, maximum: 1e6, default: 0.5 },
+    { type: "f64", minimum: -5, maximum: 5, default: 0 },
+    { type: "i64", minimum: 1, maximum: 40, default: 8 },
+    { type: "i64", minimum: 0, maximum: 100000, default: 200 },
+  ]) {
+    const slider = parameters.slider_of(range);
+    assert.equal(slider.value_at(0), range.minimum);
+    assert.equal(slider.value_at(slider.steps), range.maximum);
+    for (let place = 1; place <= slider.steps; ++place) {
+      const value = slider.value_at(place);
+      assert.ok(value >= slider.value_at(place - 1));
+      assert.equal(Number.isInteger(value) || range.type === "f64", true);
+      const near = slider.value_at(slider.place_of(value));
+      const step = slider.value_at(Math.min(slider.steps, place + 1)) - value;
+      close(near, value, step + 1e-12);
+    }
+  }
+  const tiny = parameters.slider_of({ type: "f64", minimum: 0, maximum: 1e6, default: 0.5 });
+  assert.equal(tiny.place_of(0.5), tiny.steps / 2);
+  const few = parameters.slider_of({ type: "i64", minimum: 1, maximum: 40, default: 8 });
+  assert.equal(few.steps, 39);
+});
+
+test("what has no two bounds, or is no number, has no slider", () => {
+  assert.equal(parameters.slider_of({ type: "f64", minimum: 0, default: 1 }), null);
+  assert.equal(parameters.slider_of({ type: "bool", default: true }), null);
+  assert.equal(
+    parameters.slider_of({ type: "f64", is_vector: true, minimum: 0, maximum: 1, default: [1] }),
+    null,
+  );
+});
+
+test("a wish holds what weft run --set takes", () => {
+  const wished = parameters.wished_value;
+  assert.equal(wished({ type: "f64" }, " 1e-7 "), "1e-7");
+  assert.equal(wished({ type: "i64" }, "9007199254740993"), "9007199254740993");
+  assert.equal(wished({ type: "f64" }, ""), null);
+  assert.equal(wished({ type: "f64" }, "x"), null);
+  assert.equal(wished({ type: "bool" }, "true"), "true");
+  assert.equal(wished({ type: "choice" }, "huber"), '"huber"');
+  assert.equal(wished({ type: "text" }, 'a "b": #c'), '"a \\"b\\": #c"');
+  assert.equal(wished({ type: "f64", is_vector: true }, "[1, 2.5 ,3]"), "[1, 2.5, 3]");
+  assert.equal(wished({ type: "f64", is_vector: true }, ""), "[]");
+  assert.equal(wished({ type: "f64", is_vector: true }, "1, x"), null);
+  assert.equal(wished({ type: "choice", is_vector: true }, "a, b"), '["a", "b"]');
+});
+
+test("ranges and defaults have words", () => {
+  const words = parameters.range_words;
+  const share = { type: "f64", minimum: 0, maximum: 1, default: 0.15 };
+  assert.equal(words(share), "0 to 1, default 0.15");
+  assert.equal(words({ type: "i64", minimum: 1, default: 8 }), "at least 1, default 8");
+  assert.equal(words({ type: "f64", maximum: 5, default: null }), "at most 5");
+  assert.equal(words({ type: "bool", default: true }), "default on");
+  assert.equal(words({ type: "text", default: "" }), "");
+  assert.equal(words({ type: "f64", is_vector: true, default: [1, 2] }), "default 1, 2");
+});
+
+test("paths and components are shown, not changed", () => {
+  const kinds = (types) => types.map((type) => parameters.kind_of({ type }));
+  const shown = kinds(["component", "input_path", "output_path", "labels"]);
+  assert.deepEqual(shown, Array(4).fill("shown"));
+  const changed = kinds(["bool", "choice", "f64", "i64", "text"]);
+  assert.deepEqual(changed, ["flag", "choice", "number", "number", "text"]);
+  assert.equal(parameters.kind_of({ type: "f64", is_vector: true }), "list");
+});
+
+/** Wishes whose moments the test ends. */
+function wishes_by_hand() {
+  const sent = [],
+    timers = new Map();
+  let next = 0,
+    connected = true;
+  const send = (message) => connected && Boolean(sent.push(message));
+  const later = {
+    start: (work) => {
+      timers.set(++next, work);
+      return next;
+    },
+    stop: (timer) => timers.delete(timer),
+  };
+  const pass = () => {
+    const due = [...timers.values()];
+    timers.clear();
+    for (const work of due) work();
+  };
+  return { wishes: new Wishes(send, later), sent, pass, connect: (value) => (connected = value) };
+}
+
+test("of wishes in quick succession the last is sent", () => {
+  const { wishes, sent, pass } = wishes_by_hand();
+  for (let i = 0; i < 9; ++i) wishes.want("a", `set a=${i}`, () => {});
+  wishes.want("b", "set b=1", () => {});
+  assert.deepEqual(sent, []);
+  pass();
+  assert.deepEqual(sent.map(({ text }) => text), ["set a=8", "set b=1"]);
+  assert.notEqual(sent[0].number, sent[1].number);
+});
+
+test("one wish at most is under way, and the last one follows its answer", () => {
+  const { wishes, sent, pass } = wishes_by_hand();
+  const told = [];
+  const want = (value) =>
+    wishes.want("a", `set a=${value}`, ({ outcome }) => told.push(value, outcome));
+  want(1);
+  pass();
+  want(2);
+  pass();
+  want(3);
+  pass();
+  assert.equal(sent.length, 1);
+  assert.equal(wishes.pending("a"), true);
+  wishes.answer({ number: sent[0].number, frame: 5, refusal: "" });
+  assert.deepEqual(sent.map(({ text }) => text), ["set a=1", "set a=3"]);
+  wishes.answer({ number: sent[1].number, frame: 6, refusal: "too large" });
+  assert.deepEqual(told, [1, "sent", 1, "granted", 3, "sent", 3, "refused"]);
+  assert.equal(wishes.pending("a"), false);
+  wishes.answer({ number: sent[1].number, frame: 6, refusal: "" }); // told once
+  assert.equal(told.length, 8);
+});
+
+test("commands do not wait for each other", () => {
+  const { wishes, sent } = wishes_by_hand();
+  for (let i = 0; i < 3; ++i) wishes.now("step", () => {});
+  assert.deepEqual(sent.map(({ text }) => text), ["step", "step", "step"]);
+});
+
+test("a wish without a connection says so", () => {
+  const { wishes, sent, pass, connect } = wishes_by_hand();
+  const told = [];
+  const want = () => wishes.want("a", "set a=1", ({ outcome }) => told.push(outcome));
+  want();
+  pass();
+  want();
+  pass(); // waits for the first one's answer
+  wishes.lose();
+  assert.deepEqual(told, ["sent", "unsent", "unsent"]);
+  connect(false);
+  want();
+  pass();
+  assert.deepEqual(told, ["sent", "unsent", "unsent", "unsent"]);
+  assert.equal(sent.length, 1);
+  assert.equal(wishes.pending("a"), false);
+});
+
+test("the token goes from the page's address to the socket's", () => {
+  const page = (text) => new URL(text);
+  assert.equal(socket_address(page("http://a:1/?token=s%26t")), "ws://a:1/ws?token=s%26t");
+  assert.equal(socket_address(page("https://a/")), "wss://a/ws");
+});

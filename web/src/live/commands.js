@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pause, step, resume, stop, and a picture of both views.
+import { element } from "../data.js";
+import { outcome_words } from "./words.js";
+
+const kCaptionHeight = 40;
+const kMostSteps = 3; // frames that somebody else may have stepped through
+
+export class Commands {
+  #paused = null; // {from: frame, frames: that came nevertheless}; null: not, as far as is known
+
+  constructor(root, wishes) {
+    this.root = root;
+    this.wishes = wishes;
+    this.outcome = root.querySelector("#outcome");
+    for (const button of root.querySelectorAll("[data-command]")) {
+      button.addEventListener("click", () => this.#ask(button.dataset.command));
+    }
+    const dialog = document.getElementById("stopping");
+    root.querySelector("#stop").addEventListener("click", () => {
+      dialog.returnValue = "";
+      dialog.showModal();
+    });
+    dialog.addEventListener("close", () => {
+      if (dialog.returnValue === "stop") this.#ask("stop");
+    });
+  }
+
+  get paused() {
+    return this.#paused !== null;
+  }
+
+  #ask(command) {
+    this.wishes.now(command, (told) => {
+      if (told.outcome === "granted") this.#granted(command, told.frame);
+      else this.#say(`${command}: ${outcome_words(told)}`, told.outcome !== "sent");
+    });
+  }
+
+  #granted(command, frame) {
+    const pauses = command === "pause" || command === "step";
+    this.#paused = pauses ? { from: frame, frames: 0 } : null;
+    const words = {
+      pause: `Paused before frame ${frame}`,
+      step: "Paused after one frame",
+      resume: `Running from frame ${frame} on`,
+      stop: "The run stops.",
+    };
+    this.#say(words[command], false);
+  }
+
+  /** A frame came: where several do although the run pauses, somebody else has let it go on. */
+  frame_came(frame) {
+    if (!this.#paused || frame < this.#paused.from || ++this.#paused.frames < kMostSteps) return;
+    this.#paused = null;
+    this.#say("", false);
+  }
+
+  /** The run went away, or another one began. */
+  forget() {
+    this.#paused = null;
+    this.#say("", false);
+  }
+
+  #say(words, bad) {
+    this.outcome.value = words;
+    this.outcome.classList.toggle("bad", bad);
+  }
+}
+
+/** Saves both canvases side by side, with the words below them, as PNG. */
+export async function save_picture(image, mesh, words, name) {
+  const height = Math.max(image.height, mesh.height);
+  const canvas = element("canvas", {
+    width: image.width + mesh.width,
+    height: height + kCaptionHeight,
+  });
+  const pen = canvas.getContext("2d");
+  const style = getComputedStyle(document.documentElement);
+  pen.fillStyle = style.getPropertyValue("--paper").trim();
+  pen.fillRect(0, 0, canvas.width, canvas.height);
+  pen.drawImage(image, 0, 0);
+  pen.drawImage(mesh, image.width, 0);
+  pen.fillStyle = style.getPropertyValue("--ink").trim();
+  pen.font = "18px system-ui, DejaVu Sans, sans-serif";
+  pen.textBaseline = "middle";
+  pen.fillText(words, 12, height + kCaptionHeight / 2, canvas.width - 24);
+  const picture = await new Promise((done) => canvas.toBlob(done, "image/png"));
+  const address = URL.createObjectURL(picture);
+  element("a", { href: address, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(address), 1000);
+}

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is said of a frame and of the connection.
+
+const kTitles = {
+  estimated: "Estimated",
+  weak: "Weak",
+  predicted: "Predicted",
+  lost: "Lost",
+  none: "No shape",
+};
+// What a source says of each frame, whatever becomes of it.
+const kStanding = /^not calibrated/;
+const kStatuses = { error: "an error", no_result: "no result", degenerate: "degenerate" };
+
+/** A probability for people; never a rounded 100 %. */
+export function percent(share) {
+  if (share > 0.999 && share < 1) return "more than 99.9\u00a0%";
+  return `${(100 * share).toFixed(share > 0.99 && share < 1 ? 1 : 0)}\u00a0%`;
+}
+
+export const frames_ago = (age) => (age === 1 ? "of the frame before" : `of ${age} frames ago`);
+
+/** The stage that is to blame for a frame without a shape of its own: the first one without a
+    result that others had to do without, else the first without one. Null where all went well. */
+export function cause_of(stages) {
+  const stopped = stages.filter(({ status }) => status === "error" || status === "no_result");
+  const missed = ({ stage }) =>
+    stages.some(({ status, reason }) => status === "skipped" && reason?.startsWith(`${stage}: `));
+  return (
+    stopped.find(missed) ??
+    stopped[0] ??
+    stages.find(({ status, reason }) => status === "degenerate" && !kStanding.test(reason)) ??
+    null
+  );
+}
+
+function about_the_shape({ state, age = 0, confidence }) {
+  const sure = Number.isFinite(confidence) ? `${percent(confidence)} sure` : "";
+  switch (state) {
+    case "estimated":
+      return sure;
+    case "weak":
+      return `it may well be wrong${sure && `, ${sure}`}`;
+    case "predicted":
+      return `the shape ${frames_ago(age)}`;
+    case "lost":
+      return `the shape is the one ${frames_ago(age)}`;
+    default:
+      return "there has been none yet";
+  }
+}
+
+/** The state of a frame by its report: {state, title, text, topic}. The topic changes only when
+    there is news, not with each number. */
+export function state_words(report) {
+  if (!report) {
+    return { state: "none", title: "Unknown", text: "the run tells no state", topic: "unknown" };
+  }
+  const { state, failed, stages = [] } = report;
+  const title = kTitles[state] ?? state;
+  const cause = state !== "estimated" || failed ? cause_of(stages) : null;
+  const why = cause ? `${cause.stage}: ${cause.reason || kStatuses[cause.status]}` : "";
+  const text = [about_the_shape(report), why].filter(Boolean).join("; ");
+  return { state, title, text, topic: `${title} ${cause?.stage ?? ""}` };
+}
+
+/** What somebody must see besides: warnings of the run, and that the camera is not calibrated. */
+export function notices_of(report) {
+  const standing = (report?.stages ?? []).filter(({ reason }) => kStanding.test(reason));
+  const sentences = standing.map(({ reason }) => reason[0].toUpperCase() + reason.slice(1));
+  return [...(report?.warnings ?? []), ...sentences];
+}
+
+/** What is said while there is no connection. `was` tells of the one before: null, or {code,
+    reason}. */
+export function offline_words(was, host) {
+  if (!was) {
+    return (
+      `No run answers at ${host}. Start one with this sink; where it asks for a token, the ` +
+      "address of this page ends with ?token=…"
+    );
+  }
+  if (was.code === 1000 || was.code === 1001) {
+    return "The run has ended. When it is started again, this page goes on by itself.";
+  }
+  if (was.reason) return `The run closed the connection: ${was.reason}`;
+  return "The connection was lost: the run has ended, or the network is down.";
+}
+
+/** What became of a wish, beside its control. */
+export function outcome_words({ outcome, frame, refusal }) {
+  switch (outcome) {
+    case "sent":
+      return "…";
+    case "granted":
+      return `from frame ${frame} on`;
+    case "refused":
+      return `refused: ${refusal}`;
+    default:
+      return "no answer: there is no connection";
+  }
+}
