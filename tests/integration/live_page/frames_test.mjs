@@ -173,7 +173,7 @@ test("the history holds half a minute and knows the run's rate", () => {
   assert.equal(history.samples.length, 1);
 });
 
-test("colours lie on the ramp, and their scales only grow", () => {
+test("colours lie on the ramp, and their scale is that of the last frames", () => {
   const mesh = sheet(5, 4, 0.4, 0.3);
   const template = template_of(hello_message({ camera: null, mesh, texture: "", settings: null }));
   const colouring = new Colouring();
@@ -192,6 +192,8 @@ test("colours lie on the ramp, and their scales only grow", () => {
   assert.equal(of("strain", 1, 1.1).legend.high, "longer by 10\u00a0%");
   close(of("strain", 1, 1.1).shares[0], 1, 1e-3);
   close(of("strain", 1, 0.95).shares[0], 0.25, 1e-3);
+  for (let frame = 0; frame < 150; ++frame) of("std", 1, 1);
+  assert.equal(of("std", 1, 1).legend.high, "1 mm and more");
   // What a pipeline does not tell is said.
   const bare = { vertices_m: frame(1, 1).vertices_m, report: null };
   for (const name of ["confidence", "std", "visibility", "texture"]) {

@@ -7,6 +7,7 @@ import { vertex_strain } from "./mesh.js";
 const kLeastStd_mm = 0.01;
 const kLeastStrain = 0.005;
 const kNearlyAll = 0.98;
+const kFrames = 150; // whose scale is one
 
 export const kColourings = [
   { name: "texture", title: "Texture" },
@@ -22,9 +23,10 @@ function upper(values) {
   return sorted.length ? sorted[Math.floor(kNearlyAll * (sorted.length - 1))] : 0;
 }
 
-/** Gives each frame its colours. Scales only grow, so that the colours of frames can be compared. */
+/** Gives each frame its colours. A scale is that of the last frames together, so that their colours
+    can be compared. */
 export class Colouring {
-  #scales = { std: 0, strain: 0 };
+  #recent = { std: [], strain: [] }; // of each frame the value at the end of its own scale
 
   /** {shares [V] on the ramp from 0 to 1, legend}, or {legend} where the frame does not tell it. A
       legend has {low, high} for the ends of the ramp, or `keys`, or a `text`. */
@@ -60,7 +62,7 @@ export class Colouring {
     if (!Array.isArray(values) || values.length !== count) {
       return { legend: { text: "The solver tells no standard deviations." } };
     }
-    const scale = this.#grown("std", Math.max(kLeastStd_mm, upper(values)));
+    const scale = this.#scale("std", Math.max(kLeastStd_mm, upper(values)));
     return {
       shares: Float32Array.from(values, (value) => value / scale),
       legend: { low: "0", high: `${scale} mm and more` },
@@ -85,7 +87,7 @@ export class Colouring {
   #strain({ vertices_m }, template) {
     if (!vertices_m || !template) return { legend: { text: "There is no shape." } };
     const strain = vertex_strain(vertices_m, template.edges, template.rest_m);
-    const scale = this.#grown("strain", Math.max(kLeastStrain, upper(strain.map(Math.abs))));
+    const scale = this.#scale("strain", Math.max(kLeastStrain, upper(strain.map(Math.abs))));
     const end = `${Number((100 * scale).toPrecision(3))}\u00a0%`;
     return {
       shares: strain.map((value) => 0.5 + (0.5 * value) / scale),
@@ -93,9 +95,11 @@ export class Colouring {
     };
   }
 
-  #grown(name, value) {
-    this.#scales[name] = Math.max(this.#scales[name], round_number(value));
-    return this.#scales[name];
+  #scale(name, value) {
+    const recent = this.#recent[name];
+    recent.push(value);
+    if (recent.length > kFrames) recent.shift();
+    return round_number(Math.max(...recent));
   }
 }
 
