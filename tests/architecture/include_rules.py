@@ -94,6 +94,8 @@ LIBRARIES = (
         r"yaml-cpp/",
         (
             "framework/src/yaml/",
+            "plugins/common/cameras/",
+            "plugins/common/yaml/",
             "plugins/sources/",
         ),
     ),

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "common/yaml_file.hpp"
+#include "common/yaml/yaml_file.hpp"
 
 namespace weft::frex_video {
 namespace {
@@ -49,7 +49,7 @@ class Reader {
 
  private:
   [[noreturn]] void fail(const YAML::Node& node, const std::string& message) const {
-    sources::fail_at(path_, node, message);
+    yaml_files::fail_at(path_, node, message);
   }
 
   /// yaml-cpp keeps both values of a key that is given twice and answers with the first.
@@ -125,10 +125,10 @@ class Reader {
 }  // namespace
 
 Result<MarkerSheet> read_layout_file(const std::string& path) {
-  const auto text = sources::read_yaml_text(path, "layout");
+  const auto text = yaml_files::read_yaml_text(path, "layout");
   if (!text) return text.error();
-  return sources::read_yaml(path, *text,
-                            [&](const YAML::Node& root) { return Reader(path).read(root); });
+  return yaml_files::read_yaml(path, *text,
+                               [&](const YAML::Node& root) { return Reader(path).read(root); });
 }
 
 }  // namespace weft::frex_video

@@ -6,8 +6,8 @@
 namespace weft::images {
 namespace {
 
-Result<cv::Mat> read_depth_file(const std::string& path, const sources::CalibratedCamera& camera) {
-  auto depth = sources::read_image_of(path, camera);
+Result<cv::Mat> read_depth_file(const std::string& path, const cameras::CalibratedCamera& camera) {
+  auto depth = cameras::read_image_of(path, camera);
   if (!depth) return depth;
   if (depth->type() != CV_16UC1) {
     return Error{Errc::unsupported,
@@ -34,7 +34,7 @@ Result<void> DepthFiles::open(const std::vector<std::string>& stems) {
 }
 
 Result<void> DepthFiles::add_to(std::optional<GroundTruth>& truth, const std::string& stem,
-                                const sources::CalibratedCamera& camera) const {
+                                const cameras::CalibratedCamera& camera) const {
   const auto found = path_of_.find(stem);
   if (found == path_of_.end()) return {};
   const auto stored = read_depth_file(found->second, camera);

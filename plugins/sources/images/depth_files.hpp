@@ -8,7 +8,7 @@
 #include <weft/core/params.hpp>
 #include <weft/data/ground_truth.hpp>
 
-#include "common/calibrated_camera.hpp"
+#include "common/cameras/calibrated_camera.hpp"
 
 namespace weft::images {
 
@@ -24,7 +24,7 @@ class DepthFiles {
   /// Adds the depth of the frame to its truth, without the lens's distortion; a frame that has no
   /// other truth gets one of the kind "depth" without points. Nothing happens without a file.
   Result<void> add_to(std::optional<GroundTruth>& truth, const std::string& stem,
-                      const sources::CalibratedCamera& camera) const;
+                      const cameras::CalibratedCamera& camera) const;
 
  private:
   std::string pattern_;

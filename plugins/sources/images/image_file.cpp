@@ -5,8 +5,8 @@
 
 namespace weft::images {
 
-Result<cv::Mat> read_image_file(const std::string& path, const sources::CalibratedCamera& camera) {
-  auto image = sources::read_image_of(path, camera);
+Result<cv::Mat> read_image_file(const std::string& path, const cameras::CalibratedCamera& camera) {
+  auto image = cameras::read_image_of(path, camera);
   if (!image) return image;
   if (image->depth() != CV_8U) {
     return Error{Errc::unsupported,

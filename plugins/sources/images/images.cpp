@@ -6,7 +6,7 @@
 #include <weft/core/suggest.hpp>
 #include <weft/sdk/source.hpp>
 
-#include "common/calibrated_camera.hpp"
+#include "common/cameras/calibrated_camera.hpp"
 #include "common/frame_files.hpp"
 #include "common/truth_files.hpp"
 #include "depth_files.hpp"
@@ -45,7 +45,7 @@ class Images final : public Source {
   }
 
   void check(Mistakes& mistakes) const {
-    const auto camera = sources::CalibratedCamera::read_sizes(camera_path_);
+    const auto camera = cameras::CalibratedCamera::read_sizes(camera_path_);
     const bool calibrated = mistakes.expect("camera", camera);
     Images found = *this;
     if (!mistakes.expect("path", found.list_frames())) return;
@@ -60,7 +60,7 @@ class Images final : public Source {
   Result<Camera> open(const Call&) override {
     frames_.clear();
     frame_of_.clear();
-    auto camera = sources::CalibratedCamera::read(camera_path_);
+    auto camera = cameras::CalibratedCamera::read(camera_path_);
     if (!camera) return camera.error();
     camera_ = *std::move(camera);
     if (auto listed = list_frames(); !listed) return listed.error();
@@ -134,7 +134,7 @@ class Images final : public Source {
 
   /// A frame of another size than the camera's is an error of that frame; if none has it, the
   /// camera file is that of other images.
-  Result<void> check_sizes(const sources::CalibratedCamera& camera) const {
+  Result<void> check_sizes(const cameras::CalibratedCamera& camera) const {
     Result<void> first;
     for (std::size_t i = 0; i < std::min(frames_.size(), kMostTries); ++i) {
       const auto file = read_image_bytes(frames_[i].path);
@@ -188,7 +188,7 @@ class Images final : public Source {
   std::vector<std::pair<std::string, std::string>> apart_;
   double fps_ = 30.0;
 
-  sources::CalibratedCamera camera_;
+  cameras::CalibratedCamera camera_;
   DepthFiles depth_;
   RegionFiles region_;
   std::vector<Frame> frames_;

@@ -26,10 +26,10 @@ Result<void> RegionFiles::open(const std::vector<std::string>& stems) {
 }
 
 Result<std::optional<Region>> RegionFiles::read(const std::string& stem,
-                                                const sources::CalibratedCamera& camera) const {
+                                                const cameras::CalibratedCamera& camera) const {
   const auto found = path_of_.find(stem);
   if (found == path_of_.end()) return std::optional<Region>();
-  const auto stored = sources::read_image_of(found->second, camera);
+  const auto stored = cameras::read_image_of(found->second, camera);
   if (!stored) return stored.error();
   if (stored->channels() != 1) {
     return Error{Errc::unsupported,

@@ -8,7 +8,7 @@
 #include <weft/core/params.hpp>
 #include <weft/data/image.hpp>
 
-#include "common/calibrated_camera.hpp"
+#include "common/cameras/calibrated_camera.hpp"
 
 namespace weft::images {
 
@@ -23,7 +23,7 @@ class RegionFiles {
 
   /// The region of the frame, without the lens's distortion; nothing where no masks were given.
   Result<std::optional<Region>> read(const std::string& stem,
-                                     const sources::CalibratedCamera& camera) const;
+                                     const cameras::CalibratedCamera& camera) const;
 
  private:
   std::string pattern_;

@@ -7,9 +7,9 @@
 #include <weft/core/stop_check.hpp>
 #include <weft/sdk/source.hpp>
 
-#include "common/camera_file.hpp"
+#include "common/cameras/camera_file.hpp"
+#include "common/cameras/lens_points.hpp"
 #include "common/frame_files.hpp"
-#include "common/lens_points.hpp"
 #include "common/truth_files.hpp"
 #include "match_files.hpp"
 
@@ -36,13 +36,13 @@ class Matches final : public Source {
 
   void check(Mistakes& mistakes) const {
     Matches found = *this;
-    mistakes.expect("camera", sources::read_camera_file(camera_path_));
+    mistakes.expect("camera", cameras::read_camera_file(camera_path_));
     if (!mistakes.expect("path", found.list_frames())) return;
     mistakes.expect("truth", found.truth_.open(truth_path_, found.stems()));
   }
 
   Result<Camera> open(const Call&) override {
-    auto camera = sources::read_camera_file(camera_path_);
+    auto camera = cameras::read_camera_file(camera_path_);
     if (!camera) return camera.error();
     camera_ = *std::move(camera);
     if (auto listed = list_frames(); !listed) return listed.error();
@@ -122,7 +122,7 @@ class Matches final : public Source {
     SourceFrame frame;
     frame.time = Time{static_cast<double>(index) / fps_};
     frame.correspondences = table.matches(rows);
-    auto straight = sources::undistort_points(camera_, path + ": the match at",
+    auto straight = cameras::undistort_points(camera_, path + ": the match at",
                                               frame.correspondences->image_px.matrix<2>());
     if (!straight) return straight.error();
     auto truth = truth_.read(stem(index));
@@ -134,7 +134,7 @@ class Matches final : public Source {
     }
     table.add_truth(rows, *frame.ground_truth);
     if (!frame.ground_truth->match_xy_px.present()) return frame;
-    straight = sources::undistort_points(camera_, path + ": the true image at",
+    straight = cameras::undistort_points(camera_, path + ": the true image at",
                                          frame.ground_truth->match_xy_px.matrix<2>());
     if (!straight) return straight.error();
     return frame;
@@ -142,7 +142,7 @@ class Matches final : public Source {
 
   std::string path_, camera_path_, truth_path_;
   double fps_ = 30.0;
-  sources::CameraFile camera_;
+  cameras::CameraFile camera_;
   std::vector<std::string> files_;
   std::optional<MatchTable> whole_;             ///< of the one file that holds all frames
   std::vector<std::vector<std::size_t>> rows_;  ///< of each of its frames

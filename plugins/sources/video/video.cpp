@@ -7,7 +7,7 @@
 #include <utility>
 #include <weft/sdk/source.hpp>
 
-#include "common/calibrated_camera.hpp"
+#include "common/cameras/calibrated_camera.hpp"
 #include "frame_stream.hpp"
 
 namespace weft::video {
@@ -39,8 +39,8 @@ class Video final : public Source {
 
   /// A camera is not opened, and where 'start_s' leads is not decoded.
   void check(Mistakes& mistakes) const {
-    const auto camera = camera_path_.empty() ? sources::CalibratedCamera()
-                                             : sources::CalibratedCamera::read_sizes(camera_path_);
+    const auto camera = camera_path_.empty() ? cameras::CalibratedCamera()
+                                             : cameras::CalibratedCamera::read_sizes(camera_path_);
     const bool calibrated = mistakes.expect("camera", camera) && !camera_path_.empty();
     if (!mistakes.expect(path_.empty() ? "device" : "path", check_choice())) return;
     if (live()) return;
@@ -54,7 +54,7 @@ class Video final : public Source {
   Result<Camera> open(const Call& call) override {
     if (auto chosen = check_choice(); !chosen) return chosen.error();
     if (is_calibrated()) {
-      auto camera = sources::CalibratedCamera::read(camera_path_);
+      auto camera = cameras::CalibratedCamera::read(camera_path_);
       if (!camera) return camera.error();
       camera_ = *std::move(camera);
     }
@@ -62,7 +62,7 @@ class Video final : public Source {
     if (auto started = start(call); !started) return started.error();
     const auto first = stream_.image();
     if (!first) return first.error();
-    if (!is_calibrated()) camera_ = sources::CalibratedCamera::guess(first->size());
+    if (!is_calibrated()) camera_ = cameras::CalibratedCamera::guess(first->size());
     if (auto fits = camera_.check_size(first->size(), stream_.name()); !fits) return fits.error();
     return camera_.pinhole();
   }
@@ -214,7 +214,7 @@ class Video final : public Source {
   std::int64_t max_frames_ = 0;
   double fps_ = 0.0, exposure_ms_ = 0.0, patience_s_ = 5.0;
 
-  sources::CalibratedCamera camera_;
+  cameras::CalibratedCamera camera_;
   FrameStream stream_;
   bool is_at_a_frame_ = false;       // whether the stream has a current frame
   std::int64_t first_number_ = 0;    // of frame 0 of this source in the stream

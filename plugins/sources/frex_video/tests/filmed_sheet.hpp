@@ -15,7 +15,7 @@
 #include <weft/geometry/camera_model.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 
-#include "common/tests/frame_folder.hpp"
+#include "common/cameras/tests/frame_folder.hpp"
 
 namespace weft::testing {
 

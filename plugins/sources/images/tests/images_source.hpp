@@ -4,7 +4,7 @@
 #include <string>
 #include <weft/testing/plugin_under_test.hpp>
 
-#include "common/tests/frame_folder.hpp"
+#include "common/cameras/tests/frame_folder.hpp"
 
 namespace weft::testing {
 

@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <weft/data/image.hpp>
 
-#include "common/calibrated_camera.hpp"
+#include "common/cameras/calibrated_camera.hpp"
 #include "images_source.hpp"
 
 namespace {
@@ -185,7 +185,7 @@ TEST(ImagesSource, GivesImagesWithoutTheDistortionOfTheCamera) {
   PluginUnderTest source = images_source(folder);
   ASSERT_EQ(opened_count(source), 1);
   const auto image = source.process(kRead, {}).get<weft::Image>();
-  const auto camera = weft::sources::CalibratedCamera::read(folder.path("camera.yaml"));
+  const auto camera = weft::cameras::CalibratedCamera::read(folder.path("camera.yaml"));
   const auto expected = camera->undistorted(noise, "0.png", "0");
   const std::uint8_t* pixels = expected->pixels.data();
   EXPECT_TRUE(std::equal(pixels, pixels + expected->pixels.size(), image->pixels.data()));

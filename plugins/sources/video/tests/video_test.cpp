@@ -16,7 +16,7 @@
 #include <weft/data/image.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 
-#include "common/tests/frame_folder.hpp"
+#include "common/cameras/tests/frame_folder.hpp"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/calibrated_camera.hpp"
+#include "common/cameras/calibrated_camera.hpp"
 
 #include <gmock/gmock.h>
 
@@ -7,9 +7,9 @@
 #include <cmath>
 #include <functional>
 
-#include "common/tests/frame_folder.hpp"
+#include "common/cameras/tests/frame_folder.hpp"
 
-namespace weft::sources {
+namespace weft::cameras {
 namespace {
 
 using testing::FrameFolder;
@@ -152,4 +152,4 @@ TEST(CalibratedCamera, KeepsThePixelsOfAnIdealCameraAndRefusesOtherSizes) {
 }
 
 }  // namespace
-}  // namespace weft::sources
+}  // namespace weft::cameras

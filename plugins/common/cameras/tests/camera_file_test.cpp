@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/camera_file.hpp"
+#include "common/cameras/camera_file.hpp"
 
 #include <gmock/gmock.h>
 
 #include <opencv2/core/persistence.hpp>
 
-#include "common/tests/frame_folder.hpp"
+#include "common/cameras/tests/frame_folder.hpp"
 
-namespace weft::sources {
+namespace weft::cameras {
 namespace {
 
 using testing::FrameFolder;
@@ -197,4 +197,4 @@ TEST(CameraFile, RefusesTextThatIsNoCamera) {
 }
 
 }  // namespace
-}  // namespace weft::sources
+}  // namespace weft::cameras

@@ -7,8 +7,8 @@
 #include <string>
 #include <weft/core/result.hpp>
 
-/// Files that a parameter of a source names.
-namespace weft::sources {
+/// YAML files that a parameter names.
+namespace weft::yaml_files {
 
 /// A mistake in a file; the text begins with its place.
 struct FileMistake : std::runtime_error {
@@ -38,4 +38,4 @@ auto read_yaml(const std::string& path, const std::string& text, Read read)
   }
 }
 
-}  // namespace weft::sources
+}  // namespace weft::yaml_files

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/undistorter.hpp"
+#include "common/cameras/undistorter.hpp"
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <weft/core/stop_check.hpp>
 
-namespace weft::sources {
+namespace weft::cameras {
 
 Undistorter::Undistorter(const CameraFile& file) {
   if (file.model == Distortion::none) return;
@@ -46,4 +46,4 @@ cv::Mat Undistorter::nearest(const cv::Mat& image) const {
   return undistorted;
 }
 
-}  // namespace weft::sources
+}  // namespace weft::cameras

@@ -7,9 +7,9 @@
 #include <weft/data/camera.hpp>
 #include <weft/data/image.hpp>
 
-#include "common/undistorter.hpp"
+#include "common/cameras/undistorter.hpp"
 
-namespace weft::sources {
+namespace weft::cameras {
 
 /// A camera as its file describes it, and the way from its images to those of the ideal pinhole
 /// with the same fx, fy, cx, cy and size, which is the camera that everybody sees.
@@ -55,4 +55,4 @@ class CalibratedCamera {
 /// that an image of another size costs nothing. Fails with a message that names the file.
 Result<cv::Mat> read_image_of(const std::string& path, const CalibratedCamera& camera);
 
-}  // namespace weft::sources
+}  // namespace weft::cameras

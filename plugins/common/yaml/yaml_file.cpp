@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/yaml_file.hpp"
+#include "common/yaml/yaml_file.hpp"
 
 #include <weft/core/text_file.hpp>
 
-namespace weft::sources {
+namespace weft::yaml_files {
 namespace {
 
 constexpr std::uintmax_t kMostBytes = 1 << 20;
@@ -37,4 +37,4 @@ Error syntax_error(const std::string& path, const YAML::Mark& mark) {
           {}};
 }
 
-}  // namespace weft::sources
+}  // namespace weft::yaml_files

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/camera_file.hpp"
+#include "common/cameras/camera_file.hpp"
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -11,9 +11,9 @@
 #include <weft/core/suggest.hpp>
 #include <weft/geometry/camera_check.hpp>
 
-#include "common/yaml_file.hpp"
+#include "common/yaml/yaml_file.hpp"
 
-namespace weft::sources {
+namespace weft::cameras {
 namespace {
 
 // Of what OpenCV's and ROS's calibration programs write, most is not read.
@@ -113,7 +113,7 @@ class Reader {
 
  private:
   [[noreturn]] void fail(const YAML::Node& node, const std::string& message) const {
-    fail_at(path_, node, message);
+    yaml_files::fail_at(path_, node, message);
   }
 
   /// yaml-cpp keeps both values of a key that is given twice and answers with the first.
@@ -277,11 +277,12 @@ class Reader {
 }  // namespace
 
 Result<CameraFile> read_camera_file(const std::string& path) {
-  auto text = read_yaml_text(path, "camera");
+  auto text = yaml_files::read_yaml_text(path, "camera");
   if (!text) return text.error();
   // OpenCV's first line is no directive of YAML; a comment in its place keeps the line numbers.
   if (text->starts_with("%YAML:")) text->front() = '#';
-  return read_yaml(path, *text, [&](const YAML::Node& root) { return Reader(path, root).read(); });
+  return yaml_files::read_yaml(
+      path, *text, [&](const YAML::Node& root) { return Reader(path, root).read(); });
 }
 
-}  // namespace weft::sources
+}  // namespace weft::cameras

@@ -5,9 +5,9 @@
 #include <weft/core/result.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "common/camera_file.hpp"
+#include "common/cameras/camera_file.hpp"
 
-namespace weft::sources {
+namespace weft::cameras {
 
 /// Where the ideal pinhole would have seen points [N,2] px of the camera's images, by the equations
 /// of CameraFile; NaN stays NaN. Without distortion nothing changes. Fails on a point that lies
@@ -15,4 +15,4 @@ namespace weft::sources {
 Result<void> undistort_points(const CameraFile& camera, const std::string& name,
                               Eigen::Ref<Points2> points_px);
 
-}  // namespace weft::sources
+}  // namespace weft::cameras

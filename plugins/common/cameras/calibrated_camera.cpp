@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/calibrated_camera.hpp"
+#include "common/cameras/calibrated_camera.hpp"
 
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
@@ -7,7 +7,7 @@
 
 #include "common/images/picture_file.hpp"
 
-namespace weft::sources {
+namespace weft::cameras {
 namespace {
 
 std::string size_text(std::int64_t width, std::int64_t height) {
@@ -103,4 +103,4 @@ Result<cv::Mat> read_image_of(const std::string& path, const CalibratedCamera& c
   return image;
 }
 
-}  // namespace weft::sources
+}  // namespace weft::cameras

@@ -3,9 +3,9 @@
 
 #include <opencv2/core.hpp>
 
-#include "common/camera_file.hpp"
+#include "common/cameras/camera_file.hpp"
 
-namespace weft::sources {
+namespace weft::cameras {
 
 /// Resamples images as an ideal pinhole with the same fx, fy, cx, cy and size would have seen them,
 /// bilinearly, on positions rounded to 1/32 px. What the camera did not see becomes black.
@@ -27,4 +27,4 @@ class Undistorter {
   cv::Mat map_weights_;  // [H,W] u16: index of the fraction
 };
 
-}  // namespace weft::sources
+}  // namespace weft::cameras

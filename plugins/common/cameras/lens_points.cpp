@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/lens_points.hpp"
+#include "common/cameras/lens_points.hpp"
 
 #include <opencv2/calib3d.hpp>
 #include <vector>
 #include <weft/core/stop_check.hpp>
 
-namespace weft::sources {
+namespace weft::cameras {
 namespace {
 
 /// x, y of the ray (x, y, 1) that the lens sends to each pixel.
@@ -66,4 +66,4 @@ Result<void> undistort_points(const CameraFile& file, const std::string& name,
   return {};
 }
 
-}  // namespace weft::sources
+}  // namespace weft::cameras

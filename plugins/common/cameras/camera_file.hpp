@@ -6,7 +6,7 @@
 #include <weft/core/result.hpp>
 #include <weft/data/camera.hpp>
 
-namespace weft::sources {
+namespace weft::cameras {
 
 enum class Distortion { none, brown, fisheye };
 
@@ -25,4 +25,4 @@ struct CameraFile {
 /// YAML, or ROS camera_info. Fails with a message that names the file, the line and the key.
 Result<CameraFile> read_camera_file(const std::string& path);
 
-}  // namespace weft::sources
+}  // namespace weft::cameras
