@@ -61,6 +61,7 @@ STAND_INS = {
     "camera.json": CAMERA,
     "texture.png": png(160, 120),
     "poster.png": png(160, 120),
+    "poster.jpg": pathlib.Path("pipelines/data/sheet_photo.jpg"),
     "print.png": png(160, 120),
     "gt/visible/0001.ply": CLOUD,
     "gt/hidden/0001.ply": CLOUD,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/cameras/camera_file.hpp"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -80,9 +79,8 @@ double shown_share(const CameraFile& file) {
     const int column = i % kProbes, row = i / kProbes;
     const double x_px = (column + 0.5) / kProbes * static_cast<double>(camera.width_px) - 0.5;
     const double y_px = (row + 0.5) / kProbes * static_cast<double>(camera.height_px) - 0.5;
-    const Eigen::Vector2d seen =
-        distorted(file, {(x_px - camera.cx) / camera.fx, (y_px - camera.cy) / camera.fy});
-    shown += camera.shows(camera.fx * seen.x() + camera.cx, camera.fy * seen.y() + camera.cy);
+    const Eigen::Vector2d seen = seen_px(file, {x_px, y_px});
+    shown += camera.shows(seen.x(), seen.y());
   }
   return static_cast<double>(shown) / (kProbes * kProbes);
 }
@@ -276,13 +274,21 @@ class Reader {
 
 }  // namespace
 
+Eigen::Vector2d seen_px(const CameraFile& file, const Eigen::Vector2d& ideal_px) {
+  if (file.model == Distortion::none) return ideal_px;
+  const Camera& c = file.camera;
+  const Eigen::Vector2d seen =
+      distorted(file, {(ideal_px.x() - c.cx) / c.fx, (ideal_px.y() - c.cy) / c.fy});
+  return {c.fx * seen.x() + c.cx, c.fy * seen.y() + c.cy};
+}
+
 Result<CameraFile> read_camera_file(const std::string& path) {
   auto text = yaml_files::read_yaml_text(path, "camera");
   if (!text) return text.error();
   // OpenCV's first line is no directive of YAML; a comment in its place keeps the line numbers.
   if (text->starts_with("%YAML:")) text->front() = '#';
-  return yaml_files::read_yaml(
-      path, *text, [&](const YAML::Node& root) { return Reader(path, root).read(); });
+  return yaml_files::read_yaml(path, *text,
+                               [&](const YAML::Node& root) { return Reader(path, root).read(); });
 }
 
 }  // namespace weft::cameras

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
 #include <weft/core/result.hpp>
@@ -24,5 +25,8 @@ struct CameraFile {
 /// Reads a camera file: Weft's own (YAML or JSON: fx fy cx cy width height distortion), OpenCV's
 /// YAML, or ROS camera_info. Fails with a message that names the file, the line and the key.
 Result<CameraFile> read_camera_file(const std::string& path);
+
+/// Where the camera shows what the ideal pinhole has at a pixel, px.
+Eigen::Vector2d seen_px(const CameraFile& file, const Eigen::Vector2d& ideal_px);
 
 }  // namespace weft::cameras

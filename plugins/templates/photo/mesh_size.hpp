@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace weft::photo {
+
+/// Vertices of a grid.
+struct Grid {
+  int columns = 0, rows = 0;
+};
+
+/// The longer side of the view in which the keypoints for proposed_grid() are counted: a sheet that
+/// fills two thirds of an image of 640 px.
+inline constexpr int kViewed_px = 400;
+
+/// Square cells on a sheet of this height / width: half of the keypoints are matched, and a cell
+/// wants two matches or more. At least 24 cells, so that the sheet can bend, at most 180, about 200
+/// vertices, beyond which solvers get slow and not better.
+inline Grid proposed_grid(std::int64_t keypoints, double height_over_width) {
+  constexpr double kKeypointsACell = 4.0, kFewestCells = 24.0, kMostCells = 180.0;
+  const double cells =
+      std::clamp(static_cast<double>(keypoints) / kKeypointsACell, kFewestCells, kMostCells);
+  const double across = std::sqrt(cells / height_over_width);
+  const auto vertices = [&](double cells_along) {
+    return static_cast<int>(std::lround(std::clamp(cells_along, 2.0, kMostCells))) + 1;
+  };
+  return {vertices(across), vertices(cells / across)};
+}
+
+/// Vertices along a side, for square cells with so many along the other one; `ratio` is that of
+/// this side to the other.
+inline int vertices_for_squares(int along_other, double ratio) {
+  return std::max(2, static_cast<int>(std::lround((along_other - 1) * ratio)) + 1);
+}
+
+}  // namespace weft::photo

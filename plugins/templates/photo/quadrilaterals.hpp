@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "sheet_view.hpp"
+#include "straight_lines.hpp"
+
+namespace weft::photo {
+
+/// Four lines and where they meet.
+struct Quadrilateral {
+  Corners corners_px;
+  std::array<std::size_t, 4> lines{};  ///< indices; line k runs from corner k to the next
+  double merit = 0.0;                  ///< [] px^2, area times the share of the sides with edges
+};
+
+/// Whether a place is in a picture whose last pixel is `whole_px`, or a pixel beside it.
+bool is_within(const Eigen::Vector2d& place_px, const Eigen::Vector2d& whole_px);
+
+/// The four borders of a picture, as lines that are edges all along.
+std::array<StraightLine, 4> borders_of(const Eigen::Vector2d& whole_px);
+
+/// Convex quadrilaterals with sides on the lines and corners in the picture, clockwise: those that
+/// can be rectangles seen by a camera, not smaller than 8 % of the picture, with edges along at
+/// least half of each side, and on both sides of three corners. At most `most`, the best first.
+std::vector<Quadrilateral> find_quadrilaterals(const std::vector<StraightLine>& lines,
+                                               const Eigen::Vector2d& whole_px, std::size_t most);
+
+}  // namespace weft::photo

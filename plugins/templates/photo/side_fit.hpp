@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <functional>
+#include <opencv2/core.hpp>
+
+#include "sheet_view.hpp"
+
+namespace weft::photo {
+
+/// L*a*b* of a picture at a place in px.
+using Colours = std::function<Eigen::Vector3d(const Eigen::Vector2d& place_px)>;
+
+/// Bilinear colour of a picture [H,W,3] u8, beyond its border that of the border.
+Eigen::Vector3d colour_at(const cv::Mat& picture, const Eigen::Vector2d& place_px);
+
+/// In which share of the places along a side there is an edge on it, within a pixel.
+struct SideEvidence {
+  double whole = 0.0;
+  double at_start = 0.0, at_end = 0.0;  ///< next to the two corners, inside
+  double before = 0.0, beyond = 0.0;    ///< next to the two corners, outside: the line goes on
+};
+
+struct FittedSides {
+  Corners corners_px;
+  std::array<SideEvidence, 4> sides;  ///< from each corner to the next
+};
+
+/// Moves the sides of a quadrilateral to the edges nearby: across each side the steepest change of
+/// colour within `reach_px` is found to a fraction of a pixel, in places along it, and a line is
+/// fitted to these by Geman and McClure's robust error. A side without edges stays. Corners are
+/// where fitted sides meet, and may be anything where those are parallel.
+FittedSides fit_sides(const Colours& colours, const Corners& corners_px, double reach_px);
+
+}  // namespace weft::photo
