@@ -18,4 +18,18 @@ inline evaluation::Helpers standard_helpers() {
               "stills_every: 1, stills_width_px: 320}}"};
 }
 
+/// Keypoints and matches as in the default pipeline, in YAML.
+struct StandardFeatures {
+  const char* detector;
+  const char* matcher;
+};
+
+inline StandardFeatures standard_features() {
+  return {.detector = "{use: detectors/sift_fast}",
+          .matcher = "{use: matchers/descriptor, params: {direction: image_to_template}}"};
+}
+
+/// What --photo stands for.
+inline const char* photo_template() { return "templates/photo"; }
+
 }  // namespace weft::cli

@@ -2,6 +2,9 @@
 #include "cli/template/template_builder.hpp"
 
 #include <algorithm>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "host/loading/component_spec.hpp"
 #include "pipeline/execution/checks.hpp"
@@ -39,18 +42,51 @@ Result<BuiltTemplate> build_template(const host::ComponentSpec& component) {
   return built;
 }
 
-std::optional<host::ComponentSpec> with_mesh_of_file(const host::Registry& registry,
-                                                     const host::ComponentSpec& component) {
-  yaml::Node params = *component.effective.find("params");
-  const auto vertices =
-      std::find_if(params.entries.begin(), params.entries.end(),
-                   [](const yaml::Entry& entry) { return entry.key == "vertices"; });
-  if (vertices == params.entries.end() || vertices->value.scalar == "0") return std::nullopt;
-  vertices->value = yaml::plain_node("0");
+namespace {
+
+yaml::Entry* find_entry(yaml::Node& map, std::string_view key) {
+  const auto found = std::find_if(map.entries.begin(), map.entries.end(),
+                                  [&](const yaml::Entry& entry) { return entry.key == key; });
+  return found == map.entries.end() ? nullptr : &*found;
+}
+
+/// Paths that were resolved stand in no folder of their own.
+void forget_places(yaml::Node& node) {
+  node.at = {};
+  for (yaml::Node& item : node.items) forget_places(item);
+  for (yaml::Entry& entry : node.entries) forget_places(entry.value);
+}
+
+/// Nothing where the parameters are illegal.
+std::optional<host::ComponentSpec> with_params(const host::Registry& registry,
+                                               const host::ComponentSpec& component,
+                                               yaml::Node params) {
+  forget_places(params);
   std::vector<yaml::Problem> problems;
   auto spec = host::resolve_component(registry, *component.effective.find("use"), &params,
                                       host::PathRules::of_process({"."}, "."), problems);
   return problems.empty() ? std::move(spec) : std::nullopt;
+}
+
+}  // namespace
+
+std::optional<host::ComponentSpec> with_mesh_of_file(const host::Registry& registry,
+                                                     const host::ComponentSpec& component) {
+  yaml::Node params = *component.effective.find("params");
+  yaml::Entry* vertices = find_entry(params, "vertices");
+  if (vertices == nullptr || vertices->value.scalar == "0") return std::nullopt;
+  vertices->value = yaml::plain_node("0");
+  return with_params(registry, component, std::move(params));
+}
+
+std::optional<host::ComponentSpec> with_drawing(const host::Registry& registry,
+                                                const host::ComponentSpec& component,
+                                                const std::string& path) {
+  yaml::Node params = *component.effective.find("params");
+  yaml::Entry* drawing = find_entry(params, "drawing");
+  if (drawing == nullptr || !drawing->value.scalar.empty()) return std::nullopt;
+  drawing->value = yaml::text_node(path);
+  return with_params(registry, component, std::move(params));
 }
 
 }  // namespace weft::cli

@@ -22,6 +22,8 @@ const char* name_of(Picture picture) {
       return "texture";
     case Picture::matches:
       return "matches";
+    case Picture::twins:
+      return "twins";
   }
   return "";
 }

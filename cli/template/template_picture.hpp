@@ -13,6 +13,7 @@ enum class Picture {
   mesh,     ///< over the texture, with the object where it is not flat
   texture,  ///< alone
   matches,  ///< of a frame, with its shape
+  twins,    ///< keypoints of the texture that look alike, given as matches with itself
 };
 
 /// Writes a picture of a template as PNG; sinks/drawing draws it.

@@ -36,4 +36,20 @@ nlohmann::ordered_json numbers_json(const TemplateSurvey& f) {
           {"mask_share", f.mask_share}};
 }
 
+std::string texture_text(const TextureSurvey& f) {
+  return fmt::format(
+      "matches   {} keypoints in the texture, about {} matches to be expected in a view of {:.0f} "
+      "px; {:.0f} % of the keypoints have a twin elsewhere in the texture\n"
+      "gap       no match within {:.0f} mm of ({:.0f}, {:.0f}) px of the texture, nowhere a wider "
+      "one\n",
+      f.keypoints, f.expected_matches, f.view_px, 100.0 * f.twin_share, 0.5 * f.gap_mm,
+      f.gap_px.x(), f.gap_px.y());
+}
+
+nlohmann::ordered_json texture_json(const TextureSurvey& f) {
+  return {{"keypoints", f.keypoints}, {"expected_matches", f.expected_matches},
+          {"view_px", f.view_px},     {"twin_share", f.twin_share},
+          {"gap_mm", f.gap_mm},       {"gap_px", {f.gap_px.x(), f.gap_px.y()}}};
+}
+
 }  // namespace weft::cli

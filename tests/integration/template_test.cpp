@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <weft/core/rng.hpp>
 #include <weft/data/ground_truth.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/distance_constraints.hpp>
@@ -21,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 const std::string kData = WEFT_PIPELINES "/data/";
 const std::string kInsole = "photo: '" + kData + "insole.png', smallest_hole: 1, length_m: 0.26";
@@ -177,6 +179,82 @@ TEST_F(TemplateCommand, FindsMirroredImportsAndDrawsThem) {
       {"check", WEFT_PIPELINES "/label.yaml", "--set", "template.texture=" + path("mirrored.ppm")});
   EXPECT_EQ(picture.exit_code, 1) << picture.err;
   EXPECT_THAT(picture.out, HasSubstr("the picture of the texture is mirrored"));
+}
+
+const std::vector<std::string> kPhotograph{"--photo",  kData + "sheet_photo.jpg",
+                                           "--width",  "0.297",
+                                           "--camera", kData + "sheet_photo_camera.yaml"};
+
+TEST_F(TemplateCommand, MakesATemplateOfAPhotographAndDrawsWhatItFound) {
+  std::vector<std::string> words{"make", "--out", path("sheet")};
+  words.insert(words.end(), kPhotograph.begin(), kPhotograph.end());
+  const Ended made = weft(words);
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_THAT(made.out, AllOf(HasSubstr("templates/photo: written to"), HasSubstr("flat"),
+                              HasSubstr("matches to be expected in a view of 400 px"),
+                              HasSubstr("have a twin elsewhere in the texture"),
+                              Not(HasSubstr("note ")), Not(HasSubstr("warning "))));
+  for (const char* name : {"texture.png", "drawing.png", "corners.png", "twins.png"}) {
+    EXPECT_TRUE(read_text(path("sheet/" + std::string(name))).starts_with("\x89PNG")) << name;
+  }
+  words = {};
+  words.insert(words.end(), kPhotograph.begin(), kPhotograph.end());
+  const auto json = figures(words);
+  EXPECT_NEAR(json.at("size_mm").at(0), 297.0, 1e-6);
+  EXPECT_NEAR(json.at("size_mm").at(1), 297.0 * 595.0 / 842.0, 1.0);
+  EXPECT_GT(json.at("expected_matches"), 200);
+  EXPECT_LT(json.at("twin_share"), 0.1);
+  EXPECT_EQ(json.at("warnings").size(), 0U);
+}
+
+TEST_F(TemplateCommand, SaysWhatIsMissingForATemplateOfAPhotograph) {
+  const auto refused = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"make", "--out", path("none")});
+    const Ended ended = weft(std::move(words));
+    EXPECT_EQ(ended.exit_code, 2) << ended.out;
+    EXPECT_FALSE(fs::exists(path("none")));
+    return ended.err;
+  };
+  const std::string photo = kData + "sheet_photo.jpg";
+  EXPECT_THAT(refused({"--photo", photo}), HasSubstr("--width"));
+  EXPECT_THAT(refused({"--width", "0.3"}), HasSubstr("--photo"));
+  EXPECT_THAT(refused({"--photo", photo, "--width", "0"}), HasSubstr("--width"));
+  EXPECT_THAT(refused({"--photo", path("none.jpg"), "--width", "0.3"}),
+              HasSubstr("there is no file"));
+  EXPECT_THAT(refused({"--photo", photo, "--width", "0.3", "--use", "templates/photo"}),
+              HasSubstr("one of them"));
+  EXPECT_THAT(refused({"--photo", photo, "--width", "0.3", "--corners", "1,2 3,4"}),
+              HasSubstr("--corners '1,2 3,4': write x,y of the top left"));
+  EXPECT_THAT(refused({"--photo", photo, "--width", "0.3", "--corners", "9,9 9000,9 90,90 9,90"}),
+              HasSubstr("the top right corner at (9000, 9) px lies outside of the photograph"));
+}
+
+TEST_F(TemplateCommand, WarnsOfATextureThatRepeatsItselfAndOfOneThatIsEmpty) {
+  Rng rng(11);
+  constexpr int kTile = 24, kTiles = 20;
+  std::vector<int> greys(kTile / 4 * (kTile / 4));
+  for (int& grey : greys) grey = static_cast<int>(rng.below(256));
+  std::string pattern = "P5 480 480 255\n", plain = pattern;
+  for (int y = 0; y < kTile * kTiles; ++y) {
+    for (int x = 0; x < kTile * kTiles; ++x) {
+      const int block = y % kTile / 4 * (kTile / 4) + x % kTile / 4;
+      pattern += static_cast<char>(greys[static_cast<std::size_t>(block)]);
+      plain += static_cast<char>(128);
+    }
+  }
+  write(pattern, "pattern.pgm");
+  write(plain, "plain.pgm");
+  const auto shown = [&](const std::string& name) {
+    return weft({"show", "--use", "templates/rectangular", "--set", "width_m=0.3", "--set",
+                 "texture=" + path(name)});
+  };
+  const Ended repeating = shown("pattern.pgm");
+  EXPECT_EQ(repeating.exit_code, 0) << repeating.err;
+  EXPECT_THAT(repeating.out, HasSubstr("warning   the texture repeats itself: "));
+  const Ended empty = shown("plain.pgm");
+  EXPECT_EQ(empty.exit_code, 0) << empty.err;
+  EXPECT_THAT(empty.out, AllOf(HasSubstr("warning   the texture is poor: 0 matches"),
+                               HasSubstr("warning   no match is to be expected within")));
 }
 
 TEST_F(TemplateCommand, SaysWhereAMeshIsBroken) {

@@ -7,11 +7,12 @@
 
 #include "match_picture.hpp"
 #include "picture.hpp"
+#include "twin_picture.hpp"
 
 namespace weft::drawing {
 namespace {
 
-enum class Content { mesh, texture, matches };
+enum class Content { mesh, texture, matches, twins };
 
 /// A picture of the template, which is the same in all frames, or of the first frame with a shape.
 class Drawing final : public Sink {
@@ -20,11 +21,14 @@ class Drawing final : public Sink {
 
   explicit Drawing(Params& p) {
     p.output_path("path", path_, "PNG file");
-    p.choice(
-        "content", content_,
-        {{"mesh", Content::mesh}, {"texture", Content::texture}, {"matches", Content::matches}},
-        "the mesh over the texture, with the object where it is not flat; the texture; or the "
-        "first image with a shape, its mesh and how far its matches are off");
+    p.choice("content", content_,
+             {{"mesh", Content::mesh},
+              {"texture", Content::texture},
+              {"matches", Content::matches},
+              {"twins", Content::twins}},
+             "the mesh over the texture, with the object where it is not flat; the texture; the "
+             "first image with a shape, its mesh and how far its matches are off; or keypoints of "
+             "the texture that look alike");
   }
 
   Result<void> open(const Call&) override {
@@ -36,6 +40,7 @@ class Drawing final : public Sink {
     if (is_written_) return {};
     const bool has_all = in.image && in.camera && in.correspondences && in.shape;
     if (content_ == Content::matches && !has_all) return {};
+    if (content_ == Content::twins && !in.correspondences) return {};
     std::vector<std::uint8_t> png;
     const cv::Mat picture = picture_of(in);
     const std::vector<int> small{cv::IMWRITE_PNG_COMPRESSION, 6, cv::IMWRITE_PNG_STRATEGY,
@@ -54,6 +59,7 @@ class Drawing final : public Sink {
  private:
   cv::Mat picture_of(const SinkInput& in) const {
     if (content_ == Content::matches) return draw_matches(in);
+    if (content_ == Content::twins) return draw_twins(*in.templ, *in.correspondences);
     return content_ == Content::mesh ? draw_mesh(*in.templ) : texture_of(*in.templ);
   }
 
@@ -66,4 +72,4 @@ class Drawing final : public Sink {
 }  // namespace weft::drawing
 
 using weft::drawing::Drawing;
-WEFT_PLUGIN(Drawing, "sinks/drawing", "1.1.0", "A picture of the template and its mesh.")
+WEFT_PLUGIN(Drawing, "sinks/drawing", "1.2.0", "A picture of the template and its mesh.")

@@ -170,4 +170,31 @@ TEST_F(DrawingTest, ShowsHowFarMatchesAreOffTheirPlacesOnTheShape) {
   EXPECT_LT(std::abs(redness(20.0, 20.0)), 3);
 }
 
+TEST_F(DrawingTest, ShowsKeypointsThatLookAlikeAndThoseThatDoNot) {
+  const Template sheet = half_sheet();
+  weft::Correspondences pairs;
+  pairs.template_px = weft::Array<double>({2, 2}, 100.0);
+  pairs.image_px = weft::Array<double>({2, 2}, 100.0);
+  pairs.template_px(1, 0) = 300.0;
+  pairs.image_px(1, 0) = 380.0;
+  pairs.face = weft::Array<std::int32_t>({2}, -1);
+  pairs.barycentrics = weft::Array<double>({2, 3}, 0.0);
+  pairs.kept = weft::Array<std::uint8_t>({2}, 0);
+  pairs.kept(1) = 1;
+  pairs.score = weft::Array<double>({2}, 1.0);
+  PluginUnderTest sink("sinks/drawing",
+                       "{path: '" + (folder_ / "it.png").string() + "', content: twins}");
+  static_cast<void>(sink.process(kOpen, {}));
+  const PluginAnswer outcome =
+      sink.process(kWrite, {input("template", sheet), input("correspondences", pairs)});
+  EXPECT_EQ(outcome.status, WEFT_OK) << outcome.message;
+  const cv::Mat picture = cv::imread((folder_ / "it.png").string());
+  ASSERT_EQ(picture.size(), cv::Size(800, 400));
+  const auto at = [&](int u, int v) { return picture.at<cv::Vec3b>(v, u); };
+  EXPECT_GT(at(100, 100)[1], at(100, 100)[2] + 80) << "green: alone";
+  EXPECT_GT(at(300, 100)[2], at(300, 100)[1] + 80) << "orange: has a twin";
+  EXPECT_GT(at(340, 100)[2], at(340, 100)[0] + 80) << "the line to it";
+  EXPECT_EQ(at(200, 100)[2], at(200, 100)[0]);
+}
+
 }  // namespace
