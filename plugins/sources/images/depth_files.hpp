@@ -17,6 +17,7 @@ namespace weft::images {
 class DepthFiles {
  public:
   void declare(Params& p);
+  bool is_given() const { return !pattern_.empty(); }
 
   /// Finds the files, one a frame of the same stem. Fails as files_by_stem() does.
   Result<void> open(const std::vector<std::string>& stems);

@@ -10,6 +10,7 @@
 #include "common/frame_files.hpp"
 #include "common/truth_files.hpp"
 #include "depth_files.hpp"
+#include "growing_folder.hpp"
 #include "image_file.hpp"
 #include "region_files.hpp"
 
@@ -23,7 +24,8 @@ struct Frame {
   std::string apart;  ///< why it is reported apart, if it is
 };
 
-/// Image files of a calibrated camera, in bytewise order of their paths.
+/// Image files of a calibrated camera, in bytewise order of their paths: those that are there, or
+/// those that come into a folder.
 class Images final : public Source {
  public:
   static constexpr About kAbout{.produces = "image time ground_truth region"};
@@ -42,6 +44,8 @@ class Images final : public Source {
     depth_.declare(p);
     region_.declare(p);
     p.read("fps", fps_, "1/s", {1e-3, 1e6}, "frames a second; gives each frame its time");
+    p.read("wait_s", wait_s_, "s", {0.0, 86'400.0},
+           "wait so long for the next file of a folder that grows; 0: the folder is whole");
   }
 
   void check(Mistakes& mistakes) const {
@@ -60,6 +64,7 @@ class Images final : public Source {
   Result<Camera> open(const Call&) override {
     frames_.clear();
     frame_of_.clear();
+    ending_.reset();
     auto camera = cameras::CalibratedCamera::read(camera_path_);
     if (!camera) return camera.error();
     camera_ = *std::move(camera);
@@ -73,14 +78,12 @@ class Images final : public Source {
     return camera_.pinhole();
   }
 
-  std::int64_t count() const override { return static_cast<std::int64_t>(frames_.size()); }
+  std::int64_t count() const override { return live() ? -1 : known_count(); }
 
-  Result<SourceFrame> read(std::int64_t index, const Call&) override {
-    if (index < 0 || index >= count()) {
-      return Error{Errc::invalid_value, "there is no frame " + std::to_string(index) +
-                                            ": the source has " + std::to_string(count()) +
-                                            ", counted from 0"};
-    }
+  bool live() const override { return wait_s_ > 0.0; }
+
+  Result<SourceFrame> read(std::int64_t index, const Call& call) override {
+    if (auto there = wait_for(index, call); !there) return there.error();
     const Frame& frame = frames_[to_index(index)];
     const auto stored = read_image_file(frame.path, camera_);
     if (!stored) return stored.error();
@@ -101,7 +104,37 @@ class Images final : public Source {
   }
 
  private:
+  std::int64_t known_count() const { return static_cast<std::int64_t>(frames_.size()); }
+
+  /// Until the frame is known; those of a folder that grows can be read again.
+  Result<void> wait_for(std::int64_t index, const Call& call) {
+    if (index < 0 || (index >= known_count() && !folder_)) {
+      return Error{Errc::invalid_value, "there is no frame " + std::to_string(index) +
+                                            ": the source has " + std::to_string(known_count()) +
+                                            ", counted from 0"};
+    }
+    while (index >= known_count()) {
+      if (ending_) return index == known_count() ? *ending_ : no_result(path_ + ": has ended");
+      auto path = folder_->next(call);
+      if (path) {
+        std::string stem = sources::stem_of(*path);
+        frames_.push_back({*std::move(path), std::move(stem), {}});
+      } else if (path.error().code == Errc::cancelled) {
+        return path.error();
+      } else {
+        ending_ = path.error();
+      }
+    }
+    return {};
+  }
+
   Result<void> list_frames() {
+    if (live()) {
+      auto folder = GrowingFolder::open(path_, wait_s_);
+      if (!folder) return folder.error();
+      folder_ = *std::move(folder);
+      return {};
+    }
     auto paths = sources::matching_files(path_);
     if (!paths) return paths.error();
     for (std::string& path : *paths) {
@@ -121,11 +154,24 @@ class Images final : public Source {
 
   static constexpr std::size_t kMostTries = 100;  ///< frames, before the rest is believed
 
-  /// A frame that cannot be read is an error of that frame; if none can, the path is wrong.
+  /// Files of frames that are there; of a folder that grows perhaps none.
+  std::vector<std::string> first_paths() const {
+    std::vector<std::string> paths;
+    for (const Frame& frame : frames_) paths.push_back(frame.path);
+    if (live()) {
+      if (auto there = sources::matching_files(path_)) paths = *std::move(there);
+    }
+    paths.resize(std::min(paths.size(), kMostTries));
+    return paths;
+  }
+
+  /// A frame that cannot be read is an error of that frame; if none can, the path is wrong. One
+  /// that is still being written cannot yet.
   Result<void> check_readable() const {
     Result<void> first;
-    for (std::size_t i = 0; i < std::min(frames_.size(), kMostTries); ++i) {
-      const auto file = read_image_bytes(frames_[i].path);
+    if (live()) return first;
+    for (const std::string& path : first_paths()) {
+      const auto file = read_image_bytes(path);
       if (file) return {};
       if (first) first = file.error();
     }
@@ -136,12 +182,12 @@ class Images final : public Source {
   /// camera file is that of other images.
   Result<void> check_sizes(const cameras::CalibratedCamera& camera) const {
     Result<void> first;
-    for (std::size_t i = 0; i < std::min(frames_.size(), kMostTries); ++i) {
-      const auto file = read_image_bytes(frames_[i].path);
+    for (const std::string& path : first_paths()) {
+      const auto file = read_image_bytes(path);
       if (!file || file->header.width_px == 0) continue;
       const cv::Size size(static_cast<int>(file->header.width_px),
                           static_cast<int>(file->header.height_px));
-      const auto fits = camera.check_size(size, frames_[i].path);
+      const auto fits = camera.check_size(size, path);
       if (fits) return {};
       if (first) first = fits;
     }
@@ -154,11 +200,32 @@ class Images final : public Source {
     return stems;
   }
 
-  Result<void> attach_depth() { return depth_.open(stems()); }
-  Result<void> attach_region() { return region_.open(stems()); }
-  Result<void> attach_truth() { return truth_.open(truth_path_, stems()); }
+  /// What belongs to frames by their stems is found before the first one is read.
+  Result<void> check_whole(const std::string& parameter, bool is_given) const {
+    if (!live() || !is_given) return {};
+    return Error{Errc::unsupported,
+                 "'" + parameter +
+                     "' belongs to frames that are all there: leave it out while the folder grows, "
+                     "or read the whole folder, without 'wait_s'"};
+  }
+
+  Result<void> attach_depth() {
+    if (auto whole = check_whole("depth", depth_.is_given()); !whole) return whole;
+    return depth_.open(stems());
+  }
+
+  Result<void> attach_region() {
+    if (auto whole = check_whole("region", region_.is_given()); !whole) return whole;
+    return region_.open(stems());
+  }
+
+  Result<void> attach_truth() {
+    if (auto whole = check_whole("truth", !truth_path_.empty()); !whole) return whole;
+    return truth_.open(truth_path_, stems());
+  }
 
   Result<void> mark_apart() {
+    if (auto whole = check_whole("apart", !apart_.empty()); !whole) return whole;
     for (const auto& [stem, reason] : apart_) {
       Frame* frame = find(stem);
       if (frame == nullptr) {
@@ -187,6 +254,7 @@ class Images final : public Source {
   std::string truth_path_;
   std::vector<std::pair<std::string, std::string>> apart_;
   double fps_ = 30.0;
+  double wait_s_ = 0.0;
 
   cameras::CalibratedCamera camera_;
   DepthFiles depth_;
@@ -194,12 +262,14 @@ class Images final : public Source {
   std::vector<Frame> frames_;
   sources::TruthFiles truth_;
   std::map<std::string, std::size_t> frame_of_;  // index of each stem
+  std::optional<GrowingFolder> folder_;          // that grows, once it is open
+  std::optional<Error> ending_;                  // why it gives no more frames, once known
 };
 
 }  // namespace
 }  // namespace weft::images
 
 using weft::images::Images;
-WEFT_PLUGIN(Images, "sources/images", "1.1.0",
+WEFT_PLUGIN(Images, "sources/images", "1.2.0",
             "Reads image files of a calibrated camera, undistorted, with truth and regions where "
             "there are any.")

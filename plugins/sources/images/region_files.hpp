@@ -16,6 +16,7 @@ namespace weft::images {
 class RegionFiles {
  public:
   void declare(Params& p);
+  bool is_given() const { return !pattern_.empty(); }
 
   /// Finds the files, one for each frame and of the same stem. Fails on a frame without a mask and
   /// as files_by_stem() does.

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <unordered_set>
+#include <utility>
+#include <vector>
+#include <weft/core/result.hpp>
+#include <weft/sdk/call.hpp>
+
+#include "written_file.hpp"
+
+namespace weft::images {
+
+/// A folder that another program fills: its files one after the other, in the bytewise order of
+/// their names, each when it is complete. What sorts before the last file that was given comes too
+/// late: it is left out, with a warning.
+class GrowingFolder {
+ public:
+  /// `pattern` has * ? or [ ] in its file name alone. The folder must be there, files need not.
+  static Result<GrowingFolder> open(const std::string& pattern, double wait_s);
+
+  /// The path of the next file, waited for. Errc::no_result when none came for `wait_s`; an error
+  /// where none came at all, or only such as came too late, or where the folder is gone. Asks the
+  /// call again and again whether to go on.
+  Result<std::string> next(const Call& call);
+
+ private:
+  GrowingFolder(std::string folder, std::string name, double wait_s)
+      : folder_(std::move(folder)), name_(std::move(name)), wait_s_(wait_s) {}
+
+  Result<void> list(const Call& call);
+  bool has_complete();
+  std::string take();
+  Error ending() const;
+  std::string path_of(const std::string& name) const { return folder_ + "/" + name; }
+
+  std::string folder_;
+  std::string name_;  ///< pattern of the files' names
+  double wait_s_;
+
+  std::vector<std::string> waiting_;         ///< names of files not given yet, in order
+  std::unordered_set<std::string> settled_;  ///< names of files that were given or came too late
+  std::string last_;                         ///< name of the last one given
+  int late_ = 0;                             ///< files that came too late since that one
+  std::optional<WrittenFile> first_;         ///< the first one waiting
+};
+
+}  // namespace weft::images

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace weft::images {
+
+/// An image file into which another program may still be writing. It is complete when
+///
+/// - it says so itself: the end of a PNG, with right checksums, or of a JPEG is there; or
+/// - it begins as a BMP, TIFF, WebP or PNM, and its writer has gone on to a later file; or
+/// - its size and time have stood still for a while: then no more will come, damaged or not.
+class WrittenFile {
+ public:
+  explicit WrittenFile(std::string path) : path_(std::move(path)) {}
+
+  const std::string& path() const { return path_; }
+
+  /// Looks at it once more; to be asked again and again, every few ms. It stands still when
+  /// nothing has changed for `still_s`, and in many looks: a machine that slept saw nothing.
+  bool is_complete(bool has_later, double still_s);
+
+ private:
+  struct State {
+    std::uintmax_t bytes;
+    std::int64_t changed;  ///< in ticks of the file system's clock
+
+    bool operator==(const State&) const = default;
+  };
+  enum class End { missing, there, untold };  ///< untold: the format has no mark of its end
+
+  State look() const;
+  End find_end() const;
+
+  std::string path_;
+  std::optional<State> state_;
+  std::chrono::steady_clock::time_point since_;  ///< when `state_` was first seen
+  int looks_ = 0;                                ///< that saw `state_`
+  End end_ = End::missing;                       ///< of the file in `state_`
+};
+
+}  // namespace weft::images
