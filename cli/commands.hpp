@@ -36,5 +36,6 @@ void add_metrics_command(CLI::App& app, Context& context);
 void add_report_command(CLI::App& app, Context& context);
 void add_template_command(CLI::App& app, Context& context);
 void add_calibrate_command(CLI::App& app, Context& context);
+void add_schema_command(CLI::App& app, Context& context);
 
 }  // namespace weft::cli

@@ -69,9 +69,10 @@ INTERNAL = {
     "report/paper": "core programs statistics metrics results report report/text report/tables",
     "bench": "core data host/records host/loading host/calling pipeline/configuration "
     "pipeline/graph pipeline/execution pipeline/runs statistics",
+    "schema": "core yaml roles host/loading pipeline/configuration ablation/plan",
     "counting": "",
     "cli": "core data geometry generators truth sdk yaml describe roles host pipeline printing "
-    "calibration metrics results ablation cluster report bench",
+    "calibration metrics results ablation cluster report bench schema",
 }
 LAYERS = INSTALLED | INTERNAL
 PLUGIN_LAYERS = ("core", "data", "geometry", "generators", "truth", "sdk")

@@ -119,9 +119,10 @@ TEST_F(Program, SuggestsTheCommandThatIsMeant) {
   };
   EXPECT_EQ(refusal({"chekc", "x.yaml"}), "error: no command 'chekc'; did you mean 'check'?\n");
   EXPECT_EQ(refusal({"plugins", "shwo"}), "error: no command 'shwo'; did you mean 'show'?\n");
-  EXPECT_EQ(refusal({"frobnicate"}),
-            "error: no command 'frobnicate'; there are: run, check, eval, ablate, compare, data, "
-            "plugins, replay, bench, doctor, records, metrics, report, template, calibrate\n");
+  EXPECT_EQ(
+      refusal({"frobnicate"}),
+      "error: no command 'frobnicate'; there are: run, check, eval, ablate, compare, data, "
+      "plugins, replay, bench, doctor, records, metrics, report, template, calibrate, schema\n");
   EXPECT_THAT(refusal({"run", "x.yaml", "y.yaml"}), HasSubstr("y.yaml"));
   EXPECT_THAT(refusal({"--frob", "check"}), HasSubstr("FILE is required"));
 }

@@ -5,6 +5,7 @@
 #include <weft/core/quote.hpp>
 
 #include "ablation/plan/plan_document.hpp"
+#include "ablation/plan/plan_keys.hpp"
 #include "ablation/plan/plan_parts.hpp"
 #include "metrics/forms/metric_path.hpp"
 
@@ -22,9 +23,7 @@ class PlanReader {
     if (root.kind != yaml::Kind::map) {
       return values_.problem(root.at, "a plan is a map with the keys weft, name, pipeline, data");
     }
-    values_.is_map(root, "a plan",
-                   {"weft", "name", "extends", "without", "pipeline", "data_use", "axes", "data",
-                    "seeds", "metrics", "cluster", "show", "comparisons", "expect"});
+    values_.is_map(root, "a plan", plan_keys());
     read_head(root);
     if (const yaml::Node* axes = root.find("axes"))
       plan_.axes = read_axes(*axes, registry_, values_, broken_);
@@ -121,8 +120,7 @@ class PlanReader {
   }
 
   void read_measurement(const yaml::Node& node) {
-    const std::vector<std::string> keys{"alignment", "match_tolerance_px", "frames", "deadline_s"};
-    if (!values_.is_map(node, "'metrics'", keys)) return;
+    if (!values_.is_map(node, "'metrics'", measurement_keys())) return;
     Measurement& measurement = plan_.measurement;
     if (const yaml::Node* alignment = node.find("alignment")) {
       const auto known = alignment_of(alignment->scalar);
@@ -146,7 +144,7 @@ class PlanReader {
   }
 
   void read_comparison(const yaml::Node& node) {
-    if (!values_.is_map(node, "a comparison", {"axis", "reference", "metric"})) return;
+    if (!values_.is_map(node, "a comparison", comparison_keys())) return;
     PlanComparison comparison;
     yaml::Position metric_at;
     if (values_.has(node, "axis", "a comparison")) {
@@ -173,7 +171,7 @@ class PlanReader {
   }
 
   void read_expectation(const yaml::Node& node) {
-    if (!values_.is_map(node, "an expectation", {"where", "metric", "at_most", "at_least"})) return;
+    if (!values_.is_map(node, "an expectation", expectation_keys())) return;
     PlanExpectation expectation;
     yaml::Position metric_at;
     if (const yaml::Node* where = node.find("where")) read_selection(*where, expectation.where);

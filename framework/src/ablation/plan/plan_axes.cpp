@@ -4,6 +4,7 @@
 #include <set>
 #include <weft/core/quote.hpp>
 
+#include "ablation/plan/plan_keys.hpp"
 #include "ablation/plan/plan_parts.hpp"
 
 namespace weft::evaluation {
@@ -20,7 +21,7 @@ class AxesReader {
       values_.problem(axes.at, "'axes' must be a map of names and values");
     }
     for (const yaml::Entry& entry : axes.entries) {
-      const std::vector<std::string> taken{"data", "sequence", "seed", "cell", "key"};
+      const std::vector<std::string>& taken = reserved_axis_names();
       if (std::find(taken.begin(), taken.end(), entry.key) != taken.end()) {
         values_.problem(entry.at, "an axis must not be called " + quote(entry.key) +
                                       ", which has a meaning of its own");
@@ -52,18 +53,20 @@ class AxesReader {
   std::vector<NamedPatch> values_of(const yaml::Node& axis) {
     const yaml::Node* given = axis.find("values");
     if (axis.find("use") != nullptr) {
-      if (!values_.is_map(axis, "an axis", {"stage", "use", "except", "sweep", "set", "values"})) {
-        return {};
-      }
+      if (!values_.is_map(axis, "an axis", component_axis_keys())) return {};
       std::vector<NamedPatch> found;
-      if (given != nullptr) add_patches(*given, found);
+      if (given != nullptr && given->kind != yaml::Kind::map && !yaml::is_null(*given)) {
+        values_.problem(given->at, "'values' beside 'use' must be a map of names and patches");
+      } else if (given != nullptr) {
+        add_patches(*given, found);
+      }
       for (NamedPatch& value : component_values(axis, registry_, values_)) {
         found.push_back(std::move(value));
         check_value(found, axis.find("use")->at);
       }
       return found;
     }
-    const bool legal = values_.is_map(axis, "an axis", {"set", "values"});
+    const bool legal = values_.is_map(axis, "an axis", axis_keys());
     if (!legal || !values_.has(axis, "values", "an axis")) return {};
     return axis.find("set") != nullptr ? of_setting(*axis.find("set"), *given) : of_patches(*given);
   }
@@ -144,7 +147,7 @@ class AxesReader {
   }
 
   yaml::Node patch_of(const yaml::Node& node) {
-    if (!values_.is_map(node, "a value of an axis", patch_keys({"sweep"}))) return {};
+    if (!values_.is_map(node, "a value of an axis", axis_value_keys())) return {};
     if (yaml::is_null(node)) return {};
     return patch_in(node, values_);
   }

@@ -5,14 +5,18 @@
 #include <weft/core/suggest.hpp>
 
 #include "ablation/plan/plan_document.hpp"
+#include "ablation/plan/plan_keys.hpp"
 #include "pipeline/configuration/document_merge.hpp"
 
 namespace weft::evaluation {
 namespace {
 
-/// The keys of a plan that the command line may change.
-constexpr const char* kKeys[] = {"name",    "pipeline", "data_use", "axes",        "data",  "seeds",
-                                 "metrics", "cluster",  "show",     "comparisons", "expect"};
+/// The keys of a plan that the command line may change: all but those that make a file of it.
+std::vector<std::string> settable_keys() {
+  std::vector<std::string> keys = yaml::names_of(plan_keys());
+  for (const char* of_files : {"weft", "extends", "without"}) std::erase(keys, of_files);
+  return keys;
+}
 
 yaml::Entry* entry_of(yaml::Node& map, std::string_view key) {
   const auto found = std::find_if(map.entries.begin(), map.entries.end(),
@@ -208,10 +212,11 @@ class PathReader {
 PlanChanges PlanChanges::from(std::vector<std::string>& settings,
                               std::vector<std::string> without) {
   PlanChanges changes{{}, std::move(without)};
+  const std::vector<std::string> keys = settable_keys();
   std::erase_if(settings, [&](const std::string& setting) {
     const std::string first = setting.substr(0, setting.find_first_of(".="));
     const bool of_plan = setting.find('=') != std::string::npos &&
-                         std::find(std::begin(kKeys), std::end(kKeys), first) != std::end(kKeys);
+                         std::find(keys.begin(), keys.end(), first) != keys.end();
     if (of_plan) changes.settings.push_back(setting);
     return of_plan;
   });

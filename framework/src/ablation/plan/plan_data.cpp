@@ -4,6 +4,7 @@
 #include <set>
 #include <weft/core/quote.hpp>
 
+#include "ablation/plan/plan_keys.hpp"
 #include "ablation/plan/plan_parts.hpp"
 #include "host/loading/component_spec.hpp"
 #include "host/records/content_hash.hpp"
@@ -127,8 +128,7 @@ std::vector<PlannedData> read_data(const yaml::Node& node, const Plan& plan, Pla
   }
   for (const yaml::Entry& entry : node.entries) {
     const bool named = values.is_name(entry.key, entry.at, "the name of data");
-    const auto keys = patch_keys({"seeds", "seed_setting", "folders"});
-    if (!values.is_map(entry.value, "data", keys) || !named) continue;
+    if (!values.is_map(entry.value, "data", data_keys()) || !named) continue;
     all.push_back({entry.key, DataReader(entry, plan, values).sequences()});
     for (const NamedPatch& sequence : all.back().sequences) {
       if (names.insert(sequence.name).second) continue;
@@ -138,13 +138,8 @@ std::vector<PlannedData> read_data(const yaml::Node& node, const Plan& plan, Pla
   return all;
 }
 
-std::vector<std::string> patch_keys(std::vector<std::string> more) {
-  more.insert(more.end(), {"source", "template", "stages", "without", "lost_after", "set"});
-  return more;
-}
-
 yaml::Node patch_in(const yaml::Node& map, PlanValues& values) {
-  const std::vector<std::string> keys = patch_keys();
+  const std::vector<std::string> keys = yaml::names_of(patch_keys());
   yaml::Node patch = map_node(map.at);
   for (const yaml::Entry& entry : map.entries) {
     const bool is_set = entry.key == "set";
@@ -175,8 +170,7 @@ yaml::Node with_setting(yaml::Node patch, const std::string& path, yaml::Positio
 
 PlannedCluster read_cluster(const yaml::Node& node, PlanValues& values) {
   PlannedCluster cluster;
-  const std::vector<std::string> keys{"partition", "sbatch", "chunk_minutes", "cell_seconds"};
-  if (!values.is_map(node, "'cluster'", keys)) return cluster;
+  if (!values.is_map(node, "'cluster'", cluster_keys())) return cluster;
   if (const yaml::Node* partition = node.find("partition")) {
     cluster.partition = values.text(*partition, "'partition'");
   }

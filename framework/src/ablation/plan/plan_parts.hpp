@@ -9,6 +9,7 @@
 
 #include "ablation/plan/plan.hpp"
 #include "pipeline/runs/run.hpp"
+#include "yaml/key_table.hpp"
 
 namespace weft::evaluation {
 
@@ -32,8 +33,7 @@ class PlanValues {
   bool data_use_known = true;
 
   /// Whether the node is a map of no keys but these; `what` names it in messages.
-  bool is_map(const yaml::Node& node, const std::string& what,
-              const std::vector<std::string>& keys);
+  bool is_map(const yaml::Node& node, const std::string& what, const yaml::KeyTable& table);
 
   /// A text that is not empty, or "" after a mistake.
   std::string text(const yaml::Node& node, const std::string& what);
@@ -95,9 +95,6 @@ std::vector<PlannedData> read_data(const yaml::Node& node, const Plan& plan, Pla
 
 /// Reads `cluster`.
 PlannedCluster read_cluster(const yaml::Node& node, PlanValues& values);
-
-/// Keys of a patch, besides which data and axes may have some of their own.
-std::vector<std::string> patch_keys(std::vector<std::string> more = {});
 
 /// The patch in a map: its keys that belong to patches. Says what is wrong with its `set`.
 yaml::Node patch_in(const yaml::Node& map, PlanValues& values);

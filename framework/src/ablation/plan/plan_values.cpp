@@ -6,12 +6,12 @@
 #include <weft/core/quote.hpp>
 #include <weft/core/suggest.hpp>
 
+#include "ablation/plan/plan_keys.hpp"
 #include "ablation/plan/plan_parts.hpp"
 
 namespace weft::evaluation {
 namespace {
 
-constexpr std::int64_t kLargestSeed = 1'000'000'000;
 constexpr std::size_t kMostSeeds = 10'000;
 
 std::string joined(const std::vector<std::string>& words) {
@@ -28,11 +28,12 @@ std::optional<std::int64_t> seed_in(const std::string& text) {
 }  // namespace
 
 bool PlanValues::is_map(const yaml::Node& node, const std::string& what,
-                        const std::vector<std::string>& keys) {
+                        const yaml::KeyTable& table) {
   if (node.kind != yaml::Kind::map && !yaml::is_null(node)) {
     problem(node.at, what + " must be a map");
     return false;
   }
+  const std::vector<std::string> keys = yaml::names_of(table);
   for (const yaml::Entry& entry : node.entries) {
     if (std::find(keys.begin(), keys.end(), entry.key) != keys.end()) continue;
     problem(entry.at, what + " has no key " + quote(entry.key) +

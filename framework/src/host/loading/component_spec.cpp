@@ -9,6 +9,7 @@
 #include <weft/core/quote.hpp>
 #include <weft/core/suggest.hpp>
 
+#include "host/loading/component_keys.hpp"
 #include "yaml/keys.hpp"
 
 namespace weft::host {
@@ -234,7 +235,8 @@ class Binder {
                    "a component, such as {use: " + parameter.default_value.scalar + "}");
     }
     yaml::Node node = value;
-    yaml::correct_keys(node, {"use", "params"}, [&](const yaml::Entry& entry, const std::string&) {
+    const std::vector<std::string> keys = yaml::names_of(component_keys());
+    yaml::correct_keys(node, keys, [&](const yaml::Entry& entry, const std::string&) {
       problem(entry.at,
               "a nested component has no key " + quote(entry.key) + "; it has use and params");
     });

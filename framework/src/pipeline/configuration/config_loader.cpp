@@ -6,29 +6,13 @@
 #include <weft/core/quote.hpp>
 #include <weft/core/suggest.hpp>
 
+#include "pipeline/configuration/pipeline_keys.hpp"
 #include "pipeline/configuration/words.hpp"
 #include "roles/role_rules.hpp"
 #include "yaml/keys.hpp"
 
 namespace weft {
 namespace {
-
-/// A place in a pipeline where components may stand.
-struct Place {
-  const char* what;
-  Words keys;
-  Words roles;
-};
-
-const Place kSource{"the source", {"use", "params", "overwrite"}, roles_of(PipelinePart::source)};
-const Place kTemplate{
-    "the template", {"use", "params", "overwrite"}, roles_of(PipelinePart::templ)};
-const Place kStage{"a stage",
-                   {"use", "params", "as", "from", "when", "template_params", "isolate",
-                    "deadline_ms", "overwrite"},
-                   roles_of(PipelinePart::stage)};
-const Place kSink{
-    "a sink", {"use", "params", "as", "from", "overwrite"}, roles_of(PipelinePart::sink)};
 
 class Loader {
  public:
@@ -41,16 +25,13 @@ class Loader {
       wirable_ = false;
       return problem(given.at, "a pipeline is a map with the keys weft, source, template, stages");
     }
-    const yaml::Node root = with_keys_of(
-        given, "a pipeline",
-        {"weft", "source", "template", "stages", "sinks", "seed", "lost_after", "on_error",
-         "max_failed", "frames_at_once", "threads", "realtime", "extends", "without"});
+    const yaml::Node root = with_keys_of(given, "a pipeline", pipeline_keys());
     check_version(root);
     read_options(root);
-    config_.source = read_single(root, "source", kSource);
-    config_.templ = read_single(root, "template", kTemplate);
-    read_list(root, "stages", config_.stages, kStage);
-    read_list(root, "sinks", config_.sinks, kSink);
+    config_.source = read_single(root, "source", place_of(PipelinePart::source));
+    config_.templ = read_single(root, "template", place_of(PipelinePart::templ));
+    read_list(root, "stages", config_.stages, place_of(PipelinePart::stage));
+    read_list(root, "sinks", config_.sinks, place_of(PipelinePart::sink));
   }
 
   /// Whether it is known which stages there are, so that wiring can be checked.
@@ -61,7 +42,8 @@ class Loader {
     problems_.push_back({at, std::move(message)});
   }
 
-  yaml::Node with_keys_of(yaml::Node node, const std::string& what, const Words& keys) {
+  yaml::Node with_keys_of(yaml::Node node, const std::string& what, const yaml::KeyTable& table) {
+    const Words keys = yaml::names_of(table);
     yaml::correct_keys(node, keys, [&](const yaml::Entry& entry, const std::string& near) {
       problem(entry.at, what + " has no key " + quote(entry.key) +
                             meant(near, "; it may have: " + joined(keys)));
@@ -79,45 +61,47 @@ class Loader {
     }
   }
 
-  void read_integer(const yaml::Node& root, const char* key, std::int64_t low, std::int64_t high,
-                    std::int64_t& target) {
-    const yaml::Node* node = root.find(key);
+  void read_integer(const yaml::Node& map, const yaml::Key& key, std::int64_t& target) {
+    const yaml::Node* node = map.find(key.name);
     if (node == nullptr) return;
     const auto number = yaml::as_int64(*node);
-    if (number && *number >= low && *number <= high) {
+    if (number && *number >= key.low && *number <= key.high) {
       target = *number;
     } else {
-      problem(node->at, std::string("'") + key + "' must be a whole number from " +
-                            std::to_string(low) + " to " + std::to_string(high));
+      problem(node->at, "'" + key.name + "' must be a whole number from " +
+                            std::to_string(key.low) + " to " + std::to_string(key.high));
     }
   }
 
   void read_options(const yaml::Node& root) {
     std::int64_t seed = 0, lost_after = config_.lost_after, max_failed = config_.max_failed;
     std::int64_t frames_at_once = config_.frames_at_once, threads = config_.threads;
-    read_integer(root, "seed", 0, INT64_MAX, seed);
-    read_integer(root, "lost_after", 0, 1'000'000, lost_after);
-    read_integer(root, "max_failed", 0, INT32_MAX, max_failed);
-    read_integer(root, "frames_at_once", 1, 64, frames_at_once);
-    read_integer(root, "threads", 0, 256, threads);
+    const auto read = [&](const char* name, std::int64_t& target) {
+      read_integer(root, yaml::key_of(pipeline_keys(), name), target);
+    };
+    read("seed", seed);
+    read("lost_after", lost_after);
+    read("max_failed", max_failed);
+    read("frames_at_once", frames_at_once);
+    read("threads", threads);
     config_.seed = static_cast<std::uint64_t>(seed);
     config_.lost_after = static_cast<int>(lost_after);
     config_.max_failed = static_cast<int>(max_failed);
     config_.frames_at_once = static_cast<int>(frames_at_once);
     config_.threads = static_cast<int>(threads);
-    config_.stop_on_error = read_choice(root, "on_error", "continue", "stop");
-    config_.latest_only = read_choice(root, "realtime", "all", "latest");
+    config_.stop_on_error = is_chosen(root, "on_error", "stop");
+    config_.latest_only = is_chosen(root, "realtime", "latest");
   }
 
-  /// Whether a key has the second of two values; the first one is its default.
-  bool read_choice(const yaml::Node& root, const char* key, const std::string& first,
-                   const std::string& second) {
-    const yaml::Node* node = root.find(key);
+  /// Whether a key has this one of its values.
+  bool is_chosen(const yaml::Node& root, const char* name, const std::string& choice) {
+    const yaml::Node* node = root.find(name);
     if (node == nullptr) return false;
-    if (node->scalar != first && node->scalar != second) {
-      problem(node->at, std::string("'") + key + "' must be one of: " + first + ", " + second);
+    const Words& choices = yaml::key_of(pipeline_keys(), name).choices;
+    if (!contains(choices, node->scalar)) {
+      problem(node->at, std::string("'") + name + "' must be one of: " + joined(choices));
     }
-    return node->scalar == second;
+    return node->scalar == choice;
   }
 
   std::optional<StageConfig> read_single(const yaml::Node& root, const char* key,
@@ -138,15 +122,15 @@ class Loader {
     StageConfig stage;
     stage.at = node.at;
     if (node.kind != yaml::Kind::map) {
-      problem(node.at, std::string(place.what) + " must be a component, such as {use: " +
-                           place.roles.back() + "/..., params: {...}}");
+      problem(node.at, place.what + " must be a component, such as {use: " + place.roles.back() +
+                           "/..., params: {...}}");
       return stage;
     }
     read_overwrite(node, stage);
     const yaml::Entry* use = node.find_entry("use");
     if (use == nullptr) {
       if (!node.partial && !paths_.of_fragment) {
-        problem(node.at, std::string(place.what) + " lacks the key 'use'");
+        problem(node.at, place.what + " lacks the key 'use'");
       }
       return stage;
     }
@@ -223,10 +207,7 @@ class Loader {
       config_.doubtful_names = true;
       return problem(as->at, "'as' must be a name of a-z, 0-9 and _");
     }
-    // Stages without a name bear that of their role, and 'previous' is the host's.
-    const bool of_role = contains(kStage.roles, name) || contains(kSink.roles, name) ||
-                         contains(kSource.roles, name) || contains(kTemplate.roles, name);
-    if (of_role || name == "previous") {
+    if (contains(reserved_names(), name)) {
       config_.doubtful_names = true;
       problem(as->at, "'as' must not be '" + name + "', which has a meaning of its own");
     } else if (!names_.insert(name).second) {
@@ -275,7 +256,8 @@ class Loader {
                      "'deadline_ms' needs 'isolate: process': only a process can be ended");
     }
     std::int64_t deadline_ms = 0;
-    read_integer(item, "deadline_ms", 1, 86'400'000, deadline_ms);
+    const yaml::KeyTable& keys = place_of(PipelinePart::stage).keys;
+    read_integer(item, yaml::key_of(keys, "deadline_ms"), deadline_ms);
     stage.isolation = host::Isolation{{}, std::chrono::milliseconds(deadline_ms)};
   }
 
@@ -285,13 +267,13 @@ class Loader {
     CallRule& rule = stage.when.emplace();
     rule.is_understood = !given->doubtful && !given->value.partial;
     const std::size_t before = problems_.size();
-    const yaml::Node when = with_keys_of(given->value, "'when'", {"not_ok", "every"});
+    const yaml::Node when = with_keys_of(given->value, "'when'", condition_keys());
     if (when.kind != yaml::Kind::map) {
       problem(when.at, "'when' must be a map, such as {not_ok: NAME, every: 30}");
     } else if (when.entries.empty() && rule.is_understood) {
       problem(when.at, "'when' says nothing; give it not_ok: NAME, every: N or both");
     }
-    read_integer(when, "every", 1, INT32_MAX, rule.every);
+    read_integer(when, yaml::key_of(condition_keys(), "every"), rule.every);
     if (const yaml::Node* not_ok = when.find("not_ok")) {
       const bool is_list = not_ok->kind == yaml::Kind::sequence;
       const std::vector<yaml::Node> names =

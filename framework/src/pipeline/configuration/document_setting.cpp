@@ -8,6 +8,8 @@
 
 #include "pipeline/configuration/document.hpp"
 #include "pipeline/configuration/document_merge.hpp"
+#include "pipeline/configuration/pipeline_keys.hpp"
+#include "pipeline/configuration/words.hpp"
 
 namespace weft {
 namespace {
@@ -45,6 +47,16 @@ void shift(yaml::Node& node, int columns) {
     entry.at.column += columns;
     shift(entry.value, columns);
   }
+}
+
+/// The keys of a component that settings may set: all but its name, by which they find it.
+const Words& settable_keys() {
+  static const Words kKeys = [] {
+    Words keys = yaml::names_of(place_of(PipelinePart::stage).keys);
+    std::erase(keys, "as");
+    return keys;
+  }();
+  return kKeys;
 }
 
 class Overlay {
@@ -120,10 +132,8 @@ class Overlay {
   /// The path inside a component: `params` may be left out.
   static yaml::Node component(Setting& setting, std::size_t i, const yaml::Node* base) {
     if (i == setting.path.size()) return std::move(setting.value);
-    static constexpr const char* kKeys[] = {"use",  "params",  "template_params", "from",
-                                            "when", "isolate", "deadline_ms",     "overwrite"};
     const Setting::Key& key = setting.path[i];
-    const bool own = std::find(std::begin(kKeys), std::end(kKeys), key.text) != std::end(kKeys);
+    const bool own = contains(settable_keys(), key.text);
     if (own && !key.text.ends_with("params")) return nested(setting, i);
     const std::string block = own ? key.text : "params";
     const yaml::Node* params = base != nullptr ? base->find(block) : nullptr;
