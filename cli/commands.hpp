@@ -37,5 +37,7 @@ void add_report_command(CLI::App& app, Context& context);
 void add_template_command(CLI::App& app, Context& context);
 void add_calibrate_command(CLI::App& app, Context& context);
 void add_schema_command(CLI::App& app, Context& context);
+void add_completion_command(CLI::App& app, Context& context);
+void add_manual_command(CLI::App& app, Context& context);
 
 }  // namespace weft::cli

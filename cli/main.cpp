@@ -55,6 +55,8 @@ int run_command(int argc, char** argv) {
   weft::cli::add_template_command(app, context);
   weft::cli::add_calibrate_command(app, context);
   weft::cli::add_schema_command(app, context);
+  weft::cli::add_completion_command(app, context);
+  weft::cli::add_manual_command(app, context);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

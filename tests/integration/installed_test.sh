@@ -27,6 +27,21 @@ for text in include lib/cmake lib/pkgconfig lib/weft/plugins/*.yaml; do
   done
 done
 
+echo "-- pages and completions"
+for page in weft weft-run weft-plugins-show weft-data-make-frex; do
+  grep -q "^\.SH SYNOPSIS" "$prefix/share/man/man1/$page.1" || fail "there is no page $page.1"
+done
+if command -v man >/dev/null; then
+  for page in "$prefix"/share/man/man1/*.1; do
+    warnings=$(MANWIDTH=200 man --warnings -E UTF-8 -l -Tutf8 -Z "$page" 2>&1 >/dev/null)
+    test -z "$warnings" || fail "$page: $warnings"
+  done
+fi
+for script in bash-completion/completions/weft zsh/vendor-completions/_weft \
+  fish/vendor_completions.d/weft.fish; do
+  grep -q 'plugins show' "$prefix/share/$script" || fail "$script does not complete"
+done
+
 echo "-- a composer"
 weft doctor >doctor.txt || fail "$(cat doctor.txt)"
 weft run "$prefix/share/weft/pipelines/demo.yaml" --set source.frames=2 --quiet --out run

@@ -122,7 +122,8 @@ TEST_F(Program, SuggestsTheCommandThatIsMeant) {
   EXPECT_EQ(
       refusal({"frobnicate"}),
       "error: no command 'frobnicate'; there are: run, check, eval, ablate, compare, data, "
-      "plugins, replay, bench, doctor, records, metrics, report, template, calibrate, schema\n");
+      "plugins, replay, bench, doctor, records, metrics, report, template, calibrate, schema, "
+      "completion, manual\n");
   EXPECT_THAT(refusal({"run", "x.yaml", "y.yaml"}), HasSubstr("y.yaml"));
   EXPECT_THAT(refusal({"--frob", "check"}), HasSubstr("FILE is required"));
 }
