@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks or writes the parameter tables of the plugins' pages: parameter_tables.py [--write] WEFT ROOT
+"""Checks or writes the parameter tables of plugins' pages: parameter_tables.py [--write] WEFT ROOT|PAGE
 
 WEFT is the program; the plugins are those that it finds (WEFT_PLUGIN_PATH). The page of the library
 `role_name.so` is plugins/role/name/README.md. On it the lines between `<!-- parameters -->` and
@@ -8,6 +8,8 @@ WEFT is the program; the plugins are those that it finds (WEFT_PLUGIN_PATH). The
 `<!-- parameters: ID -->` that of the component ID: name, meaning, type and range, default, as the
 manifest says. Behind `<!-- parameters: ID besides OTHER -->` the rows that ID shares with OTHER are
 left out. Every component must have its table on the page of its library.
+
+For a PAGE of a plugin that lives elsewhere, its tables are all that is looked at; each names its ID.
 
 Prints one line for each mistake and exits 1 if there is one; --write writes the tables anew first.
 Exits 2 on wrong usage.
@@ -101,13 +103,20 @@ def page_of(library: str) -> str:
     return f"plugins/{role}/{name}/README.md"
 
 
-def components_of(weft: str) -> dict[str, Component]:
+def all_ids(weft: str) -> set[str]:
+    plugins = output_of(weft, "plugins", "list", "--json")["plugins"]
+    return {plugin["id"] for plugin in plugins if not plugin["shadowed"]}
+
+
+def components_of(weft: str, ids: set[str]) -> dict[str, Component]:
+    """Those of these ids that are installed."""
     found = {}
-    for plugin in output_of(weft, "plugins", "list", "--json")["plugins"]:
-        if not plugin["shadowed"]:
-            shown = output_of(weft, "plugins", "show", plugin["id"], "--json")
-            found[plugin["id"]] = Component(page_of(plugin["library"]),
-                                            table_of(shown["parameters"]))
+    for name in sorted(ids):
+        shown = subprocess.run([weft, "plugins", "show", name, "--json"], capture_output=True, text=True,
+                               check=False)
+        if shown.returncode == 0:
+            component = json.loads(shown.stdout)
+            found[name] = Component(page_of(component["library"]), table_of(component["parameters"]))
     return found
 
 
@@ -117,7 +126,8 @@ class Page(NamedTuple):
     mistakes: list[str]  # what --write mends, and what it cannot
 
 
-def renewed(path: str, lines: list[str], components: dict[str, Component]) -> Page:
+def renewed(path: str, lines: list[str], components: dict[str, Component],
+            fix: str = FIX) -> Page:
     """The page with its tables written anew, and what was wrong with it."""
     page = Page([], set(), [])
     at = 0
@@ -142,7 +152,8 @@ def renewed(path: str, lines: list[str], components: dict[str, Component]) -> Pa
             if other:
                 table = table_besides(table, components[other].table, other)
             if lines[at:end] != table:
-                page.mistakes.append(f"{path}:{at}: the table of {component} is out of date: {FIX}")
+                page.mistakes.append(
+                    f"{path}:{at}: the table of {component} is out of date: {fix}")
             page.lines.extend(table)
             at = end
     return page
@@ -167,13 +178,37 @@ def mistakes_of(root: Path, components: dict[str, Component], write: bool) -> It
                    f"and `{END}` there, then {FIX}")
 
 
+def named_on(file: Path) -> set[str]:
+    """The components of the tables of a page that stands for itself."""
+    return {name for begin in BEGIN.finditer(file.read_text(encoding="utf-8"))
+            for name in begin.groups() if name}
+
+
+def mistakes_of_page(file: Path, components: dict[str, Component], write: bool) -> Iterator[str]:
+    if not named_on(file):
+        yield (f"{file}: no table of a component: put the lines `<!-- parameters: ROLE/NAME -->` and "
+               f"`{END}` there")
+        return
+    fix = f"write it anew with {sys.argv[0]} --write WEFT {file}"
+    page = renewed(str(file), file.read_text(encoding="utf-8").splitlines(), components, fix)
+    if write:
+        file.write_text("\n".join(page.lines) + "\n", encoding="utf-8")
+        page = renewed(str(file), page.lines, components, fix)
+    yield from page.mistakes
+
+
 def main(arguments: list[str]) -> int:
     write = arguments[:1] == ["--write"]
     arguments = arguments[1:] if write else arguments
+    if len(arguments) == 2 and Path(arguments[1]).is_file():
+        page = Path(arguments[1])
+        mistakes = list(mistakes_of_page(page, components_of(arguments[0], named_on(page)), write))
+        print("\n".join(mistakes) if mistakes else f"{arguments[1]}: the tables are up to date")
+        return 1 if mistakes else 0
     if len(arguments) != 2 or not (Path(arguments[1]) / "plugins").is_dir():
         print(__doc__, file=sys.stderr)
         return 2
-    components = components_of(arguments[0])
+    components = components_of(arguments[0], all_ids(arguments[0]))
     mistakes = list(mistakes_of(Path(arguments[1]).resolve(), components, write))
     print("\n".join(mistakes) if mistakes else f"{len(components)} components have their tables")
     return 1 if mistakes else 0

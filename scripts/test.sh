@@ -225,12 +225,12 @@ build_and_test_tsan() {
   fi
 }
 
-# Line coverage of what is installed, tests not counted. A plugin built elsewhere, as one test does,
-# would have to be linked for coverage too; files that may not grow, as in another, would cut off the
+# Line coverage of what is installed, tests not counted. Plugins built elsewhere, as tests do,
+# would have to be linked for coverage too; files that may not grow, as in another test, would cut off the
 # counters.
 measure_coverage() {
   (cd build/coverage && find . -name '*.gcda' -delete) \
-    && ctest --preset coverage -L '^quick$' -E '^(out_of_tree|lost_output)_test$' -j "$jobs" --no-tests=error \
+    && ctest --preset coverage -L '^quick$' -E '^(out_of_tree|scaffold_quick|lost_output)_test$' -j "$jobs" --no-tests=error \
     && gcovr -j "$jobs" --root . --object-directory build/coverage --filter 'framework/' \
       --filter 'cli/' --filter 'plugins/' --exclude '.*/tests/.*' --exclude 'framework/.*/testing/.*' \
       --exclude-unreachable-branches --exclude-throw-branches \

@@ -7,6 +7,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/output/json_text.hpp"
+#include "cli/plugins/plugins_new.hpp"
 #include "cli/plugins/plugins_why.hpp"
 #include "cli/plugins/role_text.hpp"
 #include "describe/build_id.hpp"
@@ -259,13 +260,14 @@ void add_describe(CLI::App& plugins, const std::shared_ptr<bool>& json, Context&
 }  // namespace
 
 void add_plugins_command(CLI::App& app, Context& context) {
-  CLI::App* command = app.add_subcommand("plugins", "Inspect installed plugins");
+  CLI::App* command = app.add_subcommand("plugins", "Inspect installed plugins, begin new ones");
   command->require_subcommand(1);
   const auto json = std::make_shared<bool>(false);
   add_list(*command, json, context);
   add_show(*command, json, context);
   add_why(*command, json, context);
   add_describe(*command, json, context);
+  add_new_plugin(*command, context);
 }
 
 }  // namespace weft::cli

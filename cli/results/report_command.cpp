@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "cli/commands.hpp"
-#include "cli/output/assets.hpp"
 #include "cli/output/new_file.hpp"
+#include "cli/output/program_root.hpp"
 #include "report/paper/paper.hpp"
 #include "report/report.hpp"
 #include "report/runs/run_report.hpp"
@@ -83,7 +83,8 @@ void add_report_command(CLI::App& app, Context& context) {
         return;
       }
     }
-    const auto files = write_report_of(options->folder, {options->page, asset("report")});
+    const auto files = write_report_of(
+        options->folder, {options->page, (program_root() / "share/weft/report").string()});
     if (!files) {
       print_error(files.error());
       context.exit_code =

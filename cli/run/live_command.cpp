@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "cli/commands.hpp"
-#include "cli/output/assets.hpp"
+#include "cli/output/program_root.hpp"
 #include "cli/run/run_settings.hpp"
 #include "cli/run/running.hpp"
 
@@ -71,12 +71,17 @@ void open_browser(std::string page) {
   posix_spawn_file_actions_destroy(&quiet);
 }
 
+/// A pipeline that comes with the program.
+std::string own_pipeline(const char* name) {
+  return (program_root() / "share/weft/pipelines" / name).string();
+}
+
 /// The file to run: what was asked for, else a pipeline of `weft init` here, else the one that
 /// comes with the program.
 std::string pipeline_of(const LiveOptions& options) {
-  if (options.demo) return asset("pipelines/live_demo.yaml");
+  if (options.demo) return own_pipeline("live_demo.yaml");
   if (!options.run.pipeline.empty()) return options.run.pipeline;
-  return fs::exists("live.yaml") ? "live.yaml" : asset("pipelines/live.yaml");
+  return fs::exists("live.yaml") ? "live.yaml" : own_pipeline("live.yaml");
 }
 
 void run_live(const LiveOptions& options, Context& context) {

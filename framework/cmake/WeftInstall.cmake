@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # What `cmake --install` puts where, and the Debian packages of it (`cpack`): weft, weft-plugins and
-# weft-dev. The program finds plugins, worker and report beside itself, so that a folder of it can be
-# moved. weft_add_plugin installs its plugin by itself.
+# weft-dev. The program finds plugins, worker, report and scaffold beside itself, so that a folder of it
+# can be moved. weft_add_plugin installs its plugin by itself. The build tree is a package too.
 
 include(CMakePackageConfigHelpers)
 set(package lib/cmake/weft)
@@ -24,6 +24,7 @@ install(FILES LICENSE NOTICE README.md CHANGELOG.md CITATION.cff DESTINATION sha
   COMPONENT runtime)
 
 install(DIRECTORY framework/include/weft DESTINATION include COMPONENT dev)
+install(DIRECTORY ${PROJECT_BINARY_DIR}/share/weft/scaffold DESTINATION share/weft COMPONENT dev)
 install(TARGETS weft_contract EXPORT weftTargets RUNTIME DESTINATION bin COMPONENT dev)
 install(TARGETS weft_sdk weft_describe EXPORT weftTargets ARCHIVE DESTINATION lib COMPONENT dev)
 install(TARGETS weft_testing weft_host EXPORT weftTestingTargets ARCHIVE DESTINATION lib
@@ -31,6 +32,8 @@ install(TARGETS weft_testing weft_host EXPORT weftTestingTargets ARCHIVE DESTINA
 foreach(set weftTargets weftTestingTargets)
   install(EXPORT ${set} NAMESPACE weft:: DESTINATION ${package} COMPONENT dev)
 endforeach()
+set(weft_cmake_folder "\${CMAKE_CURRENT_LIST_DIR}")
+set(weft_parameter_tables "\${CMAKE_CURRENT_LIST_DIR}/parameter_tables.py")
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/weftConfig.cmake.in
   ${PROJECT_BINARY_DIR}/installed/weftConfig.cmake INSTALL_DESTINATION ${package})
 # Until the boundary is frozen, host and plugin must match in each minor version.
@@ -40,8 +43,20 @@ configure_file(${CMAKE_CURRENT_LIST_DIR}/weft.pc.in ${PROJECT_BINARY_DIR}/instal
 install(FILES ${PROJECT_BINARY_DIR}/installed/weftConfig.cmake
   ${PROJECT_BINARY_DIR}/installed/weftConfigVersion.cmake
   ${CMAKE_CURRENT_LIST_DIR}/WeftPlugin.cmake ${CMAKE_CURRENT_LIST_DIR}/WeftOpenCV.cmake
-  ${CMAKE_CURRENT_LIST_DIR}/weft_plugin.map DESTINATION ${package} COMPONENT dev)
+  ${CMAKE_CURRENT_LIST_DIR}/weft_plugin.map ${PROJECT_SOURCE_DIR}/scripts/parameter_tables.py
+  DESTINATION ${package} COMPONENT dev)
 install(FILES ${PROJECT_BINARY_DIR}/installed/weft.pc DESTINATION lib/pkgconfig COMPONENT dev)
+
+# For find_package(weft) with weft_DIR set to the build tree.
+export(TARGETS weft_sdk weft_describe weft_contract weft NAMESPACE weft::
+  FILE ${PROJECT_BINARY_DIR}/weftTargets.cmake)
+export(TARGETS weft_testing weft_host weft_options NAMESPACE weft::
+  FILE ${PROJECT_BINARY_DIR}/weftTestingTargets.cmake)
+set(weft_cmake_folder ${CMAKE_CURRENT_LIST_DIR})
+set(weft_parameter_tables ${PROJECT_SOURCE_DIR}/scripts/parameter_tables.py)
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/weftConfig.cmake.in
+  ${PROJECT_BINARY_DIR}/weftConfig.cmake INSTALL_DESTINATION ${PROJECT_BINARY_DIR}
+  INSTALL_PREFIX ${PROJECT_BINARY_DIR})
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME weft)

@@ -89,6 +89,49 @@ function(weft_add_plugin id)
   endif()
 endfunction()
 
+# weft_check_plugin(role/name PIPELINE pipeline.yaml PAGE README.md)
+#
+# For a tree of its own, behind weft_add_plugin: the target `check` builds the plugin and runs all
+# tests of the tree. It adds two: <role>_<name>_pipeline runs PIPELINE with the plugin, and
+# <role>_<name>_page compares the tables of parameters in PAGE with what the plugin declares; the
+# target of that name writes them anew.
+function(weft_check_plugin id)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "PIPELINE;PAGE" "")
+  string(REPLACE "/" "_" name ${id})
+  weft_plugin_path(plugin_path)
+  if(arg_PIPELINE)
+    add_test(NAME ${name}_pipeline
+      COMMAND sh -c "rm -rf \"$2\" && exec \"$0\" run \"$1\" --out \"$2\"" $<TARGET_FILE:weft::weft>
+        ${CMAKE_CURRENT_SOURCE_DIR}/${arg_PIPELINE} ${CMAKE_CURRENT_BINARY_DIR}/${name}_run)
+    set_tests_properties(${name}_pipeline PROPERTIES LABELS quick
+      ENVIRONMENT "WEFT_PLUGIN_PATH=${plugin_path}")
+  endif()
+
+  find_package(Python3 COMPONENTS Interpreter)
+  if(arg_PAGE AND Python3_Interpreter_FOUND)
+    set(page ${CMAKE_CURRENT_SOURCE_DIR}/${arg_PAGE})
+    add_test(NAME ${name}_page
+      COMMAND ${Python3_EXECUTABLE} ${weft_PARAMETER_TABLES} $<TARGET_FILE:weft::weft> ${page})
+    set_tests_properties(${name}_page PROPERTIES LABELS quick
+      ENVIRONMENT "WEFT_PLUGIN_PATH=${plugin_path}")
+    add_custom_target(${name}_page
+      COMMAND ${CMAKE_COMMAND} -E env "WEFT_PLUGIN_PATH=${plugin_path}" ${Python3_EXECUTABLE}
+        ${weft_PARAMETER_TABLES} --write $<TARGET_FILE:weft::weft> ${page}
+      DEPENDS ${name}_manifest VERBATIM)
+  elseif(arg_PAGE)
+    message(STATUS "Not tested: ${arg_PAGE}, for which Python 3 is missing")
+  endif()
+
+  if(NOT TARGET check)
+    add_custom_target(check COMMAND ${CMAKE_CTEST_COMMAND} --output-on-failure --no-tests=error
+      WORKING_DIRECTORY ${CMAKE_BINARY_DIR} USES_TERMINAL VERBATIM)
+  endif()
+  add_dependencies(check ${name}_manifest)
+  if(TARGET ${name}_test)
+    add_dependencies(check ${name}_test)
+  endif()
+endfunction()
+
 # weft_is_worth_testing(RESULT FOLDER): false where ThreadSanitizer watches and no source in the folder
 # has anything to do with threads; what several threads do to a plugin, the tests of the host see.
 function(weft_is_worth_testing result folder)

@@ -91,6 +91,18 @@ class ParameterTables(unittest.TestCase):
         self.assertEqual(self.found(page(*TABLE)),
                          ["plugins/filters/far/README.md: there is no such page, and filters/far needs one"])
 
+    def test_looks_at_a_page_of_a_plugin_that_lives_elsewhere(self):
+        file = self.root / "README.md"
+        file.write_text(page("old").replace("<!-- parameters -->", "<!-- parameters: filters/near -->"))
+        mistakes = list(parameter_tables.mistakes_of_page(file, self.components, False))
+        self.assertEqual(len(mistakes), 1)
+        self.assertIn(f"{file}:2: the table of filters/near is out of date", mistakes[0])
+        self.assertEqual(list(parameter_tables.mistakes_of_page(file, self.components, True)), [])
+        self.assertIn("\n".join(TABLE), file.read_text())
+        file.write_text("# filters/near\n")
+        self.assertIn(f"{file}: no table of a component",
+                      list(parameter_tables.mistakes_of_page(file, self.components, False))[0])
+
     def test_knows_the_page_of_a_library_and_says_types_in_words(self):
         self.assertEqual(parameter_tables.page_of("/lib/detectors_sift_gpu.so"),
                          "plugins/detectors/sift_gpu/README.md")

@@ -12,6 +12,7 @@
 
 #include "describe/build_id.hpp"
 #include "host/loading/processor.hpp"
+#include "roles/component_name.hpp"
 #include "roles/role_rules.hpp"
 
 namespace weft::host {
@@ -34,7 +35,7 @@ std::vector<std::string> ids_of(const Manifest& manifest) {
   return ids;
 }
 
-/// Whether an id is role/name or role/vendor.name, each [a-z][a-z0-9_]*.
+/// Whether an id is role/name or role/vendor.name.
 bool is_well_formed(std::string_view id) {
   const std::size_t slash = id.find('/');
   if (slash == std::string_view::npos) return false;
@@ -43,12 +44,7 @@ bool is_well_formed(std::string_view id) {
   const std::size_t dot = name.find('.');
   words.push_back(name.substr(0, dot));
   if (dot != std::string_view::npos) words.push_back(name.substr(dot + 1));
-  const auto lower = [](char c) { return c >= 'a' && c <= 'z'; };
-  return std::all_of(words.begin(), words.end(), [&](std::string_view word) {
-    return !word.empty() && lower(word.front()) &&
-           std::all_of(word.begin(), word.end(),
-                       [&](char c) { return lower(c) || (c >= '0' && c <= '9') || c == '_'; });
-  });
+  return std::all_of(words.begin(), words.end(), is_part_of_id);
 }
 
 /// What is wrong with the ids of a library, or empty.

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <weft/core/result.hpp>
+
+namespace weft::cli {
+
+/// What a new plugin is called.
+struct PluginName {
+  std::string role;    ///< "filters"
+  std::string vendor;  ///< before the dot of the id, or empty
+  std::string name;    ///< also of its files
+
+  std::string component() const { return vendor.empty() ? name : vendor + "." + name; }
+  std::string id() const { return role + "/" + component(); }
+};
+
+/// The name that these arguments give; the role may be "filter" or "filters". The error says which
+/// argument is wrong and what may have been meant.
+Result<PluginName> plugin_name(const std::string& role, const std::string& name,
+                               const std::string& vendor);
+
+/// The files of a new plugin, by their paths in its folder. In `scaffold` a folder of each role and
+/// `common` hold plugins called my_plugin; what stands in files of both is joined. Fails where they
+/// cannot be read.
+Result<std::map<std::string, std::string>> scaffold_files(const PluginName& plugin,
+                                                          const std::filesystem::path& scaffold);
+
+}  // namespace weft::cli
