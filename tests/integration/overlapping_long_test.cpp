@@ -20,10 +20,12 @@ constexpr bool kIsSanitized = false;
 constexpr const char *kFrames = "8", *kRecorded = "010";
 #endif
 
+/// But those that show a camera live: which of its frames they take depends on time.
 std::vector<std::string> all_pipelines() {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(WEFT_PIPELINES)) {
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().filename().string());
+    const std::string name = entry.path().filename().string();
+    if (entry.path().extension() == ".yaml" && !name.starts_with("live")) names.push_back(name);
   }
   std::sort(names.begin(), names.end());
   return names;

@@ -28,8 +28,8 @@ std::string jpeg_of(const Array<std::uint8_t>& pixels, const PictureStyle& style
 struct FrameCopy {
   std::uint64_t frame = 0;                                   ///< [] of the source, from 0
   double time_s = std::numeric_limits<double>::quiet_NaN();  ///< [] s since the first frame, or NaN
-  std::uint64_t taken_ns = 0;         ///< [] ns since 1970, when the sink was given the frame
-  Array<std::uint8_t> pixels;         ///< [H,W] or [H,W,3]; absent where there are none
+  std::uint64_t taken_ns = 0;  ///< [] ns since the view opened, when the sink was given the frame
+  Array<std::uint8_t> pixels;  ///< [H,W] or [H,W,3]; absent where there are none
   std::vector<float> vertices_m;      ///< [V,3] m, camera frame; empty without a shape
   std::vector<std::uint8_t> visible;  ///< [V] 0 or 1; empty where nothing is said
   ShapeState state = ShapeState::none;

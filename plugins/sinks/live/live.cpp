@@ -22,12 +22,6 @@ Array<std::uint8_t> copy_of(const Array<std::uint8_t>& pixels) {
   return copy;
 }
 
-std::uint64_t now_ns() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return static_cast<std::uint64_t>(
-      std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
-}
-
 /// The run as it goes, for browsers and other programs: frames, what came of them, and a way to
 /// change the run.
 class Live final : public Sink {
@@ -74,6 +68,7 @@ class Live final : public Sink {
     auto started = start_server(*place, std::move(setup), exchange_);
     if (!started) return started.error();
     server_ = *std::move(started);
+    opened_ = std::chrono::steady_clock::now();
     call.log_info("the live view is at " + url(*place) + (token_.empty() ? "" : "?token=..."));
     return {};
   }
@@ -129,7 +124,8 @@ class Live final : public Sink {
   FrameCopy shown_of(const SinkInput& in) const {
     FrameCopy shown;
     shown.frame = in.call.frame();
-    shown.taken_ns = now_ns();
+    const std::chrono::nanoseconds since_open = std::chrono::steady_clock::now() - opened_;
+    shown.taken_ns = static_cast<std::uint64_t>(since_open.count());
     if (in.time) shown.time_s = in.time->t_s;
     if (in.image) shown.pixels = copy_of(in.image->pixels);
     if (in.frame_report) shown.report = in.frame_report->json;
@@ -158,6 +154,7 @@ class Live final : public Sink {
   std::optional<std::uint64_t> settings_revision_;
   Exchange exchange_;  // outlives the server
   std::unique_ptr<Server> server_;
+  std::chrono::steady_clock::time_point opened_;
 };
 
 }  // namespace
