@@ -5,20 +5,18 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "cli/commands.hpp"
+#include "cli/output/program_root.hpp"
 
 namespace weft::cli {
 namespace {
 
 /// Goes on as weft-calibrate, which stands beside this program; returns only where that fails.
 Error hand_over(std::vector<std::string> words) {
-  std::error_code code;
-  const auto self = std::filesystem::read_symlink("/proc/self/exe", code);
-  std::string program = (self.parent_path() / "weft-calibrate").string();
+  std::string program = (program_root() / "bin/weft-calibrate").string();
   std::vector<char*> arguments{program.data()};
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);

@@ -73,11 +73,6 @@ class Capture final : public FrameReader {
   int number_ = -1;  ///< of the last frame that was read
 };
 
-bool is_image_file(const std::string& path) {
-  const auto file = read_image_bytes(path);
-  return file && (file->header.width_px > 0 || file->header.complete);
-}
-
 }  // namespace
 
 std::unique_ptr<FrameReader> read_images(std::vector<std::string> paths) {
@@ -125,7 +120,7 @@ Result<std::unique_ptr<FrameReader>> open_camera(int number) {
 }
 
 Result<std::unique_ptr<FrameReader>> open_files(const std::vector<std::string>& paths) {
-  if (paths.size() == 1 && !is_image_file(paths.front())) {
+  if (paths.size() == 1 && !cv::haveImageReader(paths.front())) {  // reads its first bytes alone
     return open_film(paths.front(), kFilmFrames);
   }
   return read_images(paths);
