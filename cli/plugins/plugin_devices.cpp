@@ -26,12 +26,12 @@ Result<std::vector<std::string>> devices_of(const host::Installed& entry) {
   const void* found =
       (*component)->get_extension != nullptr ? (*component)->get_extension(WEFT_DEVICES) : nullptr;
   const auto* extension = static_cast<const weft_devices*>(found);
-  if (extension == nullptr || extension->struct_size != sizeof(weft_devices) ||
+  if (extension == nullptr || extension->struct_size < sizeof(weft_devices) ||
       extension->list == nullptr) {
     return broken("its list of devices is damaged; rebuild the plugin");
   }
   std::vector<std::string> devices;
-  weft_error error{};
+  weft_error error = kNoError;
   const auto add = [](void* context, const char* text) {
     if (text != nullptr) static_cast<std::vector<std::string>*>(context)->emplace_back(text);
   };

@@ -23,7 +23,7 @@ struct ReplayOptions {
 };
 
 const char* name_of(weft_status status) {
-  constexpr const char* kNames[] = {"ok", "degenerate", "no_result", "error", "cancelled"};
+  constexpr const char* kNames[] = {"ok", "degenerate", "no_result", "error", "cancelled", "end"};
   return kNames[static_cast<int>(status)];
 }
 

@@ -39,29 +39,32 @@ std::size_t bytes_of(const weft_array& array) {
 }
 
 /// `role` with the id of the component that is asked where none is given.
-std::int32_t describe(const weft_describe* sink, const char* role, const char* usual) {
+std::int32_t declare(const weft_describe* sink, const char* role, const char* usual) {
   weft_parameter of{};
-  of.default_value = {"of", WEFT_VALUE_COMPONENT, 0, 1, &usual};
-  of.unit = "";
+  of.struct_size = sizeof(of);
+  of.default_value = {"of", WEFT_VALUE_COMPONENT, 0, 1, &usual, {}};
+  of.unit = of.was = "";
   of.role = role;
   of.help = "whose answer it gives";
   sink->parameter(sink->context, &of);
   weft_parameter asks{};
+  asks.struct_size = sizeof(asks);
   const std::uint8_t no = 0;
-  asks.default_value = {"asks", WEFT_VALUE_BOOL, 0, 1, &no};
-  asks.unit = asks.role = "";
+  asks.default_value = {"asks", WEFT_VALUE_BOOL, 0, 1, &no, {}};
+  asks.unit = asks.role = asks.was = "";
   asks.help = "ask it in each call, instead of keeping its first answer";
   sink->parameter(sink->context, &asks);
   return WEFT_OK;
 }
 
-std::int32_t create(const weft_value* values, std::uint64_t count, void** self, weft_error*) {
+std::int32_t create(const weft_create* with, void** self, weft_error*) {
   auto* still = new Still;
-  for (std::uint64_t i = 0; i < count; ++i) {
-    if (values[i].type == WEFT_VALUE_BOOL) {
-      still->asks = *static_cast<const std::uint8_t*>(values[i].data);
+  for (std::uint64_t i = 0; i < with->count; ++i) {
+    const weft_value& value = with->values[i];
+    if (value.type == WEFT_VALUE_BOOL) {
+      still->asks = *static_cast<const std::uint8_t*>(value.data);
     } else {
-      still->of = *static_cast<const std::uint64_t*>(values[i].data);
+      still->of = *static_cast<const std::uint64_t*>(value.data);
     }
   }
   *self = still;
@@ -99,13 +102,13 @@ std::int32_t process(void* self, const weft_call* call, const weft_record* input
   Still& still = *static_cast<Still*>(self);
   const auto method = static_cast<std::size_t>(call->method);
   if (still.asks != 0 || !still.is_known[method]) {
-    const weft_record* outputs = nullptr;
-    std::uint64_t made = 0;
-    const std::int32_t status =
-        call->host->invoke(call, still.of, call->method, inputs, count, &outputs, &made, error);
+    weft_invocation asked = {
+        sizeof(asked), call->method, still.of, inputs, count, call->frame, 0, nullptr, 0};
+    const std::int32_t status = call->host->invoke(call, &asked, error);
     if (status != WEFT_OK) return status;
+    const weft_record* outputs = asked.outputs;
     still.answers[method].clear();
-    for (std::uint64_t i = 0; i < made; ++i) {
+    for (std::uint64_t i = 0; i < asked.output_count; ++i) {
       if (still.asks == 0) keep(outputs[i], still.answers[method]);
       for (std::uint64_t k = 0; still.asks != 0 && k < outputs[i].count; ++k) {
         const weft_array& array = outputs[i].arrays[k];
@@ -128,8 +131,8 @@ std::int32_t process(void* self, const weft_call* call, const weft_record* input
 void destroy(void* self) { delete static_cast<Still*>(self); }
 
 constexpr weft_component component(const char* id, const char* needs, const char* reads,
-                                   const char* produces,
-                                   std::int32_t (*describe)(const weft_describe* sink)) {
+                                   const char* produces, std::uint64_t methods,
+                                   std::int32_t (*describe)(const weft_describe*, weft_error*)) {
   return {sizeof(weft_component),
           0,
           id,
@@ -141,6 +144,7 @@ constexpr weft_component component(const char* id, const char* needs, const char
           needs,
           reads,
           produces,
+          methods,
           describe,
           &create,
           &prepare,
@@ -150,35 +154,38 @@ constexpr weft_component component(const char* id, const char* needs, const char
 }
 
 constexpr std::array kComponents{
-    component("sources/still", "", "", "image time",
-              [](const weft_describe* sink) {
-                return describe(sink, "sources", "sources/test.scripted");
+    component("sources/still", "", "", "image time", 0b111,
+              [](const weft_describe* sink, weft_error*) {
+                return declare(sink, "sources", "sources/test.scripted");
               }),
-    component("detectors/still", "", "", "",
-              [](const weft_describe* sink) {
-                return describe(sink, "detectors", "detectors/test.scripted");
+    component("detectors/still", "", "", "", 1,
+              [](const weft_describe* sink, weft_error*) {
+                return declare(sink, "detectors", "detectors/test.scripted");
               }),
-    component("matchers/still", "keypoints template_keypoints", "", "",
-              [](const weft_describe* sink) {
-                return describe(sink, "matchers", "matchers/test.scripted");
+    component("matchers/still", "keypoints template_keypoints", "", "", 1,
+              [](const weft_describe* sink, weft_error*) {
+                return declare(sink, "matchers", "matchers/test.scripted");
               }),
-    component("filters/still", "", "previous.shape", "",
-              [](const weft_describe* sink) {
-                return describe(sink, "filters", "filters/test.scripted");
+    component("filters/still", "", "previous.shape", "", 1,
+              [](const weft_describe* sink, weft_error*) {
+                return declare(sink, "filters", "filters/test.scripted");
               }),
-    component(
-        "warps/still", "", "", "",
-        [](const weft_describe* sink) { return describe(sink, "warps", "warps/test.scripted"); }),
-    component(
-        "passes/still", "warp_samples", "", "sightlines visibility",
-        [](const weft_describe* sink) { return describe(sink, "passes", "passes/test.scripted"); }),
-    component("solvers/still", "sightlines", "correspondences previous.shape", "",
-              [](const weft_describe* sink) {
-                return describe(sink, "solvers", "solvers/test.scripted");
+    component("warps/still", "", "", "", 0b11,
+              [](const weft_describe* sink, weft_error*) {
+                return declare(sink, "warps", "warps/test.scripted");
               }),
-    component(
-        "sinks/still", "", "shape correspondences visibility", "",
-        [](const weft_describe* sink) { return describe(sink, "sinks", "sinks/test.scripted"); }),
+    component("passes/still", "warp_samples", "", "sightlines visibility", 1,
+              [](const weft_describe* sink, weft_error*) {
+                return declare(sink, "passes", "passes/test.scripted");
+              }),
+    component("solvers/still", "sightlines", "correspondences previous.shape", "", 1,
+              [](const weft_describe* sink, weft_error*) {
+                return declare(sink, "solvers", "solvers/test.scripted");
+              }),
+    component("sinks/still", "", "shape correspondences visibility", "", 0b111,
+              [](const weft_describe* sink, weft_error*) {
+                return declare(sink, "sinks", "sinks/test.scripted");
+              }),
 };
 
 constexpr std::array<const weft_component*, kComponents.size()> kPointers = [] {
@@ -189,7 +196,6 @@ constexpr std::array<const weft_component*, kComponents.size()> kPointers = [] {
 
 }  // namespace
 
-extern "C" __attribute__((visibility("default"))) const weft_library_table weft_library;
 const weft_library_table weft_library = {WEFT_ABI_MAGIC,
                                          WEFT_ABI_MAJOR,
                                          WEFT_ABI_MINOR,
@@ -198,4 +204,7 @@ const weft_library_table weft_library = {WEFT_ABI_MAGIC,
                                          kPointers.data(),
                                          "",
                                          "by hand",
+                                         0,
+                                         0,
+                                         0,
                                          {0, 0, 0, 0}};

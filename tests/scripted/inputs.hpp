@@ -46,7 +46,7 @@ class FrameSource final : public weft::Source {
   bool live() const override { return live_; }
 
   weft::Result<weft::SourceFrame> read(std::int64_t index, const weft::Call& call) override {
-    if (index >= frames_) return weft::no_result("the end");
+    if (index >= frames_) return weft::no_more_frames("the end");
     if (auto failure = script_.failure(call)) return *failure;
     std::this_thread::sleep_for(std::chrono::milliseconds(sleep_ms_));
     weft::SourceFrame frame;

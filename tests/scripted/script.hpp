@@ -50,7 +50,7 @@ class Script {
   weft::Result<void> prepare() const {
     if (absent_) return weft::Error{weft::Errc::not_found, "its file is gone, as scripted", ""};
     if (!refuse_) return {};
-    return weft::Error{weft::Errc::invalid_value, "refuses as scripted", ""};
+    return weft::about("refuse", {weft::Errc::invalid_value, "refuses as scripted", ""});
   }
 
   /// The failure that is due in this call, if one is.

@@ -163,7 +163,7 @@ TEST_F(Misbehaviour, AMessageWithoutItsEndIsCut) {
 TEST_F(Misbehaviour, IllegalArraysAreRefusedAndTheCallGoesOn) {
   for (const std::string mistake :
        {"none", "unknown_slot", "wrong_type", "no_array_name", "no_shape", "unknown_dtype",
-        "five_axes", "negative", "too_large", "overflow", "null_log"}) {
+        "seven_axes", "negative", "too_large", "overflow", "null_log"}) {
     SCOPED_TRACE(mistake);
     Subject subject(registry_, "filters/zoo_raw", "{mistake: " + mistake + "}");
     const Outcome outcome = subject.filter();

@@ -24,6 +24,7 @@ ReplyMessage honest() {
                     "inlier_mask/1",
                     0,
                     0,
+                    WEFT_NO_FRAME,
                     {array("kept", WEFT_U8, 0), array("score", WEFT_F64, 64)}}};
   reply.timings = {{"filters/warp", "fit", 0, 1.0, 1.0, WEFT_OK}};
   return reply;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hides its library table from the outside, as a build without weft_add_plugin() might.
+#define WEFT_EXPORT __attribute__((visibility("hidden")))
 #include "idle.hpp"
 
 namespace {
@@ -8,7 +9,16 @@ constexpr weft_component kComponent =
 constexpr const weft_component* kPointer = &kComponent;
 }  // namespace
 
-extern "C" __attribute__((visibility("hidden"))) const weft_library_table weft_library;
-const weft_library_table weft_library = {
-    WEFT_ABI_MAGIC, WEFT_ABI_MAJOR, WEFT_ABI_MINOR, sizeof(weft_library_table), 1, &kPointer,
-    WEFT_ISA,       WEFT_COMPILER,  {0, 0, 0, 0}};
+// As if WEFT_EXPORT had been lost on the way.
+const weft_library_table weft_library = {WEFT_ABI_MAGIC,
+                                         WEFT_ABI_MAJOR,
+                                         WEFT_ABI_MINOR,
+                                         sizeof(weft_library_table),
+                                         1,
+                                         &kPointer,
+                                         WEFT_ISA,
+                                         WEFT_COMPILER,
+                                         0,
+                                         0,
+                                         0,
+                                         {0, 0, 0, 0}};

@@ -12,7 +12,7 @@ namespace {
 constexpr const char* kMistakes[] = {
     "none",         "created_nothing", "no_output",    "no_reason",   "unknown_status",
     "unknown_code", "no_terminator",   "unknown_slot", "wrong_type",  "no_array_name",
-    "no_shape",     "unknown_dtype",   "five_axes",    "negative",    "too_large",
+    "no_shape",     "unknown_dtype",   "seven_axes",   "negative",    "too_large",
     "overflow",     "unknown_handle",  "null_log",     "wrong_dtype", "greedy"};
 
 struct Raw {
@@ -20,32 +20,37 @@ struct Raw {
   std::int64_t frame;  // in which it makes it, -1 for all
 };
 
-std::int32_t describe(const weft_describe* sink) {
+std::int32_t describe(const weft_describe* sink, weft_error*) {
   weft_parameter parameter{};
+  parameter.struct_size = sizeof(parameter);
   const char* fallback = "none";
-  parameter.default_value = {"mistake", WEFT_VALUE_CHOICE, 0, 1, &fallback};
-  parameter.unit = parameter.role = "";
+  parameter.default_value = {"mistake", WEFT_VALUE_CHOICE, 0, 1, &fallback, {}};
+  parameter.unit = parameter.role = parameter.was = "";
   parameter.help = "what it does wrong";
   parameter.choices = kMistakes;
   parameter.choice_count = std::size(kMistakes);
   sink->parameter(sink->context, &parameter);
   weft_parameter frame{};
+  frame.struct_size = sizeof(frame);
+  frame.minimum = -1.0;
+  frame.maximum = 1e6;
   const std::int64_t all = -1;
-  frame.default_value = {"frame", WEFT_VALUE_I64, 0, 1, &all};
-  frame.unit = frame.role = "";
+  frame.default_value = {"frame", WEFT_VALUE_I64, 0, 1, &all, {}};
+  frame.unit = frame.role = frame.was = "";
   frame.help = "in which it does, -1 for all";
   sink->parameter(sink->context, &frame);
   return WEFT_OK;
 }
 
-std::int32_t create(const weft_value* values, std::uint64_t count, void** self, weft_error*) {
+std::int32_t create(const weft_create* with, void** self, weft_error*) {
   std::string_view given = "none";
   std::int64_t frame = -1;
-  for (std::uint64_t i = 0; i < count; ++i) {
-    if (values[i].type == WEFT_VALUE_I64) {
-      frame = *static_cast<const std::int64_t*>(values[i].data);
+  for (std::uint64_t i = 0; i < with->count; ++i) {
+    const weft_value& value = with->values[i];
+    if (value.type == WEFT_VALUE_I64) {
+      frame = *static_cast<const std::int64_t*>(value.data);
     } else {
-      given = *static_cast<const char* const*>(values[i].data);
+      given = *static_cast<const char* const*>(value.data);
     }
   }
   if (given == "created_nothing") return WEFT_OK;
@@ -69,7 +74,7 @@ std::int64_t count_matches(const weft_record* inputs, std::uint64_t count) {
 /// Asks for an array that the host must refuse; true when it did.
 bool is_refused(std::string_view mistake, const weft_call* call) {
   const auto alloc = call->host->alloc;
-  const std::int64_t length[] = {3, 3, 3, 3, 3};
+  const std::int64_t length[] = {3, 3, 3, 3, 3, 3, 3};
   const std::int64_t negative[] = {-1};
   const std::int64_t large[] = {std::int64_t{1} << 42};
   const std::int64_t overflow[] = {0, std::int64_t{1} << 62, 8};
@@ -82,7 +87,7 @@ bool is_refused(std::string_view mistake, const weft_call* call) {
   if (mistake == "no_array_name") array = alloc(call, slot, type, nullptr, WEFT_U8, 1, length);
   if (mistake == "no_shape") array = alloc(call, slot, type, "kept", WEFT_U8, 1, nullptr);
   if (mistake == "unknown_dtype") array = alloc(call, slot, type, "kept", 77, 1, length);
-  if (mistake == "five_axes") array = alloc(call, slot, type, "kept", WEFT_U8, 5, length);
+  if (mistake == "seven_axes") array = alloc(call, slot, type, "kept", WEFT_U8, 7, length);
   if (mistake == "negative") array = alloc(call, slot, type, "kept", WEFT_U8, 1, negative);
   if (mistake == "too_large") array = alloc(call, slot, type, "kept", WEFT_U8, 1, large);
   if (mistake == "overflow") array = alloc(call, slot, type, "diag.x", WEFT_F64, 3, overflow);
@@ -105,9 +110,8 @@ std::int32_t process(void* self, const weft_call* call, const weft_record* input
     return WEFT_NO_RESULT;
   }
   if (mistake == "unknown_handle") {
-    const weft_record* outputs = nullptr;
-    std::uint64_t output_count = 0;
-    return call->host->invoke(call, 999, 0, inputs, count, &outputs, &output_count, error);
+    weft_invocation asked = {sizeof(asked), 0, 999, inputs, count, call->frame, 0, nullptr, 0};
+    return call->host->invoke(call, &asked, error);
   }
   if (mistake == "null_log") call->host->log(call, 1, nullptr);
   if (!is_refused(mistake, call)) std::strcpy(error->message, "the host gave an illegal array");
@@ -144,6 +148,7 @@ constexpr weft_component kComponent = {sizeof(weft_component),
                                        "",
                                        "",
                                        "",
+                                       1,
                                        &describe,
                                        &create,
                                        &prepare,
@@ -154,7 +159,15 @@ constexpr const weft_component* kPointer = &kComponent;
 
 }  // namespace
 
-extern "C" __attribute__((visibility("default"))) const weft_library_table weft_library;
-const weft_library_table weft_library = {
-    WEFT_ABI_MAGIC, WEFT_ABI_MAJOR, WEFT_ABI_MINOR, sizeof(weft_library_table), 1, &kPointer, "",
-    "by hand",      {0, 0, 0, 0}};
+const weft_library_table weft_library = {WEFT_ABI_MAGIC,
+                                         WEFT_ABI_MAJOR,
+                                         WEFT_ABI_MINOR,
+                                         sizeof(weft_library_table),
+                                         1,
+                                         &kPointer,
+                                         "",
+                                         "by hand",
+                                         0,
+                                         0,
+                                         0,
+                                         {0, 0, 0, 0}};

@@ -27,7 +27,7 @@ Error load_error(const Registry& registry, const std::string& id) {
   return loaded ? Error{} : loaded.error();
 }
 
-TEST(Zoo, RefusesAnotherAbiByItsNumber) {
+TEST(Zoo, RefusesWhatNeedsALaterAbiByItsNumber) {
   const Registry registry = scan();
   const Refusal refusal = refusal_of(registry, "filters_zoo_wrong_abi.so");
   const std::string abi = std::to_string(WEFT_ABI_MAJOR) + ".";
@@ -40,6 +40,46 @@ TEST(Zoo, RefusesAnotherAbiByItsNumber) {
   ASSERT_FALSE(table) << "loaded without its manifest";
   EXPECT_EQ(table.error().code, Errc::incompatible);
   EXPECT_THAT(table.error().message, AllOf(HasSubstr("99"), HasSubstr("rebuild")));
+}
+
+TEST(Zoo, LoadsWhatALaterMinorVersionHasBuiltIfItNeedsNothingOfIt) {
+  const Registry registry = scan();
+  Subject newer(registry, "filters/zoo_newer");
+  ASSERT_TRUE(newer.created()) << newer.created().error().message;
+  const host::Outcome outcome = newer.filter(4);
+  ASSERT_EQ(outcome.status, WEFT_OK) << outcome.error.message;
+  const auto mask = host::view_as<InlierMask>(*outcome.find("inlier_mask"));
+  ASSERT_TRUE(mask);
+  EXPECT_EQ(mask->kept.rows(), 4);
+}
+
+TEST(Zoo, RefusesAComponentOfARoleThatThereIsNotAndUsesTheOthersOfItsLibrary) {
+  const TemporaryFolder folder;
+  folder.adopt(kGood);
+  const std::string file = folder / "filters_zoo_good.plugin.yaml";
+  const std::string manifest = read_file(file);
+  const std::size_t first = manifest.find("  - id: ");
+  std::string other = manifest.substr(first);
+  other.replace(other.find("filters/zoo_good"), 16, "clouds/zoo_later");
+  write_file(file, manifest + other);
+  const Registry registry = scan(folder.path());
+  EXPECT_NE(registry.find("filters/zoo_good"), nullptr);
+  EXPECT_EQ(registry.find("clouds/zoo_later"), nullptr);
+  EXPECT_THAT(
+      registry.explain_missing("clouds/zoo_later"),
+      AllOf(HasSubstr("'clouds' of 'clouds/zoo_later' is no role"), HasSubstr("newer Weft")));
+}
+
+TEST(Zoo, RefusesAComponentWithAParameterOfAnUnknownTypeAlone) {
+  const TemporaryFolder folder;
+  folder.adopt(kGood);
+  const std::string file = folder / "filters_zoo_good.plugin.yaml";
+  std::string manifest = read_file(file);
+  const std::size_t type = manifest.find("type: ") + 6;
+  manifest.replace(type, manifest.find('\n', type) - type, "tensor");
+  write_file(file, manifest);
+  EXPECT_THAT(scan(folder.path()).explain_missing("filters/zoo_good"),
+              AllOf(HasSubstr("unknown type 'tensor'"), HasSubstr("newer Weft")));
 }
 
 TEST(Zoo, RefusesALibraryThatHidesItsTable) {

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <functional>
+#include <set>
 #include <sstream>
 #include <string_view>
 #include <vector>
@@ -63,6 +64,12 @@ std::string default_of(const weft_value& value) {
   return list + "]";
 }
 
+bool is_bounded(const weft_parameter& parameter) {
+  const bool is_number = parameter.default_value.type == WEFT_VALUE_F64 ||
+                         parameter.default_value.type == WEFT_VALUE_I64;
+  return is_number && (std::isfinite(parameter.minimum) || std::isfinite(parameter.maximum));
+}
+
 void write_parameter(std::ostream& out, const weft_parameter& parameter) {
   const weft_value& value = parameter.default_value;
   out << "      - name: " << double_quoted(value.name)
@@ -74,7 +81,7 @@ void write_parameter(std::ostream& out, const weft_parameter& parameter) {
     out << "\n        default: " << default_of(value);
   }
   if (*parameter.unit != '\0') out << "\n        unit: " << double_quoted(parameter.unit);
-  if (parameter.minimum != parameter.maximum) {
+  if (is_bounded(parameter)) {
     out << "\n        range: [" << number(parameter.minimum) << ", " << number(parameter.maximum)
         << "]";
   }
@@ -83,19 +90,19 @@ void write_parameter(std::ostream& out, const weft_parameter& parameter) {
   }
   if (parameter.choice_count > 0) out << "]";
   if (*parameter.role != '\0') out << "\n        role: " << double_quoted(parameter.role);
+  if (*parameter.was != '\0') out << "\n        was: " << double_quoted(parameter.was);
   out << "\n        help: " << double_quoted(parameter.help) << "\n";
 }
 
 bool is_outside(double number, const weft_parameter& parameter) {
-  const bool bounded = parameter.minimum != parameter.maximum;
-  return !std::isfinite(number) ||
-         (bounded && !(number >= parameter.minimum && number <= parameter.maximum));
+  return !std::isfinite(number) || number < parameter.minimum || number > parameter.maximum;
 }
 
 /// Why no pipeline could ever use a parameter as it is declared, or empty.
 std::string contradiction(const weft_parameter& parameter) {
   const weft_value& value = parameter.default_value;
-  if (parameter.minimum > parameter.maximum) return "has a range whose minimum is the larger end";
+  if (!(parameter.minimum <= parameter.maximum))
+    return "has a range whose minimum is the larger end";
   if (parameter.required != 0) return {};
   bool outside = false;
   for (std::uint64_t i = 0; i < value.count; ++i) {
@@ -123,6 +130,7 @@ struct Declarations {
   std::ostringstream text{};
   std::vector<std::string> names{};
   std::vector<Number> numbers{};
+  std::set<std::string> records{};
   std::string problem{};  ///< the first one
 
   void add(const weft_parameter& parameter) {
@@ -134,9 +142,7 @@ struct Declarations {
     const weft_value& value = parameter.default_value;
     const bool is_number = value.type == WEFT_VALUE_F64 || value.type == WEFT_VALUE_I64;
     if (is_number && value.is_vector == 0) {
-      const bool bounded = parameter.minimum != parameter.maximum;
-      numbers.push_back(
-          {name, bounded ? parameter.minimum : -HUGE_VAL, bounded ? parameter.maximum : HUGE_VAL});
+      numbers.push_back({name, parameter.minimum, parameter.maximum});
     }
     write_parameter(text, parameter);
   }
@@ -202,15 +208,24 @@ std::string write_component(std::ostream& out, const weft_component& component) 
       << "\n    uses_truth: " << ((component.flags & WEFT_FLAG_USES_TRUTH) != 0 ? "true" : "false")
       << "\n    extensions: " << extensions(component) << "\n    parameters:";
   Declarations declarations;
-  const weft_describe sink{&declarations, [](void* context, const weft_parameter* parameter) {
+  const weft_describe sink{sizeof(weft_describe), 0, &declarations,
+                           [](void* context, const weft_parameter* parameter) {
                              static_cast<Declarations*>(context)->add(*parameter);
+                           },
+                           [](void* context, const char* type) {
+                             static_cast<Declarations*>(context)->records.insert(type);
                            }};
-  if (component.describe(&sink) != WEFT_OK) {
-    return "its constructor failed while it declared its parameters; it should read them all and "
-           "do nothing else: files and checks belong in prepare()";
+  weft_error error{sizeof(weft_error), 0, {}, {}, {}};
+  if (component.describe(&sink, &error) != WEFT_OK) {
+    return "its constructor failed while it declared its parameters (" +
+           std::string(error.message) +
+           "); it should read them all and do nothing else: files and checks belong in prepare()";
   }
   const std::string text = declarations.text.str();
   out << (text.empty() ? " []\n" : "\n" + text);
+  std::string records;
+  for (const std::string& type : declarations.records) records += type + " ";
+  out << "    records: " << words(records) << "\n";
   const weft_sweep* sweep = sweep_of(component);
   if (sweep == nullptr || !declarations.problem.empty()) return declarations.problem;
   return write_sweep(out, *sweep, declarations.numbers);
@@ -222,7 +237,8 @@ Result<std::string> describe_library(const weft_library_table& library,
                                      const std::string& build_id) {
   std::ostringstream out;
   out << "# Written by the build; bound to the library by its build-id.\n"
-      << "weft_plugin: 1\nabi: [" << library.abi_major << ", " << library.abi_minor << "]\n"
+      << "weft_plugin: 1\nabi: [" << library.abi_major << ", " << library.sdk_minor
+      << "]\nneeds_minor: " << library.needs_minor << "\n"
       << "build_id: " << double_quoted(build_id)
       << "\ncompiler: " << double_quoted(library.compiler) << "\nisa: " << words(library.isa)
       << "\ncomponents:\n";

@@ -8,8 +8,6 @@
 #include "describe/build_id.hpp"
 #include "describe/describe.hpp"
 
-extern "C" const weft_library_table weft_library;
-
 int main(int argc, char** argv) {
   if (argc != 3) {
     std::fputs("usage: <plugin>_describe LIBRARY.so MANIFEST.yaml\n", stderr);

@@ -22,7 +22,7 @@ std::string lacks_device(const Subject& subject) {
   if (list == nullptr || list->list == nullptr) return "";
   int devices = 0;
   const auto count = [](void* context, const char*) { ++*static_cast<int*>(context); };
-  weft_error error{};
+  weft_error error = kNoError;
   const std::int32_t status = list->list(&devices, count, &error);
   if (status == WEFT_OK && devices > 0) return "";
   const std::string why = host::plugin_error(status, error, subject.manifest().id).message;

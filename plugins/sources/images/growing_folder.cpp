@@ -128,7 +128,7 @@ Error GrowingFolder::ending() const {
                 "numbers with leading zeros",
             {}};
   }
-  if (!last_.empty()) return no_result(files + ": no new file for 'wait_s'");
+  if (!last_.empty()) return no_more_frames(files + ": no new file for 'wait_s'");
   return {Errc::not_found,
           files +
               ": no file came for 'wait_s': check the pattern and its letters' case, or wait "

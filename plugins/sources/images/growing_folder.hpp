@@ -21,7 +21,7 @@ class GrowingFolder {
   /// `pattern` has * ? or [ ] in its file name alone. The folder must be there, files need not.
   static Result<GrowingFolder> open(const std::string& pattern, double wait_s);
 
-  /// The path of the next file, waited for. Errc::no_result when none came for `wait_s`; an error
+  /// The path of the next file, waited for. Errc::end when none came for `wait_s`; an error
   /// where none came at all, or only such as came too late, or where the folder is gone. Asks the
   /// call again and again whether to go on.
   Result<std::string> next(const Call& call);

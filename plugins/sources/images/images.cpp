@@ -114,7 +114,7 @@ class Images final : public Source {
                                             ", counted from 0"};
     }
     while (index >= known_count()) {
-      if (ending_) return index == known_count() ? *ending_ : no_result(path_ + ": has ended");
+      if (ending_) return index == known_count() ? *ending_ : no_more_frames(path_ + ": has ended");
       auto path = folder_->next(call);
       if (path) {
         std::string stem = sources::stem_of(*path);

@@ -52,18 +52,20 @@ class Video final : public Source {
   }
 
   Result<Camera> open(const Call& call) override {
-    if (auto chosen = check_choice(); !chosen) return chosen.error();
+    if (auto chosen = check_choice(); !chosen) return about("device", chosen.error());
     if (is_calibrated()) {
       auto camera = cameras::CalibratedCamera::read(camera_path_);
-      if (!camera) return camera.error();
+      if (!camera) return about("camera", camera.error());
       camera_ = *std::move(camera);
     }
     end_.reset();
-    if (auto started = start(call); !started) return started.error();
+    if (auto started = start(call); !started) return about(given(), started.error());
     const auto first = stream_.image();
     if (!first) return first.error();
     if (!is_calibrated()) camera_ = cameras::CalibratedCamera::guess(first->size());
-    if (auto fits = camera_.check_size(first->size(), stream_.name()); !fits) return fits.error();
+    if (auto fits = camera_.check_size(first->size(), stream_.name()); !fits) {
+      return about("camera", fits.error());
+    }
     return camera_.pinhole();
   }
 
@@ -74,7 +76,7 @@ class Video final : public Source {
 
   Result<SourceFrame> read(std::int64_t index, const Call& call) override {
     if (index < 0) return Error{Errc::invalid_value, "frames are counted from 0"};
-    if (max_frames_ > 0 && index >= max_frames_) return no_result("'max_frames' were read");
+    if (max_frames_ > 0 && index >= max_frames_) return no_more_frames("'max_frames' were read");
     if (auto found = go_to(index, call); !found) return found.error();
     const auto stored = stream_.image();
     if (!stored) return stored.error();
@@ -135,6 +137,12 @@ class Video final : public Source {
     const int given = (path_.empty() ? 0 : 1) + (device_ < 0 ? 0 : 1) + (address_.empty() ? 0 : 1);
     if (given == 1) return {};
     return Error{Errc::invalid_value, "give one of 'path', 'device' and 'address'"};
+  }
+
+  /// The parameter that says what is read.
+  const char* given() const {
+    if (!path_.empty()) return "path";
+    return address_.empty() ? "device" : "address";
   }
 
   std::string no_frame() const { return path_ + ": holds no frame that can be decoded"; }
@@ -200,7 +208,7 @@ class Video final : public Source {
   /// A stream that broke off is an error of the first frame that is missing, then the end.
   Result<void> end_at(std::int64_t index) const {
     if (!ending_ && index == *end_) return ending_;
-    return no_result(stream_.name() + ": has no more frames");
+    return no_more_frames(stream_.name() + ": has no more frames");
   }
 
   static constexpr double kTimeTolerance_s = 1e-6;  // times were rounded in the container

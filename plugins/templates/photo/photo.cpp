@@ -58,7 +58,7 @@ class PhotoTemplate final : public TemplateBuilder {
     p.read("height_m", height_m_, "m", {0.0, 1000.0},
            "height of the sheet; 0: as the corners and the camera say");
     p.read(
-        "corners", corners_, "px", {0.0, 0.0},
+        "corners", corners_, "px", {},
         "x, y of the top left, top right, bottom right and bottom left corner in the photograph; "
         "none: they are found");
     p.read("columns", columns_, "", {0, 2000}, "vertices along the width; 0: proposed");

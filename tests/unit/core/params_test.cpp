@@ -59,8 +59,10 @@ struct Declared {
 template <class Component>
 std::vector<Declared> declared_by() {
   std::vector<Declared> all;
+  const auto keep_type = [](void*, const char*) {};
   const weft_describe sink{
-      &all, [](void* context, const weft_parameter* p) {
+      sizeof(weft_describe), 0, &all,
+      [](void* context, const weft_parameter* p) {
         const weft_value& value = p->default_value;
         Declared declared;
         declared.name = value.name;
@@ -86,7 +88,8 @@ std::vector<Declared> declared_by() {
         }
         declared.choices.assign(p->choices, p->choices + p->choice_count);
         static_cast<std::vector<Declared>*>(context)->push_back(declared);
-      }};
+      },
+      keep_type};
   Params params(&sink);
   Component component(params);
   return all;
@@ -136,17 +139,17 @@ TEST(Params, BindsEveryKind) {
   const char* apart[] = {"009", "texture source", "010", ""};
   const std::uint64_t warp = 17;
   const auto [read, problem] =
-      read_with<Everything>({{"warp", WEFT_VALUE_COMPONENT, 0, 1, &warp},
-                             {"radius_px", WEFT_VALUE_F64, 0, 1, &radius},
-                             {"rounds", WEFT_VALUE_I64, 0, 1, &rounds},
-                             {"big", WEFT_VALUE_I64, 0, 1, &big},
-                             {"fast", WEFT_VALUE_BOOL, 0, 1, &fast},
-                             {"levels", WEFT_VALUE_F64, 1, 3, levels},
-                             {"title", WEFT_VALUE_TEXT, 0, 1, &title},
-                             {"table", WEFT_VALUE_INPUT_PATH, 0, 1, &table},
-                             {"report", WEFT_VALUE_OUTPUT_PATH, 0, 1, &report},
-                             {"apart", WEFT_VALUE_LABELS, 0, 4, apart},
-                             {"metric", WEFT_VALUE_CHOICE, 0, 1, &metric}});
+      read_with<Everything>({{"warp", WEFT_VALUE_COMPONENT, 0, 1, &warp, {}},
+                             {"radius_px", WEFT_VALUE_F64, 0, 1, &radius, {}},
+                             {"rounds", WEFT_VALUE_I64, 0, 1, &rounds, {}},
+                             {"big", WEFT_VALUE_I64, 0, 1, &big, {}},
+                             {"fast", WEFT_VALUE_BOOL, 0, 1, &fast, {}},
+                             {"levels", WEFT_VALUE_F64, 1, 3, levels, {}},
+                             {"title", WEFT_VALUE_TEXT, 0, 1, &title, {}},
+                             {"table", WEFT_VALUE_INPUT_PATH, 0, 1, &table, {}},
+                             {"report", WEFT_VALUE_OUTPUT_PATH, 0, 1, &report, {}},
+                             {"apart", WEFT_VALUE_LABELS, 0, 4, apart, {}},
+                             {"metric", WEFT_VALUE_CHOICE, 0, 1, &metric, {}}});
   EXPECT_EQ(problem, "");
   EXPECT_EQ(read.radius_px, 2.5);
   EXPECT_EQ(read.rounds, 7);
@@ -165,7 +168,7 @@ TEST(Params, BindsEveryKind) {
 TEST(Params, WhatIsNotGivenKeepsItsDefault) {
   const char* table = "/t";
   const auto [read, problem] =
-      read_with<Everything>({{"table", WEFT_VALUE_INPUT_PATH, 0, 1, &table}});
+      read_with<Everything>({{"table", WEFT_VALUE_INPUT_PATH, 0, 1, &table, {}}});
   EXPECT_EQ(problem, "");
   EXPECT_EQ(read.radius_px, 60.5);
   EXPECT_EQ(read.rounds, 3);
@@ -197,10 +200,10 @@ TEST(Params, NumbersCanBeRequired) {
   }
   const double ratio = 0.25, level = 0.5;
   const std::int64_t rounds = 2, bytes = 3;
-  const std::vector<weft_value> all{{"ratio", WEFT_VALUE_F64, 0, 1, &ratio},
-                                    {"rounds", WEFT_VALUE_I64, 0, 1, &rounds},
-                                    {"bytes", WEFT_VALUE_I64, 0, 1, &bytes},
-                                    {"levels", WEFT_VALUE_F64, 1, 1, &level}};
+  const std::vector<weft_value> all{{"ratio", WEFT_VALUE_F64, 0, 1, &ratio, {}},
+                                    {"rounds", WEFT_VALUE_I64, 0, 1, &rounds, {}},
+                                    {"bytes", WEFT_VALUE_I64, 0, 1, &bytes, {}},
+                                    {"levels", WEFT_VALUE_F64, 1, 1, &level, {}}};
   EXPECT_EQ(read_with<Demanding>(all).second, "");
   EXPECT_EQ(read_with<Demanding>(all).first.rounds, 2);
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -214,9 +217,9 @@ TEST(Params, NumbersCanBeRequired) {
 struct Bounded {
   explicit Bounded(Params& p) {
     p.read("share", share, "", {0, 1}, "");
-    p.read("free", free, "", {0, 0}, "");
+    p.read("free", free, "", {}, "");
     p.read("number", number, "", {-1e12, 1e12}, "");
-    p.read("any", any, "", {0, 0}, "");
+    p.read("any", any, "", {}, "");
     p.read("list", list, "", {0, 1}, "");
   }
   double share = 0.5, free = 0.0;
@@ -227,23 +230,23 @@ struct Bounded {
 TEST(Params, RefusesNumbersOutsideTheirRange) {
   const double nan = std::nan(""), low = -0.001, high = 1.001, zero = 0.0, one = 1.0;
   for (const double* illegal : {&nan, &low, &high}) {
-    EXPECT_THAT(read_with<Bounded>({{"share", WEFT_VALUE_F64, 0, 1, illegal}}).second,
+    EXPECT_THAT(read_with<Bounded>({{"share", WEFT_VALUE_F64, 0, 1, illegal, {}}}).second,
                 HasSubstr("'share' is outside its range"));
-    EXPECT_THAT(read_with<Bounded>({{"list", WEFT_VALUE_F64, 1, 1, illegal}}).second,
+    EXPECT_THAT(read_with<Bounded>({{"list", WEFT_VALUE_F64, 1, 1, illegal, {}}}).second,
                 HasSubstr("'list' has a value outside"));
   }
   for (const double* end : {&zero, &one}) {
-    EXPECT_EQ(read_with<Bounded>({{"share", WEFT_VALUE_F64, 0, 1, end}}).second, "");
+    EXPECT_EQ(read_with<Bounded>({{"share", WEFT_VALUE_F64, 0, 1, end, {}}}).second, "");
   }
-  EXPECT_THAT(read_with<Bounded>({{"free", WEFT_VALUE_F64, 0, 1, &nan}}).second,
+  EXPECT_THAT(read_with<Bounded>({{"free", WEFT_VALUE_F64, 0, 1, &nan, {}}}).second,
               HasSubstr("'free'"));
 }
 
-TEST(Params, ARangeOfEqualEndsIsNone) {
+TEST(Params, ARangeWithoutEndsTakesAllNumbers) {
   const double far = -1e9;
   const std::int64_t large = std::numeric_limits<int>::max();
   const auto [read, problem] = read_with<Bounded>(
-      {{"free", WEFT_VALUE_F64, 0, 1, &far}, {"any", WEFT_VALUE_I64, 0, 1, &large}});
+      {{"free", WEFT_VALUE_F64, 0, 1, &far, {}}, {"any", WEFT_VALUE_I64, 0, 1, &large, {}}});
   EXPECT_EQ(problem, "");
   EXPECT_EQ(read.free, far);
   EXPECT_EQ(read.any, std::numeric_limits<int>::max());
@@ -253,7 +256,7 @@ TEST(Params, AnIntNeverWrapsAround) {
   const std::int64_t large = std::int64_t{1} << 32, small = -(std::int64_t{1} << 32) - 5;
   for (const std::int64_t* value : {&large, &small}) {
     for (const char* name : {"number", "any"}) {
-      const auto [read, problem] = read_with<Bounded>({{name, WEFT_VALUE_I64, 0, 1, value}});
+      const auto [read, problem] = read_with<Bounded>({{name, WEFT_VALUE_I64, 0, 1, value, {}}});
       EXPECT_THAT(problem, HasSubstr("outside its range")) << name;
       EXPECT_EQ(read.number, 0);
     }
@@ -265,15 +268,15 @@ TEST(Params, RefusesAValueOfAnotherType) {
   const std::int64_t integer = 1;
   const double number = 0.5;
   const char* word = "minkowski";
-  EXPECT_THAT(read_with<Bounded>({{"share", WEFT_VALUE_I64, 0, 1, &integer}}).second,
+  EXPECT_THAT(read_with<Bounded>({{"share", WEFT_VALUE_I64, 0, 1, &integer, {}}}).second,
               HasSubstr("'share' has the wrong type"));
-  EXPECT_THAT(read_with<Bounded>({{"share", WEFT_VALUE_F64, 1, 1, &number}}).second,
+  EXPECT_THAT(read_with<Bounded>({{"share", WEFT_VALUE_F64, 1, 1, &number, {}}}).second,
               HasSubstr("wrong type"));
-  EXPECT_THAT(read_with<Everything>({{"metric", WEFT_VALUE_CHOICE, 0, 1, &word}}).second,
+  EXPECT_THAT(read_with<Everything>({{"metric", WEFT_VALUE_CHOICE, 0, 1, &word, {}}}).second,
               HasSubstr("'table' is required"));  // the first problem wins
   const char* table = "/t";
-  EXPECT_THAT(read_with<Everything>({{"metric", WEFT_VALUE_CHOICE, 0, 1, &word},
-                                     {"table", WEFT_VALUE_INPUT_PATH, 0, 1, &table}})
+  EXPECT_THAT(read_with<Everything>({{"metric", WEFT_VALUE_CHOICE, 0, 1, &word, {}},
+                                     {"table", WEFT_VALUE_INPUT_PATH, 0, 1, &table, {}}})
                   .second,
               HasSubstr("'metric' is none of its choices"));
 }

@@ -46,6 +46,15 @@ struct Store {
   }
 };
 
+weft_record record_of(const char* type, const std::vector<weft_array>& arrays) {
+  weft_record record{};
+  record.slot = "";
+  record.type = type;
+  record.count = arrays.size();
+  record.arrays = arrays.data();
+  return record;
+}
+
 TEST(Codec, EveryRecordTypeSurvivesBeingViewedAndReadBack) {
   std::cout << "seed 101\n";
   Rng rng(101);
@@ -69,8 +78,7 @@ TEST(Codec, EveryRecordTypeSurvivesBeingWrittenAndReadBack) {
       const RecordType typed = random_record<RecordType>(rng);
       Store store;
       ASSERT_TRUE(write_record(typed, store));
-      const weft_record record{"", RecordType::kType,   0,
-                               0,  store.arrays.size(), store.arrays.data()};
+      const weft_record record = record_of(RecordType::kType, store.arrays);
       const auto read = read_record<RecordType>(record);
       ASSERT_TRUE(read) << RecordType::kType << ": " << read.error().message;
       EXPECT_EQ(content_of(*read), content_of(typed)) << RecordType::kType;
@@ -91,8 +99,7 @@ TEST(Codec, RowsMayBePaddedOrReversedOnInput) {
       EXPECT_EQ(content_of(*read), content_of(typed)) << RecordType::kType;
       Store store;  // and are made dense when written
       ASSERT_TRUE(write_record(*read, store));
-      const weft_record record{"", RecordType::kType,   0,
-                               0,  store.arrays.size(), store.arrays.data()};
+      const weft_record record = record_of(RecordType::kType, store.arrays);
       EXPECT_EQ(content_of(record), content_of(typed)) << RecordType::kType;
     }
   });

@@ -205,7 +205,7 @@ TEST(OnDevice, LetsNoExceptionAcross) {
   int destroyed = 0;
   const auto array = on_device<float>(std::make_shared<const Rows>(Rows{&destroyed}), {2, 3});
   std::vector<float> to(100);
-  weft_error error{};
+  weft_error error = kNoError;
   const auto download = [&](std::uint64_t bytes) {
     return kDeviceMemory<Rows>.download(nullptr, array.handle(), to.data(), bytes, &error);
   };

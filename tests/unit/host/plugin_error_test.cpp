@@ -9,7 +9,7 @@ namespace weft::host {
 namespace {
 
 TEST(PluginError, ShowsWhatAPluginQuotesFromAFileWithoutControlCharacters) {
-  weft_error raw{};
+  weft_error raw{sizeof(weft_error), 0, {}, {}, {}};
   raw.code = static_cast<std::int32_t>(Errc::invalid_data);
   std::strcpy(raw.where, "sources/x\x1b[2J");
   std::strcpy(raw.message, "mesh.ply:7: '\x01' does not belong\nthere");

@@ -27,7 +27,7 @@ class SharedInputsTest : public ::testing::Test {
   }
 
   PlacedArray place(const weft_array& array) {
-    const weft_record record{"points", "points/1", 5, 7, 1, &array};
+    const weft_record record{"points", "points/1", 5, 7, 1, &array, 3, 0, 0, {}};
     const auto placed = inputs_.place(record, keep_);
     if (!placed) throw std::runtime_error(placed.error().message);
     return placed->arrays.at(0);
@@ -81,7 +81,7 @@ TEST_F(SharedInputsTest, WhatDoesNotFitIsAnError) {
   const std::vector<double> data(200'000);
   weft_array array = rows(data.data(), 16);
   array.shape[0] = 100'000;
-  const weft_record record{"points", "points/1", 0, 0, 1, &array};
+  const weft_record record{"points", "points/1", 0, 0, 1, &array, 3, 0, 0, {}};
   const auto placed = inputs_.place(record, keep_);
   ASSERT_FALSE(placed);
   EXPECT_NE(placed.error().message.find("'xy_px' of 1600000 bytes"), std::string::npos);

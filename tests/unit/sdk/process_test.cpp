@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 /// A host that keeps what it was asked for and may refuse.
 struct FakeHost {
   FakeHost() {
-    table = {sizeof(table), 0, &alloc, &is_cancelled, &keep_log, nullptr, &adopt};
+    table = {sizeof(table), 0, &alloc, &is_cancelled, &keep_log, nullptr, &adopt, nullptr};
     call = {sizeof(call), 0, &table, this, 42, 9, 3, 0};
   }
   FakeHost(const FakeHost&) = delete;
@@ -282,7 +282,7 @@ TEST(Component, HasTheExtensionsThatItsClassHas) {
   const auto add = [](void* context, const char* name) {
     static_cast<std::vector<std::string>*>(context)->emplace_back(name);
   };
-  weft_error error{};
+  weft_error error = kNoError;
   EXPECT_EQ(listing->list(&names, add, &error), WEFT_OK);
   EXPECT_THAT(names, ::testing::ElementsAre("first", "second"));
   WithDevices::is_broken = true;
@@ -293,24 +293,27 @@ TEST(Component, HasTheExtensionsThatItsClassHas) {
 TEST(Component, RefusesIllegalParametersAndDestroysWhatItMade) {
   Simple::destroyed = 0;
   const double illegal = 2.0, legal = 1.0;
-  weft_value value{"value", WEFT_VALUE_F64, 0, 1, &illegal};
-  weft_error error{};
+  weft_value value{"value", WEFT_VALUE_F64, 0, 1, &illegal, {}};
+  weft_error error = kNoError;
   void* self = nullptr;
-  EXPECT_EQ(kSimple.create(&value, 1, &self, &error), WEFT_ERROR);
+  const weft_create with{sizeof(weft_create), 0, nullptr, &value, 1};
+  EXPECT_EQ(kSimple.create(&with, &self, &error), WEFT_ERROR);
   EXPECT_EQ(self, nullptr);
   EXPECT_THAT(error.message, HasSubstr("'value' is outside its range"));
+  EXPECT_STREQ(error.subject, "value");
   EXPECT_EQ(Simple::destroyed, 1);
   value.data = &legal;
-  ASSERT_EQ(kSimple.create(&value, 1, &self, &error), WEFT_OK);
+  ASSERT_EQ(kSimple.create(&with, &self, &error), WEFT_OK);
   kSimple.destroy(self);
   EXPECT_EQ(Simple::destroyed, 2);
 }
 
 TEST(Component, PreparesWithTemplateAndCamera) {
   FakeHost host;
-  weft_error error{};
+  weft_error error = kNoError;
   void* self = nullptr;
-  ASSERT_EQ(kSimple.create(nullptr, 0, &self, &error), WEFT_OK);
+  const weft_create with{sizeof(weft_create), 0, nullptr, nullptr, 0};
+  ASSERT_EQ(kSimple.create(&with, &self, &error), WEFT_OK);
   Template templ;
   templ.vertices_m = Array<double>({3, 3}, 0.0);
   templ.flat_px = Array<double>({3, 2}, 0.0);

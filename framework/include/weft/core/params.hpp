@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <initializer_list>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -13,10 +14,10 @@
 
 namespace weft {
 
-/// Legal values of a number, both ends included; equal ends mean that any value is legal.
+/// Legal values of a number, both ends included. `{}`: any number that is not NaN.
 struct Range {
-  double minimum;
-  double maximum;
+  double minimum = -std::numeric_limits<double>::infinity();
+  double maximum = std::numeric_limits<double>::infinity();
 };
 
 /// Whether a parameter must be given.

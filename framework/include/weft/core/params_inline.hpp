@@ -9,7 +9,6 @@ namespace weft {
 namespace detail {
 
 inline bool is_within(Range range, double number) {
-  if (range.minimum == range.maximum) return number == number;  // unbounded, but never NaN
   return number >= range.minimum && number <= range.maximum;
 }
 
@@ -26,12 +25,14 @@ inline const weft_value* Params::find(const char* name, int type, bool vector) {
 
 inline void Params::refuse(const char* name, const std::string& problem) {
   if (status_) {
-    status_ = Error{Errc::invalid_value, "parameter '" + std::string(name) + "' " + problem};
+    status_ =
+        Error{Errc::invalid_value, "parameter '" + std::string(name) + "' " + problem, {}, name};
   }
 }
 
 inline void Params::declare(weft_parameter parameter, const char* name, int type, const char* help,
                             const void* data, std::uint64_t count) {
+  parameter.struct_size = sizeof(weft_parameter);
   parameter.default_value.name = name;
   parameter.default_value.type = type;
   parameter.default_value.count = count;
@@ -39,6 +40,7 @@ inline void Params::declare(weft_parameter parameter, const char* name, int type
   parameter.help = help;
   if (parameter.unit == nullptr) parameter.unit = "";
   if (parameter.role == nullptr) parameter.role = "";
+  parameter.was = "";
   sink_->parameter(sink_->context, &parameter);
 }
 
@@ -77,7 +79,6 @@ inline void Params::read(const char* name, std::int64_t& value, const char* unit
 inline void Params::read(const char* name, int& value, const char* unit, Range range,
                          const char* help, Need need) {
   using Limits = std::numeric_limits<int>;
-  if (range.minimum == range.maximum) range = {Limits::min(), Limits::max()};
   range.minimum = std::max<double>(range.minimum, Limits::min());
   range.maximum = std::min<double>(range.maximum, Limits::max());
   std::int64_t wide = value;

@@ -21,6 +21,7 @@ enum class Errc : std::int32_t {
   plugin_failure,  ///< a plugin threw or broke its contract
   cancelled,       ///< the host asked to stop
   no_memory,       ///< memory was short; says nothing about what was asked for
+  end,             ///< a source has no more frames
 };
 
 /// A cause, a sentence that says what to change, and a place (file:line:column, plugin or stage).
@@ -28,6 +29,7 @@ struct Error {
   Errc code = Errc::plugin_failure;
   std::string message;
   std::string where = {};
+  std::string subject = {};  ///< the parameter, input or array that it is about, where it is one
 };
 
 /// Marks a value as usable but flagged: the stage's status becomes `degenerate`.
@@ -79,6 +81,16 @@ class [[nodiscard]] Result<void> {
 
 /// The answer "no result for this frame, because ...".
 inline Error no_result(std::string reason) { return {Errc::no_result, std::move(reason), {}}; }
+
+/// A source's answer "there are no more frames, because ...".
+inline Error no_more_frames(std::string reason) { return {Errc::end, std::move(reason), {}}; }
+
+/// The same error, said of a parameter, an input or an array: where it is a parameter, its place in
+/// the pipeline is shown.
+inline Error about(std::string subject, Error error) {
+  error.subject = std::move(subject);
+  return error;
+}
 
 /// Flags a value as usable but degenerate.
 template <class T>

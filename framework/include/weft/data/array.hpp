@@ -54,12 +54,12 @@ class Array {
   Array() = default;
 
   /// Owned, C order, for its maker to write: the elements are not cleared, see mark_unwritten().
-  /// Throws std::length_error for a negative length or more than four axes.
+  /// Throws std::length_error for a negative length or more than six axes.
   explicit Array(std::initializer_list<std::int64_t> shape)
       : ndim_(static_cast<int>(shape.size())) {
     const bool negative = std::any_of(shape.begin(), shape.end(), [](auto n) { return n < 0; });
     if (negative || shape.size() > shape_.size()) {
-      throw std::length_error("an array has a negative length or more than four axes");
+      throw std::length_error("an array has a negative length or more than six axes");
     }
     std::copy(shape.begin(), shape.end(), shape_.begin());
     row_stride_ = row_elements();
@@ -115,7 +115,7 @@ class Array {
   /// Number of elements.
   std::int64_t size() const { return present() || ndim_ > 0 ? dim(0) * row_elements() : 0; }
   /// Elements of one entry of axis 0.
-  std::int64_t row_elements() const { return dim(1) * dim(2) * dim(3); }
+  std::int64_t row_elements() const { return dim(1) * dim(2) * dim(3) * dim(4) * dim(5); }
   std::int64_t row_stride() const { return row_stride_; }
   bool contiguous() const { return row_stride_ == row_elements(); }
 

@@ -28,7 +28,7 @@ Array<T> borrow_array(const weft_array& array) {
     shape[to_index(axis)] = array.shape[axis];
   }
   if (array.memory == WEFT_DEVICE) {
-    return Array<T>::on_device(array.handle, array.ndim, shape, nullptr, array.data);
+    return Array<T>::on_device(array.handle, array.ndim, shape, nullptr, array.owner);
   }
   const std::int64_t row_stride =
       array.ndim > 0 ? array.stride[0] / static_cast<std::int64_t>(sizeof(T)) : 1;

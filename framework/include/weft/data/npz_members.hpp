@@ -85,7 +85,8 @@ class NpzRecord {
       if (!members_[i].is_type()) arrays.push_back(view(members_[i], headers_[i]));
     }
     const std::string slot = members_.front().slot;
-    const weft_record record{slot.c_str(), type_.c_str(), 0, 0, arrays.size(), arrays.data()};
+    const weft_record record{slot.c_str(),  type_.c_str(), 0, 0, arrays.size(),
+                             arrays.data(), WEFT_NO_FRAME, 0, 0, {}};
     return read(record);
   }
 

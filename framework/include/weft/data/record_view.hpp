@@ -16,7 +16,8 @@ class RecordView {
   RecordView(const char* slot, const RecordType& typed) {
     RecordType::fields(
         typed, [this](const auto& member, const Field& field) { this->add(member, field.name); });
-    record_ = {slot, RecordType::kType, 0, 0, arrays_.size(), arrays_.data()};
+    record_ = {slot,           RecordType::kType, 0, 0, arrays_.size(),
+               arrays_.data(), WEFT_NO_FRAME,     0, 0, {}};
     if constexpr (requires { typed.producer_handle; }) record_.producer = typed.producer_handle;
     if constexpr (requires { typed.revision; }) record_.revision = typed.revision;
   }
@@ -33,7 +34,7 @@ class RecordView {
     if (array.is_on_device()) {
       raw.memory = WEFT_DEVICE;
       raw.handle = array.handle();
-      raw.data = array.hosts();
+      raw.owner = array.hosts();
     }
     std::int64_t stride = sizeof(T);
     for (int axis = array.ndim() - 1; axis >= 0; --axis) {

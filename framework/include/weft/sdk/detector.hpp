@@ -25,6 +25,7 @@ class Detector : public Prepared {
  public:
   virtual Result<Keypoints> detect(const DetectorInput& in) = 0;
 
+  static constexpr std::uint64_t kMethods = 0b1;
   static Role role() {
     return {"detectors",
             {role_method<DetectorInput>("detect", {output_slot<Keypoints>("keypoints")})}};

@@ -66,12 +66,12 @@ inline constexpr weft_device_memory kDeviceMemory{
     &detail::DeviceBlock<Memory>::release, &detail::DeviceBlock<Memory>::download};
 
 /// An array of T whose contents lie on a device. `download` writes elements of T, whatever the
-/// device holds. Throws std::length_error for more than four axes.
+/// device holds. Throws std::length_error for more than six axes.
 template <class T, class Memory>
 Array<T> on_device(std::shared_ptr<const Memory> contents,
                    std::initializer_list<std::int64_t> lengths) {
   typename Array<T>::Shape shape{};
-  if (lengths.size() > shape.size()) throw std::length_error("an array has at most four axes");
+  if (lengths.size() > shape.size()) throw std::length_error("an array has at most six axes");
   std::copy(lengths.begin(), lengths.end(), shape.begin());
   using Block = detail::DeviceBlock<Memory>;
   auto block = std::make_unique<Block>();

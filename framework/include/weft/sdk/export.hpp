@@ -5,24 +5,31 @@
 #include <memory>
 #include <weft/sdk/extensions.hpp>
 #include <weft/sdk/isa.hpp>
+#include <weft/sdk/role.hpp>
+
+#ifndef WEFT_NEEDS_MINOR
+#define WEFT_NEEDS_MINOR 0
+#endif
 
 namespace weft::detail {
 
 /// The functions of the contract for one component class.
 template <class T>
 struct Functions {
-  static std::int32_t describe(const weft_describe* sink) {
-    weft_error ignored{};
-    return guarded(&ignored, [&]() -> std::int32_t {
+  static std::int32_t describe(const weft_describe* sink, weft_error* error) {
+    return guarded(error, [&]() -> std::int32_t {
       Params params(sink);
       T described(params);
+      for (const RoleMethod& method : T::role().methods) {
+        for (const RoleSlot& slot : method.inputs) sink->record(sink->context, slot.type.c_str());
+        for (const RoleSlot& slot : method.outputs) sink->record(sink->context, slot.type.c_str());
+      }
       return WEFT_OK;
     });
   }
-  static std::int32_t create(const weft_value* values, std::uint64_t count, void** self,
-                             weft_error* error) {
+  static std::int32_t create(const weft_create* with, void** self, weft_error* error) {
     return guarded(error, [&]() -> std::int32_t {
-      Params params(values, count);
+      Params params(with->values, with->count);
       auto created = std::make_unique<T>(params);
       if (!params.status()) return report(params.status().error(), error);
       *self = created.release();
@@ -45,6 +52,10 @@ struct Functions {
   static std::int32_t process(void* self, const weft_call* call, const weft_record* inputs,
                               std::uint64_t count, weft_error* error) {
     return guarded(error, [&]() -> std::int32_t {
+      if (call->method < 0 || call->method >= 64 || (T::kMethods >> call->method & 1U) == 0) {
+        const std::string number = std::to_string(call->method);
+        return report({Errc::unsupported, "has no method " + number + " of its role", {}}, error);
+      }
       const StopCheck check = Call(*call).stop_check();
       ProcessCall process(*call, inputs, count, error);
       return static_cast<T*>(self)->process(process);
@@ -67,6 +78,7 @@ constexpr weft_component make_component(const char* id, const char* version, con
           kAbout.needs,
           kAbout.reads,
           kAbout.produces,
+          T::kMethods,
           &Functions<T>::describe,
           &Functions<T>::create,
           &Functions<T>::prepare,
@@ -90,20 +102,24 @@ constexpr std::array<const weft_component*, Count> pointers_to(
   ::weft::detail::make_component<Class>(id, version, summary)
 
 /// A library of several components.
-#define WEFT_LIBRARY(...)                                                                  \
-  namespace {                                                                              \
-  constexpr auto kWeftComponents = std::to_array<weft_component>({__VA_ARGS__});           \
-  constexpr auto kWeftPointers = ::weft::detail::pointers_to(kWeftComponents);             \
-  }                                                                                        \
-  extern "C" __attribute__((visibility("default"))) const weft_library_table weft_library; \
-  const weft_library_table weft_library = {WEFT_ABI_MAGIC,                                 \
-                                           WEFT_ABI_MAJOR,                                 \
-                                           WEFT_ABI_MINOR,                                 \
-                                           sizeof(weft_library_table),                     \
-                                           kWeftComponents.size(),                         \
-                                           kWeftPointers.data(),                           \
-                                           WEFT_ISA,                                       \
-                                           WEFT_COMPILER,                                  \
+/// It works with every host of this major version; one that calls what came with a later minor
+/// version defines WEFT_NEEDS_MINOR before it includes the SDK.
+#define WEFT_LIBRARY(...)                                                        \
+  namespace {                                                                    \
+  constexpr auto kWeftComponents = std::to_array<weft_component>({__VA_ARGS__}); \
+  constexpr auto kWeftPointers = ::weft::detail::pointers_to(kWeftComponents);   \
+  }                                                                              \
+  const weft_library_table weft_library = {WEFT_ABI_MAGIC,                       \
+                                           WEFT_ABI_MAJOR,                       \
+                                           WEFT_ABI_MINOR,                       \
+                                           sizeof(weft_library_table),           \
+                                           kWeftComponents.size(),               \
+                                           kWeftPointers.data(),                 \
+                                           WEFT_ISA,                             \
+                                           WEFT_COMPILER,                        \
+                                           WEFT_NEEDS_MINOR,                     \
+                                           0,                                    \
+                                           0,                                    \
                                            {0, 0, 0, 0}};
 
 /// A library of one component.

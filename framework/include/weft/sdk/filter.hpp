@@ -31,6 +31,7 @@ class Filter : public Prepared {
  public:
   virtual Result<InlierMask> filter(const FilterInput& in) = 0;
 
+  static constexpr std::uint64_t kMethods = 0b1;
   static Role role() {
     return {"filters",
             {role_method<FilterInput>("filter", {output_slot<InlierMask>("inlier_mask")})}};

@@ -41,6 +41,7 @@ class Matcher : public Prepared {
  public:
   virtual Result<Correspondences> match(const MatcherInput& in) = 0;
 
+  static constexpr std::uint64_t kMethods = 0b1;
   static Role role() {
     return {
         "matchers",

@@ -57,18 +57,23 @@ struct Answer {
   }
 };
 
-/// Calls `component` through the host.
+/// Calls `component` through the host, about the frame of the call.
 inline Result<Answer> ask(const Call& call, std::uint64_t component, int method,
                           std::span<const weft_record> inputs) {
-  const weft_record* outputs = nullptr;
-  std::uint64_t count = 0;
-  weft_error error{};
-  const std::int32_t status = call.raw().host->invoke(&call.raw(), component, method, inputs.data(),
-                                                      inputs.size(), &outputs, &count, &error);
+  weft_invocation asked{};
+  asked.struct_size = sizeof(weft_invocation);
+  asked.method = method;
+  asked.component = component;
+  asked.inputs = inputs.data();
+  asked.input_count = inputs.size();
+  asked.frame = call.frame();
+  weft_error error = kNoError;
+  const std::int32_t status = call.raw().host->invoke(&call.raw(), &asked, &error);
   if (status != WEFT_OK && status != WEFT_DEGENERATE) {
-    return Error{static_cast<Errc>(error.code), error.message, error.where};
+    return Error{static_cast<Errc>(error.code), error.message, error.where, error.subject};
   }
-  return Answer{{outputs, to_index(count)}, status == WEFT_DEGENERATE ? error.message : ""};
+  return Answer{{asked.outputs, to_index(asked.output_count)},
+                status == WEFT_DEGENERATE ? error.message : ""};
 }
 
 /// The only output of a method.
@@ -94,7 +99,7 @@ inline Result<WarpSamples> evaluate(const Call& call, const Warp& warp, const Po
   const RecordView<Warp> warp_view("warp", warp);
   const RecordView<Points> points_view("points", points);
   const weft_record inputs[] = {warp_view.raw(), points_view.raw()};
-  return detail::invoke<WarpSamples>(call, warp.producer_handle, 1, inputs);
+  return detail::invoke<WarpSamples>(call, warp.producer_handle, WEFT_WARP_EVALUATE, inputs);
 }
 
 /// A warp that a component holds: `WarpComponent warp_{"warps/bbs"};` and in the constructor
@@ -113,7 +118,7 @@ struct WarpComponent : ComponentHandle {
     inputs.push_back(template_view.raw());
     std::optional<RecordView<Weights>> weights_view;
     if (weights != nullptr) inputs.push_back(weights_view.emplace("weights", *weights).raw());
-    return detail::invoke<Warp>(call, handle, 0, inputs);
+    return detail::invoke<Warp>(call, handle, WEFT_WARP_FIT, inputs);
   }
 };
 

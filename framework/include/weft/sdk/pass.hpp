@@ -45,6 +45,7 @@ class Pass : public Prepared {
  public:
   virtual Result<PassOutput> run(const PassInput& in) = 0;
 
+  static constexpr std::uint64_t kMethods = 0b1;
   static Role role() {
     return {"passes",
             {role_method<PassInput>("run", {output_slot<Sightlines>("sightlines", false),

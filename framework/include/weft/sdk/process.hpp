@@ -48,12 +48,17 @@ void copy_text(char (&target)[Size], std::string_view text) {
   target[length] = '\0';
 }
 
+/// What a caller hands over to be filled.
+inline constexpr weft_error kNoError{sizeof(weft_error), 0, {}, {}, {}};
+
 /// Writes an Error into the caller's buffer and returns the status that belongs to it.
 inline std::int32_t report(const Error& error, weft_error* target) {
   target->code = static_cast<std::int32_t>(error.code);
   copy_text(target->where, error.where);
   copy_text(target->message, error.message);
+  copy_text(target->subject, error.subject);
   if (error.code == Errc::no_result) return WEFT_NO_RESULT;
+  if (error.code == Errc::end) return WEFT_END;
   return error.code == Errc::cancelled ? WEFT_CANCELLED : WEFT_ERROR;
 }
 

@@ -58,6 +58,7 @@ class Sink : public Prepared {
   /// Called once, after the last frame, also when the run failed.
   virtual Result<void> finish(const Call& call) = 0;
 
+  static constexpr std::uint64_t kMethods = 0b111;
   static Role role() {
     return {"sinks",
             {role_method<EmptyInput>("open", {}), role_method<SinkInput>("write", {}),
@@ -66,10 +67,10 @@ class Sink : public Prepared {
 
   std::int32_t process(ProcessCall& call) {
     const auto nothing = [](const auto&) { return Result<void>{}; };
-    if (call.method() == 0) {
+    if (call.method() == WEFT_SINK_OPEN) {
       return call.run_with<EmptyInput>([&](const auto& in) { return open(in.call); }, nothing);
     }
-    if (call.method() == 1) {
+    if (call.method() == WEFT_SINK_WRITE) {
       return call.run_with<SinkInput>([&](const auto& in) { return write(in); }, nothing);
     }
     return call.run_with<EmptyInput>([&](const auto& in) { return finish(in.call); }, nothing);

@@ -18,6 +18,7 @@ class Solver : public Prepared {
  public:
   virtual Result<Shape> solve(const SolverInput& in) = 0;
 
+  static constexpr std::uint64_t kMethods = 0b1;
   static Role role() {
     return {"solvers", {role_method<SolverInput>("solve", {output_slot<Shape>("shape")})}};
   }

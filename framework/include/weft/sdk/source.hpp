@@ -30,10 +30,11 @@ class Source {
   /// Whether frames come by themselves, as those of a camera do: `read` waits for the next one, and
   /// one that is not read in time is lost. Asked after `open`.
   virtual bool live() const { return false; }
-  /// Frame `index`, from 0. A frame that cannot be read is an error of that frame only. When the
-  /// count is unknown, no_result is the end.
+  /// Frame `index`, from 0. A frame that cannot be read is an error of that frame only;
+  /// no_more_frames() is the end.
   virtual Result<SourceFrame> read(std::int64_t index, const Call& call) = 0;
 
+  static constexpr std::uint64_t kMethods = 0b111;
   static Role role() {
     return {"sources",
             {role_method<EmptyInput>("open", {output_slot<Camera>("camera")}),
@@ -47,10 +48,10 @@ class Source {
   }
 
   std::int32_t process(ProcessCall& call) {
-    if (call.method() == 0) {
+    if (call.method() == WEFT_SOURCE_OPEN) {
       return call.run<EmptyInput>("camera", [&](const auto& in) { return open(in.call); });
     }
-    if (call.method() == 1) {
+    if (call.method() == WEFT_SOURCE_COUNT) {
       return call.run<EmptyInput>("count", [&](const auto&) {
         return Result<Count>(Count{count(), live() ? 1 : 0});
       });
@@ -76,13 +77,15 @@ struct SourceComponent : ComponentHandle {
       : ComponentHandle{"sources", default_component} {}
 
   Result<Camera> open(const Call& call) const {
-    return detail::invoke<Camera>(call, handle, 0, {});
+    return detail::invoke<Camera>(call, handle, WEFT_SOURCE_OPEN, {});
   }
   /// Number of frames, -1 when unknown, and whether they come by themselves.
-  Result<Count> count(const Call& call) const { return detail::invoke<Count>(call, handle, 1, {}); }
+  Result<Count> count(const Call& call) const {
+    return detail::invoke<Count>(call, handle, WEFT_SOURCE_COUNT, {});
+  }
   /// What it knows of the frame that the call is about.
   Result<SourceFrame> read(const Call& call) const {
-    const auto answer = detail::ask(call, handle, 2, {});
+    const auto answer = detail::ask(call, handle, WEFT_SOURCE_READ, {});
     if (!answer) return answer.error();
     SourceFrame frame;
     Result<void> status = take(*answer, frame.image);

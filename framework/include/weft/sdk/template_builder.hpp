@@ -14,6 +14,7 @@ class TemplateBuilder {
 
   virtual Result<Template> build(const Call& call) = 0;
 
+  static constexpr std::uint64_t kMethods = 0b1;
   static Role role() {
     return {"templates", {role_method<EmptyInput>("build", {output_slot<Template>("template")})}};
   }

@@ -39,6 +39,7 @@ class WarpModel : public Prepared {
   virtual Result<Warp> fit(const FitInput& in) = 0;
   virtual Result<WarpSamples> evaluate(const EvaluateInput& in) = 0;
 
+  static constexpr std::uint64_t kMethods = 0b11;
   static Role role() {
     return {"warps",
             {role_method<FitInput>("fit", {output_slot<Warp>("warp")}),

@@ -60,26 +60,27 @@ struct Callbacks {
 
   static void log(const weft_call* call, std::int32_t level, const char* text) try {
     auto& scope = *static_cast<Lane::Scope*>(call->context);
-    if (scope.lane.log_) scope.lane.log_(scope.instance.name, level, text, scope.frame);
+    if (scope.lane.log_) scope.lane.log_(scope.instance.name, level, text, scope.turn.run_frame);
   } catch (...) {
     return;  // a message is not worth a crash
   }
 
-  static std::int32_t invoke(const weft_call* call, std::uint64_t component, std::int32_t method,
-                             const weft_record* inputs, std::uint64_t count,
-                             const weft_record** outputs, std::uint64_t* output_count,
-                             weft_error* error) try {
+  static std::int32_t invoke(const weft_call* call, weft_invocation* asked, weft_error* error) try {
     auto& scope = *static_cast<Lane::Scope*>(call->context);
-    Instance* target = scope.lane.find(component);
+    if (asked->struct_size < sizeof(weft_invocation)) {
+      return report({Errc::incompatible, "gave a weft_invocation that is too short", {}}, error);
+    }
+    Instance* target = scope.lane.find(asked->component);
     if (target == nullptr) {
       return report({Errc::not_found,
-                     "no component has the handle " + std::to_string(component) +
+                     "no component has the handle " + std::to_string(asked->component) +
                          "; was the warp made by this pipeline?",
                      {}},
                     error);
     }
     NestedAnswer& answer = scope.nested.emplace_front(NestedAnswer{
-        scope.lane.enter(*target, method, {inputs, count}, scope.frame, scope.depth + 1),
+        scope.lane.enter(*target, asked->method, {asked->inputs, asked->input_count},
+                         {asked->frame, asked->draw, scope.turn.run_frame, scope.turn.depth + 1}),
         PooledVector<weft_record>(scope.lane.memory_)});
     const Outcome& outcome = answer.outcome;
     answer.views.reserve(outcome.outputs.size());
@@ -90,8 +91,8 @@ struct Callbacks {
     scope.downloaded_bytes += outcome.downloaded_bytes + answer.reached.downloaded_bytes();
     scope.worker_processor_ms += outcome.worker_processor_ms;
     if (!readable) return report(readable.error(), error);
-    *outputs = readable->data();
-    *output_count = readable->size();
+    asked->outputs = readable->data();
+    asked->output_count = readable->size();
     if (outcome.status != WEFT_OK) report(outcome.error, error);
     return outcome.status;
   } catch (...) {
@@ -103,7 +104,7 @@ const weft_host& host_table() {
   static constexpr weft_host kHost{sizeof(weft_host), 0,
                                    &Callbacks::alloc, &Callbacks::cancelled,
                                    &Callbacks::log,   &Callbacks::invoke,
-                                   &Callbacks::adopt};
+                                   &Callbacks::adopt, &host_extension};
   return kHost;
 }
 

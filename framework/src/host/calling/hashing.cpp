@@ -9,16 +9,19 @@
 namespace weft::host {
 
 std::uint64_t component_seed(std::uint64_t run_seed, std::uint64_t frame, std::string_view stage,
-                             std::string_view nested_path) {
+                             std::string_view nested_path, std::uint64_t draw) {
   InlineVector<char, 256> bytes;
-  for (const std::uint64_t number : {run_seed, frame}) {
+  const auto add = [&bytes](std::uint64_t number) {
     for (int i = 0; i < 8; ++i) {
       bytes.push_back(static_cast<char>((number >> (8 * i)) & 0xFFU));
     }
-  }
+  };
+  add(run_seed);
+  add(frame);
   for (const char c : stage) bytes.push_back(c);
   bytes.push_back('\0');
   for (const char c : nested_path) bytes.push_back(c);
+  if (draw != 0) add(draw);
   return XXH3_64bits(bytes.data(), bytes.size());
 }
 

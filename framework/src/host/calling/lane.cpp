@@ -60,8 +60,9 @@ Result<Instance*> Lane::instantiate(const ComponentSpec& spec, const std::string
   std::vector<weft_value> values = spec.arguments.values();
   values.insert(values.end(), handles.values().begin(), handles.values().end());
   void* self = nullptr;
-  weft_error error{};
-  const std::int32_t status = made->table->create(values.data(), values.size(), &self, &error);
+  weft_error error = kNoError;
+  const weft_create with = made_from(values);
+  const std::int32_t status = made->table->create(&with, &self, &error);
   if (status != WEFT_OK) return plugin_error(status, error, made->id);
   if (self == nullptr) {
     return Error{Errc::plugin_failure, "created nothing and gave no reason", made->id};
@@ -88,15 +89,15 @@ void Lane::divide_threads(int threads, int callers) {
   processor_time_ = callers > 1 ? ProcessorTime::of_thread : ProcessorTime::of_process;
 }
 
-weft_call Lane::make_call(const Instance& instance, Scope& scope, int method,
-                          std::uint64_t frame) const {
+weft_call Lane::make_call(const Instance& instance, Scope& scope, int method) const {
   weft_call call{};
   call.struct_size = sizeof(weft_call);
   call.method = method;
   call.host = &host_table();
   call.context = &scope;
-  call.seed = component_seed(instance.run_seed, frame, instance.stage.str(), instance.path);
-  call.frame = frame;
+  call.seed = component_seed(instance.run_seed, scope.turn.frame, instance.stage.str(),
+                             instance.path, scope.turn.draw);
+  call.frame = scope.turn.frame;
   call.threads = threads_a_call_;
   return call;
 }
@@ -116,9 +117,9 @@ Result<void> Lane::prepare_here(Instance& instance, std::span<const weft_record>
     if (auto ready = prepare_here(*nested, inputs); !ready) return ready;
   }
   if (is_cancelled()) return not_begun(instance.id);
-  Scope scope{*this, instance, nullptr, 0, kOfflineFrame};
-  const weft_call call = make_call(instance, scope, 0, kOfflineFrame);
-  weft_error error{};
+  Scope scope{*this, instance, nullptr, {kOfflineFrame, 0, kOfflineFrame, 0}};
+  const weft_call call = make_call(instance, scope, 0);
+  weft_error error = kNoError;
   const std::int32_t status =
       instance.table->prepare(instance.self, &call, inputs.data(), inputs.size(), &error);
   if (status == WEFT_OK || status == WEFT_DEGENERATE) return {};
@@ -126,12 +127,12 @@ Result<void> Lane::prepare_here(Instance& instance, std::span<const weft_record>
 }
 
 Outcome Lane::call(Instance& instance, int method, std::span<const weft_record> inputs,
-                   std::uint64_t frame) {
+                   std::uint64_t frame, std::uint64_t draw) {
   const std::vector<RoleMethod>& methods = instance.rules.role.methods;
   const auto index = to_index(method);
   static const std::string kNone;
   announce(instance.name, instance.id, index < methods.size() ? methods[index].name : kNone, frame);
-  return enter(instance, method, inputs, frame, 0);
+  return enter(instance, method, inputs, {frame, draw, frame, 0});
 }
 
 Outcome Lane::evaluate(const Record& warp, const Points& points, std::uint64_t frame) {
@@ -142,23 +143,26 @@ Outcome Lane::evaluate(const Record& warp, const Points& points, std::uint64_t f
   }
   const RecordView<Points> points_view("points", points);
   const weft_record inputs[] = {view, points_view.raw()};
-  return enter(*producer, kEvaluateWarp, inputs, frame, 0);
+  return enter(*producer, kEvaluateWarp, inputs, {frame, 0, frame, 0});
 }
 
 Outcome Lane::enter(Instance& instance, int method, std::span<const weft_record> inputs,
-                    std::uint64_t frame, int depth) {
+                    const Turn& turn) {
   const auto refuse = [&](const std::string& message) {
     return Outcome{WEFT_ERROR, {Errc::plugin_failure, message, instance.id}, {}};
   };
   if (instance.running) return refuse("was called while it was running");
-  if (depth > kDeepestNesting) return refuse("is nested too deeply");
+  if (turn.depth > kDeepestNesting) return refuse("is nested too deeply");
   const std::vector<RoleMethod>& methods = instance.rules.role.methods;
   if (method < 0 || method >= static_cast<int>(methods.size())) {
     return refuse("its role has no method " + std::to_string(method));
   }
-  Scope scope{*this, instance, &methods[to_index(method)], depth, frame};
-  const weft_call call = make_call(instance, scope, method, frame);
-  weft_error error{};
+  if (instance.table != nullptr && (instance.table->methods >> method & 1U) == 0) {
+    return refuse("does not offer the method '" + methods[to_index(method)].name + "'");
+  }
+  Scope scope{*this, instance, &methods[to_index(method)], turn};
+  const weft_call call = make_call(instance, scope, method);
+  weft_error error = kNoError;
   const Stopwatch watch = stopwatch();
   ReachableInputs reachable;
   const auto readable = reachable.reach(inputs, instance.device_memory, call);
@@ -183,7 +187,7 @@ Outcome Lane::enter(Instance& instance, int method, std::span<const weft_record>
         took,
         watch.start(),
         scope.method->name,
-        frame,
+        turn.run_frame,
         outcome.status,
         {},
         outcome.downloaded_bytes});
@@ -209,6 +213,7 @@ Outcome Lane::finish(Instance& instance, Scope& scope, std::span<const weft_reco
     if (valid) valid = check_lengths(view, inputs);
     if (!valid) return broken("returned an illegal output: " + valid.error().message);
     record->set_revision(next_revision_++);
+    record->set_frame(scope.turn.frame);
     if (record->type() == Warp::kType) record->set_producer(instance.handle);
     outcome.outputs.emplace_back(std::move(slot), std::move(record));
   }

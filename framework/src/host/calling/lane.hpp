@@ -116,7 +116,7 @@ class Lane {
 
   /// Calls a method of a component; outputs are validated. Never throws.
   Outcome call(Instance& instance, int method, std::span<const weft_record> inputs,
-               std::uint64_t frame);
+               std::uint64_t frame, std::uint64_t draw = 0);
 
   /// Evaluates a warp record at points, by its producer.
   Outcome evaluate(const Record& warp, const Points& points, std::uint64_t frame);
@@ -154,16 +154,16 @@ class Lane {
   friend struct Callbacks;
 
   struct Scope;
+  struct Turn;
   Instance& add(std::unique_ptr<Instance> instance);
   std::unique_ptr<Instance> take_out(Instance& instance);
   void destroy(std::unique_ptr<Instance> instance);
   Result<void> open_workplace();
   Outcome enter(Instance& instance, int method, std::span<const weft_record> inputs,
-                std::uint64_t frame, int depth);
+                const Turn& turn);
   Outcome finish(Instance& instance, Scope& scope, std::span<const weft_record> inputs,
                  std::int32_t status, const weft_error& error);
-  weft_call make_call(const Instance& instance, Scope& scope, int method,
-                      std::uint64_t frame) const;
+  weft_call make_call(const Instance& instance, Scope& scope, int method) const;
   std::int32_t call_worker(Instance& instance, Scope& scope, int method,
                            std::span<const weft_record> inputs, weft_error* error);
   Instance* find(std::uint64_t handle) const;

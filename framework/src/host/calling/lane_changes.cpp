@@ -45,14 +45,14 @@ Result<std::vector<Wish>> Lane::take_wishes(const Instance& sink) {
   const auto note = [](void* context, std::uint64_t number, const char* text) {
     static_cast<std::vector<Wish>*>(context)->push_back({number, text});
   };
-  weft_error error{};
+  weft_error error = kNoError;
   const auto status = steering_of(sink)->take_wishes(sink.self, &wishes, note, &error);
   if (status != WEFT_OK) return plugin_error(status, error, sink.id);
   return wishes;
 }
 
 Result<void> Lane::answer(const Instance& sink, const WishAnswer& answer) {
-  weft_error error{};
+  weft_error error = kNoError;
   const auto status = steering_of(sink)->answer(sink.self, answer.number, answer.frame,
                                                 answer.refusal.c_str(), &error);
   if (status != WEFT_OK) return plugin_error(status, error, sink.id);

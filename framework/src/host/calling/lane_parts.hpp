@@ -12,8 +12,7 @@ namespace weft::host {
 
 /// What a component returned; anything that is no status is an error.
 inline weft_status status_of(std::int32_t status) {
-  return status >= WEFT_OK && status <= WEFT_CANCELLED ? static_cast<weft_status>(status)
-                                                       : WEFT_ERROR;
+  return status >= WEFT_OK && status <= WEFT_END ? static_cast<weft_status>(status) : WEFT_ERROR;
 }
 
 /// A created component, here or in a worker. Destroyed by its library's own function.
@@ -58,13 +57,19 @@ struct NestedAnswer {
   ReachableInputs reached{};        ///< behind those of them that had to be fetched
 };
 
+/// What a call is about.
+struct Lane::Turn {
+  std::uint64_t frame, draw;  ///< as in weft_invocation
+  std::uint64_t run_frame;    ///< in which it is made: a nested call may be about another one
+  int depth;
+};
+
 /// What one running call owns.
 struct Lane::Scope {
   Lane& lane;
   Instance& instance;
   const RoleMethod* method;
-  int depth;
-  std::uint64_t frame;
+  Turn turn;
   PooledVector<std::pair<std::string, std::shared_ptr<Record>>> outputs{lane.memory_};
   std::forward_list<NestedAnswer, PoolAllocator<NestedAnswer>> nested{lane.memory_};
   std::uint64_t downloaded_bytes = 0;  ///< for this call and those nested in it

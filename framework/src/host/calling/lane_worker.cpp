@@ -48,14 +48,14 @@ std::int32_t Lane::call_worker(Instance& instance, Scope& scope, int method,
     const auto known = instance.worker->learn(*producer->recreate);
     if (!known) return report(known.error(), error);
   }
-  auto answer = instance.worker->process(method, scope.frame, inputs);
+  auto answer = instance.worker->process(method, scope.turn.frame, scope.turn.draw, inputs);
   if (!answer) return report(answer.error(), error);
   for (const PlacedTiming& timing : answer->timings) {
     note({timing.component,
           {timing.ms, timing.processor_ms},
           SteadyTime(std::chrono::nanoseconds(timing.start_ns)),
           timing.method,
-          scope.frame,
+          scope.turn.run_frame,
           status_of(timing.status),
           instance.stage,
           timing.downloaded_bytes});

@@ -10,6 +10,16 @@
 
 namespace weft::host {
 
+/// What this host can do beyond weft_host: nothing yet.
+inline const void* host_extension(const char* /*name*/) { return nullptr; }
+
+/// What a component is made from. Its host answers no calls: there is none to answer for.
+inline weft_create made_from(const std::vector<weft_value>& values) {
+  static constexpr weft_host kHost{sizeof(weft_host), 0,       nullptr, nullptr,
+                                   nullptr,           nullptr, nullptr, &host_extension};
+  return {sizeof(weft_create), 0, &kHost, values.data(), values.size()};
+}
+
 /// Values for a component's parameters as the contract carries them, with the storage behind them.
 class Arguments {
  public:
@@ -47,7 +57,7 @@ class Arguments {
   void store(const std::string& name, weft_value_type type, const std::vector<T>& data,
              bool is_vector = false) {
     const char* stable_name = names_.emplace_back(name).c_str();
-    values_.push_back({stable_name, type, is_vector ? 1 : 0, data.size(), data.data()});
+    values_.push_back({stable_name, type, is_vector ? 1 : 0, data.size(), data.data(), {}});
   }
 
   // Deques, so that pointers into earlier elements stay valid, also when this object moves.

@@ -39,11 +39,8 @@ std::string identity_of(const ComponentSpec& spec) {
   return key;
 }
 
-/// Where the value of a parameter stands; an unknown one is that of the component.
-yaml::Position place_of(const ComponentSpec& spec, const std::string& parameter) {
-  const yaml::Node* params = spec.effective.find("params");
-  const yaml::Node* value = params != nullptr ? params->find(parameter) : nullptr;
-  if (value != nullptr) return value->at;
+/// Where a mistake of an unknown parameter is said to be.
+yaml::Position place_of(const ComponentSpec& spec) {
   const yaml::Node* use = spec.effective.find("use");
   return use != nullptr ? use->at : spec.effective.at;
 }
@@ -62,8 +59,9 @@ std::vector<ComponentChecks::Mistake> ComponentChecks::mistakes_of(const Compone
   const std::string& id = spec.component().id;
   const std::vector<weft_value>& values = spec.arguments.values();
   void* self = nullptr;
-  weft_error error{};
-  std::int32_t status = (*table)->create(values.data(), values.size(), &self, &error);
+  weft_error error = kNoError;
+  const weft_create with = made_from(values);
+  std::int32_t status = (*table)->create(&with, &self, &error);
   if (status != WEFT_OK) return failed(plugin_error(status, error, id));
   if (self == nullptr) {
     return failed({Errc::plugin_failure, "created nothing and gave no reason", id});
@@ -86,7 +84,8 @@ void ComponentChecks::ask(const ComponentSpec& spec, std::vector<yaml::Problem>&
     const auto [entry, is_new] = known_.try_emplace(identity_of(spec));
     if (is_new) entry->second = mistakes_of(spec);
     for (const Mistake& mistake : entry->second) {
-      problems.push_back({place_of(spec, mistake.parameter), mistake.message});
+      const auto at = place_of(spec, mistake.parameter);
+      problems.push_back({at.value_or(place_of(spec)), mistake.message});
     }
   }
   for (const NestedSpec& nested : spec.nested) ask(nested.component, problems);

@@ -82,6 +82,10 @@ class Binder {
     std::vector<std::string> names;
     for (const ParameterSpec& parameter : spec_.component().parameters) {
       names.push_back(parameter.name);
+      if (parameter.was.empty() || params.find(parameter.name) != nullptr) continue;
+      for (yaml::Entry& entry : params.entries) {
+        if (entry.key == parameter.was) entry.key = parameter.name;
+      }
     }
     yaml::correct_keys(params, names, [&](const yaml::Entry& entry, const std::string& near) {
       problem(entry.at, id + " has no parameter " + quote(entry.key) +
@@ -294,6 +298,12 @@ ComponentSpec resolve(const Registry& registry, const yaml::Node& use, const yam
 }
 
 }  // namespace
+
+std::optional<yaml::Position> place_of(const ComponentSpec& spec, std::string_view parameter) {
+  const yaml::Node* params = spec.effective.find("params");
+  const yaml::Node* value = params != nullptr ? params->find(parameter) : nullptr;
+  return value != nullptr ? std::optional(value->at) : std::nullopt;
+}
 
 std::optional<ComponentSpec> resolve_component(const Registry& registry, const yaml::Node& use,
                                                const yaml::Node* params, const PathRules& paths,

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -54,6 +55,9 @@ std::optional<ComponentSpec> resolve_component(const Registry& registry, const y
 ComponentSpec resolve_known_part(const Registry& registry, const yaml::Node& use,
                                  const yaml::Node* params, const PathRules& paths,
                                  std::vector<yaml::Problem>& problems);
+
+/// Where the value of a parameter of the component stands; nothing where it has no such parameter.
+std::optional<yaml::Position> place_of(const ComponentSpec& spec, std::string_view parameter);
 
 /// Expands ${NAME} and ${NAME:-default}; the Error says which variable is not set.
 Result<std::string> expand_variables(const std::string& text, const PathRules& paths);

@@ -20,21 +20,21 @@ Result<void> check_table(const weft_library_table& table, const std::string& fil
                         "its symbol 'weft_library' is no Weft library table; rebuild it with "
                         "weft_add_plugin()");
   }
-  if (table.abi_major != WEFT_ABI_MAJOR || table.abi_minor != WEFT_ABI_MINOR) {
-    return incompatible(file, "has plugin ABI " + std::to_string(table.abi_major) + "." +
-                                  std::to_string(table.abi_minor) + ", this host has " +
-                                  abi_version() +
-                                  "; rebuild the plugin against this version of Weft");
+  if (const std::string mismatch = abi_mismatch(table.abi_major, table.needs_minor);
+      !mismatch.empty()) {
+    return incompatible(file, mismatch + "; rebuild the plugin against this version of Weft");
   }
   const auto damaged = [](const weft_component* component) {
-    return component == nullptr || component->struct_size != sizeof(weft_component) ||
+    return component == nullptr || component->struct_size < sizeof(weft_component) ||
            component->id == nullptr || component->describe == nullptr ||
            component->create == nullptr || component->prepare == nullptr ||
            component->process == nullptr || component->destroy == nullptr;
   };
-  const bool reserved_used = std::any_of(std::begin(table.reserved), std::end(table.reserved),
+  // What a later minor version has made of the reserved fields can be ignored, or it would say so.
+  const bool reserved_used = table.sdk_minor <= WEFT_ABI_MINOR &&
+                             std::any_of(std::begin(table.reserved), std::end(table.reserved),
                                          [](std::uint64_t field) { return field != 0; });
-  if (table.struct_size != sizeof(weft_library_table) || reserved_used || table.count == 0 ||
+  if (table.struct_size < sizeof(weft_library_table) || reserved_used || table.count == 0 ||
       table.components == nullptr ||
       std::any_of(table.components, table.components + table.count, damaged)) {
     return incompatible(file, "has a damaged library table; rebuild the plugin");
@@ -42,10 +42,22 @@ Result<void> check_table(const weft_library_table& table, const std::string& fil
   return {};
 }
 
+/// Of flags, those that a host must not ignore.
+constexpr std::uint32_t kMustBeKnown = 0xFFFF0000U;
+
 }  // namespace
 
 std::string abi_version() {
   return std::to_string(WEFT_ABI_MAJOR) + "." + std::to_string(WEFT_ABI_MINOR);
+}
+
+std::string abi_mismatch(int major, int needs_minor) {
+  if (major != WEFT_ABI_MAJOR) {
+    return "has plugin ABI " + std::to_string(major) + ", this host has " + abi_version();
+  }
+  if (needs_minor <= WEFT_ABI_MINOR) return {};
+  return "needs plugin ABI " + std::to_string(major) + "." + std::to_string(needs_minor) +
+         ", this host has " + abi_version();
 }
 
 Result<const weft_library_table*> load_library(const std::string& file) {
@@ -81,7 +93,11 @@ Result<const weft_component*> load(const Installed& installed) {
   if (!table) return table.error();
   for (std::uint32_t i = 0; i < (*table)->count; ++i) {
     const weft_component* component = (*table)->components[i];
-    if (component->id == installed.component.id) return component;
+    if (component->id != installed.component.id) continue;
+    if ((((*table)->flags | component->flags) & kMustBeKnown) == 0) return component;
+    return incompatible(file, "'" + installed.component.id +
+                                  "' asks for what this version of Weft cannot do; install a newer "
+                                  "one");
   }
   return incompatible(file, "does not contain '" + installed.component.id +
                                 "'; rebuild it so that library and manifest belong together");

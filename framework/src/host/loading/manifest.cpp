@@ -25,6 +25,11 @@ struct Missing {
   std::string what;
 };
 
+/// Likewise, when a component has a parameter of a later version.
+struct UnknownType {
+  std::string what;
+};
+
 const yaml::Node& get(const yaml::Node& node, const char* key) {
   const yaml::Node* value = node.find(key);
   if (value == nullptr) throw Missing{node.at, std::string("'") + key + "' is missing"};
@@ -66,7 +71,8 @@ ParameterSpec read_parameter(const yaml::Node& node) {
     spec.type = value;
     known = true;
   }
-  if (!known) throw Missing{node.at, "'" + type + "' is no parameter type"};
+  if (!known)
+    throw UnknownType{"parameter '" + spec.name + "' has the unknown type '" + type + "'"};
   spec.is_vector = flag(node, "vector");
   spec.required = flag(node, "required");
   if (!spec.required) spec.default_value = get(node, "default");
@@ -83,6 +89,7 @@ ParameterSpec read_parameter(const yaml::Node& node) {
   }
   if (node.find("choices") != nullptr) spec.choices = texts(node, "choices");
   if (node.find("role") != nullptr) spec.role = text(node, "role");
+  if (node.find("was") != nullptr) spec.was = text(node, "was");
   return spec;
 }
 
@@ -110,8 +117,14 @@ ComponentManifest read_component(const yaml::Node& node) {
   component.random = flag(node, "random");
   component.uses_truth = flag(node, "uses_truth");
   if (node.find("extensions") != nullptr) component.extensions = texts(node, "extensions");
-  for (const yaml::Node& parameter : items(node, "parameters")) {
-    component.parameters.push_back(read_parameter(parameter));
+  if (node.find("records") != nullptr) component.records = texts(node, "records");
+  try {
+    for (const yaml::Node& parameter : items(node, "parameters")) {
+      component.parameters.push_back(read_parameter(parameter));
+    }
+  } catch (const UnknownType& unknown) {
+    component.unknown =
+        "'" + component.id + "' cannot be used by this version of Weft: its " + unknown.what;
   }
   if (const yaml::Node* sweep = node.find("sweep")) component.sweep = read_sweep(*sweep);
   return component;
@@ -128,6 +141,7 @@ Manifest read_root(const yaml::Node& root) {
   };
   manifest.abi_major = version(abi.items[0]);
   manifest.abi_minor = version(abi.items[1]);
+  if (const yaml::Node* needs = root.find("needs_minor")) manifest.needs_minor = version(*needs);
   manifest.build_id = text(root, "build_id");
   manifest.compiler = text(root, "compiler");
   manifest.isa = texts(root, "isa");

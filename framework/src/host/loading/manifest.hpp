@@ -26,6 +26,7 @@ struct ParameterSpec {
   double maximum = 0.0;
   std::vector<std::string> choices;
   std::string role;  ///< of a component parameter
+  std::string was;   ///< its name in older versions, or empty
 };
 
 /// The parameter that decides how strict a component is, and values over which a ROC curve runs.
@@ -38,11 +39,13 @@ struct SweepSpec {
 struct ComponentManifest {
   std::string id, version, summary, reference, licence, determinism;
   std::vector<std::string> needs, reads, produces;
+  std::vector<std::string> records;  ///< types that it may read or make, "correspondences/1"
   bool random = false;
   bool uses_truth = false;
-  std::vector<std::string> extensions;  ///< "weft.draft.devices/1"
+  std::vector<std::string> extensions;  ///< "weft.devices/1"
   std::vector<ParameterSpec> parameters;
   std::optional<SweepSpec> sweep;
+  std::string unknown;  ///< what this version of Weft does not know of it, in words, or empty
 
   std::string role() const { return id.substr(0, id.find('/')); }
 };
@@ -52,7 +55,8 @@ struct Manifest {
   std::string file;     ///< of the manifest
   std::string library;  ///< of the shared object beside it
   int abi_major = 0;
-  int abi_minor = 0;
+  int abi_minor = 0;    ///< of the header that it was built with
+  int needs_minor = 0;  ///< the oldest host that it works with
   std::string build_id, compiler;
   std::vector<std::string> isa;
   std::vector<ComponentManifest> components;

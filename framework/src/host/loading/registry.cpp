@@ -53,15 +53,19 @@ std::string illegal_id(const Manifest& manifest) {
   for (const ComponentManifest& component : manifest.components) {
     const std::string& id = component.id;
     if (!is_well_formed(id)) return "'" + id + "' is not of the form role/name or role/vendor.name";
-    if (rules_of(component.role()).role.name.empty()) {
-      const std::string near = role_meant(id);
-      return "'" + component.role() + "' of '" + id + "' is no role" +
-             (near == component.role() ? "" : " (the nearest is '" + near + "')");
-    }
     if (std::find(seen.begin(), seen.end(), id) != seen.end()) return "'" + id + "' is in it twice";
     seen.push_back(id);
   }
   return {};
+}
+
+/// Why this version of Weft cannot use one component of a library that it can use, or empty.
+std::string unknown_part(const ComponentManifest& component) {
+  if (!component.unknown.empty()) return component.unknown;
+  if (!rules_of(component.role()).role.name.empty()) return {};
+  const std::string near = role_meant(component.id);
+  return "'" + component.role() + "' of '" + component.id + "' is no role" +
+         (near == component.role() ? "" : " (the nearest is '" + near + "')");
 }
 
 Refusal unreadable(const std::string& manifest, const Error& error) {
@@ -81,10 +85,9 @@ std::optional<Refusal> check(const Manifest& manifest) {
     return refuse("the library is missing, only its manifest is there",
                   "build or install the plugin again, or remove " + manifest.file);
   }
-  if (manifest.abi_major != WEFT_ABI_MAJOR || manifest.abi_minor != WEFT_ABI_MINOR) {
-    return refuse("it has plugin ABI " + std::to_string(manifest.abi_major) + "." +
-                      std::to_string(manifest.abi_minor) + ", this host has " + abi_version(),
-                  "rebuild the plugin against this version of Weft");
+  if (const std::string mismatch = abi_mismatch(manifest.abi_major, manifest.needs_minor);
+      !mismatch.empty()) {
+    return refuse("it " + mismatch, "rebuild the plugin against this version of Weft");
   }
   const auto whole = check_library_file(manifest.library);
   const auto build_id = whole ? read_build_id(manifest.library) : whole.error();
@@ -192,6 +195,13 @@ void Registry::add(const SearchFolder& folder, std::vector<Manifest> manifests) 
     const auto library = std::make_shared<const Manifest>(std::move(manifest));
     for (const ComponentManifest& component : library->components) {
       const std::vector<std::string>& owners = libraries_of[component.id];
+      if (const std::string unknown = unknown_part(component); !unknown.empty()) {
+        refusals_.push_back({library->library,
+                             unknown,
+                             "correct it in the plugin's source, or install a newer Weft",
+                             {component.id}});
+        continue;
+      }
       if (owners.size() > 1) {
         const std::string& other = owners[0] == library->library ? owners[1] : owners[0];
         refusals_.push_back({library->library,

@@ -64,6 +64,10 @@ class Registry {
 /// The binary contract that this host speaks: "0.2".
 std::string abi_version();
 
+/// Why a library of this major version, which needs this minor one, cannot be used; empty where it
+/// can.
+std::string abi_mismatch(int major, int needs_minor);
+
 /// Opens the library of an installed component and returns its table. The library stays mapped for
 /// the life of the process. Fails with incompatible: missing library, symbol or id, wrong ABI.
 Result<const weft_component*> load(const Installed& installed);

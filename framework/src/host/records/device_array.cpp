@@ -55,7 +55,7 @@ Result<DeviceArray::Copy> DeviceArray::copy(const weft_call* call) {
   std::shared_ptr<void> memory =
       arena_ != nullptr ? arena_->allocate(bytes) : own_memory(bytes, pool_);
   if (memory == nullptr) return failed("cannot be copied: memory is short");
-  weft_error error{};
+  weft_error error = kNoError;
   const std::int32_t status = library_.download(call, array_.handle, memory.get(), bytes, &error);
   if (status != WEFT_OK) {
     return failed("cannot be copied: " + plugin_error(status, error, maker_).message,
@@ -70,7 +70,7 @@ const weft_device_memory* device_memory_of(const weft_component& component) {
   if (component.get_extension == nullptr) return nullptr;
   const auto* library =
       static_cast<const weft_device_memory*>(component.get_extension(WEFT_DEVICE_MEMORY));
-  const bool usable = library != nullptr && library->struct_size == sizeof(weft_device_memory) &&
+  const bool usable = library != nullptr && library->struct_size >= sizeof(weft_device_memory) &&
                       library->retain != nullptr && library->release != nullptr &&
                       library->download != nullptr;
   return usable ? library : nullptr;

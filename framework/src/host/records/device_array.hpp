@@ -29,7 +29,7 @@ class DeviceArray {
   DeviceArray& operator=(const DeviceArray&) = delete;
 
   /// What `array`, which is in device memory, stands for; null when no host made its entry.
-  static DeviceArray* of(const weft_array& array) { return static_cast<DeviceArray*>(array.data); }
+  static DeviceArray* of(const weft_array& array) { return static_cast<DeviceArray*>(array.owner); }
 
   const weft_device_memory& library() const { return library_; }
 

@@ -19,7 +19,8 @@ std::string text_in(const char (&buffer)[Size]) {
 Error plugin_error(std::int32_t status, const weft_error& raw, const std::string& id) {
   if (status == WEFT_OK) return {};
   const std::string where = text_in(raw.where);
-  Error error{static_cast<Errc>(raw.code), text_in(raw.message), where.empty() ? id : where};
+  Error error{static_cast<Errc>(raw.code), text_in(raw.message), where.empty() ? id : where,
+              text_in(raw.subject)};
   const bool known = (raw.code > static_cast<std::int32_t>(Errc::no_result) &&
                       raw.code < static_cast<std::int32_t>(Errc::cancelled)) ||
                      raw.code == static_cast<std::int32_t>(Errc::no_memory);
@@ -27,6 +28,8 @@ Error plugin_error(std::int32_t status, const weft_error& raw, const std::string
     error.code = Errc::no_result;
   } else if (status == WEFT_CANCELLED) {
     error.code = Errc::cancelled;
+  } else if (status == WEFT_END) {
+    error.code = Errc::end;
   } else if (!known) {
     error.code = Errc::plugin_failure;
   }

@@ -183,12 +183,13 @@ weft_array& Record::place(std::string_view name, std::int32_t dtype, std::int32_
                           weft_memory kind) {
   const std::size_t index = slot_of(name);
   arrays_[index] = array_at(entries_[index].name.c_str(), dtype, ndim, shape, contents.get(), kind);
+  if (kind == WEFT_DEVICE) std::swap(arrays_[index].data, arrays_[index].owner);
   entries_[index].memory = std::move(contents);
   return arrays_[index];
 }
 
 weft_record Record::view(const char* slot) const {
-  return {slot, type_, revision_, producer_, arrays_.size(), arrays_.data()};
+  return {slot, type_, revision_, producer_, arrays_.size(), arrays_.data(), frame_, 0, 0, {}};
 }
 
 void Record::share(const Record& other, std::string_view name) {
@@ -206,6 +207,7 @@ std::shared_ptr<const Record> Record::alias() const {
   for (const Entry& entry : entries_) same->share(*this, entry.name);
   same->revision_ = revision_;
   same->producer_ = producer_;
+  same->frame_ = frame_;
   return same;
 }
 
@@ -222,6 +224,7 @@ Result<RecordPtr> Record::in_host_memory() const {
   }
   here->revision_ = revision_;
   here->producer_ = producer_;
+  here->frame_ = frame_;
   return RecordPtr(std::move(here));
 }
 

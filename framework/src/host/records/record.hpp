@@ -54,6 +54,8 @@ class Record {
   std::uint64_t revision() const { return revision_; }
   void set_revision(std::uint64_t revision) { revision_ = revision; }
   void set_producer(std::uint64_t component) { producer_ = component; }
+  /// That it was made in; 2^64-1 for none.
+  void set_frame(std::uint64_t frame) { frame_ = static_cast<std::int64_t>(frame); }
 
   /// The arrays as the contract sees them, valid while this record lives and is not changed.
   weft_record view(const char* slot) const;
@@ -93,6 +95,7 @@ class Record {
   std::shared_ptr<SharedArena> arena_;
   std::uint64_t revision_ = 0;
   std::uint64_t producer_ = 0;
+  std::int64_t frame_ = WEFT_NO_FRAME;
   PooledVector<Entry> entries_;
   PooledVector<weft_array> arrays_;
 };

@@ -74,7 +74,14 @@ class Server {
 
  private:
   static ReplyMessage reply_of(const Error& error, std::int32_t status = WEFT_ERROR) {
-    return {status, static_cast<std::int32_t>(error.code), error.message, error.where, {}, {}, 0,
+    return {status,
+            static_cast<std::int32_t>(error.code),
+            error.message,
+            error.where,
+            error.subject,
+            {},
+            {},
+            0,
             0.0};
   }
 
@@ -101,7 +108,7 @@ class Server {
     for (const std::uint64_t offset : call.returned) lent_.erase(offset);
     std::deque<std::vector<weft_array>> arrays;
     const Outcome outcome = lane_.call(*instances_.at(call.handle), call.method,
-                                       views(call.inputs, arrays), call.frame);
+                                       views(call.inputs, arrays), call.frame, call.draw);
     ReplyMessage reply = reply_of(outcome.error, outcome.status);
     Timings timings = lane_.take_timings();
     if (!timings.empty()) timings.pop_back();  // the call itself, which the host measures
@@ -127,7 +134,7 @@ class Server {
   /// The record stays until the host has done with all its arrays.
   PlacedRecord lend(const std::string& slot, const RecordPtr& record) {
     const weft_record view = record->view("");
-    PlacedRecord placed{slot, std::string(record->type()), 0, 0, {}};
+    PlacedRecord placed{slot, std::string(record->type()), 0, 0, view.frame, {}};
     for (std::uint64_t i = 0; i < view.count; ++i) {
       const weft_array& array = view.arrays[i];
       PlacedArray& target = placed.arrays.emplace_back();
@@ -159,8 +166,16 @@ class Server {
       }
       const auto maker = instances_.find(record.producer);
       const std::uint64_t producer = maker != instances_.end() ? handle_of(*maker->second) : 0;
-      records.push_back({record.slot.c_str(), record.type.c_str(), record.revision, producer,
-                         own.size(), own.data()});
+      records.push_back({record.slot.c_str(),
+                         record.type.c_str(),
+                         record.revision,
+                         producer,
+                         own.size(),
+                         own.data(),
+                         record.frame,
+                         0,
+                         0,
+                         {}});
     }
     return records;
   }

@@ -32,12 +32,13 @@ struct PlacedArray {
 struct PlacedRecord {
   std::string slot, type;
   std::uint64_t revision = 0, producer = 0;
+  std::int64_t frame = WEFT_NO_FRAME;
   std::vector<PlacedArray> arrays;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit(self.slot), visit(self.type), visit(self.revision), visit(self.producer);
-    visit(self.arrays);
+    visit(self.frame), visit(self.arrays);
   }
 };
 
@@ -72,14 +73,15 @@ struct CreateMessage {
 
 /// A call of prepare, or of a method.
 struct CallMessage {
-  std::uint64_t handle = 0, frame = 0;
+  std::uint64_t handle = 0, frame = 0, draw = 0;
   std::int32_t method = 0;
   std::vector<PlacedRecord> inputs;
   std::vector<std::uint64_t> returned;  ///< offsets of output arrays that the host has done with
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit(self.handle), visit(self.frame), visit(self.method), visit(self.inputs);
+    visit(self.handle), visit(self.frame), visit(self.draw), visit(self.method);
+    visit(self.inputs);
     visit(self.returned);
   }
 };
@@ -112,7 +114,7 @@ struct PlacedTiming {
 /// The answer to any of them but log.
 struct ReplyMessage {
   std::int32_t status = WEFT_OK, code = 0;
-  std::string message, where;
+  std::string message, where, subject;
   std::vector<PlacedRecord> outputs;
   std::vector<PlacedTiming> timings;  ///< of the components nested in the one called
   std::uint64_t downloaded_bytes = 0;
@@ -120,7 +122,8 @@ struct ReplyMessage {
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit(self.status), visit(self.code), visit(self.message), visit(self.where);
+    visit(self.status), visit(self.code), visit(self.message), visit(self.where),
+        visit(self.subject);
     visit(self.outputs), visit(self.timings), visit(self.downloaded_bytes);
     visit(self.processor_ms);
   }

@@ -25,7 +25,7 @@ bool is_contiguous(const weft_array& array) {
 
 Result<PlacedRecord> SharedInputs::place(const weft_record& record,
                                          std::vector<std::shared_ptr<void>>& keep) {
-  PlacedRecord placed{record.slot, record.type, record.revision, record.producer, {}};
+  PlacedRecord placed{record.slot, record.type, record.revision, record.producer, record.frame, {}};
   for (std::uint64_t i = 0; i < record.count; ++i) {
     const weft_array& array = record.arrays[i];
     PlacedArray& target = placed.arrays.emplace_back();

@@ -17,9 +17,10 @@ constexpr std::chrono::milliseconds kCancelPatience{1000};
 Error error_in(const ReplyMessage& reply) {
   constexpr std::size_t kLongestText = 1023;
   const bool known = reply.code >= static_cast<std::int32_t>(Errc::no_result) &&
-                     reply.code <= static_cast<std::int32_t>(Errc::no_memory);
+                     reply.code <= static_cast<std::int32_t>(Errc::end);
   return {known ? static_cast<Errc>(reply.code) : Errc::plugin_failure,
-          reply.message.substr(0, kLongestText), reply.where.substr(0, kLongestText)};
+          reply.message.substr(0, kLongestText), reply.where.substr(0, kLongestText),
+          reply.subject.substr(0, kLongestText)};
 }
 
 }  // namespace
@@ -118,7 +119,7 @@ Result<void> Worker::prepare_there(std::uint64_t handle) {
   auto placed = place(views, kept_);
   if (!placed) return placed.error();
   const auto reply =
-      converse(MessageKind::prepare, pack(CallMessage{handle, 0, 0, *std::move(placed), {}}));
+      converse(MessageKind::prepare, pack(CallMessage{handle, 0, 0, 0, *std::move(placed), {}}));
   if (!reply) return reply.error();
   return reply->status == WEFT_OK ? Result<void>{} : error_in(*reply);
 }
@@ -132,14 +133,15 @@ Result<void> Worker::learn(const CreateMessage& component) {
   return prepared;
 }
 
-Result<Worker::Answer> Worker::process(int method, std::uint64_t frame,
+Result<Worker::Answer> Worker::process(int method, std::uint64_t frame, std::uint64_t draw,
                                        std::span<const weft_record> inputs) {
   if (auto up = ready(); !up) return up.error();
   process_->forget_old_output();
   std::vector<std::shared_ptr<void>> keep;
   auto placed = place(inputs, keep);
   if (!placed) return placed.error();
-  const CallMessage call{component_.handle, frame, method, *std::move(placed), loans_->returned()};
+  const CallMessage call{component_.handle, frame, draw, method, *std::move(placed),
+                         loans_->returned()};
   const auto reply = converse(MessageKind::process, pack(call), isolation_.deadline);
   if (!reply) return reply.error();
   Answer answer{reply->status,  error_in(*reply),        {},

@@ -59,7 +59,8 @@ class Worker {
   Result<void> learn(const CreateMessage& component);
 
   /// Calls a method. Fails when the process did; what the component answers is an Answer.
-  Result<Answer> process(int method, std::uint64_t frame, std::span<const weft_record> inputs);
+  Result<Answer> process(int method, std::uint64_t frame, std::uint64_t draw,
+                         std::span<const weft_record> inputs);
 
  private:
   Result<void> ready();

@@ -24,6 +24,24 @@ void ConfigReport::sort() {
                    [&](const auto& a, const auto& b) { return key(a) < key(b); });
 }
 
+Error placed(Error error, const PipelineConfig& config) {
+  std::vector<const StageConfig*> stages;
+  for (const auto& stage : {&config.source, &config.templ}) {
+    if (*stage) stages.push_back(&**stage);
+  }
+  for (const auto* list : {&config.stages, &config.sinks}) {
+    for (const StageConfig& stage : *list) stages.push_back(&stage);
+  }
+  std::erase_if(stages, [&](const StageConfig* stage) {
+    return stage->component.component().id != error.where;
+  });
+  if (error.subject.empty() || stages.size() != 1) return error;
+  if (const auto at = place_of(stages.front()->component, error.subject)) {
+    error.where = place_in(config.sources, *at) + ": " + error.where;
+  }
+  return error;
+}
+
 std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
                                                       const host::Registry& registry,
                                                       const std::string& output_folder,

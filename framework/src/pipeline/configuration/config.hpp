@@ -97,6 +97,10 @@ std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
                                                       const host::Registry& registry,
                                                       const std::string& output_folder);
 
+/// The error of a component, at the place of the parameter that it is about, where there is one and
+/// no other stage has the same component.
+Error placed(Error error, const PipelineConfig& config);
+
 /// The configuration with all defaults filled in and paths resolved, as YAML.
 std::string effective_yaml(const PipelineConfig& config);
 

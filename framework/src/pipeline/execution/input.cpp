@@ -98,7 +98,7 @@ std::optional<PipelineInput::Frame> PipelineInput::read(std::uint64_t index) {
   const host::Stopwatch watch = lane_->stopwatch();
   Outcome read = read_checked(index);
   const host::Spent took = watch.spent();
-  if (frames_ < 0 && read.status == WEFT_NO_RESULT) return std::nullopt;
+  if (read.status == WEFT_END) return std::nullopt;
   Frame frame{{index, {}, {}}, report_of(source_name_, read, took, lane_->memory())};
   for (const auto& [slot, record] : read.outputs) add_numbers(*record, frame.report);
   if (!read.usable()) frame.input.failure = read.error.message;

@@ -263,7 +263,7 @@ Result<StageCall> read_call(const std::string& file, const DumpedStage& stage) {
                  *std::move(inputs),
                  {}};
   const std::int64_t number = *static_cast<std::int64_t*>(status->data);
-  if (number < WEFT_OK || number > WEFT_CANCELLED) return damaged(file, "has an unknown status");
+  if (number < WEFT_OK || number > WEFT_END) return damaged(file, "has an unknown status");
   call.outcome.status = static_cast<weft_status>(number);
   call.outcome.error.message = text_of(*reason);
   constexpr std::string_view kOut = "out.";

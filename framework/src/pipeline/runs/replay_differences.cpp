@@ -97,7 +97,7 @@ void compare(const std::string& slot, const RecordPtr& before, const RecordPtr& 
 }
 
 std::string status_text(const host::Outcome& outcome) {
-  constexpr const char* kNames[] = {"ok", "degenerate", "no_result", "error", "cancelled"};
+  constexpr const char* kNames[] = {"ok", "degenerate", "no_result", "error", "cancelled", "end"};
   const std::string name = kNames[static_cast<int>(outcome.status)];
   return outcome.status == WEFT_OK ? name : name + " (" + outcome.error.message + ")";
 }

@@ -286,7 +286,7 @@ Result<RunSummary> run_pipeline(const CheckedPipeline& pipeline, const std::stri
   try {
     return Run(pipeline, output_folder, observer, cancel, std::move(options)).run();
   } catch (const Failed& failed) {
-    return failed.error;
+    return placed(failed.error, pipeline.config);
   }
 }
 

@@ -24,7 +24,7 @@ std::chrono::nanoseconds length_of(const Timing& call) {
 double to_us(std::chrono::nanoseconds time) { return static_cast<double>(time.count()) / 1000.0; }
 
 const char* name_of(weft_status status) {
-  constexpr const char* kNames[] = {"ok", "degenerate", "no_result", "error", "cancelled"};
+  constexpr const char* kNames[] = {"ok", "degenerate", "no_result", "error", "cancelled", "end"};
   return kNames[static_cast<int>(status)];
 }
 
