@@ -117,7 +117,7 @@ TEST_F(Tools, WhyNamesCauseAndFixOfEachRefusal) {
            {"lonely", false, true, "", "", "the library is missing", "build or install"},
            {"stale", true, true, "build_id: \"[0-9a-f]{4}", "build_id: \"beef",
             "its manifest belongs to another build of it", "run: weft plugins describe"},
-           {"old", true, true, "abi: \\[0, ", "abi: [0, 9", "it has plugin ABI 0.9",
+           {"old", true, true, "needs_minor: ", "needs_minor: 9", "it needs plugin ABI 1.9",
             "rebuild the plugin"},
            {"foreign", true, true, "isa: \\[", "isa: [\"sse9\", ",
             "it needs processor features that this machine lacks: sse9",
