@@ -15,7 +15,7 @@ class Good final : public weft::Filter {
 
   explicit Good(weft::Params& p) {
     p.read("length_mm", length_mm_, "mm", {0, 100}, "a length");
-    p.read("free", free_, "", {0, 0}, "any number");
+    p.read("free", free_, "", {}, "any number");
     p.read("count", count_, "", {-5, 1000}, "a whole number");
     p.read("flag", flag_, "a flag");
     p.choice("colour", colour_,
