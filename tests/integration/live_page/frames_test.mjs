@@ -8,7 +8,8 @@ import { close, module_loader } from "./modules.mjs";
 const load = module_loader(process.argv[2]);
 const { decode_frame, template_of } = await load("messages");
 const { edges_of, edge_lengths, project, vertex_strain } = await load("mesh");
-const { cause_of, notices_of, offline_words, percent, state_words } = await load("words");
+const { cause_of, notices_of, offline_words, percent, silent_words, state_words } =
+  await load("words");
 const { History, sample_of } = await load("history");
 const { Colouring } = await load("colouring");
 
@@ -139,6 +140,7 @@ test("words tell a run that ended from a network that is down", () => {
   assert.match(offline_words({ code: 1001, reason: "" }, ""), /^The run has ended/);
   assert.match(offline_words({ code: 1006, reason: "" }, ""), /lost/);
   assert.match(offline_words({ code: 1008, reason: "too many wishes" }, ""), /too many wishes/);
+  assert.match(silent_words(8), /^Connected; no frame for 8 s: .*paused/);
 });
 
 const report_of = (kept) => ({

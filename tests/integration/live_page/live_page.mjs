@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Opens the live page of a run that the test plays.
 import assert from "node:assert/strict";
+import { existsSync, mkdtempSync, readdirSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import path from "node:path";
 import * as chromium from "../../support/chromium.mjs";
 import { hello_message } from "./messages.mjs";
 import { draw_picture } from "./picture.mjs";
@@ -15,6 +18,23 @@ export const pause = (ms) => new Promise((done) => setTimeout(done, ms));
 export async function eventually(happened, what) {
   for (const end = Date.now() + chromium.kPatience_ms; !happened(); await pause(20)) {
     assert.ok(Date.now() < end, `waited in vain for ${what}`);
+  }
+}
+
+/** The folder in which the browser saves files. */
+class Downloads {
+  folder = mkdtempSync(path.join(tmpdir(), "weft-downloads-"));
+
+  /** The path of a file of that name, once it is there and alone; nothing else may be saved. */
+  async file(name) {
+    const saved = path.join(this.folder, name);
+    const alone = () => readdirSync(this.folder).join() === name;
+    await eventually(() => existsSync(saved) && alone(), `${name} in ${this.folder}`);
+    return saved;
+  }
+
+  remove() {
+    rmSync(this.folder, { recursive: true });
   }
 }
 
@@ -55,12 +75,17 @@ class LivePage {
       frame,
       time_s: frame / 30,
       report: report_of(frame),
-      image: this.#pictures[frame % 2],
+      image: this.picture(frame),
       vertices_m: bent(frame),
       visible: Array.from({ length: kVertices }, (_, v) => (v % 13 < 3 ? 0 : 1)),
       ...changes,
     });
     await this.until((wanted) => window.weft_live.frame?.frame === wanted, frame);
+  }
+
+  /** The JPEG of a frame, as a Buffer. */
+  picture(frame) {
+    return this.#pictures[frame % 2];
   }
 
   text(selector) {
@@ -77,6 +102,32 @@ class LivePage {
       selector,
       part,
     );
+  }
+
+  /** Another page that looks at the same run, behind this one. */
+  async another() {
+    const page = await this.page.browser().newPage();
+    page.setDefaultTimeout(chromium.kPatience_ms);
+    await page.goto(this.run.address);
+    await page.waitForSelector("html[data-ready=true]");
+    await this.page.bringToFront();
+    return page;
+  }
+
+  /** From now on the browser saves without asking. */
+  async downloads() {
+    const downloads = new Downloads();
+    const devtools = await this.page.createCDPSession();
+    const allowed = { behavior: "allow", downloadPath: downloads.folder };
+    await devtools.send("Browser.setDownloadBehavior", allowed);
+    return downloads;
+  }
+
+  /** While no run is there the browser itself complains of each try. */
+  forgive_tries() {
+    const { complaints } = this;
+    const ours = complaints.filter((each) => !each.includes("WebSocket connection to"));
+    complaints.splice(0, complaints.length, ...ours);
   }
 
   shot(name) {

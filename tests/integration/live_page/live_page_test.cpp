@@ -33,6 +33,7 @@ TEST(LivePage, ReadsFramesAndMakesWordsControlsAndWishesOfThem) {
   }
   run_script("frames_test.mjs");
   run_script("steering_test.mjs");
+  run_script("recording_test.mjs");
 }
 
 TEST(LivePage, ShowsARunInABrowserAndSteersIt) {
@@ -44,6 +45,7 @@ TEST(LivePage, ShowsARunInABrowserAndSteersIt) {
   }
   run_script("page_test.mjs");
   run_script("settings_test.mjs");
+  run_script("recording_page_test.mjs");
 }
 
 }  // namespace

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // page_test.mjs WEB SCREENSHOTS: looks at the live page of a run that this test plays.
 import assert from "node:assert/strict";
-import { existsSync, mkdtempSync, readFileSync, readdirSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
-import path from "node:path";
+import { readFileSync } from "node:fs";
 import { overflow_of } from "../../support/chromium.mjs";
 import { expect_contrast } from "./contrast.mjs";
-import { eventually, use_live_page } from "./live_page.mjs";
+import { use_live_page } from "./live_page.mjs";
 import { bent, camera, report_of } from "./scene.mjs";
 
 await use_live_page(async (live) => {
@@ -124,16 +122,11 @@ await use_live_page(async (live) => {
   await page.click("#notices button");
 
   // A picture of both views.
-  const downloads = mkdtempSync(path.join(tmpdir(), "weft-downloads-"));
-  const devtools = await page.createCDPSession();
-  const allowed = { behavior: "allow", downloadPath: downloads };
-  await devtools.send("Browser.setDownloadBehavior", allowed);
+  const downloads = await live.downloads();
   await page.click("#screenshot");
-  const saved = path.join(downloads, "weft_000026.png");
-  await eventually(() => existsSync(saved), saved);
-  assert.deepEqual([...readFileSync(saved).subarray(1, 4)], [...Buffer.from("PNG")]);
-  assert.deepEqual(readdirSync(downloads), ["weft_000026.png"]);
-  rmSync(downloads, { recursive: true });
+  const saved = readFileSync(await downloads.file("weft_000026.png"));
+  assert.deepEqual([...saved.subarray(1, 4)], [...Buffer.from("PNG")]);
+  downloads.remove();
 
   // Each thing to use is reached by the tabulator, and is seen to be.
   await page.emulateMediaFeatures([]);
@@ -172,8 +165,5 @@ await use_live_page(async (live) => {
   live.run = await live.start(port, { settings: null });
   await live.until_text("#connection", "Connected");
   await live.until_text("#stages", "The run tells none.");
-  // While nobody is there the browser itself complains of each try.
-  const { complaints } = live;
-  const ours = complaints.filter((each) => !each.includes("WebSocket connection to"));
-  complaints.splice(0, complaints.length, ...ours);
+  live.forgive_tries();
 });

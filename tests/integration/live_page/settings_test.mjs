@@ -70,6 +70,20 @@ await use_live_page(async (live) => {
   assert.ok((await live.text("#stages")).includes("It was read before the first frame."));
   assert.equal(await page.$$eval("fieldset:disabled", (all) => all.length), 1);
 
+  // Two browsers see what is changed in either.
+  const other = await live.another();
+  const robust = control("filters.warp.robust", "select");
+  const shows = (one, value) => document.querySelector(one)?.value === value;
+  const polling = { polling: 100 }; // a page behind another one draws nothing
+  const other_shows = (value) => other.waitForFunction(shows, polling, robust, value);
+  await other_shows("tukey");
+  await page.select(robust, "huber");
+  await other_shows("huber");
+  await other.select(robust, "none");
+  await live.until(shows, robust, "none");
+  await other.close();
+  run.wishes.length = 0;
+
   // The search finds settings by name, help and stage.
   await page.type("#search", "neighbour");
   await live.until_text("#found", "3 found");

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pause, step, resume, stop, and a picture of both views.
-import { element } from "../data.js";
+// Pause, step, resume and stop.
 import { outcome_words } from "./words.js";
 
-const kCaptionHeight = 40;
 const kMostSteps = 3; // frames that somebody else may have stepped through
 
 export class Commands {
@@ -66,27 +64,4 @@ export class Commands {
     this.outcome.value = words;
     this.outcome.classList.toggle("bad", bad);
   }
-}
-
-/** Saves both canvases side by side, with the words below them, as PNG. */
-export async function save_picture(image, mesh, words, name) {
-  const height = Math.max(image.height, mesh.height);
-  const canvas = element("canvas", {
-    width: image.width + mesh.width,
-    height: height + kCaptionHeight,
-  });
-  const pen = canvas.getContext("2d");
-  const style = getComputedStyle(document.documentElement);
-  pen.fillStyle = style.getPropertyValue("--paper").trim();
-  pen.fillRect(0, 0, canvas.width, canvas.height);
-  pen.drawImage(image, 0, 0);
-  pen.drawImage(mesh, image.width, 0);
-  pen.fillStyle = style.getPropertyValue("--ink").trim();
-  pen.font = "18px system-ui, DejaVu Sans, sans-serif";
-  pen.textBaseline = "middle";
-  pen.fillText(words, 12, height + kCaptionHeight / 2, canvas.width - 24);
-  const picture = await new Promise((done) => canvas.toBlob(done, "image/png"));
-  const address = URL.createObjectURL(picture);
-  element("a", { href: address, download: name }).click();
-  setTimeout(() => URL.revokeObjectURL(address), 1000);
 }

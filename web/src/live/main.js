@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // The live page: what the run sends is drawn, and what somebody changes here is wished of the run.
 import { Colouring, kColourings, write_legend } from "./colouring.js";
-import { Commands, save_picture } from "./commands.js";
+import { Commands } from "./commands.js";
 import { Connection, socket_address } from "./connection.js";
 import { History, sample_of } from "./history.js";
 import { ImageView } from "./image_view.js";
 import { MeshView } from "./mesh_view.js";
 import { decode_frame, template_of } from "./messages.js";
 import { Announcer, Notices } from "./notices.js";
+import { Recorder } from "./recorder.js";
+import { save_picture } from "./save.js";
 import { Settings } from "./settings.js";
 import { Strips } from "./strips.js";
 import { Wishes } from "./wishes.js";
-import { notices_of, offline_words, state_words } from "./words.js";
+import { notices_of, offline_words, silent_words, state_words } from "./words.js";
 
 const kStrips_ms = 200; // between drawings of the strips
 const kSilence_s = 3; // without a frame, from which the page says so
@@ -36,6 +38,7 @@ class Page {
     this.wishes = new Wishes((message) => this.connection.send(message));
     this.settings = new Settings(by_id("settings"), this.wishes);
     this.commands = new Commands(by_id("commands"), this.wishes);
+    this.recorder = new Recorder(by_id("commands"));
     this.#listen();
     this.connection = new Connection(socket_address(location), {
       message: (message) => this.#receive(message),
@@ -102,12 +105,14 @@ class Page {
     }
     this.image.begin(camera, this.#template);
     this.mesh?.begin(this.#template);
+    this.recorder.begin_run(camera, this.#template);
     this.#show_settings(hello.settings);
     this.#ask_for_frame();
   }
 
   #show_settings(settings) {
     this.settings.show(settings);
+    this.recorder.show_settings(settings);
     by_id("pipeline").textContent = settings?.pipeline ?? "";
     const file = settings?.pipeline?.split("/").at(-1);
     document.title = file ? `${file} – Weft live` : "Weft live";
@@ -143,6 +148,7 @@ class Page {
     this.#frame_at_s = now_s();
     this.history.push(sample_of(frame, this.#frame_at_s));
     this.commands.frame_came(frame.frame);
+    this.recorder.take(frame);
     this.image.show(frame);
     this.#draw_mesh();
     this.#write_state(frame);
@@ -180,6 +186,7 @@ class Page {
     this.#frame_at_s = null;
     this.wishes.lose();
     this.commands.forget();
+    this.recorder.leave_run();
     const again = `Trying again in ${pause_ms < 1000 ? "a moment" : `${pause_ms / 1000} s`}.`;
     this.#say_connection(`${offline_words(was, location.host)} ${again}`, "off");
     this.announcer.say("offline", offline_words(was, location.host));
@@ -196,7 +203,7 @@ class Page {
     if (this.#frame_at_s === null || document.hidden) return;
     const silent_s = Math.floor(now_s() - this.#frame_at_s);
     const silent = silent_s >= kSilence_s && !this.commands.paused;
-    this.#say_connection(silent ? `Connected; no frame for ${silent_s} s` : "Connected", "on");
+    this.#say_connection(silent ? silent_words(silent_s) : "Connected", "on");
   }
 
   #save() {

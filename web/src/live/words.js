@@ -87,6 +87,23 @@ export function offline_words(was, host) {
   return "The connection was lost: the run has ended, or the network is down.";
 }
 
+/** What is said while there is a connection, but no frame. Another browser may have paused the run,
+    which only its own page is told. */
+export const silent_words = (silent_s) =>
+  `Connected; no frame for ${silent_s} s: the run is paused, or waits for its source`;
+
+export const size_words = (bytes) => `${(bytes / 1e6).toFixed(1)} MB`;
+
+/** What became of a recording {first, last, frames, bytes}. Frames are missing in it that the run
+    left out, or that this page was not shown. */
+export function recorded_words({ first, last, frames, bytes }) {
+  if (frames === 0) return "Nothing was saved: no frame came.";
+  if (frames === 1) return `Saved frame ${first}, ${size_words(bytes)}.`;
+  const gapless = frames === last - first + 1;
+  const which = gapless ? `${frames} frames,` : `${frames} of the frames`;
+  return `Saved ${which} ${first} to ${last}, ${size_words(bytes)}.`;
+}
+
 /** What became of a wish, beside its control. */
 export function outcome_words({ outcome, frame, refusal }) {
   switch (outcome) {

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// The frames that this page was shown while somebody recorded, as files for other programs.
+import { StoredFile, zip } from "./zip.js";
+
+// A browser holds them, and a ZIP holds 65534 files.
+const kMostBytes = 1e9;
+const kMostFrames = 50000;
+const kDigits = 6;
+const kUntold = 255; // in place of 0 and 1, where nothing is said of a vertex
+
+const bytes_of = (array) => new Uint8Array(array.buffer, array.byteOffset, array.byteLength);
+const text_file = (name, text) => new StoredFile(name).add(new TextEncoder().encode(text));
+const numbered = (frame) => String(frame).padStart(kDigits, "0");
+
+/** A file of NumPy (format 1.0): arrays one behind another as the rows of one with that shape. */
+function npy_file(name, type, shape, arrays) {
+  const words = `{'descr': '${type}', 'fortran_order': False, 'shape': (${shape.join(", ")}), }`;
+  const before = 10; // magic, version and the length of what follows
+  const length = Math.ceil((before + words.length + 1) / 64) * 64 - before;
+  const text = `\x93NUMPY\x01\0${String.fromCharCode(length & 255, length >> 8)}`;
+  const head = `${text}${words.padEnd(length - 1)}\n`;
+  const file = new StoredFile(name).add(Uint8Array.from(head, (one) => one.charCodeAt(0)));
+  for (const array of arrays) file.add(bytes_of(array));
+  return file;
+}
+
+/** The camera of images that were made smaller to be sent; pixel centres are whole numbers. */
+function camera_of_picture({ fx, fy, cx, cy, width_px, height_px }, picture) {
+  const { width, height } = picture ?? { width: width_px, height: height_px };
+  const x = width / width_px;
+  const y = height / height_px;
+  const centre = { cx: x * (cx + 0.5) - 0.5, cy: y * (cy + 0.5) - 0.5 };
+  return { fx: x * fx, fy: y * fy, ...centre, width, height, distortion: null };
+}
+
+export class Recording {
+  #scene;
+  #frames = []; // {frame, line, vertices_m, visible}
+  #images = [];
+  #picture = null; // {width, height} of the images
+  #bytes = 0;
+
+  /** What holds for all frames: {camera, template, settings}, each may be null. */
+  constructor(scene) {
+    this.#scene = scene;
+  }
+
+  /** {first, last, frames, bytes}; the numbers are absent before the first frame. */
+  get summary() {
+    const [first, last] = [this.#frames[0]?.frame, this.#frames.at(-1)?.frame];
+    return { first, last, frames: this.#frames.length, bytes: this.#bytes };
+  }
+
+  get is_full() {
+    return this.#bytes >= kMostBytes || this.#frames.length >= kMostFrames;
+  }
+
+  get file_name() {
+    const { first, last } = this.summary;
+    return `weft_${numbered(first)}-${numbered(last)}.zip`;
+  }
+
+  /** A frame: {frame, time_s, report, image, picture, vertices_m, visible}, of which all but the
+      first may be absent. */
+  push({ frame, time_s = null, report, image, picture, vertices_m, visible }) {
+    const line = `${JSON.stringify({ ...report, frame, time_s })}\n`;
+    this.#frames.push({ frame, line, vertices_m, visible });
+    if (image) {
+      const file = new StoredFile(`frames/${numbered(frame)}.jpg`).add(image, new Blob([image]));
+      this.#images.push(file);
+      this.#picture ??= { width: picture.width, height: picture.height };
+    }
+    const sizes = [line, image, vertices_m, visible].map((part) => part?.byteLength ?? part?.length);
+    this.#bytes += sizes.reduce((sum, size) => sum + (size ?? 0), 0);
+  }
+
+  /** All of it as one Blob. */
+  zip() {
+    const { camera, settings } = this.#scene;
+    const lines = this.#frames.map(({ line }) => line).join("");
+    const files = [text_file("frames.jsonl", lines)];
+    if (settings) files.push(text_file("settings.json", `${JSON.stringify(settings, null, 1)}\n`));
+    if (camera) {
+      const pinhole = camera_of_picture(camera, this.#picture);
+      files.push(text_file("camera.json", `${JSON.stringify(pinhole, null, 2)}\n`));
+    }
+    return zip([...files, ...this.#mesh_files(), ...this.#images]);
+  }
+
+  #mesh_files() {
+    const { template } = this.#scene;
+    if (!template) return [];
+    const { vertices_m, faces } = template;
+    const count = vertices_m.length / 3;
+    const frames = this.#frames.length;
+    const rows = (name, length, absent) =>
+      this.#frames.map((each) => (each[name]?.length === length ? each[name] : absent));
+    const none = new Float32Array(3 * count).fill(NaN);
+    const untold = new Uint8Array(count).fill(kUntold);
+    const shapes = rows("vertices_m", 3 * count, none);
+    const seen = rows("visible", count, untold);
+    return [
+      npy_file("rest_m.npy", "<f4", [count, 3], [vertices_m]),
+      npy_file("faces.npy", "<u4", [faces.length / 3, 3], [faces]),
+      npy_file("vertices_m.npy", "<f4", [frames, count, 3], shapes),
+      npy_file("visible.npy", "|u1", [frames, count], seen),
+    ];
+  }
+}

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files that the browser saves.
+import { element } from "../data.js";
+
+const kCaptionHeight = 40;
+const kKept_ms = 60000; // until the browser has surely begun to save
+
+/** Saves a Blob as a file of that name, where the browser keeps such. */
+export function save_file(content, name) {
+  const address = URL.createObjectURL(content);
+  element("a", { href: address, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(address), kKept_ms);
+}
+
+/** Saves both canvases side by side, with the words below them, as PNG. */
+export async function save_picture(image, mesh, words, name) {
+  const height = Math.max(image.height, mesh.height);
+  const canvas = element("canvas", {
+    width: image.width + mesh.width,
+    height: height + kCaptionHeight,
+  });
+  const pen = canvas.getContext("2d");
+  const style = getComputedStyle(document.documentElement);
+  pen.fillStyle = style.getPropertyValue("--paper").trim();
+  pen.fillRect(0, 0, canvas.width, canvas.height);
+  pen.drawImage(image, 0, 0);
+  pen.drawImage(mesh, image.width, 0);
+  pen.fillStyle = style.getPropertyValue("--ink").trim();
+  pen.font = "18px system-ui, DejaVu Sans, sans-serif";
+  pen.textBaseline = "middle";
+  pen.fillText(words, 12, height + kCaptionHeight / 2, canvas.width - 24);
+  save_file(await new Promise((done) => canvas.toBlob(done, "image/png")), name);
+}
