@@ -10,7 +10,7 @@ usage() {
 usage: scripts/bootstrap.sh [--tests] [--with-slurm] [--without-contrib] [--without-opencl | --without-pocl]
 
   --tests            also what tests need: clang, clang-format, clang-tidy, codespell, gcovr,
-                     chromium, jsonschema and YAML for Python
+                     chromium, jsonschema, NumPy, websockets and YAML for Python
   --with-slurm       also Slurm and MUNGE, for tests of ablations on a cluster
   --without-contrib  not libopencv-contrib-dev (148 MB, and VTK): templates/frex_sheet,
                      sources/frex_video and `weft calibrate` are then left out of the build
@@ -36,7 +36,8 @@ tests=()
 slurm=()
 for argument in "$@"; do
   case $argument in
-    --tests) tests=(clang clang-format clang-tidy codespell gcovr chromium python3-jsonschema python3-yaml) ;;
+    --tests) tests=(clang clang-format clang-tidy codespell gcovr chromium
+      python3-jsonschema python3-numpy python3-websockets python3-yaml) ;;
     --with-slurm) slurm=(slurm-wlm munge) ;;
     --without-contrib) contrib=() ;;
     --without-opencl) opencl=() pocl=() ;;

@@ -70,8 +70,8 @@ export class Recording {
       this.#images.push(file);
       this.#picture ??= { width: picture.width, height: picture.height };
     }
-    const sizes = [line, image, vertices_m, visible].map((part) => part?.byteLength ?? part?.length);
-    this.#bytes += sizes.reduce((sum, size) => sum + (size ?? 0), 0);
+    this.#bytes += line.length;
+    for (const part of [image, vertices_m, visible]) this.#bytes += part?.byteLength ?? 0;
   }
 
   /** All of it as one Blob. */
