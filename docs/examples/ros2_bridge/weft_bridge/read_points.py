@@ -1,0 +1,1 @@
+../../points/read_points.py
