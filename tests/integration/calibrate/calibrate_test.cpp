@@ -12,8 +12,8 @@
 #include <sstream>
 #include <vector>
 
-#include "common/camera_file.hpp"
-#include "common/tests/frame_folder.hpp"
+#include "common/cameras/camera_file.hpp"
+#include "common/cameras/tests/frame_folder.hpp"
 #include "support/child.hpp"
 #include "support/lens.hpp"
 
@@ -150,7 +150,7 @@ class CalibrateCommand : public ::testing::Test {
     EXPECT_FALSE(fs::exists(path("refused_residuals.png")));
   }
   static void expect_camera(const std::string& file, double focal_share, double centre_px) {
-    const auto read = sources::read_camera_file(path(file));
+    const auto read = cameras::read_camera_file(path(file));
     ASSERT_TRUE(read) << read.error().message;
     const Lens truth = lens();
     EXPECT_NEAR(read->camera.fx, truth.fx, focal_share * truth.fx) << "seed " << kSeed;

@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "common/tests/frame_folder.hpp"
+#include "common/cameras/tests/frame_folder.hpp"
 #include "support/pipeline_fixture.hpp"
 
 namespace weft {

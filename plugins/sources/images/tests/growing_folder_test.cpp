@@ -11,7 +11,7 @@
 #include <weft/testing/mistakes.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 
-#include "common/tests/frame_folder.hpp"
+#include "common/cameras/tests/frame_folder.hpp"
 #include "encoded_frame.hpp"
 
 namespace weft::images {

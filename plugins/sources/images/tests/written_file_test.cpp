@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "common/tests/frame_folder.hpp"
+#include "common/cameras/tests/frame_folder.hpp"
 #include "encoded_frame.hpp"
 
 namespace weft::images {
