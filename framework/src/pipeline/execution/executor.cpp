@@ -227,6 +227,7 @@ void Executor::keep_call(const Stage& stage, const Outcome& outcome, FrameResult
     if (record == nullptr) continue;
     GivenRecord& given = call.inputs.emplace_back(GivenRecord{link.slot, record, {}});
     const std::uint64_t producer = record->view("").producer;
+    const std::lock_guard lock(changes_mutex_);  // others may change meanwhile
     for (const Stage& other : stages_) {
       if (host::handle_of(*other.made.instance) == producer) given.producer = other.config->name;
     }

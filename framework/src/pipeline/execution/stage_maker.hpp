@@ -2,8 +2,8 @@
 #pragma once
 
 #include "host/calling/lane.hpp"
-#include "pipeline/graph/graph.hpp"
 #include "pipeline/execution/stage_memo.hpp"
+#include "pipeline/graph/graph.hpp"
 
 namespace weft {
 
