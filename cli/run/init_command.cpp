@@ -8,7 +8,11 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 #include <weft/core/image_file.hpp>
+#include <weft/core/output_folder.hpp>
 #include <weft/core/whole_file.hpp>
 
 #include "cli/commands.hpp"
@@ -76,17 +80,19 @@ Result<void> fill_in(InitOptions& options) {
   return {};
 }
 
-Result<void> copy_into(const std::string& file, const std::string& folder,
-                       const std::string& name) {
-  std::error_code code;
-  fs::copy_file(file, folder + "/" + name, code);
-  if (!code) return {};
-  return Error{Errc::io, "cannot be copied into " + folder + ": " + code.message(), file};
-}
+/// What goes into the folder beside the pipeline, under these names there.
+struct Copy {
+  std::string file, name;
+};
+
+/// The key `template` of the pipeline, and the files that it names.
+struct TemplateKey {
+  std::string text;
+  std::vector<Copy> files;
+};
 
 /// About 12 cells along the longer side, square ones.
-std::string flat_template(const InitOptions& options, const ImageHeader& picture,
-                          const std::string& texture) {
+std::string flat_template(double width_m, const ImageHeader& picture, const std::string& texture) {
   constexpr double kCells = 12.0;
   const auto width = static_cast<double>(picture.width_px);
   const auto height = static_cast<double>(picture.height_px);
@@ -95,26 +101,48 @@ std::string flat_template(const InitOptions& options, const ImageHeader& picture
   return fmt::format(
       "template:\n  use: templates/rectangular\n"
       "  params: {{texture: {}, width_m: {}, columns: {}, rows: {}}}\n",
-      texture, *options.width_m, count(width), count(height));
+      texture, width_m, count(width), count(height));
 }
 
-/// Copies what the template is made of; the key `template` of the pipeline.
-Result<std::string> take_template(const InitOptions& options) {
+Result<TemplateKey> template_key(const InitOptions& options) {
   if (!options.object.empty()) {
+    TemplateKey key{
+        "template:\n  use: templates/mesh\n  params: {mesh: template.obj, texture: texture.png}\n",
+        {}};
     for (const char* name : {"template.obj", "texture.png"}) {
-      auto copied = copy_into(options.object + "/" + name, options.folder, name);
-      if (!copied) return copied.error();
+      key.files.push_back({options.object + "/" + name, name});
     }
-    return std::string(
-        "template:\n  use: templates/mesh\n  params: {mesh: template.obj, texture: texture.png}\n");
+    return key;
   }
   const auto picture = read_image_bytes(options.picture);
   if (!picture) return picture.error();
-  const std::string texture = "texture" + fs::path(options.picture).extension().string();
-  if (auto copied = copy_into(options.picture, options.folder, texture); !copied) {
-    return copied.error();
+  if (picture->header.width_px < 1) {
+    return Error{Errc::invalid_data, "is no picture that can be read: give a PNG or JPEG",
+                 options.picture};
   }
-  return flat_template(options, picture->header, texture);
+  const std::string texture = "texture" + fs::path(options.picture).extension().string();
+  return TemplateKey{flat_template(*options.width_m, picture->header, texture),
+                     {{options.picture, texture}}};
+}
+
+/// Before the first one is copied: whoever mistyped a name types the command again.
+Result<void> check_are_there(const std::vector<Copy>& files) {
+  for (const Copy& copy : files) {
+    std::error_code code;
+    if (fs::is_regular_file(copy.file, code)) continue;
+    return Error{Errc::not_found, "there is no such file: correct its name", copy.file};
+  }
+  return {};
+}
+
+Result<void> copy_into(const std::string& folder, const std::vector<Copy>& files) {
+  for (const Copy& copy : files) {
+    std::error_code code;
+    fs::copy_file(copy.file, folder + "/" + copy.name, code);
+    if (!code) continue;
+    return Error{Errc::io, "cannot be copied into " + folder + ": " + code.message(), copy.file};
+  }
+  return {};
 }
 
 /// As pipelines/live.yaml, whole in one file.
@@ -141,9 +169,7 @@ std::string pipeline_text(const InitOptions& options, const std::string& templ) 
       *options.device, camera, templ);
 }
 
-Result<void> init(InitOptions options) {
-  if (auto made = make_new_folder(options.folder); !made) return made;
-  if (auto filled = fill_in(options); !filled) return filled;
+Result<void> check_size(const InitOptions& options) {
   if (!options.object.empty() && (!options.picture.empty() || options.width_m)) {
     return Error{Errc::invalid_value, "brings picture and size: leave --picture and --width out",
                  "--template"};
@@ -151,13 +177,24 @@ Result<void> init(InitOptions options) {
   if (options.width_m && !(*options.width_m > 0.0 && std::isfinite(*options.width_m))) {
     return Error{Errc::invalid_value, "must be above 0 metres", "--width"};
   }
-  const auto templ = take_template(options);
-  if (!templ) return templ.error();
-  if (!options.camera->empty()) {
-    auto copied = copy_into(*options.camera, options.folder, "camera.yaml");
-    if (!copied) return copied;
+  return {};
+}
+
+Result<void> init(InitOptions options) {
+  if (!is_free_for_folder(options.folder)) {
+    return Error{Errc::io, "exists and is not an empty folder; choose another name",
+                 options.folder};
   }
-  return write_whole(pipeline_text(options, *templ), options.folder + "/live.yaml");
+  if (auto filled = fill_in(options); !filled) return filled;
+  if (auto fits = check_size(options); !fits) return fits;
+  auto templ = template_key(options);
+  if (!templ) return templ.error();
+  std::vector<Copy> files = std::move(templ->files);
+  if (!options.camera->empty()) files.push_back({*options.camera, "camera.yaml"});
+  if (auto there = check_are_there(files); !there) return there;
+  if (auto made = make_new_folder(options.folder); !made) return made;
+  if (auto copied = copy_into(options.folder, files); !copied) return copied;
+  return write_whole(pipeline_text(options, templ->text), options.folder + "/live.yaml");
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "cli/commands.hpp"
 #include "cli/output/program_root.hpp"
@@ -38,25 +39,27 @@ Patch live_patch(bool records) {
 }
 
 /// A value of a parameter as text, or nothing.
-std::optional<std::string> value_of(const StageConfig& sink, const std::string& parameter) {
-  const yaml::Node* params = sink.component.effective.find("params");
+std::optional<std::string> value_of(const StageConfig& stage, const std::string& parameter) {
+  const yaml::Node* params = stage.component.effective.find("params");
   const yaml::Node* value = params != nullptr ? params->find(parameter) : nullptr;
   if (value == nullptr || value->scalar.empty()) return std::nullopt;
   return value->scalar;
 }
 
-/// Where the page is; nothing where no sink shows one.
+/// Where the page is; nothing where no sink shows one, or at a port that is not known.
 std::optional<std::string> page_of(const PipelineConfig& config) {
   for (const StageConfig& sink : config.sinks) {
     if (sink.component.component().id != kSink) continue;
+    const std::string address = value_of(sink, "address").value_or("");
+    if (address.ends_with(":0")) return std::nullopt;
     const auto token = value_of(sink, "token");
-    return "http://" + value_of(sink, "address").value_or("") + "/" +
-           (token ? "?token=" + *token : "");
+    return "http://" + address + "/" + (token ? "?token=" + *token : "");
   }
   return std::nullopt;
 }
 
-/// By the desktop, if there is one; it goes on by itself, and what it says is nobody's.
+/// By the desktop, if there is one; it goes on by itself, and what it says is nobody's. Ctrl-C is
+/// not for it.
 void open_browser(std::string page) {
   if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
   posix_spawn_file_actions_t quiet;
@@ -64,11 +67,25 @@ void open_browser(std::string page) {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     posix_spawn_file_actions_addopen(&quiet, stream, "/dev/null", O_RDWR, 0);
   }
+  posix_spawnattr_t apart;
+  posix_spawnattr_init(&apart);
+  posix_spawnattr_setflags(&apart, POSIX_SPAWN_SETPGROUP);  // a group of its own
   char program[] = "xdg-open";
   char* const arguments[] = {program, page.data(), nullptr};
   pid_t child = 0;
-  posix_spawnp(&child, program, &quiet, nullptr, arguments, environ);
+  posix_spawnp(&child, program, &quiet, &apart, arguments, environ);
+  posix_spawnattr_destroy(&apart);
   posix_spawn_file_actions_destroy(&quiet);
+}
+
+/// What the source needs of the user, beside being looked at.
+std::string advice_for(const PipelineConfig& config) {
+  if (config.source->component.component().id != "sources/video") return "";
+  if (value_of(*config.source, "camera")) return "";
+  const std::string device = value_of(*config.source, "device").value_or("-1");
+  return "The camera is not calibrated, so depths are a guess: weft calibrate " +
+         (device.starts_with('-') ? "FILES" : "--camera " + device) +
+         " --out camera.yaml,\nthen --set source.camera=camera.yaml.\n";
 }
 
 /// A pipeline that comes with the program.
@@ -76,13 +93,30 @@ std::string own_pipeline(const char* name) {
   return (program_root() / "share/weft/pipelines" / name).string();
 }
 
-/// The file to run: what was asked for, else a pipeline of `weft init` here, else the one that
-/// comes with the program.
+/// The file to run where none is asked for: a pipeline of `weft init` here, else one that comes
+/// with the program.
 std::string pipeline_of(const LiveOptions& options) {
   if (options.demo) return own_pipeline("live_demo.yaml");
-  if (!options.run.pipeline.empty()) return options.run.pipeline;
   return fs::exists("live.yaml") ? "live.yaml" : own_pipeline("live.yaml");
 }
+
+/// What to hold before the camera, where the pipeline is one of the program's.
+std::string object_of(const std::string& pipeline) {
+  if (pipeline != own_pipeline("live.yaml")) return "";
+  return "Show the camera " + own_pipeline("data/sheet_texture.png") +
+         ", printed 297 mm wide.\nA picture of yours: weft init FOLDER, then weft live "
+         "FOLDER/live.yaml.\n";
+}
+
+constexpr const char* kAdvice =
+    "weft live --demo shows a simulated sheet, without a camera. With one:\n"
+    "  another camera       --set source.device=1 (ls /dev/video*)\n"
+    "  its calibration      weft calibrate --camera 0 --out camera.yaml, then\n"
+    "                       --set source.camera=camera.yaml\n"
+    "  a picture of yours   weft init FOLDER, then weft live FOLDER/live.yaml\n"
+    "  a photograph of it   weft template make --photo FILE --width METRES --out OBJECT, then\n"
+    "                       weft init FOLDER --template OBJECT\n"
+    "  another port         --set live.address=127.0.0.1:8091\n";
 
 void run_live(const LiveOptions& options, Context& context) {
   if (options.demo && !options.run.pipeline.empty()) {
@@ -91,25 +125,21 @@ void run_live(const LiveOptions& options, Context& context) {
     return;
   }
   RunArguments arguments = options.run;
-  arguments.pipeline = pipeline_of(options);
+  if (arguments.pipeline.empty()) arguments.pipeline = pipeline_of(options);
   arguments.patches = {live_patch(options.record)};
   arguments.keeps_records = options.keep;
   bool has_started = false;
   arguments.started = [&](const PipelineConfig& config) {
     has_started = true;
     const auto page = page_of(config);
-    if (!page) return;
-    fmt::print("{}\nCtrl-C ends it.\n", *page);
+    fmt::print("{}{}Ctrl-C ends it.\n{}", page ? *page + "\n" : "", object_of(arguments.pipeline),
+               advice_for(config));
     std::fflush(stdout);
-    if (!options.no_browser) open_browser(*page);
+    if (page && !options.no_browser) open_browser(*page);
   };
   run(arguments, context);
   if (has_started || context.exit_code == kDone) return;
-  fmt::print(stderr,
-             "weft live --demo shows a simulated sheet, without a camera. With one:\n"
-             "  another camera       --set source.device=1 (ls /dev/video*)\n"
-             "  another port         --set live.address=127.0.0.1:8091\n"
-             "  a picture of yours   weft init FOLDER, then weft live FOLDER/live.yaml\n");
+  fmt::print(stderr, "{}", kAdvice);
 }
 
 }  // namespace

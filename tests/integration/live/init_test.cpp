@@ -9,8 +9,9 @@ namespace {
 
 using testing::Ended;
 using ::testing::HasSubstr;
-using ::testing::Not;
 using testing::read_text;
+
+namespace fs = std::filesystem;
 
 class Init : public testing::ShelledProgram {
  protected:
@@ -49,6 +50,30 @@ TEST_F(Init, SaysWhatIsMissingWhereThereIsNobodyToAsk) {
   const Ended ended = weft(R"("$0" "$@" < /dev/null)", {"init", "mine"});
   EXPECT_EQ(ended.exit_code, 2);
   EXPECT_THAT(ended.err, HasSubstr("--picture: is missing"));
+  EXPECT_FALSE(fs::exists(path("mine")));
+}
+
+TEST_F(Init, CanBeTypedAgainWhereANameWasMistyped) {
+  const auto with_camera = [](const std::string& camera) {
+    return std::vector<std::string>{"init",  "mine",     "--picture", WEFT_TEXTURE, "--width",
+                                    "0.297", "--device", "0",         "--camera",   camera};
+  };
+  const Ended mistyped = weft(with_camera("none.yaml"));
+  EXPECT_EQ(mistyped.exit_code, 2);
+  EXPECT_THAT(mistyped.err, HasSubstr("none.yaml: there is no such file"));
+  write("fx: 500\nfy: 500\ncx: 319.5\ncy: 239.5\nwidth: 640\nheight: 480\n", "camera.yaml");
+  const Ended again = weft(with_camera("camera.yaml"));
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  expect_legal();
+}
+
+TEST_F(Init, RefusesAPictureThatIsNone) {
+  write("no picture", "poster.png");
+  const Ended ended = weft({"init", "mine", "--picture", "poster.png", "--width", "0.297",
+                            "--device", "0", "--camera", ""});
+  EXPECT_EQ(ended.exit_code, 2);
+  EXPECT_THAT(ended.err, HasSubstr("poster.png"));
+  EXPECT_FALSE(fs::exists(path("mine")));
 }
 
 TEST_F(Init, TakesWhatTemplateMakeWrote) {
@@ -63,11 +88,12 @@ TEST_F(Init, TakesWhatTemplateMakeWrote) {
 }
 
 TEST_F(Init, LeavesAFolderAloneThatIsInUse) {
-  std::filesystem::create_directories(path("mine"));
+  fs::create_directories(path("mine"));
   write("precious", "mine/live.yaml");
   const Ended ended = weft({"init", "mine", "--picture", WEFT_TEXTURE, "--width", "0.297",
                             "--device", "0", "--camera", ""});
-  EXPECT_NE(ended.exit_code, 0);
+  EXPECT_EQ(ended.exit_code, 3);
+  EXPECT_THAT(ended.err, HasSubstr("mine: exists and is not an empty folder"));
   EXPECT_EQ(pipeline(), "precious");
 }
 

@@ -7,6 +7,7 @@ usage: live_test.py WEFT
 from __future__ import annotations
 
 import json
+import os
 import signal
 import socket
 import subprocess
@@ -16,48 +17,66 @@ import unittest
 import urllib.request
 from pathlib import Path
 
-PATIENCE_S = 120
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
+PATIENCE_S = 240  # of a machine that has other work, for each answer
+STATES = {"estimated", "weak", "predicted", "lost", "none"}
 
 
 class Live(unittest.TestCase):
     program = ""
 
     def setUp(self) -> None:
-        self.scratch = tempfile.TemporaryDirectory(prefix="weft-live-")
-        self.folder = Path(self.scratch.name)
-        self.address = f"127.0.0.1:{free_port()}"
-
-    def tearDown(self) -> None:
-        self.scratch.cleanup()
+        scratch = tempfile.TemporaryDirectory(prefix="weft-live-")
+        self.addCleanup(scratch.cleanup)
+        self.folder = Path(scratch.name)
+        # Held to the end, so that nobody else is given the port; the program may share it, as long as
+        # nobody listens at this one.
+        self.held = socket.socket()
+        self.addCleanup(self.held.close)
+        self.held.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        self.held.bind(("127.0.0.1", 0))
+        self.address = f"127.0.0.1:{self.held.getsockname()[1]}"
 
     def start(self, *more: str) -> subprocess.Popen:
-        return subprocess.Popen(
+        environment = {name: value for name, value in os.environ.items()
+                       if not name.startswith("WEFT_")}
+        live = subprocess.Popen(
             [self.program, "live", *more, "--no-browser", "--out", "run",
              "--set", f"live.address={self.address}"],
-            cwd=self.folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            cwd=self.folder, env=environment, text=True, stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.addCleanup(self.end, live)
+        return live
+
+    @staticmethod
+    def end(live: subprocess.Popen) -> None:
+        live.kill()
+        live.wait()
+        live.stdout.close()
+        live.stderr.close()
+
+    def open(self, path: str):
+        """An answer of the server, whatever proxy is set."""
+        opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
+        return opener.open(f"http://{self.address}{path}", timeout=PATIENCE_S)
 
     def test_the_demo_serves_its_page_and_its_frames_until_it_is_interrupted(self) -> None:
         live = self.start("--demo")
-        try:
-            self.assertEqual(live.stdout.readline(), f"http://{self.address}/\n")
-            page = urllib.request.urlopen(f"http://{self.address}/", timeout=PATIENCE_S)
+        said = live.stdout.readline()
+        if not said:
+            self.fail(live.communicate()[1])
+        self.assertEqual(said, f"http://{self.address}/\n")
+        with self.open("/") as page:
             self.assertIn("text/html", page.headers["Content-Type"])
             self.assertIn("<html", page.read().decode())
-            with urllib.request.urlopen(f"http://{self.address}/frames.jsonl",
-                                        timeout=PATIENCE_S) as lines:
-                frames = [json.loads(lines.readline()) for _ in range(5)]
-        finally:
-            live.send_signal(signal.SIGINT)
-            out, err = live.communicate(timeout=PATIENCE_S)
+        with self.open("/frames.jsonl") as lines:
+            frames = [json.loads(lines.readline()) for _ in range(5)]
+        live.send_signal(signal.SIGINT)
+        out, err = live.communicate(timeout=PATIENCE_S)
         self.assertEqual(live.returncode, 0, err)
         self.assertIn("stopped early", out)
-        self.assertEqual({frame["state"] for frame in frames}, {"estimated"})
+        states = {frame["state"] for frame in frames}
+        self.assertLessEqual(states, STATES)
+        self.assertIn("estimated", states)
         numbers = [frame["frame"] for frame in frames]
         self.assertEqual(numbers, sorted(set(numbers)))
         kept = (self.folder / "run" / "frames.jsonl").read_text().splitlines()
@@ -70,15 +89,22 @@ class Live(unittest.TestCase):
         out, err = live.communicate(timeout=PATIENCE_S)
         self.assertEqual(live.returncode, 2, out)
         self.assertIn("/dev/video1023", err)
-        self.assertIn("weft live --demo", err)
+        for advice in ("weft live --demo", "--set source.device=1", "weft calibrate --camera",
+                       "weft init FOLDER", "weft template make --photo"):
+            self.assertIn(advice, err)
+        self.assertFalse((self.folder / "run").exists())
+
+    def test_a_camera_file_that_is_not_there_is_an_error_that_says_what_to_do(self) -> None:
+        live = self.start("--set", "source.camera=none.yaml")
+        out, err = live.communicate(timeout=PATIENCE_S)
+        self.assertEqual(live.returncode, 2, out)
+        self.assertIn("none.yaml", err)
+        self.assertIn("weft calibrate --camera", err)
 
     def test_a_taken_port_is_an_error_that_says_what_to_do(self) -> None:
-        host, port = self.address.split(":")
-        with socket.socket() as other:
-            other.bind((host, int(port)))
-            other.listen()
-            live = self.start("--demo")
-            out, err = live.communicate(timeout=PATIENCE_S)
+        self.held.listen()
+        live = self.start("--demo")
+        out, err = live.communicate(timeout=PATIENCE_S)
         self.assertNotEqual(live.returncode, 0, out)
         self.assertIn(self.address, err)
         self.assertIn("--set live.address=", err)

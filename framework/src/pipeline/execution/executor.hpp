@@ -100,7 +100,7 @@ class Executor {
   std::vector<Stage> stages_;
   std::vector<host::SharedText> absent_;  ///< why a value is, one for each, of what is no stage's
   History history_;
-  std::uint64_t begun_ = 0;  ///< [frames]
+  std::uint64_t begun_ = 0;           ///< [frames]
   mutable std::mutex changes_mutex_;  ///< of what a stage is, for other threads than its own
   std::int64_t frames_since_measured_ = 0;
 };
