@@ -3,19 +3,17 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <optional>
-#include <sstream>
 #include <vector>
 
 #include "common/cameras/camera_file.hpp"
 #include "common/cameras/tests/frame_folder.hpp"
 #include "support/child.hpp"
 #include "support/lens.hpp"
+#include "support/page_camera.hpp"
 
 namespace weft::testing {
 namespace {
@@ -24,79 +22,12 @@ namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-constexpr double kPageWidth_mm = 297.0, kPageHeight_mm = 210.0;
 constexpr int kViews = 20;
 
 Ended weft(std::vector<std::string> words, const std::string& scratch) {
   words.insert(words.begin(), {WEFT_PROGRAM, "calibrate"});
   return Child(std::move(words), scratch).wait();
 }
-
-/// The black rectangles of a page, from its PDF, as a picture.
-cv::Mat picture_of_page(const std::string& pdf, int px_per_mm) {
-  cv::Mat picture(static_cast<int>(kPageHeight_mm) * px_per_mm,
-                  static_cast<int>(kPageWidth_mm) * px_per_mm, CV_8U, cv::Scalar(235));
-  std::istringstream lines(pdf);
-  for (std::string line; std::getline(lines, line);) {
-    double x = 0.0, y = 0.0, width = 0.0, height = 0.0;
-    std::string shape, fill;
-    std::istringstream words(line);
-    if (!(words >> x >> y >> width >> height >> shape >> fill) || shape != "re") continue;
-    const auto px = [&](double mm) { return static_cast<int>(std::lround(mm * px_per_mm)); };
-    picture(cv::Rect({px(x), px(y)}, cv::Point(px(x + width), px(y + height)))).setTo(20);
-  }
-  return picture;
-}
-
-/// What a lens sees of a page: each pixel is the mean of nine rays, somewhat blurred, with noise.
-class PageCamera {
- public:
-  PageCamera(const Lens& lens, cv::Mat page, int px_per_mm)
-      : lens_(lens),
-        page_(std::move(page)),
-        px_per_mm_(px_per_mm),
-        rays_(kFine * lens.height_px, kFine * lens.width_px) {
-    for (int y = 0; y < rays_.rows; ++y) {
-      for (int x = 0; x < rays_.cols; ++x) {
-        const Eigen::Vector2d ray = lens.ray({(x + 0.5) / kFine - 0.5, (y + 0.5) / kFine - 0.5});
-        rays_(y, x) = {ray.x(), ray.y()};
-      }
-    }
-  }
-
-  cv::Mat image(const BoardPose& camera_from_page, Rng& rng) const {
-    const BoardPose page_from_camera = camera_from_page.inverse();
-    const Eigen::Vector3d eye = page_from_camera.translation();
-    cv::Mat_<float> u(rays_.size()), v(rays_.size());
-    for (int y = 0; y < rays_.rows; ++y) {
-      for (int x = 0; x < rays_.cols; ++x) {
-        const Eigen::Vector3d ray =
-            page_from_camera.linear() * Eigen::Vector3d(rays_(y, x)[0], rays_(y, x)[1], 1.0);
-        const Eigen::Vector3d hit_m = eye - eye.z() / ray.z() * ray;
-        u(y, x) = static_cast<float>(1e3 * hit_m.x() * px_per_mm_ - 0.5);
-        v(y, x) = static_cast<float>(1e3 * hit_m.y() * px_per_mm_ - 0.5);
-      }
-    }
-    cv::Mat fine, image;
-    cv::remap(page_, fine, u, v, cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar(110));
-    cv::resize(fine, image, {lens_.width_px, lens_.height_px}, 0, 0, cv::INTER_AREA);
-    cv::GaussianBlur(image, image, {0, 0}, 0.6);
-    for (int y = 0; y < image.rows; ++y) {
-      for (int x = 0; x < image.cols; ++x) {
-        std::uint8_t& grey = image.at<std::uint8_t>(y, x);
-        grey = cv::saturate_cast<std::uint8_t>(grey + 1.5 * rng.normal());
-      }
-    }
-    return image;
-  }
-
- private:
-  static constexpr int kFine = 3;
-  Lens lens_;
-  cv::Mat page_;
-  double px_per_mm_;
-  cv::Mat_<cv::Vec2d> rays_;
-};
 
 /// Images of the page, drawn once for all tests.
 class CalibrateCommand : public ::testing::Test {
