@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 #include <weft/sdk/sink.hpp>
@@ -53,7 +55,8 @@ class LineSink final : public weft::Sink {
   std::ofstream stream_;
 };
 
-/// Wishes by script, and writes what became of each.
+/// Wishes by script, and writes what became of each. While a wish waits frames take their time, so
+/// that the run still goes when it is granted, however busy the machine is.
 class SteeringSink final : public weft::Sink {
  public:
   static constexpr weft::About kAbout{.reads = "frame_report run_settings"};
@@ -69,6 +72,7 @@ class SteeringSink final : public weft::Sink {
   }
 
   weft::Result<void> write(const weft::SinkInput& in) override {
+    if (waits()) std::this_thread::sleep_for(std::chrono::milliseconds(30));
     const std::lock_guard lock(mutex_);
     ++written_;
     if (in.run_settings) settings_ = in.run_settings->revision;
@@ -89,17 +93,23 @@ class SteeringSink final : public weft::Sink {
 
   void answer(const weft::WishAnswer& answer) {
     const std::lock_guard lock(mutex_);
+    ++answered_;
     lines_ << "answer " << answer.number << " frame " << answer.frame << ' ' << answer.refusal
            << std::endl;
   }
 
  private:
+  bool waits() {
+    const std::lock_guard lock(mutex_);
+    return answered_ < asked_;
+  }
+
   std::vector<std::pair<std::string, std::string>> wishes_;
   std::string path_;
   std::ofstream lines_;
   std::mutex mutex_;
   std::uint64_t settings_ = 0;
-  std::size_t written_ = 0, asked_ = 0;
+  std::size_t written_ = 0, asked_ = 0, answered_ = 0;
 };
 
 /// Cannot do without visibility.

@@ -68,7 +68,7 @@ class Changes : public testing::PipelineTest {
   }
 };
 
-/// A run that is still going when a change is ready, however busy the machine is.
+/// A run that is still going when a change is ready.
 const std::map<std::string, std::string> kLong{{"sources", "{frames: 300}"},
                                                {"filters", "{every: 0, sleep_ms: 5}"}};
 
