@@ -30,10 +30,14 @@ inline Grid proposed_grid(std::int64_t keypoints, double height_over_width) {
   return {vertices(across), vertices(cells / across)};
 }
 
-/// Vertices along a side, for square cells with so many along the other one; `ratio` is that of
-/// this side to the other.
+/// Most vertices along a side.
+inline constexpr int kMostAlongSide = 2000;
+
+/// Vertices along a side, for square cells with so many along the other one, as far as a mesh may
+/// have them; `ratio` is that of this side to the other.
 inline int vertices_for_squares(int along_other, double ratio) {
-  return std::max(2, static_cast<int>(std::lround((along_other - 1) * ratio)) + 1);
+  const double cells = std::round((along_other - 1) * ratio);
+  return static_cast<int>(std::clamp(cells, 1.0, kMostAlongSide - 1.0)) + 1;
 }
 
 }  // namespace weft::photo

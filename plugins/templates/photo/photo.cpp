@@ -61,8 +61,8 @@ class PhotoTemplate final : public TemplateBuilder {
         "corners", corners_, "px", {},
         "x, y of the top left, top right, bottom right and bottom left corner in the photograph; "
         "none: they are found");
-    p.read("columns", columns_, "", {0, 2000}, "vertices along the width; 0: proposed");
-    p.read("rows", rows_, "", {0, 2000}, "vertices along the height; 0: proposed");
+    p.read("columns", columns_, "", {0, kMostAlongSide}, "vertices along the width; 0: proposed");
+    p.read("rows", rows_, "", {0, kMostAlongSide}, "vertices along the height; 0: proposed");
     p.read("texture_px", texture_px_, "px", {0, 8192},
            "longer side of the texture; 0: as the photograph shows it, at most 1600");
     p.component("detector", detector_, "whose keypoints say how fine a proposed mesh is");
@@ -228,8 +228,9 @@ class PhotoTemplate final : public TemplateBuilder {
     if (std::min(size.width, size.height) >= kLeastTexture_px) return size;
     return wrong(fmt::format(
         "the sheet, {:.4g} x {:.4g} m, would have a texture of {} x {} px, below {} px: check "
-        "'width_m', 'height_m' and 'corners', or take it larger",
-        sheet.width_m, sheet.height_m, size.width, size.height, kLeastTexture_px));
+        "'width_m', 'height_m' and 'corners'{}, or take it larger",
+        sheet.width_m, sheet.height_m, size.width, size.height, kLeastTexture_px,
+        texture_px_ > 0 ? ", raise 'texture_px'" : ""));
   }
 
   Result<Grid> grid_for(const Call& call, const cv::Mat& texture) const {

@@ -12,7 +12,8 @@ namespace {
 /// Samples along each side of a texel so that none is further from the next than the photograph's
 /// pixels are, where the sheet is seen largest.
 int samples_a_texel(const Eigen::Matrix3d& ideal_from_unit, const cv::Size& size_px) {
-  constexpr double kMost = 8.0;
+  // OpenCV's remapping counts columns in 16 bits.
+  const double most = std::clamp(std::floor(32766.0 / size_px.width), 1.0, 8.0);
   double longest = 0.0;  // px of the photograph in a texel
   for (const double u : {0.0, 1.0}) {
     for (const double v : {0.0, 1.0}) {
@@ -24,7 +25,7 @@ int samples_a_texel(const Eigen::Matrix3d& ideal_from_unit, const cv::Size& size
     }
   }
   constexpr double kAlmostOne = 0.2;  // a texel that is so little larger than a pixel is one
-  return static_cast<int>(std::clamp(std::ceil(longest - kAlmostOne), 1.0, kMost));
+  return static_cast<int>(std::clamp(std::ceil(longest - kAlmostOne), 1.0, most));
 }
 
 }  // namespace

@@ -82,7 +82,7 @@ Result<void> check_corners(const Corners& p) {
   for (std::size_t k = 0; k < 4; ++k) {
     const Eigen::Vector2d to = p[k] - p[(k + 3) % 4], from = p[(k + 1) % 4] - p[k];
     const double sine = cross(to, from) / (to.norm() * from.norm());
-    if (std::abs(sine) < kLeastSine) {
+    if (!(std::abs(sine) >= kLeastSine)) {  // nor where it is not finite
       return wrong("the " + std::string(name_of_corner(k)) + " corner " + text_of(p[k]) +
                    " lies on a line with its neighbours: these are no corners of a rectangle");
     }

@@ -214,8 +214,10 @@ TEST(PhotoTemplate, SaysWhatToChangeWhereASheetCannotBe) {
   EXPECT_THAT(mistake(", corners: [10, 10, 200, 10, 50, 30, 10, 200]"), HasSubstr("not convex"));
   EXPECT_THAT(mistake(", corners: [120, 100, 200, 100, 310, 140, 5, 140]"),
               HasSubstr("degrees from straight above, too obliquely"));
-  EXPECT_THAT(mistake(", height_m: 0.002, corners: [10, 10, 200, 10, 200, 200, 10, 200]"),
-              HasSubstr("check 'width_m', 'height_m' and 'corners'"));
+  const std::string square = ", corners: [10, 10, 200, 10, 200, 200, 10, 200]";
+  EXPECT_THAT(mistake(", height_m: 0.002" + square),
+              HasSubstr("check 'width_m', 'height_m' and 'corners', or take it larger"));
+  EXPECT_THAT(mistake(", texture_px: 20" + square), HasSubstr("raise 'texture_px'"));
 }
 
 TEST(PhotoTemplate, FindsMistakesBeforeAnythingRuns) {

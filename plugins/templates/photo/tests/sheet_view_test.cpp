@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "photo_folder.hpp"
@@ -65,6 +66,9 @@ TEST(CheckCorners, SaysWhatIsWrongWithThem) {
   EXPECT_THAT(mistake_of({a, b, {40, 30}, d}), HasSubstr("not convex at the bottom right corner"));
   EXPECT_THAT(mistake_of({a, b, {60, 50}, {11, 87}}), HasSubstr("on a line"));
   EXPECT_THAT(mistake_of({a, b, b, d}), HasSubstr("less than 16 px apart"));
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  EXPECT_NE(mistake_of({a, {kInfinity, 12}, c, d}), "none");
+  EXPECT_NE(mistake_of({a, {std::nan(""), 12}, c, d}), "none");
 }
 
 }  // namespace
