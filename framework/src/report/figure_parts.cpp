@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <weft/core/base64.hpp>
 
 #include "report/parts.hpp"
 #include "report/sheets.hpp"
-#include "report/text/base64.hpp"
 #include "report/text/page.hpp"
 #include "report/text/text_table.hpp"
 

@@ -6,9 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <weft/core/base64.hpp>
 #include <weft/core/shell_word.hpp>
-
-#include "report/text/base64.hpp"
 
 namespace weft::evaluation {
 namespace {

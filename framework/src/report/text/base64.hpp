@@ -2,16 +2,12 @@
 #pragma once
 
 #include <bit>
-#include <cstdint>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
+#include <weft/core/base64.hpp>
 
 namespace weft::evaluation {
-
-/// Base64 of bytes (RFC 4648, section 4), as pages carry binary data.
-std::string base64(std::string_view bytes);
 
 /// Base64 of numbers as they lie in memory, little-endian.
 template <class T>

@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/text/base64.hpp"
+#pragma once
 
-namespace weft::evaluation {
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
 
-std::string base64(std::string_view bytes) {
+namespace weft {
+
+/// Base64 of bytes (RFC 4648, section 4), as pages carry binary data.
+inline std::string base64(std::string_view bytes) {
   constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
   text.reserve((bytes.size() + 2) / 3 * 4);
@@ -20,4 +26,4 @@ std::string base64(std::string_view bytes) {
   return text;
 }
 
-}  // namespace weft::evaluation
+}  // namespace weft
