@@ -79,13 +79,13 @@ std::optional<host::ComponentSpec> with_mesh_of_file(const host::Registry& regis
   return with_params(registry, component, std::move(params));
 }
 
-std::optional<host::ComponentSpec> with_drawing(const host::Registry& registry,
-                                                const host::ComponentSpec& component,
-                                                const std::string& path) {
+std::optional<host::ComponentSpec> with_output(const host::Registry& registry,
+                                               const host::ComponentSpec& component,
+                                               const std::string& name, const std::string& path) {
   yaml::Node params = *component.effective.find("params");
-  yaml::Entry* drawing = find_entry(params, "drawing");
-  if (drawing == nullptr || !drawing->value.scalar.empty()) return std::nullopt;
-  drawing->value = yaml::text_node(path);
+  yaml::Entry* output = find_entry(params, name);
+  if (output == nullptr || !output->value.scalar.empty()) return std::nullopt;
+  output->value = yaml::text_node(path);
   return with_params(registry, component, std::move(params));
 }
 

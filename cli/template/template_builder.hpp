@@ -31,10 +31,10 @@ Result<BuiltTemplate> build_template(const host::ComponentSpec& component);
 std::optional<host::ComponentSpec> with_mesh_of_file(const host::Registry& registry,
                                                      const host::ComponentSpec& component);
 
-/// The same component with its parameter `drawing`, which was not given, set to this path; nothing
-/// where it has none.
-std::optional<host::ComponentSpec> with_drawing(const host::Registry& registry,
-                                                const host::ComponentSpec& component,
-                                                const std::string& path);
+/// The same component with the output path of this name, which was not given, set; nothing where
+/// it has none of that name.
+std::optional<host::ComponentSpec> with_output(const host::Registry& registry,
+                                               const host::ComponentSpec& component,
+                                               const std::string& name, const std::string& path);
 
 }  // namespace weft::cli

@@ -24,6 +24,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kCornersPage = "corners.html";
+
 struct TemplateOptions {
   ChosenTemplate chosen;
   std::string out, png;
@@ -49,10 +51,42 @@ class NewFolder {
   Result<void> make() const { return path_.empty() ? Result<void>() : make_new_folder(path_); }
   std::string file(const char* name) const { return (fs::path(path_) / name).string(); }
 
+  /// Where a file of the folder, if it is there, stands from now on: beside the folder, which is
+  /// not to be, as FOLDER_name.
+  std::optional<std::string> move_out(const char* name) const {
+    std::error_code code;
+    if (path_.empty() || !fs::is_regular_file(file(name), code)) return std::nullopt;
+    fs::path beside = fs::absolute(path_, code).lexically_normal();
+    if (!beside.has_filename()) beside = beside.parent_path();  // of "poster/"
+    beside += std::string("_") + name;
+    fs::rename(file(name), beside, code);
+    return code ? file(name) : beside.string();
+  }
+
  private:
   std::string path_;
   bool is_new_ = false;
 };
+
+/// The component with those of its pictures and pages that it writes itself in the folder.
+host::ComponentSpec drawn_into(const NewFolder& folder, const host::Registry& registry,
+                               host::ComponentSpec component) {
+  for (const auto& [parameter, file] :
+       {std::pair{"drawing", "corners.png"}, std::pair{"corners_page", kCornersPage}}) {
+    auto drawn = with_output(registry, component, parameter, folder.file(file));
+    if (drawn) component = *std::move(drawn);
+  }
+  return component;
+}
+
+/// Why there is no template; where its corners can be moved by hand, that is said too.
+Error with_page(Error error, const NewFolder& folder) {
+  if (const auto page = folder.move_out(kCornersPage)) {
+    error.message += "; open " + *page +
+                     " in a browser, move the corners there, and give the text that it shows";
+  }
+  return error;
+}
 
 /// What was made, and what is doubtful about it.
 void print(const TemplateOptions& options, const std::string& id, const BuiltTemplate& built,
@@ -104,12 +138,9 @@ void run(const TemplateOptions& options, Context& context) {
     context.exit_code = kInputOutput;
     return print_error(made.error());
   }
-  if (!options.out.empty()) {
-    auto drawing = with_drawing(registry, *component, folder.file("corners.png"));
-    if (drawing) component = std::move(drawing);
-  }
+  if (!options.out.empty()) component = drawn_into(folder, registry, *std::move(component));
   const auto built = build_template(*component);
-  if (!built) return print_error(built.error());
+  if (!built) return print_error(with_page(built.error(), folder));
   const auto templ = host::view_as<Template>(*built->record);
   if (!templ) return print_error(templ.error());
   const TemplateSurvey numbers = survey_template(*templ);

@@ -197,6 +197,7 @@ TEST_F(TemplateCommand, MakesATemplateOfAPhotographAndDrawsWhatItFound) {
   for (const char* name : {"texture.png", "drawing.png", "corners.png", "twins.png"}) {
     EXPECT_TRUE(read_text(path("sheet/" + std::string(name))).starts_with("\x89PNG")) << name;
   }
+  EXPECT_TRUE(read_text(path("sheet/corners.html")).starts_with("<!DOCTYPE html>"));
   words = {};
   words.insert(words.end(), kPhotograph.begin(), kPhotograph.end());
   const auto json = figures(words);

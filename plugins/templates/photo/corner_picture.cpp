@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <string>
+#include <string_view>
 #include <vector>
 #include <weft/core/stop_check.hpp>
+#include <weft/core/whole_file.hpp>
 
 #include "rectified.hpp"
 
@@ -88,8 +91,6 @@ class Canvas {
   cv::Mat picture_;
 };
 
-}  // namespace
-
 cv::Mat draw_corners(const Photograph& photo, const Findings& findings) {
   Canvas canvas(photo, findings.ideal_from_unit);
   for (int i = 0; i < findings.columns; ++i) {
@@ -108,6 +109,17 @@ cv::Mat draw_corners(const Photograph& photo, const Findings& findings) {
   canvas.corner(4, {0.0, 1.0});
   canvas.text(findings.size + (photo.is_calibrated ? "" : ", NOT CALIBRATED"), {12.0, 24.0});
   return canvas.picture();
+}
+
+}  // namespace
+
+Result<void> write_corner_picture(const Photograph& photo, const Findings& findings,
+                                  const std::string& path) {
+  std::vector<std::uint8_t> png;
+  if (!cv::imencode(".png", draw_corners(photo, findings), png)) {
+    return Error{Errc::unsupported, "the picture is too large for PNG", path};
+  }
+  return write_whole({reinterpret_cast<const char*>(png.data()), png.size()}, path);
 }
 
 }  // namespace weft::photo

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <opencv2/core.hpp>
 #include <string>
+#include <weft/core/result.hpp>
 
 #include "photograph.hpp"
 #include "sheet_view.hpp"
@@ -17,8 +17,9 @@ struct Findings {
   std::string size;                 ///< "297.0 x 210.1 mm"
 };
 
-/// The photograph, at most 1600 px large, with the sheet's sides, corners, which are numbered from
-/// the top left on and have their places in px, and the mesh; BGR.
-cv::Mat draw_corners(const Photograph& photo, const Findings& findings);
+/// Writes a PNG of the photograph, at most 1600 px large, with the sheet's sides, corners, which
+/// are numbered from the top left on and have their places in px, and the mesh.
+Result<void> write_corner_picture(const Photograph& photo, const Findings& findings,
+                                  const std::string& path);
 
 }  // namespace weft::photo

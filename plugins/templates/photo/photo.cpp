@@ -3,13 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
-#include <weft/core/whole_file.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
 #include <weft/sdk/detector.hpp>
 #include <weft/sdk/template_builder.hpp>
@@ -17,6 +15,7 @@
 #include "common/cameras/lens_points.hpp"
 #include "common/images/picture_file.hpp"
 #include "common/images/texture_file.hpp"
+#include "corner_page.hpp"
 #include "corner_picture.hpp"
 #include "mesh_size.hpp"
 #include "photograph.hpp"
@@ -67,6 +66,8 @@ class PhotoTemplate final : public TemplateBuilder {
            "longer side of the texture; 0: as the photograph shows it, at most 1600");
     p.component("detector", detector_, "whose keypoints say how fine a proposed mesh is");
     p.output_path("drawing", drawing_path_, "PNG of the photograph with corners and mesh");
+    p.output_path("corners_page", page_path_,
+                  "HTML page on which the corners are moved by hand, also where none are found");
   }
 
   void check(Mistakes& mistakes) const {
@@ -83,7 +84,10 @@ class PhotoTemplate final : public TemplateBuilder {
     if (auto legal = check_grid(); !legal) return legal.error();
     auto photo = read_photograph(photo_path_, camera_path_);
     if (!photo) return photo.error();
-    const auto sheet = sheet_in(*photo);
+    const auto corners_px = corners_in(*photo);
+    if (auto offered = offer_page(*photo, corners_px); !offered) return offered.error();
+    if (!corners_px) return corners_px.error();
+    const auto sheet = sheet_at(*corners_px, *photo);
     if (!sheet) return sheet.error();
     const auto size_px = texture_size(*sheet);
     if (!size_px) return size_px.error();
@@ -161,18 +165,22 @@ class PhotoTemplate final : public TemplateBuilder {
     return given;
   }
 
+  /// It is wanted most where there are no corners.
+  Result<void> offer_page(const Photograph& photo, const Result<Corners>& corners_px) const {
+    const auto known_px = corners_px ? std::optional(*corners_px) : std::nullopt;
+    return page_path_.empty() ? Result<void>() : write_corner_page(photo, known_px, page_path_);
+  }
+
   /// Sets the focal length of a photograph that has no camera.
-  Result<Sheet> sheet_in(Photograph& photo) const {
-    const auto corners_px = corners_in(photo);
-    if (!corners_px) return corners_px.error();
+  Result<Sheet> sheet_at(const Corners& corners_px, Photograph& photo) const {
     Sheet sheet;
-    sheet.corners_px = *corners_px;
+    sheet.corners_px = corners_px;
     FocalGuess guess;
     if (!photo.is_calibrated) {
-      guess = guess_focal_length(*corners_px, photo.pinhole());
+      guess = guess_focal_length(corners_px, photo.pinhole());
       set_focal_length(photo.camera, guess.focal_px);
     }
-    sheet.view = view_of_sheet(*corners_px, photo.pinhole());
+    sheet.view = view_of_sheet(corners_px, photo.pinhole());
     if (sheet.view.tilt_rad > kMostTilt_rad) {
       return wrong(fmt::format(
           "the sheet is seen {:.0f} degrees from straight above, too obliquely for a texture: take "
@@ -273,17 +281,12 @@ class PhotoTemplate final : public TemplateBuilder {
     if (drawing_path_.empty()) return {};
     const std::string size =
         fmt::format("{:.1f} x {:.1f} mm", 1000.0 * sheet.width_m, 1000.0 * sheet.height_m);
-    const cv::Mat picture = draw_corners(
-        photo, {sheet.corners_px, sheet.view.px_from_unit, grid.columns, grid.rows, size});
-    std::vector<std::uint8_t> png;
-    if (!cv::imencode(".png", picture, png)) {
-      return Error{Errc::unsupported, "the picture is too large for PNG", drawing_path_};
-    }
-    const std::string_view bytes(reinterpret_cast<const char*>(png.data()), png.size());
-    return write_whole(bytes, drawing_path_);
+    return write_corner_picture(
+        photo, {sheet.corners_px, sheet.view.px_from_unit, grid.columns, grid.rows, size},
+        drawing_path_);
   }
 
-  std::string photo_path_, camera_path_, drawing_path_;
+  std::string photo_path_, camera_path_, drawing_path_, page_path_;
   double width_m_ = 0.0, height_m_ = 0.0;
   std::vector<double> corners_;
   int columns_ = 0, rows_ = 0, texture_px_ = 0;
