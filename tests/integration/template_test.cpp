@@ -220,6 +220,7 @@ TEST_F(TemplateCommand, SaysWhatIsMissingForATemplateOfAPhotograph) {
   EXPECT_THAT(refused({"--photo", photo}), HasSubstr("--width"));
   EXPECT_THAT(refused({"--width", "0.3"}), HasSubstr("--photo"));
   EXPECT_THAT(refused({"--photo", photo, "--width", "0"}), HasSubstr("--width"));
+  EXPECT_THAT(refused({"--photo", photo, "--width", "nan"}), HasSubstr("width_m"));
   EXPECT_THAT(refused({"--photo", path("none.jpg"), "--width", "0.3"}),
               HasSubstr("there is no file"));
   EXPECT_THAT(refused({"--photo", photo, "--width", "0.3", "--use", "templates/photo"}),
