@@ -17,11 +17,14 @@
 
 #include "cli/commands.hpp"
 #include "cli/output/new_file.hpp"
+#include "schema/schema.hpp"
 
 namespace weft::cli {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kSchema = "pipeline.schema.json";
 
 struct InitOptions {
   std::string folder, picture, object;
@@ -145,10 +148,11 @@ Result<void> copy_into(const std::string& folder, const std::vector<Copy>& files
   return {};
 }
 
-/// As pipelines/live.yaml, whole in one file.
+/// As pipelines/live.yaml, whole in one file; editors read in its first line where the schema is.
 std::string pipeline_text(const InitOptions& options, const std::string& templ) {
   const std::string camera = options.camera->empty() ? "" : ", camera: camera.yaml";
   return fmt::format(
+      "# yaml-language-server: $schema={}\n"
       "# Show the object to the camera: weft live live.yaml\n"
       "weft: 1\n"
       "realtime: latest\n"
@@ -166,7 +170,7 @@ std::string pipeline_text(const InitOptions& options, const std::string& templ) 
       "    params: {{start: {{use: solvers/brunet_mdh}}, tracked_damping: 0.05}}\n"
       "sinks:\n"
       "  - {{use: sinks/live, as: live}}\n",
-      *options.device, camera, templ);
+      kSchema, *options.device, camera, templ);
 }
 
 Result<void> check_size(const InitOptions& options) {
@@ -180,7 +184,7 @@ Result<void> check_size(const InitOptions& options) {
   return {};
 }
 
-Result<void> init(InitOptions options) {
+Result<void> init(InitOptions options, const host::Registry& registry) {
   if (!is_free_for_folder(options.folder)) {
     return Error{Errc::io, "exists and is not an empty folder; choose another name",
                  options.folder};
@@ -194,6 +198,8 @@ Result<void> init(InitOptions options) {
   if (auto there = check_are_there(files); !there) return there;
   if (auto made = make_new_folder(options.folder); !made) return made;
   if (auto copied = copy_into(options.folder, files); !copied) return copied;
+  auto written = write_whole(schema::pipeline_schema(registry), options.folder + "/" + kSchema);
+  if (!written) return written;
   return write_whole(pipeline_text(options, templ->text), options.folder + "/live.yaml");
 }
 
@@ -220,7 +226,7 @@ void add_init_command(CLI::App& app, Context& context) {
       ->option_text("FILE");
   command->footer("What is not given is asked for.");
   command->callback([&context, options] {
-    if (const auto done = init(*options); !done) {
+    if (const auto done = init(*options, context.registry()); !done) {
       print_error(done.error());
       context.exit_code = done.error().code == Errc::io ? kInputOutput : kBadConfiguration;
       return;

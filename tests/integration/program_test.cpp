@@ -123,9 +123,8 @@ TEST_F(Program, SuggestsTheCommandThatIsMeant) {
   EXPECT_EQ(
       refusal({"frobnicate"}),
       "error: no command 'frobnicate'; there are: run, init, live, check, eval, ablate, compare, "
-      "data, "
-      "plugins, replay, bench, doctor, records, metrics, report, template, calibrate, schema, "
-      "completion, manual\n");
+      "data, plugins, replay, bench, doctor, records, metrics, report, template, calibrate, "
+      "schema, completion, manual\n");
   EXPECT_THAT(refusal({"run", "x.yaml", "y.yaml"}), HasSubstr("y.yaml"));
   EXPECT_THAT(refusal({"--frob", "check"}), HasSubstr("FILE is required"));
 }

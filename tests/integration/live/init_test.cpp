@@ -10,6 +10,7 @@ namespace {
 using testing::Ended;
 using ::testing::HasSubstr;
 using testing::read_text;
+using ::testing::StartsWith;
 
 namespace fs = std::filesystem;
 
@@ -32,6 +33,14 @@ TEST_F(Init, MakesAFolderWithALegalPipelineOfAPicture) {
   EXPECT_THAT(pipeline(), HasSubstr("width_m: 0.297"));
   EXPECT_EQ(read_text(path("mine/texture.png")), read_text(WEFT_TEXTURE));
   expect_legal();
+}
+
+TEST_F(Init, TellsEditorsOfASchemaThatStandsBesideThePipeline) {
+  const Ended ended = weft({"init", "mine", "--picture", WEFT_TEXTURE, "--width", "0.297",
+                            "--device", "0", "--camera", ""});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(pipeline(), StartsWith("# yaml-language-server: $schema=pipeline.schema.json\n"));
+  EXPECT_EQ(read_text(path("mine/pipeline.schema.json")), weft({"schema", "pipeline"}).out);
 }
 
 TEST_F(Init, AsksForWhatIsNotGiven) {
