@@ -9,7 +9,7 @@
 namespace weft::cli {
 namespace {
 
-constexpr const char* kHead =
+constexpr const char* kBashHead =
     R"(# Completion of weft for bash; printed by: weft completion bash
 _weft_plugins() {
   weft plugins list 2>/dev/null | sed -n 's|^\([a-z]*/[^ ]*\) .*|\1|p'
@@ -23,7 +23,7 @@ _weft() {
     case "$at ${COMP_WORDS[i]}" in
 )";
 
-constexpr const char* kEnd =
+constexpr const char* kBashEnd =
     R"(      esac
       [[ $current == -* ]] && words=$options action=''
       ;;
@@ -40,7 +40,7 @@ complete -F _weft weft
 )";
 
 /// What a value may be, as assignments.
-std::string action_of(const OptionWords& option) {
+std::string assignments_of(const OptionWords& option) {
   switch (option.by) {
     case Completed::flag:
       break;
@@ -57,10 +57,10 @@ std::string action_of(const OptionWords& option) {
 }
 
 /// What a word may be that begins without a dash.
-std::string action_of(const CommandWords& command) {
+std::string assignments_of(const CommandWords& command) {
   if (!command.commands.empty()) return fmt::format("words='{}'", fmt::join(command.commands, " "));
   const OptionWords* positional = command.positional();
-  return positional != nullptr ? action_of(*positional) : "";
+  return positional != nullptr ? assignments_of(*positional) : "";
 }
 
 std::string options_of(const CommandWords& command) {
@@ -78,7 +78,7 @@ std::string bash_completion(const std::vector<CommandWords>& commands) {
   for (const CommandWords& command : commands) {
     if (&command != &commands.front()) paths.push_back(shell_word(command.path));
   }
-  std::string script = kHead;
+  std::string script = kBashHead;
   script += fmt::format("      {}) at+=\" ${{COMP_WORDS[i]}}\" ;;\n    esac\n  done\n",
                         fmt::join(paths, " | "));
   script += "  case \"$at $previous\" in\n";
@@ -89,15 +89,15 @@ std::string bash_completion(const std::vector<CommandWords>& commands) {
       for (const std::string& name : option.names) {
         before.push_back(shell_word(command.path + " " + name));
       }
-      script += fmt::format("    {}) {} ;;\n", fmt::join(before, " | "), action_of(option));
+      script += fmt::format("    {}) {} ;;\n", fmt::join(before, " | "), assignments_of(option));
     }
   }
   script += "    *)\n      case $at in\n";
   for (const CommandWords& command : commands) {
     script += fmt::format("        {}) options='{}' {} ;;\n", shell_word(command.path),
-                          options_of(command), action_of(command));
+                          options_of(command), assignments_of(command));
   }
-  return script + kEnd;
+  return script + kBashEnd;
 }
 
 }  // namespace weft::cli

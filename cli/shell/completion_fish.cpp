@@ -7,7 +7,7 @@
 namespace weft::cli {
 namespace {
 
-constexpr const char* kHead =
+constexpr const char* kFishHead =
     R"(# Completion of weft for fish; printed by: weft completion fish
 function __weft_plugins
     weft plugins list 2>/dev/null | string match -r -g '^([a-z]+/\S+) '
@@ -19,7 +19,7 @@ function __weft_at
         switch "$at $word"
             case )";
 
-constexpr const char* kEnd =
+constexpr const char* kFishEnd =
     R"(
                 set at "$at $word"
         end
@@ -68,7 +68,7 @@ std::string line_of(const std::string& start, const OptionWords& option) {
 }  // namespace
 
 std::string fish_completion(const std::vector<CommandWords>& commands) {
-  std::string script = kHead, lines;
+  std::string script = kFishHead, lines;
   for (const CommandWords& command : commands) {
     if (&command != &commands.front()) script += word_of(command.path) + " ";
     const std::string start = "complete -c weft -n '__weft_at \"" + command.path + "\"'";
@@ -80,7 +80,7 @@ std::string fish_completion(const std::vector<CommandWords>& commands) {
     }
   }
   script.pop_back();
-  return script + kEnd + lines;
+  return script + kFishEnd + lines;
 }
 
 }  // namespace weft::cli

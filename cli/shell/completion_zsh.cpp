@@ -9,7 +9,7 @@
 namespace weft::cli {
 namespace {
 
-constexpr const char* kHead =
+constexpr const char* kZshHead =
     R"zsh(#compdef weft
 # Completion of weft for zsh; printed by: weft completion zsh
 _weft_plugins() {
@@ -23,7 +23,7 @@ _weft() {
     case "$at $word" in
 )zsh";
 
-constexpr const char* kEnd =
+constexpr const char* kZshEnd =
     R"zsh(  esac
   if [[ ${words[CURRENT]} == -* ]]; then
     _describe option options
@@ -38,7 +38,7 @@ if [[ ${funcstack[1]} == _weft ]]; then _weft "$@"; else compdef _weft weft; fi
 )zsh";
 
 /// What a value may be, as a command.
-std::string action_of(const OptionWords& option) {
+std::string command_for(const OptionWords& option) {
   switch (option.by) {
     case Completed::flag:
       break;
@@ -65,7 +65,7 @@ std::string described(std::string name, const std::string& help) {
 }  // namespace
 
 std::string zsh_completion(const std::vector<CommandWords>& commands) {
-  std::string script = kHead, values, words;
+  std::string script = kZshHead, values, words;
   std::vector<std::string> paths;
   for (const CommandWords& command : commands) {
     if (&command != &commands.front()) paths.push_back(shell_word(command.path));
@@ -79,17 +79,17 @@ std::string zsh_completion(const std::vector<CommandWords>& commands) {
         options.push_back(described(name, option.help));
         if (option.by == Completed::flag) continue;
         values += fmt::format("    ({}) {}; return ;;\n", shell_word(command.path + " " + name),
-                              action_of(option));
+                              command_for(option));
       }
     }
     const OptionWords* positional = command.positional();
     words += fmt::format("    ({})\n      commands=({})\n      options=({})\n      action={} ;;\n",
                          shell_word(command.path), fmt::join(names, " "), fmt::join(options, " "),
-                         shell_word(positional != nullptr ? action_of(*positional) : ""));
+                         shell_word(positional != nullptr ? command_for(*positional) : ""));
   }
   script += fmt::format("      ({}) at+=\" $word\" ;;\n    esac\n  done\n", fmt::join(paths, "|"));
   script += "  case \"$at ${words[CURRENT-1]}\" in\n" + values + "  esac\n";
-  return script + "  local action\n  case $at in\n" + words + kEnd;
+  return script + "  local action\n  case $at in\n" + words + kZshEnd;
 }
 
 }  // namespace weft::cli

@@ -15,7 +15,7 @@
 namespace weft::cli {
 namespace {
 
-struct CheckOptions {
+struct TemplateCheckOptions {
   std::string pipeline, png;
   std::vector<std::string> settings;
   bool json = false;
@@ -39,7 +39,7 @@ Result<void> write_frame(const host::Registry& registry, const FirstFrame& first
   return write_picture(registry, inputs, Picture::matches, path);
 }
 
-void print(const CheckOptions& options, const FirstLook& look,
+void print(const TemplateCheckOptions& options, const FirstLook& look,
            const std::vector<std::string>& faults) {
   if (options.json) {
     nlohmann::ordered_json json = {
@@ -59,7 +59,7 @@ void print(const CheckOptions& options, const FirstLook& look,
   if (faults.empty()) fmt::print("no fault found\n");
 }
 
-void check(const CheckOptions& options, Context& context) {
+void check(const TemplateCheckOptions& options, Context& context) {
   const auto registry = context.registry();
   if (!options.png.empty()) {
     if (auto fresh = check_new_file(options.png, options.overwrite); !fresh) {
@@ -96,7 +96,7 @@ void check(const CheckOptions& options, Context& context) {
 }  // namespace
 
 void add_template_check(CLI::App& parent, Context& context) {
-  const auto options = std::make_shared<CheckOptions>();
+  const auto options = std::make_shared<TemplateCheckOptions>();
   CLI::App* command = parent.add_subcommand(
       "check", "Tell whether a pipeline's template fits frame 0, which shows it about at rest");
   command->add_option("PIPELINE", options->pipeline, "Pipeline file")->type_name("")->required();
