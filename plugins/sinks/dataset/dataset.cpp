@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <weft/core/output_folder.hpp>
 #include <weft/core/whole_file.hpp>
+#include <weft/data/owned.hpp>
 #include <weft/data/record_view.hpp>
 #include <weft/sdk/sink.hpp>
 
@@ -96,19 +97,6 @@ class Dataset final : public Sink {
   }
 
  private:
-  template <class T>
-  static Array<T> owned(const Array<T>& borrowed) {
-    if (!borrowed.present()) return {};
-    Array<T> copy = borrowed.ndim() == 3
-                        ? Array<T>({borrowed.dim(0), borrowed.dim(1), borrowed.dim(2)})
-                    : borrowed.ndim() == 2 ? Array<T>({borrowed.dim(0), borrowed.dim(1)})
-                                           : Array<T>({borrowed.dim(0)});
-    for (std::int64_t i = 0; i < borrowed.rows(); ++i) {
-      std::copy_n(borrowed.row(i), borrowed.row_elements(), copy.row(i));
-    }
-    return copy;
-  }
-
   static std::string name_of(std::uint64_t frame) {
     std::array<char, 24> name{};
     std::snprintf(name.data(), name.size(), "%06llu", static_cast<unsigned long long>(frame));
