@@ -27,9 +27,10 @@ install(DIRECTORY framework/include/weft DESTINATION include COMPONENT dev)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/share/weft/scaffold DESTINATION share/weft COMPONENT dev)
 install(TARGETS weft_contract EXPORT weftTargets RUNTIME DESTINATION bin COMPONENT dev)
 install(TARGETS weft_sdk weft_describe EXPORT weftTargets ARCHIVE DESTINATION lib COMPONENT dev)
-install(TARGETS weft_testing weft_host EXPORT weftTestingTargets ARCHIVE DESTINATION lib
-  COMPONENT dev)
-foreach(set weftTargets weftTestingTargets)
+install(TARGETS weft_host EXPORT weftHostTargets ARCHIVE DESTINATION lib COMPONENT dev)
+install(TARGETS weft_testing EXPORT weftTestingTargets ARCHIVE DESTINATION lib COMPONENT dev)
+install(TARGETS weft_pipeline EXPORT weftEmbeddingTargets ARCHIVE DESTINATION lib COMPONENT dev)
+foreach(set weftTargets weftHostTargets weftTestingTargets weftEmbeddingTargets)
   install(EXPORT ${set} NAMESPACE weft:: DESTINATION ${package} COMPONENT dev)
 endforeach()
 set(weft_cmake_folder "\${CMAKE_CURRENT_LIST_DIR}")
@@ -48,10 +49,12 @@ install(FILES ${PROJECT_BINARY_DIR}/installed/weftConfig.cmake
 install(FILES ${PROJECT_BINARY_DIR}/installed/weft.pc DESTINATION lib/pkgconfig COMPONENT dev)
 
 # For find_package(weft) with weft_DIR set to the build tree.
-export(TARGETS weft_sdk weft_describe weft_contract weft NAMESPACE weft::
+export(TARGETS weft_sdk weft_describe weft_contract weft weft_worker NAMESPACE weft::
   FILE ${PROJECT_BINARY_DIR}/weftTargets.cmake)
-export(TARGETS weft_testing weft_host weft_options NAMESPACE weft::
-  FILE ${PROJECT_BINARY_DIR}/weftTestingTargets.cmake)
+export(TARGETS weft_host weft_options NAMESPACE weft::
+  FILE ${PROJECT_BINARY_DIR}/weftHostTargets.cmake)
+export(TARGETS weft_testing NAMESPACE weft:: FILE ${PROJECT_BINARY_DIR}/weftTestingTargets.cmake)
+export(TARGETS weft_pipeline NAMESPACE weft:: FILE ${PROJECT_BINARY_DIR}/weftEmbeddingTargets.cmake)
 set(weft_cmake_folder ${CMAKE_CURRENT_LIST_DIR})
 set(weft_parameter_tables ${PROJECT_SOURCE_DIR}/scripts/parameter_tables.py)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/weftConfig.cmake.in
@@ -79,7 +82,8 @@ set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, cmake (>= 3.25)")
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
   "The program weft, its manual pages, its report page and its pipelines.")
 set(CPACK_COMPONENT_PLUGINS_DESCRIPTION "The plugins of Weft: sources to sinks.")
-set(CPACK_COMPONENT_DEV_DESCRIPTION "Headers and CMake functions to write plugins for Weft.")
+set(CPACK_COMPONENT_DEV_DESCRIPTION
+  "What plugins for Weft are built with, and programs that embed its pipelines.")
 set(CPACK_COMPONENT_PLUGINS_DEPENDS runtime)
 set(CPACK_COMPONENT_DEV_DEPENDS runtime)
 include(CPack)

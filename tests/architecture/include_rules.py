@@ -27,6 +27,7 @@ INSTALLED = {
     "truth": "core data geometry",
     "sdk": "core data geometry",
     "testing": "core data geometry generators sdk",
+    "embedding": "core data",
 }
 INTERNAL = {
     "yaml": "core",
@@ -45,6 +46,7 @@ INTERNAL = {
     "pipeline/graph pipeline/execution",
     "pipeline/runs": "core data geometry roles host/loading pipeline/configuration pipeline/graph "
     "pipeline/execution pipeline/monitor pipeline/steering",
+    "pipeline/embedding": "core data embedding host/loading pipeline/runs",
     "pipeline/survey": "core data geometry sdk yaml roles host/loading host/calling "
     "pipeline/execution",
     "printing": "core data generators",

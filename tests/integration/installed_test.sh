@@ -54,6 +54,27 @@ if test -x "$WEFT_BUILD_DIR/bin/weft-calibrate"; then
   weft calibrate board --out board.pdf >/dev/null || fail "weft calibrate does not find its program"
 fi
 
+echo "-- a program that embeds a pipeline"
+cat >kept.yaml <<TEXT
+weft: 1
+extends: $prefix/share/weft/pipelines/demo.yaml
+source: {params: {frames: 2}}
+sinks:
+  - {use: sinks/dataset, as: kept, params: {path: kept, dense_truth: false}}
+TEXT
+weft run kept.yaml --quiet --out given
+cp -r "$repository/docs/examples/embed" embed
+cmake -S embed -B embedding -DCMAKE_PREFIX_PATH="$prefix" ${CXX:+-DCMAKE_CXX_COMPILER="$CXX"} >/dev/null
+cmake --build embedding >/dev/null
+python3 "$repository/tests/integration/embedding/raw_frames.py" given/kept/frames/*.png >frames.bgr
+(unset WEFT_PLUGIN_PATH && cd / && "$folder/embedding/embed" \
+  "$prefix/share/weft/pipelines/demo.yaml" <"$folder/frames.bgr") >embedded.jsonl
+for lines in given/frames.jsonl embedded.jsonl; do
+  grep -oE '"state":"[a-z]+","age":[0-9]+,"confidence":[0-9.e-]+' "$lines" >"$lines.told"
+done
+cmp given/frames.jsonl.told embedded.jsonl.told || fail "an embedded pipeline gives other shapes"
+test "$(grep -c estimated embedded.jsonl.told)" = 2 || fail "an embedded pipeline finds no sheet"
+
 echo "-- an author in C"
 printf '#include <weft/abi.h>\nint main(void) { return WEFT_OK; }\n' >probe.c
 # shellcheck disable=SC2046

@@ -208,11 +208,9 @@ Outcome Lane::finish(Instance& instance, Scope& scope, std::span<const weft_reco
   outcome.outputs = NamedRecords(memory_);
   outcome.outputs.reserve(scope.outputs.size());
   for (auto& [slot, record] : scope.outputs) {
-    const weft_record view = record->view(slot.c_str());
-    auto valid = validate(view);
-    if (valid) valid = check_lengths(view, inputs);
+    auto valid = admit(*record, slot.c_str());
+    if (valid) valid = check_lengths(record->view(slot.c_str()), inputs);
     if (!valid) return broken("returned an illegal output: " + valid.error().message);
-    record->set_revision(next_revision_++);
     record->set_frame(scope.turn.frame);
     if (record->type() == Warp::kType) record->set_producer(instance.handle);
     outcome.outputs.emplace_back(std::move(slot), std::move(record));
@@ -223,6 +221,12 @@ Outcome Lane::finish(Instance& instance, Scope& scope, std::span<const weft_reco
     }
   }
   return outcome;
+}
+
+Result<void> Lane::admit(Record& record, const char* slot) {
+  auto valid = validate(record.view(slot));
+  if (valid) record.set_revision(next_revision_++);
+  return valid;
 }
 
 Instance* Lane::find(std::uint64_t handle) const {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
 #include <functional>
 #include <map>
 #include <memory>
@@ -13,41 +12,11 @@
 #include <vector>
 #include <weft/core/wish.hpp>
 
-#include "host/calling/stopwatch.hpp"
+#include "host/calling/outcome.hpp"
 #include "host/loading/component_spec.hpp"
-#include "host/records/record.hpp"
-#include "host/records/shared_text.hpp"
 #include "host/workers/isolation.hpp"
 
 namespace weft::host {
-
-/// What a call of a component came to.
-struct Outcome {
-  weft_status status = WEFT_OK;
-  Error error;                         ///< for degenerate its message is the reason
-  NamedRecords outputs;                ///< by slot
-  std::uint64_t downloaded_bytes = 0;  ///< fetched from device memory for it and those nested in it
-  double worker_processor_ms = 0.0;    ///< [] ms that workers spent on it and those nested in it
-
-  bool usable() const { return status == WEFT_OK || status == WEFT_DEGENERATE; }
-  RecordPtr find(std::string_view slot) const;
-};
-
-/// The frame number of calls that belong to no frame.
-inline constexpr std::uint64_t kOfflineFrame = ~std::uint64_t{0};
-
-/// One call of a component, nested ones included in its time.
-struct Timing {
-  SharedText component;  ///< "filters", "filters/warp": stage name and nested path
-  Spent took;
-  std::chrono::steady_clock::time_point start{};
-  std::string method;  ///< as its role calls it: "fit", "evaluate"
-  std::uint64_t frame = kOfflineFrame;
-  weft_status status = WEFT_OK;
-  SharedText worker;                   ///< the stage in whose worker it ran; empty for this process
-  std::uint64_t downloaded_bytes = 0;  ///< see Outcome
-};
-using Timings = PooledVector<Timing>;
 
 class Instance;
 struct Workplace;
@@ -117,6 +86,10 @@ class Lane {
   /// Calls a method of a component; outputs are validated. Never throws.
   Outcome call(Instance& instance, int method, std::span<const weft_record> inputs,
                std::uint64_t frame, std::uint64_t draw = 0);
+
+  /// Takes a record that is new in this lane, made by a component or handed in from elsewhere: it is
+  /// validated and numbered, for components know records by their revisions.
+  Result<void> admit(Record& record, const char* slot);
 
   /// Evaluates a warp record at points, by its producer.
   Outcome evaluate(const Record& warp, const Points& points, std::uint64_t frame);

@@ -70,8 +70,9 @@ class Record {
   Result<std::shared_ptr<const Record>> in_host_memory() const;
 
   template <class RecordType>
-  static std::shared_ptr<Record> copy_of(const RecordType& typed) {
-    auto record = make(RecordType::kType);
+  static std::shared_ptr<Record> copy_of(const RecordType& typed,
+                                         const std::shared_ptr<MemoryPool>& pool = nullptr) {
+    auto record = make(RecordType::kType, pool);
     const auto allocate = [&](const char* name, std::int32_t dtype, int ndim,
                               const std::int64_t* shape) {
       return record->allocate(name, dtype, ndim, shape);

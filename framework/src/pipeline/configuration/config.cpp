@@ -63,6 +63,7 @@ std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
   config.sources = document.sources;
   config.left_out = std::move(document.left_out);
   config.doubtful_names = document.doubtful_names;
+  config.in_program = document.in_program;
   paths.of_fragment = document.fragment;
   ConfigReport report{std::move(document.sources), std::move(document.problems), false};
   const auto of_text = static_cast<std::ptrdiff_t>(report.problems.size());

@@ -63,6 +63,7 @@ struct PipelineConfig {
   int frames_at_once = 1;      ///< most frames on their way through the stages
   int threads = 0;             ///< that work for a run; 0: one a processor core
   bool latest_only = false;    ///< `realtime: latest`: frames that come meanwhile are dropped
+  bool in_program = false;     ///< see PipelineDocument: there is neither source nor sink
   /// A mistake leaves open what some stages are called, so that names may be missing only by it.
   bool doubtful_names = false;
 };

@@ -28,9 +28,12 @@ class Loader {
     const yaml::Node root = with_keys_of(given, "a pipeline", pipeline_keys());
     check_version(root);
     read_options(root);
-    config_.source = read_single(root, "source", place_of(PipelinePart::source));
+    if (!config_.in_program) {
+      config_.source = read_single(root, "source", place_of(PipelinePart::source));
+    }
     config_.templ = read_single(root, "template", place_of(PipelinePart::templ));
     read_list(root, "stages", config_.stages, place_of(PipelinePart::stage));
+    if (config_.in_program) return;
     read_list(root, "sinks", config_.sinks, place_of(PipelinePart::sink));
   }
 

@@ -44,6 +44,9 @@ struct PipelineDocument {
   bool unreadable = false;      ///< the file itself: nothing else can be said of it
   bool fragment = false;        ///< what is missing may stand in a text that could not be read
   bool doubtful_names = false;  ///< a mistake leaves open which stages are left out
+  /// A program hands images in and takes what comes out: what is said of source and sinks is not
+  /// looked at.
+  bool in_program = false;
 };
 
 /// Reads a pipeline file, merges it over the file that it `extends` (which may extend another), and

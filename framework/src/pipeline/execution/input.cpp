@@ -25,9 +25,11 @@ Result<void> blame(Result<void> valid, const StageConfig& stage) {
 
 }  // namespace
 
-Result<PipelineInput> PipelineInput::open(const PipelineConfig& config, host::Lane& lane) {
+Result<PipelineInput> PipelineInput::open(const PipelineConfig& config, host::Lane& lane,
+                                          RecordPtr camera) {
   PipelineInput input(config, lane);
-  if (auto opened = input.open_source(); !opened) return opened.error();
+  auto opened = camera == nullptr ? input.open_source() : input.use_camera(std::move(camera));
+  if (!opened) return opened.error();
   if (auto built = input.build_template(); !built) return built.error();
   return input;
 }
@@ -48,6 +50,13 @@ Result<void> PipelineInput::open_source() {
   frames_ = counted->frames;
   is_live_ = counted->live != 0;
   return {};
+}
+
+Result<void> PipelineInput::use_camera(RecordPtr camera) {
+  camera_ = std::move(camera);
+  auto valid = check_camera(*camera_);
+  if (valid) return valid;
+  return Error{valid.error().code, valid.error().message, "camera"};
 }
 
 Result<void> PipelineInput::build_template() {
@@ -99,6 +108,21 @@ std::optional<PipelineInput::Frame> PipelineInput::read(std::uint64_t index) {
   Outcome read = read_checked(index);
   const host::Spent took = watch.spent();
   if (read.status == WEFT_END) return std::nullopt;
+  return frame_of(index, std::move(read), took);
+}
+
+Result<PipelineInput::Frame> PipelineInput::take(std::uint64_t index, host::NamedRecords records) {
+  const host::Stopwatch watch = lane_->stopwatch();
+  for (auto& [slot, record] : records) {
+    auto fits = completed(record);
+    if (!fits) return Error{fits.error().code, fits.error().message, slot};
+    record = *std::move(fits);
+  }
+  return frame_of(index, {WEFT_OK, {}, std::move(records)}, watch.spent());
+}
+
+PipelineInput::Frame PipelineInput::frame_of(std::uint64_t index, Outcome read,
+                                             host::Spent took) const {
   Frame frame{{index, {}, {}}, report_of(source_name_, read, took, lane_->memory())};
   for (const auto& [slot, record] : read.outputs) add_numbers(*record, frame.report);
   if (!read.usable()) frame.input.failure = read.error.message;

@@ -11,8 +11,10 @@ namespace weft {
 /// enters them in every frame.
 class PipelineInput {
  public:
-  /// Opens the source and builds the template; both are checked.
-  static Result<PipelineInput> open(const PipelineConfig& config, host::Lane& lane);
+  /// Opens the source and builds the template; both are checked. With a camera, which the lane has
+  /// admitted, no source is opened: frames are handed in.
+  static Result<PipelineInput> open(const PipelineConfig& config, host::Lane& lane,
+                                    host::RecordPtr camera = nullptr);
 
   const host::RecordPtr& templ() const { return template_; }
   const host::RecordPtr& camera() const { return camera_; }
@@ -30,12 +32,20 @@ class PipelineInput {
   /// gave must fit the template and the camera; its matches are completed, see Correspondences.
   std::optional<Frame> read(std::uint64_t index);
 
+  /// A frame of records that the lane has admitted, held to the same rules. The Error names the
+  /// slot of the one that does not fit.
+  Result<Frame> take(std::uint64_t index, host::NamedRecords records);
+
  private:
   PipelineInput(const PipelineConfig& config, host::Lane& lane)
-      : config_(&config), lane_(&lane), source_name_(config.source->name) {}
+      : config_(&config),
+        lane_(&lane),
+        source_name_(config.source ? config.source->name : "sources") {}
   Result<void> open_source();
+  Result<void> use_camera(host::RecordPtr camera);
   Result<void> build_template();
   host::Outcome read_checked(std::uint64_t index);
+  Frame frame_of(std::uint64_t index, host::Outcome read, host::Spent took) const;
   Result<host::RecordPtr> completed(const host::RecordPtr& record);
 
   const PipelineConfig* config_;

@@ -10,16 +10,16 @@
 namespace weft {
 namespace {
 
-using host::ComponentManifest;
-
 constexpr int kLongestLag = 1000;  // [frames]
 constexpr int kRefused = -2;       // instead of a value: nothing is to be said of it
 constexpr std::string_view kPrevious = "previous.";
 constexpr const char* kTold[] = {"frame_report", "run_settings"};  // what the host says to sinks
 
-/// Sources have a choice; they say what they produce.
-bool declares(const ComponentManifest& component, const std::string& slot) {
-  const auto& made = component.produces;
+/// Sources have a choice; they say what they produce. A program gives an image and its time.
+bool may_enter(const PipelineConfig& config, const std::string& slot) {
+  if (config.in_program) return slot == "image" || slot == "time";
+  if (!config.source || config.source->component.installed == nullptr) return true;
+  const auto& made = config.source->component.component().produces;
   return std::find(made.begin(), made.end(), slot) != made.end();
 }
 
@@ -49,7 +49,9 @@ class Wiring {
     reader_ = config_.stages.size();
     for (const char* told : kTold) add(told, -1, "host");
     for (const StageConfig& sink : config_.sinks) graph_.sinks.push_back(connect(sink));
-    if (!config_.doubtful_names) refuse_unread(config_, graph_, open_, problems_);
+    // In a program the sinks are not known, which may read what no stage does.
+    const bool readers_known = !config_.doubtful_names && !config_.in_program;
+    if (readers_known) refuse_unread(config_, graph_, open_, problems_);
     return std::move(graph_);
   }
 
@@ -92,13 +94,11 @@ class Wiring {
 
   /// Values that exist before the first stage. previous.* is fed back by the host.
   void add_given() {
-    const host::Installed* source = config_.source ? config_.source->component.installed : nullptr;
     std::set<std::string> fed_back;
     for (const RoleSlot& output : rules_of("sources").main_method().outputs) {
-      if (source == nullptr || declares(source->component, output.name)) {
-        add(output.name, -1, "sources");
-        fed_back.insert(output.name);
-      }
+      if (!may_enter(config_, output.name)) continue;
+      add(output.name, -1, "sources");
+      fed_back.insert(output.name);
     }
     add("camera", -1, "sources");
     add("template", -1, "templates");

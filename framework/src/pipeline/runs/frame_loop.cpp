@@ -54,8 +54,8 @@ FrameLine line_of(const std::vector<FrameStep>& steps, std::size_t frames_at_onc
 }
 
 Result<std::unique_ptr<FrameLoop>> FrameLoop::open(const CheckedPipeline& pipeline,
-                                                   host::Lane& lane) {
-  auto input = PipelineInput::open(pipeline.config, lane);
+                                                   host::Lane& lane, host::RecordPtr camera) {
+  auto input = PipelineInput::open(pipeline.config, lane, std::move(camera));
   if (!input) return input.error();
   std::unique_ptr<FrameLoop> loop(new FrameLoop(pipeline, lane, *std::move(input)));
   auto executor = Executor::create(pipeline.config, pipeline.graph, lane, loop->input_.templ(),

@@ -38,8 +38,10 @@ FrameLine line_of(const std::vector<FrameStep>& steps, std::size_t frames_at_onc
 /// An opened pipeline, frame by frame: what a run does with a frame before it is filed.
 class FrameLoop {
  public:
-  /// Opens source and template and makes the stages; pipeline and lane outlive the loop.
-  static Result<std::unique_ptr<FrameLoop>> open(const CheckedPipeline& pipeline, host::Lane& lane);
+  /// Opens source and template and makes the stages; pipeline and lane outlive the loop. With a
+  /// camera frames are handed in, see PipelineInput.
+  static Result<std::unique_ptr<FrameLoop>> open(const CheckedPipeline& pipeline, host::Lane& lane,
+                                                 host::RecordPtr camera = nullptr);
 
   /// Makes and opens the sinks, in their order; the first error ends it. From then on they are not
   /// told to stop: a frame that is there is written by all sinks, or by none.

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <utility>
+#include <weft/data/owned.hpp>
+#include <weft/embedding/pipeline.hpp>
+
+#include "host/loading/registry.hpp"
+#include "pipeline/runs/frame_json.hpp"
+#include "pipeline/runs/frame_loop.hpp"
+#include "pipeline/runs/warning_log.hpp"
+
+namespace weft {
+namespace {
+
+using host::RecordPtr;
+
+/// All mistakes of a file, of which the first one gives the place.
+Error all_mistakes(const ConfigReport& report) {
+  Error error{Errc::invalid_value, {}, {}};
+  for (const yaml::Problem& problem : report.problems) {
+    const std::string place = place_in(report.sources, problem.at);
+    if (error.message.empty()) {
+      error.where = place;
+      error.message = problem.message;
+    } else {
+      error.message += "\n" + place + ": " + problem.message;
+    }
+  }
+  return error;
+}
+
+Error named(const Error& error, const char* slot) { return {error.code, error.message, slot}; }
+
+Result<void> check_pixels(const Array<std::uint8_t>& pixels) {
+  const bool grey = pixels.ndim() == 2, colour = pixels.ndim() == 3 && pixels.dim(2) == 3;
+  if (pixels.data() != nullptr && (grey || colour)) return {};
+  std::string shape;
+  for (int axis = 0; axis < pixels.ndim(); ++axis) {
+    shape += (axis > 0 ? "," : "") + std::to_string(pixels.dim(axis));
+  }
+  return Error{Errc::invalid_data,
+               "has pixels of the shape [" + shape + "]; give [H,W] grey levels or [H,W,3] BGR",
+               "image"};
+}
+
+/// A copy of a record struct that is new in the lane.
+template <class RecordType>
+Result<RecordPtr> admitted(host::Lane& lane, const RecordType& typed, const char* slot) {
+  const auto record = host::Record::copy_of(typed, lane.memory());
+  if (record == nullptr) return Error{Errc::no_memory, "cannot be copied: memory is short", slot};
+  if (auto valid = lane.admit(*record, slot); !valid) return named(valid.error(), slot);
+  return RecordPtr(record);
+}
+
+ProcessedFrame answer_of(const FrameResult& result) {
+  ProcessedFrame answer;
+  answer.frame = result.index;
+  answer.failed = result.failed();
+  answer.report = frame_json(result, {});
+  if (result.shape != nullptr) {
+    auto shape = host::view_as<Shape>(*result.shape);
+    if (shape) answer.shape = owned_record(*std::move(shape));
+  }
+  for (std::size_t i = 1; i < result.stages.size(); ++i) {  // the first one is of what came in
+    const StageReport& stage = result.stages[i];
+    answer.stages.push_back(
+        {stage.stage.str(), to_string(stage.status), stage.reason.str(), stage.took.ms});
+  }
+  return answer;
+}
+
+}  // namespace
+
+/// What must stay where it is while the stages run.
+class Pipeline::Opened {
+ public:
+  explicit Opened(const std::vector<std::string>& plugin_path)
+      : registry_(host::Registry::scan(host::search_path(plugin_path))) {}
+
+  Result<void> check(const std::string& file, const PipelineOptions& options) {
+    auto document = read_document(file, options.settings, host::PathRules::of_process({}, ""));
+    document.in_program = true;
+    auto [pipeline, report] = check_pipeline(file, std::move(document), registry_, "");
+    if (!report.ok()) return all_mistakes(report);
+    pipeline_ = std::move(pipeline);
+    PipelineConfig& config = pipeline_.config;
+    config.frames_at_once = 1;  // so that a call has all threads
+    config.latest_only = false;
+    for (StageConfig& stage : config.stages) {
+      if (stage.isolation) stage.isolation->program = options.worker;
+    }
+    return {};
+  }
+
+  Result<void> open(const Camera& camera) {
+    auto lane = lane_of(pipeline_.config,
+                        [this](const std::string& component, int level, const std::string& text,
+                               std::uint64_t frame) {
+                          warnings_.note(component, level, text, frame);
+                        });
+    if (!lane) return lane.error();
+    lane_ = *std::move(lane);
+    auto given = admitted(*lane_, camera, "camera");
+    if (!given) return given.error();
+    auto loop = FrameLoop::open(pipeline_, *lane_, *std::move(given));
+    if (!loop) return loop.error();
+    loop_ = *std::move(loop);
+    auto templ = host::view_as<Template>(*loop_->input().templ());
+    if (!templ) return templ.error();
+    template_ = *std::move(templ);
+    return {};
+  }
+
+  const Template& templ() const { return template_; }
+
+  Result<ProcessedFrame> process(const Image& image, double t_s) {
+    if (auto legal = check_pixels(image.pixels); !legal) return legal.error();
+    auto picture = admitted(*lane_, image, "image");
+    if (!picture) return picture.error();
+    auto time = admitted(*lane_, Time{t_s}, "time");
+    if (!time) return time.error();
+    host::NamedRecords records(lane_->memory());
+    records.emplace_back("image", *std::move(picture));
+    records.emplace_back("time", *std::move(time));
+    auto frame = loop_->input().take(frames_, std::move(records));
+    if (!frame) return frame.error();
+    ProcessedFrame answer = answer_of(loop_->process(*frame));
+    warnings_.file(frames_++);
+    for (const RunWarning& warning : warnings_.take()) {
+      answer.warnings.push_back(warning.component + ": " + warning.text);
+    }
+    return answer;
+  }
+
+ private:
+  host::Registry registry_;
+  CheckedPipeline pipeline_;
+  WarningLog warnings_;
+  std::unique_ptr<host::Lane> lane_;
+  std::unique_ptr<FrameLoop> loop_;
+  Template template_;  ///< borrows from the loop
+  std::uint64_t frames_ = 0;
+};
+
+Pipeline::Pipeline(std::unique_ptr<Opened> opened) : opened_(std::move(opened)) {}
+Pipeline::Pipeline(Pipeline&& other) noexcept = default;
+Pipeline& Pipeline::operator=(Pipeline&& other) noexcept = default;
+Pipeline::~Pipeline() = default;
+
+Result<Pipeline> Pipeline::load(const std::string& file, const Camera& camera,
+                                const PipelineOptions& options) {
+  auto opened = std::make_unique<Opened>(options.plugin_path);
+  if (auto checked = opened->check(file, options); !checked) return checked.error();
+  if (auto ready = opened->open(camera); !ready) return ready.error();
+  return Pipeline(std::move(opened));
+}
+
+const Template& Pipeline::templ() const { return opened_->templ(); }
+
+Result<ProcessedFrame> Pipeline::process(const Image& image, double t_s) {
+  return opened_->process(image, t_s);
+}
+
+}  // namespace weft
