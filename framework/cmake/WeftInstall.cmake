@@ -79,6 +79,9 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME weft)
 set(CPACK_DEBIAN_PLUGINS_PACKAGE_NAME weft-plugins)
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME weft-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, cmake (>= 3.25)")
+# What the components testing and embedding are linked with.
+set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS "libboost-filesystem-dev, libyaml-cpp-dev, libzip-dev, \
+libxxhash-dev, nlohmann-json3-dev, pkg-config")
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
   "The program weft, its manual pages, its report page and its pipelines.")
 set(CPACK_COMPONENT_PLUGINS_DESCRIPTION "The plugins of Weft: sources to sinks.")
