@@ -92,6 +92,16 @@ TEST_F(Embedding, LooksAtNeitherSourceNorSinks) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1) << "it wrote";
 }
 
+TEST_F(Embedding, RefusesStagesThatWantMoreThanAnImage) {
+  const auto refused = load(
+      "weft: 1\ntemplate: {use: templates/test.scripted}\n"
+      "source: {use: sources/test.scripted, params: {known_vertex: 0}}\n"
+      "stages:\n  - use: solvers/test.known\n");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().where, path("pipeline.yaml") + ":5:5");
+  EXPECT_THAT(refused.error().message, HasSubstr("requires 'known_points'"));
+}
+
 TEST_F(Embedding, KeepsThePastsOfTwoPipelinesApart) {
   Pipeline one = opened(chain({{"solvers", "{no_result_at: [0, 2]}"}}));
   Pipeline other = opened(chain({{"solvers", "{no_result_at: [1]}"}}));
