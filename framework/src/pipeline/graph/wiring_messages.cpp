@@ -74,6 +74,7 @@ std::optional<Words> products_of(const StageConfig& stage) {
 std::string missing_input(const PipelineConfig& config, const host::Registry& registry,
                           const std::string& id, const std::string& slot) {
   std::string message = id + " requires '" + slot + "', which no earlier stage produces";
+  if (config.in_program) message += " and no program hands in";
   for (const LeftOut& gone : config.left_out) {
     const host::Installed* entry = registry.find(gone.use);
     if (entry == nullptr || !can_make(entry->component, slot)) continue;
@@ -81,9 +82,10 @@ std::string missing_input(const PipelineConfig& config, const host::Registry& re
   }
   Words producers;
   for (const host::Installed& entry : registry.installed()) {
-    if (!entry.shadowed && can_make(entry.component, slot)) {
-      producers.push_back(entry.component.id);
-    }
+    if (entry.shadowed || !can_make(entry.component, slot)) continue;
+    // A program stands where the source would.
+    const bool is_source = rules_of(entry.component.role()).part == PipelinePart::source;
+    if (!config.in_program || !is_source) producers.push_back(entry.component.id);
   }
   if (producers.empty()) return message;
   return message + ";\n    add one that produces it: " + joined(producers);
