@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A pipeline in a program gives what weft run gives, with real components.
+#include "support/embedded.hpp"
+
 #include <gmock/gmock.h>
 
-#include "support/embedded.hpp"
 #include "support/pipeline_fixture.hpp"
 
 namespace weft {

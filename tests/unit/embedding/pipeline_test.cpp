@@ -25,9 +25,8 @@ const Camera kCamera{100.0, 100.0, 79.5, 59.5, 160, 120};
 class Embedding : public testing::PipelineTest {
  protected:
   static PipelineOptions with(std::vector<std::string> settings = {}) {
-    return {.settings = std::move(settings),
-            .plugin_path = {WEFT_TEST_PLUGINS},
-            .worker = WEFT_WORKER};
+    return {
+        .settings = std::move(settings), .plugin_path = {WEFT_TEST_PLUGINS}, .worker = WEFT_WORKER};
   }
   Result<Pipeline> load(const std::string& text, const PipelineOptions& options = with()) const {
     return Pipeline::load(write(text), kCamera, options);
@@ -83,9 +82,9 @@ TEST_F(Embedding, LooksAtNeitherSourceNorSinks) {
       "  - use: detectors/test.scripted\n  - use: matchers/test.scripted\n"
       "  - use: warps/test.scripted\n  - use: passes/test.scripted\n"
       "  - use: solvers/test.scripted\n";
-  for (const std::string more :
-       {"", "source: {use: sources/images, params: {path: not/there.png}}\n"
-            "sinks: [{use: sinks/not_there, params: {path: /}}]\n"}) {
+  for (const std::string more : {"",
+                                 "source: {use: sources/images, params: {path: not/there.png}}\n"
+                                 "sinks: [{use: sinks/not_there, params: {path: /}}]\n"}) {
     Pipeline pipeline = opened("weft: 1\n" + more + stages);
     EXPECT_THAT(states(pipeline, 1), ElementsAre(ShapeState::estimated));
   }

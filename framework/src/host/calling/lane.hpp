@@ -87,8 +87,8 @@ class Lane {
   Outcome call(Instance& instance, int method, std::span<const weft_record> inputs,
                std::uint64_t frame, std::uint64_t draw = 0);
 
-  /// Takes a record that is new in this lane, made by a component or handed in from elsewhere: it is
-  /// validated and numbered, for components know records by their revisions.
+  /// Takes a record that is new in this lane, made by a component or handed in from elsewhere: it
+  /// is validated and numbered, for components know records by their revisions.
   Result<void> admit(Record& record, const char* slot);
 
   /// Evaluates a warp record at points, by its producer.

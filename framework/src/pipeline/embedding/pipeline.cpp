@@ -92,11 +92,10 @@ class Pipeline::Opened {
   }
 
   Result<void> open(const Camera& camera) {
-    auto lane = lane_of(pipeline_.config,
-                        [this](const std::string& component, int level, const std::string& text,
-                               std::uint64_t frame) {
-                          warnings_.note(component, level, text, frame);
-                        });
+    auto lane = lane_of(pipeline_.config, [this](const std::string& component, int level,
+                                                 const std::string& text, std::uint64_t frame) {
+      warnings_.note(component, level, text, frame);
+    });
     if (!lane) return lane.error();
     lane_ = *std::move(lane);
     auto given = admitted(*lane_, camera, "camera");
