@@ -44,10 +44,12 @@ Result<void> check_pixels(const Array<std::uint8_t>& pixels) {
 
 /// A copy of a record struct that is new in the lane.
 template <class RecordType>
-Result<RecordPtr> admitted(host::Lane& lane, const RecordType& typed, const char* slot) {
+Result<RecordPtr> admitted(host::Lane& lane, const RecordType& typed, const char* slot,
+                           std::uint64_t frame = host::kOfflineFrame) {
   const auto record = host::Record::copy_of(typed, lane.memory());
   if (record == nullptr) return Error{Errc::no_memory, "cannot be copied: memory is short", slot};
   if (auto valid = lane.admit(*record, slot); !valid) return named(valid.error(), slot);
+  record->set_frame(frame);
   return RecordPtr(record);
 }
 
@@ -113,9 +115,9 @@ class Pipeline::Opened {
 
   Result<ProcessedFrame> process(const Image& image, double t_s) {
     if (auto legal = check_pixels(image.pixels); !legal) return legal.error();
-    auto picture = admitted(*lane_, image, "image");
+    auto picture = admitted(*lane_, image, "image", frames_);
     if (!picture) return picture.error();
-    auto time = admitted(*lane_, Time{t_s}, "time");
+    auto time = admitted(*lane_, Time{t_s}, "time", frames_);
     if (!time) return time.error();
     host::NamedRecords records(lane_->memory());
     records.emplace_back("image", *std::move(picture));
