@@ -11,7 +11,6 @@
 
 #include "cli/output/new_file.hpp"
 #include "cli/run/interruption.hpp"
-#include "cli/run/sudden_end.hpp"
 #include "pipeline/runs/run.hpp"
 #include "yaml/yaml.hpp"
 
@@ -98,7 +97,6 @@ void make_sequence(const std::string& pipeline_text, const std::string& folder,
   }
   const std::atomic<bool>& interrupted = watch_for_interruption();
   SequenceProgress progress(quiet);
-  const SuddenEndWatch watch;
   const auto summary = run_pipeline(pipeline, "", progress, interrupted);
   now_running("the summary");
   progress.end_line();

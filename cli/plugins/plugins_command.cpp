@@ -9,9 +9,8 @@
 #include "cli/output/json_text.hpp"
 #include "cli/plugins/plugins_new.hpp"
 #include "cli/plugins/plugins_why.hpp"
+#include "cli/plugins/probe.hpp"
 #include "cli/plugins/role_text.hpp"
-#include "describe/build_id.hpp"
-#include "describe/describe.hpp"
 
 namespace weft::cli {
 namespace {
@@ -166,21 +165,9 @@ void show(const std::string& id, bool json, Context& context) {
   print_component(*entry);
 }
 
-/// The manifest of a library, as YAML.
-Result<std::string> manifest_of(const std::string& file) {
-  const auto build_id = host::read_build_id(file);
-  if (!build_id) return build_id.error();
-  if (build_id->empty()) {
-    return Error{Errc::incompatible, "has no build-id; link it with -Wl,--build-id=sha1", file};
-  }
-  const auto table = host::load_library(file);
-  if (!table) return table.error();
-  return host::describe_library(**table, *build_id);
-}
-
 /// Writes the manifest beside a library, on the machine where it is to run, or prints it as JSON.
 Result<void> describe(const std::string& file, bool json) {
-  const auto description = manifest_of(file);
+  const auto description = probe_manifest(file);
   if (!description) return description.error();
   if (json) {
     const auto document = yaml::parse(*description, file);

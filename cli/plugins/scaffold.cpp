@@ -8,12 +8,12 @@
 #include <cstdint>
 #include <utility>
 #include <vector>
+#include <weft/core/component_id.hpp>
 #include <weft/core/name.hpp>
 #include <weft/core/quote.hpp>
 #include <weft/core/suggest.hpp>
 #include <weft/core/text_file.hpp>
 
-#include "roles/component_name.hpp"
 #include "roles/role_rules.hpp"
 
 namespace weft::cli {

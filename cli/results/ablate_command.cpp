@@ -13,6 +13,7 @@
 #include "cli/output/duration_text.hpp"
 #include "cli/results/ablate_plan.hpp"
 #include "cli/results/ablate_slurm.hpp"
+#include "cli/results/cell_failures.hpp"
 #include "cli/results/forecast_text.hpp"
 #include "cli/run/interruption.hpp"
 #include "cli/run/run_settings.hpp"
@@ -94,22 +95,6 @@ std::string slurm_call(const AblateOptions& options, const evaluation::ResultsFo
   return program_word() + command_of(options, context).substr(kName) + " --out " +
          shell_word(folder.path()) + " --engine " + kSlurm + (options.timing ? " --timing" : "") +
          (options.accept_rebuilt ? " --accept-rebuilt" : "");
-}
-
-void print_failures(const evaluation::Results& results) {
-  constexpr std::size_t kMost = 10;
-  std::size_t shown = 0;
-  for (const evaluation::PlanCell& cell : results.plan.cells) {
-    const evaluation::CellRecord& record = results.record(cell);
-    if (!record.failed() || shown++ >= kMost) continue;
-    std::string name;
-    for (std::size_t i = 0; i < cell.values.size(); ++i) {
-      name += results.plan.axes[i].name + "=" + cell.values[i] + ", ";
-    }
-    fmt::print("failed: {}sequence={}, seed={}: {}\n", name, cell.sequence, cell.seed,
-               record.reason);
-  }
-  if (shown > kMost) fmt::print("failed: {} more cells\n", shown - kMost);
 }
 
 bool print_expectations(const evaluation::Results& results) {
@@ -233,6 +218,7 @@ void ablate(AblateOptions options, Context& context) {
   if (options.engine == kSlurm && options.status) pace = print_queue(*state, options.folder);
   if (!options.quiet) fmt::print("{}", evaluation::summary_table(state->results));
   print_failures(state->results);
+  print_errors(state->results);
   print_state(*state);
   if (options.status) print_forecast(*state, options.folder, pace);
   const bool is_undamaged = state->results.records.damaged.empty();

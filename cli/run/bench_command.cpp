@@ -14,7 +14,6 @@
 #include "cli/run/bench_options.hpp"
 #include "cli/run/interruption.hpp"
 #include "cli/run/run_settings.hpp"
-#include "cli/run/sudden_end.hpp"
 #include "host/loading/processor.hpp"
 
 namespace weft::cli {
@@ -92,11 +91,11 @@ std::vector<CheckedPipeline> check_all(const std::vector<bench::Entry>& entries,
   std::vector<CheckedPipeline> pipelines;
   bool ok = true;
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    now_running("the checks of " + entries[i].file);
     const std::string folder =
         with_sinks ? scratch.folder(i) : fs::absolute(free_folder(entries[i].file)).string();
+    host::ComponentChecks checks = checks_of(entries[i].file);
     auto [pipeline, report] =
-        check_pipeline(entries[i].file, registry, folder, entries[i].settings);
+        check_pipeline(entries[i].file, registry, folder, entries[i].settings, {}, &checks);
     if (!report.ok()) fmt::print(stderr, "{}", report.text());
     ok = ok && report.ok();
     pipelines.push_back(with_sinks ? std::move(pipeline)
@@ -192,7 +191,6 @@ void print_counts(const BenchOptions& options, const CheckedPipeline& pipeline,
 
 void bench_pipelines(const BenchOptions& options, Context& context) {
   const std::atomic<bool>& interrupted = watch_for_interruption();
-  const SuddenEndWatch watch;
   if (!options.json.empty()) {
     const auto free = check_new_file(options.json, options.overwrite);
     if (!free) end(free.error(), kInputOutput);

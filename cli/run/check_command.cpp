@@ -6,6 +6,7 @@
 
 #include "ablation/plan/grid.hpp"
 #include "cli/commands.hpp"
+#include "cli/run/interruption.hpp"
 #include "cli/run/run_settings.hpp"
 #include "cli/standard_components.hpp"
 #include "pipeline/runs/run.hpp"
@@ -22,12 +23,14 @@ std::pair<std::string, ConfigReport> check_file(const std::string& file,
                                                 const CheckOptions& options,
                                                 const host::Registry& registry) {
   if (evaluation::is_plan(file)) {
+    now_running("the checks of " + file);
     auto [grid, report] = evaluation::load_grid(file, registry, options.settings,
                                                 standard_helpers(), options.without);
     return {fmt::format("a plan of {} cells", grid.cells().size()), std::move(report)};
   }
   const std::string folder = std::filesystem::absolute(free_folder(file)).string();
-  auto [pipeline, report] = check_pipeline(file, registry, folder, options.settings);
+  host::ComponentChecks checks = checks_of(file);
+  auto [pipeline, report] = check_pipeline(file, registry, folder, options.settings, {}, &checks);
   return {fmt::format("{} stages, {} sinks", pipeline.config.stages.size(),
                       pipeline.config.sinks.size()),
           std::move(report)};

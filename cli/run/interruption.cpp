@@ -34,7 +34,20 @@ void on_signal(int signal) {
   if (!signal_came.exchange(true)) return;
   const Line& line = lines[current.load()];
   static_cast<void>(!write(STDERR_FILENO, line.text.data(), line.length));
-  _exit(128 + signal);
+  end_at_once(128 + signal);
+}
+
+/// What runs is told by whoever ends the process, by a signal or by a mistake.
+void tell(const std::string& what, bool of_run) {
+  now_running_here(what, of_run);
+  const std::size_t next = 1 - current.load();
+  Line& line = lines[next];
+  const std::string text = "\ninterrupted twice, ended at once; running: ";
+  const std::size_t room = line.text.size() - text.size() - 1;
+  const std::string whole = text + what.substr(0, room) + "\n";
+  std::copy(whole.begin(), whole.end(), line.text.begin());
+  line.length = whole.size();
+  current.store(next);
 }
 
 }  // namespace
@@ -46,23 +59,20 @@ const std::atomic<bool>& watch_for_interruption() {
   return signal_came;
 }
 
-void now_running(const std::string& what) {
-  now_running_here(what);
-  const std::size_t next = 1 - current.load();
-  Line& line = lines[next];
-  const std::string text = "\ninterrupted twice, ended at once; running: ";
-  const std::size_t room = line.text.size() - text.size() - 1;
-  const std::string whole = text + what.substr(0, room) + "\n";
-  std::copy(whole.begin(), whole.end(), line.text.begin());
-  line.length = whole.size();
-  current.store(next);
-}
+void now_running(const std::string& what) { tell(what, false); }
 
 void now_running(const std::string& stage, const std::string& component, const std::string& what,
                  std::uint64_t frame) {
-  now_running(frame == host::kOfflineFrame
-                  ? fmt::format("{} ({}: {}), outside of the frames", stage, component, what)
-                  : fmt::format("{} ({}: {}), frame {}", stage, component, what, frame));
+  tell(frame == host::kOfflineFrame
+           ? fmt::format("{} ({}: {}), outside of the frames", stage, component, what)
+           : fmt::format("{} ({}: {}), frame {}", stage, component, what, frame),
+       true);
+}
+
+host::ComponentChecks checks_of(const std::string& file) {
+  now_running("the checks of " + file);
+  return host::ComponentChecks(
+      [file](const std::string& id) { now_running(id + ", asked by the checks of " + file); });
 }
 
 }  // namespace weft::cli

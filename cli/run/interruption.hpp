@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <string>
 
+#include "host/loading/component_checks.hpp"
+
 namespace weft::cli {
 
 /// The exit code of a process that a second SIGINT ended; that of SIGTERM is 143.
@@ -23,5 +25,8 @@ void now_running(const std::string& what);
 /// frame and after the last one host::kOfflineFrame.
 void now_running(const std::string& stage, const std::string& component, const std::string& what,
                  std::uint64_t frame);
+
+/// The checks of a file; which component they ask is what runs meanwhile.
+host::ComponentChecks checks_of(const std::string& file);
 
 }  // namespace weft::cli

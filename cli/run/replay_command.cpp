@@ -9,7 +9,6 @@
 #include "cli/commands.hpp"
 #include "cli/output/new_file.hpp"
 #include "cli/run/interruption.hpp"
-#include "cli/run/sudden_end.hpp"
 #include "pipeline/runs/replay.hpp"
 
 namespace weft::cli {
@@ -110,7 +109,6 @@ Result<Summary> replay(const ReplayOptions& options, const Context& context) {
 
 void run(const ReplayOptions& options, Context& context) {
   now_running("the dumped calls of " + options.stage);
-  const SuddenEndWatch watch;
   const auto summary = replay(options, context);
   if (!summary) {
     print_error(summary.error());

@@ -29,6 +29,9 @@ void add_run_command(CLI::App& app, Context& context) {
                    "frames.jsonl of an earlier run: take the frames that it took, and make its "
                    "changes at their frames")
       ->option_text("FILE");
+  command->add_flag("--paranoid", options->paranoid,
+                    "Give components inputs that they cannot write into, nor read beyond or after "
+                    "their call: one that tries is named, and ends the run. Slower");
   command->add_flag("--quiet", options->quiet, "No progress bar and no table of stages");
   command->footer(
       "Exit codes:\n"
@@ -36,7 +39,7 @@ void add_run_command(CLI::App& app, Context& context) {
       "  1  more frames had an error, or one had with on_error: stop\n"
       "  2  the command line or the pipeline is wrong, or a component could not start\n"
       "  3  a file or folder could not be read or written after the checks\n"
-      "  4  a component called exit(); stderr names it\n"
+      "  4  a component called exit() or _exit(); stderr names it\n"
       "  130, 143  a second SIGINT or SIGTERM ended it at once; stderr names the stage that ran");
   command->callback([&context, options] {
     if (!options->repeated.empty()) options->settings.emplace_back("realtime=all");

@@ -10,7 +10,7 @@ void add_settings(CLI::App& command, std::vector<std::string>& settings) {
       .add_option(
           "--set", settings,
           "PATH=VALUE over the file, such as filters.alpha_s=0.2, detectors.use=detectors/orb "
-          "or seed=7; may be repeated")
+          "or seed=7; without=NAME leaves a stage or sink out; may be repeated")
       ->option_text("PATH=VALUE")
       ->allow_extra_args(false);
 }

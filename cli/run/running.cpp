@@ -15,7 +15,6 @@
 #include "cli/run/interruption.hpp"
 #include "cli/run/recorded_run.hpp"
 #include "cli/run/run_settings.hpp"
-#include "cli/run/sudden_end.hpp"
 #include "pipeline/configuration/declared_paths.hpp"
 #include "pipeline/runs/run.hpp"
 
@@ -151,7 +150,6 @@ std::FILE* words_beside(const PipelineConfig& config) {
 void run(const RunArguments& arguments, Context& context) {
   const std::string& file = arguments.pipeline;
   const std::atomic<bool>& interrupted = watch_for_interruption();
-  now_running("the checks of " + file);
   const std::string folder = arguments.folder.empty() ? free_folder(file) : arguments.folder;
   std::optional<RecordedRun> repeated;
   if (!arguments.repeated.empty()) {
@@ -164,8 +162,9 @@ void run(const RunArguments& arguments, Context& context) {
     repeated = *std::move(recorded);
   }
   const auto registry = context.registry();
+  host::ComponentChecks checks = checks_of(file);
   const auto [pipeline, report] = check_pipeline(file, registry, fs::absolute(folder).string(),
-                                                 arguments.settings, arguments.patches);
+                                                 arguments.settings, arguments.patches, &checks);
   if (!report.ok()) {
     fmt::print(stderr, "{}", report.text());
     context.exit_code = kBadConfiguration;
@@ -173,12 +172,12 @@ void run(const RunArguments& arguments, Context& context) {
   }
   std::FILE* const words = words_beside(pipeline.config);
   Progress progress(arguments, pipeline.config, words);
-  const SuddenEndWatch watch;
   const auto summary = run_pipeline(pipeline, folder, progress, interrupted,
                                     {.dumped = arguments.dumped,
                                      .registry = &registry,
                                      .repeated = std::move(repeated),
-                                     .keeps_records = arguments.keeps_records});
+                                     .keeps_records = arguments.keeps_records,
+                                     .protects_inputs = arguments.paranoid});
   now_running("the summary");
   if (!summary) {
     print_error(summary.error());

@@ -18,6 +18,7 @@ struct RunArguments {
   std::vector<Patch> patches{};
   bool quiet = false;
   bool keeps_records = true;  ///< see RunOptions
+  bool paranoid = false;      ///< inputs are protected, see RunOptions
   /// Called before the first frame, when all sinks are open.
   std::function<void(const PipelineConfig& config)> started{};
 };

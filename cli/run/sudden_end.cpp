@@ -3,6 +3,7 @@
 
 #include <dlfcn.h>
 #include <signal.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,7 +14,8 @@
 #include <cstring>
 #include <memory>
 
-#include "cli/commands.hpp"
+#include "cli/output/outcome.hpp"
+#include "host/calling/protected_inputs.hpp"
 
 namespace weft::cli {
 namespace {
@@ -22,24 +24,25 @@ struct Deadly {
   int signal;
   const char* meaning;
 };
-constexpr std::array<Deadly, 5> kDeadly{{{SIGSEGV, "SIGSEGV, memory that is not its own"},
-                                         {SIGBUS, "SIGBUS, memory that is not there"},
-                                         {SIGFPE, "SIGFPE, a division by zero"},
-                                         {SIGILL, "SIGILL, an instruction that there is not"},
-                                         {SIGABRT, "SIGABRT, a failed check or an exception"}}};
+constexpr std::array<Deadly, 5> kDeadly{{{SIGSEGV, " (SIGSEGV, memory that is not its own)"},
+                                         {SIGBUS, " (SIGBUS, memory that is not there)"},
+                                         {SIGFPE, " (SIGFPE, a division by zero)"},
+                                         {SIGILL, " (SIGILL, an instruction that there is not)"},
+                                         {SIGABRT, " (SIGABRT, a failed check or an exception)"}}};
 
 struct Text {
   std::array<char, 320> bytes;
   std::size_t length;
+  bool of_run;  ///< a component that a run calls
 };
 
 // Handlers reach nothing but objects with static storage.
 thread_local Text here{};
 Text anywhere{};
-std::atomic<bool> is_watching{false};
+std::atomic<pid_t> watched{0};  ///< the process; a copy of it may end as it likes
 std::array<struct sigaction, kDeadly.size()> before;
 
-static_assert(std::atomic<bool>::is_always_lock_free);
+static_assert(std::atomic<pid_t>::is_always_lock_free);
 
 /// For a handler that runs when the stack of its thread is full.
 class AlternateStack {
@@ -74,40 +77,50 @@ void say(const char* text, std::size_t length) {
 }
 void say(const char* text) { say(text, std::strlen(text)); }
 
-void say_what_ran() {
+/// What ran, and what came of it.
+void say_what_ran(const char* how, const char* more) {
   const Text& known = here.length > 0 ? here : anywhere;
   say("\n");
   say(known.bytes.data(), known.length);
+  if (known.length == 0) say("weft");
+  say(": ");
+  say(how);
+  say(more);
+  say(known.of_run
+          ? "; frames in the run folder stay. Try isolate: process at its stage: this then "
+            "costs one frame\n"
+          : "\n");
 }
 
 void on_deadly(int signal, siginfo_t* info, void*) {
+  const host::ProtectedPlace place =
+      signal == SIGSEGV ? host::protected_place(info->si_addr) : host::ProtectedPlace{};
   for (std::size_t i = 0; i < kDeadly.size(); ++i) {
     sigaction(kDeadly[i].signal, &before[i], nullptr);
     if (kDeadly[i].signal != signal) continue;
-    say_what_ran();
-    say(": ended the process (");
-    say(kDeadly[i].meaning);
-    say("); frames in the run folder stay. Try isolate: process at its stage: this then costs one "
-        "frame\n");
+    if (place.input == nullptr) say_what_ran("ended the process", kDeadly[i].meaning);
+    if (place.input != nullptr) {
+      say_what_ran(place.beyond ? "went beyond the end of its input " : "wrote into its input ",
+                   place.input);
+    }
   }
   // A fault comes again by itself; what was sent does not.
   if (info->si_code <= 0) raise(signal);
 }
 
-/// Whoever called exit() was not us.
-void on_exit_of_component() {
-  if (!is_watching) return;
-  say_what_ran();
-  say(": called exit(); frames in the run folder stay. Try isolate: process at its stage: this "
-      "then costs one frame\n");
-  _exit(kComponentExited);
+/// Whoever called this was not us.
+void on_exit_of_component(const char* function) {
+  if (watched != getpid()) return;
+  say_what_ran("called ", function);
+  end_at_once(kComponentExited);
 }
 
 }  // namespace
 
 SuddenEndWatch::SuddenEndWatch() {
-  static const bool is_registered = std::at_quick_exit(on_exit_of_component) == 0;
-  is_watching = is_registered;
+  static const bool is_registered =
+      std::at_quick_exit([] { on_exit_of_component("quick_exit()"); }) == 0;
+  watched = is_registered ? getpid() : 0;
   struct sigaction action {};
   action.sa_sigaction = on_deadly;
   action.sa_flags = SA_SIGINFO | SA_ONSTACK;
@@ -118,29 +131,48 @@ SuddenEndWatch::SuddenEndWatch() {
 }
 
 SuddenEndWatch::~SuddenEndWatch() {
-  is_watching = false;
+  watched = 0;
   for (std::size_t i = 0; i < kDeadly.size(); ++i) {
     sigaction(kDeadly[i].signal, &before[i], nullptr);
   }
 }
 
-void now_running_here(const std::string& what) {
+void now_running_here(const std::string& what, bool of_run) {
   thread_local const AlternateStack stack;
   for (Text* text : {&here, &anywhere}) {
     text->length = std::min(what.size(), text->bytes.size());
     std::copy_n(what.begin(), text->length, text->bytes.begin());
+    text->of_run = of_run;
   }
+}
+
+void end_at_once(int code) {
+  while (true) syscall(SYS_exit_group, code);
 }
 
 }  // namespace weft::cli
 
-/// Stands before the C library's for all that the process loads: that one destroys what other
-/// threads still use, and what they do then would be told in place of the call. The return from
-/// main() does not pass here.
+// These stand before the C library's for all that the process loads. The return from main() does
+// not pass here.
+
+/// That of the C library destroys what other threads still use, and what they do then would be told
+/// in place of the call.
 extern "C" [[gnu::noreturn]] void exit(int code) noexcept {
-  weft::cli::on_exit_of_component();
+  weft::cli::on_exit_of_component("exit()");
   using Exit = void (*)(int);
   const auto next = reinterpret_cast<Exit>(dlsym(RTLD_NEXT, "exit"));
   if (next != nullptr) next(code);
-  _exit(code);
+  weft::cli::end_at_once(code);
 }
+
+// NOLINTBEGIN(bugprone-reserved-identifier): so they are called
+extern "C" [[gnu::noreturn]] void _exit(int code) {
+  weft::cli::on_exit_of_component("_exit()");
+  weft::cli::end_at_once(code);
+}
+
+extern "C" [[gnu::noreturn]] void _Exit(int code) noexcept {
+  weft::cli::on_exit_of_component("_Exit()");
+  weft::cli::end_at_once(code);
+}
+// NOLINTEND(bugprone-reserved-identifier)

@@ -6,7 +6,8 @@
 #
 # Builds <role>_<name>.so, which exports nothing but `weft_library`, and beside it the manifest
 # <role>_<name>.plugin.yaml; both in FOLDER where it is given, else in this tree's plugin folder or
-# another tree's build folder; `cmake --install` puts both into lib/weft/plugins. The same function serves this tree and, after find_package(weft), any
+# another tree's build folder; `cmake --install` puts both into lib/weft/plugins. role/name is the id
+# of its first component. The same function serves this tree and, after find_package(weft), any
 # other. Tests are built where GTest and weft::testing exist; they are linked with the plugin's
 # objects, so that they can test its parts as well as call it through the contract.
 #
@@ -65,7 +66,7 @@ function(weft_add_plugin id)
 
   set(manifest ${folder}/${name}.plugin.yaml)
   add_custom_command(OUTPUT ${manifest}
-    COMMAND ${name}_describe $<TARGET_FILE:${name}> ${manifest}
+    COMMAND ${name}_describe $<TARGET_FILE:${name}> ${manifest} ${id}
     DEPENDS ${name} ${name}_describe
     COMMENT "Describing ${id}" VERBATIM)
   add_custom_target(${name}_manifest ALL DEPENDS ${manifest})

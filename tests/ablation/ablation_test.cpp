@@ -117,6 +117,21 @@ TEST_F(Ablation, RecordsCellsThatFail) {
   EXPECT_TRUE(line_of(grid, 1).at("metrics").is_null());
 }
 
+TEST_F(Ablation, TellsOfFramesInErrorInCellsThatAreDone) {
+  Grid grid = expand(
+      "axes:\n  solver:\n    values:\n      good: {}\n"
+      "      errs_once: {set: {solvers.error_at: [1], max_failed: 1}}\n"
+      "data: {all: {}}\n");
+  const AblationState state = run(grid, "out");
+  EXPECT_EQ(state.done, 2U);
+  EXPECT_EQ(cell(grid, state, 0).frames_in_error, 0);
+  EXPECT_EQ(cell(grid, state, 0).first_error, "");
+  EXPECT_EQ(cell(grid, state, 1).frames_in_error, 1);
+  EXPECT_EQ(cell(grid, state, 1).first_error,
+            "frame 1, solvers: solvers/test.scripted: scripted error");
+  EXPECT_THAT(summary_table(state.results), ::testing::HasSubstr("frames in error"));
+}
+
 TEST_F(Ablation, RecordsDataThatCannotBeRead) {
   Grid grid = expand(
       "data: {good: {}, bad: {set: {source.refuse: true}}, none: {set: "

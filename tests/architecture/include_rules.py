@@ -31,7 +31,7 @@ INSTALLED = {
 }
 INTERNAL = {
     "yaml": "core",
-    "describe": "core",
+    "describe": "core sdk",
     "roles": "core sdk",
     "host/records": "core data",
     "host/loading": "core yaml describe roles host/records",
@@ -74,7 +74,7 @@ INTERNAL = {
     "schema": "core yaml roles host/loading pipeline/configuration ablation/plan",
     "counting": "",
     "cli": "core data geometry generators truth sdk yaml describe roles host pipeline printing "
-    "calibration metrics results ablation cluster report bench schema",
+    "programs calibration metrics results ablation cluster report bench schema",
 }
 LAYERS = INSTALLED | INTERNAL
 PLUGIN_LAYERS = ("core", "data", "geometry", "generators", "truth", "sdk")

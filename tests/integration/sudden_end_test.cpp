@@ -36,13 +36,14 @@ TEST_F(SuddenEnd, IsToldWithStagePluginAndFrameAndIsNoSuccess) {
       {"fault", "ended the process (SIGSEGV"},
       {"overflow", "ended the process (SIGSEGV"},
       {"terminate", "ended the process (SIGABRT"},
-      {"quit", "called exit()"}};
+      {"quit", "called exit()"},
+      {"exit", "called _exit()"}};
   for (const auto& [deed, end] : deeds) {
     const std::string out = path(deed);
     const Ended ended = weft({"run", write(of(deed)), "--out", out, "--quiet"});
     // Sanitizers end a process of which a signal told them with an exit code.
     EXPECT_NE(ended.exit_code, 0) << deed;
-    if (deed == "quit") {
+    if (deed == "quit" || deed == "exit") {
       EXPECT_EQ(ended.exit_code, 4);
     }
     EXPECT_THAT(ended.err, HasSubstr("filters (filters/zoo_deadly: filter), frame 1: " + end))
@@ -57,6 +58,42 @@ TEST_F(SuddenEnd, IsToldWithStagePluginAndFrameAndIsNoSuccess) {
                 HasSubstr(std::to_string(written) + " of 4 frames; the run did not finish"))
         << deed;
   }
+}
+
+TEST_F(SuddenEnd, IsToldOfAComponentThatIsAskedBeforeTheRun) {
+  for (const auto& [params, end] :
+       {std::pair{"{}", "called exit()"}, std::pair{"{at_once: true}", "called _exit()"}}) {
+    std::string text = testing::chain();
+    const std::string filter = "{use: filters/test.scripted, params: {}}";
+    text.replace(text.find(filter), filter.size(),
+                 "{use: filters/zoo_leaving, params: " + std::string(params) + "}");
+    const std::string file = write(text);
+    for (const std::string command : {"check", "run"}) {
+      const Ended ended = weft({command, file});
+      EXPECT_EQ(ended.exit_code, 4) << command << ended.err;
+      EXPECT_THAT(ended.err,
+                  HasSubstr("filters/zoo_leaving, asked by the checks of " + file + ": " + end))
+          << command;
+    }
+  }
+}
+
+TEST_F(SuddenEnd, OfWhoSpoilsItsInputsIsToldUnderParanoidWithTheInput) {
+  const Ended trusting = weft({"run", write(of("spoil")), "--out", path("trusting"), "--quiet"});
+  EXPECT_EQ(trusting.exit_code, 0) << trusting.err;
+  for (const auto& [deed, end] :
+       {std::pair{"spoil", "wrote into its input correspondences/kept"},
+        std::pair{"overread", "went beyond the end of its input correspondences/score"}}) {
+    const Ended ended =
+        weft({"run", write(of(deed)), "--out", path(deed), "--quiet", "--paranoid"});
+    EXPECT_NE(ended.exit_code, 0) << deed;
+    EXPECT_THAT(ended.err,
+                HasSubstr(std::string("filters (filters/zoo_deadly: filter), frame 1: ") + end))
+        << deed;
+  }
+  const Ended sound =
+      weft({"run", write(testing::chain()), "--out", path("sound"), "--quiet", "--paranoid"});
+  EXPECT_EQ(sound.exit_code, 0) << sound.err;
 }
 
 TEST_F(SuddenEnd, IsToldOfAThreadThatRunsBesideOthers) {

@@ -2,6 +2,7 @@
 // The commands that look into plugins, runs and machines, as users start them.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -47,6 +48,13 @@ class Tools : public testing::PipelineTest {
   /// Where only the plugins of the folder are looked for, besides those beside the program.
   Ended weft_with(const std::string& plugins, const std::vector<std::string>& arguments) const {
     return Child(command(arguments, plugins), path("printed")).wait();
+  }
+
+  /// Where a library does something when it is loaded.
+  Ended weft_falling(const std::string& deed, const std::vector<std::string>& arguments) const {
+    std::vector<std::string> words = command(arguments, WEFT_FALLS_FOLDER);
+    words.insert(words.begin() + 3, "WEFT_ZOO_FALLS=" + deed);
+    return Child(words, path("printed")).wait();
   }
 
   /// A copy of the library of scripted components, and of its manifest with a change.
@@ -198,6 +206,32 @@ TEST_F(Tools, DescribesALibraryAsJsonAndWritesNothing) {
   EXPECT_EQ(written.exit_code, 0) << written.err;
   EXPECT_TRUE(fs::exists(path("plugins/sources_test.scripted.plugin.yaml")));
   EXPECT_EQ(weft({"plugins", "describe", write("text", "a.so"), "--json"}).exit_code, 3);
+}
+
+TEST_F(Tools, OutliveALibraryThatEndsItsProcessWhenItIsLoaded) {
+  const std::string library = std::string(WEFT_FALLS_FOLDER) + "/filters_zoo_falls.so";
+  for (const std::string deed : {"fault", "exit"}) {
+    const auto says = HasSubstr("it ends the process that loads it");
+    const Ended why = weft_falling(deed, {"plugins", "why", "filters/zoo_falls"});
+    EXPECT_EQ(why.exit_code, 2) << why.err;
+    EXPECT_THAT(why.out, ::testing::AllOf(HasSubstr("refused: filters/zoo_falls"), says));
+    const Ended described = weft_falling(deed, {"plugins", "describe", library, "--json"});
+    EXPECT_EQ(described.exit_code, 3);
+    EXPECT_THAT(described.err, says);
+    const json doctor = parsed(weft_falling(deed, {"doctor", "--json"}));
+    const json& devices = doctor["devices"]["of_plugins"];
+    const auto of_it = std::find_if(devices.begin(), devices.end(), [](const json& entry) {
+      return entry["plugins"][0] == "filters/zoo_falls";
+    });
+    ASSERT_NE(of_it, devices.end());
+    EXPECT_THAT((*of_it)["reason"].get<std::string>(), says);
+  }
+}
+
+TEST_F(Tools, HearNothingOfWhatALibraryPrints) {
+  const std::string library = std::string(WEFT_FALLS_FOLDER) + "/filters_zoo_falls.so";
+  const json described = parsed(weft_falling("print", {"plugins", "describe", library, "--json"}));
+  EXPECT_EQ(described["components"][0]["id"], "filters/zoo_falls");
 }
 
 TEST_F(Tools, ATraceOfAKilledRunCanStillBeRead) {

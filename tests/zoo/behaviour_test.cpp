@@ -95,7 +95,9 @@ TEST_F(Misbehaviour, OutputsThatNoReaderCouldUseAreErrors) {
       {"infinity", "'score' holds NaN or infinity"},
       {"absent", "'kept' is missing"},
       {"bad_name", "refused the array 'diag.../../escape'"},
-      {"negative", "negative length"}};
+      {"negative", "negative length"},
+      {"no_flag", "array 'kept' holds 255 at [4] where 0 or 1 is expected"},
+      {"too_sure", "array 'confidence' is 1.500000 where 0 to 1 is expected"}};
   for (const auto& [mistake, message] : mistakes) {
     SCOPED_TRACE(mistake);
     Subject subject(registry_, "filters/zoo_wrong_output", "{mistake: " + mistake + "}");
@@ -122,6 +124,18 @@ TEST_F(Misbehaviour, AnOutputThatAPassPromisedAndForgotIsAnError) {
   Subject wrong(registry_, "passes/zoo_forgets", "{vertices: 3}");
   expect_error(wrong.lane().call(**wrong.created(), 0, inputs, 0), "passes/zoo_forgets",
                "3 entries for 4 of the input 'template'");
+}
+
+TEST_F(Misbehaviour, AnInputThatItDidNotAskForIsNamedWhenItIsUsed) {
+  const std::vector<std::pair<std::string, std::string>> wanted{
+      {"template", "template"}, {"camera", "camera"}, {"previous_shape", "previous.shape"}};
+  for (const auto& [choice, input] : wanted) {
+    SCOPED_TRACE(choice);
+    Subject subject(registry_, "filters/zoo_undeclared", "{wanted: " + choice + "}");
+    const std::string name = '"' + input + '"';
+    expect_error(subject.filter(), "filters/zoo_undeclared",
+                 "input " + name + " is not delivered: add " + name + " to kAbout.needs");
+  }
 }
 
 TEST_F(Misbehaviour, CreatingNothingIsAnError) {

@@ -69,5 +69,19 @@ TEST(RoleContract, ProgramSurvivesItsComponentsAndTellsByItsExitCode) {
   EXPECT_THAT(said, HasSubstr("filters/zoo_throws: with a usual input: says error"));
 }
 
+TEST(RoleContract, NamesTheInputThatAComponentWritesIntoAndWhoEndsItsProcess) {
+  const std::string command = std::string(WEFT_CONTRACT) + " " + WEFT_DEADLY_FOLDER +
+                              "/filters_zoo_deadly.plugin.yaml '{deed: spoil}' 2>&1";
+  FILE* program = popen(command.c_str(), "r");
+  ASSERT_NE(program, nullptr);
+  std::string said;
+  std::array<char, 4096> part{};
+  while (fgets(part.data(), part.size(), program) != nullptr) said += part.data();
+  EXPECT_EQ(WEXITSTATUS(pclose(program)), 1);
+  EXPECT_THAT(said, HasSubstr("it wrote into its input correspondences/kept: ended by signal 11"));
+  EXPECT_THAT(said, HasSubstr("filters/zoo_leaving: its parameters: it ended its process with exit "
+                              "code 0"));
+}
+
 }  // namespace
 }  // namespace weft::zoo

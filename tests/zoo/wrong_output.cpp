@@ -16,7 +16,9 @@ enum class Mistake {
   infinity,
   absent,
   bad_name,
-  negative
+  negative,
+  no_flag,
+  too_sure
 };
 
 class WrongOutput final : public weft::Filter {
@@ -31,7 +33,9 @@ class WrongOutput final : public weft::Filter {
               {"infinity", Mistake::infinity},
               {"absent", Mistake::absent},
               {"bad_name", Mistake::bad_name},
-              {"negative", Mistake::negative}},
+              {"negative", Mistake::negative},
+              {"no_flag", Mistake::no_flag},
+              {"too_sure", Mistake::too_sure}},
              "what is wrong");
     p.read("frame", frame_, "", {-1, 1e6}, "in which it is, -1 for all");
   }
@@ -51,6 +55,8 @@ class WrongOutput final : public weft::Filter {
     if (mistake == Mistake::absent) mask.kept = {};
     if (mistake == Mistake::bad_name) mask.diag.set("../../escape", 1.0);
     if (mistake == Mistake::negative) mask.score = weft::Array<double>({n - 1000}, 0.0);
+    if (mistake == Mistake::no_flag) mask.kept(n - 1) = 255;
+    if (mistake == Mistake::too_sure) mask.confidence = weft::make_scalar(1.5);
     return mask;
   }
 

@@ -119,6 +119,7 @@ class Member {
   /// `templ` is the template as it is kept.
   CellResult finish(const RecordPtr& templ) {
     if (evaluator_) measure();
+    result_.first_error = first_error_.message;
     host::NamedRecords shapes = kept_.records();
     if (!shapes.empty()) shapes.emplace(shapes.begin(), "template", templ);
     result_.shapes = std::move(shapes);

@@ -20,8 +20,9 @@ struct StageTiming {
 
 /// What a cell came to.
 struct CellResult {
-  std::string failure;  ///< why it failed; empty where it is done
-  std::string left;     ///< why there is no result: nothing that the cell is to blame for
+  std::string failure;      ///< why it failed; empty where it is done
+  std::string left;         ///< why there is no result: nothing that the cell is to blame for
+  std::string first_error;  ///< of a frame: which, of which stage; empty where there was none
   std::optional<RunMetrics> metrics;  ///< of all that could be measured
   std::vector<std::string> executed;  ///< stages that it ran itself
   std::vector<StageTiming> timings;   ///< of these stages and of the source

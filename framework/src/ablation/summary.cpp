@@ -33,23 +33,26 @@ std::string aligned(const std::vector<Row>& rows, std::size_t text_columns) {
   return text;
 }
 
-/// Number of cells, failures, and a mean for each metric.
+/// Number of cells, failures, frames in error where they are wanted, and a mean for each metric.
 Row figures_of(const Results& results, const Selection& where,
-               const std::vector<std::string>& metrics) {
+               const std::vector<std::string>& metrics, bool with_errors) {
   std::vector<std::vector<double>> values(metrics.size());
   std::size_t count = 0, failed = 0;
+  std::int64_t frames_in_error = 0;
   for (const PlanCell& cell : results.plan.cells) {
     if (!results.plan.selects(where, cell)) continue;
     const CellRecord& record = results.record(cell);
     if (!record.done() && !record.failed()) continue;
     ++count;
     failed += record.failed() ? 1 : 0;
+    frames_in_error += record.frames_in_error;
     for (std::size_t i = 0; i < metrics.size(); ++i) {
       const double value = record.figure(metrics[i]);
       if (std::isfinite(value)) values[i].push_back(value);
     }
   }
   Row row{std::to_string(count), std::to_string(failed)};
+  if (with_errors) row.push_back(std::to_string(frames_in_error));
   for (const auto& each : values) {
     row.push_back(each.empty() ? "-" : fmt::format("{:.4g}", mean(each)));
   }
@@ -88,6 +91,10 @@ std::string summary_table(const Results& results) {
   }
   const std::size_t text_columns = head.size();
   head.insert(head.end(), {"cells", "failed"});
+  const bool with_errors =
+      std::any_of(plan.cells.begin(), plan.cells.end(),
+                  [&](const PlanCell& cell) { return results.record(cell).frames_in_error > 0; });
+  if (with_errors) head.emplace_back("frames in error");
   for (const std::string& metric : metrics) head.push_back(metric_heading(metric));
   std::vector<Row> rows{head};
   for (const Selection& where : selections) {
@@ -96,7 +103,7 @@ std::string summary_table(const Results& results) {
       if (!whole) row.push_back(name);
       row.push_back(value);
     }
-    const Row numbers = figures_of(results, where, metrics);
+    const Row numbers = figures_of(results, where, metrics, with_errors);
     row.insert(row.end(), numbers.begin(), numbers.end());
   }
   return aligned(rows, text_columns);

@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "describe/slots.hpp"
+
 namespace weft::host {
 namespace {
 
@@ -207,6 +209,7 @@ std::string write_component(std::ostream& out, const weft_component& component) 
       << "\n    random: " << ((component.flags & WEFT_FLAG_RANDOM) != 0 ? "true" : "false")
       << "\n    uses_truth: " << ((component.flags & WEFT_FLAG_USES_TRUTH) != 0 ? "true" : "false")
       << "\n    extensions: " << extensions(component) << "\n    parameters:";
+  if (std::string unknown = unknown_slots(component); !unknown.empty()) return unknown;
   Declarations declarations;
   const weft_describe sink{sizeof(weft_describe), 0, &declarations,
                            [](void* context, const weft_parameter* parameter) {
@@ -217,6 +220,7 @@ std::string write_component(std::ostream& out, const weft_component& component) 
                            }};
   weft_error error{sizeof(weft_error), 0, {}, {}, {}};
   if (component.describe(&sink, &error) != WEFT_OK) {
+    error.message[sizeof(error.message) - 1] = '\0';
     return "its constructor failed while it declared its parameters (" +
            std::string(error.message) +
            "); it should read them all and do nothing else: files and checks belong in prepare()";

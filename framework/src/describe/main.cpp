@@ -4,14 +4,23 @@
 
 #include <cstdio>
 #include <fstream>
+#include <string_view>
 
 #include "describe/build_id.hpp"
 #include "describe/describe.hpp"
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    std::fputs("usage: <plugin>_describe LIBRARY.so MANIFEST.yaml\n", stderr);
+  if (argc != 4) {
+    std::fputs("usage: <plugin>_describe LIBRARY.so MANIFEST.yaml ID\n", stderr);
     return 2;
+  }
+  const char* first = weft_library.count > 0 ? weft_library.components[0]->id : "";
+  if (first != std::string_view(argv[3])) {
+    std::fprintf(stderr,
+                 "%s: its first component is '%s', and weft_add_plugin() builds '%s': give both "
+                 "the same id\n",
+                 argv[1], first, argv[3]);
+    return 1;
   }
   const auto build_id = weft::host::read_build_id(argv[1]);
   if (!build_id || build_id->empty()) {

@@ -7,9 +7,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdint>
 #include <cstring>
+#include <optional>
 #include <weft/core/index.hpp>
 
 namespace weft {
@@ -72,19 +75,61 @@ bool append(int end, std::string& text) {
   return count > 0;
 }
 
-void read_both(const Pipe& out, const Pipe& err, Answer& answer) {
+/// When a program is to be ended; never where it may take as long as it likes.
+class Deadline {
+ public:
+  explicit Deadline(std::chrono::milliseconds longest)
+      : end_(longest.count() > 0 ? std::optional(Clock::now() + longest) : std::nullopt) {}
+
+  /// [ms] as poll() takes it: -1 for ever.
+  int left_ms() const {
+    if (!end_) return -1;
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(*end_ - Clock::now());
+    return static_cast<int>(std::max<std::int64_t>(left.count(), 0));
+  }
+  bool is_over() const { return left_ms() == 0; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::optional<Clock::time_point> end_;
+};
+
+/// Until both ends are closed or it is too late.
+void read_both(const Pipe& out, const Pipe& err, const Deadline& deadline, Answer& answer) {
   pollfd ends[] = {{out.read_end(), POLLIN, 0}, {err.read_end(), POLLIN, 0}};
-  while (ends[0].fd >= 0 || ends[1].fd >= 0) {
-    if (poll(ends, 2, -1) < 0 && errno != EINTR) return;
+  while ((ends[0].fd >= 0 || ends[1].fd >= 0) && !deadline.is_over()) {
+    const int ready = poll(ends, 2, deadline.left_ms());
+    if (ready < 0 && errno != EINTR) return;
+    if (ready <= 0) continue;
     if (ends[0].revents != 0 && !append(ends[0].fd, answer.out)) ends[0].fd = -1;
     if (ends[1].revents != 0 && !append(ends[1].fd, answer.err)) ends[1].fd = -1;
   }
 }
 
+/// Waits for its end, or ends it where it is too late. Its status.
+int wait_for(pid_t process, const Deadline& deadline, Answer& answer) {
+  constexpr int kPause_ms = 5;
+  int status = 0;
+  while (deadline.left_ms() >= 0) {  // else there is none, and nothing but the end to wait for
+    if (waitpid(process, &status, WNOHANG) == process) return status;
+    if (deadline.is_over()) {
+      answer.late = true;
+      kill(process, SIGKILL);
+      break;
+    }
+    poll(nullptr, 0, kPause_ms);
+  }
+  while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
+  }
+  return status;
+}
+
 }  // namespace
 
 Result<Answer> run_program(const std::vector<std::string>& words,
-                           const std::vector<std::string>& settings) {
+                           const std::vector<std::string>& settings,
+                           std::chrono::milliseconds longest) {
+  const Deadline deadline(longest);
   Pipe out, err;
   if (!out || !err) return Error{Errc::io, "cannot open a pipe"};
   pid_t process = 0;
@@ -96,10 +141,8 @@ Result<Answer> run_program(const std::vector<std::string>& words,
   out.close_end(1);
   err.close_end(1);
   Answer answer;
-  read_both(out, err, answer);
-  int status = 0;
-  while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
-  }
+  read_both(out, err, deadline, answer);
+  const int status = wait_for(process, deadline, answer);
   answer.exit_code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
   return answer;
 }

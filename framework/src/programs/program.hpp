@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <vector>
 #include <weft/core/result.hpp>
@@ -10,12 +11,15 @@ namespace weft {
 /// How a program ended, and what it printed.
 struct Answer {
   int exit_code = 0;  ///< 128 and the number of the signal that ended it
+  bool late = false;  ///< it was ended, as it took too long
   std::string out, err;
 };
 
 /// Runs a program of the search path to its end; its input is empty, its environment this one's
-/// with `settings` ("NAME=VALUE") behind it. Errc::not_found where there is no such program.
+/// with `settings` ("NAME=VALUE") behind it. One that takes longer than `longest`, if that is not
+/// zero, is killed. Errc::not_found where there is no such program.
 Result<Answer> run_program(const std::vector<std::string>& words,
-                           const std::vector<std::string>& settings = {});
+                           const std::vector<std::string>& settings = {},
+                           std::chrono::milliseconds longest = {});
 
 }  // namespace weft

@@ -8,9 +8,21 @@
 #include "report/sheets.hpp"
 
 namespace weft::evaluation {
+
 std::string anchor_of(std::size_t combination) {
   return "reproduce-" + std::to_string(combination);
 }
+
+namespace {
+
+/// "weft", with the folders of plugins that the ablation was given.
+std::string program_of(const Results& results) {
+  const std::string& command = results.plan.command;
+  const std::size_t end = command.find(" ablate ");
+  return end == std::string::npos ? "weft" : command.substr(0, end);
+}
+
+}  // namespace
 
 std::string run_command(const Results& results, const std::string& key) {
   std::string options;
@@ -20,8 +32,9 @@ std::string run_command(const Results& results, const std::string& key) {
     options += fmt::format(" --match-tolerance-px {:g}", results.match_tolerance_px);
   }
   const std::string run = shell_word("runs/" + key);
-  return "weft run " + shell_word(results.folder + "/cells/" + key + "/pipeline.yaml") + " --out " +
-         run + " && weft eval " + run + options;
+  return program_of(results) + " run " +
+         shell_word(results.folder + "/cells/" + key + "/pipeline.yaml") + " --out " + run +
+         " && weft eval " + run + options;
 }
 
 std::string command_of(const Results& results, const PlanCell& cell) {

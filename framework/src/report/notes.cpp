@@ -26,6 +26,8 @@ std::string data_use_text(const std::string& use) {
 
 struct Counts {
   std::int64_t done = 0, failed = 0, missing = 0;
+  std::int64_t frames_in_error = 0;
+  std::string first_error = {};
   bool use_truth = false;
 };
 
@@ -35,6 +37,10 @@ Counts count_cells(const ReportTables& tables) {
     counts.done += combination.done;
     counts.failed += combination.failed;
     counts.missing += combination.missing;
+    counts.frames_in_error += combination.frames_in_error;
+    if (counts.first_error.empty() && !combination.first_error.empty()) {
+      counts.first_error = combination.name + ", " + combination.first_error;
+    }
     counts.use_truth = counts.use_truth || combination.uses_truth;
   }
   return counts;
@@ -146,6 +152,11 @@ std::vector<std::string> notices_of(const Results& results, const ReportTables& 
     notices.push_back(
         fmt::format("{} of {} cells failed: they enter no mean, but their frames count as failed.",
                     counts.failed, results.plan.cells.size()));
+  }
+  if (counts.frames_in_error > 0) {
+    const std::string first =
+        counts.first_error.empty() ? "" : "; the first: " + counts.first_error;
+    notices.push_back(fmt::format("{} frames had an error{}.", counts.frames_in_error, first));
   }
   if (counts.missing > 0) {
     notices.push_back(

@@ -35,6 +35,8 @@ TextCell share_cell(std::int64_t part, std::int64_t whole) {
   return cell;
 }
 
+TextCell cause_cell(const std::string& cause) { return {cause.empty() ? "–" : cause, cause}; }
+
 void add_error(const Combination& combination, TextRow& row) {
   row.cells.push_back(number_cell(combination.mean_mm, 3));
   row.cells.push_back(number_cell(combination.interval_mm.low, 3));
@@ -55,6 +57,8 @@ TextRow combination_row(const Results& results, const ReportTables& tables, std:
   }
   row.cells.push_back(share_cell(combination.solved, combination.frames));
   row.cells.push_back(share_cell(combination.failures, combination.truth_frames));
+  row.cells.push_back(count_cell(combination.frames_in_error));
+  row.cells.push_back(cause_cell(combination.first_error));
   const std::int64_t cells = combination.done + combination.failed + combination.missing;
   row.cells.push_back(share_cell(combination.failed, cells));
   row.cells.push_back(share_cell(combination.missing, cells));
@@ -115,6 +119,8 @@ TextTable combinations_sheet(const Results& results, const ReportTables& tables)
   for (const TextColumn& column :
        {TextColumn{"frames solved", "frames_solved", true, "frames", true},
         TextColumn{"frames failed", "frames_failed", true, "frames_with_truth", true},
+        TextColumn{"frames in error", "frames_in_error", true, "", true},
+        TextColumn{"first error", "first_error", false, "", true},
         TextColumn{"cells failed", "cells_failed", true, "cells", true},
         TextColumn{"not run", "cells_missing", true, "", true},
         TextColumn{"n", "sequences", true, "", true},
@@ -240,6 +246,8 @@ TextTable cells_sheet(const Results& results, const std::vector<std::size_t>& ce
         TextColumn{"worst, mm", "worst_mm", true},
         TextColumn{"solved", "frames_solved", true, "frames"},
         TextColumn{"failed", "frames_failed", true, "frames_with_truth"},
+        TextColumn{"in error", "frames_in_error", true, "", true},
+        TextColumn{"first error", "first_error", false, "", true},
         TextColumn{"reason", "reason", false, "", true}, TextColumn{"key", "key"}}) {
     table.columns.push_back(column);
   }
@@ -257,6 +265,7 @@ TextTable cells_sheet(const Results& results, const std::vector<std::size_t>& ce
           text_cell(to_string(record.outcome)), number_cell(record.mean_mm, 3),
           number_cell(record.worst_mm, 3), share_cell(record.solved, size.frames),
           share_cell(record.failures + size.truth_frames - record.truth_frames, size.truth_frames),
+          count_cell(record.frames_in_error), cause_cell(record.first_error),
           text_cell(record.reason), text_cell(cell.key)}) {
       row.cells.push_back(figure);
     }

@@ -50,6 +50,7 @@ Result<void> read_metrics(const json& object, const std::set<std::string>& wante
   }
   record.frames = metrics->counts.frames;
   record.solved = metrics->counts.solved();
+  record.frames_in_error = metrics->counts.failed;
   record.truth_frames = metrics->all.frames;
   record.failures = metrics->all.failures();
   record.mean_mm = metrics->all.solved_error.mean_mm;
@@ -112,6 +113,7 @@ Result<CellRecord> record_of(const json& line, const std::set<std::string>& want
   record.outcome = record.reason.empty() ? CellOutcome::done : CellOutcome::failed;
   record.key = line.at("key");
   record.rebuilt_key = text_in(line, "rebuilt_key");
+  record.first_error = text_in(line, "first_error");
   record.files = files_of_line(line);
   if (line.contains("machine")) {
     record.processor = text_in(line.at("machine"), "processor");

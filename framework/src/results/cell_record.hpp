@@ -81,6 +81,8 @@ struct CellRecord {
   std::string processor;              ///< that computed it
 
   std::int64_t frames = 0, solved = 0;          ///< [] of all frames
+  std::int64_t frames_in_error = 0;             ///< [] in which a stage, the source or a sink erred
+  std::string first_error;                      ///< "frame 3, filters: ..."; empty in older lines
   std::int64_t truth_frames = 0, failures = 0;  ///< [] with truth that counts; of them failures
   double mean_mm = kUnknown;                    ///< [] mm, mean over solved frames with truth
   double worst_mm = kUnknown;                   ///< [] mm, largest mean error of a frame

@@ -122,7 +122,7 @@ class Definitions {
     for (const host::ParameterSpec& parameter : component.parameters) {
       if (parameter.required) required.push_back(parameter.name);
       if (parameter.type != WEFT_VALUE_COMPONENT) continue;
-      params["properties"][parameter.name] = reference("complete");
+      params["properties"][parameter.name] = reference("complete_nested");
     }
     ordered_json needs = ordered_json::object();
     if (!required.empty()) {
@@ -146,6 +146,13 @@ class Definitions {
     }
     if (!rules.empty()) complete["allOf"] = std::move(rules);
     all_["complete"] = std::move(complete);
+
+    // With parameters alone it is the default of what holds it.
+    ordered_json by_default = ordered_json::object();
+    by_default["required"] = ordered_json::array({"params"});
+    by_default["not"]["required"] = ordered_json::array({"use"});
+    all_["complete_nested"]["anyOf"] =
+        ordered_json::array({reference("complete"), std::move(by_default)});
 
     ordered_json stage = ordered_json::object();
     ordered_json& name = stage["properties"]["as"] = ordered_json::object();

@@ -86,7 +86,27 @@ int tell(const std::string& id, const ContractReport& report) {
 /// What the child is doing, readable after its death.
 struct Progress {
   char what[256];
+  bool is_done;  ///< it was the checks that ended it
 };
+
+Progress* told = nullptr;  ///< what the handler reaches
+
+void add(const char* text) {
+  const std::size_t length = std::strlen(told->what);
+  std::strncpy(told->what + length, text, sizeof(told->what) - 1 - length);
+}
+
+/// A component that spoils an input is told so; what becomes of it does not change.
+void on_fault(int signal, siginfo_t* info, void*) {
+  const SpoiltInput spoilt = spoilt_input_at(info->si_addr);
+  if (spoilt.input != nullptr) {
+    add(": it ");
+    add(spoilt.deed);
+    add(spoilt.input);
+  }
+  std::signal(signal, SIG_DFL);
+  if (info->si_code <= 0) raise(signal);  // a fault comes again by itself
+}
 
 /// Checks it in a process of its own, so that a crash or a hang is one failure.
 int check_isolated(const std::string& id, const ContractOptions& given) {
@@ -97,17 +117,28 @@ int check_isolated(const std::string& id, const ContractOptions& given) {
   const pid_t child = fork();
   if (child == 0) {
     alarm(kLongest_s);
+    told = progress;
+    struct sigaction action {};
+    action.sa_sigaction = on_fault;
+    action.sa_flags = SA_SIGINFO;
+    sigaction(SIGSEGV, &action, nullptr);
     ContractOptions options = given;
     options.watch = [&](const std::string& what) {
       std::strncpy(progress->what, what.c_str(), sizeof(progress->what) - 1);
     };
     const int code = tell(id, check_role_contract(id, options));
     std::cout.flush();
+    progress->is_done = true;
     _exit(code);
   }
   int status = 0;
   if (child < 0 || waitpid(child, &status, 0) != child) throw std::runtime_error("no process");
-  if (WIFEXITED(status)) return WEXITSTATUS(status);
+  if (WIFEXITED(status) && progress->is_done) return WEXITSTATUS(status);
+  if (WIFEXITED(status)) {
+    std::cout << id << ": " << progress->what << ": it ended its process with exit code "
+              << WEXITSTATUS(status) << std::endl;
+    return kFails;
+  }
   const int signal = WTERMSIG(status);
   std::cout << id << ": " << progress->what << ": ";
   if (signal == SIGALRM) std::cout << "not done after " << kLongest_s << " s" << std::endl;

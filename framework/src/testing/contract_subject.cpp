@@ -9,6 +9,7 @@
 #include <weft/core/index.hpp>
 #include <weft/testing/role_contract.hpp>
 
+#include "host/calling/protected_inputs.hpp"
 #include "host/loading/component_checks.hpp"
 
 namespace weft::testing {
@@ -144,7 +145,16 @@ std::string difference(const Answer& a, const Answer& b) {
   return "";
 }
 
-Performer::Performer(const Subject& subject) : subject_(subject), lane_(kRunSeed, {}) {}
+SpoiltInput spoilt_input_at(const void* address) {
+  const host::ProtectedPlace place = host::protected_place(address);
+  if (place.input == nullptr) return {nullptr, nullptr};
+  return {place.beyond ? "went beyond the end of its input " : "wrote into its input ",
+          place.input};
+}
+
+Performer::Performer(const Subject& subject) : subject_(subject), lane_(kRunSeed, {}) {
+  lane_.protect_inputs();
+}
 
 Result<void> Performer::begin(const Template& templ, const Camera& camera) {
   const auto made = lane_.instantiate(subject_.spec(), kStage);

@@ -54,7 +54,7 @@ class SelfOcclusion final : public Pass {
  private:
   /// What is seen of the mesh that is looked at.
   Result<PassOutput> seen_on(const PassInput& in) {
-    const std::optional<Shape> shape = shape_to_look_at(in);
+    const Shape* shape = shape_to_look_at(in);
     if (!shape && !in.warp_samples) {
       return no_result("there is neither a shape nor a warp to look at");
     }
@@ -164,17 +164,17 @@ class SelfOcclusion final : public Pass {
 
   /// The shape of this frame, else the previous one while it is fresh; only one that lies before
   /// the camera.
-  std::optional<Shape> shape_to_look_at(const PassInput& in) const {
+  const Shape* shape_to_look_at(const PassInput& in) const {
     const auto usable = [](const Shape& shape) {
       const auto vertices_m = shape.vertices_m.matrix<3>();
       return vertices_m.allFinite() && vertices_m.col(2).minCoeff() > 0.0;
     };
-    if (in.shape && usable(*in.shape)) return in.shape;
-    if (in.shape || !in.previous_shape) return {};
+    if (in.shape && usable(*in.shape)) return &*in.shape;
+    if (in.shape || !in.previous_shape) return nullptr;
     const bool fresh = in.previous_shape->shape_state() != ShapeState::lost &&
                        in.previous_shape->age_frames < longest_age_;
-    if (!fresh || !usable(*in.previous_shape)) return {};
-    return in.previous_shape;
+    if (!fresh || !usable(*in.previous_shape)) return nullptr;
+    return &*in.previous_shape;
   }
 
   Rules rules_;

@@ -18,6 +18,7 @@
 
 #include "host/records/npz.hpp"
 #include "metrics/forms/metrics_report.hpp"
+#include "results/cell_line.hpp"
 
 namespace weft::evaluation {
 
@@ -42,6 +43,7 @@ class FakeResults {
     bool timing = false;
     bool old_times = false;  ///< as of programs that took no processor time of detectors
     bool shapes = false;
+    bool errors = false;  ///< in two frames of each cell of `shaky`, which is done all the same
     std::string data_use = "reporting";
   };
 
@@ -127,11 +129,16 @@ class FakeResults {
   }
 
   void write_cell(const nlohmann::json& cell) {
-    nlohmann::ordered_json line{{"schema", "weft.cell/1"}, {"key", cell["key"]}};
+    nlohmann::ordered_json line{{"schema", choice_.errors ? kLineSchema : kUncheckedLineSchema},
+                                {"key", cell["key"]}};
     const bool broken = cell["axes"]["filter"] == "broken";
     line["outcome"] = broken ? "failed" : "done";
     line["reason"] = broken ? kReason : "";
     if (!broken) line["metrics"] = nlohmann::ordered_json::parse(to_json(metrics_of(cell)));
+    if (choice_.errors && cell["axes"]["filter"] == "shaky") {
+      line["metrics"]["counts"]["failed"] = 2;
+      line["first_error"] = "frame 3, filters: refused";
+    }
     line["stages"] = {{{"stage", "detectors"}}, {{"stage", "filters"}}};
     line["timing"] = {{"cached", !choice_.timing}};
     if (choice_.timing) {
@@ -152,7 +159,8 @@ class FakeResults {
       if (!choice_.old_times) line["timing"]["stages"][1]["mean_processor_ms"] = 6.0;
     }
     line["machine"] = {{"processor", "A <fine> one"}};
-    append("results/" + std::to_string(cell["cell"].get<int>() % 2) + ".jsonl", line.dump() + "\n");
+    append("results/" + std::to_string(cell["cell"].get<int>() % 2) + ".jsonl",
+           (choice_.errors ? checked_line(line) : line.dump()) + "\n");
     const std::string folder = folder_ + "/cells/" + cell["key"].get<std::string>();
     std::filesystem::create_directories(folder);
     std::ofstream(folder + "/pipeline.yaml") << "weft: 1\n# " << folder << "\n";

@@ -253,7 +253,7 @@ TEST(Report, WritesTablesAsCsvAndMarkdown) {
   const std::string csv = fake.read("report/combinations.csv");
   EXPECT_THAT(csv, HasSubstr("filter,alpha,mean_mm,low_mm,high_mm,worst_mm"));
   EXPECT_THAT(csv, HasSubstr("\nsteady,0.1,2.395,"));
-  EXPECT_THAT(csv, HasSubstr("\nbroken,0.2,,,,,0,160,160,160,16,16,0,0,no\n"));
+  EXPECT_THAT(csv, HasSubstr("\nbroken,0.2,,,,,0,160,160,160,0,,16,16,0,0,no\n"));
   const std::string cells = fake.read("report/cells.csv");
   EXPECT_EQ(std::count(cells.begin(), cells.end(), '\n'), 1 + 192);
   EXPECT_THAT(cells, HasSubstr(FakeResults::kReason));
@@ -319,6 +319,27 @@ TEST(Report, SaysInShortWhatFailedAndWhatIsUndecided) {
   }
   EXPECT_THAT(fake.read("report/comparisons.csv"), HasSubstr(",too few to decide,"));
   EXPECT_THAT(fake.read("report/expectations.csv"), HasSubstr(",1,,,16,16,no\n"));
+}
+
+TEST(Report, CountsFramesInErrorAndTellsTheFirst) {
+  FakeResults::Choice choice;
+  choice.errors = true;
+  FakeResults fake(choice);
+  const std::string page = written(fake);
+  // Four values of alpha, eight sequences and two seeds, two frames each.
+  EXPECT_THAT(page, HasSubstr("128 frames had an error; the first: "
+                              "shaky · 0.05, plain_101, seed 1, frame 3, filters: refused."));
+  EXPECT_THAT(fake.read("report/combinations.csv"),
+              HasSubstr(",32,\"plain_101, seed 1, frame 3, filters: refused\","));
+  EXPECT_THAT(fake.read("report/cells.csv"), HasSubstr(",2,\"frame 3, filters: refused\","));
+}
+
+TEST(Report, GivesTheCommandOfACellTheFoldersOfPluginsOfTheAblation) {
+  FakeResults fake({});
+  nlohmann::json plan = nlohmann::json::parse(fake.read("plan.json"));
+  plan["command"] = "weft --plugin-path build ablate stages.yaml";
+  fake.write("plan.json", plan);
+  EXPECT_THAT(written(fake), HasSubstr("weft --plugin-path build run "));
 }
 
 /// The plan of `fake` with another axis `light`: its values are its odd and even seeds.

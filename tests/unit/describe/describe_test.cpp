@@ -49,6 +49,14 @@ struct Failing final : Base {
   }
   std::string file;
 };
+struct ThrowingOnly final : Base {
+  explicit ThrowingOnly(Params&) { throw 1; }
+};
+template <const char* kNeeds, const char* kReads, const char* kProduces>
+struct Asking final : Base {
+  static constexpr About kAbout{.needs = kNeeds, .reads = kReads, .produces = kProduces};
+  explicit Asking(Params&) {}
+};
 struct Required final : Base {
   explicit Required(Params& p) { p.read("alpha", alpha, "s", {1, 2}, "given", Need::required); }
   double alpha = 0.0;  // never used, so it need not be legal
@@ -127,6 +135,26 @@ TEST(Describe, RefusesDeclarationsThatContradictThemselves) {
 TEST(Describe, RefusesAConstructorThatDoesMoreThanRead) {
   EXPECT_THAT(mistake<Failing>(),
               ::testing::AllOf(HasSubstr("no such file"), HasSubstr("belong in prepare()")));
+}
+
+TEST(Describe, SaysWhatAConstructorThrew) {
+  EXPECT_THAT(mistake<Failing>(), HasSubstr("(threw: no such file)"));
+  EXPECT_THAT(mistake<ThrowingOnly>(), HasSubstr("(threw something that is no std::exception)"));
+}
+
+constexpr char kNothing[] = "", kTemplate[] = "template", kTemplat[] = "camera templat",
+               kPrevious[] = "previous_shape", kShape[] = "shape", kMask[] = "inlier_mask";
+
+TEST(Describe, RefusesInputsAndOutputsThatTheRoleDoesNotHave) {
+  EXPECT_EQ((mistake<Asking<kTemplat, kNothing, kNothing>>()),
+            "kAbout.needs names 'templat', which is no input of filters; did you mean 'template'?");
+  EXPECT_EQ((mistake<Asking<kTemplate, kPrevious, kNothing>>()),
+            "kAbout.reads names 'previous_shape', which is no input of filters; did you mean "
+            "'previous.shape'?");
+  EXPECT_EQ((mistake<Asking<kTemplate, kNothing, kShape>>()),
+            "kAbout.produces names 'shape', which is no output of filters; there are: "
+            "inlier_mask");
+  EXPECT_TRUE((description<Asking<kTemplate, kNothing, kMask>>()));
 }
 
 TEST(Describe, WritesTheSweepOfAComponentThatHasOne) {

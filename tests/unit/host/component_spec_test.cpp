@@ -187,11 +187,24 @@ TEST_F(ComponentSpecTest, NestedComponentsAreCheckedToo) {
   expect_problem("{warp: {use: warps/zoo_shft}}", "did you mean 'warps/zoo_shift'?");
   expect_problem("{warp: {use: filters/zoo_strict}}",
                  "2:22: 'warp' must be one of warps/..., not 'filters/zoo_strict'");
-  expect_problem("{warp: {params: {}}}", "'warp' lacks the key 'use'");
+  expect_problem("{warp: {}}", "'warp' lacks the key 'use'");
+  expect_problem("{warp: {params: {shift_px: far}}}", "'shift_px' must be");
   expect_problem("{warp: warps/zoo_shift}",
                  "'warp' must be a component, such as {use: warps/zoo_shift}");
   expect_problem("{warp: {use: warps/zoo_shift, with: 3}}", "a nested component has no key 'with'");
+  expect_problem("{warp: {shift_px: 3}}",
+                 "a nested component has no key 'shift_px'; it has use and params; did you mean "
+                 "'warp.params.shift_px'?");
   expect_problem("{warp: {use: [warps/zoo_shift]}}", "'use' must be the id of a plugin");
+}
+
+TEST_F(ComponentSpecTest, ParametersAloneAreThoseOfTheDefaultComponent) {
+  const Resolved resolved = good("{warp: {params: {shift_px: 5}}}");
+  ASSERT_TRUE(resolved.spec) << resolved.problem();
+  const yaml::Node* warp = resolved.spec->effective.find("params")->find("warp");
+  ASSERT_NE(warp, nullptr);
+  EXPECT_EQ(warp->find("use")->scalar, "warps/zoo_shift");
+  EXPECT_EQ(warp->find("params")->find("shift_px")->scalar, "5");
 }
 
 TEST_F(ComponentSpecTest, NestedDefaultsAreEffectiveToo) {

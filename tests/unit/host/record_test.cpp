@@ -8,6 +8,7 @@
 #include <iostream>
 #include <limits>
 
+#include "host/records/value_check.hpp"
 #include "unit/data/random_record.hpp"
 
 namespace weft::host {
@@ -167,6 +168,51 @@ TEST(Validate, PassesUnknownArraysAndEvidenceThrough) {
   *static_cast<double*>(record->allocate("vendor.extra", WEFT_F64, 0, nullptr)) = std::nan("");
   *static_cast<double*>(record->allocate("diag.ratio", WEFT_F64, 0, nullptr)) = std::nan("");
   EXPECT_TRUE(validate(record->view("")));
+}
+
+template <class RecordType>
+std::string illegal_value(const RecordType& typed) {
+  const auto legal = check_values(Record::copy_of(typed)->view(""));
+  return legal ? "" : legal.error().message;
+}
+
+TEST(CheckValues, FindsWhatIsNoFlag) {
+  Region region{Array<std::uint8_t>({9, 21}, 1)};
+  EXPECT_EQ(illegal_value(region), "");
+  for (const auto& [y, x] : {std::pair{0, 0}, {4, 7}, {8, 20}}) {
+    region.mask(y, x) = 2;
+    EXPECT_EQ(illegal_value(region), "region/1: array 'mask' holds 2 at [" + std::to_string(y) +
+                                         "," + std::to_string(x) + "] where 0 or 1 is expected");
+    region.mask(y, x) = 0;
+  }
+  EXPECT_EQ(illegal_value(Count{5, 7}), "count/1: array 'live' is 7 where 0 or 1 is expected");
+}
+
+TEST(CheckValues, FindsWhatIsNoShareAndLeavesRoundingAlone) {
+  InlierMask mask{Array<std::uint8_t>({2}, 1), Array<double>({2}, 5.0), {}, make_scalar(1 + 1e-12)};
+  EXPECT_EQ(illegal_value(mask), "");
+  mask.confidence = make_scalar(-0.25);
+  EXPECT_EQ(illegal_value(mask),
+            "inlier_mask/1: array 'confidence' is -0.250000 where 0 to 1 is expected");
+}
+
+TEST(CheckValues, FindsReasonsStatesAndWeightsThatThereAreNot) {
+  Visibility seen{
+      Array<std::uint8_t>({3}, 1), Array<double>({3}, 1.0), Array<std::uint8_t>({3}, 0), {}};
+  seen.reason(2) = 5;
+  EXPECT_THAT(illegal_value(seen), HasSubstr("'reason' holds 5 at [2] where 0 to 4 is expected"));
+  Shape shape;
+  shape.vertices_m = Array<double>({1, 3}, 1.0);
+  shape.source = Array<std::uint8_t>({1}, 1);
+  EXPECT_EQ(illegal_value(shape), "");
+  shape.state = 9;
+  EXPECT_THAT(illegal_value(shape), HasSubstr("'state' is 9 where 1 to 4 is expected"));
+  Sightlines lines;
+  lines.vertex = lines.face = Array<std::int32_t>({1}, 0);
+  lines.barycentrics = lines.ray = Array<double>({1, 3}, 0.0);
+  lines.pixel_px = Array<double>({1, 2}, 0.0);
+  lines.weight = Array<double>({1}, -1.0);
+  EXPECT_THAT(illegal_value(lines), HasSubstr("'weight' holds -1.000000 at [0] where 0 or more"));
 }
 
 TEST(CheckLengths, ComparesAMaskWithItsMatches) {

@@ -362,7 +362,8 @@ TEST_F(WorkerTest, AStageReadsWarpsThatWereMadeElsewhere) {
     lane_->take_timings();
     const Outcome read = lane_->call(reader, 0, inputs, 0);
     ASSERT_EQ(read.status, WEFT_OK) << read.error.message;
-    EXPECT_EQ(view_as<Visibility>(*read.find("visibility"))->score(2), 20.0 + shift);
+    const auto visibility = view_as<Visibility>(*read.find("visibility"));
+    EXPECT_EQ(visibility->diag.value("third_x_px", 0.0), 20.0 + shift);
     EXPECT_THAT(names(lane_->take_timings()),
                 ElementsAre(shift == 1.0 ? "warps" : "warps#2", "passes"));
   }

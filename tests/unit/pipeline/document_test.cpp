@@ -235,6 +235,17 @@ TEST_F(Documents, SetsParametersOfNestedComponents) {
   EXPECT_EQ(params.find("warp")->find("params")->find("nan_at")->items.size(), 2U);
 }
 
+TEST_F(Documents, SetsParametersOfADefaultComponent) {
+  const auto [config, report] =
+      set({"filters={use: filters/test.warped}", "filters.warp.params.nan_at=[4, 5]"});
+  ASSERT_TRUE(report.ok()) << report.text();
+  const yaml::Node& warp = *config.stages[2].component.effective.find("params")->find("warp");
+  EXPECT_EQ(warp.find("use")->scalar, "warps/test.scripted");
+  EXPECT_EQ(warp.find("params")->find("nan_at")->items.size(), 2U);
+  EXPECT_THAT(set({"filters={use: filters/test.warped}", "filters.warp.nan_at=[4]"}).second.text(),
+              HasSubstr("did you mean 'warp.params.nan_at'?"));
+}
+
 TEST_F(Documents, NamesTheSettingAndItsColumn) {
   const auto text = [&](const std::string& setting) { return set({setting}).second.text(); };
   EXPECT_THAT(text("filters.evry=2"),
@@ -269,12 +280,29 @@ TEST_F(Documents, RefusesSettingsOfWholeComponentsWithTheSettingThatIsMeant) {
 }
 
 TEST_F(Documents, RefusesSettingsOfWhatOnlyAFileSays) {
-  for (const std::string key : {"extends", "without", "stages"}) {
+  for (const std::string key : {"extends", "stages"}) {
     EXPECT_EQ(set({key + "=[]"}).second.text(), "--set " + key +
                                                     "=[], column 1: a setting cannot "
                                                     "set '" +
                                                     key + "'; write it into a file\n");
   }
+}
+
+TEST_F(Documents, LeavesOutWhatASettingDoesWithout) {
+  for (const std::string setting : {"without=filters,sinks", "without=[filters, sinks]"}) {
+    const auto [config, report] = set({setting, "seed=7"});
+    ASSERT_TRUE(report.ok()) << report.text();
+    EXPECT_TRUE(config.sinks.empty());
+    EXPECT_EQ(config.stages.size(), 5U);
+  }
+  EXPECT_EQ(set({"without=sinks,filtres"}).second.text(),
+            "--set without=sinks,filtres, column 15: no stage or sink is named 'filtres'; did you "
+            "mean 'filters'?\n");
+  EXPECT_THAT(set({"without={filters: 1}"}).second.text(), HasSubstr("must be a list of names"));
+  EXPECT_THAT(set({"without=filters", "filters.every=2"}).second.text(),
+              HasSubstr("no stage or sink is named 'filters'"));
+  EXPECT_THAT(set({"filters.every=2", "without=filters"}).second.text(),
+              HasSubstr("this setting has no effect"));
 }
 
 TEST_F(Documents, CountsOnlyStagesWithoutANameWhenItNamesThem) {

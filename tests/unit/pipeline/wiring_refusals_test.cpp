@@ -89,14 +89,20 @@ TEST_F(WiringRefusals, RefusesAStageWhoseMatchesAnotherReplaces) {
       lines(check(solved(std::string(kMatcher) + kMatcher)).second),
       ElementsAre("5:5: nobody reads the correspondences of 'matchers', because 'matchers#2' makes "
                   "new ones; name it with as: NAME and take what it makes with from: "
-                  "{correspondences: NAME}, or leave it out"));
+                  "{correspondences: NAME}, or leave it out: --set without=matchers"));
   EXPECT_THAT(
       lines(check(solved("  - {use: detectors/test.scripted, as: a}\n"
                          "  - {use: detectors/test.scripted, as: b}\n"
                          "  - {use: matchers/test.scripted}\n"))
                 .second),
       ElementsAre("5:5: nobody reads the keypoints of 'a', because 'b' makes new ones; take "
-                  "what it makes with from: {keypoints: a}, or leave it out"));
+                  "what it makes with from: {keypoints: a}, or leave it out: --set without=a"));
+  // Nobody reads the keypoints either once those matches are gone.
+  EXPECT_THAT(lines(check(solved("  - {use: detectors/test.scripted, as: a}\n"
+                                 "  - {use: matchers/test.scripted, as: first}\n" +
+                                 std::string(kMatcher)))
+                        .second),
+              ElementsAre(HasSubstr("or leave out all that nobody reads: --set without=a,first")));
 }
 
 TEST_F(WiringRefusals, RefusesAStageThatComesTooLate) {
@@ -105,20 +111,23 @@ TEST_F(WiringRefusals, RefusesAStageThatComesTooLate) {
   };
   EXPECT_THAT(refusals("  - {use: warps/test.scripted}\n"),
               ElementsAre("9:5: nobody reads the warp_samples of 'warps#2', which comes after "
-                          "'passes'; move it up, before 'passes', or leave it out"));
+                          "'passes'; move it up, before 'passes', or leave it out: "
+                          "--set without=warps#2"));
   EXPECT_THAT(refusals("  - {use: passes/test.scripted}\n"),
               ElementsAre("9:5: nobody reads the sightlines of 'passes#2', which comes after "
-                          "'solvers'; move it up, before 'solvers', or leave it out"));
+                          "'solvers'; move it up, before 'solvers', or leave it out: "
+                          "--set without=passes#2"));
   const std::string filter = "  - {use: filters/test.scripted, as: again}\n";
   const std::string late =
       "9:5: nobody reads the correspondences of 'again', which comes after 'warps'; move it up, "
-      "before 'warps', or leave it out";
+      "before 'warps', or leave it out: --set without=again";
   EXPECT_THAT(refusals(filter), ElementsAre(late));
   // A sink that reads the latest matches would show others than those of the shape.
   EXPECT_THAT(
       refusals(filter, kSink),
       ElementsAre("9:5: only sinks read the correspondences of 'again', which comes after 'warps'; "
-                  "move it up, before 'warps', or leave it out; a sink that is to show it says "
+                  "move it up, before 'warps', or leave it out: --set without=again; a sink that "
+                  "is to show it says "
                   "from: {correspondences: again}"));
   EXPECT_THAT(refusals(filter, "  - {use: sinks/test.scripted, from: {correspondences: again}}\n"),
               IsEmpty());

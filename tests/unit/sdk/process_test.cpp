@@ -186,6 +186,28 @@ TEST_F(ProcessCallTest, RepeatedInputsAreAllGivenInOrder) {
   EXPECT_FALSE(input.keypoints.has_value());
 }
 
+TEST_F(ProcessCallTest, InputsThatAreNotThereAreNamedWhenTheyAreUsed) {
+  ProcessCall process(host_.call, nullptr, 0, &error_);
+  MatcherInput input{Call(host_.call)};
+  ASSERT_TRUE(process.read_slots(input));
+  const auto refusal = [](const auto& use) -> std::string {
+    try {
+      use();
+    } catch (const NotDelivered& missing) {
+      return missing.what();
+    }
+    return {};
+  };
+  EXPECT_THAT(refusal([&] { return input.templ->vertices_m.rows(); }),
+              HasSubstr("add \"template\" to kAbout.needs"));
+  EXPECT_THAT(refusal([&] { return (*input.previous_shape).state; }),
+              HasSubstr("add \"previous.shape\" to kAbout.needs"));
+  EXPECT_THAT(refusal([&] { return input.correspondences.front().count(); }),
+              HasSubstr("add \"correspondences\" to kAbout.needs"));
+  input.previous_shape = Shape{};
+  EXPECT_EQ(refusal([&] { return (*input.previous_shape).state; }), "");
+}
+
 TEST(CopyText, CutsBetweenCharactersAndAlwaysEnds) {
   char buffer[8];
   copy_text(buffer, "short");

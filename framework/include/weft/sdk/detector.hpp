@@ -10,7 +10,7 @@ namespace weft {
 struct DetectorInput {
   Call call;
   Image image{};
-  std::optional<Region> region{};
+  OptionalInput<Region> region{};
 
   template <class Self, class Visit>
   static void slots(Self& self, Visit&& visit) {
@@ -23,12 +23,12 @@ struct DetectorInput {
 /// template's texture with the template's mask as region.
 class Detector : public Prepared {
  public:
+  static constexpr const char* kRole = "detectors";
   virtual Result<Keypoints> detect(const DetectorInput& in) = 0;
 
   static constexpr std::uint64_t kMethods = 0b1;
   static Role role() {
-    return {"detectors",
-            {role_method<DetectorInput>("detect", {output_slot<Keypoints>("keypoints")})}};
+    return {kRole, {role_method<DetectorInput>("detect", {output_slot<Keypoints>("keypoints")})}};
   }
 
   std::int32_t process(ProcessCall& call) {

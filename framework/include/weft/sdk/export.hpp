@@ -3,6 +3,8 @@
 
 #include <array>
 #include <memory>
+#include <type_traits>
+#include <weft/sdk/component_checks.hpp>
 #include <weft/sdk/extensions.hpp>
 #include <weft/sdk/isa.hpp>
 #include <weft/sdk/role.hpp>
@@ -39,11 +41,14 @@ struct Functions {
   static std::int32_t prepare(void* self, const weft_call* call, const weft_record* inputs,
                               std::uint64_t count, weft_error* error) {
     return guarded(error, [&]() -> std::int32_t {
-      if constexpr (requires(T & t, const PrepareInput& in) { t.prepare(in); }) {
+      if constexpr (std::is_base_of_v<Prepared, T>) {
         const StopCheck check = Call(*call).stop_check();
         ProcessCall process(*call, inputs, count, error);
         return process.run_with<PrepareInput>(
-            [&](const PrepareInput& in) { return static_cast<T*>(self)->prepare(in); },
+            [&](const PrepareInput& in) {
+              Prepared& prepared = *static_cast<T*>(self);  // also where T's own is private
+              return prepared.prepare(in);
+            },
             [](const auto&) { return Result<void>{}; });
       }
       return WEFT_OK;
@@ -87,6 +92,13 @@ constexpr weft_component make_component(const char* id, const char* version, con
           &Extensions<T>::get};
 }
 
+template <class T, FixedText kId>
+constexpr weft_component checked_component(const char* id, const char* version,
+                                           const char* summary) {
+  check_component<T, kId>();
+  return make_component<T>(id, version, summary);
+}
+
 template <std::size_t Count>
 constexpr std::array<const weft_component*, Count> pointers_to(
     const std::array<weft_component, Count>& components) {
@@ -99,7 +111,7 @@ constexpr std::array<const weft_component*, Count> pointers_to(
 
 /// One component of a library: class, id, version, one sentence.
 #define WEFT_COMPONENT(Class, id, version, summary) \
-  ::weft::detail::make_component<Class>(id, version, summary)
+  ::weft::detail::checked_component<Class, id>(id, version, summary)
 
 /// A library of several components.
 /// It works with every host of this major version; one that calls what came with a later minor

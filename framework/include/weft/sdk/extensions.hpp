@@ -23,6 +23,8 @@ std::int32_t guarded(weft_error* error, Body&& body) noexcept {
     return body();
   } catch (const Stopped&) {
     return report({Errc::cancelled, "cancelled", {}}, error);
+  } catch (const NotDelivered& missing) {
+    return report({Errc::plugin_failure, missing.what(), {}}, error);
   } catch (const std::exception& thrown) {
     if (is_about_memory(thrown)) return report({Errc::no_memory, "out of memory", {}}, error);
     return report({Errc::plugin_failure, std::string("threw: ") + thrown.what(), {}}, error);

@@ -10,10 +10,10 @@ namespace weft {
 struct FilterInput {
   Call call;
   Correspondences correspondences{};
-  std::optional<Template> templ{};
-  std::optional<Camera> camera{};
-  std::optional<Shape> previous_shape{};
-  std::optional<GroundTruth> ground_truth{};  ///< only for a component that declares uses_truth
+  OptionalInput<Template> templ{};
+  OptionalInput<Camera> camera{};
+  OptionalInput<Shape> previous_shape{};
+  OptionalInput<GroundTruth> ground_truth{};  ///< only for a component that declares uses_truth
 
   template <class Self, class Visit>
   static void slots(Self& self, Visit&& visit) {
@@ -29,12 +29,12 @@ struct FilterInput {
 /// A match already rejected stays rejected: the host combines the masks.
 class Filter : public Prepared {
  public:
+  static constexpr const char* kRole = "filters";
   virtual Result<InlierMask> filter(const FilterInput& in) = 0;
 
   static constexpr std::uint64_t kMethods = 0b1;
   static Role role() {
-    return {"filters",
-            {role_method<FilterInput>("filter", {output_slot<InlierMask>("inlier_mask")})}};
+    return {kRole, {role_method<FilterInput>("filter", {output_slot<InlierMask>("inlier_mask")})}};
   }
 
   std::int32_t process(ProcessCall& call) {

@@ -9,16 +9,16 @@ namespace weft {
 
 struct MatcherInput {
   Call call;
-  std::optional<Keypoints> keypoints{};            ///< of the image
-  std::optional<Keypoints> template_keypoints{};   ///< with face and barycentrics
-  std::vector<Correspondences> correspondences{};  ///< of earlier matchers, to merge
-  std::optional<Image> image{};
-  std::optional<Template> templ{};
-  std::optional<Camera> camera{};
-  std::optional<Shape> shape{};  ///< of an earlier solver of this frame
-  std::optional<Image> previous_image{};
-  std::optional<Correspondences> previous_correspondences{};  ///< with the marks of filters
-  std::optional<Shape> previous_shape{};                      ///< may be `lost`: see its state
+  OptionalInput<Keypoints> keypoints{};           ///< of the image
+  OptionalInput<Keypoints> template_keypoints{};  ///< with face and barycentrics
+  ListInput<Correspondences> correspondences{};   ///< of earlier matchers, to merge
+  OptionalInput<Image> image{};
+  OptionalInput<Template> templ{};
+  OptionalInput<Camera> camera{};
+  OptionalInput<Shape> shape{};  ///< of an earlier solver of this frame
+  OptionalInput<Image> previous_image{};
+  OptionalInput<Correspondences> previous_correspondences{};  ///< with the marks of filters
+  OptionalInput<Shape> previous_shape{};                      ///< may be `lost`: see its state
 
   template <class Self, class Visit>
   static void slots(Self& self, Visit&& visit) {
@@ -39,12 +39,13 @@ struct MatcherInput {
 /// keypoints, unites matches, or follows those of the previous frame.
 class Matcher : public Prepared {
  public:
+  static constexpr const char* kRole = "matchers";
   virtual Result<Correspondences> match(const MatcherInput& in) = 0;
 
   static constexpr std::uint64_t kMethods = 0b1;
   static Role role() {
     return {
-        "matchers",
+        kRole,
         {role_method<MatcherInput>("match", {output_slot<Correspondences>("correspondences")})}};
   }
 

@@ -13,13 +13,13 @@ struct SolverInput {
   Call call;
   Template templ{};
   Camera camera{};
-  std::optional<Sightlines> sightlines{};
-  std::optional<Correspondences> correspondences{};
-  std::optional<Warp> warp{};  ///< evaluate it with weft::evaluate()
-  std::optional<Image> image{};
-  std::optional<Visibility> visibility{};
-  std::optional<KnownPoints> known_points{};
-  std::optional<Shape> previous_shape{};  ///< may be `lost`: see its state
+  OptionalInput<Sightlines> sightlines{};
+  OptionalInput<Correspondences> correspondences{};
+  OptionalInput<Warp> warp{};  ///< evaluate it with weft::evaluate()
+  OptionalInput<Image> image{};
+  OptionalInput<Visibility> visibility{};
+  OptionalInput<KnownPoints> known_points{};
+  OptionalInput<Shape> previous_shape{};  ///< may be `lost`: see its state
 
   template <class Self, class Visit>
   static void slots(Self& self, Visit&& visit) {

@@ -11,13 +11,13 @@ struct PassInput {
   Call call;
   Template templ{};
   Camera camera{};
-  std::optional<Warp> warp{};                 ///< evaluate it with weft::evaluate()
-  std::optional<WarpSamples> warp_samples{};  ///< at the template's vertices
-  std::optional<Correspondences> correspondences{};
-  std::optional<Shape> shape{};
-  std::optional<Visibility> visibility{};
-  std::optional<Shape> previous_shape{};
-  std::optional<Visibility> previous_visibility{};
+  OptionalInput<Warp> warp{};                 ///< evaluate it with weft::evaluate()
+  OptionalInput<WarpSamples> warp_samples{};  ///< at the template's vertices
+  OptionalInput<Correspondences> correspondences{};
+  OptionalInput<Shape> shape{};
+  OptionalInput<Visibility> visibility{};
+  OptionalInput<Shape> previous_shape{};
+  OptionalInput<Visibility> previous_visibility{};
 
   template <class Self, class Visit>
   static void slots(Self& self, Visit&& visit) {
@@ -43,11 +43,12 @@ struct PassOutput {
 /// Role `passes`: prepares data for the solver from what is known of the frame.
 class Pass : public Prepared {
  public:
+  static constexpr const char* kRole = "passes";
   virtual Result<PassOutput> run(const PassInput& in) = 0;
 
   static constexpr std::uint64_t kMethods = 0b1;
   static Role role() {
-    return {"passes",
+    return {kRole,
             {role_method<PassInput>("run", {output_slot<Sightlines>("sightlines", false),
                                             output_slot<Visibility>("visibility", false),
                                             output_slot<Region>("region", false)})}};

@@ -8,6 +8,7 @@
 #include <weft/core/params.hpp>
 #include <weft/data/codec.hpp>
 #include <weft/sdk/call.hpp>
+#include <weft/sdk/optional_input.hpp>
 
 namespace weft {
 
@@ -136,14 +137,16 @@ class ProcessCall {
     return Error{Errc::invalid_data, std::string("required input '") + slot + "' is absent"};
   }
   template <class RecordType>
-  Result<void> read_slot(const char* slot, std::optional<RecordType>& member) const {
+  Result<void> read_slot(const char* slot, OptionalInput<RecordType>& member) const {
+    member.call_it(slot);
     for (std::uint64_t i = 0; i < count_; ++i) {
       if (std::string_view(inputs_[i].slot) == slot) return read_into(inputs_[i], member.emplace());
     }
     return {};
   }
   template <class RecordType>
-  Result<void> read_slot(const char* slot, std::vector<RecordType>& members) const {
+  Result<void> read_slot(const char* slot, ListInput<RecordType>& members) const {
+    members.call_it(slot);
     for (std::uint64_t i = 0; i < count_; ++i) {
       if (std::string_view(inputs_[i].slot) != slot) continue;
       if (auto read = read_into(inputs_[i], members.emplace_back()); !read) return read;

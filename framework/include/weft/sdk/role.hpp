@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -36,12 +35,12 @@ struct SlotRecord {
   static constexpr bool kRequired = true;
 };
 template <class T>
-struct SlotRecord<std::optional<T>> {
+struct SlotRecord<OptionalInput<T>> {
   using RecordType = T;
   static constexpr bool kRequired = false;
 };
 template <class T>
-struct SlotRecord<std::vector<T>> {
+struct SlotRecord<ListInput<T>> {
   using RecordType = T;
   static constexpr bool kRequired = false;
 };
@@ -69,6 +68,7 @@ RoleMethod role_method(const char* name, std::vector<RoleSlot> outputs) {
 /// The base of all roles but sources and templates: they are prepared once.
 class Prepared {
  public:
+  static constexpr About kAbout{};
   virtual ~Prepared() = default;
   /// Called once before the first frame: files, devices and checks across parameters belong here.
   virtual Result<void> prepare(const PrepareInput& /*in*/) { return {}; }

@@ -11,20 +11,20 @@ namespace weft {
 /// Everything known of a frame; a sink gets what its About names in `needs` and `reads`.
 struct SinkInput {
   Call call;
-  std::optional<Image> image{};
-  std::optional<Camera> camera{};
-  std::optional<Time> time{};
-  std::optional<Template> templ{};
-  std::optional<Keypoints> keypoints{};
-  std::optional<Correspondences> correspondences{};
-  std::optional<Warp> warp{};
-  std::optional<WarpSamples> warp_samples{};
-  std::optional<Sightlines> sightlines{};
-  std::optional<Visibility> visibility{};
-  std::optional<Shape> shape{};  ///< `predicted` and `lost` ones too; see its state
-  std::optional<GroundTruth> ground_truth{};
-  std::optional<FrameReport> frame_report{};
-  std::optional<RunSettings> run_settings{};  ///< as they hold for this frame
+  OptionalInput<Image> image{};
+  OptionalInput<Camera> camera{};
+  OptionalInput<Time> time{};
+  OptionalInput<Template> templ{};
+  OptionalInput<Keypoints> keypoints{};
+  OptionalInput<Correspondences> correspondences{};
+  OptionalInput<Warp> warp{};
+  OptionalInput<WarpSamples> warp_samples{};
+  OptionalInput<Sightlines> sightlines{};
+  OptionalInput<Visibility> visibility{};
+  OptionalInput<Shape> shape{};  ///< `predicted` and `lost` ones too; see its state
+  OptionalInput<GroundTruth> ground_truth{};
+  OptionalInput<FrameReport> frame_report{};
+  OptionalInput<RunSettings> run_settings{};  ///< as they hold for this frame
 
   template <class Self, class Visit>
   static void slots(Self& self, Visit&& visit) {
@@ -51,6 +51,7 @@ struct SinkInput {
 /// thread, also beside write().
 class Sink : public Prepared {
  public:
+  static constexpr const char* kRole = "sinks";
   /// Called once, after prepare().
   virtual Result<void> open(const Call& call) = 0;
   /// Called for each frame, in frame order.
@@ -60,7 +61,7 @@ class Sink : public Prepared {
 
   static constexpr std::uint64_t kMethods = 0b111;
   static Role role() {
-    return {"sinks",
+    return {kRole,
             {role_method<EmptyInput>("open", {}), role_method<SinkInput>("write", {}),
              role_method<EmptyInput>("finish", {})}};
   }

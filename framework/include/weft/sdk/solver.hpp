@@ -16,11 +16,12 @@ namespace weft {
 /// `diag.kept_matches` and `diag.agreeing_coverage`.
 class Solver : public Prepared {
  public:
+  static constexpr const char* kRole = "solvers";
   virtual Result<Shape> solve(const SolverInput& in) = 0;
 
   static constexpr std::uint64_t kMethods = 0b1;
   static Role role() {
-    return {"solvers", {role_method<SolverInput>("solve", {output_slot<Shape>("shape")})}};
+    return {kRole, {role_method<SolverInput>("solve", {output_slot<Shape>("shape")})}};
   }
 
   std::int32_t process(ProcessCall& call) {

@@ -21,6 +21,8 @@ struct SourceFrame {
 /// undistorted here, so that everybody sees an ideal pinhole.
 class Source {
  public:
+  static constexpr const char* kRole = "sources";
+  static constexpr About kAbout{};
   virtual ~Source() = default;
 
   /// Opens files or devices; returns the camera of the undistorted frames.
@@ -36,7 +38,7 @@ class Source {
 
   static constexpr std::uint64_t kMethods = 0b111;
   static Role role() {
-    return {"sources",
+    return {kRole,
             {role_method<EmptyInput>("open", {output_slot<Camera>("camera")}),
              role_method<EmptyInput>("count", {output_slot<Count>("count")}),
              role_method<EmptyInput>(

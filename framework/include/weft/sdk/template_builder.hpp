@@ -10,13 +10,15 @@ namespace weft {
 /// Role `templates`: builds the template from parameters, once, before the first frame.
 class TemplateBuilder {
  public:
+  static constexpr const char* kRole = "templates";
+  static constexpr About kAbout{};
   virtual ~TemplateBuilder() = default;
 
   virtual Result<Template> build(const Call& call) = 0;
 
   static constexpr std::uint64_t kMethods = 0b1;
   static Role role() {
-    return {"templates", {role_method<EmptyInput>("build", {output_slot<Template>("template")})}};
+    return {kRole, {role_method<EmptyInput>("build", {output_slot<Template>("template")})}};
   }
 
   std::int32_t process(ProcessCall& call) {

@@ -10,7 +10,7 @@ struct FitInput {
   Call call;
   Correspondences correspondences{};  ///< only those with kept = 1 count
   Template templ{};
-  std::optional<Weights> weights{};  ///< per match, 1 when absent
+  OptionalInput<Weights> weights{};  ///< per match, 1 when absent
 
   template <class Self, class Visit>
   static void slots(Self& self, Visit&& visit) {
@@ -36,12 +36,13 @@ struct EvaluateInput {
 /// record only, never on what was fitted before.
 class WarpModel : public Prepared {
  public:
+  static constexpr const char* kRole = "warps";
   virtual Result<Warp> fit(const FitInput& in) = 0;
   virtual Result<WarpSamples> evaluate(const EvaluateInput& in) = 0;
 
   static constexpr std::uint64_t kMethods = 0b11;
   static Role role() {
-    return {"warps",
+    return {kRole,
             {role_method<FitInput>("fit", {output_slot<Warp>("warp")}),
              role_method<EvaluateInput>("evaluate", {output_slot<WarpSamples>("warp_samples")})}};
   }

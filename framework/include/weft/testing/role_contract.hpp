@@ -31,6 +31,15 @@ inline constexpr int kContractSeed = 1;
 /// promises of outputs. Failures are in the report, those of finding the component too.
 ContractReport check_role_contract(const std::string& id, const ContractOptions& options = {});
 
+/// Inputs of the contract can only be read, and only while a call runs. Says what a component did
+/// to one that faulted at an address, "wrote into its input " or "went beyond the end of its input
+/// ", and which it was, "correspondences/kept"; nulls where that is no input. For handlers of
+/// signals.
+struct SpoiltInput {
+  const char *deed, *input;
+};
+SpoiltInput spoilt_input_at(const void* address);
+
 /// Ids of the components in a manifest. Throws std::runtime_error where it cannot be read.
 std::vector<std::string> components_in(const std::string& manifest_file);
 

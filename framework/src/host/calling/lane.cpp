@@ -4,7 +4,9 @@
 
 #include "host/calling/hashing.hpp"
 #include "host/calling/lane_parts.hpp"
+#include "host/calling/protected_inputs.hpp"
 #include "host/records/plugin_error.hpp"
+#include "host/records/value_check.hpp"
 
 namespace weft::host {
 
@@ -119,6 +121,12 @@ Result<void> Lane::prepare_here(Instance& instance, std::span<const weft_record>
   if (is_cancelled()) return not_begun(instance.id);
   Scope scope{*this, instance, nullptr, {kOfflineFrame, 0, kOfflineFrame, 0}};
   const weft_call call = make_call(instance, scope, 0);
+  ProtectedInputs pages;
+  if (protects_inputs_) {
+    const auto given = pages.copy(inputs);
+    if (!given) return given.error();
+    inputs = *given;
+  }
   weft_error error = kNoError;
   const std::int32_t status =
       instance.table->prepare(instance.self, &call, inputs.data(), inputs.size(), &error);
@@ -165,8 +173,11 @@ Outcome Lane::enter(Instance& instance, int method, std::span<const weft_record>
   weft_error error = kNoError;
   const Stopwatch watch = stopwatch();
   ReachableInputs reachable;
-  const auto readable = reachable.reach(inputs, instance.device_memory, call);
+  auto readable = reachable.reach(inputs, instance.device_memory, call);
   scope.downloaded_bytes = reachable.downloaded_bytes();
+  ProtectedInputs pages;
+  const bool is_protected = protects_inputs_ && instance.worker == nullptr;
+  if (readable && is_protected) readable = pages.copy(*readable);
   std::int32_t status = WEFT_OK;
   if (readable) {
     instance.running = true;
@@ -210,6 +221,7 @@ Outcome Lane::finish(Instance& instance, Scope& scope, std::span<const weft_reco
   for (auto& [slot, record] : scope.outputs) {
     auto valid = admit(*record, slot.c_str());
     if (valid) valid = check_lengths(record->view(slot.c_str()), inputs);
+    if (valid) valid = check_values(record->view(slot.c_str()));
     if (!valid) return broken("returned an illegal output: " + valid.error().message);
     record->set_frame(scope.turn.frame);
     if (record->type() == Warp::kType) record->set_producer(instance.handle);

@@ -77,6 +77,10 @@ class Lane {
   /// Measures as the lane does.
   Stopwatch stopwatch() const { return Stopwatch(processor_time_, apart_); }
 
+  /// From now on components of this process are given inputs that they cannot write into, nor read
+  /// after their call: who tries faults. Costs a copy of the inputs of each call.
+  void protect_inputs() { protects_inputs_ = true; }
+
   /// Gives template and camera to an instance and to those nested in it.
   Result<void> prepare(Instance& instance, const Record& templ, const Record& camera);
 
@@ -152,6 +156,7 @@ class Lane {
   mutable std::mutex instances_mutex_;
   std::vector<std::unique_ptr<Instance>> instances_;  ///< handle - 1 is the index; null: destroyed
   int threads_a_call_ = 1;
+  bool protects_inputs_ = false;
   ProcessorTime processor_time_ = ProcessorTime::of_process;
   using TimingsByFrame = std::map<std::uint64_t, Timings, std::less<>,
                                   PoolAllocator<std::pair<const std::uint64_t, Timings>>>;

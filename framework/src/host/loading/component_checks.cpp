@@ -82,7 +82,10 @@ void ComponentChecks::ask(const ComponentSpec& spec, std::vector<yaml::Problem>&
   const bool asks = std::find(extensions.begin(), extensions.end(), WEFT_CHECK) != extensions.end();
   if (asks && spec.bound) {
     const auto [entry, is_new] = known_.try_emplace(identity_of(spec));
-    if (is_new) entry->second = mistakes_of(spec);
+    if (is_new) {
+      if (asking_) asking_(spec.component().id);
+      entry->second = mistakes_of(spec);
+    }
     for (const Mistake& mistake : entry->second) {
       const auto at = place_of(spec, mistake.parameter);
       problems.push_back({at.value_or(place_of(spec)), mistake.message});

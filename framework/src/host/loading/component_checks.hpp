@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/loading/component_spec.hpp"
@@ -15,6 +17,10 @@ namespace weft::host {
 /// asked once in the life of this object, so that a plan of many cells reads each file once.
 class ComponentChecks {
  public:
+  /// `asking` is told the id of each component before its library is loaded and it is asked.
+  explicit ComponentChecks(std::function<void(const std::string& id)> asking = {})
+      : asking_(std::move(asking)) {}
+
   /// Appends the mistakes of the component and of those nested in it, each at the value of the
   /// parameter that it is about, or at `use`.
   void ask(const ComponentSpec& spec, std::vector<yaml::Problem>& problems);
@@ -27,6 +33,7 @@ class ComponentChecks {
 
   static std::vector<Mistake> mistakes_of(const ComponentSpec& spec);
 
+  std::function<void(const std::string& id)> asking_;
   std::map<std::string, std::vector<Mistake>> known_;  ///< by id and values
 };
 

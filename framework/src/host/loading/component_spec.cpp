@@ -241,20 +241,33 @@ class Binder {
     yaml::Node node = value;
     const std::vector<std::string> keys = yaml::names_of(component_keys());
     yaml::correct_keys(node, keys, [&](const yaml::Entry& entry, const std::string&) {
-      problem(entry.at,
-              "a nested component has no key " + quote(entry.key) + "; it has use and params");
+      problem(entry.at, "a nested component has no key " + quote(entry.key) +
+                            "; it has use and params" + meant_parameter(parameter, entry.key));
     });
+    // With parameters alone it is the default one.
     const yaml::Node default_use = yaml::text_node(parameter.default_value.scalar, value.at);
-    const yaml::Node* use = given ? node.find("use") : &default_use;
+    const bool is_chosen = given && node.find("use") != nullptr;
+    const bool is_default = !is_chosen && (!given || node.find("params") != nullptr);
+    const yaml::Node* use = is_default ? &default_use : node.find("use");
     ComponentSpec nested;
     if (use == nullptr) {
       if (!value.partial) problem(value.at, "'" + parameter.name + "' lacks the key 'use'");
-    } else if (may_hold(parameter, *use, given)) {
+    } else if (may_hold(parameter, *use, is_chosen)) {
       nested = resolve(registry_, *use, given ? node.find("params") : nullptr, paths_, problems_,
                        chain_);
       resolved = nested.effective;
     }
     spec_.nested.push_back({parameter.name, std::move(nested)});
+  }
+
+  /// Of a key that is a parameter of the default component.
+  std::string meant_parameter(const ParameterSpec& parameter, const std::string& key) const {
+    const Installed* component = registry_.find(parameter.default_value.scalar);
+    if (component == nullptr) return {};
+    const auto& parameters = component->component.parameters;
+    const bool has = std::any_of(parameters.begin(), parameters.end(),
+                                 [&](const ParameterSpec& each) { return each.name == key; });
+    return has ? meant(parameter.name + ".params." + key) : "";
   }
 
   bool may_hold(const ParameterSpec& parameter, const yaml::Node& use, bool given) {

@@ -6,13 +6,13 @@
 #include <filesystem>
 #include <map>
 #include <sstream>
+#include <weft/core/component_id.hpp>
 #include <weft/core/quote.hpp>
 #include <weft/core/shell_word.hpp>
 #include <weft/core/suggest.hpp>
 
 #include "describe/build_id.hpp"
 #include "host/loading/processor.hpp"
-#include "roles/component_name.hpp"
 #include "roles/role_rules.hpp"
 
 namespace weft::host {
@@ -35,24 +35,14 @@ std::vector<std::string> ids_of(const Manifest& manifest) {
   return ids;
 }
 
-/// Whether an id is role/name or role/vendor.name.
-bool is_well_formed(std::string_view id) {
-  const std::size_t slash = id.find('/');
-  if (slash == std::string_view::npos) return false;
-  std::vector<std::string_view> words{id.substr(0, slash)};
-  const std::string_view name = id.substr(slash + 1);
-  const std::size_t dot = name.find('.');
-  words.push_back(name.substr(0, dot));
-  if (dot != std::string_view::npos) words.push_back(name.substr(dot + 1));
-  return std::all_of(words.begin(), words.end(), is_part_of_id);
-}
-
 /// What is wrong with the ids of a library, or empty.
 std::string illegal_id(const Manifest& manifest) {
   std::vector<std::string> seen;
   for (const ComponentManifest& component : manifest.components) {
     const std::string& id = component.id;
-    if (!is_well_formed(id)) return "'" + id + "' is not of the form role/name or role/vendor.name";
+    if (!is_component_id(id)) {
+      return "'" + id + "' is not of the form role/name or role/vendor.name";
+    }
     if (std::find(seen.begin(), seen.end(), id) != seen.end()) return "'" + id + "' is in it twice";
     seen.push_back(id);
   }

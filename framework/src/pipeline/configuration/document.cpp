@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <set>
+#include <sstream>
 #include <weft/core/index.hpp>
 #include <weft/core/quote.hpp>
 #include <weft/core/suggest.hpp>
@@ -31,6 +32,7 @@ void erase(yaml::Node& map, std::string_view key) {
   std::erase_if(map.entries, [&](const yaml::Entry& entry) { return entry.key == key; });
 }
 
+constexpr std::string_view kWithout = "without=";
 constexpr std::size_t kMostShown = 200;  // [characters] of a setting
 
 /// The places of all values that hold no others.
@@ -64,6 +66,11 @@ class Reader {
       std::error_code code;
       const int source = add_source({setting, fs::current_path(code).string(), true});
       if (document_.unreadable || document_.fragment) continue;
+      if (setting.starts_with(kWithout)) {
+        leave_out_by(setting, source);
+        laid.push_back({{1, 1, source}, {}});
+        continue;
+      }
       auto [overlay, problems] = overlay_of(setting, document_.root);
       yaml::set_source(overlay, source);
       report(std::move(problems), source);
@@ -215,7 +222,8 @@ class Reader {
     return give_up(extends.at, "'extends': " + escaped(file) + " is no pipeline, which is a map");
   }
 
-  void leave_out(yaml::Node& base, const yaml::Node& without) {
+  void leave_out(yaml::Node& base, const yaml::Node& without,
+                 const char* unknown = "the extended file has no stage or sink ") {
     if (without.kind != yaml::Kind::sequence) {
       return problem(without.at, "'without' must be a list of names of stages and sinks");
     }
@@ -240,9 +248,33 @@ class Reader {
         problem(name.at, "'without' must be a list of names of stages and sinks");
         continue;
       }
-      problem(name.at, "the extended file has no stage or sink " + quote(name.scalar) +
-                           did_you_mean(name.scalar, known));
+      problem(name.at, unknown + quote(name.scalar) + did_you_mean(name.scalar, known));
     }
+  }
+
+  /// "without=passes,seen", or a list.
+  void leave_out_by(const std::string& setting, int source) {
+    std::vector<yaml::Problem> problems;
+    auto names = value_of_setting(setting, kWithout.size() - 1, problems);
+    report(std::move(problems), source);
+    if (!names) return;
+    yaml::set_source(*names, source);
+    if (names->kind == yaml::Kind::scalar) names = each_of(*names);
+    leave_out(document_.root, *names, "no stage or sink is named ");
+  }
+
+  /// The parts of a text with commas between, as a list.
+  static yaml::Node each_of(const yaml::Node& text) {
+    yaml::Node list;
+    list.kind = yaml::Kind::sequence;
+    list.at = text.at;
+    yaml::Position at = text.at;
+    std::istringstream parts(text.scalar);
+    for (std::string part; std::getline(parts, part, ',');) {
+      list.items.push_back(yaml::plain_node(part, at));
+      at.column += columns(part) + 1;
+    }
+    return list;
   }
 
   void problem(yaml::Position at, std::string message) {

@@ -61,7 +61,7 @@ struct PipelineDocument {
 /// A setting is PATH=VALUE. PATH begins with a key of the file (`seed`), with `source` or
 /// `template` or with the name of a stage or sink, and goes on with parameters, joined by dots:
 /// `filters.alpha_s=0.2`, `filters.warp.robust=tukey`, `detectors.use=detectors/orb`. VALUE is
-/// YAML.
+/// YAML. `without=NAME,NAME` leaves stages or sinks out.
 PipelineDocument read_document(const std::string& file, const std::vector<std::string>& settings,
                                const host::PathRules& paths,
                                const std::vector<Patch>& patches = {});

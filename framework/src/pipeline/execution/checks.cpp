@@ -44,8 +44,16 @@ class FitCheck {
 
   Result<void> operator()(const Shape& shape) const {
     const ShapeState state = shape.shape_state();
-    if (state == ShapeState::estimated || state == ShapeState::weak) return {};
-    return broken("a solver may say estimated or weak only");
+    if (state != ShapeState::estimated && state != ShapeState::weak) {
+      return broken("a solver may say estimated or weak only");
+    }
+    for (std::int64_t v = 0; v < shape.vertices_m.rows(); ++v) {
+      const double z_m = shape.vertices_m(v, 2);
+      if (z_m > 0.0) continue;
+      return no_result("the shape reaches behind the camera: its vertex " + std::to_string(v) +
+                       " has Z = " + std::to_string(z_m) + " m");
+    }
+    return {};
   }
   Result<void> operator()(const Sightlines& sightlines) const {
     auto status =

@@ -20,7 +20,7 @@ Result<void> check_camera(const host::Record& camera);
 
 /// What only the host can know of a record that a stage or source made: indices of vertices and
 /// faces are the template's, images have the camera's size, and a solver's shape is estimated or
-/// weak.
+/// weak. A shape that reaches behind the camera is no_result.
 Result<void> check_fits(const host::Record& record, const host::Record& templ,
                         const host::Record& camera);
 

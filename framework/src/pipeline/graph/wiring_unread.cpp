@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <set>
+#include <utility>
 #include <weft/core/index.hpp>
 
 #include "pipeline/graph/wiring.hpp"
@@ -8,13 +9,15 @@
 namespace weft {
 namespace {
 
-/// Finds stages whose work is lost.
+/// Finds stages whose work is lost, in what is left without those that are `gone`.
 class Readers {
  public:
-  Readers(const PipelineConfig& config, const Graph& graph, const OpenReading& open)
-      : config_(config), graph_(graph), open_(open) {
-    for (const Node& stage : graph.stages) {
-      for (const InputLink& input : stage.inputs) note(input, by_stages_);
+  Readers(const PipelineConfig& config, const Graph& graph, const OpenReading& open,
+          std::set<std::size_t> gone = {})
+      : config_(config), graph_(graph), open_(open), gone_(std::move(gone)) {
+    for (std::size_t i = 0; i < graph.stages.size(); ++i) {
+      if (gone_.count(i) > 0) continue;
+      for (const InputLink& input : graph.stages[i].inputs) note(input, by_stages_);
     }
     for (std::size_t i = 0; i < graph.sinks.size(); ++i) {
       for (const InputLink& input : graph.sinks[i].inputs) {
@@ -23,15 +26,19 @@ class Readers {
     }
   }
 
-  /// What is to be said of a stage; empty when what it makes is read.
-  std::string complaint(std::size_t stage) const {
-    if (open_.conditions || decides(static_cast<int>(stage))) return {};
+  bool is_lost(std::size_t stage) const {
+    if (open_.conditions || decides(static_cast<int>(stage))) return false;
     const std::vector<int>& outputs = graph_.stages[stage].outputs;
     const auto read = [&](int value) { return may_be_read(value) || is_read(value); };
-    if (outputs.empty() || std::any_of(outputs.begin(), outputs.end(), read)) return {};
+    return !outputs.empty() && std::none_of(outputs.begin(), outputs.end(), read);
+  }
+
+  /// What is to be said of a stage that is lost; `fix` says how to leave it out.
+  std::string complaint(std::size_t stage, const std::string& fix) const {
+    const std::vector<int>& outputs = graph_.stages[stage].outputs;
     const auto late = std::find_if(outputs.begin(), outputs.end(),
                                    [&](int value) { return needed_earlier(value) != nullptr; });
-    if (late != outputs.end()) return too_late(*late);
+    if (late != outputs.end()) return too_late(*late, fix);
     const int lost = outputs.front();
     const ValueInfo& value = info(lost);
     const std::string next = next_maker(lost);
@@ -39,7 +46,7 @@ class Readers {
     return "nobody reads " + what_of(value) +
            (next.empty() ? "" : ", because '" + next + "' makes new ones") + "; " +
            (named ? "" : "name it with as: NAME and ") + "take what it makes with from: {" +
-           value.slot + ": " + (named ? value.name : "NAME") + "}, or leave it out";
+           value.slot + ": " + (named ? value.name : "NAME") + "}, or " + fix;
   }
 
  private:
@@ -47,20 +54,23 @@ class Readers {
 
   /// Whether it depends on this stage which others are called.
   bool decides(int stage) const {
-    return std::any_of(graph_.stages.begin(), graph_.stages.end(), [&](const Node& node) {
-      return std::find(node.not_ok.begin(), node.not_ok.end(), stage) != node.not_ok.end();
-    });
+    for (std::size_t i = 0; i < graph_.stages.size(); ++i) {
+      const std::vector<int>& asked = graph_.stages[i].not_ok;
+      const bool asks = std::find(asked.begin(), asked.end(), stage) != asked.end();
+      if (asks && gone_.count(i) == 0) return true;
+    }
+    return false;
   }
 
   static std::string what_of(const ValueInfo& value) {
     return "the " + value.slot + " of '" + value.name + "'";
   }
 
-  std::string too_late(int lost) const {
+  std::string too_late(int lost, const std::string& fix) const {
     const ValueInfo& value = info(lost);
     const std::string& earlier = needed_earlier(lost)->name;
     const std::string where = what_of(value) + ", which comes after '" + earlier +
-                              "'; move it up, before '" + earlier + "', or leave it out";
+                              "'; move it up, before '" + earlier + "', or " + fix;
     if (by_sinks_.count(lost) == 0) return "nobody reads " + where;
     return "only sinks read " + where + "; a sink that is to show it says from: {" + value.slot +
            ": " + value.name + "}";
@@ -99,7 +109,7 @@ class Readers {
     const StageConfig* first = nullptr;
     for (std::size_t i = 0; i < graph_.stages.size(); ++i) {
       const RoleRules& rules = rules_of(config_.stages[i].role);
-      if (rules.hands_on && contains(*rules.products, slot)) continue;
+      if (gone_.count(i) > 0 || (rules.hands_on && contains(*rules.products, slot))) continue;
       const auto& inputs = graph_.stages[i].inputs;
       const bool reads = std::any_of(inputs.begin(), inputs.end(),
                                      [&](const InputLink& input) { return input.slot == slot; });
@@ -121,9 +131,35 @@ class Readers {
   const PipelineConfig& config_;
   const Graph& graph_;
   const OpenReading& open_;
+  std::set<std::size_t> gone_;
   std::set<int> by_stages_, by_sinks_, by_choosing_sinks_;
   std::set<std::string> fed_back_;
 };
+
+/// The stages that are lost, and those that are lost without them.
+std::set<std::size_t> lost_stages(const PipelineConfig& config, const Graph& graph,
+                                  const OpenReading& open) {
+  std::set<std::size_t> lost;
+  for (std::size_t before = graph.stages.size() + 1; before != lost.size();) {
+    before = lost.size();
+    const Readers readers(config, graph, open, lost);
+    for (std::size_t i = 0; i < graph.stages.size(); ++i) {
+      if (lost.count(i) == 0 && readers.is_lost(i)) lost.insert(i);
+    }
+  }
+  return lost;
+}
+
+/// How to leave stages out by one setting.
+std::string way_out(const PipelineConfig& config, const std::set<std::size_t>& lost) {
+  std::string names;
+  for (const std::size_t stage : lost) {
+    names += (names.empty() ? "" : ",") + config.stages[stage].name;
+  }
+  return (lost.size() > 1 ? "leave out all that nobody reads: --set without="
+                          : "leave it out: --set without=") +
+         names;
+}
 
 }  // namespace
 
@@ -131,10 +167,10 @@ void refuse_unread(const PipelineConfig& config, const Graph& graph, const OpenR
                    std::vector<yaml::Problem>& problems) {
   const auto solves = [](const StageConfig& stage) { return rules_of(stage.role).solves; };
   if (std::none_of(config.stages.begin(), config.stages.end(), solves)) return;
+  const std::string fix = way_out(config, lost_stages(config, graph, open));
   const Readers readers(config, graph, open);
   for (std::size_t i = 0; i < graph.stages.size(); ++i) {
-    std::string complaint = readers.complaint(i);
-    if (!complaint.empty()) problems.push_back({config.stages[i].at, std::move(complaint)});
+    if (readers.is_lost(i)) problems.push_back({config.stages[i].at, readers.complaint(i, fix)});
   }
 }
 

@@ -38,10 +38,11 @@ std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file,
                                                         const host::Registry& registry,
                                                         const std::string& output_folder,
                                                         const std::vector<std::string>& settings,
-                                                        const std::vector<Patch>& patches) {
+                                                        const std::vector<Patch>& patches,
+                                                        host::ComponentChecks* checks) {
   const auto paths = host::PathRules::of_process({}, output_folder);
   return check_pipeline(file, read_document(file, settings, paths, patches), registry,
-                        output_folder);
+                        output_folder, checks);
 }
 
 std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file,

@@ -43,6 +43,7 @@ class Run {
             [this](const std::string& component, int level, const std::string& text,
                    std::uint64_t frame) { warnings_.note(component, level, text, frame); }))),
         folder_path_(folder) {
+    if (options_.protects_inputs) lane_->protect_inputs();
     lane_->watch([this] { return cancel_.load(); });
     lane_->announce_to([this](const std::string& stage, const std::string& component,
                               const std::string& what, std::uint64_t frame) {

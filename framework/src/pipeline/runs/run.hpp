@@ -47,13 +47,14 @@ struct RunSummary {
 /// Loads and wires a pipeline, refuses outputs that would go over what is there or what it reads,
 /// and asks its components about their files and parameters; use it only when the report is ok.
 /// `output_folder` is the run folder, new or empty; without a name, no component may write.
-/// `settings` and `patches` as in load_pipeline.
+/// `settings` and `patches` as in load_pipeline. With `checks`, what components of earlier
+/// pipelines were asked is not asked again.
 std::pair<CheckedPipeline, ConfigReport> check_pipeline(
     const std::string& file, const host::Registry& registry, const std::string& output_folder,
-    const std::vector<std::string>& settings = {}, const std::vector<Patch>& patches = {});
+    const std::vector<std::string>& settings = {}, const std::vector<Patch>& patches = {},
+    host::ComponentChecks* checks = nullptr);
 
-/// The same of a document that has been read from `file`. With `checks`, what components of earlier
-/// pipelines were asked is not asked again.
+/// The same of a document that has been read from `file`.
 std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file,
                                                         PipelineDocument document,
                                                         const host::Registry& registry,
@@ -77,6 +78,7 @@ struct RunOptions {
   std::optional<RecordedRun> repeated{};
   /// Whether the folder has the records of each frame; else its lines are all that is left of it.
   bool keeps_records = true;
+  bool protects_inputs = false;  ///< see host::Lane::protect_inputs()
 };
 
 /// Runs all frames of the source into `output_folder`, which must be new or empty; an empty name

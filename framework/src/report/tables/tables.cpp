@@ -45,6 +45,13 @@ void take_worst(Combination& row, const PlanCell& cell, const CellRecord& record
       cell.sequence + ", seed " + std::to_string(cell.seed) + ", frame " + record.worst_frame;
 }
 
+void take_errors(Combination& row, const PlanCell& cell, const CellRecord& record) {
+  row.frames_in_error += record.frames_in_error;
+  if (!row.first_error.empty() || record.first_error.empty()) return;
+  row.first_error =
+      cell.sequence + ", seed " + std::to_string(cell.seed) + ", " + record.first_error;
+}
+
 void fill(const Results& results, Combination& row) {
   MeansBySequence error;
   std::vector<MeansBySequence> shown(results.plan.show.size());
@@ -65,6 +72,7 @@ void fill(const Results& results, Combination& row) {
       shown[m].add(cell.sequence, record.figure(results.plan.show[m]));
     }
     take_worst(row, cell, record);
+    take_errors(row, cell, record);
   }
   row.mean_mm = error.value();
   row.interval_mm = bootstrap_interval(error.means());

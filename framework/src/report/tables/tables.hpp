@@ -31,6 +31,8 @@ struct Combination {
   /// [] over its cells; a cell that failed before its first frame failed at every one
   std::int64_t frames = 0, solved = 0;
   std::int64_t truth_frames = 0, failures = 0;     ///< [] with truth that counts; of them failures
+  std::int64_t frames_in_error = 0;                ///< [] of the frames of its cells
+  std::string first_error = {};                    ///< the first of them, with its cell
   std::int64_t done = 0, failed = 0, missing = 0;  ///< [] cells
   bool uses_truth = false;                  ///< a component may have read the truth: no measurement
   std::vector<FilterSummary> filters = {};  ///< in the order of the stages

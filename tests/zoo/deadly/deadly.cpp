@@ -28,7 +28,9 @@ enum class Deed {
   fault,
   overflow,
   terminate,
-  quit
+  quit,
+  spoil,
+  overread
 };
 enum class Place { process, create, prepare };
 
@@ -41,6 +43,11 @@ void die_of(int signal) {
 void write_where_nothing_is() {
   void* const nothing = mmap(nullptr, 4096, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   *static_cast<volatile int*>(nothing) = 1;
+}
+
+void read_at(const volatile double* place) {
+  const double read = *place;
+  static_cast<void>(read);
 }
 
 /// Is in use until the process ends, and faults where it is destroyed before.
@@ -81,7 +88,9 @@ class Deadly final : public weft::Filter {
               {"fault", Deed::fault},
               {"overflow", Deed::overflow},
               {"terminate", Deed::terminate},
-              {"quit", Deed::quit}},
+              {"quit", Deed::quit},
+              {"spoil", Deed::spoil},
+              {"overread", Deed::overread}},
              "what it does");
     p.choice("where", where_,
              {{"process", Place::process}, {"create", Place::create}, {"prepare", Place::prepare}},
@@ -104,6 +113,8 @@ class Deadly final : public weft::Filter {
     if (where_ != Place::process) return mask;
     if (frame_ >= 0 && static_cast<std::uint64_t>(frame_) != in.call.frame()) return mask;
     act();
+    if (deed_ == Deed::spoil) *const_cast<std::uint8_t*>(in.correspondences.kept.data()) = 0;
+    if (deed_ == Deed::overread) read_at(in.correspondences.score.data() + n + 16);
     if (deed_ == Deed::log) in.call.log_warning("so far so good");
     if (deed_ == Deed::large) mask.diag.set("large", weft::Array<double>({5'000'000}, 0.0));
     while (deed_ == Deed::obey) {
@@ -142,7 +153,25 @@ class Deadly final : public weft::Filter {
   bool prepared_ = false;
 };
 
-/// Tells where a warp that another component made takes the template's vertices.
+/// Leaves when it is asked about its parameters.
+class Leaving final : public weft::Filter {
+ public:
+  explicit Leaving(weft::Params& p) { p.read("at_once", at_once_, "by _exit()"); }
+
+  void check(weft::Mistakes&) const {
+    if (at_once_) _exit(0);
+    std::exit(0);
+  }
+
+  weft::Result<weft::InlierMask> filter(const weft::FilterInput&) override {
+    return weft::no_result("is never asked for one");
+  }
+
+ private:
+  bool at_once_ = false;
+};
+
+/// Tells where a warp that another component made takes the template's third vertex.
 class Reader final : public weft::Pass {
  public:
   static constexpr weft::About kAbout{.needs = "warp", .produces = "visibility"};
@@ -158,7 +187,7 @@ class Reader final : public weft::Pass {
                       weft::Array<double>({count}, 0.0),
                       weft::Array<std::uint8_t>({count}, 0),
                       {}};
-    for (std::int64_t v = 0; v < count; ++v) out.visibility->score(v) = samples->xy_px(v, 0);
+    out.visibility->diag.set("third_x_px", samples->xy_px(2, 0));
     return out;
   }
 };
@@ -166,4 +195,5 @@ class Reader final : public weft::Pass {
 }  // namespace
 
 WEFT_LIBRARY(WEFT_COMPONENT(Deadly, "filters/zoo_deadly", "1.0.0", "Takes its process with it."),
+             WEFT_COMPONENT(Leaving, "filters/zoo_leaving", "1.0.0", "Leaves when it is asked."),
              WEFT_COMPONENT(Reader, "passes/zoo_reader", "1.0.0", "Evaluates a warp."))

@@ -3,7 +3,7 @@
 // reserved: it needs nothing of that, so that this host can do without, too.
 #include <array>
 
-#include "idle.hpp"
+#include "../idle.hpp"
 
 namespace {
 

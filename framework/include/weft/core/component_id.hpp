@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <string_view>
+
+namespace weft {
+
+/// Whether a part of a component's id may read so: [a-z][a-z0-9_]*.
+constexpr bool is_part_of_id(std::string_view word) {
+  const auto lower = [](char c) { return c >= 'a' && c <= 'z'; };
+  return !word.empty() && lower(word.front()) && std::all_of(word.begin(), word.end(), [&](char c) {
+    return lower(c) || (c >= '0' && c <= '9') || c == '_';
+  });
+}
+
+/// Whether a component's id is role/name or role/vendor.name.
+constexpr bool is_component_id(std::string_view id) {
+  const std::size_t slash = id.find('/');
+  if (slash == std::string_view::npos || !is_part_of_id(id.substr(0, slash))) return false;
+  const std::string_view name = id.substr(slash + 1);
+  const std::size_t dot = name.find('.');
+  if (dot == std::string_view::npos) return is_part_of_id(name);
+  return is_part_of_id(name.substr(0, dot)) && is_part_of_id(name.substr(dot + 1));
+}
+
+}  // namespace weft

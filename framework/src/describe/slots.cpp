@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "describe/slots.hpp"
+
+#include <algorithm>
+#include <sstream>
+#include <string_view>
+#include <vector>
+#include <weft/core/suggest.hpp>
+#include <weft/sdk/roles.hpp>
+
+namespace weft::host {
+namespace {
+
+using Slots = std::vector<RoleSlot> RoleMethod::*;
+
+/// Each once, in the order of the role's methods.
+std::vector<std::string> names_of(const Role& role, Slots slots) {
+  std::vector<std::string> names;
+  for (const RoleMethod& method : role.methods) {
+    for (const RoleSlot& slot : method.*slots) {
+      if (std::find(names.begin(), names.end(), slot.name) == names.end())
+        names.push_back(slot.name);
+    }
+  }
+  return names;
+}
+
+/// What is wrong with a list of names, separated by blanks, or an empty text.
+std::string unknown_name(const char* list, const Role& role, Slots slots, const char* what) {
+  const std::vector<std::string> known = names_of(role, slots);
+  std::string all;
+  for (const std::string& name : known) all += (all.empty() ? "" : ", ") + name;
+  std::istringstream stream{std::string(list)};
+  for (std::string name; stream >> name;) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    return "names '" + name + "', which is no " + what + " of " + role.name +
+           did_you_mean(name, known, known.empty() ? "; there is none" : "; there are: " + all);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string unknown_slots(const weft_component& component) {
+  const std::string_view id = component.id;
+  const std::vector<Role> roles = all_roles();
+  const auto role = std::find_if(roles.begin(), roles.end(), [&](const Role& each) {
+    return each.name == id.substr(0, id.find('/'));
+  });
+  if (role == roles.end()) return {};
+  struct List {
+    const char *member, *names;
+    Slots slots;
+    const char* what;
+  };
+  for (const List& list : {List{"needs", component.needs, &RoleMethod::inputs, "input"},
+                           List{"reads", component.reads, &RoleMethod::inputs, "input"},
+                           List{"produces", component.produces, &RoleMethod::outputs, "output"}}) {
+    const std::string wrong = unknown_name(list.names, *role, list.slots, list.what);
+    if (!wrong.empty()) return std::string("kAbout.") + list.member + " " + wrong;
+  }
+  return {};
+}
+
+}  // namespace weft::host

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <weft/abi.h>
+
+#include <string>
+
+namespace weft::host {
+
+/// What a component's kAbout says of inputs or outputs that its role does not have, or an empty
+/// text. Of a role that there is not, nothing is said.
+std::string unknown_slots(const weft_component& component);
+
+}  // namespace weft::host
