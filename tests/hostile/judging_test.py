@@ -11,6 +11,8 @@ from random import Random
 import bases
 from documents import Style, Text, nodes, plain, write
 from judging import Expected, Mutant, Rates, Verdict, judge
+from live_requests import answer_in
+from live_soak import growth_of
 from program import Answer
 from words import distance, misspelt
 
@@ -83,6 +85,28 @@ class Words(unittest.TestCase):
             wrong = misspelt(Random(seed), "stages", bases.ROOT_KEYS)
             near = min(bases.ROOT_KEYS, key=lambda key: distance(wrong, key))
             self.assertEqual(near, "stages", f"seed {seed}: {wrong}")
+
+
+class JudgingTheLiveView(unittest.TestCase):
+    OPEN = b"HTTP/1.1 101 Switching Protocols\r\n\r\n"
+
+    def test_reads_statuses_and_codes(self) -> None:
+        self.assertEqual(answer_in(b""), 0)
+        self.assertEqual(answer_in(b"HTTP/1.1 403 Forbidden\r\n\r\nno"), 403)
+        self.assertEqual(answer_in(self.OPEN + b"\x81\x02{}\x88\x02\x03\xea"), 1002)
+        self.assertEqual(answer_in(self.OPEN + b"\x82\x7e\x01\x00" + b"x" * 256), 0)
+        self.assertEqual(answer_in(self.OPEN + b"\x82\x7e\x01\x00" + b"cut off"), 0)
+
+    def test_notices_what_is_no_answer(self) -> None:
+        close = b"\x88\x02\x03\xea"
+        for wrong in [b"hello", b"HTTP/1.1 999 ?\r\n\r\n", self.OPEN + b"\x83\x00",
+                      self.OPEN + b"\x81\x82abcd{}", self.OPEN + close + close]:
+            with self.assertRaises(ValueError):
+                answer_in(wrong)
+
+    def test_notices_memory_that_grows(self) -> None:
+        self.assertEqual(growth_of([900, 100, 100, 100, 100, 100, 900, 100, 100]), 0)
+        self.assertEqual(growth_of([100 + 10 * i for i in range(9)]), 60)
 
 
 if __name__ == "__main__":

@@ -20,10 +20,12 @@ Result<Address> parse_address(std::string_view text, std::uint16_t least_port) {
   }
   std::string host(text.substr(0, colon));
   if (host == "localhost") host = "127.0.0.1";
-  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+  const bool has_brackets = host.starts_with('[') && host.ends_with(']');
+  if (has_brackets) host = host.substr(1, host.size() - 2);
   boost::system::error_code code;
   address.host = asio::ip::make_address(host, code);
-  if (!code) return address;
+  // Without brackets, nothing tells the last part of an IPv6 address from a port.
+  if (!code && address.host.is_v6() == has_brackets) return address;
   return Error{Errc::invalid_value, "has no address in numbers, such as 127.0.0.1 or [::1]"};
 }
 

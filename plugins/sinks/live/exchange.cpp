@@ -9,20 +9,30 @@ namespace weft::live {
 namespace {
 
 constexpr std::size_t kMostLines = 256, kMostWishes = 64;
-/// Wishes that nobody has answered: a run that forgets one must not fill the memory.
+/// Wishes that the run has taken and not answered: it keeps each until it is made.
 constexpr std::size_t kMostAskers = 256;
 
 }  // namespace
 
 void Exchange::wake() {
   if (is_woken_ || !wake_) return;
-  is_woken_ = true;
   wake_();
+  is_woken_ = true;  // not where that threw: the next one wakes
 }
 
 void Exchange::put_frame(FrameCopy frame) {
   const std::lock_guard lock(mutex_);
   arrivals_.frame = std::move(frame);
+  is_shown_ = true;
+  wake();
+}
+
+void Exchange::pass_frame() {
+  const std::lock_guard lock(mutex_);
+  if (!is_shown_) return;
+  is_shown_ = false;
+  arrivals_.frame.reset();
+  arrivals_.is_passed = true;
   wake();
 }
 
@@ -78,7 +88,9 @@ std::string Exchange::ask(ClientId client, std::uint64_t number, std::string tex
   if (wishes_.size() == kMostWishes) {
     return "64 wishes wait already: the run takes them before each frame, so wish again then";
   }
-  if (askers_.size() == kMostAskers) askers_.erase(askers_.begin());
+  if (askers_.size() == kMostAskers) {
+    return "256 wishes have no answer yet: the run makes one after the other, so wish again then";
+  }
   askers_[++asked_] = {client, number};
   wishes_.push_back({asked_, std::move(text)});
   return {};

@@ -27,6 +27,7 @@ struct ClientAnswer {
 
 /// What has come from the run since the server last looked.
 struct Arrivals {
+  bool is_passed = false;          ///< what was the newest frame is an old one
   std::optional<FrameCopy> frame;  ///< the newest
   std::deque<std::string> lines;   ///< reports, the newest ones
   std::optional<std::string> settings;
@@ -41,6 +42,8 @@ class Exchange {
   bool is_watched() const { return viewers_ > 0; }  ///< whether frames are worth copying
   bool is_read() const { return readers_ > 0; }     ///< and lines
   void put_frame(FrameCopy frame);
+  /// A frame that nobody watches: whoever comes later is not shown the one before it.
+  void pass_frame();
   void put_line(std::string line);
   void put_settings(std::string settings);
   std::vector<Wish> take_wishes();
@@ -66,7 +69,7 @@ class Exchange {
   std::atomic<int> viewers_ = 0, readers_ = 0;
   std::mutex mutex_;
   std::function<void()> wake_;
-  bool is_woken_ = false;
+  bool is_woken_ = false, is_shown_ = false;
   Arrivals arrivals_;
   std::deque<Wish> wishes_;
   std::map<std::uint64_t, Asker> askers_;  ///< by our own number

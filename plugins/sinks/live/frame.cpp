@@ -16,8 +16,9 @@ std::string jpeg_of(const Array<std::uint8_t>& pixels, const PictureStyle& style
                   to_index(pixels.row_stride()));
   try {
     if (style.width_px > 0 && style.width_px < picture.cols) {
-      const int height_px = std::max(1, picture.rows * style.width_px / picture.cols);
-      cv::resize(cv::Mat(picture), picture, {style.width_px, height_px}, 0, 0, cv::INTER_AREA);
+      const std::int64_t height_px = std::int64_t{picture.rows} * style.width_px / picture.cols;
+      const cv::Size size(style.width_px, std::max(1, static_cast<int>(height_px)));
+      cv::resize(cv::Mat(picture), picture, size, 0, 0, cv::INTER_AREA);
     }
     std::vector<std::uint8_t> jpeg;
     if (!cv::imencode(".jpg", picture, jpeg, {cv::IMWRITE_JPEG_QUALITY, style.quality})) return {};

@@ -12,9 +12,11 @@ namespace asio = boost::asio;
 constexpr std::size_t kLeastToken = 16;
 constexpr std::string_view kBearer = "Bearer ", kTokenMember = "token=", kScheme = "http://";
 
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
 bool is_token_character(char c) {
-  return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' ||
-         c == '.' || c == '_' || c == '~';
+  return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' || c == '.' ||
+         c == '_' || c == '~';
 }
 
 std::string lower(std::string_view text) {
@@ -48,13 +50,18 @@ std::string_view query_token(std::string_view target) {
   return {};
 }
 
-/// The part of `127.0.0.1:8090` or `[::1]:8090` before the port, without brackets.
+/// The part of `127.0.0.1:8090` or `[::1]:8090` before the port, without brackets; empty where what
+/// follows is no port.
 std::string_view host_without_port(std::string_view host) {
-  if (host.starts_with('[')) {
-    const std::size_t close = host.find(']');
-    return close == host.npos ? "" : host.substr(1, close - 1);
-  }
-  return host.substr(0, std::min(host.find(':'), host.size()));
+  const bool has_brackets = host.starts_with('[');
+  const std::size_t close = host.find(']');
+  if (has_brackets && close == host.npos) return {};
+  const std::size_t end = has_brackets ? close + 1 : std::min(host.find(':'), host.size());
+  const std::string_view rest = host.substr(end);
+  const bool is_port =
+      rest.empty() || (rest[0] == ':' && std::all_of(rest.begin() + 1, rest.end(), is_digit));
+  if (!is_port) return {};
+  return has_brackets ? host.substr(1, end - 2) : host.substr(0, end);
 }
 
 }  // namespace

@@ -61,9 +61,12 @@ struct Hub {
   Hub(const Hub&) = delete;
   Hub& operator=(const Hub&) = delete;
 
+  /// Whether there is a newest frame that is not the one which was had under this count.
+  bool has_newer(std::uint64_t had) const { return newest != nullptr && frame_count != had; }
+
   const LiveSetup setup;
   Exchange& exchange;
-  std::shared_ptr<ShownFrame> newest;  ///< null before the first one
+  std::shared_ptr<ShownFrame> newest;  ///< null before the first one, and when it has passed
   std::uint64_t frame_count = 0;       ///< counts up with each newest frame
   std::string settings;                ///< one JSON object; empty before the first ones
   std::uint64_t settings_count = 0;

@@ -29,7 +29,8 @@ class Live final : public Sink {
   static constexpr About kAbout{.reads = "image time shape visibility frame_report run_settings"};
 
   explicit Live(Params& p) {
-    p.text("address", address_, "ADDRESS:PORT at which it is served; port 0 takes a free one");
+    p.text("address", address_,
+           "ADDRESS:PORT at which it is served; port 0: a free one, for tests");
     p.text("token", token_,
            "what clients must know, at least 16 letters and digits; needed where others than this "
            "machine reach the address");
@@ -83,7 +84,11 @@ class Live final : public Sink {
       exchange_.put_settings(in.run_settings->json);
     }
     if (in.frame_report && exchange_.is_read()) exchange_.put_line(in.frame_report->json);
-    if (exchange_.is_watched()) exchange_.put_frame(shown_of(in));
+    if (exchange_.is_watched()) {
+      exchange_.put_frame(shown_of(in));
+    } else {
+      exchange_.pass_frame();
+    }
     return {};
   }
 

@@ -53,7 +53,7 @@ class LiveProtocol final : public Protocol {
   }
 
   bool takes_more() const override { return answers_.size() < kMostAnswers; }
-  bool is_served() const override { return frame_had_ == hub_.frame_count; }
+  bool is_served() const override { return !hub_.has_newer(frame_had_); }
 
  private:
   static constexpr std::size_t kMostAnswers = 64;

@@ -92,8 +92,8 @@ class TcpServer final : public Server {
       keep_from_children(socket.native_handle());
       error_code ignored;
       socket.set_option(tcp::no_delay(true), ignored);
+      accept();  // first: memory that is short for this client must not end it for all
       admit(std::move(socket));
-      accept();
     });
   }
 
@@ -121,6 +121,7 @@ class TcpServer final : public Server {
       hub_.settings = *std::move(arrivals.settings);
       ++hub_.settings_count;
     }
+    if (arrivals.is_passed) hub_.newest.reset();
     if (arrivals.frame) {
       hub_.newest = std::make_shared<ShownFrame>(*std::move(arrivals.frame), hub_.setup.style);
       ++hub_.frame_count;

@@ -65,16 +65,15 @@ class FoxgloveProtocol final : public Protocol {
   bool takes_more() const override { return said_.size() < kMostSaid; }
 
   bool is_served() const override {
-    return std::all_of(subscriptions_.begin(), subscriptions_.end(), [&](const Subscription& each) {
-      return each.frame_had == hub_.frame_count;
-    });
+    return std::all_of(subscriptions_.begin(), subscriptions_.end(),
+                       [&](const Subscription& each) { return !hub_.has_newer(each.frame_had); });
   }
 
  private:
   static constexpr std::size_t kMostSaid = 64, kMostSubscriptions = 64;
 
   std::optional<Outgoing> data_for(Subscription& subscription) {
-    if (subscription.frame_had == hub_.frame_count) return std::nullopt;
+    if (!hub_.has_newer(subscription.frame_had)) return std::nullopt;
     subscription.frame_had = hub_.frame_count;
     const Channel& channel = channels()[subscription.channel];
     const auto make = [&](ShownFrame& frame) { return channel.message(frame, hub_.setup); };

@@ -26,10 +26,13 @@ TEST(LiveGate, LetsInWhoNamesTheAddressOrLocalhost) {
     EXPECT_EQ(status_for(gate, {"/", host, std::nullopt, ""}), 200) << host;
   }
   for (const char* host : {"", "evil.example:8090", "127.0.0.1.evil.example", "192.168.0.9:8090",
-                           "localhost.evil.example", "[::1]:8090", "[", "127.0.0.1@evil"}) {
+                           "localhost.evil.example", "[::1]:8090", "[", "127.0.0.1@evil",
+                           "127.0.0.1:8090.evil.example", "localhost:evil", "::1"}) {
     EXPECT_EQ(status_for(gate, {"/", host, std::nullopt, ""}), 403) << host;
   }
   EXPECT_EQ(status_for(gate_at("::1"), {"/", "[::1]:8090", std::nullopt, ""}), 200);
+  EXPECT_EQ(status_for(gate_at("::1"), {"/", "[::1]", std::nullopt, ""}), 200);
+  EXPECT_EQ(status_for(gate_at("::1"), {"/", "[::1]evil:8090", std::nullopt, ""}), 403);
 }
 
 TEST(LiveGate, AtAllAddressesLetsInAnyAddressInNumbersButNoName) {

@@ -94,7 +94,7 @@ class LiveServer : public ::testing::Test {
     FrameCopy made;
     made.frame = number;
     made.time_s = 0.25 * static_cast<double>(number);
-    made.taken_ns = 1'700'000'000'500'000'000 + number;
+    made.taken_ns = 2'500'000'000 + number;
     made.pixels = Array<std::uint8_t>({height_px, width_px}, 100);
     Rng rng(number + 1);
     for (std::int64_t i = 0; noise && i < made.pixels.size(); ++i) {

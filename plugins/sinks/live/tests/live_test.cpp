@@ -98,6 +98,29 @@ TEST_F(LiveSink, ShowsFramesOfWhichLittleIsKnown) {
   EXPECT_TRUE(decoded.parts.empty());
 }
 
+TEST_F(LiveSink, CountsTheTimesOfFoxgloveFromItsOpeningOn) {
+  PluginUnderTest sink("sinks/live", params());
+  ASSERT_EQ(open(sink).status, WEFT_OK);
+  Viewer viewer(port_, kFoxgloveProtocol);
+  viewer.text();
+  viewer.text();
+  viewer.say(R"({"op":"subscribe","subscriptions":[{"id":7,"channelId":4}]})");
+  viewer.say(R"({"op":"fetchAsset"})");
+  EXPECT_EQ(viewer.text()["op"], "status") << "what was said before has been read";
+  const auto latest_ns = static_cast<std::uint64_t>(std::chrono::nanoseconds(kPatience).count());
+  std::uint64_t before_ns = 0;
+  for (std::uint64_t frame = 0; frame < 3; ++frame) {
+    ASSERT_EQ(write(sink, frame).status, WEFT_OK);
+    const std::string bytes = viewer.read().bytes;
+    ASSERT_GT(bytes.size(), 13U);
+    std::uint64_t time_ns = 0;
+    std::memcpy(&time_ns, bytes.data() + 5, sizeof time_ns);
+    EXPECT_GT(time_ns, before_ns);
+    EXPECT_LT(time_ns, latest_ns) << "it is no time of day";
+    before_ns = time_ns;
+  }
+}
+
 TEST_F(LiveSink, FindsThePortTakenByOneRunOnly) {
   PluginUnderTest first("sinks/live", params());
   ASSERT_EQ(open(first).status, WEFT_OK);

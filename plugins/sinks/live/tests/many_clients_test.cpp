@@ -27,7 +27,9 @@ Crowd viewers_at(std::uint16_t port, int count) {
 }
 
 TEST_F(LiveClients, ThatStallHoldNothingUpAndKeepNoFrames) {
-  start();
+  Limits limits;
+  limits.write = limits.silence = kPatience;  // however slow the machine: none is let go
+  start("", "", limits);
   Crowd stalled = viewers_at(port_, 49);
   Viewer quick(port_);
   quick.text();

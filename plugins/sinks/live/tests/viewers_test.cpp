@@ -59,6 +59,29 @@ TEST_F(LiveViewers, GetTheNewestFrameAfterAPause) {
   EXPECT_EQ(late.frame().head["frame"], 49);
 }
 
+TEST_F(LiveViewers, WhoComeLaterAreNotShownAFrameThatHasPassed) {
+  start();
+  {
+    Viewer first(port_);
+    first.text();
+    exchange_.put_frame(frame(1));
+    first.ready();
+    EXPECT_EQ(first.frame().head["frame"], 1);
+  }
+  wait_until([&] { return !exchange_.is_watched(); });
+  Viewer next(port_);  // of a run that pauses: its newest frame is still that one
+  next.text();
+  next.ready();
+  EXPECT_EQ(next.frame().head["frame"], 1);
+  exchange_.pass_frame();
+  Viewer later(port_);
+  later.text();
+  later.ready();
+  let_server_read(later);
+  exchange_.put_frame(frame(9));
+  EXPECT_EQ(later.frame().head["frame"], 9);
+}
+
 TEST_F(LiveViewers, GetFramesWithoutAShapeAndWithoutAnImageToo) {
   start();
   Viewer viewer(port_);

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <new>
+
 #include "live_fixture.hpp"
 
 namespace weft::live {
@@ -77,16 +79,29 @@ TEST_F(LiveWishes, OfWhoHasGoneAreAnsweredToNobody) {
   EXPECT_EQ(viewer.text()["type"], "hello");
 }
 
-TEST_F(LiveWishes, ThatTheRunForgetsFillNoMemory) {
-  for (std::uint64_t number = 0; number < 10'000; ++number) {
-    ASSERT_EQ(exchange_.ask(1, number, "step"), "");
+TEST_F(LiveWishes, BeyondThoseThatMayLackAnAnswerAreRefusedAtOnce) {
+  for (std::uint64_t number = 0; number < 256; ++number) {
+    ASSERT_EQ(exchange_.ask(1, number, "set a.b=1"), "");
     ASSERT_EQ(exchange_.take_wishes().size(), 1U);
   }
-  // The last 256 are remembered, and the first is not.
+  EXPECT_THAT(exchange_.ask(1, 256, "set a.b=1"), HasSubstr("256 wishes have no answer yet"));
+  EXPECT_TRUE(exchange_.take_wishes().empty());
   exchange_.answer({1, 0, ""});
-  EXPECT_EQ(exchange_.take().answers.size(), 0U);
-  for (std::uint64_t number = 1; number <= 10'000; ++number) exchange_.answer({number, 0, ""});
-  EXPECT_EQ(exchange_.take().answers.size(), 256U);
+  EXPECT_EQ(exchange_.take().answers.size(), 1U);
+  EXPECT_EQ(exchange_.ask(1, 257, "set a.b=1"), "");
+}
+
+TEST(LiveExchange, WakesTheServerAgainWhereThatFailed) {
+  Exchange exchange;
+  int woken = 0;
+  exchange.attach([&woken] {
+    if (++woken == 1) throw std::bad_alloc();
+  });
+  EXPECT_THROW(exchange.put_settings("{}"), std::bad_alloc);
+  exchange.put_settings("{}");
+  EXPECT_EQ(woken, 2);
+  exchange.put_settings("{}");
+  EXPECT_EQ(woken, 2) << "it has not looked yet";
 }
 
 TEST_F(LiveWishes, AreNotReadFromWhoDoesNotReadTheAnswers) {

@@ -135,6 +135,8 @@ TEST(StreamAddress, ThatIsNoneIsRefusedWithAnExample) {
       {"tcp://127.0.0.1:50x", "has no port from 1 to 65535"},
       {"tcp://:5005", "has no address in numbers"},
       {"udp://robot.local:5005", "has no address in numbers"},
+      {"udp://fe80::1:5005", "has no address in numbers"},
+      {"udp://[127.0.0.1]:5005", "has no address in numbers"},
       {"udp://::1:5005x", "has no port from 1 to 65535"}};
   for (const auto& [text, why] : wrong) {
     const auto address = parse_address(text);
