@@ -78,6 +78,9 @@ Debian builds Ceres with SuiteSparse, parts of which (of CHOLMOD, SPQR) are unde
 that loads solvers/brunet_refine loads them. Weft asks Ceres for Eigen's solver instead; a Ceres that
 is built without SuiteSparse loads none. The same holds for whoever passes these on.
 
+Plugins in Python, of which none is installed with Weft, link libpython (PSF-2.0) and load NumPy
+(BSD-3-Clause).
+
 Tests, which are not installed, also use GoogleTest (BSD-3-Clause) and Google Benchmark
 (Apache-2.0); that of filters/myneighbor compares with CGAL. OpenCL devices have drivers of their
 own, such as pocl (MIT).

@@ -2,8 +2,11 @@
 #include "cli/plugins/plugins_new.hpp"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
+#include <vector>
 #include <weft/core/quote.hpp>
 #include <weft/core/shell_word.hpp>
 #include <weft/core/suggest.hpp>
@@ -18,18 +21,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kLanguage = "c++";
-
 struct Options {
   std::string role, name, vendor, folder;
-  std::string language = kLanguage;
+  std::string language = "c++";
 };
 
 Result<PluginName> checked(const Options& options) {
-  if (options.language != kLanguage) {
-    return Error{Errc::unsupported,
-                 "plugins in " + quote(options.language) + " cannot be made yet" +
-                     did_you_mean(options.language, {kLanguage}, "; there is: c++")};
+  const std::vector<std::string> known = scaffold_languages();
+  if (std::find(known.begin(), known.end(), options.language) == known.end()) {
+    const std::string all = fmt::format("; there are: {}", fmt::join(known, ", "));
+    return Error{Errc::unsupported, "plugins in " + quote(options.language) +
+                                        " cannot be made yet" +
+                                        did_you_mean(options.language, known, all)};
   }
   return plugin_name(options.role, options.name, options.vendor);
 }
@@ -61,8 +64,12 @@ void make_plugin(const Options& options, Context& context) {
   };
   const auto plugin = checked(options);
   if (!plugin) return fail(plugin.error(), kBadConfiguration);
-  const auto files = scaffold_files(*plugin, program_root() / "share/weft/scaffold");
-  if (!files) return fail(files.error(), kInputOutput);
+  const auto files =
+      scaffold_files(*plugin, options.language, program_root() / "share/weft/scaffold");
+  if (!files) {
+    const bool unknown = files.error().code == Errc::unsupported;
+    return fail(files.error(), unknown ? kBadConfiguration : kInputOutput);
+  }
   const std::string folder = options.folder.empty() ? plugin->name : options.folder;
   if (auto made = make_new_folder(folder); !made) return fail(made.error(), kInputOutput);
   if (auto written = write_files(*files, folder); !written) {
@@ -95,9 +102,7 @@ void add_new_plugin(CLI::App& plugins, Context& context) {
   command->add_option("NAME", options->name, "Of the plugin: a to z, 0 to 9 and _")
       ->type_name("")
       ->required();
-  command
-      ->add_option("--language", options->language,
-                   "Of its source (default: c++, the only one yet)")
+  command->add_option("--language", options->language, "Of its source: c++ (default) or python")
       ->option_text("LANGUAGE");
   command->add_option("--out", options->folder, "Its folder, new or empty (default: NAME)")
       ->option_text("FOLDER");

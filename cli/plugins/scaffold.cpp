@@ -92,12 +92,14 @@ std::string replaced(const std::string& text, const Words& words) {
   return result;
 }
 
-Result<void> add_files(const fs::path& folder, const Words& words,
+/// Adds the files of a folder, without those with the extension `but`, if any.
+Result<void> add_files(const fs::path& folder, const Words& words, const std::string& but,
                        std::map<std::string, std::string>& files) {
   std::error_code code;
   for (fs::recursive_directory_iterator entry(folder, code), end; entry != end && !code;
        entry.increment(code)) {
-    if (!entry->is_regular_file(code)) continue;
+    const bool is_left_out = !but.empty() && entry->path().extension() == but;
+    if (!entry->is_regular_file(code) || is_left_out) continue;
     auto content = read_text_file(entry->path().string(), kMostBytes);
     if (!content) return content.error();
     const std::string path = entry->path().lexically_relative(folder).generic_string();
@@ -129,13 +131,30 @@ Result<PluginName> plugin_name(const std::string& role, const std::string& name,
   return plugin;
 }
 
+std::vector<std::string> scaffold_languages() { return {"c++", "python"}; }
+
 Result<std::map<std::string, std::string>> scaffold_files(const PluginName& plugin,
+                                                          const std::string& language,
                                                           const fs::path& scaffold) {
   const Words words = words_of(plugin);
   std::map<std::string, std::string> files;
-  for (const std::string& part : {plugin.role, std::string("common")}) {
-    if (auto added = add_files(scaffold / part, words, files); !added) return added.error();
+  const auto add = [&](const fs::path& part, const std::string& but) {
+    return add_files(scaffold / part, words, but, files);
+  };
+  std::error_code code;
+  const fs::path python = "python";
+  const bool is_python = language == "python";
+  if (is_python && fs::exists(scaffold / plugin.role, code) &&
+      !fs::exists(scaffold / python / plugin.role, code)) {
+    return Error{
+        Errc::unsupported,
+        plugin.role + " in Python cannot be begun yet; begin a filter and change its class"};
   }
+  // Page and pipeline are those of the role in any language.
+  auto added = add(plugin.role, is_python ? ".cpp" : "");
+  if (added && is_python) added = add(python / plugin.role, "");
+  if (added) added = add(is_python ? python / "common" : fs::path("common"), "");
+  if (!added) return added.error();
   return files;
 }
 

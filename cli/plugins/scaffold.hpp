@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 #include <weft/core/result.hpp>
 
 namespace weft::cli {
@@ -23,10 +24,15 @@ struct PluginName {
 Result<PluginName> plugin_name(const std::string& role, const std::string& name,
                                const std::string& vendor);
 
+/// In which plugins can be begun: "c++", "python".
+std::vector<std::string> scaffold_languages();
+
 /// The files of a new plugin, by their paths in its folder. In `scaffold` a folder of each role and
-/// `common` hold plugins called my_plugin; what stands in files of both is joined. Fails where they
-/// cannot be read.
+/// `common` hold plugins called my_plugin, `python` those in Python, whose page and pipeline are
+/// those of the role; what stands in several files of a name is joined. Fails where they cannot be
+/// read, or where there is none of the role in the language.
 Result<std::map<std::string, std::string>> scaffold_files(const PluginName& plugin,
+                                                          const std::string& language,
                                                           const std::filesystem::path& scaffold);
 
 }  // namespace weft::cli

@@ -25,6 +25,13 @@ install(FILES LICENSE NOTICE README.md CHANGELOG.md CITATION.cff DESTINATION sha
 
 install(DIRECTORY framework/include/weft DESTINATION include COMPONENT dev)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/share/weft/scaffold DESTINATION share/weft COMPONENT dev)
+if(TARGET weft_python)
+  install(TARGETS weft_python EXPORT weftTargets ARCHIVE DESTINATION lib COMPONENT dev)
+  install(FILES framework/python/embed.py framework/python/python_library.hpp
+    DESTINATION share/weft/python COMPONENT dev)
+  install(DIRECTORY framework/python/weft DESTINATION share/weft/python COMPONENT dev
+    FILES_MATCHING PATTERN *.py PATTERN __pycache__ EXCLUDE)
+endif()
 install(TARGETS weft_contract EXPORT weftTargets RUNTIME DESTINATION bin COMPONENT dev)
 install(TARGETS weft_sdk weft_describe EXPORT weftTargets ARCHIVE DESTINATION lib COMPONENT dev)
 install(TARGETS weft_host EXPORT weftHostTargets ARCHIVE DESTINATION lib COMPONENT dev)
@@ -35,21 +42,30 @@ foreach(set weftTargets weftHostTargets weftTestingTargets weftEmbeddingTargets)
 endforeach()
 set(weft_cmake_folder "\${CMAKE_CURRENT_LIST_DIR}")
 set(weft_parameter_tables "\${CMAKE_CURRENT_LIST_DIR}/parameter_tables.py")
+set(weft_python_folder "\${PACKAGE_PREFIX_DIR}/share/weft/python")
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/weftConfig.cmake.in
   ${PROJECT_BINARY_DIR}/installed/weftConfig.cmake INSTALL_DESTINATION ${package})
 # Until the boundary is frozen, host and plugin must match in each minor version.
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/installed/weftConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
+set(weft_pc_prefix "\${pcfiledir}/../..")
+set(weft_pc_includedir "\${prefix}/include")
+set(weft_pc_plugin_folder "\${prefix}/lib/weft/plugins")
 configure_file(${CMAKE_CURRENT_LIST_DIR}/weft.pc.in ${PROJECT_BINARY_DIR}/installed/weft.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/installed/weftConfig.cmake
   ${PROJECT_BINARY_DIR}/installed/weftConfigVersion.cmake
-  ${CMAKE_CURRENT_LIST_DIR}/WeftPlugin.cmake ${CMAKE_CURRENT_LIST_DIR}/WeftOpenCV.cmake
+  ${CMAKE_CURRENT_LIST_DIR}/WeftPlugin.cmake ${CMAKE_CURRENT_LIST_DIR}/WeftPythonPlugin.cmake
+  ${CMAKE_CURRENT_LIST_DIR}/WeftOpenCV.cmake
   ${CMAKE_CURRENT_LIST_DIR}/weft_plugin.map ${PROJECT_SOURCE_DIR}/scripts/parameter_tables.py
   DESTINATION ${package} COMPONENT dev)
 install(FILES ${PROJECT_BINARY_DIR}/installed/weft.pc DESTINATION lib/pkgconfig COMPONENT dev)
 
 # For find_package(weft) with weft_DIR set to the build tree.
-export(TARGETS weft_sdk weft_describe weft_contract weft weft_worker NAMESPACE weft::
+set(with_python "")
+if(TARGET weft_python)
+  set(with_python weft_python)
+endif()
+export(TARGETS weft_sdk weft_describe ${with_python} weft_contract weft weft_worker NAMESPACE weft::
   FILE ${PROJECT_BINARY_DIR}/weftTargets.cmake)
 export(TARGETS weft_host weft_options NAMESPACE weft::
   FILE ${PROJECT_BINARY_DIR}/weftHostTargets.cmake)
@@ -57,9 +73,14 @@ export(TARGETS weft_testing NAMESPACE weft:: FILE ${PROJECT_BINARY_DIR}/weftTest
 export(TARGETS weft_pipeline NAMESPACE weft:: FILE ${PROJECT_BINARY_DIR}/weftEmbeddingTargets.cmake)
 set(weft_cmake_folder ${CMAKE_CURRENT_LIST_DIR})
 set(weft_parameter_tables ${PROJECT_SOURCE_DIR}/scripts/parameter_tables.py)
+set(weft_python_folder ${PROJECT_SOURCE_DIR}/framework/python)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/weftConfig.cmake.in
   ${PROJECT_BINARY_DIR}/weftConfig.cmake INSTALL_DESTINATION ${PROJECT_BINARY_DIR}
   INSTALL_PREFIX ${PROJECT_BINARY_DIR})
+# And for pkg-config with PKG_CONFIG_PATH set to it.
+set(weft_pc_prefix "\${pcfiledir}")
+set(weft_pc_includedir ${PROJECT_SOURCE_DIR}/framework/include)
+configure_file(${CMAKE_CURRENT_LIST_DIR}/weft.pc.in ${PROJECT_BINARY_DIR}/weft.pc @ONLY)
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME weft)
@@ -79,9 +100,9 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME weft)
 set(CPACK_DEBIAN_PLUGINS_PACKAGE_NAME weft-plugins)
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME weft-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, cmake (>= 3.25)")
-# What the components testing and embedding are linked with.
+# What the components testing and embedding are linked with, and plugins in Python.
 set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS "libboost-filesystem-dev, libyaml-cpp-dev, libzip-dev, \
-libxxhash-dev, nlohmann-json3-dev, pkg-config")
+libxxhash-dev, nlohmann-json3-dev, pkg-config, python3-dev, python3-numpy")
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
   "The program weft, its manual pages, its report page and its pipelines.")
 set(CPACK_COMPONENT_PLUGINS_DESCRIPTION "The plugins of Weft: sources to sinks.")

@@ -128,7 +128,7 @@ class Names:
         component = re.compile(rf'"((?:{"|".join(sorted(roles)) or "-"})/[a-z0-9_.]+)"')
         self.roles = roles
         self.components = {
-            name for file in self.files if file.endswith((".cpp", ".hpp"))
+            name for file in self.files if file.endswith((".c", ".cpp", ".hpp", ".py"))
             for name in component.findall((root / file).read_text(encoding="utf-8"))}
 
     def has_path(self, path, folder):

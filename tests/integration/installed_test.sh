@@ -76,11 +76,10 @@ cmp given/frames.jsonl.told embedded.jsonl.told || fail "an embedded pipeline gi
 test "$(grep -c estimated embedded.jsonl.told)" = 2 || fail "an embedded pipeline finds no sheet"
 
 echo "-- an author in C"
-printf '#include <weft/abi.h>\nint main(void) { return WEFT_OK; }\n' >probe.c
-# shellcheck disable=SC2046
-cc -std=c99 -pedantic-errors -Wall -Wextra -Werror \
-  $(PKG_CONFIG_PATH=$prefix/lib/pkgconfig pkg-config --cflags weft) probe.c -o probe
-./probe
+cp "$repository/docs/examples/c_filter/keep.c" .
+PKG_CONFIG_PATH=$prefix/lib/pkgconfig sh -eu -c "$(grep '^cc ' "$repository/docs/examples/c_filter/README.md")"
+weft plugins describe filters_keep.so >/dev/null
+weft plugins show filters/keep --plugin-path . | grep -q max_deviation_px || fail "the filter in C is not found"
 
 echo "-- an author in C++"
 cp -r "$repository/docs/examples/your_own_filter" plugin

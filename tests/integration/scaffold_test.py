@@ -18,6 +18,7 @@ import unittest
 # What the command takes, and the folder of each.
 ROLES = {"source": "sources", "template": "templates", "detector": "detectors", "matcher": "matchers",
          "filter": "filters", "warp": "warps", "pass": "passes", "solver": "solvers", "sink": "sinks"}
+PYTHON_ROLES = ("source", "template", "filter", "pass", "solver", "sink")
 STAGES = ("detector", "matcher", "filter", "warp", "pass", "solver")
 
 
@@ -45,7 +46,7 @@ class InAFolder(unittest.TestCase):
     def begin(self, role, name, *more, weft=None):
         """Begins a plugin and returns the commands that it says are next."""
         said = self.done(["weft", "plugins", "new", role, name, *more], weft=weft)
-        self.assertIn(f"{name}/{name}.cpp\n", said)
+        self.assertIn(f"{name}/{name}.{'py' if 'python' in more else 'cpp'}\n", said)
         return [line.strip() for line in said.splitlines() if line.startswith("  cmake ")]
 
     def check(self, role, name, *more, weft=None):
@@ -94,9 +95,13 @@ class Refusals(InAFolder):
         self.assertIn("has more than 100 characters", self.refused(2, "filter", 100 * "a"))
 
     def test_a_language_that_is_not_there_is_told_with_what_is(self):
-        for language in ("c", "python"):
-            self.assertEqual(self.refused(2, "filter", "mine", "--language", language),
-                             f"error: plugins in '{language}' cannot be made yet; there is: c++")
+        self.assertEqual(self.refused(2, "filter", "mine", "--language", "c"),
+                         "error: plugins in 'c' cannot be made yet; there are: c++, python")
+        self.assertEqual(self.refused(2, "filter", "mine", "--language", "pyhton"),
+                         "error: plugins in 'pyhton' cannot be made yet; did you mean 'python'?")
+        for role in ("detector", "matcher", "warp"):
+            self.assertIn("in Python cannot be begun yet",
+                          self.refused(2, role, "mine", "--language", "python"))
         self.assertEqual(list(self.folder.iterdir()), [])
 
     def test_a_folder_that_holds_something_is_left_as_it_is(self):
@@ -135,6 +140,23 @@ class Files(InAFolder):
             self.assertTrue(texts["README.md"].startswith(f"# {folder}/acme.my_own_2\n"))
             self.check_example(texts["README.md"], texts["pipeline.yaml"])
 
+    def test_in_python_a_module_stands_in_the_place_of_the_source(self):
+        for role in PYTHON_ROLES:
+            folder = ROLES[role]
+            out = self.folder / folder
+            self.done(["weft", "plugins", "new", role, "my_own_2", "--vendor", "acme", "--language", "python",
+                       "--out", str(out)])
+            files = {str(file.relative_to(out)): file for file in out.rglob("*") if file.is_file()}
+            self.assertEqual(sorted(files), sorted((
+                ".gitignore", "CMakeLists.txt", "README.md", "my_own_2.py", "pipeline.yaml",
+                "tests/my_own_2_test.py", "texture.png")))
+            module = files["my_own_2.py"].read_text(encoding="utf-8")
+            self.assertIn(f'class MyOwn2{role.title()}(weft.', module)
+            self.assertIn(f'id = "{folder}/acme.my_own_2"', module)
+            for name in ("my_own_2.py", "tests/my_own_2_test.py", "CMakeLists.txt", "README.md"):
+                self.assertNotIn("my_plugin", files[name].read_text(encoding="utf-8"))
+            self.assertIn("python3-numpy", files["README.md"].read_text(encoding="utf-8"))
+
     def check_example(self, page, pipeline):
         """The page shows lines of the pipeline, which is run."""
         example = page.partition("```yaml\n")[2].partition("```")[0]
@@ -155,6 +177,36 @@ class AFilter(InAFolder):
         self.assertIn("the table of filters/mine is out of date", ended.stdout)
         self.done(["cmake", "--build", "mine/build", "--target", "filters_mine_page"])
         self.assertEqual(page.read_text(encoding="utf-8"), right)
+
+
+class InPython(InAFolder):
+    """Where components in Python can be built."""
+
+    def checked(self, role):
+        if not (BUILD / "framework/python/libweft_python.a").exists():
+            self.skipTest("components in Python are left out of this build")
+        self.check(role, "mine", "--language", "python")
+        return self.run_of(role, "mine", "mine")
+
+    def test_filter(self):
+        self.checked("filter")
+
+    def test_pass(self):
+        self.checked("pass")
+
+    def test_solver(self):
+        self.checked("solver")
+
+    def test_source(self):
+        self.checked("source")
+
+    def test_template(self):
+        self.checked("template")
+
+    def test_sink(self):
+        folder = self.checked("sink")
+        self.assertEqual(sorted(file.name for file in (folder / "vertices").iterdir()),
+                         ["000000.csv", "000001.csv", "000002.csv"])
 
 
 class EachRole(InAFolder):
@@ -210,7 +262,7 @@ class OfAnInstallation(InAFolder):
 
 if __name__ == "__main__":
     BUILD = pathlib.Path(sys.argv[1]).resolve()
-    CASES = {"quick": (Refusals, Files, AFilter), "long": (EachRole, OfAnInstallation)}[sys.argv[2]]
+    CASES = {"quick": (Refusals, Files, AFilter), "long": (EachRole, InPython, OfAnInstallation)}[sys.argv[2]]
     loader = unittest.TestLoader()
     suite = unittest.TestSuite(loader.loadTestsFromTestCase(case) for case in CASES)
     sys.exit(0 if unittest.TextTestRunner(verbosity=2).run(suite).wasSuccessful() else 1)

@@ -164,7 +164,7 @@ TEST_F(StageConfigs, IsolationIsRefusedWhereItMeansNothing) {
   EXPECT_THAT(
       lines(report),
       ElementsAre(
-          "5:43: 'isolate' must be process; leave it out to run the stage in here",
+          "5:43: 'isolate' must be process, or none to run the stage in here",
           "6:47: 'deadline_ms' needs 'isolate: process': only a process can be ended",
           "7:63: 'deadline_ms' must be a whole number from 1 to 86400000",
           "9:32: a sink has no key 'isolate'; it may have: use, params, as, from, overwrite"));

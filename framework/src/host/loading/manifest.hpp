@@ -3,9 +3,11 @@
 
 #include <weft/abi.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
+#include <weft/core/isolation.hpp>
 #include <weft/core/result.hpp>
 
 #include "yaml/yaml.hpp"
@@ -48,6 +50,9 @@ struct ComponentManifest {
   std::string unknown;  ///< what this version of Weft does not know of it, in words, or empty
 
   std::string role() const { return id.substr(0, id.find('/')); }
+  bool prefers_isolation() const {
+    return std::find(extensions.begin(), extensions.end(), kPrefersIsolation) != extensions.end();
+  }
 };
 
 /// What stands beside a library, readable without loading it.

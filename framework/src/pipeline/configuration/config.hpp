@@ -43,6 +43,7 @@ struct StageConfig {
   std::optional<host::ComponentSpec> on_template;
   bool overwrite = false;                    ///< its outputs may go over what is there
   std::optional<host::Isolation> isolation;  ///< `isolate: process`; nothing runs it in this one
+  bool stays_here = false;                   ///< `isolate: none`, though its component prefers it
   std::optional<CallRule> when;              ///< else it is called in every frame
   yaml::Position at;
 };

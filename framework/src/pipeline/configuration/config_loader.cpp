@@ -246,15 +246,22 @@ class Loader {
     }
   }
 
+  /// As the pipeline says, else as the component prefers.
   void read_isolation(const yaml::Node& item, StageConfig& stage) {
     const yaml::Node* isolate = item.find("isolate");
     const yaml::Node* deadline = item.find("deadline_ms");
-    if (isolate != nullptr && isolate->scalar != "process") {
-      problem(isolate->at, "'isolate' must be process; leave it out to run the stage in here");
+    const bool prefers = stage.component.installed != nullptr &&
+                         rules_of(stage.role).part == PipelinePart::stage &&
+                         stage.component.component().prefers_isolation();
+    const bool stays = isolate != nullptr && isolate->scalar == "none";
+    if (isolate != nullptr && !stays && isolate->scalar != "process") {
+      problem(isolate->at, "'isolate' must be process, or none to run the stage in here");
     }
-    if (deadline == nullptr && isolate == nullptr) return;
-    if (isolate == nullptr) {
-      if (item.partial || paths_.of_fragment) return;
+    stage.stays_here = stays && prefers;
+    if (isolate == nullptr && prefers) stage.isolation.emplace();
+    if (deadline == nullptr && (isolate == nullptr || stays)) return;
+    if (isolate == nullptr || stays) {
+      if (isolate == nullptr && (item.partial || paths_.of_fragment)) return;
       return problem(deadline->at,
                      "'deadline_ms' needs 'isolate: process': only a process can be ended");
     }

@@ -42,6 +42,7 @@ yaml::Node effective_stage(const StageConfig& stage) {
     node.entries.push_back({"template_params", {}, *stage.on_template->effective.find("params")});
   }
   if (stage.overwrite) node.entries.push_back({"overwrite", {}, yaml::plain_node("true")});
+  if (stage.stays_here) node.entries.push_back({"isolate", {}, yaml::plain_node("none")});
   if (stage.isolation) {
     node.entries.push_back({"isolate", {}, yaml::plain_node("process")});
     const auto deadline_ms = stage.isolation->deadline.count();

@@ -51,9 +51,11 @@ KeyTable keys_of_stages() {
        .form = Form::part,
        .part = "template_params"},
       {.name = "isolate",
-       .help = "process: it runs in a process of its own, so that a crash costs one frame",
+       .help =
+           "process: it runs in a process of its own, so that a crash costs one frame; none: it "
+           "does not, though its component prefers it, as those in Python do",
        .form = Form::choice,
-       .choices = {"process"}},
+       .choices = {"process", "none"}},
       {.name = "deadline_ms",
        .help = "of an isolated stage: after so many milliseconds a call is ended",
        .form = Form::whole,
