@@ -4,7 +4,6 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <weft/core/isolation.hpp>
 #include <weft/sdk/extensions.hpp>
 #include <weft/sdk/roles.hpp>
 
@@ -131,7 +130,7 @@ std::int32_t check(void* self, void* context, Mistakes::Report mistake, weft_err
 }
 
 constexpr weft_check kCheck{sizeof(weft_check), 0, &check};
-constexpr PrefersIsolation kApart{sizeof(PrefersIsolation), 0};
+constexpr weft_isolation kApart{sizeof(weft_isolation), 0};
 
 }  // namespace
 
@@ -198,7 +197,7 @@ const void* extension(const Declaration& declaration, const char* name) {
   const std::string_view asked = name;
   if (asked == WEFT_SWEEP) return declaration.sweep;
   if (asked == WEFT_CHECK) return declaration.checks != 0 ? &kCheck : nullptr;
-  if (asked == kPrefersIsolation) return &kApart;
+  if (asked == WEFT_ISOLATION) return &kApart;
   return nullptr;
 }
 

@@ -278,6 +278,15 @@ typedef struct weft_sweep {
   uint64_t count;        /* at least 2 */
 } weft_sweep;
 
+/* Extension of components that had better not share the process of a run, as those that bring an
+ * interpreter: their stage has a process of its own unless the pipeline says `isolate: none`. It is
+ * read when the library is described and never asked for in a run. */
+#define WEFT_ISOLATION "weft.isolation/1"
+typedef struct weft_isolation {
+  uint32_t struct_size;
+  uint32_t reserved;
+} weft_isolation;
+
 /* Extension of sinks at which somebody steers the run. Both functions are called from any thread,
  * also beside process. */
 #define WEFT_STEERING "weft.steering/1"

@@ -10,7 +10,6 @@
 #include <sstream>
 #include <string_view>
 #include <vector>
-#include <weft/core/isolation.hpp>
 
 #include "describe/slots.hpp"
 
@@ -163,7 +162,7 @@ std::string words(std::string_view text) {
 std::string extensions(const weft_component& component) {
   std::string list;
   for (const char* name : {WEFT_DEVICE_MEMORY, WEFT_DEVICES, WEFT_CHECK, WEFT_SWEEP, WEFT_STEERING,
-                           kPrefersIsolation}) {
+                           WEFT_ISOLATION}) {
     const bool has = component.get_extension != nullptr && component.get_extension(name) != nullptr;
     if (has) list += (list.empty() ? "" : " ") + std::string(name);
   }

@@ -7,7 +7,6 @@
 #include <optional>
 #include <string>
 #include <vector>
-#include <weft/core/isolation.hpp>
 #include <weft/core/result.hpp>
 
 #include "yaml/yaml.hpp"
@@ -51,7 +50,7 @@ struct ComponentManifest {
 
   std::string role() const { return id.substr(0, id.find('/')); }
   bool prefers_isolation() const {
-    return std::find(extensions.begin(), extensions.end(), kPrefersIsolation) != extensions.end();
+    return std::find(extensions.begin(), extensions.end(), WEFT_ISOLATION) != extensions.end();
   }
 };
 
