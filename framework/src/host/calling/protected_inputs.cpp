@@ -16,7 +16,7 @@
 namespace weft::host {
 namespace {
 
-constexpr std::size_t kPage = 4096, kAlignment = 64;
+constexpr std::size_t kPage = 4096, kInputAlignment = 64;
 
 /// What a handler can tell of some protected pages: their end is that of what can be read.
 struct Known {
@@ -89,7 +89,7 @@ Result<void> ProtectedInputs::protect(const weft_record& record, weft_array& arr
   if (mprotect(start, readable, PROT_READ | PROT_WRITE) != 0) {
     return Error{Errc::no_memory, "out of memory", {}};
   }
-  std::byte* const data = start + readable - rounded_up(bytes, kAlignment);
+  std::byte* const data = start + readable - rounded_up(bytes, kInputAlignment);
   const std::int64_t rows = array.ndim > 0 ? array.shape[0] : 1;
   const std::size_t row_bytes = rows > 0 ? bytes / to_index(rows) : 0;
   for (std::int64_t i = 0; row_bytes > 0 && i < rows; ++i) {
