@@ -61,7 +61,7 @@ TEST(Array, EmptyIsPresent) {
 TEST(Array, IllegalShapesThrow) {
   EXPECT_THROW(Array<double>({-1}, 0.0), std::length_error);
   EXPECT_THROW(Array<double>({-2, -3}, 0.0), std::length_error);
-  EXPECT_THROW(Array<double>({1, 1, 1, 1, 1}, 0.0), std::length_error);
+  EXPECT_THROW(Array<double>({1, 1, 1, 1, 1, 1, 1}, 0.0), std::length_error);
 }
 
 TEST(Array, IsMadeFromEigenInRowOrder) {

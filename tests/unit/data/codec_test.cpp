@@ -231,7 +231,7 @@ TEST(Catalogue, TypesAreVersionedAndNamesAreUnique) {
       EXPECT_STRNE(field.meaning, "") << type << " " << field.name;
     });
   });
-  EXPECT_EQ(types.size(), 18U);
+  EXPECT_EQ(types.size(), 20U);
 }
 
 }  // namespace
