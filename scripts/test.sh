@@ -13,12 +13,13 @@ usage: scripts/test.sh [--ci [--since REV] | --long [--all]] [--coverage] [--wit
 Installs missing packages, builds the preset release and runs its tests labelled `quick`. Exits 1 if
 anything failed.
 
-  --ci      also: the same with the preset asan, clang-format over all tracked sources, each installed
-            header compiled alone by GCC and by Clang and abi.h as C99, clang-tidy over what changed
+  --ci      the preset asan in place of release, and: clang-format over all tracked sources, each
+            installed header compiled alone by GCC and by Clang and abi.h as C99, clang-tidy over
+            what changed
   --since REV
             what changed since REV (default: since the branch left main, on main since the commit
             before); scripts/tidy.py says more
-  --long    all of --ci, with clang-tidy over everything, and: the tests labelled `long` in both
+  --long    release and all of --ci, with clang-tidy over everything, and: the tests labelled `long` in both
             presets, those of asan with its test preset asan-stack, the quick tests in the preset
             tsan (of plugins, those that start threads), and the benchmarks of the stages
             (build/benchmarks.log). What the preset tsan and clang-tidy passed before and is
@@ -195,13 +196,14 @@ check_format() {
 }
 
 check_headers() {
-  cmake --build --preset release -j "$jobs" --target headers_alone
+  cmake --preset release \
+    && cmake --build --preset release -j "$jobs" --target headers_alone
 }
 
 check_tidy() {
   local which=()
   if ((long == 0)); then
-    which=(--changed ${since:+--since "$since"})
+    which=(--changed ${since:+--since "$since"} build/asan)
   elif ((all)); then
     which=(--all)
   fi
@@ -251,11 +253,11 @@ report_coverage() {
 }
 
 what="quick tests"
-((ci == 0)) || what="quick tests and checks"
+((ci == 0)) || what="quick tests under AddressSanitizer, checks"
 ((long == 0)) || what="quick and long tests, checks"
 echo "Weft: $what, $jobs jobs, data: ${WEFT_DATA:-none}"
 step bootstrap build/bootstrap.log scripts/bootstrap.sh --tests "${packages[@]}" || exit 1
-build_and_test release
+((ci && long == 0)) || build_and_test release
 if ((ci || long)); then
   build_and_test asan
   step clang-format build/format.log check_format || true

@@ -62,6 +62,11 @@ class Batch(NamedTuple):
         return combined([self.command, tool, *files])
 
 
+def record_of(batch: Batch, build: Path) -> str:
+    """Under what a verdict is kept: the commands of two builds differ, and so do their verdicts."""
+    return f"{build.name}/{batch.name}"
+
+
 def from_root(path: str, folder: Path) -> str:
     """A path of a file in `folder` as one from the root, where it lies below it."""
     full = os.path.normpath(folder / path)
@@ -166,7 +171,7 @@ def tidy_all(due: dict[Batch, str], build: Path, jobs: int, green: Green) -> int
             passed, text = done.result()
             print(f"[{number}/{len(due)}] {text}", flush=True)
             if passed:
-                green.record(batch.name, due[batch])
+                green.record(record_of(batch, build), due[batch])
             else:
                 failed += 1
     return failed
@@ -198,7 +203,7 @@ def run(options: argparse.Namespace) -> int:
 
     green = Green(ROOT / "build" / "tidy.green")
     found = fingerprints(chosen)
-    since = {batch: green.since(batch.name, found[batch]) for batch in chosen}
+    since = {batch: green.since(record_of(batch, options.build), found[batch]) for batch in chosen}
     due = {batch: found[batch] for batch in chosen if options.all or not since[batch]}
     sources = f"sources {combined(found.values())[:12]}"
     if not due:
