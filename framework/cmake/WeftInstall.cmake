@@ -43,6 +43,7 @@ endforeach()
 set(weft_cmake_folder "\${CMAKE_CURRENT_LIST_DIR}")
 set(weft_parameter_tables "\${CMAKE_CURRENT_LIST_DIR}/parameter_tables.py")
 set(weft_python_folder "\${PACKAGE_PREFIX_DIR}/share/weft/python")
+get_property(weft_python_executable GLOBAL PROPERTY WEFT_PYTHON_EXECUTABLE)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/weftConfig.cmake.in
   ${PROJECT_BINARY_DIR}/installed/weftConfig.cmake INSTALL_DESTINATION ${package})
 # Until the boundary is frozen, host and plugin must match in each minor version.
