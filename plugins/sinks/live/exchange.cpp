@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <string_view>
 #include <utility>
 
 namespace weft::live {
@@ -11,6 +12,13 @@ namespace {
 constexpr std::size_t kMostLines = 256, kMostWishes = 64;
 /// Wishes that the run has taken and not answered: it keeps each until it is made.
 constexpr std::size_t kMostAskers = 256;
+
+/// Whether the run stands still once the wish is granted; absent where that stays as it was.
+std::optional<bool> pauses(std::string_view wish) {
+  if (wish == "pause" || wish == "step") return true;
+  if (wish == "resume") return false;
+  return std::nullopt;
+}
 
 }  // namespace
 
@@ -63,8 +71,9 @@ void Exchange::answer(const WishAnswer& answer) {
   const std::lock_guard lock(mutex_);
   const auto asker = askers_.find(answer.number);
   if (asker == askers_.end()) return;
-  arrivals_.answers.push_back(
-      {asker->second.client, asker->second.number, answer.frame, answer.refusal});
+  const auto& [client, number, pauses] = asker->second;
+  arrivals_.answers.push_back({client, number, answer.frame, answer.refusal,
+                               answer.refusal.empty() ? pauses : std::nullopt});
   askers_.erase(asker);
   wake();
 }
@@ -91,7 +100,7 @@ std::string Exchange::ask(ClientId client, std::uint64_t number, std::string tex
   if (askers_.size() == kMostAskers) {
     return "256 wishes have no answer yet: the run makes one after the other, so wish again then";
   }
-  askers_[++asked_] = {client, number};
+  askers_[++asked_] = {client, number, pauses(text)};
   wishes_.push_back({asked_, std::move(text)});
   return {};
 }

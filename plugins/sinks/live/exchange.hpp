@@ -23,6 +23,7 @@ struct ClientAnswer {
   ClientId client;
   std::uint64_t number, frame;
   std::string refusal;
+  std::optional<bool> pauses{};  ///< whether the run stands still from there on, if that was wished
 };
 
 /// What has come from the run since the server last looked.
@@ -62,6 +63,7 @@ class Exchange {
   struct Asker {
     ClientId client;
     std::uint64_t number;
+    std::optional<bool> pauses;
   };
 
   void wake();

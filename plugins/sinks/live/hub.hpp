@@ -44,7 +44,7 @@ class Client {
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
-  /// The hub has a new frame or new settings.
+  /// The hub has something new.
   virtual void look() {}
   virtual void take_line(const Text& /*line*/) {}
   virtual void take_answer(const ClientAnswer& /*answer*/) {}
@@ -70,6 +70,9 @@ struct Hub {
   std::uint64_t frame_count = 0;       ///< counts up with each newest frame
   std::string settings;                ///< one JSON object; empty before the first ones
   std::uint64_t settings_count = 0;
+  bool is_paused = false;
+  std::uint64_t pause_frame = 0;  ///< from which that holds
+  std::uint64_t pause_count = 0;
   std::set<Client*> clients;
   ClientId last_client = 0;
   std::function<void()> when_empty;  ///< called when the last client has gone; may be null

@@ -26,6 +26,10 @@ class LiveProtocol final : public Protocol {
       settings_had_ = hub_.settings_count;
       return text_message(settings_message(hub_.settings));
     }
+    if (pause_had_ != hub_.pause_count) {
+      pause_had_ = hub_.pause_count;
+      return text_message(pause_message(hub_.is_paused, hub_.pause_frame));
+    }
     if (!is_ready_ || is_served()) return std::nullopt;
     is_ready_ = false;
     frame_had_ = hub_.frame_count;
@@ -61,7 +65,7 @@ class LiveProtocol final : public Protocol {
   Hub& hub_;
   ClientId client_;
   bool is_greeted_ = false, is_ready_ = false;
-  std::uint64_t settings_had_ = 0, frame_had_ = 0;
+  std::uint64_t settings_had_ = 0, pause_had_ = 0, frame_had_ = 0;
   std::deque<std::string> answers_;
 };
 

@@ -153,6 +153,14 @@ std::string answer_message(std::uint64_t number, std::uint64_t frame, const std:
   return text + json(refusal).dump(-1, ' ', false, json::error_handler_t::replace) + "}";
 }
 
+std::string pause_message(bool is_paused, std::uint64_t frame) {
+  std::string text = "{\"type\":\"pause\",\"paused\":";
+  text += is_paused ? "true" : "false";
+  text += ",\"frame\":";
+  add_number(text, frame);
+  return text + "}";
+}
+
 std::string frame_message(const FrameCopy& frame, const std::string& jpeg) {
   const std::size_t vertex_bytes = frame.vertices_m.size() * sizeof(float);
   std::string text = "{\"frame\":";

@@ -21,6 +21,8 @@ std::string scene_members(const Template& templ, const Camera& camera);
 std::string hello_message(const std::string& scene, const std::string& settings);
 std::string settings_message(const std::string& settings);
 std::string answer_message(std::uint64_t number, std::uint64_t frame, const std::string& refusal);
+/// Of the run, whoever wished for it.
+std::string pause_message(bool is_paused, std::uint64_t frame);
 
 /// `jpeg` is the picture, or empty.
 std::string frame_message(const FrameCopy& frame, const std::string& jpeg);

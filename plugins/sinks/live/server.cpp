@@ -126,6 +126,14 @@ class TcpServer final : public Server {
       hub_.newest = std::make_shared<ShownFrame>(*std::move(arrivals.frame), hub_.setup.style);
       ++hub_.frame_count;
     }
+    bool is_told = false;
+    for (const ClientAnswer& answer : arrivals.answers) {
+      if (!answer.pauses) continue;
+      hub_.is_paused = *answer.pauses;
+      hub_.pause_frame = answer.frame;
+      ++hub_.pause_count;
+      is_told = true;
+    }
     std::vector<Text> lines;
     for (std::string& line : arrivals.lines) {
       lines.push_back(std::make_shared<const std::string>(std::move(line)));
@@ -133,7 +141,7 @@ class TcpServer final : public Server {
     for (Client* client : hub_.clients) {
       for (const ClientAnswer& answer : arrivals.answers) client->take_answer(answer);
       for (const Text& line : lines) client->take_line(line);
-      if (arrivals.settings || arrivals.frame) client->look();
+      if (is_told || arrivals.settings || arrivals.frame) client->look();
     }
   }
 

@@ -140,7 +140,7 @@ test("words tell a run that ended from a network that is down", () => {
   assert.match(offline_words({ code: 1001, reason: "" }, ""), /^The run has ended/);
   assert.match(offline_words({ code: 1006, reason: "" }, ""), /lost/);
   assert.match(offline_words({ code: 1008, reason: "too many wishes" }, ""), /too many wishes/);
-  assert.match(silent_words(8), /^Connected; no frame for 8 s: .*paused/);
+  assert.match(silent_words(8), /^Connected; no frame for 8 s: .*source/);
 });
 
 const report_of = (kept) => ({

@@ -87,12 +87,20 @@ export class PlayedRun {
     }
   }
 
+  /** The run pauses or goes on, whoever wished for it. */
+  pause(paused, frame) {
+    for (const client of this.#clients.keys()) {
+      client.send(JSON.stringify({ type: "pause", paused, frame }));
+    }
+  }
+
   /** Answers the oldest wish that has no answer. */
   answer(refusal = "") {
     const { client, number, text } = this.#unanswered.shift();
     const set = /^set ([^=]+)=(.*)$/s.exec(text);
     if (set && !refusal) this.change(set[1], JSON.parse(set[2]));
     client.send(JSON.stringify({ type: "answer", number, frame: 313, refusal }));
+    if (!refusal && ["pause", "step", "resume"].includes(text)) this.pause(text !== "resume", 313);
   }
 
   #serve(request, response) {

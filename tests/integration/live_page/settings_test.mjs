@@ -103,6 +103,10 @@ await use_live_page(async (live) => {
     assert.deepEqual(run.wishes.splice(0), [command]);
   }
   await live.until_text("#outcome", "Running from frame 313 on");
+  run.pause(true, 320);
+  await live.until_text("#outcome", "Paused in another browser");
+  run.pause(false, 330);
+  await live.until_text("#outcome", "Going on, by another browser");
   await page.click("#stop");
   await page.keyboard.press("Escape");
   await page.click("#stop");

@@ -47,6 +47,13 @@ export class Commands {
     this.#say(words[command], false);
   }
 
+  /** The run pauses or goes on, whoever wished for it. */
+  pause_told({ paused, frame }) {
+    if (paused === this.paused) return;
+    this.#paused = paused ? { from: frame, frames: 0 } : null;
+    this.#say(paused ? "Paused in another browser" : "Going on, by another browser", false);
+  }
+
   /** A frame came: where several do although the run pauses, somebody else has let it go on. */
   frame_came(frame) {
     if (!this.#paused || frame < this.#paused.from || ++this.#paused.frames < kMostSteps) return;

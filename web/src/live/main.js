@@ -90,6 +90,8 @@ class Page {
       this.#show_settings(message.settings);
     } else if (message.type === "answer") {
       this.wishes.answer(message);
+    } else if (message.type === "pause") {
+      this.commands.pause_told(message);
     }
   }
 

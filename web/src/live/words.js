@@ -87,10 +87,9 @@ export function offline_words(was, host) {
   return "The connection was lost: the run has ended, or the network is down.";
 }
 
-/** What is said while there is a connection, but no frame. Another browser may have paused the run,
-    which only its own page is told. */
+/** What is said while there is a connection, but no frame, although the run is not paused. */
 export const silent_words = (silent_s) =>
-  `Connected; no frame for ${silent_s} s: the run is paused, or waits for its source`;
+  `Connected; no frame for ${silent_s} s: the run waits for its source`;
 
 export const size_words = (bytes) => `${(bytes / 1e6).toFixed(1)} MB`;
 

@@ -32,12 +32,12 @@ TEST_F(LiveWishes, ReachTheRunAndTheirAnswersReachWhoWished) {
   other.text();
   one.say(wish_text(7, "set filters.alpha_s=0.2"));
   const std::vector<Wish> first = taken(1);
-  other.say(wish_text(7, "pause"));
+  other.say(wish_text(7, "stop"));
   const std::vector<Wish> second = taken(1);
   ASSERT_EQ(first.size(), 1U);
   ASSERT_EQ(second.size(), 1U);
   EXPECT_EQ(first[0].text, "set filters.alpha_s=0.2");
-  EXPECT_EQ(second[0].text, "pause");
+  EXPECT_EQ(second[0].text, "stop");
   EXPECT_NE(first[0].number, second[0].number);
   exchange_.answer({second[0].number, 12, ""});
   exchange_.answer({first[0].number, 0, "there is no stage 'filters'"});
@@ -45,6 +45,30 @@ TEST_F(LiveWishes, ReachTheRunAndTheirAnswersReachWhoWished) {
   EXPECT_EQ(refused, json::parse(R"({"type":"answer","number":7,"frame":0,
                                      "refusal":"there is no stage 'filters'"})"));
   EXPECT_EQ(granted, json::parse(R"({"type":"answer","number":7,"frame":12,"refusal":""})"));
+}
+
+TEST_F(LiveWishes, ThatPauseTheRunAreToldToAllClients) {
+  const auto decide = [this](Viewer& viewer, const std::string& text, std::uint64_t frame,
+                             const std::string& refusal = "") {
+    viewer.say(wish_text(1, text));
+    exchange_.answer({taken(1).at(0).number, frame, refusal});
+    EXPECT_EQ(viewer.text()["type"], "answer");
+  };
+  start();
+  Viewer one(port_), other(port_);
+  one.text();
+  other.text();
+  decide(one, "pause", 4, "nobody may");
+  decide(one, "pause", 5);
+  const json paused = json::parse(R"({"type":"pause","paused":true,"frame":5})");
+  EXPECT_EQ(one.text(), paused);
+  EXPECT_EQ(other.text(), paused);
+  Viewer late(port_);
+  EXPECT_EQ(late.text()["type"], "hello");
+  EXPECT_EQ(late.text(), paused);
+  decide(other, "resume", 6);
+  const json goes_on = json::parse(R"({"type":"pause","paused":false,"frame":6})");
+  for (Viewer* viewer : {&one, &other, &late}) EXPECT_EQ(viewer->text(), goes_on);
 }
 
 TEST_F(LiveWishes, BeyondThoseThatMayWaitAreRefusedAtOnce) {
