@@ -55,7 +55,7 @@ class Embed(unittest.TestCase):
         self.assertEqual((status, said), (0, ""))
         for expected in ('"filters/near", "1.2.0", "Keeps what is near."', "WEFT_FLAG_RANDOM",
                          '"radius_px", WEFT_VALUE_F64, 0, 1', "1.0, HUGE_VAL", '{"fast", "exact"}',
-                         '"sizes", WEFT_VALUE_F64, 1, 2', '"path", WEFT_VALUE_INPUT_PATH', '"warps", 0, 0}',
+                         '"sizes", WEFT_VALUE_F64, 1, 2', '"path", WEFT_VALUE_INPUT_PATH', '"warps", "", 0, 0}',
                          "sizeof(weft_sweep), 0, \"radius_px\"", "{1.0, 2.5}"):
             self.assertIn(expected, written)
 

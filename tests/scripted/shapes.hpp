@@ -216,7 +216,8 @@ class KnownSolver final : public weft::Solver {
     weft::Shape shape;
     shape.vertices_m = weft::make_array<double>(weft::Points3View(in.templ.vertices_m.matrix<3>()));
     shape.source = weft::Array<std::uint8_t>({shape.vertices_m.rows()}, 0);
-    shape.vertices_m(in.known_points->vertex(0), 2) = kDistance_m;
+    for (std::int64_t v = 0; v < shape.vertices_m.rows(); ++v) shape.vertices_m(v, 2) = kDistance_m;
+    shape.vertices_m(in.known_points->vertex(0), 2) = 1.01 * kDistance_m;
     return shape;
   }
 };

@@ -109,10 +109,10 @@ def records_of(method, outputs, answer):
         return {}
     if list(outputs) == ["count"] and isinstance(answer, int):
         answer = Record(frames=answer, live=0)
+    legal = (Record, type(None))
     if len(outputs) == 1:
-        answer = {next(iter(outputs)): answer}
-    if not isinstance(answer, dict) or not all(isinstance(each, (Record, type(None))) for each in
-                                               answer.values()):
+        answer, legal = {next(iter(outputs)): answer}, (Record,)
+    if not isinstance(answer, dict) or not all(isinstance(each, legal) for each in answer.values()):
         wanted = "a Record" if len(outputs) == 1 else "a dict of Records"
         raise TypeError(f"{method}() must return {wanted}, or weft.degenerate() of it")
     for slot in answer:

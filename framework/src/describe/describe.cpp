@@ -161,8 +161,8 @@ std::string words(std::string_view text) {
 /// Those abilities beyond its role that this version of Weft knows of.
 std::string extensions(const weft_component& component) {
   std::string list;
-  for (const char* name : {WEFT_DEVICE_MEMORY, WEFT_DEVICES, WEFT_CHECK, WEFT_SWEEP, WEFT_STEERING,
-                           WEFT_ISOLATION}) {
+  for (const char* name :
+       {WEFT_DEVICE_MEMORY, WEFT_DEVICES, WEFT_CHECK, WEFT_SWEEP, WEFT_STEERING, WEFT_ISOLATION}) {
     const bool has = component.get_extension != nullptr && component.get_extension(name) != nullptr;
     if (has) list += (list.empty() ? "" : " ") + std::string(name);
   }

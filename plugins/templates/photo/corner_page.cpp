@@ -51,8 +51,8 @@ Result<void> write_corner_page(const Photograph& photo, const std::optional<Corn
                                const std::string& path) {
   const std::size_t place = kCornerPage.find(kPlaceOfData);
   std::string page(kCornerPage.substr(0, place));
-  page += fmt::format(R"({{"width_px": {}, "height_px": {}, "corners_px": {}, )",
-                      photo.pixels.cols, photo.pixels.rows, json_of(photo, corners_px));
+  page += fmt::format(R"({{"width_px": {}, "height_px": {}, "corners_px": {}, )", photo.pixels.cols,
+                      photo.pixels.rows, json_of(photo, corners_px));
   page += R"("picture": "data:image/jpeg;base64,)" + base64(jpeg_of(photo.pixels)) + "\"}";
   page += kCornerPage.substr(place + kPlaceOfData.size());
   return write_whole(page, path);

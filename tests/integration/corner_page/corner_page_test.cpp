@@ -33,9 +33,9 @@ class CornerPageOfTheCommand : public PipelineTest {
   /// `weft template make` of a photograph, into `out`.
   Ended make(const std::string& photo, const std::string& out,
              const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> words{WEFT_PROGRAM, "--plugin-path", WEFT_REAL_PLUGINS, "template",
-                                   "make",       "--photo",       photo,             "--width",
-                                   "0.297",      "--out",         path(out)};
+    std::vector<std::string> words{
+        WEFT_PROGRAM, "--plugin-path", WEFT_REAL_PLUGINS, "template", "make",   "--photo",
+        photo,        "--width",       "0.297",           "--out",    path(out)};
     words.insert(words.end(), more.begin(), more.end());
     return Child(std::move(words), path("said")).wait();
   }

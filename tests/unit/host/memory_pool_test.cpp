@@ -157,12 +157,12 @@ class PooledRecord : public ::testing::Test {
 };
 
 TEST_F(PooledRecord, StandsWhereTheOneBeforeItStood) {
-  auto record = make(300);
+  auto record = make(3000);
   const void* before = place_of(*record, "score");
   const std::size_t held = pool_->holding().in_use;
   record.reset();
   EXPECT_EQ(pool_->holding().in_use, 0U);
-  record = make(290);
+  record = make(2900);
   EXPECT_EQ(place_of(*record, "score"), before);
   EXPECT_EQ(pool_->holding().in_use, held);
   EXPECT_EQ(pool_->holding().free, 0U);

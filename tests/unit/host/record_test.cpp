@@ -65,7 +65,7 @@ TEST(Record, RefusesIllegalArrays) {
   EXPECT_EQ(record.allocate("x", 0, 1, kThree), nullptr);
   EXPECT_EQ(record.allocate("x", 9, 1, kThree), nullptr);
   EXPECT_EQ(record.allocate("x", WEFT_U8, -1, kThree), nullptr);
-  EXPECT_EQ(record.allocate("x", WEFT_U8, 5, kThree), nullptr);
+  EXPECT_EQ(record.allocate("x", WEFT_U8, WEFT_MAX_DIMENSIONS + 1, kThree), nullptr);
   EXPECT_EQ(record.allocate("x", WEFT_U8, 2, negative), nullptr);
   EXPECT_EQ(record.allocate("x", WEFT_U8, 3, large), nullptr);
   EXPECT_EQ(record.allocate("x", WEFT_U8, 3, hidden), nullptr);

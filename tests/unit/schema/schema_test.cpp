@@ -119,7 +119,7 @@ TEST(Schema, TakesAChoiceAsItIsWrittenAndAsYamlReadsIt) {
 
 TEST(Schema, LeavesOutDefaultsThatSayNothing) {
   for (const weft_value_type type :
-       {WEFT_VALUE_TEXT, WEFT_VALUE_INPUT_PATH, WEFT_VALUE_OUTPUT_PATH, WEFT_VALUE_LABELS, {}}) {
+       {WEFT_VALUE_TEXT, WEFT_VALUE_INPUT_PATH, WEFT_VALUE_OUTPUT_PATH, WEFT_VALUE_LABELS}) {
     EXPECT_FALSE(schema_of(parameter("note", type)).contains("default"));
   }
 }

@@ -20,6 +20,17 @@ struct FixedText {
   char bytes[Size]{};
 };
 
+// By value: with -fsanitize=undefined GCC takes no address of an argument of a template for
+// constant.
+template <std::size_t Size>
+constexpr bool is_id(FixedText<Size> text) {
+  return is_component_id(text.view());
+}
+template <std::size_t Size>
+constexpr bool begins_with(FixedText<Size> id, std::string_view role) {
+  return id.view().substr(0, id.view().find('/')) == role;
+}
+
 /// Roles have one of their own: only a private one is not seen.
 template <class T>
 concept SaysAbout = requires {
@@ -28,17 +39,11 @@ concept SaysAbout = requires {
 
 #define WEFT_IS_ABOUT(name) \
   requires { requires std::same_as<std::remove_cvref_t<decltype(T::name)>, About>; }
-/// Has an About under a name that is nearly the right one.
+/// Has an About under a name that is nearly the right one: other capitals, two letters exchanged.
 template <class T>
-concept MisspellsAbout = WEFT_IS_ABOUT(kabout) || WEFT_IS_ABOUT(KAbout) || WEFT_IS_ABOUT(Kabout) ||
-    WEFT_IS_ABOUT(KABOUT) || WEFT_IS_ABOUT(kABOUT) || WEFT_IS_ABOUT(kAbuot) ||
-    WEFT_IS_ABOUT(kAobut) || WEFT_IS_ABOUT(kAbotu) || WEFT_IS_ABOUT(kbAout) ||
-    WEFT_IS_ABOUT(kAbot) || WEFT_IS_ABOUT(kAbut) || WEFT_IS_ABOUT(kAout) || WEFT_IS_ABOUT(kAbou) ||
-    WEFT_IS_ABOUT(kbout) || WEFT_IS_ABOUT(kAboutt) || WEFT_IS_ABOUT(kAboout) ||
-    WEFT_IS_ABOUT(kAbbout) || WEFT_IS_ABOUT(kAAbout) || WEFT_IS_ABOUT(kAbouts) ||
-    WEFT_IS_ABOUT(kAboud) || WEFT_IS_ABOUT(kAbaut) || WEFT_IS_ABOUT(kAboot) ||
-    WEFT_IS_ABOUT(kAbout_) || WEFT_IS_ABOUT(k_about) || WEFT_IS_ABOUT(kAbout1) ||
-    WEFT_IS_ABOUT(about) || WEFT_IS_ABOUT(About) || WEFT_IS_ABOUT(ABOUT) || WEFT_IS_ABOUT(about_);
+concept MisspellsAbout = WEFT_IS_ABOUT(kabout) || WEFT_IS_ABOUT(KAbout) || WEFT_IS_ABOUT(k_about) ||
+    WEFT_IS_ABOUT(about) || WEFT_IS_ABOUT(About) || WEFT_IS_ABOUT(kAbuot) ||
+    WEFT_IS_ABOUT(kAobut) || WEFT_IS_ABOUT(kAbotu) || WEFT_IS_ABOUT(kAbouts);
 #undef WEFT_IS_ABOUT
 
 /// Does not compile, with a sentence that says why, where class and id do not make a component.
@@ -52,11 +57,11 @@ constexpr void check_component() {
   static_assert(
       std::is_abstract_v<T> || std::is_constructible_v<T, Params&>,
       "the class of a component has the public constructor `explicit Mine(weft::Params&)`");
-  static_assert(is_component_id(kId.view()),
+  static_assert(is_id(kId),
                 "an id reads \"role/name\" or \"role/vendor.name\", of lower case letters, digits "
                 "and underscores");
   if constexpr (requires { T::kRole; }) {
-    static_assert(kId.view().substr(0, kId.view().find('/')) == T::kRole,
+    static_assert(begins_with(kId, T::kRole),
                   "the id of a component begins with the role of its class: \"filters/mine\" for a "
                   "weft::Filter, \"solvers/mine\" for a weft::Solver");
   }

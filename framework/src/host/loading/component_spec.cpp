@@ -239,8 +239,10 @@ class Binder {
                    "a component, such as {use: " + parameter.default_value.scalar + "}");
     }
     yaml::Node node = value;
+    bool says_more = false;
     const std::vector<std::string> keys = yaml::names_of(component_keys());
     yaml::correct_keys(node, keys, [&](const yaml::Entry& entry, const std::string&) {
+      says_more = true;
       problem(entry.at, "a nested component has no key " + quote(entry.key) +
                             "; it has use and params" + meant_parameter(parameter, entry.key));
     });
@@ -251,7 +253,11 @@ class Binder {
     const yaml::Node* use = is_default ? &default_use : node.find("use");
     ComponentSpec nested;
     if (use == nullptr) {
-      if (!value.partial) problem(value.at, "'" + parameter.name + "' lacks the key 'use'");
+      if (value.partial || says_more) {
+        spec_.nested.push_back({parameter.name, {}});
+        return;
+      }
+      problem(value.at, "'" + parameter.name + "' lacks the key 'use'");
     } else if (may_hold(parameter, *use, is_chosen)) {
       nested = resolve(registry_, *use, given ? node.find("params") : nullptr, paths_, problems_,
                        chain_);

@@ -138,12 +138,9 @@ TEST_F(LiveSink, FindsThePortTakenByOneRunOnly) {
 TEST_F(LiveSink, RefusesAShapeThatIsNoShapeOfThisTemplate) {
   PluginUnderTest sink("sinks/live", params());
   ASSERT_EQ(open(sink).status, WEFT_OK);
-  const Shape good = shape_;
   shape_.vertices_m = Array<double>({2, 3}, 0.5);
+  shape_.source = Array<std::uint8_t>({2}, 0);
   EXPECT_THAT(write(sink, 0).message, HasSubstr("2 vertices, the template 4"));
-  shape_ = good;
-  shape_.vertices_m = Array<double>({4, 3}, std::numeric_limits<double>::quiet_NaN());
-  EXPECT_THAT(write(sink, 1).message, HasSubstr("not finite"));
 }
 
 TEST_F(LiveSink, NamesWhatIsWrongWithItsParametersBeforeAnythingRuns) {
@@ -157,7 +154,7 @@ TEST_F(LiveSink, NamesWhatIsWrongWithItsParametersBeforeAnythingRuns) {
   EXPECT_THAT(mistakes("{address: 'robot.local:80'}"),
               ElementsAre(HasSubstr("write 127.0.0.1:8090")));
   EXPECT_THAT(mistakes("{address: '0.0.0.0:8090'}"),
-              ElementsAre(HasSubstr("token: a token is needed")));
+              ElementsAre(HasSubstr("a token is needed")));
   EXPECT_THAT(mistakes("{token: short}"), ElementsAre(HasSubstr("at least 16 characters")));
   EXPECT_THAT(mistakes("{origin: nowhere}"), ElementsAre(HasSubstr("origin: the origin must be")));
 }

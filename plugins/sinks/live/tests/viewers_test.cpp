@@ -173,6 +173,7 @@ TEST_F(LiveViewers, GetTheLastFrameAndAreToldThatTheRunHasEnded) {
   let_server_read(viewer);
   exchange_.put_frame(frame(8));
   server_->finish();
+  server_.reset();
   EXPECT_EQ(viewer.frame().head["frame"], 8);
   viewer.read();
   EXPECT_EQ(viewer.close_code(), websocket::close_code::going_away);

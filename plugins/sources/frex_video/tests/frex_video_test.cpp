@@ -144,7 +144,7 @@ TEST_F(FrexVideo, ReadsAVideoToItsEnd) {
   EXPECT_EQ(source.frame(0).status, WEFT_OK);
   EXPECT_EQ(source.frame(1).status, WEFT_DEGENERATE);
   EXPECT_EQ(source.frame(2).status, WEFT_OK);
-  EXPECT_EQ(source.frame(3).status, WEFT_NO_RESULT);
+  EXPECT_EQ(source.frame(3).status, WEFT_END);
 }
 
 TEST_F(FrexVideo, PutsPicturesOfAnyShapeInTheMiddleOfWhitePaper) {

@@ -118,7 +118,7 @@ TEST_F(GrowingFolderSource, GivesFilesInTheOrderOfTheirNamesAsTheyCome) {
   open(source);
   EXPECT_EQ(blue_of(source, 0), 1);
   EXPECT_EQ(blue_of(source, 1), 2);
-  recorder.does({Recorder::nothing, [&] { write("c.txt", 9); }, Recorder::nothing,
+  recorder.does({Recorder::nothing, [&] { folder_.write("frames/c.txt", "no image"); }, Recorder::nothing,
                  Recorder::nothing, [&] { write("d.png", 4); }});
   EXPECT_EQ(blue_of(source, 2), 4);
   EXPECT_TRUE(recorder.is_through()) << "it has waited";
@@ -219,11 +219,11 @@ TEST_F(GrowingFolderSource, EndsWhenNoNewFileCameForSoLong) {
   open(source);
   EXPECT_EQ(blue_of(source, 0), 10);
   const PluginAnswer end = source.process(kRead, {}, 1);
-  EXPECT_EQ(end.status, WEFT_NO_RESULT);
+  EXPECT_EQ(end.status, WEFT_END);
   EXPECT_THAT(end.message, HasSubstr("no new file for 'wait_s'"));
   write("1.png", 11);
-  EXPECT_EQ(source.process(kRead, {}, 1).status, WEFT_NO_RESULT) << "an end is an end";
-  EXPECT_EQ(source.process(kRead, {}, 7).status, WEFT_NO_RESULT);
+  EXPECT_EQ(source.process(kRead, {}, 1).status, WEFT_END) << "an end is an end";
+  EXPECT_EQ(source.process(kRead, {}, 7).status, WEFT_END);
   EXPECT_EQ(blue_of(source, 0), 10);
   open(source);
   EXPECT_EQ(blue_of(source, 1), 11) << "of a source that was opened again";
@@ -236,7 +236,7 @@ TEST_F(GrowingFolderSource, AFolderIntoWhichNothingComesIsAnErrorAndThenTheEnd) 
   const PluginAnswer end = source.process(kRead, {}, 0);
   EXPECT_EQ(end.status, WEFT_ERROR);
   EXPECT_THAT(end.message, AllOf(HasSubstr("frames/*.jpg"), HasSubstr("no file came")));
-  EXPECT_EQ(source.process(kRead, {}, 1).status, WEFT_NO_RESULT);
+  EXPECT_EQ(source.process(kRead, {}, 1).status, WEFT_END);
 }
 
 TEST_F(GrowingFolderSource, StopsAtOnceWhenItIsCancelledWhileItWaits) {
@@ -274,7 +274,7 @@ TEST_F(GrowingFolderSource, EndsWithAnErrorWhereAllThatCameSortsBeforeTheLastFil
   EXPECT_EQ(end.status, WEFT_ERROR);
   EXPECT_THAT(end.message,
               AllOf(HasSubstr("but 2 that sort before 9.png"), HasSubstr("leading zeros")));
-  EXPECT_EQ(source.process(kRead, {}, 2).status, WEFT_NO_RESULT);
+  EXPECT_EQ(source.process(kRead, {}, 2).status, WEFT_END);
 }
 
 TEST_F(GrowingFolderSource, AFolderThatIsRemovedIsAnErrorAtOnceAndThenTheEnd) {
@@ -288,7 +288,7 @@ TEST_F(GrowingFolderSource, AFolderThatIsRemovedIsAnErrorAtOnceAndThenTheEnd) {
   const PluginAnswer gone = source.process(kRead, {}, 1);
   EXPECT_EQ(gone.status, WEFT_ERROR);
   EXPECT_THAT(gone.message, AllOf(HasSubstr(folder_.path("frames")), HasSubstr("can no longer")));
-  EXPECT_EQ(source.process(kRead, {}, 2).status, WEFT_NO_RESULT);
+  EXPECT_EQ(source.process(kRead, {}, 2).status, WEFT_END);
 }
 
 TEST_F(GrowingFolderSource, RefusesBeforeAnythingRunsWhatAFolderThatGrowsCannotHave) {

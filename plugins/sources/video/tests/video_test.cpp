@@ -110,14 +110,14 @@ std::vector<int> numbers(PluginUnderTest& source) {
   std::vector<int> found;
   for (std::uint64_t i = 0; i < 2 * kFrames; ++i) {
     const PluginAnswer frame = source.process(kRead, {}, i);
-    if (frame.status == WEFT_NO_RESULT) break;
+    if (frame.status == WEFT_END) break;
     EXPECT_EQ(frame.status, WEFT_OK) << frame.message;
     found.push_back(number_in(*frame.get<weft::Image>()));
   }
   return found;
 }
 
-TEST_F(VideoSource, GivesEachFrameOnceAndThenNoResult) {
+TEST_F(VideoSource, GivesEachFrameOnceAndThenItsEnd) {
   write_video(folder_.path("clip.avi"));
   OpenedSource source = opened("clip.avi");
   for (int i = 0; i < kFrames; ++i) {
@@ -132,7 +132,7 @@ TEST_F(VideoSource, GivesEachFrameOnceAndThenNoResult) {
     EXPECT_FALSE(frame.get<weft::GroundTruth>().has_value());
   }
   for (std::uint64_t i : {kFrames, kFrames, kFrames + 100}) {
-    EXPECT_EQ(source.process(kRead, {}, i).status, WEFT_NO_RESULT);
+    EXPECT_EQ(source.process(kRead, {}, i).status, WEFT_END);
   }
 }
 
@@ -149,7 +149,7 @@ void expect_same_in_any_order(OpenedSource source, OpenedSource shuffled) {
   for (int draw = 0; draw < 60; ++draw) {
     const auto i = rng.below(kFrames + 3);
     const PluginAnswer frame = shuffled.process(kRead, {}, i);
-    ASSERT_EQ(frame.status, i < kFrames ? WEFT_OK : WEFT_NO_RESULT) << i << frame.message;
+    ASSERT_EQ(frame.status, i < kFrames ? WEFT_OK : WEFT_END) << i << frame.message;
     if (i >= kFrames) continue;
     const auto image = frame.get<weft::Image>(), expected = in_order[i].get<weft::Image>();
     EXPECT_TRUE(std::equal(image->pixels.data(), image->pixels.data() + image->pixels.size(),
@@ -278,7 +278,7 @@ TEST_F(VideoSource, AVideoThatWasCutOffIsAnErrorOfTheFirstMissingFrameOnly) {
     const PluginAnswer missing = source.process(kRead, {}, end);
     EXPECT_EQ(missing.status, WEFT_ERROR);
     EXPECT_THAT(missing.message, AllOf(HasSubstr("half.avi"), HasSubstr("4.000 s")));
-    EXPECT_EQ(source.process(kRead, {}, end + 1).status, WEFT_NO_RESULT);
+    EXPECT_EQ(source.process(kRead, {}, end + 1).status, WEFT_END);
     EXPECT_EQ(source.process(kRead, {}, 0).status, WEFT_OK);
   }
 }
@@ -380,7 +380,7 @@ TEST_F(PipeSource, ACameraThatDoesNotComeBackIsAnErrorAndThenTheEnd) {
   const PluginAnswer gone = source.process(kRead, {}, 5);
   EXPECT_EQ(gone.status, WEFT_ERROR);
   EXPECT_THAT(gone.message, HasSubstr("is it still connected?"));
-  EXPECT_EQ(source.process(kRead, {}, 6).status, WEFT_NO_RESULT);
+  EXPECT_EQ(source.process(kRead, {}, 6).status, WEFT_END);
 }
 
 TEST_F(PipeSource, APipeIntoWhichNobodyWritesIsRefused) {
