@@ -15,6 +15,11 @@ namespace {
 
 constexpr int kFilmFrames = 300;
 
+bool is_file(const std::string& path) {
+  std::error_code status;
+  return std::filesystem::is_regular_file(path, status);
+}
+
 class ImageFiles final : public FrameReader {
  public:
   explicit ImageFiles(std::vector<std::string> paths) : paths_(std::move(paths)) {}
@@ -80,8 +85,7 @@ std::unique_ptr<FrameReader> read_images(std::vector<std::string> paths) {
 }
 
 Result<std::unique_ptr<FrameReader>> open_film(const std::string& path, int frames) {
-  std::error_code status;
-  if (!std::filesystem::is_regular_file(path, status)) {
+  if (!is_file(path)) {
     return Error{Errc::not_found, path + ": there is no such file: correct its name", {}};
   }
   cv::VideoCapture capture;
@@ -120,8 +124,10 @@ Result<std::unique_ptr<FrameReader>> open_camera(int number) {
 }
 
 Result<std::unique_ptr<FrameReader>> open_files(const std::vector<std::string>& paths) {
-  if (paths.size() == 1 && !cv::haveImageReader(paths.front())) {  // reads its first bytes alone
-    return open_film(paths.front(), kFilmFrames);
+  if (paths.size() == 1) {
+    const std::string& path = paths.front();
+    // It reads the first bytes alone, and complains itself where there is no file.
+    if (!is_file(path) || !cv::haveImageReader(path)) return open_film(path, kFilmFrames);
   }
   return read_images(paths);
 }
