@@ -23,7 +23,7 @@ struct Line {
 // A signal handler can reach nothing but objects with static storage. What runs is written into the
 // line that is not shown, which is then shown.
 std::atomic<bool> signal_came{false};
-std::array<Line, 2> lines{};
+std::array<Line, 2> lines_of_stages{};
 std::atomic<std::size_t> current{0};
 
 static_assert(std::atomic<bool>::is_always_lock_free &&
@@ -32,7 +32,7 @@ static_assert(std::atomic<bool>::is_always_lock_free &&
 /// Calls nothing but what POSIX allows in a signal handler.
 void on_signal(int signal) {
   if (!signal_came.exchange(true)) return;
-  const Line& line = lines[current.load()];
+  const Line& line = lines_of_stages[current.load()];
   static_cast<void>(!write(STDERR_FILENO, line.text.data(), line.length));
   end_at_once(128 + signal);
 }
@@ -41,7 +41,7 @@ void on_signal(int signal) {
 void tell(const std::string& what, bool of_run) {
   now_running_here(what, of_run);
   const std::size_t next = 1 - current.load();
-  Line& line = lines[next];
+  Line& line = lines_of_stages[next];
   const std::string text = "\ninterrupted twice, ended at once; running: ";
   const std::size_t room = line.text.size() - text.size() - 1;
   const std::string whole = text + what.substr(0, room) + "\n";
@@ -53,7 +53,7 @@ void tell(const std::string& what, bool of_run) {
 }  // namespace
 
 const std::atomic<bool>& watch_for_interruption() {
-  if (lines[current.load()].length == 0) now_running("nothing of a pipeline");
+  if (lines_of_stages[current.load()].length == 0) now_running("nothing of a pipeline");
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
   return signal_came;

@@ -40,7 +40,7 @@ struct Text {
 thread_local Text here{};
 Text anywhere{};
 std::atomic<pid_t> watched{0};  ///< the process; a copy of it may end as it likes
-std::array<struct sigaction, kDeadly.size()> before;
+std::array<struct sigaction, kDeadly.size()> actions_before;
 
 static_assert(std::atomic<pid_t>::is_always_lock_free);
 
@@ -96,7 +96,7 @@ void on_deadly(int signal, siginfo_t* info, void*) {
   const host::ProtectedPlace place =
       signal == SIGSEGV ? host::protected_place(info->si_addr) : host::ProtectedPlace{};
   for (std::size_t i = 0; i < kDeadly.size(); ++i) {
-    sigaction(kDeadly[i].signal, &before[i], nullptr);
+    sigaction(kDeadly[i].signal, &actions_before[i], nullptr);
     if (kDeadly[i].signal != signal) continue;
     if (place.input == nullptr) say_what_ran("ended the process", kDeadly[i].meaning);
     if (place.input != nullptr) {
@@ -126,14 +126,14 @@ SuddenEndWatch::SuddenEndWatch() {
   action.sa_flags = SA_SIGINFO | SA_ONSTACK;
   sigemptyset(&action.sa_mask);
   for (std::size_t i = 0; i < kDeadly.size(); ++i) {
-    sigaction(kDeadly[i].signal, &action, &before[i]);
+    sigaction(kDeadly[i].signal, &action, &actions_before[i]);
   }
 }
 
 SuddenEndWatch::~SuddenEndWatch() {
   watched = 0;
   for (std::size_t i = 0; i < kDeadly.size(); ++i) {
-    sigaction(kDeadly[i].signal, &before[i], nullptr);
+    sigaction(kDeadly[i].signal, &actions_before[i], nullptr);
   }
 }
 
