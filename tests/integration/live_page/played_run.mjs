@@ -117,6 +117,7 @@ export class PlayedRun {
     this.#clients.set(client, { asked: false, had: null });
     client.on("close", () => this.#clients.delete(client));
     client.on("message", (data) => {
+      if (!this.#clients.has(client)) return; // the run has ended
       const message = JSON.parse(data);
       if (message.type === "ready") this.#ready(client);
       else this.#wish(client, message);
