@@ -165,10 +165,10 @@ FittedSides fit_sides(const Colours& colours, const Corners& corners_px, double 
     const Side side(corners_px[k], corners_px[(k + 1) % 4]);
     const double step_px = std::max(1.0, side.length_px / kMostPlaces);
     std::vector<EdgePoint> edges;
-    for (double along = -kOutside * side.length_px; along <= (1.0 + kOutside) * side.length_px;
-         along += step_px) {
+    const int steps = static_cast<int>((1.0 + 2.0 * kOutside) * side.length_px / step_px);
+    for (int i = 0; i <= steps; ++i) {
       worked(200 * (2 * std::int64_t{reach} + 7));
-      edges.push_back(find_edge(colours, side, along, reach));
+      edges.push_back(find_edge(colours, side, i * step_px - kOutside * side.length_px, reach));
     }
     const FittedLine line = fitted_line(edges, side, reach_px);
     fitted.sides[k] = evidence_of(edges, side, line);
