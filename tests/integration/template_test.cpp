@@ -190,10 +190,10 @@ TEST_F(TemplateCommand, MakesATemplateOfAPhotographAndDrawsWhatItFound) {
   words.insert(words.end(), kPhotograph.begin(), kPhotograph.end());
   const Ended made = weft(words);
   ASSERT_EQ(made.exit_code, 0) << made.err;
-  EXPECT_THAT(made.out, AllOf(HasSubstr("templates/photo: written to"), HasSubstr("flat"),
-                              HasSubstr("matches to be expected in a view of 400 px"),
-                              HasSubstr("have a twin elsewhere in the texture"),
-                              Not(HasSubstr("note "))));
+  EXPECT_THAT(made.out,
+              AllOf(HasSubstr("templates/photo: written to"), HasSubstr("flat"),
+                    HasSubstr("matches to be expected in a view of 400 px"),
+                    HasSubstr("have a twin elsewhere in the texture"), Not(HasSubstr("note "))));
   for (const char* name : {"texture.png", "drawing.png", "corners.png", "twins.png"}) {
     EXPECT_TRUE(read_text(path("sheet/" + std::string(name))).starts_with("\x89PNG")) << name;
   }

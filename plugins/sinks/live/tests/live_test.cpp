@@ -153,8 +153,7 @@ TEST_F(LiveSink, NamesWhatIsWrongWithItsParametersBeforeAnythingRuns) {
               ElementsAre(HasSubstr("address: 'somewhere' has no port")));
   EXPECT_THAT(mistakes("{address: 'robot.local:80'}"),
               ElementsAre(HasSubstr("write 127.0.0.1:8090")));
-  EXPECT_THAT(mistakes("{address: '0.0.0.0:8090'}"),
-              ElementsAre(HasSubstr("a token is needed")));
+  EXPECT_THAT(mistakes("{address: '0.0.0.0:8090'}"), ElementsAre(HasSubstr("a token is needed")));
   EXPECT_THAT(mistakes("{token: short}"), ElementsAre(HasSubstr("at least 16 characters")));
   EXPECT_THAT(mistakes("{origin: nowhere}"), ElementsAre(HasSubstr("origin: the origin must be")));
 }

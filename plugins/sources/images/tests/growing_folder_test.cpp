@@ -118,8 +118,8 @@ TEST_F(GrowingFolderSource, GivesFilesInTheOrderOfTheirNamesAsTheyCome) {
   open(source);
   EXPECT_EQ(blue_of(source, 0), 1);
   EXPECT_EQ(blue_of(source, 1), 2);
-  recorder.does({Recorder::nothing, [&] { folder_.write("frames/c.txt", "no image"); }, Recorder::nothing,
-                 Recorder::nothing, [&] { write("d.png", 4); }});
+  recorder.does({Recorder::nothing, [&] { folder_.write("frames/c.txt", "no image"); },
+                 Recorder::nothing, Recorder::nothing, [&] { write("d.png", 4); }});
   EXPECT_EQ(blue_of(source, 2), 4);
   EXPECT_TRUE(recorder.is_through()) << "it has waited";
   write("f.png", 6);
