@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <weft/core/index.hpp>
 #include <weft/core/quote.hpp>
+#include <weft/data/owned.hpp>
 #include <weft/sdk/sink.hpp>
 
 #include "messages.hpp"
@@ -11,16 +11,6 @@
 
 namespace weft::live {
 namespace {
-
-Array<std::uint8_t> copy_of(const Array<std::uint8_t>& pixels) {
-  Array<std::uint8_t> copy =
-      pixels.ndim() == 2 ? Array<std::uint8_t>({pixels.dim(0), pixels.dim(1)})
-                         : Array<std::uint8_t>({pixels.dim(0), pixels.dim(1), pixels.dim(2)});
-  for (std::int64_t y = 0; y < pixels.rows(); ++y) {
-    std::copy_n(pixels.row(y), pixels.row_elements(), copy.row(y));
-  }
-  return copy;
-}
 
 /// The run as it goes, for browsers and other programs: frames, what came of them, and a way to
 /// change the run.
@@ -129,7 +119,7 @@ class Live final : public Sink {
     const std::chrono::nanoseconds since_open = std::chrono::steady_clock::now() - opened_;
     shown.taken_ns = static_cast<std::uint64_t>(since_open.count());
     if (in.time) shown.time_s = in.time->t_s;
-    if (in.image) shown.pixels = copy_of(in.image->pixels);
+    if (in.image) shown.pixels = owned(in.image->pixels);
     if (in.frame_report) shown.report = in.frame_report->json;
     if (!in.shape) return shown;
     shown.state = in.shape->shape_state();

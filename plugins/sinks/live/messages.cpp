@@ -6,6 +6,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <vector>
+#include <weft/core/base64.hpp>
 #include <weft/core/index.hpp>
 #include <weft/core/version.hpp>
 
@@ -38,7 +39,9 @@ std::vector<To> packed(const Array<From>& array) {
 
 template <class Number>
 void add_base64(std::string& text, const std::vector<Number>& numbers) {
-  text += '"' + base64(numbers.data(), numbers.size() * sizeof(Number)) + '"';
+  text += '"' +
+          base64({reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(Number)}) +
+          '"';
 }
 
 /// [V,2] of 0 to 1 from the texture's upper left corner, which is half a pixel before its first
@@ -87,24 +90,6 @@ bool has_control_character(const std::string& text) {
 
 }  // namespace
 
-std::string base64(const void* bytes, std::size_t count) {
-  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  const auto* from = static_cast<const unsigned char*>(bytes);
-  std::string text;
-  text.reserve((count + 2) / 3 * 4);
-  for (std::size_t i = 0; i < count; i += 3) {
-    const std::size_t left = count - i;
-    const std::uint32_t group = (std::uint32_t{from[i]} << 16U) |
-                                (left > 1 ? std::uint32_t{from[i + 1]} << 8U : 0U) |
-                                (left > 2 ? std::uint32_t{from[i + 2]} : 0U);
-    text += kDigits[group >> 18U];
-    text += kDigits[(group >> 12U) & 63U];
-    text += left > 1 ? kDigits[(group >> 6U) & 63U] : '=';
-    text += left > 2 ? kDigits[group & 63U] : '=';
-  }
-  return text;
-}
-
 std::string scene_members(const Template& templ, const Camera& camera) {
   std::string text = std::string("\"weft\":\"") + kVersion + "\",\"camera\":{\"fx\":";
   add_number(text, camera.fx);
@@ -126,9 +111,7 @@ std::string scene_members(const Template& templ, const Camera& camera) {
   add_base64(text, texture_places(templ));
   text += ",\"texture\":";
   const std::string texture = texture_of(templ);
-  text += texture.empty()
-              ? "null}"
-              : "\"data:image/jpeg;base64," + base64(texture.data(), texture.size()) + "\"}";
+  text += texture.empty() ? "null}" : "\"data:image/jpeg;base64," + base64(texture) + "\"}";
   return text;
 }
 

@@ -37,6 +37,4 @@ struct Said {
 /// The error is the reason for which the client is closed.
 Result<Said> parse_said(std::string_view message);
 
-std::string base64(const void* bytes, std::size_t count);
-
 }  // namespace weft::live

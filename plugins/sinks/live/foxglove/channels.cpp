@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <weft/core/base64.hpp>
 #include <weft/core/version.hpp>
 
 #include "json_text.hpp"
@@ -26,8 +27,8 @@ std::string stamp(std::uint64_t time_ns) {
 std::string image_message(ShownFrame& frame, const LiveSetup&) {
   const std::string& jpeg = frame.jpeg();
   if (jpeg.empty()) return {};
-  return "{" + stamp(frame.copy().taken_ns) + R"(,"frame_id":"camera","data":")" +
-         base64(jpeg.data(), jpeg.size()) + R"(","format":"jpeg"})";
+  return "{" + stamp(frame.copy().taken_ns) + R"(,"frame_id":"camera","data":")" + base64(jpeg) +
+         R"(","format":"jpeg"})";
 }
 
 /// Blue where the shape was measured, yellow where that is weak, grey where it is an older one.

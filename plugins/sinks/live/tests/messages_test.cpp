@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "messages.hpp"
 
+#include <weft/core/base64.hpp>
+
 #include "live_fixture.hpp"
 
 namespace weft::live {
@@ -34,7 +36,7 @@ TEST(LiveMessages, WriteBase64AsItsStandardHasIt) {
   const std::pair<std::string, std::string> kExamples[] = {
       {"", ""}, {"M", "TQ=="}, {"Ma", "TWE="}, {"Man", "TWFu"}, {"foobar", "Zm9vYmFy"}};
   for (const auto& [bytes, text] : kExamples) {
-    EXPECT_EQ(base64(bytes.data(), bytes.size()), text);
+    EXPECT_EQ(base64(bytes), text);
     EXPECT_EQ(from_base64(text), bytes);
   }
 }
