@@ -5,26 +5,29 @@
 usage: scripts/green.py sources STEP       prints the hash of all that the step is made from
        scripts/green.py since STEP HASH    prints when it passed on that; exits 1 where it has not
        scripts/green.py record STEP HASH   it has passed on that just now
-       scripts/green.py tests STEP HASH SUITE LOG
+       scripts/green.py each STEP BUILD    prints `HASH TEST` for each test in a build folder
+       scripts/green.py tests STEP FILE SUITE LOG
                                            so have those tests of a suite that CTest says passed in
-                                           its output LOG
-       scripts/green.py passed STEP HASH SUITE
+                                           its output LOG, each on its hash in FILE, as `each` prints
+       scripts/green.py passed STEP FILE SUITE
                                            prints the tests of a suite that have, a line each
 
 The hash covers the files behind the step that git tracks or would track, the versions of the
-compiler and of the installed -dev packages, and where recorded data are. It is kept in
-build/STEP.green: a fresh build folder knows of nothing that passed.
+compiler and of the installed -dev packages, and where recorded data are. Of files named *_test.*
+that of a single test covers its own alone. It is kept in build/STEP.green: a fresh build folder
+knows of nothing that passed.
 """
 
 import datetime
 import functools
 import hashlib
+import json
 import os
 import re
 import subprocess
 import sys
 from pathlib import Path
-from typing import Iterable, Optional
+from typing import Iterable, Mapping, Optional
 
 ROOT = Path(__file__).resolve().parent.parent
 CODE = ("CMakeLists.txt", "CMakePresets.json", "cli", "docs/examples", "framework", "pipelines",
@@ -57,14 +60,63 @@ def output_of(*command: str) -> str:
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
-def sources(step: str) -> str:
+def from_root(path: str, folder: Path) -> str:
+    """A path of a file in `folder` as one from the root, where it lies below it."""
+    full = os.path.normpath(folder / path)
+    return os.path.relpath(full, ROOT) if full.startswith(f"{ROOT}/") else full
+
+
+def sources_of(file: Path) -> frozenset[str]:
+    """The files that CMake put together in a batch, or the file itself."""
+    included = [str(file)]
+    if re.fullmatch(r"unity_\d+_cxx\.cxx", file.name):
+        included = re.findall(r'^#include "(.*)"$', file.read_text(encoding="utf-8"), re.MULTILINE)
+    return frozenset(from_root(each, file.parent) for each in included)
+
+
+def files_behind(step: str) -> set[str]:
     listed = output_of("git", "-C", str(ROOT), "ls-files", "-coz", "--exclude-standard", "--",
                        *STEPS[step])
-    files = {name for name in listed.split("\0")
-             if name and not (step in WITHOUT_PAGES and name.endswith(".md"))}
+    return {name for name in listed.split("\0")
+            if name and not (step in WITHOUT_PAGES and name.endswith(".md"))}
+
+
+def hash_of(files: Iterable[str]) -> str:
     return combined([*(f"{content(str(ROOT / name))} {name}" for name in files),
                      *(output_of(*tool) for tool in TOOLS),
                      "data " + os.environ.get("WEFT_DATA", "")])
+
+
+def sources(step: str) -> str:
+    return hash_of(files_behind(step))
+
+
+def is_of_a_test(file: str) -> bool:
+    """True for what no other test reads."""
+    return file.endswith(("_test.cpp", "_test.py", "_test.sh"))
+
+
+def own_files(build: Path) -> dict[str, set[str]]:
+    """For each test of a build folder, what its command names and the program of its name is
+    compiled from."""
+    compiled: dict[str, set[str]] = {}
+    for entry in json.loads((build / "compile_commands.json").read_text(encoding="utf-8")):
+        target = re.search(r" -o \S*CMakeFiles/([^/]+)\.dir/", entry["command"])
+        if target:
+            compiled.setdefault(target[1], set()).update(sources_of(Path(entry["file"])))
+    shown = output_of("ctest", "--test-dir", str(build), "--show-only=json-v1")
+    return {test["name"]: compiled.get(test["name"], set())
+            | {from_root(word, build) for word in test.get("command", [])}
+            for test in json.loads(shown)["tests"]}
+
+
+def hashes_of_tests(step: str, build: Path) -> dict[str, str]:
+    """For each test of a build folder one hash: of all files behind the step but other tests."""
+    behind = files_behind(step)
+    tests = {file for file in behind if is_of_a_test(file)}
+    common = hash_of(behind - tests)
+    return {test: combined([common, *(f"{content(str(ROOT / file))} {file}" for file in own & tests)])
+            for test, own in own_files(build).items()}
 
 
 class Green:
@@ -84,11 +136,11 @@ class Green:
         return last[1] if last and last[0] == digest else None
 
     def record(self, name: str, digest: str) -> None:
-        self.record_all([name], digest)
+        self.record_all({name: digest})
 
-    def record_all(self, names: Iterable[str], digest: str) -> None:
+    def record_all(self, passed: Mapping[str, str]) -> None:
         now = datetime.datetime.now().strftime("%Y-%m-%d %H:%M")
-        self.passed.update({name: (digest, now) for name in names})
+        self.passed.update({name: (digest, now) for name, digest in passed.items()})
         self.file.parent.mkdir(parents=True, exist_ok=True)
         half_written = self.file.with_suffix(".new")
         half_written.write_text(
@@ -105,27 +157,40 @@ def passed_in(log: Path) -> list[str]:
                       log.read_text(encoding="utf-8", errors="replace"), re.MULTILINE)
 
 
-def run(verb: str, step: str, digest: str = "", suite: str = "", log: str = "") -> int:
+def listed(file: str) -> dict[str, str]:
+    """The hash of each test, from lines `HASH TEST`; empty where there is no such file."""
+    if not Path(file).is_file():
+        return {}
+    lines = Path(file).read_text(encoding="utf-8").splitlines()
+    return {test: digest for digest, test in (line.split(" ", 1) for line in lines)}
+
+
+def run(verb: str, step: str, what: str = "", suite: str = "", log: str = "") -> int:
     green = Green(ROOT / "build" / f"{step}.green")
     if verb == "sources":
         print(sources(step))
     elif verb == "record":
-        green.record(step, digest)
+        green.record(step, what)
+    elif verb == "each":
+        for test, digest in hashes_of_tests(step, (ROOT / what).resolve()).items():
+            print(digest, test)
     elif verb == "tests":
-        green.record_all((f"{suite} {test}" for test in passed_in(Path(log))), digest)
+        hashes = listed(what)
+        green.record_all({f"{suite} {test}": hashes[test]
+                          for test in passed_in(Path(log)) if test in hashes})
     elif verb == "passed":
-        for name in green.passed:
-            if name.startswith(f"{suite} ") and green.since(name, digest):
-                print(name.split(" ", 1)[1])
+        for test, digest in listed(what).items():
+            if green.since(f"{suite} {test}", digest):
+                print(test)
     else:
-        when = green.since(step, digest)
+        when = green.since(step, what)
         print(when or "")
         return 0 if when else 1
     return 0
 
 
 def main(arguments: list[str]) -> int:
-    expected = {"sources": 2, "since": 3, "record": 3, "tests": 5, "passed": 4}
+    expected = {"sources": 2, "since": 3, "record": 3, "each": 3, "tests": 5, "passed": 4}
     if not arguments or expected.get(arguments[0]) != len(arguments) or arguments[1] not in STEPS:
         print(__doc__, file=sys.stderr)
         return 2

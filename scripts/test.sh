@@ -19,13 +19,16 @@ anything failed.
   --since REV
             what changed since REV (default: since the branch left main, on main since the commit
             before); scripts/tidy.py says more
-  --long    release and all of --ci, with clang-tidy over everything, and: the tests labelled `long` in both
-            presets, those of asan with its test preset asan-stack, the quick tests in the preset
-            tsan (of plugins, those that start threads), and the benchmarks of the stages
+  --long    release, and what is run neither without options nor by --ci: the tests labelled `long` in the
+            presets release and asan, the quick tests in the preset tsan (of plugins, those that start
+            threads), clang-tidy over everything, and the benchmarks of the stages
             (build/benchmarks.log). What the preset tsan and clang-tidy passed before and is
             unchanged since is skipped, and so is each test that passed before on the very same
             sources: a run that was stopped, or failed by the machine, goes on
-  --all     skip nothing of that
+  --ci --long
+            all of both
+  --all     with --long: skip nothing; tests of asan look for locals that are used after their
+            function has returned, too, which takes twice the time
   --coverage
             also: the quick tests in the preset coverage, and the share of lines that they run
   --with-slurm
@@ -113,10 +116,12 @@ step() {
   note "$result" $((SECONDS - start)) "$name" "$detail"
 }
 
+# build PRESET [TARGET]
 build() {
   local preset=$1
   step "$preset configure" "build/$preset/configure.log" cmake --preset "$preset" \
-    && step "$preset build" "build/$preset/build.log" cmake --build --preset "$preset" -j "$jobs"
+    && step "$preset build" "build/$preset/build.log" \
+      cmake --build --preset "$preset" -j "$jobs" ${2:+--target "$2"}
 }
 
 # Adds tests that CTest or GoogleTest skipped in the last run of the preset.
@@ -134,16 +139,13 @@ collect_skipped() {
   )
 }
 
-# ctest_due TESTS LABEL NONE STEP LOG: the tests of a test preset that have not passed on these
-# sources. The sources stand beside the log, so that what passed before a run was stopped counts.
+# ctest_due PRESET TESTS LABEL NONE STEP LOG: the tests of a test preset that have not passed on these
+# sources. Their hashes stand beside the log, so that what passed before a run was stopped counts.
 ctest_due() {
-  local tests=$1 label=$2 none=$3 of=$4 log=$5 suite=$1-$2 sources passed=() status=0
-  sources=$(scripts/green.py sources "$of")
-  if [[ -f $log.sources ]]; then
-    scripts/green.py tests "$of" "$(<"$log.sources")" "$suite" "$log"
-  fi
-  ((all)) || mapfile -t passed < <(scripts/green.py passed "$of" "$sources" "$suite")
-  echo "$sources" >"$log.sources"
+  local preset=$1 tests=$2 label=$3 none=$4 of=$5 log=$6 suite=$2-$3 passed=() status=0
+  scripts/green.py tests "$of" "$log.sources" "$suite" "$log"
+  scripts/green.py each "$of" "build/$preset" >"$log.sources"
+  ((all)) || mapfile -t passed < <(scripts/green.py passed "$of" "$log.sources" "$suite")
   local skip=()
   if ((${#passed[@]})); then
     skip=(-E "^($(IFS='|' && echo "${passed[*]}"))\$")
@@ -152,7 +154,7 @@ ctest_due() {
   # CTest itself writes a log when it has ended, and none when it is ended.
   ctest --preset "$tests" -L "^$label\$" "${skip[@]}" -j "$jobs" --no-tests="$none" \
     | tee "$log" || status=$?
-  scripts/green.py tests "$of" "$sources" "$suite" "$log"
+  scripts/green.py tests "$of" "$log.sources" "$suite" "$log"
   if ((status == 0 && ${#passed[@]})); then
     local result
     result=$(grep -oE '[0-9]+% tests passed.*' "$log" | tail -n 1 || true)
@@ -164,12 +166,11 @@ ctest_due() {
 run_tests() {
   local preset=$1 label=$2 none=$3 status=0 log=build/$1/test-$2.log
   if ((long)); then
-    # What asan-stack finds beyond the preset asan is rare, and costs as much as all else.
     local tests=$preset of=tests
-    [[ $preset != asan ]] || tests=asan-stack
+    [[ $preset != asan ]] || ((all == 0)) || tests=asan-stack
     [[ $preset != tsan ]] || of=tsan
     step "$preset $label" "$log" \
-      ctest_due "$tests" "$label" "$none" "$of" "build/$preset/ctest-$label.log" || status=1
+      ctest_due "$preset" "$tests" "$label" "$none" "$of" "build/$preset/ctest-$label.log" || status=1
   else
     step "$preset $label" "$log" \
       ctest --preset "$preset" -L "^$label\$" -j "$jobs" --no-tests="$none" || status=1
@@ -208,6 +209,15 @@ check_tidy() {
     which=(--all)
   fi
   scripts/tidy.py --jobs "$jobs" "${which[@]}"
+}
+
+# AddressSanitizer where its quick tests are left to --ci.
+build_and_test_long_asan() {
+  if build asan weft_long_tests; then
+    run_tests asan long error || true
+  else
+    note "NOT RUN" 0 "asan tests"
+  fi
 }
 
 # ThreadSanitizer, unless all that is behind it has passed before.
@@ -254,15 +264,19 @@ report_coverage() {
 
 what="quick tests"
 ((ci == 0)) || what="quick tests under AddressSanitizer, checks"
-((long == 0)) || what="quick and long tests, checks"
+((long == 0)) || what="quick and long tests, ThreadSanitizer, clang-tidy"
 echo "Weft: $what, $jobs jobs, data: ${WEFT_DATA:-none}"
 step bootstrap build/bootstrap.log scripts/bootstrap.sh --tests "${packages[@]}" || exit 1
 ((ci && long == 0)) || build_and_test release
-if ((ci || long)); then
+if ((ci)); then
   build_and_test asan
   step clang-format build/format.log check_format || true
   step headers build/headers.log check_headers || true
   build clang || true
+elif ((long)); then
+  build_and_test_long_asan
+fi
+if ((ci || long)); then
   step clang-tidy build/tidy.log check_tidy || true
 fi
 if ((long)); then

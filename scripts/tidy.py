@@ -31,7 +31,7 @@ import time
 from pathlib import Path
 from typing import NamedTuple, Optional
 
-from green import Green, combined, content, output_of
+from green import Green, combined, content, from_root, output_of, sources_of
 
 ROOT = Path(__file__).resolve().parent.parent
 ROOMS = ("framework", "cli", "plugins")
@@ -67,24 +67,10 @@ def record_of(batch: Batch, build: Path) -> str:
     return f"{build.name}/{batch.name}"
 
 
-def from_root(path: str, folder: Path) -> str:
-    """A path of a file in `folder` as one from the root, where it lies below it."""
-    full = os.path.normpath(folder / path)
-    return os.path.relpath(full, ROOT) if full.startswith(f"{ROOT}/") else full
-
-
 def is_ours(path: str) -> bool:
     """True for sources of the rooms, tests not counted."""
     parts = Path(path).parts
     return parts[0] in ROOMS and "tests" not in parts and Path(path).suffix in CODE
-
-
-def sources_of(file: Path) -> frozenset[str]:
-    """The files that CMake put together in a batch, or the file itself."""
-    included = [str(file)]
-    if re.fullmatch(r"unity_\d+_cxx\.cxx", file.name):
-        included = re.findall(r'^#include "(.*)"$', file.read_text(encoding="utf-8"), re.MULTILINE)
-    return frozenset(from_root(each, file.parent) for each in included)
 
 
 def recorded_reads(build: Path) -> dict[str, frozenset[str]]:

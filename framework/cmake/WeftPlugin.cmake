@@ -19,6 +19,9 @@
 #   role/name                         what follows is about this component, not about the first one
 # BROKEN is a plugin for tests of the host, which breaks the contract on purpose or when it is told
 # to: it is not held to it.
+#
+# Under ThreadSanitizer the cache variable WEFT_PLAIN_PLUGINS may name the plugin folder of a build
+# without it: plugins that have nothing to do with threads are then taken from there.
 
 set(WEFT_PLUGIN_CMAKE_DIR ${CMAKE_CURRENT_LIST_DIR})
 
@@ -53,22 +56,32 @@ function(weft_add_plugin id)
   target_link_options(${name} PRIVATE -Wl,--build-id=sha1
     -Wl,--version-script=${WEFT_PLUGIN_CMAKE_DIR}/weft_plugin.map)
 
-  add_executable(${name}_describe)
-  target_link_libraries(${name}_describe PRIVATE ${name}_objects weft::describe)
-  set_target_properties(${name}_describe PROPERTIES
-    RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
-
+  set(manifest ${folder}/${name}.plugin.yaml)
+  weft_is_worth_testing(is_worth_testing ${CMAKE_CURRENT_SOURCE_DIR})
+  if(WEFT_PLAIN_PLUGINS AND NOT is_worth_testing AND NOT arg_FOLDER)
+    set_target_properties(${name}_objects ${name} PROPERTIES EXCLUDE_FROM_ALL ON)
+    set(plain ${WEFT_PLAIN_PLUGINS}/${name}.so ${WEFT_PLAIN_PLUGINS}/${name}.plugin.yaml)
+    add_custom_command(OUTPUT ${manifest}
+      COMMAND ${CMAKE_COMMAND} -E copy ${plain} ${folder}
+      DEPENDS ${plain}
+      COMMENT "Taking ${id} as it is" VERBATIM)
+  else()
+    add_executable(${name}_describe)
+    target_link_libraries(${name}_describe PRIVATE ${name}_objects weft::describe)
+    set_target_properties(${name}_describe PROPERTIES
+      RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
+    add_custom_command(OUTPUT ${manifest}
+      COMMAND ${name}_describe $<TARGET_FILE:${name}> ${manifest} ${id}
+      DEPENDS ${name} ${name}_describe
+      COMMENT "Describing ${id}" VERBATIM)
+  endif()
   if(TARGET weft_options)
     target_link_libraries(${name}_objects PRIVATE weft_options)
     target_link_libraries(${name} PRIVATE weft_options)
-    target_link_libraries(${name}_describe PRIVATE weft_options)
+    if(TARGET ${name}_describe)
+      target_link_libraries(${name}_describe PRIVATE weft_options)
+    endif()
   endif()
-
-  set(manifest ${folder}/${name}.plugin.yaml)
-  add_custom_command(OUTPUT ${manifest}
-    COMMAND ${name}_describe $<TARGET_FILE:${name}> ${manifest} ${id}
-    DEPENDS ${name} ${name}_describe
-    COMMENT "Describing ${id}" VERBATIM)
   add_custom_target(${name}_manifest ALL DEPENDS ${manifest})
   if(TARGET weft_plugins AND NOT arg_FOLDER)
     add_dependencies(weft_plugins ${name}_manifest)
@@ -79,8 +92,7 @@ function(weft_add_plugin id)
     install(FILES ${manifest} DESTINATION lib/weft/plugins COMPONENT plugins)
   endif()
 
-  weft_is_worth_testing(own_tests_tell ${CMAKE_CURRENT_SOURCE_DIR})
-  if(TARGET weft::testing AND TARGET GTest::gtest_main AND own_tests_tell)
+  if(TARGET weft::testing AND TARGET GTest::gtest_main AND is_worth_testing)
     weft_add_plugin_test(${name} ${name}_test quick "${arg_TESTS}")
     weft_add_plugin_test(${name} ${name}_long_test long "${arg_LONG_TESTS}")
   endif()

@@ -4,6 +4,7 @@
 
 import contextlib
 import io
+import json
 import os
 import subprocess
 import sys
@@ -95,14 +96,57 @@ class GreenTest(unittest.TestCase):
                        " 2/3 Test #17: b_test ........................***Failed    0.62 sec\n"
                        " 3/3 Test #18: c_test ........................***Skipped   0.00 sec\n"
                        "50% tests passed, 1 tests failed out of 2\n")
-        now = self.said("sources", "tests")[1]
+        now = self.hashes("a_test", "b_test", "c_test")
         self.assertEqual(self.said("passed", "tests", now, "asan-quick"), (0, ""))
         self.assertEqual(self.said("tests", "tests", now, "asan-quick", str(log)), (0, ""))
         self.assertEqual(self.said("passed", "tests", now, "asan-quick"), (0, "a_test"))
         self.assertEqual(self.said("passed", "tests", now, "release-quick"), (0, ""))
-        self.assertEqual(self.said("passed", "tests", "other", "asan-quick"), (0, ""))
         gone = str(self.root / "no.log")
+        self.assertEqual(self.said("tests", "tests", gone, "asan-quick", str(log)), (0, ""))
+        self.assertEqual(self.said("passed", "tests", gone, "asan-quick"), (0, ""))
         self.assertEqual(self.said("tests", "tests", now, "asan-quick", gone), (0, ""))
+        self.write("framework/src/a.cpp", "long a;\n")
+        other = self.hashes("a_test", "b_test", "c_test")
+        self.assertEqual(self.said("passed", "tests", other, "asan-quick"), (0, ""))
+
+    def hashes(self, *tests: str) -> str:
+        """The file that `each` writes for a build folder with these tests."""
+        build = self.root / "build/asan"
+        self.write("build/asan/x/CMakeFiles/a_test.dir/Unity/unity_0_cxx.cxx",
+                   f'/* made */\n#include "{self.root}/x/first_test.cpp"\n')
+        compiled = build / "x/CMakeFiles/a_test.dir/Unity/unity_0_cxx.cxx"
+        self.write("build/asan/compile_commands.json", json.dumps([{
+            "file": str(compiled), "directory": str(build),
+            "command": f"c++ -include y/CMakeFiles/y.dir/y.hxx -o x/CMakeFiles/a_test.dir/u.o -c {compiled}"}]))
+        shown = {"tests": [{"name": test, "command": ["python3", str(self.root / "x" / f"{test}.py")]}
+                           for test in tests]}
+        answer = green.output_of
+
+        def output_of(*command: str) -> str:
+            return json.dumps(shown) if command[0] == "ctest" else answer(*command)
+
+        with mock.patch.object(green, "output_of", output_of):
+            printed = self.said("each", "tests", str(build))[1]
+        self.write("build/asan/log.sources", printed + "\n")
+        return str(build / "log.sources")
+
+    def test_a_test_is_due_by_its_own_files_and_those_of_no_test(self) -> None:
+        def read() -> dict[str, str]:
+            return green.listed(self.hashes("a_test", "b_test"))
+
+        self.write(".gitignore", "/build/\n")
+        self.write("x/first_test.cpp", "1")
+        self.write("x/b_test.py", "1")
+        before = read()
+        self.write("x/first_test.cpp", "2")
+        self.assertNotEqual(read()["a_test"], before["a_test"])
+        self.assertEqual(read()["b_test"], before["b_test"])
+        self.write("x/b_test.py", "2")
+        self.assertNotEqual(read()["b_test"], before["b_test"])
+        self.write("x/first_test.cpp", "1")
+        self.assertEqual(read()["a_test"], before["a_test"])
+        self.write("x/fixture.hpp", "")
+        self.assertNotEqual(read()["a_test"], before["a_test"])
 
     def test_minds_pages_where_tests_read_them(self) -> None:
         before = self.said("sources", "tests")[1]

@@ -57,6 +57,7 @@ class Tidy(unittest.TestCase):
                     for what in ("NAME", "EMAIL")}
         path = f"{self.root / 'bin'}:{os.environ['PATH']}"
         for patch in (mock.patch.object(tidy, "ROOT", self.root),
+                      mock.patch.object(green, "ROOT", self.root),
                       mock.patch.dict(os.environ, {"PATH": path, "CALLS": str(self.calls),
                                                    "GIT_CONFIG_GLOBAL": "/dev/null", **identity})):
             patch.start()
