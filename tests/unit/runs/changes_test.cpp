@@ -88,7 +88,7 @@ TEST_F(Changes, AParameterHoldsFromTheFrameOnThatSaysSo) {
 }
 
 TEST_F(Changes, TheLineOfTheFrameAndTheSinksAreToldOfIt) {
-  const Ran ran = steer("0: set filters.every=5", kLong);
+  const Ran ran = steer("1: set filters.every=5", kLong);
   ASSERT_TRUE(ran.summary) << ran.summary.error().message;
   const ChangesByFrame changes = changes_of(ran);
   ASSERT_THAT(changes, SizeIs(1));
