@@ -13,9 +13,10 @@ usage: scripts/green.py sources STEP       prints the hash of all that the step 
                                            prints the tests of a suite that have, a line each
 
 The hash covers the files behind the step that git tracks or would track, the versions of the
-compiler and of the installed -dev packages, and where recorded data are. Of files named *_test.*
-that of a single test covers its own alone. It is kept in build/STEP.green: a fresh build folder
-knows of nothing that passed.
+compiler and of the installed -dev packages, and where recorded data are. That of a single test
+leaves out what only programs of other tests are compiled from, other tests that are scripts, and
+these scripts themselves; a test to which the whole tree is given reads all of it. It is kept in
+build/STEP.green: a fresh build folder knows of nothing that passed.
 """
 
 import datetime
@@ -35,6 +36,8 @@ CODE = ("CMakeLists.txt", "CMakePresets.json", "cli", "docs/examples", "framewor
 # What the builds and tests of a step read, from the root. Races hide in no page of text.
 STEPS = {"tests": (".",), "tsan": CODE}
 WITHOUT_PAGES = ("tsan",)
+# They choose what is run, and change no result.
+HARNESS = {"scripts/green.py", "scripts/test.sh", "scripts/tidy.py"}
 TOOLS = (
     (os.environ.get("CXX", "c++"), "--version"),
     ("cmake", "--version"),
@@ -91,32 +94,62 @@ def sources(step: str) -> str:
     return hash_of(files_behind(step))
 
 
-def is_of_a_test(file: str) -> bool:
-    """True for what no other test reads."""
-    return file.endswith(("_test.cpp", "_test.py", "_test.sh"))
+def recorded_reads(build: Path) -> dict[str, frozenset[str]]:
+    """For each object that is up to date in Ninja's record, the files that its compiler read."""
+    reads: dict[str, set[str]] = {}
+    files: set[str] = set()
+    for line in output_of("ninja", "-C", str(build), "-t", "deps").splitlines():
+        if line.startswith("    "):
+            files.add(from_root(line.strip(), build))
+        elif ": #deps " in line:
+            files = set()
+            if line.endswith("(VALID)"):
+                reads[line.split(": #deps ")[0]] = files
+    return {name: frozenset(files) for name, files in reads.items()}
 
 
-def own_files(build: Path) -> dict[str, set[str]]:
-    """For each test of a build folder, what its command names and the program of its name is
-    compiled from."""
-    compiled: dict[str, set[str]] = {}
+def readers(build: Path, tests: set[str]) -> dict[str, set[str]]:
+    """For each file the targets that are compiled from it: of tests all, of others those that are
+    built."""
+    reads = recorded_reads(build)
+    targets: dict[str, set[str]] = {}
     for entry in json.loads((build / "compile_commands.json").read_text(encoding="utf-8")):
-        target = re.search(r" -o \S*CMakeFiles/([^/]+)\.dir/", entry["command"])
-        if target:
-            compiled.setdefault(target[1], set()).update(sources_of(Path(entry["file"])))
-    shown = output_of("ctest", "--test-dir", str(build), "--show-only=json-v1")
-    return {test["name"]: compiled.get(test["name"], set())
-            | {from_root(word, build) for word in test.get("command", [])}
-            for test in json.loads(shown)["tests"]}
+        made = re.search(r" -o (\S*CMakeFiles/([^/]+)\.dir/\S+)", entry["command"])
+        if not made:
+            continue
+        read = reads.get(made[1]) or (sources_of(Path(entry["file"])) if made[2] in tests else ())
+        for file in read:
+            targets.setdefault(file, set()).add(made[2])
+    return targets
 
 
 def hashes_of_tests(step: str, build: Path) -> dict[str, str]:
-    """For each test of a build folder one hash: of all files behind the step but other tests."""
+    """For each test of a build folder one hash: of all files behind the step that it can read."""
+    shown = json.loads(output_of("ctest", "--test-dir", str(build), "--show-only=json-v1"))
+    named: dict[str, set[str]] = {}
+    for test in shown["tests"]:
+        folders = [each["value"] for each in test.get("properties", [])
+                   if each["name"] == "WORKING_DIRECTORY"]
+        named[test["name"]] = {from_root(word, build) for word in [*folders, *test.get("command", [])]}
+    tests = set(named)
+    compiled = readers(build, tests)
     behind = files_behind(step)
-    tests = {file for file in behind if is_of_a_test(file)}
-    common = hash_of(behind - tests)
-    return {test: combined([common, *(f"{content(str(ROOT / file))} {file}" for file in own & tests)])
-            for test, own in own_files(build).items()}
+    # What is installed and what pages show is compiled by scripts, too.
+    of_tests = {file for file in behind if compiled.get(file) and compiled[file] <= tests
+                and not file.startswith(("framework/", "docs/"))}
+    scripts = {file for file in behind if file.endswith(("_test.py", "_test.sh"))}
+    common = hash_of(behind - of_tests - scripts - HARNESS)
+
+    def files_of(test: str) -> set[str]:
+        if str(ROOT) in named[test]:
+            return behind
+        own = {file for file in of_tests if test in compiled[file]} | (named[test] & scripts)
+        if any(Path(file).parts[:2] == ("tests", "architecture") for file in own):
+            own |= HARNESS & behind
+        return own
+
+    return {test: combined([common, *(f"{content(str(ROOT / file))} {file}" for file in files_of(test))])
+            for test in tests}
 
 
 class Green:

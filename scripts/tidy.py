@@ -31,7 +31,7 @@ import time
 from pathlib import Path
 from typing import NamedTuple, Optional
 
-from green import Green, combined, content, from_root, output_of, sources_of
+from green import Green, combined, content, from_root, output_of, recorded_reads, sources_of
 
 ROOT = Path(__file__).resolve().parent.parent
 ROOMS = ("framework", "cli", "plugins")
@@ -71,20 +71,6 @@ def is_ours(path: str) -> bool:
     """True for sources of the rooms, tests not counted."""
     parts = Path(path).parts
     return parts[0] in ROOMS and "tests" not in parts and Path(path).suffix in CODE
-
-
-def recorded_reads(build: Path) -> dict[str, frozenset[str]]:
-    """For each object that is up to date in Ninja's record, the files that its compiler read."""
-    reads: dict[str, set[str]] = {}
-    files: set[str] = set()
-    for line in output_of("ninja", "-C", str(build), "-t", "deps").splitlines():
-        if line.startswith("    "):
-            files.add(from_root(line.strip(), build))
-        elif ": #deps " in line:
-            files = set()
-            if line.endswith("(VALID)"):
-                reads[line.split(": #deps ")[0]] = files
-    return {name: frozenset(files) for name, files in reads.items()}
 
 
 def asked_reads(command: list[str], build: Path) -> frozenset[str]:

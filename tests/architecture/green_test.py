@@ -110,43 +110,55 @@ class GreenTest(unittest.TestCase):
         self.assertEqual(self.said("passed", "tests", other, "asan-quick"), (0, ""))
 
     def hashes(self, *tests: str) -> str:
-        """The file that `each` writes for a build folder with these tests."""
+        """The file that `each` writes for a build folder with these tests: a_test is compiled from
+        x/first.cpp and read x/near.hpp, and the library from framework/src/a.cpp."""
         build = self.root / "build/asan"
-        self.write("build/asan/x/CMakeFiles/a_test.dir/Unity/unity_0_cxx.cxx",
-                   f'/* made */\n#include "{self.root}/x/first_test.cpp"\n')
-        compiled = build / "x/CMakeFiles/a_test.dir/Unity/unity_0_cxx.cxx"
-        self.write("build/asan/compile_commands.json", json.dumps([{
-            "file": str(compiled), "directory": str(build),
-            "command": f"c++ -include y/CMakeFiles/y.dir/y.hxx -o x/CMakeFiles/a_test.dir/u.o -c {compiled}"}]))
+        entries, deps = [], ""
+        for target, file, header in (("a_test", "x/first.cpp", "x/near.hpp"),
+                                     ("library", "framework/src/a.cpp", "framework/src/a.hpp")):
+            unity = build / f"x/CMakeFiles/{target}.dir/Unity/unity_0_cxx.cxx"
+            self.write(str(unity.relative_to(self.root)),
+                       f'/* made */\n#include "{self.root}/{file}"\n')
+            entries.append({"file": str(unity), "directory": str(build),
+                            "command": "c++ -include y/CMakeFiles/y.dir/y.hxx "
+                                       f"-o x/CMakeFiles/{target}.dir/u.o -c {unity}"})
+            deps += (f"x/CMakeFiles/{target}.dir/u.o: #deps 2, deps mtime 1 (VALID)\n"
+                     f"    {self.root}/{file}\n    {self.root}/{header}\n\n")
+        self.write("build/asan/compile_commands.json", json.dumps(entries))
         shown = {"tests": [{"name": test, "command": ["python3", str(self.root / "x" / f"{test}.py")]}
                            for test in tests]}
+        shown["tests"].append({"name": "all", "command": ["codespell", str(self.root)]})
+        shown["tests"].append({"name": "kept", "command": [
+            "python3", str(self.root / "tests/architecture/kept_test.py")]})
         answer = green.output_of
 
         def output_of(*command: str) -> str:
-            return json.dumps(shown) if command[0] == "ctest" else answer(*command)
+            fakes = {"ctest": json.dumps(shown), "ninja": deps}
+            return fakes.get(command[0]) or answer(*command)
 
         with mock.patch.object(green, "output_of", output_of):
             printed = self.said("each", "tests", str(build))[1]
         self.write("build/asan/log.sources", printed + "\n")
         return str(build / "log.sources")
 
-    def test_a_test_is_due_by_its_own_files_and_those_of_no_test(self) -> None:
-        def read() -> dict[str, str]:
-            return green.listed(self.hashes("a_test", "b_test"))
-
+    def test_a_test_is_due_by_what_it_can_read(self) -> None:
         self.write(".gitignore", "/build/\n")
-        self.write("x/first_test.cpp", "1")
-        self.write("x/b_test.py", "1")
-        before = read()
-        self.write("x/first_test.cpp", "2")
-        self.assertNotEqual(read()["a_test"], before["a_test"])
-        self.assertEqual(read()["b_test"], before["b_test"])
-        self.write("x/b_test.py", "2")
-        self.assertNotEqual(read()["b_test"], before["b_test"])
-        self.write("x/first_test.cpp", "1")
-        self.assertEqual(read()["a_test"], before["a_test"])
-        self.write("x/fixture.hpp", "")
-        self.assertNotEqual(read()["a_test"], before["a_test"])
+        for file in ("x/first.cpp", "x/near.hpp", "framework/src/a.hpp", "x/b_test.py", "x/data.yaml",
+                     "scripts/green.py", "tests/architecture/kept_test.py"):
+            self.write(file, "1")
+        tests = ["a_test", "b_test"]
+        before = green.listed(self.hashes(*tests))
+        for file, due in (("x/first.cpp", {"a_test", "all"}), ("x/near.hpp", {"a_test", "all"}),
+                          ("x/b_test.py", {"b_test", "all"}), ("scripts/green.py", {"kept", "all"}),
+                          ("framework/src/a.cpp", {"a_test", "b_test", "kept", "all"}),
+                          ("framework/src/a.hpp", {"a_test", "b_test", "kept", "all"}),
+                          ("x/data.yaml", {"a_test", "b_test", "kept", "all"})):
+            text = (self.root / file).read_text()
+            self.write(file, "2")
+            now = green.listed(self.hashes(*tests))
+            self.assertEqual({test for test in now if now[test] != before[test]}, due, file)
+            self.write(file, text)
+        self.assertEqual(green.listed(self.hashes(*tests)), before)
 
     def test_minds_pages_where_tests_read_them(self) -> None:
         before = self.said("sources", "tests")[1]

@@ -107,7 +107,8 @@ cv::Mat photographed(const Still& still) {
       const auto left = static_cast<std::size_t>(x), right = left + 1;
       Colour sum = Colour::Zero();
       for (int k = 0; k < kSamples * kSamples; ++k) {
-        const double s = (k % kSamples + 0.5) / kSamples, t = (k / kSamples + 0.5) / kSamples;
+        const int column = k % kSamples, row = k / kSamples;
+        const double s = (column + 0.5) / kSamples, t = (row + 0.5) / kSamples;
         const Eigen::Vector2d ideal = (1.0 - t) * ((1.0 - s) * above[left] + s * above[right]) +
                                       t * ((1.0 - s) * below[left] + s * below[right]);
         sum += colour_on_plane(still, projected(plane_from_ideal, ideal.x(), ideal.y()));
