@@ -58,10 +58,10 @@ class Table:
         if parameter.kind == "f64":
             return self.array("double", [number(each) for each in values]), len(values)
         if parameter.kind == "i64":
-            return self.array("std::int64_t", [f"std::int64_t{{{each}}}" for each in values]), 1
+            return self.array("std::int64_t", [f"std::int64_t{{{each}}}" for each in values]), len(values)
         if parameter.kind == "bool":
             return self.array("std::uint8_t", ["1" if value else "0"]), 1
-        return self.array("const char*", [quoted(value)]), 1
+        return self.array("const char*", [quoted(each) for each in values]), len(values)
 
     def parameter(self, name, parameter):
         data, count = self.default(parameter)

@@ -22,6 +22,8 @@ class Near(weft.Filter):
     radius_px = weft.number(60, "px", (1, float("inf")), "neighbourhood")
     kind = weft.choice("fast", ("fast", "exact"), "how")
     sizes = weft.numbers([1, 2], "m", None, "sizes")
+    cuts = weft.wholes([4, -2, 9], "", (-5, 10), "frames")
+    parts = weft.texts(["left", "a b"], "names")
     path = weft.input_path("", "a file", required=True)
     warp = weft.component("warps", "warps/bbs", "the warp")
 
@@ -55,7 +57,8 @@ class Embed(unittest.TestCase):
         self.assertEqual((status, said), (0, ""))
         for expected in ('"filters/near", "1.2.0", "Keeps what is near."', "WEFT_FLAG_RANDOM",
                          '"radius_px", WEFT_VALUE_F64, 0, 1', "1.0, HUGE_VAL", '{"fast", "exact"}',
-                         '"sizes", WEFT_VALUE_F64, 1, 2', '"path", WEFT_VALUE_INPUT_PATH', '"warps", "", 0, 0}',
+                         '"sizes", WEFT_VALUE_F64, 1, 2', '"cuts", WEFT_VALUE_I64, 1, 3',
+                         '"parts", WEFT_VALUE_TEXT, 1, 2', '{"left", "a b"}', '"path", WEFT_VALUE_INPUT_PATH', '"warps", "", 0, 0}',
                          "sizeof(weft_sweep), 0, \"radius_px\"", "{1.0, 2.5}"):
             self.assertIn(expected, written)
 

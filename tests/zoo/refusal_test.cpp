@@ -55,11 +55,14 @@ TEST(Zoo, LoadsWhatALaterMinorVersionHasBuiltIfItNeedsNothingOfIt) {
 
 TEST(Zoo, RefusesAComponentThatIsUnknownAndUsesTheOthersOfItsLibrary) {
   const std::vector<std::pair<std::string, std::string>> changes{
-      {"filters/zoo_strict", "clouds/zoo_strict"}, {"type: f64", "type: tensor"}};
-  const std::vector<std::string> unknown{"clouds/zoo_strict", kGoodId};
-  const std::vector<std::string> known{kGoodId, "filters/zoo_strict"};
+      {"filters/zoo_strict", "clouds/zoo_strict"},
+      {"type: f64", "type: tensor"},
+      {"type: component\n", "type: component\n        vector: true\n"}};
+  const std::vector<std::string> unknown{"clouds/zoo_strict", kGoodId, kGoodId};
+  const std::vector<std::string> known{kGoodId, "filters/zoo_strict", "filters/zoo_strict"};
   const std::vector<std::string> causes{"'clouds' of 'clouds/zoo_strict' is no role",
-                                        "has the unknown type 'tensor'"};
+                                        "has the unknown type 'tensor'",
+                                        "parameter 'warp' is a list of the type 'component'"};
   for (std::size_t i = 0; i < changes.size(); ++i) {
     SCOPED_TRACE(causes[i]);
     const TemporaryFolder folder;

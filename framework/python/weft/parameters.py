@@ -45,6 +45,12 @@ def numbers(default, unit, bounds, meaning, *, required=False):
                      required=required, is_list=True)
 
 
+def wholes(default, unit, bounds, meaning, *, required=False):
+    """A list of whole numbers; likewise."""
+    return Parameter("i64", [int(each) for each in default], meaning, unit=unit, bounds=bounds,
+                     required=required, is_list=True)
+
+
 def flag(default, meaning):
     """True or false."""
     return Parameter("bool", bool(default), meaning)
@@ -57,6 +63,11 @@ def choice(default, choices, meaning):
 
 def text(default, meaning, *, required=False):
     return Parameter("text", default, meaning, required=required)
+
+
+def texts(default, meaning, *, required=False):
+    """A list of texts."""
+    return Parameter("text", [str(each) for each in default], meaning, required=required, is_list=True)
 
 
 def input_path(default, meaning, *, required=False):

@@ -44,11 +44,10 @@ ordered_json labels() {
   return schema;
 }
 
-ordered_json form_of(const ParameterSpec& parameter) {
+ordered_json form_of_one(const ParameterSpec& parameter) {
   switch (parameter.type) {
     case WEFT_VALUE_F64:
-      if (!parameter.is_vector) return number(parameter, "number");
-      return list_of(number(parameter, "number"));
+      return number(parameter, "number");
     case WEFT_VALUE_I64:
       return number(parameter, "integer");
     case WEFT_VALUE_BOOL:
@@ -67,6 +66,11 @@ ordered_json form_of(const ParameterSpec& parameter) {
   return reference("nested_" + parameter.role);
 }
 
+ordered_json form_of(const ParameterSpec& parameter) {
+  ordered_json one = form_of_one(parameter);
+  return parameter.is_vector ? list_of(std::move(one)) : one;
+}
+
 /// A number as it is written: 8, not 8.0. Null where JSON has no such number.
 ordered_json number_in(const yaml::Node& node) {
   if (const auto whole = yaml::as_int64(node)) return *whole;
@@ -78,14 +82,16 @@ ordered_json number_in(const yaml::Node& node) {
 ordered_json default_of(const ParameterSpec& parameter) {
   const yaml::Node& node = parameter.default_value;
   if (parameter.required) return nullptr;
+  if (parameter.is_vector) {
+    const bool of_texts = parameter.type == WEFT_VALUE_TEXT;
+    ordered_json list = ordered_json::array();
+    for (const yaml::Node& item : node.items) {
+      list.push_back(of_texts ? ordered_json(item.scalar) : number_in(item));
+    }
+    return list;
+  }
   switch (parameter.type) {
     case WEFT_VALUE_F64:
-      if (parameter.is_vector) {
-        ordered_json list = ordered_json::array();
-        for (const yaml::Node& item : node.items) list.push_back(number_in(item));
-        return list;
-      }
-      return number_in(node);
     case WEFT_VALUE_I64:
       return number_in(node);
     case WEFT_VALUE_BOOL:

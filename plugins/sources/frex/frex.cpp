@@ -25,8 +25,8 @@ namespace {
 constexpr std::uint64_t kNoiseStream = 6;
 constexpr std::int64_t kCutAway = 25;  // frames of the film that a cut leaves out
 
-bool holds(const std::vector<double>& frames, std::int64_t index) {
-  return std::find(frames.begin(), frames.end(), static_cast<double>(index)) != frames.end();
+bool holds(const std::vector<std::int64_t>& frames, std::int64_t index) {
+  return std::find(frames.begin(), frames.end(), index) != frames.end();
 }
 
 /// What is ready once the source is open.
@@ -140,7 +140,7 @@ class SheetSource : public Source {
 
   std::int64_t cuts_until(std::int64_t index) const {
     return std::count_if(settings_.cut_frames.begin(), settings_.cut_frames.end(),
-                         [&](double cut) { return cut <= static_cast<double>(index); });
+                         [&](std::int64_t cut) { return cut <= index; });
   }
 
   scene::View look(std::int64_t index, double t_s, const SheetState& state) {

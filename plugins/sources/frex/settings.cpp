@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "settings.hpp"
 
-#include <cmath>
-
 #include "common/images/picture_file.hpp"
 
 namespace weft::frex {
@@ -49,9 +47,9 @@ void Settings::read(Params& p) {
   p.read("copy_size", copy_size, "", {0.2, 2.0},
          "size of the copies of background: look_alike over that of the flat sheet");
   p.read("occluder", occluder, "an arm that hides parts of the sheet");
-  p.read("invisible_frames", invisible_frames, "", {0.0, 1e6},
+  p.read("invisible_frames", invisible_frames, "", {0, 1000000},
          "frames that show the background only; the truth is where the sheet would be");
-  p.read("cut_frames", cut_frames, "", {0.0, 1e6},
+  p.read("cut_frames", cut_frames, "", {0, 1000000},
          "frames before which a part of the film is missing");
   p.read("ambient", ambient, "", {0.0, 1.0}, "share of the light that comes from all around");
   p.read("light_drift_rad", light_drift_rad, "rad", {0.0, 0.5}, "how far the lamp wanders");
@@ -64,11 +62,12 @@ void Settings::read(Params& p) {
   motion.seed = static_cast<std::uint64_t>(seed);
 }
 
-Result<void> Settings::check_frames(const char* name, const std::vector<double>& values) const {
-  for (const double value : values) {
-    if (value == std::floor(value) && value < static_cast<double>(frames)) continue;
+Result<void> Settings::check_frames(const char* name,
+                                    const std::vector<std::int64_t>& values) const {
+  for (const std::int64_t value : values) {
+    if (value < frames) continue;
     return Error{Errc::invalid_value, std::string("'") + name + "' holds " + std::to_string(value) +
-                                          ", which is no frame: give whole numbers from 0 to " +
+                                          ", which is no frame: give numbers from 0 to " +
                                           std::to_string(frames - 1)};
   }
   return {};

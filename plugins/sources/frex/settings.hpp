@@ -35,8 +35,8 @@ struct Settings {
   std::string background_path;
   double copy_size = 0.55;
   bool occluder = false;
-  std::vector<double> invisible_frames;
-  std::vector<double> cut_frames;
+  std::vector<std::int64_t> invisible_frames;
+  std::vector<std::int64_t> cut_frames;
   double ambient = 0.45;
   double light_drift_rad = 0.2;
   double noise_grey = 2.0;
@@ -50,7 +50,7 @@ struct Settings {
   void check(Mistakes& mistakes) const;
 
  private:
-  Result<void> check_frames(const char* name, const std::vector<double>& values) const;
+  Result<void> check_frames(const char* name, const std::vector<std::int64_t>& values) const;
   Result<void> check_background() const;
 };
 

@@ -71,9 +71,9 @@ class Synthetic final : public Source {
     p.read("travel_m", motion_.travel_m, "m", {0.0, 1000.0}, "how far the sheet moves to the side");
     p.read("period_s", motion_.period_s, "s", {0.001, 1000000.0}, "duration of a movement");
     p.read("noise_grey", noise_grey_, "grey level", {0.0, 255.0}, "sigma of the noise of a pixel");
-    p.read("cut_frames", cut_frames_, "", {0.0, 1e6},
+    p.read("cut_frames", cut_frames_, "", {0, 1000000},
            "frames before which the sheet jumps to a pose of later in its movement");
-    p.read("invisible_frames", invisible_frames_, "", {0.0, 1e6},
+    p.read("invisible_frames", invisible_frames_, "", {0, 1000000},
            "frames that show the background only; the truth is where the sheet would be");
     p.read("background_seed", background_seed_, "", {0, 1000000}, "chooses the background");
     p.read("truth_columns", truth_columns_, "", {2, 1000}, "points of the truth along the width");
@@ -136,17 +136,15 @@ class Synthetic final : public Source {
 
  private:
   Result<std::set<std::int64_t>> frame_set(const std::string& name,
-                                           const std::vector<double>& values) const {
-    std::set<std::int64_t> indices;
-    for (const double value : values) {
-      if (value != std::floor(value) || value >= static_cast<double>(frames_)) {
+                                           const std::vector<std::int64_t>& values) const {
+    for (const std::int64_t value : values) {
+      if (value >= frames_) {
         return Error{Errc::invalid_value, "'" + name + "' holds " + std::to_string(value) +
-                                              ", which is no frame: give whole numbers from 0 to " +
+                                              ", which is no frame: give numbers from 0 to " +
                                               std::to_string(frames_ - 1)};
       }
-      indices.insert(static_cast<std::int64_t>(value));
     }
-    return indices;
+    return std::set<std::int64_t>(values.begin(), values.end());
   }
 
   /// Time in the movement of the sheet, which each cut puts forward.
@@ -194,8 +192,8 @@ class Synthetic final : public Source {
   double fps_ = 30.0;
   double focal_px_ = 820.0;
   double noise_grey_ = 1.5;
-  std::vector<double> cut_frames_;
-  std::vector<double> invisible_frames_;
+  std::vector<std::int64_t> cut_frames_;
+  std::vector<std::int64_t> invisible_frames_;
   std::int64_t background_seed_ = 1;
   int truth_columns_ = 15;
   int truth_rows_ = 11;

@@ -31,6 +31,9 @@ struct Everything {
     p.labels("apart", apart, "names and texts");
     p.choice("metric", metric, {{"l2", Metric::l2}, {"hamming", Metric::hamming}}, "a word");
     p.component("warp", warp, "a component");
+    p.read("cuts", cuts, "frames", {0, 1e15}, "some whole numbers");
+    p.read("threads", threads, "", {1, 1e12}, "more of them");
+    p.read("parts", parts, "some texts");
   }
 
   double radius_px = 60.5;
@@ -44,6 +47,9 @@ struct Everything {
   std::vector<std::pair<std::string, std::string>> apart;
   Metric metric = Metric::hamming;
   ComponentHandle warp{"warps", "warps/bbs"};
+  std::vector<std::int64_t> cuts{5000000000, 7};
+  std::vector<int> threads{2};
+  std::vector<std::string> parts{"left", "right"};
 };
 
 /// What describe() said of one parameter, copied.
@@ -53,7 +59,7 @@ struct Declared {
   bool is_vector = false, required = false;
   double minimum = 0.0, maximum = 0.0;
   std::vector<double> numbers;
-  std::vector<std::string> choices;
+  std::vector<std::string> choices, texts;
 };
 
 template <class Component>
@@ -84,6 +90,7 @@ std::vector<Declared> declared_by() {
             declared.numbers.push_back(static_cast<const std::uint8_t*>(value.data)[i]);
           } else {
             declared.text = static_cast<const char* const*>(value.data)[i];
+            declared.texts.push_back(declared.text);
           }
         }
         declared.choices.assign(p->choices, p->choices + p->choice_count);
@@ -105,11 +112,12 @@ std::pair<Component, std::string> read_with(const std::vector<weft_value>& value
 
 TEST(Params, DescribesEveryKindWithItsDefault) {
   const std::vector<Declared> all = declared_by<Everything>();
-  ASSERT_EQ(all.size(), 11U);
+  ASSERT_EQ(all.size(), 14U);
   const int types[] = {WEFT_VALUE_F64,        WEFT_VALUE_I64,         WEFT_VALUE_I64,
                        WEFT_VALUE_BOOL,       WEFT_VALUE_F64,         WEFT_VALUE_TEXT,
                        WEFT_VALUE_INPUT_PATH, WEFT_VALUE_OUTPUT_PATH, WEFT_VALUE_LABELS,
-                       WEFT_VALUE_CHOICE,     WEFT_VALUE_COMPONENT};
+                       WEFT_VALUE_CHOICE,     WEFT_VALUE_COMPONENT,   WEFT_VALUE_I64,
+                       WEFT_VALUE_I64,        WEFT_VALUE_TEXT};
   for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(all[i].type, types[i]) << all[i].name;
   EXPECT_EQ(all[0].name, "radius_px");
   EXPECT_EQ(all[0].unit, "px");
@@ -129,6 +137,12 @@ TEST(Params, DescribesEveryKindWithItsDefault) {
   EXPECT_EQ(all[9].text, "hamming");
   EXPECT_EQ(all[10].role, "warps");
   EXPECT_EQ(all[10].text, "warps/bbs");
+  for (const std::size_t list : {11, 12, 13}) EXPECT_TRUE(all[list].is_vector);
+  EXPECT_THAT(all[11].numbers, ElementsAre(5e9, 7.0));
+  EXPECT_EQ(all[11].maximum, 1e15);
+  EXPECT_THAT(all[12].numbers, ElementsAre(2.0));
+  EXPECT_EQ(all[12].maximum, std::numeric_limits<int>::max());
+  EXPECT_THAT(all[13].texts, ElementsAre("left", "right"));
 }
 
 TEST(Params, BindsEveryKind) {
@@ -138,6 +152,8 @@ TEST(Params, BindsEveryKind) {
   const char *title = "a title", *table = "/t", *report = "/r", *metric = "l2";
   const char* apart[] = {"009", "texture source", "010", ""};
   const std::uint64_t warp = 17;
+  const std::int64_t cuts[] = {0, 900000000000001}, threads[] = {4, 5, 6};
+  const char* parts[] = {"", "front side"};
   const auto [read, problem] =
       read_with<Everything>({{"warp", WEFT_VALUE_COMPONENT, 0, 1, &warp, {}},
                              {"radius_px", WEFT_VALUE_F64, 0, 1, &radius, {}},
@@ -149,8 +165,14 @@ TEST(Params, BindsEveryKind) {
                              {"table", WEFT_VALUE_INPUT_PATH, 0, 1, &table, {}},
                              {"report", WEFT_VALUE_OUTPUT_PATH, 0, 1, &report, {}},
                              {"apart", WEFT_VALUE_LABELS, 0, 4, apart, {}},
+                             {"cuts", WEFT_VALUE_I64, 1, 2, cuts, {}},
+                             {"threads", WEFT_VALUE_I64, 1, 3, threads, {}},
+                             {"parts", WEFT_VALUE_TEXT, 1, 2, parts, {}},
                              {"metric", WEFT_VALUE_CHOICE, 0, 1, &metric, {}}});
   EXPECT_EQ(problem, "");
+  EXPECT_THAT(read.cuts, ElementsAre(0, 900000000000001));
+  EXPECT_THAT(read.threads, ElementsAre(4, 5, 6));
+  EXPECT_THAT(read.parts, ElementsAre("", "front side"));
   EXPECT_EQ(read.radius_px, 2.5);
   EXPECT_EQ(read.rounds, 7);
   EXPECT_EQ(read.big, 1);
@@ -262,6 +284,25 @@ TEST(Params, AnIntNeverWrapsAround) {
     }
   }
   EXPECT_EQ(declared_by<Bounded>()[2].maximum, std::numeric_limits<int>::max());
+}
+
+TEST(Params, ListsOfWholeNumbersAndTextsAreCheckedAsListsOfNumbersAre) {
+  const char* table = "/t";
+  const std::int64_t negative = -1, large = std::int64_t{1} << 32;
+  const double number = 1.0;
+  const auto problem_with = [&](const weft_value& value) {
+    return read_with<Everything>({{"table", WEFT_VALUE_INPUT_PATH, 0, 1, &table, {}}, value})
+        .second;
+  };
+  EXPECT_THAT(problem_with({"cuts", WEFT_VALUE_I64, 1, 1, &negative, {}}),
+              HasSubstr("'cuts' has a value outside its range"));
+  EXPECT_THAT(problem_with({"threads", WEFT_VALUE_I64, 1, 1, &large, {}}),
+              HasSubstr("'threads' has a value outside its range"));
+  EXPECT_EQ(problem_with({"cuts", WEFT_VALUE_I64, 1, 1, &large, {}}), "");
+  EXPECT_THAT(problem_with({"cuts", WEFT_VALUE_F64, 1, 1, &number, {}}), HasSubstr("wrong type"));
+  EXPECT_THAT(problem_with({"cuts", WEFT_VALUE_I64, 0, 1, &large, {}}), HasSubstr("wrong type"));
+  EXPECT_THAT(problem_with({"parts", WEFT_VALUE_TEXT, 0, 1, &table, {}}), HasSubstr("wrong type"));
+  EXPECT_THAT(problem_with({"table", WEFT_VALUE_INPUT_PATH, 0, 1, &table, {}}), "");
 }
 
 TEST(Params, RefusesAValueOfAnotherType) {

@@ -104,6 +104,22 @@ TEST(Schema, SaysOfANumberWhatTheManifestSays) {
             R"("number","minimum":0.5,"maximum":100},"default":[1,2.5]})");
 }
 
+TEST(Schema, SaysOfAListWhatItsItemsAre) {
+  host::ParameterSpec spec = parameter("cuts", WEFT_VALUE_I64);
+  spec.is_vector = spec.bounded = true;
+  spec.minimum = 0.0;
+  spec.maximum = 9.0;
+  spec.default_value = yaml::parse("[1, 2]", "")->root;
+  EXPECT_EQ(schema_of(spec).dump(),
+            R"({"description":"the help of cuts","type":"array","items":{"type":"integer",)"
+            R"("minimum":0,"maximum":9},"default":[1,2]})");
+  host::ParameterSpec texts = parameter("parts", WEFT_VALUE_TEXT);
+  texts.is_vector = true;
+  texts.default_value = yaml::parse("[left, '2']", "")->root;
+  EXPECT_EQ(schema_of(texts)["items"]["type"], "string");
+  EXPECT_EQ(schema_of(texts)["default"].dump(), R"(["left","2"])");
+}
+
 TEST(Schema, GivesARequiredParameterNoDefault) {
   host::ParameterSpec spec = parameter("width_m", WEFT_VALUE_F64);
   spec.required = true;

@@ -50,6 +50,14 @@ class Params {
   /// A vector of numbers, each within `range`.
   void read(const char* name, std::vector<double>& values, const char* unit, Range range,
             const char* help, Need need = Need::optional);
+  /// A vector of whole numbers; likewise.
+  void read(const char* name, std::vector<std::int64_t>& values, const char* unit, Range range,
+            const char* help, Need need = Need::optional);
+  void read(const char* name, std::vector<int>& values, const char* unit, Range range,
+            const char* help, Need need = Need::optional);
+  /// A list of texts.
+  void read(const char* name, std::vector<std::string>& values, const char* help,
+            Need need = Need::optional);
   void text(const char* name, std::string& value, const char* help, Need need = Need::optional);
   /// Absolute when read; a relative one stands in the file's folder.
   void input_path(const char* name, std::string& value, const char* help,
@@ -75,6 +83,9 @@ class Params {
   template <class Number>
   void read_number(const char* name, Number& value, int type, const char* unit, Range range,
                    const char* help, Need need);
+  template <class Number>
+  void read_numbers(const char* name, std::vector<Number>& values, int type, const char* unit,
+                    Range range, const char* help, Need need);
   void read_text(const char* name, std::string& value, int type, const char* help, Need need);
   void refuse(const char* name, const std::string& problem);
 
@@ -87,3 +98,67 @@ class Params {
 }  // namespace weft
 
 #include <weft/core/params_inline.hpp>
+
+// Lists.
+namespace weft {
+
+template <class Number>
+void Params::read_numbers(const char* name, std::vector<Number>& values, int type, const char* unit,
+                          Range range, const char* help, Need need) {
+  if (sink_ != nullptr) {
+    weft_parameter parameter{};
+    parameter.unit = unit;
+    parameter.minimum = range.minimum;
+    parameter.maximum = range.maximum;
+    parameter.default_value.is_vector = 1;
+    parameter.required = need == Need::required ? 1 : 0;
+    declare(parameter, name, type, help, values.data(), values.size());
+  } else if (const weft_value* given = find(name, type, true)) {
+    const auto* numbers = static_cast<const Number*>(given->data);
+    for (std::uint64_t i = 0; i < given->count; ++i) {
+      if (!detail::is_within(range, static_cast<double>(numbers[i]))) {
+        return refuse(name, "has a value outside its range");
+      }
+    }
+    values.assign(numbers, numbers + given->count);
+  } else if (need == Need::required) {
+    refuse(name, "is required");
+  }
+}
+
+inline void Params::read(const char* name, std::vector<double>& values, const char* unit,
+                         Range range, const char* help, Need need) {
+  read_numbers(name, values, WEFT_VALUE_F64, unit, range, help, need);
+}
+
+inline void Params::read(const char* name, std::vector<std::int64_t>& values, const char* unit,
+                         Range range, const char* help, Need need) {
+  read_numbers(name, values, WEFT_VALUE_I64, unit, range, help, need);
+}
+
+inline void Params::read(const char* name, std::vector<int>& values, const char* unit, Range range,
+                         const char* help, Need need) {
+  std::vector<std::int64_t> wide(values.begin(), values.end());
+  read(name, wide, unit, detail::within_int(range), help, need);
+  values.clear();
+  for (const std::int64_t number : wide) values.push_back(static_cast<int>(number));
+}
+
+inline void Params::read(const char* name, std::vector<std::string>& values, const char* help,
+                         Need need) {
+  if (sink_ != nullptr) {
+    weft_parameter parameter{};
+    parameter.default_value.is_vector = 1;
+    parameter.required = need == Need::required ? 1 : 0;
+    std::vector<const char*> texts;
+    for (const std::string& text : values) texts.push_back(text.c_str());
+    declare(parameter, name, WEFT_VALUE_TEXT, help, texts.data(), texts.size());
+  } else if (const weft_value* given = find(name, WEFT_VALUE_TEXT, true)) {
+    const auto* texts = static_cast<const char* const*>(given->data);
+    values.assign(texts, texts + given->count);
+  } else if (need == Need::required) {
+    refuse(name, "is required");
+  }
+}
+
+}  // namespace weft

@@ -12,6 +12,12 @@ inline bool is_within(Range range, double number) {
   return number >= range.minimum && number <= range.maximum;
 }
 
+inline Range within_int(Range range) {
+  using Limits = std::numeric_limits<int>;
+  return {std::max<double>(range.minimum, Limits::min()),
+          std::min<double>(range.maximum, Limits::max())};
+}
+
 }  // namespace detail
 
 inline const weft_value* Params::find(const char* name, int type, bool vector) {
@@ -78,11 +84,8 @@ inline void Params::read(const char* name, std::int64_t& value, const char* unit
 
 inline void Params::read(const char* name, int& value, const char* unit, Range range,
                          const char* help, Need need) {
-  using Limits = std::numeric_limits<int>;
-  range.minimum = std::max<double>(range.minimum, Limits::min());
-  range.maximum = std::min<double>(range.maximum, Limits::max());
   std::int64_t wide = value;
-  read(name, wide, unit, range, help, need);
+  read(name, wide, unit, detail::within_int(range), help, need);
   value = static_cast<int>(wide);
 }
 
@@ -92,27 +95,6 @@ inline void Params::read(const char* name, bool& value, const char* help) {
     declare({}, name, WEFT_VALUE_BOOL, help, &flag);
   } else if (const weft_value* given = find(name, WEFT_VALUE_BOOL)) {
     value = *static_cast<const std::uint8_t*>(given->data) != 0;
-  }
-}
-
-inline void Params::read(const char* name, std::vector<double>& values, const char* unit,
-                         Range range, const char* help, Need need) {
-  if (sink_ != nullptr) {
-    weft_parameter parameter{};
-    parameter.unit = unit;
-    parameter.minimum = range.minimum;
-    parameter.maximum = range.maximum;
-    parameter.default_value.is_vector = 1;
-    parameter.required = need == Need::required ? 1 : 0;
-    declare(parameter, name, WEFT_VALUE_F64, help, values.data(), values.size());
-  } else if (const weft_value* given = find(name, WEFT_VALUE_F64, true)) {
-    const auto* numbers = static_cast<const double*>(given->data);
-    values.assign(numbers, numbers + given->count);
-    for (const double number : values) {
-      if (!detail::is_within(range, number)) refuse(name, "has a value outside its range");
-    }
-  } else if (need == Need::required) {
-    refuse(name, "is required");
   }
 }
 

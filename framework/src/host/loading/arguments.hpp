@@ -36,18 +36,22 @@ class Arguments {
   void add_integer(const std::string& name, std::int64_t value) {
     store(name, WEFT_VALUE_I64, integers_.emplace_back(1, value));
   }
+  void add_integers(const std::string& name, std::vector<std::int64_t> values) {
+    store(name, WEFT_VALUE_I64, integers_.emplace_back(std::move(values)), true);
+  }
   void add_flag(const std::string& name, bool value) {
     store(name, WEFT_VALUE_BOOL, flags_.emplace_back(1, value ? 1 : 0));
   }
   void add_component(const std::string& name, std::uint64_t handle) {
     store(name, WEFT_VALUE_COMPONENT, handles_.emplace_back(1, handle));
   }
-  /// A choice, a text, a path (one text) or labels (key, text, ...).
-  void add_texts(const std::string& name, weft_value_type type, std::vector<std::string> texts) {
+  /// A choice, a text, a path (one text), labels (key, text, ...) or a list of texts.
+  void add_texts(const std::string& name, weft_value_type type, std::vector<std::string> texts,
+                 bool is_vector = false) {
     const std::vector<std::string>& kept = texts_.emplace_back(std::move(texts));
     std::vector<const char*> pointers;
     for (const std::string& text : kept) pointers.push_back(text.c_str());
-    store(name, type, pointers_.emplace_back(std::move(pointers)));
+    store(name, type, pointers_.emplace_back(std::move(pointers)), is_vector);
   }
 
   const std::vector<weft_value>& values() const { return values_; }

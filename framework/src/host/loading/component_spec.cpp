@@ -125,13 +125,14 @@ class Binder {
       case WEFT_VALUE_F64:
         return parameter.is_vector ? bind_numbers(parameter, value) : bind_number(parameter, value);
       case WEFT_VALUE_I64:
-        return bind_integer(parameter, value);
+        return parameter.is_vector ? bind_integers(parameter, value)
+                                   : bind_integer(parameter, value);
       case WEFT_VALUE_BOOL:
         return bind_flag(parameter, value);
       case WEFT_VALUE_CHOICE:
         return bind_choice(parameter, value);
       case WEFT_VALUE_TEXT:
-        return bind_text(parameter, value);
+        return parameter.is_vector ? bind_texts(parameter, value) : bind_text(parameter, value);
       case WEFT_VALUE_INPUT_PATH:
       case WEFT_VALUE_OUTPUT_PATH:
         return bind_path(parameter, value, given, resolved);
@@ -149,17 +150,34 @@ class Binder {
   }
 
   void bind_numbers(const ParameterSpec& parameter, const yaml::Node& value) {
+    auto numbers = numbers_of<double>(parameter, value, &yaml::as_double, "a list of numbers");
+    if (numbers) spec_.arguments.add_numbers(parameter.name, *std::move(numbers));
+  }
+
+  void bind_integers(const ParameterSpec& parameter, const yaml::Node& value) {
+    auto numbers =
+        numbers_of<std::int64_t>(parameter, value, &yaml::as_int64, "a list of whole numbers");
+    if (numbers) spec_.arguments.add_integers(parameter.name, *std::move(numbers));
+  }
+
+  /// Nothing where one is wrong, which has been said.
+  template <class Number>
+  std::optional<std::vector<Number>> numbers_of(const ParameterSpec& parameter,
+                                                const yaml::Node& value,
+                                                std::optional<Number> (*read)(const yaml::Node&),
+                                                const char* expected) {
+    std::vector<Number> numbers;
     if (value.kind != yaml::Kind::sequence) {
-      return wrong(parameter, value, with_unit("a list of numbers", parameter));
+      wrong(parameter, value, with_unit(expected, parameter));
+      return std::nullopt;
     }
-    std::vector<double> numbers;
     for (const yaml::Node& item : value.items) {
-      const auto number = yaml::as_double(item);
-      if (!number) return wrong(parameter, item, with_unit("a list of numbers", parameter));
-      if (!in_range(parameter, item, *number)) return;
+      const std::optional<Number> number = read(item);
+      if (!number) wrong(parameter, item, with_unit(expected, parameter));
+      if (!number || !in_range(parameter, item, static_cast<double>(*number))) return std::nullopt;
       numbers.push_back(*number);
     }
-    spec_.arguments.add_numbers(parameter.name, std::move(numbers));
+    return numbers;
   }
 
   void bind_integer(const ParameterSpec& parameter, const yaml::Node& value) {
@@ -190,6 +208,16 @@ class Binder {
   void bind_text(const ParameterSpec& parameter, const yaml::Node& value) {
     if (value.kind != yaml::Kind::scalar) return wrong(parameter, value, "a text");
     spec_.arguments.add_texts(parameter.name, parameter.type, {value.scalar});
+  }
+
+  void bind_texts(const ParameterSpec& parameter, const yaml::Node& value) {
+    if (value.kind != yaml::Kind::sequence) return wrong(parameter, value, "a list of texts");
+    std::vector<std::string> texts;
+    for (const yaml::Node& item : value.items) {
+      if (item.kind != yaml::Kind::scalar) return wrong(parameter, item, "a list of texts");
+      texts.push_back(item.scalar);
+    }
+    spec_.arguments.add_texts(parameter.name, parameter.type, std::move(texts), true);
   }
 
   void bind_path(const ParameterSpec& parameter, const yaml::Node& value, bool given,

@@ -61,6 +61,11 @@ bool flag(const yaml::Node& node, const char* key) {
   return value != nullptr && yaml::as_bool(*value).value_or(false);
 }
 
+/// Lists of others may come with a later version.
+bool may_be_list(weft_value_type type) {
+  return type == WEFT_VALUE_F64 || type == WEFT_VALUE_I64 || type == WEFT_VALUE_TEXT;
+}
+
 ParameterSpec read_parameter(const yaml::Node& node) {
   ParameterSpec spec;
   spec.name = text(node, "name");
@@ -74,6 +79,8 @@ ParameterSpec read_parameter(const yaml::Node& node) {
   if (!known)
     throw UnknownType{"parameter '" + spec.name + "' has the unknown type '" + type + "'"};
   spec.is_vector = flag(node, "vector");
+  if (spec.is_vector && !may_be_list(spec.type))
+    throw UnknownType{"parameter '" + spec.name + "' is a list of the type '" + type + "'"};
   spec.required = flag(node, "required");
   if (!spec.required) spec.default_value = get(node, "default");
   if (node.find("unit") != nullptr) spec.unit = text(node, "unit");

@@ -29,12 +29,15 @@ void add(const RecipeValue& value, Arguments& arguments) {
     arguments.add_numbers(value.name, value.numbers);
   } else if (value.type == WEFT_VALUE_F64) {
     arguments.add_number(value.name, value.numbers.at(0));
+  } else if (value.type == WEFT_VALUE_I64 && value.is_vector != 0) {
+    arguments.add_integers(value.name, value.integers);
   } else if (value.type == WEFT_VALUE_I64) {
     arguments.add_integer(value.name, value.integers.at(0));
   } else if (value.type == WEFT_VALUE_BOOL) {
     arguments.add_flag(value.name, value.flags.at(0) != 0);
   } else {
-    arguments.add_texts(value.name, static_cast<weft_value_type>(value.type), value.texts);
+    arguments.add_texts(value.name, static_cast<weft_value_type>(value.type), value.texts,
+                        value.is_vector != 0);
   }
 }
 
