@@ -87,6 +87,8 @@ class WarpedFilter final : public weft::Filter {
     weft::InlierMask mask{
         weft::Array<std::uint8_t>({count}, 0), weft::Array<double>({count}, 0.0), {}};
     std::fill_n(mask.kept.data(), count, std::uint8_t{1});
+    mask.diag.set("count", weft::Array<std::int32_t>({}, static_cast<std::int32_t>(count)));
+    mask.others.set("x.acme.kept", mask.kept);
     return mask;
   }
 

@@ -27,6 +27,8 @@ class Good final : public weft::Filter {
     p.output_path("report", report_, "a file that is written");
     p.labels("apart", apart_, "texts by name");
     p.component("warp", warp_, "a component of its own");
+    p.read("steps", steps_, "frames", {-9, 1e15}, "a vector of whole numbers");
+    p.read("words", words_, "a list of texts");
   }
 
   weft::Result<weft::InlierMask> filter(const weft::FilterInput& in) override {
@@ -47,6 +49,12 @@ class Good final : public weft::Filter {
     diag.set("table_length", static_cast<double>(table_.size()));
     diag.set("report_length", static_cast<double>(report_.size()));
     diag.set("labels", static_cast<double>(apart_.size()));
+    weft::Array<std::int64_t> steps({static_cast<std::int64_t>(steps_.size())});
+    std::copy(steps_.begin(), steps_.end(), steps.data());
+    diag.set("steps", steps);
+    for (const std::string& word : words_) {
+      diag.set("length_of_" + word, static_cast<double>(word.size()));
+    }
     diag.set("first_draw", in.call.rng().uniform());
     if (!in.templ) return mask;
     const auto warp = warp_.fit(in.call, in.correspondences, *in.templ);
@@ -54,6 +62,13 @@ class Good final : public weft::Filter {
     const auto samples = weft::evaluate(in.call, *warp, {in.correspondences.template_px, 0});
     if (!samples) return samples.error();
     diag.set("shifted_u", n > 0 ? samples->xy_px(0, 0) : 0.0);
+    // What the nested warp was given, as it says in its record.
+    if (const auto* revision = warp->diag.find<std::int64_t>("template_revision")) {
+      diag.set("template_revision", *revision);
+    }
+    if (const auto* weight = warp->others.find<std::uint16_t>("x.acme.weight")) {
+      mask.others.set("x.acme.weight", *weight);
+    }
     return mask;
   }
 
@@ -64,6 +79,8 @@ class Good final : public weft::Filter {
   bool flag_ = true;
   Colour colour_ = Colour::green;
   std::vector<double> limits_px_{-1.0, 2.5};
+  std::vector<std::int64_t> steps_{3, -4};
+  std::vector<std::string> words_{"one", "three"};
   std::string title_ = "untitled";
   std::string table_;
   std::string report_;
@@ -104,7 +121,7 @@ class Shift final : public weft::WarpModel {
     p.output_path("notes", notes_, "a file that is not written");
   }
 
-  weft::Result<weft::Warp> fit(const weft::FitInput&) override {
+  weft::Result<weft::Warp> fit(const weft::FitInput& in) override {
     if (always_fails_) return weft::no_result("told to fail");
     weft::Warp warp;
     warp.producer = "warps/zoo_shift";
@@ -112,6 +129,11 @@ class Shift final : public weft::WarpModel {
     weft::Array<double> shift({1}, 0.0);
     shift(0) = shift_px_;
     warp.model.entries.push_back({"model.shift_px", shift});
+    warp.diag.set("template_revision",
+                  weft::Array<std::int64_t>({}, static_cast<std::int64_t>(in.templ.revision)));
+    if (const auto* weight = in.correspondences.others.find<std::uint16_t>("x.acme.weight")) {
+      warp.others.set("x.acme.weight", *weight);
+    }
     return warp;
   }
 

@@ -10,6 +10,7 @@ CATALOGUE = host.catalogue()  # type -> array -> (dtype, axes, is text, is optio
 ROLES = host.roles()  # role -> list of (method, inputs: slot -> type, outputs: slot -> type)
 DTYPES = {1: np.uint8, 2: np.int8, 3: np.uint16, 4: np.int16, 5: np.int32, 6: np.int64, 7: np.float32,
           8: np.float64}
+CODES = {np.dtype(kind): code for code, kind in DTYPES.items()}
 SEVERAL = {("matchers", "correspondences")}  # inputs that take several records
 OK, DEGENERATE, NO_RESULT, ERROR, CANCELLED, END = range(6)
 
@@ -29,10 +30,20 @@ class GivenRecord(Record):
         super().__init__()
         self._type, self._revision, self._producer, arrays = record
         self._memories = dict(arrays)
+        self._views = {}  # as they were handed out
         for name in self._memories:
             for prefix, named in (("diag.", self.diag), ("model.", self.model)):
                 if name.startswith(prefix):
-                    named[name.removeprefix(prefix)] = self._value(name)
+                    named[name.removeprefix(prefix)] = self._views[name] = self._value(name)
+
+    def _is_as_read(self):
+        """Whether nobody has replaced, added or removed anything."""
+        now = {name: value for name, value in vars(self).items()
+               if not name.startswith("_") and name not in ("diag", "model", "degenerate_reason")}
+        for prefix, named in (("diag.", self.diag), ("model.", self.model)):
+            now.update((prefix + name, value) for name, value in named.items())
+        return now.keys() == self._views.keys() and all(now[name] is value
+                                                        for name, value in self._views.items())
 
     @property
     def revision(self):
@@ -55,7 +66,7 @@ class GivenRecord(Record):
         else:
             known = ", ".join(CATALOGUE.get(self._type, {}))
             raise AttributeError(f"{self._type} has no array '{name}'; it has: {known}")
-        self.__dict__[name] = value
+        self.__dict__[name] = self._views[name] = value
         return value
 
 
@@ -149,9 +160,10 @@ def ask(given, handle, method, inputs, outputs, records):
         if name not in slots:
             raise TypeError(f"there is no input '{name}'; there are: {', '.join(slots)}")
         slot = slots[name]
+        as_read = not isinstance(record, GivenRecord) or record._is_as_read()
         arrays = [(array_name, dtype, np.ascontiguousarray(array) if array.ndim else array)
                   for array_name, dtype, array in arrays_of(inputs[slot], record, {})]
-        passed.append((slot, inputs[slot], getattr(record, "_revision", 0),
+        passed.append((slot, inputs[slot], getattr(record, "_revision", 0) if as_read else 0,
                        getattr(record, "_producer", 0), arrays))
     status, code, message, answer = given.call.raw.invoke(handle, method, passed)
     if status == NO_RESULT:
@@ -169,11 +181,18 @@ def ask(given, handle, method, inputs, outputs, records):
 
 
 def arrays_of(record_type, record, usual):
-    """(name, dtype, array) of what a record holds, each in the type that the catalogue says."""
+    """(name, dtype, array) of what a record holds, each in the type that the catalogue says. What it
+    does not name goes on with a record of the host as long as nothing of that was changed."""
     fields = CATALOGUE[record_type]
+    memories = {}
     if isinstance(record, GivenRecord):
-        values = {name: getattr(record, name) for name in record._memories
-                  if not name.startswith(("diag.", "model."))}
+        memories = record._memories
+        if record._is_as_read():
+            for name, memory in memories.items():
+                if name not in fields and not name.startswith(("diag.", "model.")):
+                    array = np.asarray(memory)
+                    yield name, CODES[array.dtype], array
+        values = {name: getattr(record, name) for name in memories if name in fields}
     else:
         values = {**usual, **{name: value for name, value in vars(record).items()
                               if name not in ("diag", "model", "degenerate_reason")}}
@@ -185,7 +204,17 @@ def arrays_of(record_type, record, usual):
         yield name, fields[name][0], as_array(record_type, name, value, fields[name])
     for prefix, named in (("diag.", record.diag), ("model.", record.model)):
         for name, value in named.items():
-            yield prefix + name, 8, np.asarray(value, np.float64)
+            full = prefix + name
+            is_read = full in memories and record._views[full] is value
+            yield full, *named_array(memories[full] if is_read else value)
+
+
+def named_array(value):
+    """(dtype, array) of evidence: arrays and numbers of NumPy keep their type, others are f64."""
+    array = np.asarray(value)
+    if not isinstance(value, (bool, int, float, list, tuple)) and array.dtype in CODES:
+        return CODES[array.dtype], array
+    return 8, np.asarray(value, np.float64)
 
 
 def as_array(record_type, name, value, field):

@@ -2,8 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <iostream>
+#include <limits>
 #include <set>
+#include <stdexcept>
 #include <weft/core/index.hpp>
 #include <weft/data/codec.hpp>
 
@@ -216,6 +219,146 @@ TEST(Codec, RevisionAndProducerTravelWithTheRecord) {
   const auto read = read_record<Warp>(RecordView<Warp>("", warp).raw());
   ASSERT_TRUE(read);
   EXPECT_EQ(read->producer_handle, 5U);
+}
+
+/// A record of three matches with more arrays than the catalogue names.
+struct Extended {
+  Extended() {
+    matches.template_px = matches.image_px = Array<double>({3, 2}, 1.0);
+    matches.face = Array<std::int32_t>({3}, 0);
+    matches.barycentrics = Array<double>({3, 3}, 0.0);
+    matches.kept = Array<std::uint8_t>({3}, 1);
+    matches.score = Array<double>({3}, 1.0);
+    matches.diag.set("ids", ids);
+    for (std::int64_t i = 0; i < 3; ++i) {
+      weight(i) = static_cast<std::uint16_t>(65533 + i);
+      ids(i) = std::numeric_limits<std::int32_t>::min() + static_cast<std::int32_t>(i);
+    }
+    const RecordView<Correspondences> view("", matches);
+    arrays.assign(view.raw().arrays, view.raw().arrays + view.raw().count);
+    weft_array newer = arrays.front();
+    newer.name = "normal_px";  // as a later catalogue may call one
+    arrays.push_back(newer);
+    newer = {};
+    newer.name = "x.acme.weight";
+    newer.dtype = WEFT_U16;
+    newer.ndim = 1;
+    newer.shape[0] = 3;
+    newer.stride[0] = 2;
+    newer.data = weight.data();
+    arrays.push_back(newer);
+    record = view.raw();
+    record.arrays = arrays.data();
+    record.count = arrays.size();
+    record.revision = 5;
+    record.frame = 8;
+    record.view = 1;
+    record.object = 2;
+  }
+
+  Correspondences read() const { return *read_record<Correspondences>(record); }
+
+  Array<std::uint16_t> weight{{3}};
+  Array<std::int32_t> ids{{3}};
+  Correspondences matches;
+  std::vector<weft_array> arrays;
+  weft_record record{};
+};
+
+testing_data::Content sorted(testing_data::Content content) {
+  std::sort(content.begin(), content.end());
+  return content;
+}
+
+TEST(Codec, EvidenceOfAnyTypeArrivesBitForBit) {
+  const Extended extended;
+  const Correspondences read = extended.read();
+  const auto* ids = read.diag.find<std::int32_t>("ids");
+  ASSERT_NE(ids, nullptr);
+  EXPECT_EQ(ids->data(), extended.ids.data());
+  EXPECT_EQ((*ids)(2), std::numeric_limits<std::int32_t>::min() + 2);
+  EXPECT_EQ(read.diag.find<double>("ids"), nullptr) << "it is of another type";
+}
+
+TEST(Codec, ARecordThatIsPassedOnAsItWasReadLosesNothing) {
+  const Extended extended;
+  const Correspondences read = extended.read();
+  const auto* weight = read.others.find<std::uint16_t>("x.acme.weight");
+  ASSERT_NE(weight, nullptr);
+  EXPECT_EQ(weight->data(), extended.weight.data()) << "borrowed";
+  const Correspondences copy = read;
+  for (const Correspondences* each : {&read, &copy}) {
+    const RecordView<Correspondences> view("", *each);
+    EXPECT_EQ(sorted(content_of(view.raw())), sorted(content_of(extended.record)));
+    EXPECT_EQ(view.raw().revision, 5U);
+    EXPECT_EQ(view.raw().frame, 8);
+    EXPECT_EQ(view.raw().view, 1);
+    EXPECT_EQ(view.raw().object, 2);
+  }
+  Store store;
+  ASSERT_TRUE(write_record(read, store));
+  EXPECT_EQ(sorted(content_of(record_of(Correspondences::kType, store.arrays))),
+            sorted(content_of(extended.record)));
+}
+
+TEST(Codec, ARecordThatWasChangedHasNoRevisionAndKeepsArraysOfOthersWhileItsLengthsStay) {
+  const Extended extended;
+  const auto others_after = [&](auto&& change) {
+    Correspondences read = extended.read();
+    change(read);
+    const RecordView<Correspondences> view("", read);
+    EXPECT_EQ(view.raw().revision, 0U);
+    EXPECT_EQ(view.raw().frame, 8);
+    int left = 0;
+    for (const auto& array : content_of(view.raw())) {
+      const std::string& name = std::get<0>(array);
+      left += name == "x.acme.weight" || name == "normal_px" ? 1 : 0;
+    }
+    return left;
+  };
+  EXPECT_EQ(others_after([](auto& read) { read.kept = Array<std::uint8_t>({3}, 1); }), 2);
+  EXPECT_EQ(others_after([](auto& read) { read.confidence = make_scalar(0.5); }), 2);
+  EXPECT_EQ(others_after([](auto& read) { read.distance = Array<double>({3}, 1.0); }), 2);
+  EXPECT_EQ(others_after([](auto& read) { read.diag.set("more", 1.0); }), 2);
+  EXPECT_EQ(others_after(
+                [](auto& read) { read.others.set("x.acme.weight", Array<std::uint16_t>({3}, 1)); }),
+            2)
+      << "what a component sets itself takes the place of what it was given";
+  EXPECT_EQ(others_after([](auto& read) {
+              read.template_px = read.image_px = Array<double>({2, 2}, 1.0);
+              read.face = Array<std::int32_t>({2}, 0);
+              read.barycentrics = Array<double>({2, 3}, 0.0);
+              read.kept = Array<std::uint8_t>({2}, 1);
+              read.score = Array<double>({2}, 1.0);
+            }),
+            0)
+      << "nobody knows which of them the two were";
+  EXPECT_EQ(others_after([](auto& read) {
+              read.kept = Array<std::uint8_t>({3}, 1);
+              read.others.drop();
+            }),
+            0);
+  Template templ;
+  templ.revision = 9;
+  templ.vertices_m = Array<double>({3, 3}, 0.0);
+  templ.flat_px = Array<double>({3, 2}, 0.0);
+  templ.faces = Array<std::int32_t>({1, 3}, 0);
+  templ.texture = templ.mask = Array<std::uint8_t>({2, 2}, 0);
+  const RecordView<Template> view("", templ);
+  Template read = *read_record<Template>(view.raw());
+  EXPECT_EQ(RecordView<Template>("", read).raw().revision, 9U);
+  read.vertices_m = Array<double>({3, 3}, 0.0);
+  EXPECT_EQ(RecordView<Template>("", read).raw().revision, 0U);
+}
+
+TEST(Codec, AnArrayOfAThirdPartyIsCalledByItsVendor) {
+  Camera camera;
+  EXPECT_THROW(camera.others.set("weight", Array<double>({1}, 0.0)), std::invalid_argument);
+  EXPECT_THROW(camera.others.set("x.weight", Array<double>({1}, 0.0)), std::invalid_argument);
+  camera.others.set("x.acme.weight", Array<double>({1}, 0.0));
+  camera.others.set("x.acme.weight", Array<float>({1}, 0.5F));
+  EXPECT_EQ(camera.others.find<double>("x.acme.weight"), nullptr) << "it was replaced";
+  EXPECT_EQ((*camera.others.find<float>("x.acme.weight"))(0), 0.5F);
 }
 
 TEST(Catalogue, TypesAreVersionedAndNamesAreUnique) {

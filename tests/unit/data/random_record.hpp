@@ -41,10 +41,13 @@ class Filler {
   void operator()(NamedArrays& member, const Field&) {
     member.entries.push_back({std::string(member.prefix) + "grid", array<double>({3, 2, 4})});
     member.entries.push_back({std::string(member.prefix) + "empty", array<double>({0})});
+    member.entries.push_back({std::string(member.prefix) + "words", array<std::uint16_t>({2, 3})});
   }
   void operator()(Diagnostics& member, const Field&) {
     member.set("number", value<double>());
     member.set("list", array<double>({5}));
+    member.set("counts", array<std::int32_t>({4}));
+    member.set("samples", array<float>({2, 2}));
   }
 
  private:

@@ -67,7 +67,8 @@ TEST_F(ComponentSpecTest, ParametersReachTheComponent) {
   const Resolved resolved = good(
       "{length_mm: 7, free: -2.5e3, count: -4, flag: false, colour: blue, limits_px: [1, -2.5, 3],"
       " title: a title, table: '${DATA}/table.csv', report: out/r.csv, apart: {'009': x, b: y},"
-      " warp: {use: warps/zoo_shift, params: {shift_px: 30}}}");
+      " warp: {use: warps/zoo_shift, params: {shift_px: 30}}, steps: [900000000000001, -9, 0],"
+      " words: ['12', seven77]}");
   ASSERT_TRUE(resolved.spec) << resolved.problem();
   Lane lane(1, {});
   const auto instance = lane.instantiate(*resolved.spec, "filters");
@@ -96,6 +97,13 @@ TEST_F(ComponentSpecTest, ParametersReachTheComponent) {
   EXPECT_EQ(diag("table_length"), static_cast<double>((folder_ / "table.csv").size()));
   EXPECT_EQ(diag("report_length"), static_cast<double>(std::string("/runs/one/out/r.csv").size()));
   EXPECT_EQ(diag("labels"), 2.0);
+  const auto* steps = mask->diag.find<std::int64_t>("steps");
+  ASSERT_NE(steps, nullptr);
+  EXPECT_EQ(std::vector<std::int64_t>(steps->data(), steps->data() + steps->size()),
+            (std::vector<std::int64_t>{900000000000001, -9, 0}));
+  EXPECT_EQ(diag("length_of_12"), 2.0);
+  EXPECT_EQ(diag("length_of_seven77"), 7.0);
+  EXPECT_EQ(diag("length_of_one"), -999.0) << "a default that was replaced";
   EXPECT_EQ(diag("shifted_u"), 40.0);
   EXPECT_EQ(diag("first_draw"), Rng(component_seed(1, 5, "filters", "")).uniform());
 }
@@ -125,6 +133,15 @@ TEST_F(ComponentSpecTest, WrongTypesNameWhatIsExpectedAndThePlace) {
   expect_problem("{colour: pink}", "'colour' must be one of: red, green, blue, not 'pink'");
   expect_problem("{limits_px: 3}", "'limits_px' must be a list of numbers in px");
   expect_problem("{limits_px: [1, x]}", "2:25: 'limits_px' must be a list of numbers");
+  expect_problem(
+      "{steps: 3}",
+      "2:17: 'steps' must be a list of whole numbers in frames (without the unit), not '3'");
+  expect_problem("{steps: [1, 1.5]}",
+                 "2:21: 'steps' must be a list of whole numbers in frames "
+                 "(without the unit), not '1.5'");
+  expect_problem("{steps: [1, -10]}", "2:21: 'steps' is -10, legal is -9 to 1e+15 frames");
+  expect_problem("{words: one two}", "2:17: 'words' must be a list of texts, not 'one two'");
+  expect_problem("{words: [one, [two]]}", "2:23: 'words' must be a list of texts");
   expect_problem("{title: [a]}", "'title' must be a text");
   expect_problem("{apart: [a]}", "'apart' must be a map of texts");
   expect_problem("{apart: {a: [b]}}", "'apart' must be a map of texts");

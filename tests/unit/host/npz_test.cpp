@@ -55,6 +55,23 @@ TEST(Npz, EveryRecordTypeSurvivesTheFile) {
   }
 }
 
+TEST(Npz, ArraysOfThirdPartiesSurviveTheFile) {
+  const TemporaryFolder folder;
+  Camera camera;
+  Array<std::uint16_t> weight({1, 2, 1, 1, 3, 1});
+  for (std::int64_t i = 0; i < 6; ++i) weight.data()[i] = static_cast<std::uint16_t>(65530 + i);
+  camera.others.set("x.acme.weight", weight);
+  ASSERT_TRUE(write_npz(folder / "camera.npz", {{"camera", Record::copy_of(camera)}}));
+  const auto read = read_npz(folder / "camera.npz");
+  ASSERT_TRUE(read) << read.error().message;
+  const auto typed = view_as<Camera>(*read->front().second);
+  ASSERT_TRUE(typed);
+  const auto* kept = typed->others.find<std::uint16_t>("x.acme.weight");
+  ASSERT_NE(kept, nullptr);
+  EXPECT_EQ(kept->shape(), weight.shape());
+  EXPECT_TRUE(std::equal(kept->data(), kept->data() + 6, weight.data()));
+}
+
 TEST(Npz, EqualRecordsGiveEqualBytes) {
   std::cout << "seed " << kSeed << "\n";
   const TemporaryFolder folder;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <iostream>
 #include <limits>
 
@@ -82,6 +83,34 @@ TEST(Record, EmptyArraysAndScalarsAreLegal) {
   const std::int64_t none[] = {0, 3};
   EXPECT_NE(record.allocate("none", WEFT_F64, 2, none), nullptr);
   EXPECT_NE(record.allocate("scalar", WEFT_F64, 0, nullptr), nullptr);
+}
+
+TEST(Record, ArraysOfThirdPartiesAreLegalInAllRecordsWhateverTheyHold) {
+  const std::int64_t six[] = {1, 2, 1, 2, 1, 2};
+  for_each_record_type([&]<class RecordType>(std::type_identity<RecordType>) {
+    Rng rng(9);
+    const auto record = Record::copy_of(testing_data::random_record<RecordType>(rng));
+    ASSERT_TRUE(validate(record->view(""))) << RecordType::kType;
+    for (std::int32_t dtype = WEFT_U8; dtype <= WEFT_F64; ++dtype) {
+      const std::string name = std::string("x.acme.") + dtype_name(dtype);
+      void* data = record->allocate(name, dtype, 6, six);
+      ASSERT_NE(data, nullptr);
+      std::memset(data, 0xFF, to_index(8 * dtype_size(dtype)));  // NaN where it is of numbers
+    }
+    const auto valid = validate(record->view(""));
+    EXPECT_TRUE(valid) << valid.error().message;
+  });
+}
+
+TEST(Record, RefusesAnArrayOfAThirdPartyWithoutAVendor) {
+  for (const char* name : {"x.weight", "x.", "x..weight", "x.acme."}) {
+    const auto record = Record::copy_of(Camera{});
+    ASSERT_NE(record->allocate(name, WEFT_U8, 1, kThree), nullptr);
+    const auto valid = validate(record->view(""));
+    ASSERT_FALSE(valid) << name;
+    EXPECT_EQ(valid.error().message,
+              "camera/1: array '" + std::string(name) + "' must be called x.vendor.name");
+  }
 }
 
 TEST(Record, SharesMemoryNotNames) {

@@ -139,7 +139,7 @@ TEST(Manifest, SaysWhatTheSourceDeclares) {
   EXPECT_TRUE(good.needs.empty());
   EXPECT_TRUE(good.random);
   EXPECT_FALSE(good.uses_truth);
-  ASSERT_EQ(good.parameters.size(), 11U);
+  ASSERT_EQ(good.parameters.size(), 13U);
   const ParameterSpec& length = good.parameters[0];
   EXPECT_EQ(length.name, "length_mm");
   EXPECT_EQ(length.unit, "mm");
@@ -152,6 +152,15 @@ TEST(Manifest, SaysWhatTheSourceDeclares) {
   EXPECT_THAT(good.parameters[4].choices, ::testing::ElementsAre("red", "green", "blue"));
   EXPECT_TRUE(good.parameters[5].is_vector);
   EXPECT_EQ(good.parameters[10].role, "warps");
+  const ParameterSpec &steps = good.parameters[11], &words = good.parameters[12];
+  EXPECT_EQ(steps.type, WEFT_VALUE_I64);
+  EXPECT_TRUE(steps.is_vector);
+  ASSERT_EQ(steps.default_value.items.size(), 2U);
+  EXPECT_EQ(yaml::as_int64(steps.default_value.items[1]), -4);
+  EXPECT_EQ(words.type, WEFT_VALUE_TEXT);
+  EXPECT_TRUE(words.is_vector);
+  ASSERT_EQ(words.default_value.items.size(), 2U);
+  EXPECT_EQ(words.default_value.items[1].scalar, "three");
   for (const ParameterSpec& parameter : manifest->components[1].parameters) {
     EXPECT_TRUE(parameter.required) << parameter.name;
   }

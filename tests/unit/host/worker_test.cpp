@@ -152,6 +152,34 @@ TEST_F(WorkerTest, GivesTheSameBytesTimingsAndDrawsAsInThisProcess) {
   }
 }
 
+TEST_F(WorkerTest, ListsOfWholeNumbersAndTextsReachAWorker) {
+  const char* params = "{steps: [900000000000001, -9], words: [seven77, '12']}";
+  const Outcome expected = filter(here("filters/zoo_good", params));
+  const Outcome outcome = filter(apart("filters/zoo_good", params));
+  ASSERT_EQ(outcome.status, WEFT_OK) << outcome.error.message;
+  EXPECT_EQ(content(outcome), content(expected));
+  EXPECT_EQ(diag(outcome, "length_of_seven77"), 7.0);
+}
+
+TEST_F(WorkerTest, ArraysOfThirdPartiesGoThroughAWorkerAndTheWarpNestedThere) {
+  Correspondences matches = zoo::make_matches(3);
+  Array<std::uint16_t> weight({3});
+  for (std::int64_t i = 0; i < 3; ++i) weight(i) = static_cast<std::uint16_t>(65533 + i);
+  matches.others.set("x.acme.weight", weight);
+  const RecordView<Correspondences> view("correspondences", matches);
+  const weft_record inputs[] = {view.raw(), templ_->view("template")};
+  const std::string bytes(reinterpret_cast<const char*>(weight.data()), 6);
+  for (Instance* each : {&here("filters/zoo_good"), &apart("filters/zoo_good")}) {
+    const Outcome outcome = lane_->call(*each, 0, inputs, 0);
+    ASSERT_EQ(outcome.status, WEFT_OK) << outcome.error.message;
+    EXPECT_EQ(content(outcome)["inlier_mask/x.acme.weight"], bytes);
+    const auto mask = view_as<InlierMask>(*outcome.find("inlier_mask"));
+    ASSERT_TRUE(mask);
+    EXPECT_NE(mask->others.find<std::uint16_t>("x.acme.weight"), nullptr) << "its type is kept";
+    EXPECT_EQ(diag(outcome, "template_revision"), 1001.0);
+  }
+}
+
 TEST_F(WorkerTest, WhatAWorkerComputedCountsAsProcessorTimeOfTheCall) {
   const Outcome outcome = filter(apart("filters/zoo_busy", "{threads: 2, each_ms: 10}"));
   ASSERT_EQ(outcome.status, WEFT_OK) << outcome.error.message;

@@ -95,6 +95,23 @@ TEST_F(DumpTest, HoldsExactlyWhatWentInAndCameOut) {
   EXPECT_THAT(merged, ElementsAre("correspondences", "correspondences"));
 }
 
+TEST_F(DumpTest, HoldsAndReplaysArraysOfThirdPartiesAndEvidenceOfAnyType) {
+  const Ran ran = run_and_dump(pipeline(), {"filters"});
+  ASSERT_TRUE(ran.summary) << ran.summary.error().message;
+  const auto call = read_call(file("filters", 0), stage("filters"));
+  ASSERT_TRUE(call) << call.error().message;
+  const auto mask = host::view_as<InlierMask>(*call->outcome.find("inlier_mask"));
+  ASSERT_TRUE(mask);
+  const auto* kept = mask->others.find<std::uint8_t>("x.acme.kept");
+  ASSERT_NE(kept, nullptr);
+  EXPECT_EQ(kept->rows(), mask->kept.rows());
+  const auto* count = mask->diag.find<std::int32_t>("count");
+  ASSERT_NE(count, nullptr);
+  EXPECT_EQ(*count->data(), mask->kept.rows());
+  EXPECT_EQ(ran.number(0, "filters", "diag.count"), static_cast<double>(mask->kept.rows()));
+  EXPECT_THAT(replay("filters", 0), IsEmpty());
+}
+
 TEST_F(DumpTest, KeepsNothingUnasked) {
   const Ran ran = run(pipeline());
   EXPECT_THAT(ran.frames.at(0).calls, IsEmpty());

@@ -157,6 +157,48 @@ TEST_F(ProcessCallTest, AnArrayOnADeviceIsHandedOverByItsHandle) {
   EXPECT_THAT(error_.message, HasSubstr("'kept' of inlier_mask/1"));
 }
 
+TEST_F(ProcessCallTest,
+       ANestedComponentIsGivenTheArraysOfOthersAndTheRevisionOnlyOfWhatWasNotChanged) {
+  struct Seen {
+    std::uint64_t revision;
+    std::vector<std::string> arrays;
+  };
+  static std::vector<Seen> seen;
+  seen.clear();
+  host_.table.invoke = [](const weft_call*, weft_invocation* asked, weft_error*) -> std::int32_t {
+    const weft_record& matches = asked->inputs[0];
+    Seen& now = seen.emplace_back(Seen{matches.revision, {}});
+    for (std::uint64_t i = 0; i < matches.count; ++i) {
+      now.arrays.emplace_back(matches.arrays[i].name);
+    }
+    return WEFT_NO_RESULT;
+  };
+  Correspondences matches = make_matches(3);
+  matches.others.set("x.acme.weight", Array<std::uint16_t>({3}, 7));
+  const RecordView<Correspondences> view("correspondences", matches);
+  weft_record given = view.raw();
+  given.revision = 31;
+  Scripted filter;
+  filter.script = [](const FilterInput& in) {
+    WarpComponent warp("warps/any");
+    Correspondences edited = in.correspondences;
+    EXPECT_FALSE(warp.fit(in.call, edited, Template{}));
+    edited.kept = Array<std::uint8_t>({3}, 1);
+    EXPECT_FALSE(warp.fit(in.call, edited, Template{}));
+    EXPECT_FALSE(warp.fit(in.call, make_matches(2), Template{}));
+    return make_mask(3);
+  };
+  ProcessCall process(host_.call, &given, 1, &error_);
+  EXPECT_EQ(filter.process(process), WEFT_OK);
+  ASSERT_EQ(seen.size(), 3U);
+  EXPECT_EQ(seen[0].revision, 31U);
+  EXPECT_THAT(seen[0].arrays, ::testing::Contains("x.acme.weight"));
+  EXPECT_EQ(seen[1].revision, 0U);
+  EXPECT_THAT(seen[1].arrays, ::testing::Contains("x.acme.weight"));
+  EXPECT_EQ(seen[2].revision, 0U);
+  EXPECT_THAT(seen[2].arrays, ::testing::Not(::testing::Contains("x.acme.weight")));
+}
+
 TEST_F(ProcessCallTest, AnAbsentRequiredInputIsAnError) {
   Scripted filter;
   ProcessCall process(host_.call, nullptr, 0, &error_);

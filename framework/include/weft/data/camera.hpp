@@ -15,6 +15,7 @@ struct Camera {
   double cy = 0.0;             ///< [] px
   std::int64_t width_px = 0;   ///< [] px
   std::int64_t height_px = 0;  ///< [] px
+  Others others = {};          ///< what else the record has
 
   /// Whether a pixel lies in the image, whose border is half a pixel beyond the outer centres.
   bool shows(double x_px, double y_px) const {

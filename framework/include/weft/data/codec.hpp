@@ -8,6 +8,7 @@
 #include <weft/core/index.hpp>
 #include <weft/data/catalogue.hpp>
 #include <weft/data/field_reader.hpp>
+#include <weft/data/origin.hpp>
 #include <weft/data/record_view.hpp>
 
 namespace weft {
@@ -36,6 +37,9 @@ class FieldWriter {
   }
   void operator()(const NamedArrays& member, const Field&) { write_all(member.entries); }
   void operator()(const Diagnostics& member, const Field&) { write_all(member.entries()); }
+  void operator()(const NamedArray& entry) {
+    std::visit([&](const auto& array) { this->write(entry.name.c_str(), array); }, entry.values);
+  }
 
   /// The first array that was refused, else empty.
   const std::string& refused() const { return refused_; }
@@ -70,7 +74,7 @@ class FieldWriter {
     if (!accepted && refused_.empty()) refused_ = name;
   }
   void write_all(const std::vector<NamedArray>& entries) {
-    for (const NamedArray& entry : entries) write(entry.name.c_str(), entry.values);
+    for (const NamedArray& entry : entries) (*this)(entry);
   }
   void copy(const char* name, std::int32_t dtype, int ndim, const std::int64_t* shape,
             const void* data, std::size_t bytes) {
@@ -84,7 +88,8 @@ class FieldWriter {
 
 }  // namespace detail
 
-/// A record struct that borrows the arrays of `record`. Fails with invalid_data when the record is
+/// A record struct that borrows the arrays of `record`, and keeps those that the catalogue does not
+/// name, see Others. Fails with invalid_data when the record is
 /// of another type, or an array is missing or has the wrong type or shape.
 template <class RecordType>
 Result<RecordType> read_record(const weft_record& record, detail::Read read = detail::Read::all) {
@@ -98,6 +103,10 @@ Result<RecordType> read_record(const weft_record& record, detail::Read read = de
   if (!reader.error().empty()) return Error{Errc::invalid_data, reader.error()};
   if constexpr (requires { typed.producer_handle; }) typed.producer_handle = record.producer;
   if constexpr (requires { typed.revision; }) typed.revision = record.revision;
+  if (read == detail::Read::arrays) return typed;
+  reader.collect_others<RecordType>(typed.others);
+  typed.others.place(record);
+  typed.others.seal(detail::fingerprint_of(typed), record.revision);
   return typed;
 }
 
@@ -113,6 +122,7 @@ template <class RecordType, class Alloc>
 Result<void> write_record(const RecordType& typed, Alloc&& alloc) {
   detail::FieldWriter<std::remove_reference_t<Alloc>> writer(alloc);
   RecordType::fields(typed, writer);
+  detail::for_each_other(typed, writer);
   if (writer.refused().empty()) return {};
   return Error{Errc::plugin_failure,
                "the host refused the array '" + writer.refused() + "' of " + RecordType::kType +

@@ -31,6 +31,7 @@ struct Correspondences {
   Array<double> confidence;               ///< [] that what is kept is the object, by the filters
   Array<double> template_xy_m;  ///< [N,2] m, m_per_px * (u,v); the host makes template_px of it
   Diagnostics diag = {};        ///< of the matcher; filters have their own
+  Others others = {};           ///< what else the record has
 
   std::int64_t count() const { return template_px.rows(); }
 
@@ -68,6 +69,7 @@ struct InlierMask {
   Array<double> score;       ///< [N] larger is more trusted
   Diagnostics diag;
   Array<double> confidence = {};  ///< [] probability that what is kept is the object
+  Others others = {};             ///< what else the record has
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -83,6 +85,7 @@ struct InlierMask {
 struct Weights {
   static constexpr const char* kType = "weights/1";
   Array<double> weight;  ///< [N] >= 0
+  Others others = {};    ///< what else the record has
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

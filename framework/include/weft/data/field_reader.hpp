@@ -35,6 +35,47 @@ Array<T> borrow_array(const weft_array& array) {
   return Array<T>::borrow(static_cast<const T*>(array.data), array.ndim, shape, row_stride);
 }
 
+inline AnyArray borrow_any(const weft_array& array) {
+  switch (array.dtype) {
+    case WEFT_U8:
+      return borrow_array<std::uint8_t>(array);
+    case WEFT_I8:
+      return borrow_array<std::int8_t>(array);
+    case WEFT_U16:
+      return borrow_array<std::uint16_t>(array);
+    case WEFT_I16:
+      return borrow_array<std::int16_t>(array);
+    case WEFT_I32:
+      return borrow_array<std::int32_t>(array);
+    case WEFT_I64:
+      return borrow_array<std::int64_t>(array);
+    case WEFT_F32:
+      return borrow_array<float>(array);
+    default:
+      return borrow_array<double>(array);
+  }
+}
+
+/// Whether the catalogue of this SDK names an array of a record type.
+template <class RecordType>
+bool is_named(std::string_view array) {
+  bool found = false;
+  const RecordType typed{};
+  RecordType::fields(typed, [&](const auto&, const Field& field) {
+    std::string_view name = field.name;
+    const bool is_prefix = name.ends_with(".*");
+    if (is_prefix) name.remove_suffix(1);
+    found = found || (is_prefix ? array.starts_with(name) : array == name);
+  });
+  return found;
+}
+
+/// Whether an array can be kept under its name and read where it lies.
+inline bool can_be_kept(const weft_array& array) {
+  return std::string_view(array.name).size() <= Name::kLongest &&
+         ShapePattern::check_layout(array).empty();
+}
+
 /// Compares the arrays of a record with the fields of its struct; keeps the first error.
 class FieldCheck {
  public:
@@ -68,6 +109,7 @@ class FieldCheck {
     } else {
       problem = lengths_.match(field.shape, *array);
     }
+    if (array != nullptr) ++found_;
     if (problem.empty()) return array;
     if (error_.empty()) {
       error_ = std::string(record_.type) + ": array '" + field.name + "' " + problem;
@@ -76,6 +118,8 @@ class FieldCheck {
   }
 
   const weft_record& record() const { return record_; }
+
+  std::uint64_t found_ = 0;  ///< arrays of the record that the catalogue names
 
  private:
   const weft_record& record_;
@@ -111,22 +155,33 @@ class FieldReader : public FieldCheck {
   void operator()(NamedArrays& member, const Field&) { collect(member.prefix, member.entries); }
   void operator()(Diagnostics& member, const Field&) { collect("diag.", member.entries()); }
 
- private:
-  static bool belongs(const weft_array& array, std::string_view prefix) {
-    return array.dtype == WEFT_F64 && array.memory != WEFT_DEVICE &&
-           std::string_view(array.name).starts_with(prefix) &&
-           std::string_view(array.name).size() <= Name::kLongest &&
-           ShapePattern::check_layout(array).empty();
+  /// Once all fields have been visited: what the catalogue does not name.
+  template <class RecordType>
+  void collect_others(Others& others) const {
+    if (found_ == record().count) return;
+    for (const weft_array* array = record().arrays; array != record().arrays + record().count;
+         ++array) {
+      if (can_be_kept(*array) && !is_named<RecordType>(array->name)) {
+        others.read().push_back({std::string_view(array->name), borrow_any(*array)});
+      }
+    }
   }
 
-  void collect(std::string_view prefix, std::vector<NamedArray>& entries) const {
+ private:
+  static bool belongs(const weft_array& array, std::string_view prefix) {
+    return array.memory != WEFT_DEVICE && std::string_view(array.name).starts_with(prefix) &&
+           can_be_kept(array);
+  }
+
+  void collect(std::string_view prefix, std::vector<NamedArray>& entries) {
     if (read_ == Read::arrays) return;
     const weft_array *begin = record().arrays, *end = begin + record().count;
     entries.reserve(to_index(std::count_if(
         begin, end, [&](const weft_array& array) { return belongs(array, prefix); })));
     for (const weft_array* array = begin; array != end; ++array) {
       if (belongs(*array, prefix)) {
-        entries.push_back({std::string_view(array->name), borrow_array<double>(*array)});
+        entries.push_back({std::string_view(array->name), borrow_any(*array)});
+        ++found_;
       }
     }
   }

@@ -26,6 +26,7 @@ struct GroundTruth {
   Array<std::int32_t> point_part = {};   ///< [T] index of each true point's part, -1 for none
   Array<std::int32_t> cloud_part = {};   ///< [P] the same of the cloud's points
   Diagnostics diag = {};
+  Others others = {};  ///< what else the record has
 
   std::int64_t count() const { return template_xy_m.rows(); }
   /// The names of the parts, as `point_part` and `cloud_part` count them.

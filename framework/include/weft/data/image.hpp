@@ -10,6 +10,7 @@ struct Image {
   static constexpr const char* kType = "image/1";
   Array<std::uint8_t> pixels;  ///< [H,W] or [H,W,3] grey levels or BGR
   std::string stem;            ///< [n] name of the frame without folder and extension
+  Others others = {};          ///< what else the record has
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -21,7 +22,8 @@ struct Image {
 /// When the frame was taken.
 struct Time {
   static constexpr const char* kType = "time/1";
-  double t_s = 0.0;  ///< [] s since the first frame
+  double t_s = 0.0;    ///< [] s since the first frame
+  Others others = {};  ///< what else the record has
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -34,6 +36,7 @@ struct Count {
   static constexpr const char* kType = "count/1";
   std::int64_t frames = -1;  ///< [] number of frames, -1 when unknown (a camera, a stream)
   std::int64_t live = 0;     ///< [] 1 where frames come by themselves, as those of a camera do
+  Others others = {};        ///< what else the record has
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -46,6 +49,7 @@ struct Count {
 struct Region {
   static constexpr const char* kType = "region/1";
   Array<std::uint8_t> mask;  ///< [H,W] 0 or 1
+  Others others = {};        ///< what else the record has
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

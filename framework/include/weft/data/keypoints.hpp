@@ -19,6 +19,7 @@ struct Keypoints {
   Array<std::int32_t> face;                ///< [K] face of the template, -1 for none
   Array<double> barycentrics;              ///< [K,3] weights in that face, sum 1
   std::uint64_t revision = 0;              ///< equal only for equal content; 0: not known
+  Others others = {};                      ///< what else the record has
 
   std::int64_t count() const { return xy_px.rows(); }
 

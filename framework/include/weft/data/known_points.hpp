@@ -13,6 +13,7 @@ struct KnownPoints {
   Array<double> radius_m;      ///< [P] m, the point lies within; 0 holds it exactly, a negative one
                                ///< is the solver's own
   Array<double> template_xy_m = {};  ///< [P,2] m, m_per_px * (u,v); read where the vertex is -1
+  Others others = {};                ///< what else the record has
 
   std::int64_t count() const { return vertex.rows(); }
 

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <string>
 #include <type_traits>
-#include <weft/data/record.hpp>
+#include <variant>
+#include <weft/data/origin.hpp>
 
 namespace weft {
 
@@ -14,11 +15,15 @@ template <class T>
 Array<T> owned(const Array<T>& array) {
   if (!array.present()) return {};
   const auto length = [&](int axis) { return array.dim(axis); };
-  Array<T> copy = array.ndim() == 0   ? Array<T>({}, T{})
-                  : array.ndim() == 1 ? Array<T>({length(0)})
-                  : array.ndim() == 2 ? Array<T>({length(0), length(1)})
-                  : array.ndim() == 3 ? Array<T>({length(0), length(1), length(2)})
-                                      : Array<T>({length(0), length(1), length(2), length(3)});
+  Array<T> copy =
+      array.ndim() == 0   ? Array<T>({}, T{})
+      : array.ndim() == 1 ? Array<T>({length(0)})
+      : array.ndim() == 2 ? Array<T>({length(0), length(1)})
+      : array.ndim() == 3 ? Array<T>({length(0), length(1), length(2)})
+      : array.ndim() == 4 ? Array<T>({length(0), length(1), length(2), length(3)})
+      : array.ndim() == 5
+          ? Array<T>({length(0), length(1), length(2), length(3), length(4)})
+          : Array<T>({length(0), length(1), length(2), length(3), length(4), length(5)});
   for (std::int64_t i = 0; i < copy.dim(0); ++i) {
     std::copy_n(array.row(i), array.row_elements(), copy.row(i));
   }
@@ -40,18 +45,30 @@ struct TakeOver {
   requires std::is_arithmetic_v<T>
   void operator()(T& /*member*/, const Field& /*field*/) const {}
 
- private:
   static void all(std::vector<NamedArray>& entries) {
-    for (NamedArray& entry : entries) entry.values = owned(entry.values);
+    for (NamedArray& entry : entries) {
+      std::visit([](auto& array) { array = owned(array); }, entry.values);
+    }
   }
 };
 
 }  // namespace detail
 
-/// The struct of a record with all arrays in memory of its own.
+/// The struct of a record with all arrays in memory of its own, those of others too. Who has it may
+/// write into them, so that its revision is 0.
 template <class RecordType>
 RecordType owned_record(RecordType typed) {
+  const bool made = typed.others.fingerprint() == 0;
+  const bool as_long = detail::is_as_long(typed);
   RecordType::fields(typed, detail::TakeOver());
+  std::erase_if(typed.others.read(), [&](const NamedArray& entry) {
+    return !as_long ||
+           std::visit([](const auto& array) { return array.is_on_device(); }, entry.values);
+  });
+  detail::TakeOver::all(typed.others.read());
+  detail::TakeOver::all(typed.others.own());
+  if (!made) typed.others.seal(detail::fingerprint_of(typed), 0);
+  if constexpr (requires { typed.revision; }) typed.revision = 0;
   return typed;
 }
 

@@ -4,10 +4,12 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 #include <weft/core/name.hpp>
 #include <weft/core/result.hpp>
 #include <weft/data/array.hpp>
+#include <weft/data/others.hpp>
 
 namespace weft {
 
@@ -24,17 +26,12 @@ struct Field {
   bool may_be_on_device = false;  ///< readers ask is_on_device() before they read elements
 };
 
-/// An array beyond the catalogue: `diag.*` evidence or `model.*` of a warp.
-struct NamedArray {
-  Name name;
-  Array<double> values;
-};
-
 /// Evidence that a component gives with its result: scalars go to frames.jsonl, arrays to dumps.
 class Diagnostics {
  public:
   void set(std::string_view name, double value) { set(name, make_scalar(value)); }
-  void set(std::string_view name, Array<double> values) {
+  template <class T>
+  void set(std::string_view name, Array<T> values) {
     constexpr std::size_t kUsual = 12;
     if (entries_.empty()) entries_.reserve(kUsual);
     entries_.push_back({Name("diag.", name), std::move(values)});
@@ -42,14 +39,24 @@ class Diagnostics {
   const std::vector<NamedArray>& entries() const { return entries_; }
   std::vector<NamedArray>& entries() { return entries_; }
 
-  /// The scalar of this name, or `fallback`.
+  /// The scalar of this name, of whatever type, or `fallback`.
   double value(std::string_view name, double fallback) const {
     for (const NamedArray& entry : entries_) {
-      if (std::string_view(entry.name).substr(5) == name && entry.values.ndim() == 0) {
-        return *entry.values.data();
-      }
+      if (std::string_view(entry.name).substr(5) != name) continue;
+      const auto number = [&](const auto& array) {
+        return array.ndim() == 0 ? static_cast<double>(*array.data()) : fallback;
+      };
+      return std::visit(number, entry.values);
     }
     return fallback;
+  }
+  /// The array of this name and type of elements; null where there is none.
+  template <class T = double>
+  const Array<T>* find(std::string_view name) const {
+    for (const NamedArray& entry : entries_) {
+      if (std::string_view(entry.name).substr(5) == name) return entry.as<T>();
+    }
+    return nullptr;
   }
 
  private:
@@ -61,9 +68,11 @@ struct NamedArrays {
   const char* prefix;
   std::vector<NamedArray> entries;
 
-  const Array<double>* find(std::string_view name) const {
+  /// The array of this name and type of elements; null where there is none.
+  template <class T = double>
+  const Array<T>* find(std::string_view name) const {
     for (const NamedArray& entry : entries) {
-      if (entry.name == name) return &entry.values;
+      if (entry.name == name) return entry.as<T>();
     }
     return nullptr;
   }
@@ -74,6 +83,7 @@ struct NamedArrays {
 //   template <class Self, class Visit> static void fields(Self& self, Visit&& visit);
 // whose visit(member, Field) calls are the catalogue: readers, writers, validation and the
 // documentation are made from them. Members are Array<T>, double, std::int64_t, std::int32_t,
-// std::string, NamedArrays or Diagnostics.
+// std::string, NamedArrays or Diagnostics. What else a record has is in a member `others` of type
+// Others, which is not visited.
 
 }  // namespace weft

@@ -3,23 +3,34 @@
 
 #include <string>
 #include <type_traits>
+#include <variant>
 #include <vector>
 #include <weft/core/inline_vector.hpp>
-#include <weft/data/record.hpp>
+#include <weft/data/origin.hpp>
 
 namespace weft {
 
-/// A record struct seen as a weft_record, without a copy; the struct must outlive it.
+/// A record struct seen as a weft_record, without a copy; the struct must outlive it. What it was
+/// read with and the catalogue does not name goes with it, and its revision; see Others.
 template <class RecordType>
 class RecordView {
  public:
   RecordView(const char* slot, const RecordType& typed) {
     RecordType::fields(
         typed, [this](const auto& member, const Field& field) { this->add(member, field.name); });
-    record_ = {slot,           RecordType::kType, 0, 0, arrays_.size(),
-               arrays_.data(), WEFT_NO_FRAME,     0, 0, {}};
+    detail::for_each_other(typed, [this](const NamedArray& entry) { this->add(entry); });
+    const Others& others = typed.others;
+    record_ = {slot,
+               RecordType::kType,
+               detail::revision_of(typed),
+               0,
+               arrays_.size(),
+               arrays_.data(),
+               others.frame(),
+               others.view(),
+               others.object(),
+               {}};
     if constexpr (requires { typed.producer_handle; }) record_.producer = typed.producer_handle;
-    if constexpr (requires { typed.revision; }) record_.revision = typed.revision;
   }
   RecordView(const RecordView&) = delete;
   RecordView& operator=(const RecordView&) = delete;
@@ -59,7 +70,10 @@ class RecordView {
   void add(const NamedArrays& named, const char*) { add_all(named.entries); }
   void add(const Diagnostics& diag, const char*) { add_all(diag.entries()); }
   void add_all(const std::vector<NamedArray>& entries) {
-    for (const NamedArray& entry : entries) add(entry.values, entry.name.c_str());
+    for (const NamedArray& entry : entries) add(entry);
+  }
+  void add(const NamedArray& entry) {
+    std::visit([&](const auto& array) { this->add(array, entry.name.c_str()); }, entry.values);
   }
   static weft_array empty(const char* name, std::int32_t dtype, int ndim, const void* data) {
     weft_array raw{};

@@ -8,7 +8,8 @@ namespace weft {
 /// What a frame came to before its sinks: states, reasons, times and counts of all stages.
 struct FrameReport {
   static constexpr const char* kType = "frame_report/1";
-  std::string json;  ///< [n] one object, as its line in frames.jsonl but for what sinks add
+  std::string json;    ///< [n] one object, as its line in frames.jsonl but for what sinks add
+  Others others = {};  ///< what else the record has
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -21,7 +22,8 @@ struct RunSettings {
   static constexpr const char* kType = "run_settings/1";
   std::string json;  ///< [n] one object, see docs/pipelines.md
   std::uint64_t revision =
-      0;  ///< [] another one when a parameter has changed; filled in by the host
+      0;               ///< [] another one when a parameter has changed; filled in by the host
+  Others others = {};  ///< what else the record has
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

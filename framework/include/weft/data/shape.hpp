@@ -24,6 +24,7 @@ struct Shape {
   Array<std::uint8_t> source;   ///< [V] 1 measured, 0 filled in by the prior
   Array<double> covariance_m2;  ///< [V,3,3] m^2, camera frame
   Diagnostics diag;
+  Others others = {};  ///< what else the record has
 
   ShapeState shape_state() const { return static_cast<ShapeState>(state); }
 

@@ -16,6 +16,7 @@ struct Sightlines {
   Array<double> weight;        ///< [M] trust, 1 is usual
   double coverage = 0.0;       ///< [] share of the template's area that matches cover, 0 to 1
   Diagnostics diag;
+  Others others = {};  ///< what else the record has
 
   std::int64_t count() const { return vertex.rows(); }
 

@@ -15,6 +15,7 @@ struct Template {
   Array<std::uint8_t> texture;  ///< [H,W] or [H,W,3] grey levels or BGR
   Array<std::uint8_t> mask;     ///< [H,W] 1 where the texture belongs to the object
   std::uint64_t revision = 0;   ///< [] equal only for equal content; filled in by the host
+  Others others = {};           ///< what else the record has
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

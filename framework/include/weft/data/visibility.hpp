@@ -21,6 +21,7 @@ struct Visibility {
   Array<double> score;          ///< [V] 0 hidden to 1 seen
   Array<std::uint8_t> reason;   ///< [V] SightReason
   Diagnostics diag;
+  Others others = {};  ///< what else the record has
 
   SightReason why(std::int64_t vertex) const { return static_cast<SightReason>(reason(vertex)); }
 

@@ -13,6 +13,7 @@ struct Warp {
   NamedArrays model{"model.", {}};  ///< the producer's own
   Diagnostics diag;
   std::uint64_t producer_handle = 0;  ///< filled in by the host
+  Others others = {};                 ///< what else the record has
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -28,6 +29,7 @@ struct Points {
   static constexpr const char* kType = "points/1";
   Array<double> xy_px;     ///< [M,2] px of the texture
   std::int64_t order = 0;  ///< [] highest derivative wanted, 0 to 2
+  Others others = {};      ///< what else the record has
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -43,6 +45,7 @@ struct WarpSamples {
   Array<double> jacobian;     ///< [M,2,2] d(x,y)/d(u,v), px per px
   Array<double> hessian;      ///< [M,2,3] d2/duu d2/duv d2/dvv of x and of y, 1/px
   Array<std::uint8_t> valid;  ///< [M] 0 where the warp had to extrapolate or is not finite
+  Others others = {};         ///< what else the record has
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

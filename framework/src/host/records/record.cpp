@@ -30,6 +30,19 @@ const char* catalogue_type(std::string_view type) {
   return found;
 }
 
+/// What is wrong with the arrays of third parties, in words, or an empty text: they may hold
+/// anything, but have a name that the catalogue will never use, and can be read.
+std::string illegal_vendor_array(const weft_record& record) {
+  for (const weft_array* array = record.arrays; array != record.arrays + record.count; ++array) {
+    if (!std::string_view(array->name).starts_with("x.")) continue;
+    const std::string layout = ShapePattern::check_layout(*array);
+    if (is_vendor_name(array->name) && layout.empty()) continue;
+    return std::string(record.type) + ": array '" + array->name + "' " +
+           (layout.empty() ? "must be called x.vendor.name" : layout);
+  }
+  return {};
+}
+
 /// Visits the fields of a record struct and finds numbers that are not finite, and arrays that are
 /// in device memory and no fields.
 class ContentCheck {
@@ -243,7 +256,8 @@ Result<void> validate(const weft_record& record) {
     }
     ContentCheck content(record);
     RecordType::fields(fields, content);
-    const std::string problem = content.problem();
+    std::string problem = content.problem();
+    if (problem.empty()) problem = illegal_vendor_array(record);
     if (!problem.empty()) status = Error{Errc::invalid_data, problem};
   });
   if (is_known) return status;

@@ -2,8 +2,10 @@
 #include "pipeline/execution/frame_result.hpp"
 
 #include <algorithm>
+#include <variant>
 #include <weft/core/index.hpp>
 #include <weft/data/correspondences.hpp>
+#include <weft/data/field_reader.hpp>
 #include <weft/data/keypoints.hpp>
 #include <weft/data/sightlines.hpp>
 
@@ -41,6 +43,12 @@ bool FrameResult::failed() const {
                      [](const StageReport& report) { return report.status == StageStatus::error; });
 }
 
+/// That of a scalar of any type.
+double number_in(const weft_array& scalar) {
+  return std::visit([](const auto& array) { return static_cast<double>(*array.data()); },
+                    detail::borrow_any(scalar));
+}
+
 void add_numbers(const Record& record, StageReport& report) {
   const weft_record view = record.view("");
   if (record.type() == Keypoints::kType) add_count(record, "xy_px", "keypoints", report);
@@ -54,8 +62,8 @@ void add_numbers(const Record& record, StageReport& report) {
   for (std::uint64_t i = 0; i < view.count; ++i) {
     const weft_array& array = view.arrays[i];
     const std::string_view name = array.name;
-    if (name.starts_with("diag.") && array.ndim == 0 && array.dtype == WEFT_F64) {
-      report.numbers.emplace_back(name, *static_cast<const double*>(array.data));
+    if (name.starts_with("diag.") && array.ndim == 0) {
+      report.numbers.emplace_back(name, number_in(array));
     }
   }
 }

@@ -17,8 +17,8 @@ const char* element_name(double) { return "f64"; }
 const char* element_name(std::int64_t) { return "i64"; }
 const char* element_name(std::int32_t) { return "i32"; }
 const char* element_name(const std::string&) { return "u8 text"; }
-const char* element_name(const NamedArrays&) { return "f64"; }
-const char* element_name(const Diagnostics&) { return "f64"; }
+const char* element_name(const NamedArrays&) { return "any"; }
+const char* element_name(const Diagnostics&) { return "any"; }
 
 std::string shape_of(const Field& field) {
   return *field.shape == '\0' ? "scalar" : "[" + std::string(field.shape) + "]";

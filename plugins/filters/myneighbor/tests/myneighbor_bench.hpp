@@ -85,10 +85,9 @@ inline std::vector<int> flags(const InlierMask& mask) {
 }
 
 inline const Array<double>& evidence(const InlierMask& mask, const std::string& name) {
-  for (const NamedArray& entry : mask.diag.entries()) {
-    if (entry.name == "diag." + name) return entry.values;
-  }
-  throw std::out_of_range(name);
+  const Array<double>* found = mask.diag.find(name);
+  if (found == nullptr) throw std::out_of_range(name);
+  return *found;
 }
 
 }  // namespace weft::testing

@@ -78,12 +78,9 @@ TEST(BrunetMdh, AWrongRayDoesNotPullTheSheetToTheCamera) {
   EXPECT_LT(scene.mean_error_m(shape), 0.02);
   EXPECT_GT(shape.diag.value("yielding_distances", 0.0), 0.0);
   EXPECT_GT(scene.mean_error_m(solved(scene.run(firm))), 0.1);
-  const NamedArray* suspicion = nullptr;
-  for (const NamedArray& entry : shape.diag.entries()) {
-    if (entry.name == "diag.suspicion") suspicion = &entry;
-  }
+  const Array<double>* suspicion = shape.diag.find("suspicion");
   ASSERT_NE(suspicion, nullptr);
-  const double* first = suspicion->values.data();
+  const double* first = suspicion->data();
   EXPECT_EQ(std::max_element(first, first + 60) - first, 33);
 }
 
