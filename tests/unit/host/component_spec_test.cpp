@@ -52,7 +52,7 @@ TEST_F(ComponentSpecTest, WithoutParametersAllDefaultsAreEffective) {
     ASSERT_TRUE(resolved.spec) << resolved.problem();
     EXPECT_EQ(resolved.spec->component().id, kGood);
     EXPECT_EQ(resolved.spec->effective.find("use")->scalar, kGood);
-    EXPECT_EQ(resolved.spec->effective.find("params")->entries.size(), 11U);
+    EXPECT_EQ(resolved.spec->effective.find("params")->entries.size(), 13U);
     EXPECT_EQ(effective(resolved, "length_mm"), "12.5");
     EXPECT_EQ(effective(resolved, "colour"), "green");
     ASSERT_EQ(resolved.spec->nested.size(), 1U);

@@ -106,6 +106,30 @@ TEST_F(DeviceArrays, HaveAShapeAndNoElementsForWhoReadsTheRecord) {
   EXPECT_EQ(array->data, find_array(record_->view(""), "descriptors")->data);
 }
 
+TEST_F(DeviceArrays, ArraysOfThirdPartiesGoWithTheCopyOfARecord) {
+  ASSERT_TRUE(adopt());
+  const std::int64_t shape[] = {2};
+  auto* weight =
+      static_cast<std::uint16_t*>(record_->allocate("x.acme.weight", WEFT_U16, 1, shape));
+  weight[0] = 65535;
+  weight[1] = 7;
+  const auto here = record_->in_host_memory();
+  ASSERT_TRUE(here) << here.error().message;
+  const weft_record view = record_->view("keypoints");
+  ReachableInputs reachable;
+  const auto reached = reachable.reach({&view, 1}, &kOther, call_);
+  ASSERT_TRUE(reached) << reached.error().message;
+  for (const weft_record& record : {(*here)->view("keypoints"), reached->front()}) {
+    const auto points = read_record<Keypoints>(record);
+    ASSERT_TRUE(points) << points.error().message;
+    EXPECT_FALSE(points->descriptors.is_on_device());
+    const auto* copied = points->others.find<std::uint16_t>("x.acme.weight");
+    ASSERT_NE(copied, nullptr);
+    EXPECT_EQ((*copied)(0), 65535);
+    EXPECT_EQ((*copied)(1), 7);
+  }
+}
+
 TEST_F(DeviceArrays, ComeHereOnceForAllWhoCannotReadThere) {
   ASSERT_TRUE(adopt());
   const weft_record inputs[] = {record_->view("keypoints")};

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <weft/data/owned.hpp>
+
 #include "host/calling/hashing.hpp"
 #include "zoo/zoo.hpp"
 
@@ -142,6 +144,50 @@ TEST_F(LaneTest, RevisionsOfOutputsAreNeverUsedTwice) {
     EXPECT_TRUE(revisions.insert(outcome.find("inlier_mask")->revision()).second);
   }
   EXPECT_EQ(revisions.count(0), 0U);
+}
+
+TEST_F(LaneTest, TwoLanesNeverGiveEqualRevisions) {
+  Lane other(7, {});
+  std::set<std::uint64_t> revisions;
+  for (int i = 0; i < 5; ++i) {
+    for (Lane* lane : {&lane_, &other}) {
+      const auto matches = Record::copy_of(zoo::make_matches(2));
+      ASSERT_TRUE(lane->admit(*matches, "correspondences"));
+      EXPECT_TRUE(revisions.insert(matches->revision()).second) << matches->revision();
+    }
+  }
+  EXPECT_EQ(revisions.count(0), 0U);
+  const auto matches = Record::copy_of(zoo::make_matches(2));
+  Lane worker(7, {}, nullptr, kRevisionOfWorker);
+  ASSERT_TRUE(worker.admit(*matches, "correspondences"));
+  EXPECT_NE(matches->revision() & kRevisionOfWorker, 0U);
+}
+
+TEST_F(LaneTest, EqualTemplatesAndCamerasHaveEqualRevisionsInAllLanes) {
+  Lane other(8, {}, nullptr, kRevisionOfWorker);
+  const auto revision = [](Lane& lane, const auto& typed) {
+    const auto record = Record::copy_of(typed);
+    const auto admitted = lane.admit(*record, "record");
+    EXPECT_TRUE(admitted) << (admitted ? "" : admitted.error().message);
+    EXPECT_NE(record->revision(), 0U);
+    return record->revision();
+  };
+  const std::uint64_t first = revision(lane_, templ_);
+  EXPECT_EQ(revision(other, templ_), first);
+  Template changed = owned_record(templ_);
+  changed.vertices_m(2, 1) = 0.001;
+  EXPECT_NE(revision(lane_, changed), first);
+  Camera camera;
+  camera.fx = camera.fy = 500.0;
+  const std::uint64_t of_camera = revision(lane_, camera);
+  EXPECT_EQ(revision(other, camera), of_camera);
+  camera.cx = 1.0;
+  EXPECT_NE(revision(lane_, camera), of_camera);
+}
+
+TEST_F(LaneTest, ANestedComponentIsGivenTheRevisionOfWhatItsParentPassesOn) {
+  templ_.revision = 77;
+  EXPECT_EQ(diag(filter(instantiate("filters/zoo_good")), "template_revision"), 77.0);
 }
 
 TEST_F(LaneTest, AWarpIsEvaluatedByItsProducer) {

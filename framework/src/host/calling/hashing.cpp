@@ -3,6 +3,8 @@
 
 #include <xxhash.h>
 
+#include <atomic>
+#include <cstring>
 #include <weft/core/index.hpp>
 #include <weft/core/inline_vector.hpp>
 
@@ -27,21 +29,23 @@ std::uint64_t component_seed(std::uint64_t run_seed, std::uint64_t frame, std::s
 
 std::uint64_t content_revision(const Record& record) {
   const weft_record view = record.view("");
-  std::string digest(record.type());
+  std::uint64_t hash = XXH3_64bits(record.type().data(), record.type().size());
+  const auto add = [&hash](const void* bytes, std::size_t count) {
+    hash = XXH3_64bits_withSeed(bytes, count, hash);
+  };
   for (std::uint64_t i = 0; i < view.count; ++i) {
     const weft_array& array = view.arrays[i];
-    std::int64_t bytes = dtype_size(array.dtype);
-    digest += '\0';
-    digest += array.name;
-    for (int axis = 0; axis < array.ndim; ++axis) {
-      bytes *= array.shape[axis];
-      digest += '\0' + std::to_string(array.shape[axis]);
-    }
-    const std::uint64_t hash = XXH3_64bits(array.data, to_index(bytes));
-    digest.append(reinterpret_cast<const char*>(&hash), sizeof(hash));
+    add(array.name, std::strlen(array.name));
+    add(&array.dtype, sizeof(array.dtype));
+    add(array.shape, to_index(array.ndim) * sizeof(array.shape[0]));
+    add(array.data, to_index(array_bytes(array.dtype, array.ndim, array.shape)));
   }
-  const std::uint64_t revision = XXH3_64bits(digest.data(), digest.size());
-  return revision != 0 ? revision : 1;
+  return hash >> 2U | kRevisionOfContent;
+}
+
+std::uint64_t next_revision() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
 }
 
 }  // namespace weft::host

@@ -34,10 +34,10 @@ RecordPtr Outcome::find(std::string_view slot) const {
 }
 
 Lane::Lane(std::uint64_t run_seed, Log log, std::shared_ptr<SharedArena> arena,
-           std::uint64_t first_revision)
+           std::uint64_t revision_mark)
     : run_seed_(run_seed),
       log_(std::move(log)),
-      next_revision_(first_revision),
+      revision_mark_(revision_mark),
       arena_(std::move(arena)) {}
 
 Lane::~Lane() { memory_->close(); }
@@ -237,8 +237,10 @@ Outcome Lane::finish(Instance& instance, Scope& scope, std::span<const weft_reco
 
 Result<void> Lane::admit(Record& record, const char* slot) {
   auto valid = validate(record.view(slot));
-  if (valid) record.set_revision(next_revision_++);
-  return valid;
+  if (!valid) return valid;
+  const bool of_content = record.type() == Template::kType || record.type() == Camera::kType;
+  record.set_revision(of_content ? content_revision(record) : next_revision() | revision_mark_);
+  return {};
 }
 
 Instance* Lane::find(std::uint64_t handle) const {

@@ -33,10 +33,10 @@ class Lane {
   using Announce = std::function<void(const std::string& stage, const std::string& component,
                                       const std::string& what, std::uint64_t frame)>;
 
-  /// Outputs stand in `arena` where one is given, which isolated instances need. Revisions count
-  /// from `first_revision` on.
+  /// Outputs stand in `arena` where one is given, which isolated instances need. Revisions have
+  /// the bits of `revision_mark`.
   Lane(std::uint64_t run_seed, Log log, std::shared_ptr<SharedArena> arena = nullptr,
-       std::uint64_t first_revision = 1);
+       std::uint64_t revision_mark = 0);
   ~Lane();
   Lane(const Lane&) = delete;
   Lane& operator=(const Lane&) = delete;
@@ -92,7 +92,8 @@ class Lane {
                std::uint64_t frame, std::uint64_t draw = 0);
 
   /// Takes a record that is new in this lane, made by a component or handed in from elsewhere: it
-  /// is validated and numbered, for components know records by their revisions.
+  /// is validated and numbered, for components know records by their revisions: templates and
+  /// cameras by their content, others as no record of this process was before.
   Result<void> admit(Record& record, const char* slot);
 
   /// Evaluates a warp record at points, by its producer.
@@ -165,7 +166,7 @@ class Lane {
   std::optional<clockid_t> apart_;
   std::mutex timings_mutex_;
   TimingsByFrame timings_{memory_};
-  std::atomic<std::uint64_t> next_revision_;
+  std::uint64_t revision_mark_;
   std::atomic<bool> cancel_{false};
   std::function<bool()> watched_;
   std::shared_ptr<SharedArena> arena_;

@@ -12,15 +12,13 @@
 #include <thread>
 #include <weft/core/version.hpp>
 
+#include "host/calling/hashing.hpp"
 #include "host/calling/lane.hpp"
 #include "host/workers/channel.hpp"
 #include "host/workers/codec.hpp"
 
 namespace weft::host {
 namespace {
-
-// Revisions of records made here must differ from those that come from the host.
-constexpr std::uint64_t kFirstRevision = std::uint64_t{1} << 63U;
 
 /// The host holds its end until it dies or has waited for this process.
 void end_with_host(int socket) {
@@ -54,7 +52,8 @@ class Server {
         inputs_(std::move(inputs)),
         arena_(std::make_shared<SharedArena>(std::move(outputs))),
         lane_(
-            hello.run_seed, [this](const auto&... said) { log(said...); }, arena_, kFirstRevision) {
+            hello.run_seed, [this](const auto&... said) { log(said...); }, arena_,
+            kRevisionOfWorker) {
     const auto* cancel = static_cast<const std::atomic<bool>*>(
         inputs_->at(hello.cancel_offset, sizeof(std::atomic<bool>)));
     lane_.watch([cancel] { return cancel != nullptr && cancel->load(); });
