@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/plugins/role_text.hpp"
 
-#include <weft/sdk/roles.hpp>
-
 namespace weft::cli {
 
 using nlohmann::ordered_json;
@@ -12,11 +10,8 @@ namespace {
 /// The methods of a component's role that take or make something.
 std::vector<RoleMethod> methods_of(const host::ComponentManifest& component) {
   std::vector<RoleMethod> methods;
-  for (const Role& role : all_roles()) {
-    if (role.name != component.role()) continue;
-    for (const RoleMethod& method : role.methods) {
-      if (!method.inputs.empty() || !method.outputs.empty()) methods.push_back(method);
-    }
+  for (const RoleMethod& method : component.rules().role.methods) {
+    if (!method.inputs.empty() || !method.outputs.empty()) methods.push_back(method);
   }
   return methods;
 }

@@ -71,6 +71,9 @@ Result<Summary> replay_all(Replay& replay, const DumpedStage& stage,
   for (const std::string& file : files) {
     const auto call = read_call(file, stage);
     if (!call) return call.error();
+    if (auto valid = replay.check(*call); !valid) {
+      return Error{valid.error().code, valid.error().message, file};
+    }
     const Replayed replayed = replay.run(*call, options.repeat);
     print_call(*call, replayed);
     ++(replayed.differences.empty() ? summary.identical : summary.different);

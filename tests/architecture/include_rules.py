@@ -31,7 +31,7 @@ INSTALLED = {
 }
 INTERNAL = {
     "yaml": "core",
-    "describe": "core sdk",
+    "describe": "core sdk roles",
     "roles": "core sdk",
     "host/records": "core data",
     "host/loading": "core yaml describe roles host/records",

@@ -150,13 +150,31 @@ typedef struct weft_parameter {
   int32_t reserved;
 } weft_parameter;
 
+#define WEFT_FIELD_OPTIONAL 1u   /* bits 0 to 15 of flags may be ignored */
+#define WEFT_FIELD_MAY_BE_NAN 2u /* NaN marks a missing value */
+
+/* One array of a record type of a vendor, given to weft_describe.field. */
+typedef struct weft_field {
+  uint32_t struct_size;
+  uint32_t flags; /* WEFT_FIELD_* */
+  const char* name;
+  const char* shape;   /* as docs/records.md writes it: "" for a scalar, "N,2" */
+  const char* unit;    /* unit and frame, "" where there is none */
+  const char* meaning; /* one line */
+  int32_t dtype;       /* weft_dtype */
+  int32_t reserved;
+} weft_field;
+
 typedef struct weft_describe {
   uint32_t struct_size;
   uint32_t reserved;
   void* context; /* the host's own */
   void (*parameter)(void* context, const weft_parameter* parameter);
-  /* Each record type, with its version, that the component reads or makes: "correspondences/1". */
+  /* Each record type, with its version, that the component reads or makes: "correspondences/1",
+   * "vendor.depth/1". */
   void (*record)(void* context, const char* type);
+  /* Each array of those types that are a vendor's: `type` is "vendor.name/version". */
+  void (*field)(void* context, const char* type, const weft_field* field);
 } weft_describe;
 
 struct weft_host;

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <set>
 #include <sstream>
 #include <string_view>
@@ -121,6 +122,19 @@ std::string contradiction(const weft_parameter& parameter) {
   return listed ? "" : "has a default that is none of its choices";
 }
 
+const char* dtype_word(std::int32_t dtype) {
+  constexpr const char* kNames[] = {"", "u8", "i8", "u16", "i16", "i32", "i64", "f32", "f64"};
+  return dtype >= WEFT_U8 && dtype <= WEFT_F64 ? kNames[dtype] : "unknown";
+}
+
+std::string text_of(const weft_field& field) {
+  const auto flag = [&](std::uint32_t bit) { return (field.flags & bit) != 0 ? "true" : "false"; };
+  return "{name: " + double_quoted(field.name) + ", type: " + dtype_word(field.dtype) +
+         ", shape: " + double_quoted(field.shape) + ", unit: " + double_quoted(field.unit) +
+         ", meaning: " + double_quoted(field.meaning) + ", optional: " + flag(WEFT_FIELD_OPTIONAL) +
+         ", may_be_nan: " + flag(WEFT_FIELD_MAY_BE_NAN) + "}";
+}
+
 /// What a sweep may take of a parameter that is one number.
 struct Number {
   std::string name;
@@ -133,7 +147,16 @@ struct Declarations {
   std::vector<std::string> names{};
   std::vector<Number> numbers{};
   std::set<std::string> records{};
-  std::string problem{};  ///< the first one
+  std::map<std::string, std::map<std::string, std::string>> arrays{};  ///< by type and name
+  std::string problem{};                                               ///< the first one
+
+  void add(const std::string& type, const weft_field& field) {
+    const std::string told = text_of(field);
+    const auto [known, is_new] = arrays[type].try_emplace(field.name, told);
+    if (!is_new && known->second != told && problem.empty()) {
+      problem = "the array '" + std::string(field.name) + "' of " + type + " is declared twice";
+    }
+  }
 
   void add(const weft_parameter& parameter) {
     const std::string name = parameter.default_value.name;
@@ -211,16 +234,22 @@ std::string write_component(std::ostream& out, const weft_component& component) 
       << "\n    extensions: " << extensions(component) << "\n    parameters:";
   if (std::string unknown = unknown_slots(component); !unknown.empty()) return unknown;
   Declarations declarations;
-  const weft_describe sink{sizeof(weft_describe), 0, &declarations,
+  const weft_describe sink{sizeof(weft_describe),
+                           0,
+                           &declarations,
                            [](void* context, const weft_parameter* parameter) {
                              static_cast<Declarations*>(context)->add(*parameter);
                            },
                            [](void* context, const char* type) {
                              static_cast<Declarations*>(context)->records.insert(type);
+                           },
+                           [](void* context, const char* type, const weft_field* field) {
+                             static_cast<Declarations*>(context)->add(type, *field);
                            }};
   weft_error error{sizeof(weft_error), 0, {}, {}, {}};
   if (component.describe(&sink, &error) != WEFT_OK) {
     error.message[sizeof(error.message) - 1] = '\0';
+    if (error.code == WEFT_CODE_INVALID_VALUE) return error.message;
     return "its constructor failed while it declared its parameters (" +
            std::string(error.message) +
            "); it should read them all and do nothing else: files and checks belong in prepare()";
@@ -230,6 +259,14 @@ std::string write_component(std::ostream& out, const weft_component& component) 
   std::string records;
   for (const std::string& type : declarations.records) records += type + " ";
   out << "    records: " << words(records) << "\n";
+  if (std::string wrong = wrong_open_slots(component, declarations.records); !wrong.empty()) {
+    return wrong;
+  }
+  if (!declarations.arrays.empty()) out << "    record_types:\n";
+  for (const auto& [type, arrays] : declarations.arrays) {
+    out << "      - record: " << double_quoted(type) << "\n        arrays:\n";
+    for (const auto& [name, declared] : arrays) out << "          - " << declared << "\n";
+  }
   const weft_sweep* sweep = sweep_of(component);
   if (sweep == nullptr || !declarations.problem.empty()) return declarations.problem;
   return write_sweep(out, *sweep, declarations.numbers);

@@ -2,11 +2,14 @@
 #include "describe/slots.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <sstream>
 #include <string_view>
 #include <vector>
 #include <weft/core/suggest.hpp>
 #include <weft/sdk/roles.hpp>
+
+#include "roles/open_slots.hpp"
 
 namespace weft::host {
 namespace {
@@ -25,13 +28,17 @@ std::vector<std::string> names_of(const Role& role, Slots slots) {
   return names;
 }
 
+std::vector<std::string> words_of(const char* list) {
+  std::istringstream stream{std::string(list)};
+  return {std::istream_iterator<std::string>(stream), std::istream_iterator<std::string>()};
+}
+
 /// What is wrong with a list of names, separated by blanks, or an empty text.
 std::string unknown_name(const char* list, const Role& role, Slots slots, const char* what) {
   const std::vector<std::string> known = names_of(role, slots);
   std::string all;
   for (const std::string& name : known) all += (all.empty() ? "" : ", ") + name;
-  std::istringstream stream{std::string(list)};
-  for (std::string name; stream >> name;) {
+  for (const std::string& name : words_of(list)) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     return "names '" + name + "', which is no " + what + " of " + role.name +
            did_you_mean(name, known, known.empty() ? "; there is none" : "; there are: " + all);
@@ -60,6 +67,17 @@ std::string unknown_slots(const weft_component& component) {
     if (!wrong.empty()) return std::string("kAbout.") + list.member + " " + wrong;
   }
   return {};
+}
+
+std::string wrong_open_slots(const weft_component& component,
+                             const std::set<std::string>& records) {
+  const RoleRules& rules = rules_of(role_of(component.id));
+  if (!rules.is_open) return {};
+  const auto own = rules_with(rules, {words_of(component.needs),
+                                      words_of(component.reads),
+                                      words_of(component.produces),
+                                      {records.begin(), records.end()}});
+  return own ? "" : "kAbout " + own.error().message;
 }
 
 }  // namespace weft::host

@@ -24,6 +24,7 @@ const std::vector<RoleRules>& all_role_rules() {
       {.role = WarpModel::role(), .products = {{"warp", "warp_samples"}}, .samples = true},
       {.role = Pass::role(), .gives_all = true},
       {.role = Solver::role(), .products = {{"shape"}}, .solves = true},
+      {.role = {"stages", {{"run", {}, {}}}}, .gives_all = true, .is_open = true},
       {.role = Sink::role(),
        .part = PipelinePart::sink,
        .frame_method = kWriteFrame,

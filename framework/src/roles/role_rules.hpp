@@ -37,6 +37,7 @@ struct RoleRules {
   bool hands_on = false;   ///< of its product, what it reads is not yet used
   bool solves = false;     ///< makes the shape
   bool measures = false;   ///< may read the truth without saying so
+  bool is_open = false;    ///< its components say themselves what they take, see open_slots.hpp
 
   const RoleMethod& main_method() const { return role.methods[to_index(frame_method)]; }
 };

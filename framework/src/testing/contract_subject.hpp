@@ -36,7 +36,7 @@ class Subject {
 
   const host::ComponentSpec& spec() const { return spec_; }
   const host::ComponentManifest& manifest() const { return spec_.component(); }
-  const RoleRules& rules() const { return rules_of(manifest().role()); }
+  const RoleRules& rules() const { return manifest().rules(); }
   bool is_exact() const { return manifest().determinism == "exact"; }
 
   /// Whether the host delivers this input to its main method, and whether it insists on it.

@@ -96,7 +96,7 @@ std::vector<Declared> declared_by() {
         declared.choices.assign(p->choices, p->choices + p->choice_count);
         static_cast<std::vector<Declared>*>(context)->push_back(declared);
       },
-      keep_type};
+      keep_type, nullptr};
   Params params(&sink);
   Component component(params);
   return all;

@@ -24,4 +24,15 @@ constexpr bool is_component_id(std::string_view id) {
   return is_part_of_id(name.substr(0, dot)) && is_part_of_id(name.substr(dot + 1));
 }
 
+/// Whether the type of a record is a vendor's: "acme.depth/1".
+constexpr bool is_vendor_record(std::string_view type) {
+  const std::size_t slash = type.find('/'), dot = type.find('.');
+  if (slash == std::string_view::npos || dot == std::string_view::npos || dot > slash) return false;
+  const std::string_view version = type.substr(slash + 1);
+  return is_part_of_id(type.substr(0, dot)) &&
+         is_part_of_id(type.substr(dot + 1, slash - dot - 1)) && !version.empty() &&
+         version.front() != '0' &&
+         std::all_of(version.begin(), version.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
 }  // namespace weft

@@ -26,6 +26,10 @@ struct Functions {
         for (const RoleSlot& slot : method.inputs) sink->record(sink->context, slot.type.c_str());
         for (const RoleSlot& slot : method.outputs) sink->record(sink->context, slot.type.c_str());
       }
+      if constexpr (requires { T::describe_slots(sink, about_of<T>()); }) {
+        const auto told = T::describe_slots(sink, about_of<T>());
+        if (!told) return report(told.error(), error);
+      }
       return WEFT_OK;
     });
   }

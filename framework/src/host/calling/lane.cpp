@@ -219,7 +219,7 @@ Outcome Lane::finish(Instance& instance, Scope& scope, std::span<const weft_reco
   outcome.outputs = NamedRecords(memory_);
   outcome.outputs.reserve(scope.outputs.size());
   for (auto& [slot, record] : scope.outputs) {
-    auto valid = admit(*record, slot.c_str());
+    auto valid = admit(*record, slot.c_str(), instance.record_types);
     if (valid) valid = check_lengths(record->view(slot.c_str()), inputs);
     if (valid) valid = check_values(record->view(slot.c_str()));
     if (!valid) return broken("returned an illegal output: " + valid.error().message);
@@ -235,8 +235,12 @@ Outcome Lane::finish(Instance& instance, Scope& scope, std::span<const weft_reco
   return outcome;
 }
 
-Result<void> Lane::admit(Record& record, const char* slot) {
-  auto valid = validate(record.view(slot));
+Result<void> Lane::admit(Record& record, const char* slot, std::span<const RecordSchema> types) {
+  const auto schema = std::find_if(types.begin(), types.end(), [&](const RecordSchema& each) {
+    return each.type == record.type();
+  });
+  auto valid =
+      schema != types.end() ? validate(record.view(slot), *schema) : validate(record.view(slot));
   if (!valid) return valid;
   const bool of_content = record.type() == Template::kType || record.type() == Camera::kType;
   record.set_revision(of_content ? content_revision(record) : next_revision() | revision_mark_);

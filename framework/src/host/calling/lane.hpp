@@ -93,8 +93,9 @@ class Lane {
 
   /// Takes a record that is new in this lane, made by a component or handed in from elsewhere: it
   /// is validated and numbered, for components know records by their revisions: templates and
-  /// cameras by their content, others as no record of this process was before.
-  Result<void> admit(Record& record, const char* slot);
+  /// cameras by their content, others as no record of this process was before. `types` are those
+  /// that its maker declares beside the catalogue's.
+  Result<void> admit(Record& record, const char* slot, std::span<const RecordSchema> types = {});
 
   /// Evaluates a warp record at points, by its producer.
   Outcome evaluate(const Record& warp, const Points& points, std::uint64_t frame);

@@ -20,8 +20,10 @@ class Instance {
  public:
   Instance(const ComponentSpec& spec, std::string in_stage, std::string at_path)
       : id(spec.component().id),
-        rules(rules_of(spec.component().role())),
+        open_rules(spec.component().open_rules),
+        rules(spec.component().rules()),
         produces(spec.component().produces),
+        record_types(spec.component().record_types),
         stage(std::move(in_stage)),
         path(std::move(at_path)),
         name(path.empty() ? stage : SharedText(stage + "/" + path)) {}
@@ -32,8 +34,10 @@ class Instance {
   Instance& operator=(const Instance&) = delete;
 
   std::string id;
+  std::shared_ptr<const RoleRules> open_rules;  ///< where the role is open, what `rules` are
   const RoleRules& rules;
   std::vector<std::string> produces;
+  std::vector<RecordSchema> record_types;  ///< of vendors
   SharedText stage;
   std::string path;  ///< of nested parameters: "start", "start/warp"
   SharedText name;   ///< both: "solvers/start/warp"

@@ -3,6 +3,9 @@
 
 #include <array>
 #include <utility>
+#include <weft/core/component_id.hpp>
+
+#include "roles/open_slots.hpp"
 
 namespace weft::host {
 namespace {
@@ -110,6 +113,22 @@ SweepSpec read_sweep(const yaml::Node& node) {
   return sweep;
 }
 
+RecordSchema read_record_type(const yaml::Node& node) {
+  RecordSchema schema{text(node, "record"), {}};
+  if (!is_vendor_record(schema.type)) {
+    throw Missing{node.at, "'" + schema.type + "' is not of the form vendor.name/version"};
+  }
+  for (const yaml::Node& array : items(node, "arrays")) {
+    const std::string type = text(array, "type");
+    const std::int32_t dtype = dtype_called(type);
+    if (dtype == 0) throw Missing{array.at, "'" + type + "' is no type of elements"};
+    schema.arrays.push_back({text(array, "name"), text(array, "shape"), text(array, "unit"),
+                             text(array, "meaning"), dtype, flag(array, "optional"),
+                             flag(array, "may_be_nan")});
+  }
+  return schema;
+}
+
 ComponentManifest read_component(const yaml::Node& node) {
   ComponentManifest component;
   component.id = text(node, "id");
@@ -125,6 +144,11 @@ ComponentManifest read_component(const yaml::Node& node) {
   component.uses_truth = flag(node, "uses_truth");
   if (node.find("extensions") != nullptr) component.extensions = texts(node, "extensions");
   if (node.find("records") != nullptr) component.records = texts(node, "records");
+  if (node.find("record_types") != nullptr) {
+    for (const yaml::Node& type : items(node, "record_types")) {
+      component.record_types.push_back(read_record_type(type));
+    }
+  }
   try {
     for (const yaml::Node& parameter : items(node, "parameters")) {
       component.parameters.push_back(read_parameter(parameter));
@@ -134,6 +158,7 @@ ComponentManifest read_component(const yaml::Node& node) {
         "'" + component.id + "' cannot be used by this version of Weft: its " + unknown.what;
   }
   if (const yaml::Node* sweep = node.find("sweep")) component.sweep = read_sweep(*sweep);
+  component.find_rules();
   return component;
 }
 
@@ -160,6 +185,23 @@ Manifest read_root(const yaml::Node& root) {
 }
 
 }  // namespace
+
+const RecordSchema* ComponentManifest::schema_of(std::string_view type) const {
+  const auto found = std::find_if(record_types.begin(), record_types.end(),
+                                  [&](const RecordSchema& each) { return each.type == type; });
+  return found != record_types.end() ? &*found : nullptr;
+}
+
+void ComponentManifest::find_rules() {
+  const RoleRules& of_role = rules_of(role());
+  if (!of_role.is_open) return;
+  auto own = rules_with(of_role, {needs, reads, produces, records});
+  if (own) {
+    open_rules = std::make_shared<const RoleRules>(*std::move(own));
+  } else if (unknown.empty()) {
+    unknown = "'" + id + "' cannot be used by this version of Weft: it " + own.error().message;
+  }
+}
 
 Result<Manifest> read_manifest(const std::string& file) {
   const auto text = yaml::read_text(file);

@@ -4,11 +4,14 @@
 #include <weft/abi.h>
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 #include <weft/core/result.hpp>
 
+#include "host/records/record_schema.hpp"
+#include "roles/role_rules.hpp"
 #include "yaml/yaml.hpp"
 
 namespace weft::host {
@@ -46,8 +49,15 @@ struct ComponentManifest {
   std::vector<std::string> extensions;  ///< "weft.devices/1"
   std::vector<ParameterSpec> parameters;
   std::optional<SweepSpec> sweep;
+  std::vector<RecordSchema> record_types;                 ///< of vendors, those of `records`
+  std::shared_ptr<const RoleRules> open_rules = nullptr;  ///< its own, where its role is open
   std::string unknown;  ///< what this version of Weft does not know of it, in words, or empty
 
+  /// What its role means to the host, with its own slots where the role leaves them open.
+  const RoleRules& rules() const { return open_rules != nullptr ? *open_rules : rules_of(role()); }
+  const RecordSchema* schema_of(std::string_view type) const;
+  /// Makes `open_rules` of what it says of itself, or says in `unknown` why they cannot be.
+  void find_rules();
   std::string role() const { return id.substr(0, id.find('/')); }
   bool prefers_isolation() const {
     return std::find(extensions.begin(), extensions.end(), WEFT_ISOLATION) != extensions.end();

@@ -49,9 +49,33 @@ std::string illegal_id(const Manifest& manifest) {
   return {};
 }
 
+/// A record type of which the component knows other versions than this one, in words, or empty. A
+/// type of another name is one of an optional slot, which is never delivered here.
+std::string other_version(const ComponentManifest& component) {
+  const auto name_of = [](std::string_view type) { return type.substr(0, type.find('/')); };
+  for (const RoleMethod& method : component.rules().role.methods) {
+    for (const auto* slots : {&method.inputs, &method.outputs}) {
+      for (const RoleSlot& slot : *slots) {
+        std::string others;
+        bool is_known = false;
+        for (const std::string& type : component.records) {
+          is_known = is_known || type == slot.type;
+          if (name_of(type) == name_of(slot.type)) others += (others.empty() ? "" : ", ") + type;
+        }
+        if (!is_known && !others.empty()) {
+          return "'" + component.id + "' knows " + others + ", and this version of Weft " +
+                 slot.type;
+        }
+      }
+    }
+  }
+  return {};
+}
+
 /// Why this version of Weft cannot use one component of a library that it can use, or empty.
 std::string unknown_part(const ComponentManifest& component) {
   if (!component.unknown.empty()) return component.unknown;
+  if (std::string other = other_version(component); !other.empty()) return other;
   if (!rules_of(component.role()).role.name.empty()) return {};
   const std::string near = role_meant(component.id);
   return "'" + component.role() + "' of '" + component.id + "' is no role" +

@@ -48,6 +48,12 @@ Recipe Recipe::of(const ComponentSpec& spec) {
   recipe.id = spec.component().id;
   recipe.library = spec.installed->library->library;
   recipe.produces = spec.component().produces;
+  if (spec.component().open_rules != nullptr) {
+    recipe.needs = spec.component().needs;
+    recipe.reads = spec.component().reads;
+    recipe.records = spec.component().records;
+    recipe.record_types = spec.component().record_types;
+  }
   for (const weft_value& value : spec.arguments.values()) recipe.values.push_back(value_of(value));
   for (const auto& [parameter, child] : spec.nested) {
     recipe.nested.push_back(of(child));
@@ -61,7 +67,12 @@ ComponentSpec Recipe::spec(std::deque<Installed>& installed) const {
   manifest.library = library;
   Installed& entry = installed.emplace_back();
   entry.component.id = id;
+  entry.component.needs = needs;
+  entry.component.reads = reads;
   entry.component.produces = produces;
+  entry.component.records = records;
+  entry.component.record_types = record_types;
+  entry.component.find_rules();
   entry.library = std::make_shared<const Manifest>(std::move(manifest));
   ComponentSpec result;
   result.installed = &entry;

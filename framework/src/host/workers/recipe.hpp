@@ -30,7 +30,9 @@ struct RecipeValue {
 struct Recipe {
   std::string parameter;  ///< of the component that holds it; empty for the outermost
   std::string id, library;
-  std::vector<std::string> produces;
+  std::vector<std::string> needs, reads, produces;
+  std::vector<std::string> records;  ///< with `record_types`, where its role is open
+  std::vector<RecordSchema> record_types;
   std::vector<RecipeValue> values;
   std::vector<Recipe> nested;
 
@@ -42,6 +44,7 @@ struct Recipe {
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit(self.parameter), visit(self.id), visit(self.library), visit(self.produces);
+    visit(self.needs), visit(self.reads), visit(self.records), visit(self.record_types);
     visit(self.values), visit(self.nested);
   }
 };

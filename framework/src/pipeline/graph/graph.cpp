@@ -58,8 +58,11 @@ class Wiring {
  private:
   /// What a stage of an unknown plugin may make, from here on.
   void may_make(const std::string& role, const std::string& before) {
+    const bool is_open = role.empty() || rules_of(role).is_open;
+    vendors_make_more_ = vendors_make_more_ || is_open;
     for (const RoleRules& rules : all_role_rules()) {
-      if (!role.empty() && rules.role.name != role) continue;
+      const bool has_choice = !rules.products && rules.part == PipelinePart::stage;
+      if (rules.role.name != role && !role.empty() && !(is_open && has_choice)) continue;
       if (rules.products) {
         for (const std::string& slot : *rules.products) perhaps_.insert(before + slot);
         continue;
@@ -67,6 +70,22 @@ class Wiring {
       for (const RoleSlot& output : rules.main_method().outputs) {
         perhaps_.insert(before + output.name);
       }
+    }
+  }
+
+  bool may_be_made(const std::string& slot) const {
+    const bool is_vendors =
+        slot.find('.', slot.starts_with(kPrevious) ? kPrevious.size() : 0) != std::string::npos;
+    return perhaps_.count(slot) > 0 || (vendors_make_more_ && is_vendors);
+  }
+
+  /// A stage that reads what another one declares otherwise.
+  void check_record(const StageConfig& reader, const std::string& slot, int value) {
+    const ValueInfo& info = graph_.values[to_index(value)];
+    for (const StageConfig& maker : config_.stages) {
+      if (info.lag == 0 && maker.name != info.name) continue;
+      const std::string wrong = other_record(reader, slot, maker);
+      if (!wrong.empty()) return problems_.push_back({reader.at, wrong});
     }
   }
 
@@ -114,25 +133,27 @@ class Wiring {
     Node node;
     if (!is_known(stage.component) || has_broken_rule(stage)) may_read_anything();
     if (stage.role.empty()) return node;
-    const std::vector<Demand> demands =
-        demands_of(stage, rules_of(stage.role).main_method(), problems_);
+    const std::vector<Demand> demands = demands_of(stage, rules_of(stage).main_method(), problems_);
     check_from(stage, demands);
     for (const Demand& demand : demands) {
       // Who reads other things too takes matches for evidence, of which the latest will do.
       const bool unites = takes_several(stage, demand.slot) && demands.size() == 1;
       if (unites && chosen(stage, demand.slot) == nullptr && !has_broken_rule(stage)) {
-        if (perhaps_.count(demand.slot) > 0 || stage.component.installed == nullptr) continue;
+        if (may_be_made(demand.slot) || stage.component.installed == nullptr) continue;
         if (has_stray_rule(stage, demands)) continue;
         problems_.push_back({stage.at, nothing_to_unite(graph_, stage, demand.slot)});
         open_.slots.insert(demand.slot);
         continue;
       }
       const std::vector<int> values = choose(stage, demand.slot);
-      for (const int value : values) node.inputs.push_back({demand.slot, value, demand.required});
+      for (const int value : values) {
+        node.inputs.push_back({demand.slot, value, demand.required});
+        check_record(stage, demand.slot, value);
+      }
       if (!values.empty() || !demand.required || chosen(stage, demand.slot) != nullptr) continue;
       open_.slots.insert(demand.slot);
       may_read_anything();  // as what is missing may
-      if (perhaps_.count(demand.slot) > 0) continue;
+      if (may_be_made(demand.slot)) continue;
       problems_.push_back({stage.at, missing_input(config_, registry_,
                                                    stage.component.component().id, demand.slot)});
     }
@@ -258,7 +279,7 @@ class Wiring {
                                         std::to_string(kLongestLag)});
       return kRefused;
     }
-    if (graph_.latest(slot) < 0 && perhaps_.count(slot) > 0) return kRefused;
+    if (graph_.latest(slot) < 0 && may_be_made(slot)) return kRefused;
     if (graph_.latest(slot) < 0) {
       problems_.push_back(
           {rule.at, "nothing produces '" + type + "', so that there is no '" + name + "'"});
@@ -287,7 +308,8 @@ class Wiring {
   const PipelineConfig& config_;
   const host::Registry& registry_;
   std::vector<yaml::Problem>& problems_;
-  std::set<std::string> perhaps_;  ///< what an unknown plugin may have made so far
+  std::set<std::string> perhaps_;   ///< what an unknown plugin may have made so far
+  bool vendors_make_more_ = false;  ///< likewise, records of vendors
   OpenReading open_;
   std::size_t reader_ = 0;  ///< the stage that is being connected; behind the last for sinks
   Graph graph_;

@@ -18,6 +18,9 @@ std::vector<std::string> products_of(const host::ComponentManifest& component);
 /// The same of a stage, as far as its role alone tells it where the plugin is not known.
 std::optional<Words> products_of(const StageConfig& stage);
 
+/// What its role means to the host, with its component's own slots where the role leaves them open.
+const RoleRules& rules_of(const StageConfig& stage);
+
 /// Whether the plugin and all that are nested in it are known.
 bool is_known(const host::ComponentSpec& spec);
 
@@ -45,6 +48,11 @@ std::string missing_input(const PipelineConfig& config, const host::Registry& re
 /// Why `reader` cannot take `slot` from `name`; `graph` holds what stands before it.
 std::string wrong_name(const PipelineConfig& config, const Graph& graph, const StageConfig& reader,
                        const std::string& slot, const std::string& name);
+
+/// Why `reader` cannot read a vendor's record from `maker`: another version of its type, or another
+/// declaration of it. Empty where it can, and of the catalogue's types.
+std::string other_record(const StageConfig& reader, const std::string& slot,
+                         const StageConfig& maker);
 
 /// Why `reader` cannot ask what became of the stage `name`; empty where it can.
 std::string wrong_condition(const PipelineConfig& config, const StageConfig& reader,

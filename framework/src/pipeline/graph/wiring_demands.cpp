@@ -26,7 +26,7 @@ class Demands {
 
   void add(const host::ComponentSpec& spec, bool nested) {
     const host::ComponentManifest& component = spec.component();
-    const RoleMethod& method = nested ? rules_of(component.role()).main_method() : offered_;
+    const RoleMethod& method = nested ? component.rules().main_method() : offered_;
     for (const RoleSlot& input : method.inputs) {
       if (input.required) want(component, input.name, true, nested);
     }

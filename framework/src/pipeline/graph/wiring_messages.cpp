@@ -71,6 +71,35 @@ std::optional<Words> products_of(const StageConfig& stage) {
   return rules_of(stage.role).products;
 }
 
+const RoleRules& rules_of(const StageConfig& stage) {
+  return stage.component.installed != nullptr ? stage.component.component().rules()
+                                              : rules_of(stage.role);
+}
+
+std::string other_record(const StageConfig& reader, const std::string& slot,
+                         const StageConfig& maker) {
+  if (reader.component.installed == nullptr || maker.component.installed == nullptr) return {};
+  const host::ComponentManifest& reads = reader.component.component();
+  const host::ComponentManifest& makes = maker.component.component();
+  const auto type_in = [](const std::vector<RoleSlot>& slots, const std::string& name) {
+    const auto found = std::find_if(slots.begin(), slots.end(),
+                                    [&](const RoleSlot& each) { return each.name == name; });
+    return found != slots.end() ? found->type : std::string();
+  };
+  constexpr std::string_view kPrevious = "previous.";
+  const std::string made = slot.substr(slot.starts_with(kPrevious) ? kPrevious.size() : 0);
+  const std::string wanted = type_in(reads.rules().main_method().inputs, slot);
+  const std::string given = type_in(makes.rules().main_method().outputs, made);
+  const host::RecordSchema *as_read = reads.schema_of(wanted), *as_made = makes.schema_of(given);
+  if (as_read == nullptr || as_made == nullptr || *as_read == *as_made) return {};
+  if (wanted != given) {
+    return reads.id + " reads " + wanted + ", and '" + maker.name + "' makes " + given +
+           "; install versions of the two that agree";
+  }
+  return reads.id + " declares other arrays for " + wanted + " than " + makes.id +
+         ", which makes it; install versions of the two that agree";
+}
+
 std::string missing_input(const PipelineConfig& config, const host::Registry& registry,
                           const std::string& id, const std::string& slot) {
   std::string message = id + " requires '" + slot + "', which no earlier stage produces";

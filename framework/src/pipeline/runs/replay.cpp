@@ -2,6 +2,7 @@
 #include "pipeline/runs/replay.hpp"
 
 #include <filesystem>
+#include <weft/core/component_id.hpp>
 #include <weft/core/shell_word.hpp>
 #include <weft/core/suggest.hpp>
 
@@ -99,6 +100,22 @@ Result<std::unique_ptr<Replay>> Replay::create(const host::Registry& registry,
     replay->producers_[name] = host::handle_of(**made);
   }
   return replay;
+}
+
+Result<void> Replay::check(const StageCall& call) const {
+  const host::ComponentManifest& component = specs_.front().component();
+  for (const GivenRecord& input : call.inputs) {
+    const host::RecordSchema* schema = component.schema_of(input.record->type());
+    if (!is_vendor_record(input.record->type())) continue;
+    const auto valid =
+        schema != nullptr
+            ? host::validate(input.record->view(input.slot.c_str()), *schema)
+            : Error{Errc::invalid_data, component.id + " does not know the record type " +
+                                            std::string(input.record->type()) + " of its input '" +
+                                            input.slot + "'"};
+    if (!valid) return valid;
+  }
+  return {};
 }
 
 Replayed Replay::run(const StageCall& call, int repeat) {

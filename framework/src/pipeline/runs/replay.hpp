@@ -29,6 +29,9 @@ class Replay {
                                                 const DumpedStage& stage,
                                                 const std::string& params);
 
+  /// Whether records of vendors are as the component declares them; of the others the dump is sure.
+  Result<void> check(const StageCall& call) const;
+
   /// Makes a call again, `repeat` times; a difference in any repetition is told.
   Replayed run(const StageCall& call, int repeat);
 

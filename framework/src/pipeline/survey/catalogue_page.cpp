@@ -62,6 +62,8 @@ std::string catalogue_page() {
       page << " |\n";
     }
   }
+  page << "\nComponents of the role `stages` say themselves what they take and make: any of these "
+          "inputs,\nwhat passes make, and record types of their vendor, `vendor.name/version`.\n";
   return page.str();
 }
 
