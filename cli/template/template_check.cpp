@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <weft/data/matrix.hpp>
 
 #include "cli/output/json_text.hpp"
 #include "cli/output/new_file.hpp"

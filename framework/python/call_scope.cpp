@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <utility>
+#include <weft/data/matrix.hpp>
 #include <weft/sdk/solver.hpp>
 
 #include "call_object.hpp"

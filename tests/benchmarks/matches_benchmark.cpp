@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <exception>
+#include <weft/data/matrix.hpp>
 
 #include "component.hpp"
 #include "scenes.hpp"

@@ -2,6 +2,8 @@
 // Times of the stages on data of a fixed size, through the contract, on one thread.
 #include <benchmark/benchmark.h>
 
+#include <weft/data/matrix.hpp>
+
 #include "component.hpp"
 #include "host/calling/allocation_count.hpp"
 #include "scenes.hpp"

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <weft/data/ground_truth.hpp>
+#include <weft/data/matrix.hpp>
 
 #include "host/records/npz.hpp"
 #include "support/child.hpp"

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <weft/data/correspondences.hpp>
 #include <weft/data/ground_truth.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/data/template.hpp>
 

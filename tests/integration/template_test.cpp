@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <weft/core/rng.hpp>
 #include <weft/data/ground_truth.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/distance_constraints.hpp>
 #include <weft/geometry/mesh_topology.hpp>

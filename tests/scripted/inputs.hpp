@@ -4,6 +4,7 @@
 #include <chrono>
 #include <fstream>
 #include <thread>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
 #include <weft/sdk/source.hpp>
 #include <weft/sdk/template_builder.hpp>

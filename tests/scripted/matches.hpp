@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/face_locator.hpp>
 #include <weft/sdk/detector.hpp>
 #include <weft/sdk/filter.hpp>

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/QR>
+#include <weft/data/matrix.hpp>
+#include <weft/geometry/types.hpp>
 #include <weft/sdk/pass.hpp>
 #include <weft/sdk/solver.hpp>
 #include <weft/sdk/warp_model.hpp>

@@ -8,6 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <weft/data/correspondences.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/geometry/types.hpp>
 

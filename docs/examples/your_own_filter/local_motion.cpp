@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <weft/core/statistics.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/sdk/filter.hpp>
 
 namespace {

@@ -4,6 +4,7 @@
 #include <vector>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/mesh_validation.hpp>
 #include <weft/sdk/pass.hpp>

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <string>
 #include <utility>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/sdk/source.hpp>
 

@@ -6,6 +6,7 @@
 #include <vector>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/object_box.hpp>
 #include <weft/sdk/warp_model.hpp>
 

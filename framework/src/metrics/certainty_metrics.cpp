@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/vertex_spread.hpp>
 #include <weft/truth/truth_map.hpp>
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/barycentric.hpp>
 #include <weft/truth/match_labels.hpp>
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <weft/core/statistics.hpp>
+#include <weft/data/matrix.hpp>
 
 #include "metrics/field.hpp"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "metrics/visibility_metrics.hpp"
 
+#include <weft/data/matrix.hpp>
 #include <weft/truth/truth_map.hpp>
 
 #include "metrics/field.hpp"

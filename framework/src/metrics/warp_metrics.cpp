@@ -4,6 +4,7 @@
 #include <cmath>
 #include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/truth/truth_map.hpp>
 
 #include "statistics/unknown.hpp"

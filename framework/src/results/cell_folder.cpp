@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/face_locator.hpp>
 
 #include "host/records/npz.hpp"

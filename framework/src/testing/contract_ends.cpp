@@ -2,6 +2,7 @@
 // Sources, templates and sinks: what stands at the ends of a pipeline.
 #include <fstream>
 #include <sstream>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_check.hpp>
 #include <weft/geometry/mesh_validation.hpp>
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 
 namespace weft::testing {
 namespace {

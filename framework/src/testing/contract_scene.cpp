@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/testing/role_contract.hpp>
 
 #include "testing/contract_materials.hpp"

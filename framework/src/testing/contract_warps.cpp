@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <weft/core/rng.hpp>
+#include <weft/data/matrix.hpp>
 
 #include "testing/contract_stages.hpp"
 

@@ -2,6 +2,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <weft/data/matrix.hpp>
 #include <weft/testing/random_sheet.hpp>
 
 namespace weft::testing {

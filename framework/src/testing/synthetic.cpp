@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <weft/data/matrix.hpp>
 #include <weft/generators/random_matches.hpp>
 #include <weft/geometry/barycentric.hpp>
 #include <weft/geometry/face_locator.hpp>

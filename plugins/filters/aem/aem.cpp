@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 #include <vector>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_model.hpp>
 
 #include "common/candidates.hpp"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 
 namespace weft::myneighbor {

@@ -3,6 +3,7 @@
 #include <limits>
 #include <string>
 #include <utility>
+#include <weft/data/matrix.hpp>
 
 #include "consensus.hpp"
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 
 #include "common/checks.hpp"
 

@@ -7,6 +7,7 @@
 #include <vector>
 #include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/sdk/matcher.hpp>
 
 #include "common/view/coarse_search.hpp"

@@ -6,6 +6,7 @@
 #include <limits>
 #include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_model.hpp>
 
 namespace weft::guided {

@@ -6,6 +6,7 @@
 #include <tuple>
 #include <vector>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/sdk/matcher.hpp>
 
 #include "common/duplicates.hpp"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/sdk/matcher.hpp>
 
 #include "common/view/inputs.hpp"

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/sdk/pass.hpp>

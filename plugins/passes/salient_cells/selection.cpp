@@ -7,6 +7,7 @@
 #include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/mesh_validation.hpp>
 
 namespace weft::salient_cells {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/barycentric.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/mesh_validation.hpp>

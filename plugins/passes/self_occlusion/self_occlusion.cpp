@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/sdk/pass.hpp>
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/barycentric.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/mesh_topology.hpp>

@@ -10,6 +10,7 @@
 #include <vector>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/rigid_alignment.hpp>
 #include <weft/geometry/surface_distance.hpp>

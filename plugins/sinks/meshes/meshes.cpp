@@ -5,6 +5,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <weft/core/index.hpp>
 #include <weft/core/whole_file.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/sdk/sink.hpp>
 
 #include "mesh_text.hpp"

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <weft/core/index.hpp>
 #include <weft/core/whole_file.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/sdk/sink.hpp>
 

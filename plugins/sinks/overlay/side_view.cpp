@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 
 #include "floor.hpp"
 #include "palette.hpp"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <limits>
+#include <weft/data/matrix.hpp>
 #include <weft/sdk/sink.hpp>
 
 #include "messages.hpp"

@@ -6,6 +6,7 @@
 #include <utility>
 #include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/check_sightlines.hpp>
 #include <weft/geometry/known_surface.hpp>
 #include <weft/sdk/solver.hpp>

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/surface_distance.hpp>
 
 #include "at.hpp"

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 #include <weft/core/statistics.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/distance_constraints.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/shape_evidence.hpp>

@@ -8,6 +8,7 @@
 #include <utility>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/bspline_site.hpp>
 #include <weft/geometry/mesh_validation.hpp>
 #include <weft/geometry/texture_metric.hpp>

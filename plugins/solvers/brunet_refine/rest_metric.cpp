@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/bspline_site.hpp>
 #include <weft/geometry/face_locator.hpp>
 #include <weft/geometry/texture_metric.hpp>

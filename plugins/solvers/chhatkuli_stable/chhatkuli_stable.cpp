@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <string>
 #include <utility>
+#include <weft/data/matrix.hpp>
 #include <weft/sdk/solver.hpp>
 
 #include "common/smooth_spline.hpp"

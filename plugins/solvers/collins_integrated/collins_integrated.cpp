@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/shape_evidence.hpp>
 #include <weft/sdk/solver.hpp>
 

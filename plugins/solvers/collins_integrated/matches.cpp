@@ -5,6 +5,7 @@
 #include <string>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 
 namespace weft::collins_integrated {
 namespace {

@@ -13,6 +13,7 @@
 #include <utility>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/mesh_bending.hpp>
 
 namespace weft::solvers {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "surface_shape.hpp"
 
+#include <weft/data/matrix.hpp>
+
 namespace weft::solvers {
 
 Result<Shape> surface_shape(const SolverInput& in, const WarpGrid& grid,

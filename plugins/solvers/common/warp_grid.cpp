@@ -7,6 +7,7 @@
 #include <utility>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/face_locator.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/texture_metric.hpp>

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 #include <vector>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/distance_constraints.hpp>
 #include <weft/geometry/mesh_validation.hpp>
 #include <weft/sdk/solver.hpp>

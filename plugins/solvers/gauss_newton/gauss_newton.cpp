@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/sdk/solver.hpp>
 
 #include "candidate.hpp"

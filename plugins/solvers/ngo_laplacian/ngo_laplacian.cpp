@@ -3,6 +3,7 @@
 #include <optional>
 #include <utility>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/sdk/solver.hpp>
 
 #include "common/laplacian/inextensible_fit.hpp"

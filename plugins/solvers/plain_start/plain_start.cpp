@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 #include <weft/core/statistics.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/sdk/solver.hpp>
 

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/mesh_validation.hpp>
 #include <weft/sdk/solver.hpp>
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/texture_metric.hpp>
 
 namespace weft::salzmann_local {

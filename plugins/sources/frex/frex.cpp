@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/sdk/source.hpp>
 #include <weft/sdk/template_builder.hpp>
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
 #include <weft/geometry/rigid_alignment.hpp>
 

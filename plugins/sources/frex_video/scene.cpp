@@ -11,6 +11,7 @@
 #include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
 
 namespace weft::frex_video {

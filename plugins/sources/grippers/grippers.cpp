@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/sdk/source.hpp>
 
 #include "common/scene/random_stream.hpp"

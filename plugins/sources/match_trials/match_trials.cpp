@@ -2,6 +2,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <weft/data/matrix.hpp>
 #include <weft/generators/random_deformation.hpp>
 #include <weft/generators/random_matches.hpp>
 #include <weft/geometry/barycentric.hpp>

@@ -5,6 +5,7 @@
 #include <vector>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/sdk/source.hpp>
 
 #include "common/cameras/camera_file.hpp"

@@ -7,6 +7,7 @@
 #include <set>
 #include <weft/core/image_file.hpp>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/generators/sheet_motion.hpp>
 #include <weft/sdk/source.hpp>
 

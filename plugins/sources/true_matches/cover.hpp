@@ -13,6 +13,7 @@
 #include <weft/core/rng.hpp>
 #include <weft/data/ground_truth.hpp>
 #include <weft/data/image.hpp>
+#include <weft/data/matrix.hpp>
 
 namespace weft::true_matches {
 

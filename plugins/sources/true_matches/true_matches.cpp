@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 #include <vector>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/sdk/source.hpp>
 #include <weft/truth/truth_map.hpp>

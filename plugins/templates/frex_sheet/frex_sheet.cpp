@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
 #include <weft/sdk/template_builder.hpp>
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/sdk/template_builder.hpp>
 
 #include "common/images/texture_file.hpp"

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 #include <vector>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
 #include <weft/sdk/detector.hpp>
 #include <weft/sdk/template_builder.hpp>

@@ -2,6 +2,7 @@
 #include "spline_model.hpp"
 
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/bspline_site.hpp>
 
 #include "common/warp_samples.hpp"

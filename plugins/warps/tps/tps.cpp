@@ -8,6 +8,7 @@
 #include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/sdk/warp_model.hpp>
 
 #include "thin_plate.hpp"

@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <string>
 #include <weft/data/ground_truth.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/testing/synthetic.hpp>
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <stdexcept>
 #include <weft/data/array.hpp>
+#include <weft/data/matrix.hpp>
 
 namespace weft {
 namespace {

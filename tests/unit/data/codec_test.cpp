@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <weft/core/index.hpp>
 #include <weft/data/codec.hpp>
+#include <weft/data/matrix.hpp>
 
 #include "unit/data/random_record.hpp"
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 #include <weft/data/codec.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/data/owned.hpp>
 
 namespace weft {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/known_surface.hpp>
 #include <weft/testing/synthetic.hpp>
 

@@ -3,6 +3,7 @@
 
 #include <iostream>
 #include <weft/core/rng.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/barycentric.hpp>
 #include <weft/geometry/shape_evidence.hpp>
 #include <weft/testing/synthetic.hpp>

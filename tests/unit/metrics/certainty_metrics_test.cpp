@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iostream>
 #include <weft/core/rng.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/testing/synthetic.hpp>
 #include <weft/truth/truth_map.hpp>
 

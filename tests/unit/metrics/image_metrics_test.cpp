@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <weft/data/matrix.hpp>
 
 #include "metrics/forms/metrics_report.hpp"
 #include "metrics/metrics.hpp"

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 #include <weft/core/rng.hpp>
+#include <weft/data/matrix.hpp>
 
 namespace weft::evaluation {
 namespace {

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <weft/data/matrix.hpp>
 
 #include "test_run.hpp"
 

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
+#include <weft/data/matrix.hpp>
 
 #include "metrics/forms/json.hpp"
 #include "metrics/forms/metric_path.hpp"

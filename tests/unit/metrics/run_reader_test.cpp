@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <weft/data/matrix.hpp>
 
 #include "metrics/forms/metrics_report.hpp"
 #include "metrics/metrics.hpp"

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <limits>
 #include <weft/core/rng.hpp>
+#include <weft/data/matrix.hpp>
 
 #include "metrics/surface_metrics.hpp"
 

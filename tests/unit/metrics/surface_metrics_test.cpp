@@ -7,6 +7,7 @@
 #include <iostream>
 #include <limits>
 #include <weft/core/rng.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
 
 #include "metrics/forms/metrics_report.hpp"

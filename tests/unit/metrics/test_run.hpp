@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <string>
 #include <weft/data/ground_truth.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/data/template.hpp>
 #include <weft/data/visibility.hpp>

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <weft/data/matrix.hpp>
 #include <weft/testing/synthetic.hpp>
 #include <weft/truth/truth_map.hpp>
 

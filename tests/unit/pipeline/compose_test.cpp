@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <weft/data/correspondences.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/testing/synthetic.hpp>
 

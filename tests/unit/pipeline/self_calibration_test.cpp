@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iostream>
 #include <limits>
+#include <weft/data/matrix.hpp>
 
 #include "bent_sheets.hpp"
 

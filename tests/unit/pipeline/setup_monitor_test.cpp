@@ -6,6 +6,7 @@
 
 #include <iostream>
 #include <map>
+#include <weft/data/matrix.hpp>
 
 #include "bent_sheets.hpp"
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
+#include <weft/data/matrix.hpp>
+
 #include "host/records/record.hpp"
 #include "support/pipeline_fixture.hpp"
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <weft/core/rng.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/face_locator.hpp>
 #include <weft/geometry/mesh_validation.hpp>
 #include <weft/testing/synthetic.hpp>

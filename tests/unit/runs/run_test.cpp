@@ -6,6 +6,7 @@
 #include <regex>
 #include <set>
 #include <thread>
+#include <weft/data/matrix.hpp>
 
 #include "canceller.hpp"
 #include "host/records/npz.hpp"

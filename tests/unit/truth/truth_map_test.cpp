@@ -9,6 +9,7 @@
 #include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
 #include <weft/core/statistics.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/generators/sheet_motion.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
 #include <weft/testing/synthetic.hpp>

@@ -3,7 +3,6 @@
 
 #include <weft/abi.h>
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -43,6 +42,19 @@ inline const char* dtype_name(std::int32_t dtype) {
   return dtype >= 1 && dtype <= 8 ? kNames[to_index(dtype)] : "unknown";
 }
 
+namespace detail {
+
+/// What arrays have to do with Eigen, which most that hold one need not read: told in
+/// weft/data/matrix.hpp, for all types that an array may have.
+template <class T>
+struct Matrices {
+  static constexpr bool kIncluded = false;
+};
+
+}  // namespace detail
+
+#define WEFT_NEEDS_MATRIX(what) what " works with Eigen matrices: #include <weft/data/matrix.hpp>"
+
 /// A dense n-dimensional array: either it owns 64-byte aligned memory (shared by its copies) or it
 /// borrows memory that outlives it, as all inputs of a plugin do. Default-constructed: absent. An
 /// array on a device has a shape but no elements that can be read here, see weft/sdk/device.hpp.
@@ -68,7 +80,12 @@ class Array {
     struct alignas(64) Line {
       std::array<std::byte, 64> bytes;
     };
-    auto lines = std::make_shared_for_overwrite<Line[]>((bytes + 127) / sizeof(Line));
+    const std::size_t count = (bytes + 127) / sizeof(Line);
+#ifdef __cpp_lib_smart_ptr_for_overwrite
+    auto lines = std::make_shared_for_overwrite<Line[]>(count);
+#else  // libc++ before 16
+    std::shared_ptr<Line[]> lines(new Line[count]);
+#endif
     data_ = reinterpret_cast<T*>(lines.get());
     owner_ = std::move(lines);
     mark_unwritten(data_, bytes);
@@ -126,23 +143,20 @@ class Array {
   const T& operator()(std::int64_t i, std::int64_t j = 0) const { return row(i)[j]; }
   T& operator()(std::int64_t i, std::int64_t j = 0) { return row(i)[j]; }
 
-  /// The array as a row-major Eigen matrix [rows, Columns]; further axes are flattened.
+  /// The array as a row-major Eigen matrix [rows, Columns]; further axes are flattened. For callers
+  /// that include weft/data/matrix.hpp.
   template <int Columns>
   auto matrix() const {
-    return Eigen::Map<const RowMajor<Columns>, 0, Eigen::OuterStride<>>(
-        data_, rows(), Columns, Eigen::OuterStride<>(row_stride_));
+    static_assert(detail::Matrices<T>::kIncluded, WEFT_NEEDS_MATRIX("array.matrix<N>()"));
+    return detail::Matrices<T>::template view<Columns, const T>(data_, rows(), row_stride_);
   }
   template <int Columns>
   auto matrix() {
-    return Eigen::Map<RowMajor<Columns>, 0, Eigen::OuterStride<>>(
-        data_, rows(), Columns, Eigen::OuterStride<>(row_stride_));
+    static_assert(detail::Matrices<T>::kIncluded, WEFT_NEEDS_MATRIX("array.matrix<N>()"));
+    return detail::Matrices<T>::template view<Columns, T>(data_, rows(), row_stride_);
   }
 
  private:
-  template <int Columns>
-  using RowMajor =
-      Eigen::Matrix<T, Eigen::Dynamic, Columns, Columns == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
-
   std::shared_ptr<void> owner_;
   T* data_ = nullptr;
   int ndim_ = 0;
@@ -155,15 +169,14 @@ class Array {
 /// An owned array without axes: a scalar that may be absent.
 inline Array<double> make_scalar(double value) { return Array<double>({}, value); }
 
-/// An owned array with the contents of a row-major expression: [rows, columns], or [rows] for one
-/// column.
-template <class T, class Derived>
-Array<T> make_array(const Eigen::MatrixBase<Derived>& values) {
-  Array<T> result = Derived::ColsAtCompileTime == 1 ? Array<T>({values.rows()})
-                                                    : Array<T>({values.rows(), values.cols()});
-  using RowMajor = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  Eigen::Map<RowMajor>(result.data(), values.rows(), values.cols()) = values.template cast<T>();
-  return result;
+/// An owned array with the contents of an Eigen expression, in C order: [rows, columns], or [rows]
+/// for one column. For callers that include weft/data/matrix.hpp.
+template <class T, class Expression>
+Array<T> make_array(const Expression& values) {
+  static_assert(detail::Matrices<T>::kIncluded, WEFT_NEEDS_MATRIX("make_array()"));
+  return detail::Matrices<T>::array(values);
 }
+
+#undef WEFT_NEEDS_MATRIX
 
 }  // namespace weft

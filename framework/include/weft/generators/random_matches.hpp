@@ -7,6 +7,7 @@
 #include <weft/core/rng.hpp>
 #include <weft/data/camera.hpp>
 #include <weft/data/correspondences.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/face_locator.hpp>
 #include <weft/geometry/types.hpp>

@@ -11,6 +11,7 @@
 #include <weft/core/result.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/data/known_points.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/data/template.hpp>
 #include <weft/geometry/barycentric.hpp>
 #include <weft/geometry/types.hpp>

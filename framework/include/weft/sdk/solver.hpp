@@ -31,8 +31,8 @@ class Solver : public Prepared {
  private:
   static Result<Shape> judged(const SolverInput& in, Result<Shape> solved) {
     if (!solved || solved->vertices_m.rows() != in.templ.vertices_m.rows()) return solved;
-    const ShapeEvidence evidence = shape_evidence(
-        in.templ, in.camera, solved->vertices_m.matrix<3>(), in.correspondences, in.sightlines);
+    const ShapeEvidence evidence =
+        shape_evidence(in.templ, in.camera, solved->vertices_m, in.correspondences, in.sightlines);
     if (solved->shape_state() == ShapeState::estimated) {
       solved->state = static_cast<std::int32_t>(state_of(evidence, solved->confidence));
     }

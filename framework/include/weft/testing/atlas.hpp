@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <utility>
+#include <weft/data/matrix.hpp>
 #include <weft/data/template.hpp>
 
 namespace weft::testing {

@@ -10,6 +10,7 @@
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/data/correspondences.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/data/template.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/truth/truth_map.hpp>

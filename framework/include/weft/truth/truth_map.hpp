@@ -10,6 +10,7 @@
 #include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
 #include <weft/data/ground_truth.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/barycentric.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/face_locator.hpp>

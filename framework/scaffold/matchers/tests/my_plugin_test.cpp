@@ -7,6 +7,7 @@
 #include <weft/core/rng.hpp>
 #include <weft/data/correspondences.hpp>
 #include <weft/data/keypoints.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 
 namespace {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <weft/data/matrix.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/data/sightlines.hpp>
 #include <weft/testing/plugin_under_test.hpp>

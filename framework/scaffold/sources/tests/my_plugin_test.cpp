@@ -5,6 +5,7 @@
 #include <weft/data/camera.hpp>
 #include <weft/data/correspondences.hpp>
 #include <weft/data/ground_truth.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 

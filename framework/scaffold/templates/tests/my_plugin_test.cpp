@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <weft/data/matrix.hpp>
 #include <weft/data/template.hpp>
 #include <weft/geometry/mesh_validation.hpp>
 #include <weft/testing/plugin_under_test.hpp>

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <weft/data/matrix.hpp>
 
 #include "metrics/runs/run_damage.hpp"
 #include "pipeline/execution/match_depths.hpp"

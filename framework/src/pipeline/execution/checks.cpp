@@ -2,6 +2,7 @@
 #include "pipeline/execution/checks.hpp"
 
 #include <weft/data/ground_truth.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_check.hpp>
 #include <weft/geometry/mesh_validation.hpp>
 

@@ -2,6 +2,7 @@
 #include "pipeline/execution/compose.hpp"
 
 #include <algorithm>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/face_locator.hpp>
 
 namespace weft {

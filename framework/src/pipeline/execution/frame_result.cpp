@@ -7,6 +7,7 @@
 #include <weft/data/correspondences.hpp>
 #include <weft/data/field_reader.hpp>
 #include <weft/data/keypoints.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/data/sightlines.hpp>
 
 namespace weft {

@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 
 namespace weft {
 namespace {

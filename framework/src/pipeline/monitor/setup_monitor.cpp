@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_model.hpp>
 
 #include "pipeline/monitor/joint_deviation.hpp"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 #include <weft/data/catalogue.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_model.hpp>
 
 #include "host/calling/lane.hpp"

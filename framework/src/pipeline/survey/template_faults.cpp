@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/barycentric.hpp>
 #include <weft/geometry/face_locator.hpp>
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/face_locator.hpp>
 #include <weft/geometry/object_box.hpp>
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/surface_distance.hpp>
 #include <weft/geometry/texture_metric.hpp>

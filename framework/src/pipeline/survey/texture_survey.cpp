@@ -9,6 +9,7 @@
 #include <utility>
 #include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
+#include <weft/data/matrix.hpp>
 
 #include "pipeline/execution/compose.hpp"
 #include "pipeline/survey/texture_view.hpp"

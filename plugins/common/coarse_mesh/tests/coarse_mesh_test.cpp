@@ -10,6 +10,7 @@
 #include <vector>
 #include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/barycentric.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/mesh_validation.hpp>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <limits>
+#include <weft/data/matrix.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/testing/atlas.hpp>
 

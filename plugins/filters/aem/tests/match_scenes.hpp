@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/barycentric.hpp>
 #include <weft/testing/random_sheet.hpp>
 

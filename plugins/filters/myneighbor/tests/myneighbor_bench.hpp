@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/face_locator.hpp>
 #include <weft/sdk/filter.hpp>
 #include <weft/testing/plugin_under_test.hpp>

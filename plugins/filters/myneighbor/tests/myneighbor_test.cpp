@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 
 #include "myneighbor_bench.hpp"
 #include "published_rates.hpp"

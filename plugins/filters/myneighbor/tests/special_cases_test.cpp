@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <weft/data/matrix.hpp>
 
 #include "myneighbor_bench.hpp"
 

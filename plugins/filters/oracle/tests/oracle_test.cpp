@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 #include <vector>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
 #include <weft/sdk/filter.hpp>
 #include <weft/testing/plugin_under_test.hpp>

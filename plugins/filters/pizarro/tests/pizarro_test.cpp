@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <numbers>
+#include <weft/data/matrix.hpp>
 
 #include "../local_smoothness.hpp"
 #include "../robust_affine.hpp"

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_model.hpp>
 
 namespace weft::view {

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <limits>
 #include <weft/core/statistics.hpp>
+#include <weft/data/matrix.hpp>
 
 #include "common/view/tests/printed_scene.hpp"
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/testing/synthetic.hpp>
 
 #include "common/tests/keypoints_of.hpp"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 #include <weft/testing/synthetic.hpp>
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iostream>
 #include <numeric>
+#include <weft/data/matrix.hpp>
 
 #include "../motion.hpp"
 #include "../tracker.hpp"

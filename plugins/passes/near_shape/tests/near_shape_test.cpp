@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 #include <weft/data/image.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/testing/plugin_under_test.hpp>

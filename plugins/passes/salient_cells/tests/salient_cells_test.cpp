@@ -7,6 +7,7 @@
 #include <set>
 #include <vector>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/data/sightlines.hpp>
 #include <weft/data/visibility.hpp>
 #include <weft/data/warp.hpp>

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <vector>
+#include <weft/data/matrix.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/data/visibility.hpp>
 #include <weft/testing/plugin_under_test.hpp>

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <vector>
+#include <weft/data/matrix.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/data/visibility.hpp>
 #include <weft/data/warp.hpp>

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <weft/data/matrix.hpp>
 #include <weft/testing/synthetic.hpp>
 
 #include "drawing.hpp"

@@ -3,6 +3,7 @@
 
 #include <iostream>
 #include <limits>
+#include <weft/data/matrix.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 #include <weft/testing/synthetic.hpp>
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iostream>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 
 #include "scene.hpp"
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iostream>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
 
 #include "bending_fill.hpp"

@@ -4,6 +4,7 @@
 
 #include <iostream>
 #include <utility>
+#include <weft/data/matrix.hpp>
 
 #include "scene.hpp"
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <vector>
+#include <weft/data/matrix.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 #include <weft/testing/synthetic.hpp>
 

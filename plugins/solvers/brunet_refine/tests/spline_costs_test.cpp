@@ -7,6 +7,7 @@
 #include <iostream>
 #include <vector>
 #include <weft/core/rng.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/bspline_bending.hpp>
 #include <weft/testing/synthetic.hpp>
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 #include <weft/testing/synthetic.hpp>
 

@@ -9,6 +9,7 @@
 #include <vector>
 #include <weft/core/index.hpp>
 #include <weft/data/known_points.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/data/sightlines.hpp>
 #include <weft/data/visibility.hpp>

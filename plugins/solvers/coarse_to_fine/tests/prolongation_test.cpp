@@ -7,6 +7,7 @@
 #include <iostream>
 #include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/testing/synthetic.hpp>
 
 namespace weft::coarse_to_fine {

@@ -4,6 +4,7 @@
 #include <iostream>
 #include <limits>
 #include <string>
+#include <weft/data/matrix.hpp>
 
 #include "frame.hpp"
 

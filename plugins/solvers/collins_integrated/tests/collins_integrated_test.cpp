@@ -5,6 +5,7 @@
 #include <iostream>
 #include <string>
 #include <vector>
+#include <weft/data/matrix.hpp>
 #include <weft/data/visibility.hpp>
 
 #include "frame.hpp"

@@ -8,6 +8,7 @@
 #include <iostream>
 #include <vector>
 #include <weft/core/statistics.hpp>
+#include <weft/data/matrix.hpp>
 
 #include "printed_scene.hpp"
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 
 namespace weft::collins_integrated {
 namespace {

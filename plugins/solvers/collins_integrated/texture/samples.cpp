@@ -5,6 +5,7 @@
 #include <cmath>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/face_locator.hpp>
 #include <weft/geometry/mesh_validation.hpp>
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_model.hpp>
 
 namespace weft::solvers {

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/testing/synthetic.hpp>
 

@@ -8,6 +8,7 @@
 #include <iostream>
 #include <vector>
 #include <weft/core/rng.hpp>
+#include <weft/data/matrix.hpp>
 
 #include "program_scene.hpp"
 

@@ -9,6 +9,7 @@
 #include <vector>
 #include <weft/core/rng.hpp>
 #include <weft/core/statistics.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/testing/synthetic.hpp>
 

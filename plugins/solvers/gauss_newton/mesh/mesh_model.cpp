@@ -9,6 +9,7 @@
 #include <utility>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/distance_constraints.hpp>
 #include <weft/geometry/mesh_bending.hpp>
 #include <weft/geometry/surface_distance.hpp>

@@ -8,6 +8,7 @@
 #include <iostream>
 #include <limits>
 #include <vector>
+#include <weft/data/matrix.hpp>
 #include <weft/data/visibility.hpp>
 
 #include "scene.hpp"

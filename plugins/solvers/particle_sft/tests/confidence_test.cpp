@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <iostream>
+#include <weft/data/matrix.hpp>
 
 #include "scene.hpp"
 

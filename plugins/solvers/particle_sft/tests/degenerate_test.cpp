@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <iostream>
+#include <weft/data/matrix.hpp>
 
 #include "scene.hpp"
 

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/distance_constraints.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/testing/synthetic.hpp>

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iostream>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 
 #include "scene.hpp"
 

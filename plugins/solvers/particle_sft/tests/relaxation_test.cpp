@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iostream>
 #include <set>
+#include <weft/data/matrix.hpp>
 
 #include "fit.hpp"
 #include "scene.hpp"

@@ -7,6 +7,7 @@
 #include <weft/core/index.hpp>
 #include <weft/data/correspondences.hpp>
 #include <weft/data/known_points.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/data/sightlines.hpp>
 #include <weft/geometry/distance_constraints.hpp>

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <iostream>
 #include <vector>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
 #include <weft/testing/synthetic.hpp>

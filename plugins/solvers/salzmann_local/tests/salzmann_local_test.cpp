@@ -5,6 +5,7 @@
 #include <iostream>
 #include <string>
 #include <weft/core/rng.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 #include <weft/testing/synthetic.hpp>

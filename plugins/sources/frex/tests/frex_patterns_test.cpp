@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 
 #include "small_film.hpp"
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <weft/core/index.hpp>
+#include <weft/data/matrix.hpp>
 
 #include "small_film.hpp"
 

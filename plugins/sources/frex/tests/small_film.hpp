@@ -6,6 +6,7 @@
 #include <vector>
 #include <weft/data/ground_truth.hpp>
 #include <weft/data/image.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/distance_constraints.hpp>
 #include <weft/geometry/mesh_topology.hpp>

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 #include <weft/core/statistics.hpp>
+#include <weft/data/matrix.hpp>
 
 #include "filmed_sheet.hpp"
 

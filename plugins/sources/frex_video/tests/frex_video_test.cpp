@@ -8,6 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 #include <weft/data/camera.hpp>
+#include <weft/data/matrix.hpp>
 
 #include "film_accuracy.hpp"
 

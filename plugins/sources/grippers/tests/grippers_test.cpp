@@ -10,6 +10,7 @@
 #include <weft/data/ground_truth.hpp>
 #include <weft/data/image.hpp>
 #include <weft/data/known_points.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/types.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <weft/data/ground_truth.hpp>
 #include <weft/data/image.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 #include <weft/testing/synthetic.hpp>
 

@@ -9,6 +9,7 @@
 #include <weft/data/correspondences.hpp>
 #include <weft/data/ground_truth.hpp>
 #include <weft/data/image.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/types.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 

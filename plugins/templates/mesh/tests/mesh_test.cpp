@@ -10,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 #include <stdexcept>
+#include <weft/data/matrix.hpp>
 #include <weft/data/template.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/texture_metric.hpp>

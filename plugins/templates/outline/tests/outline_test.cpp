@@ -8,6 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
+#include <weft/data/matrix.hpp>
 #include <weft/data/template.hpp>
 #include <weft/geometry/types.hpp>
 #include <weft/testing/plugin_under_test.hpp>

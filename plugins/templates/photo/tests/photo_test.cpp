@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 #include <vector>
+#include <weft/data/matrix.hpp>
 #include <weft/geometry/mesh_validation.hpp>
 #include <weft/testing/mistakes.hpp>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <weft/data/matrix.hpp>
 #include <weft/testing/atlas.hpp>
 
 #include "common/tests/warp_bench.hpp"

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <string>
 #include <weft/core/rng.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/sdk/warp_model.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 #include <weft/testing/synthetic.hpp>

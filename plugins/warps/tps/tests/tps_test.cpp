@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
+#include <weft/data/matrix.hpp>
+
 #include "common/tests/warp_bench.hpp"
 
 namespace {

@@ -8,6 +8,7 @@
 #include <weft/core/index.hpp>
 #include <weft/data/correspondences.hpp>
 #include <weft/data/image.hpp>
+#include <weft/data/matrix.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 #include <weft/testing/synthetic.hpp>
