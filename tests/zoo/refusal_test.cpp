@@ -93,9 +93,9 @@ TEST(Zoo, RefusesALibraryThatNeedsAnAbsentOne) {
   EXPECT_THAT(error.message, AllOf(HasSubstr("libzoo_absent.so"), HasSubstr("install")));
 }
 
-TEST(Zoo, RefusesAProcessorFeatureThatThisMachineLacks) {
+TEST(Zoo, RefusesAProcessorFeatureThatThisVersionOfWeftDoesNotKnow) {
   const Refusal refusal = refusal_of(scan(), "filters_zoo_wrong_isa.so");
-  EXPECT_THAT(refusal.cause, HasSubstr("amx_fake"));
+  EXPECT_THAT(refusal.cause, HasSubstr("this version of Weft does not know: amx_fake"));
   EXPECT_THAT(refusal.cause, ::testing::Not(HasSubstr("sse4.2")));
   EXPECT_THAT(refusal.fix, HasSubstr("rebuild"));
 }

@@ -20,13 +20,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Features that a library assumes and this processor lacks.
+/// What is wrong with the features that a library assumes, or an empty text. One that a later Weft
+/// has a name for counts as missing.
 std::string missing_features(const std::vector<std::string>& isa) {
-  std::string missing;
+  std::string missing, unknown;
   for (const std::string& feature : isa) {
-    if (!processor_has(feature)) missing += (missing.empty() ? "" : " ") + feature;
+    if (processor_has(feature)) continue;
+    std::string& list = is_processor_feature(feature) ? missing : unknown;
+    list += (list.empty() ? "" : " ") + feature;
   }
-  return missing;
+  if (!missing.empty()) return "it needs processor features that this machine lacks: " + missing;
+  if (unknown.empty()) return {};
+  return "it needs processor features that this version of Weft does not know: " + unknown;
 }
 
 std::vector<std::string> ids_of(const Manifest& manifest) {
@@ -117,8 +122,7 @@ std::optional<Refusal> check(const Manifest& manifest) {
                   "run: weft plugins describe " + shell_word(manifest.library));
   }
   if (const std::string missing = missing_features(manifest.isa); !missing.empty()) {
-    return refuse("it needs processor features that this machine lacks: " + missing,
-                  "rebuild the plugin without the flags that ask for them");
+    return refuse(missing, "rebuild the plugin without the flags that ask for them");
   }
   if (const std::string illegal = illegal_id(manifest); !illegal.empty()) {
     return refuse(illegal, "correct the id in the plugin's source and rebuild it");
