@@ -8,7 +8,6 @@
 
 #include "cli/commands.hpp"
 #include "cli/output/standard_output.hpp"
-#include "cli/plugins/probe.hpp"
 #include "cli/run/sudden_end.hpp"
 
 namespace {
@@ -82,9 +81,6 @@ int run_command(int argc, char** argv) {
 int main(int argc, char** argv) {
   weft::cli::guard_standard_streams();
   const weft::cli::SuddenEndWatch watch;
-  if (argc > 1 && argv[1] == std::string_view(weft::cli::kProbe)) {
-    weft::cli::answer_probe({argv + 1, argv + argc});
-  }
   const int exit_code = run_command(argc, argv);
   return weft::cli::standard_output_failed() ? weft::cli::kInputOutput : exit_code;
 }

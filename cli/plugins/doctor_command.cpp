@@ -11,8 +11,8 @@
 #include "cli/output/json_text.hpp"
 #include "cli/plugins/machine.hpp"
 #include "cli/plugins/plugin_devices.hpp"
-#include "cli/plugins/probe.hpp"
 #include "host/loading/processor.hpp"
+#include "host/probing/probe.hpp"
 #include "host/records/shared_memory.hpp"
 #include "pipeline/runs/source_revision.hpp"
 
@@ -67,7 +67,9 @@ ordered_json demo_json(const host::Registry& registry) {
     const host::Installed* entry = registry.find(id);
     if (entry == nullptr) {
       reason = registry.explain_missing(id);
-    } else if (const auto loaded = probe_component(*entry); !loaded) {
+    } else if (const auto loaded =
+                   host::probe_component(entry->library->library, entry->component.id);
+               !loaded) {
       reason = loaded.error().where + ": " + loaded.error().message;
     }
     plugins.push_back({{"id", id}, {"usable", reason.empty()}, {"reason", reason}});

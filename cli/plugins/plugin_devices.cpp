@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <map>
 
-#include "cli/plugins/probe.hpp"
+#include "host/probing/probe.hpp"
 
 namespace weft::cli {
 namespace {
@@ -26,7 +26,8 @@ ordered_json plugin_devices(const host::Registry& registry) {
   }
   ordered_json found = ordered_json::array();
   for (const auto& [file, entries] : libraries) {
-    const auto devices = probe_devices(*entries.front());
+    const auto devices =
+        host::probe_devices(entries.front()->library->library, entries.front()->component.id);
     std::vector<std::string> ids;
     for (const host::Installed* entry : entries) ids.push_back(entry->component.id);
     found.push_back({{"plugins", ids},

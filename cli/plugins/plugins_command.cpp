@@ -9,8 +9,8 @@
 #include "cli/output/json_text.hpp"
 #include "cli/plugins/plugins_new.hpp"
 #include "cli/plugins/plugins_why.hpp"
-#include "cli/plugins/probe.hpp"
 #include "cli/plugins/role_text.hpp"
+#include "host/probing/probe.hpp"
 
 namespace weft::cli {
 namespace {
@@ -167,7 +167,7 @@ void show(const std::string& id, bool json, Context& context) {
 
 /// Writes the manifest beside a library, on the machine where it is to run, or prints it as JSON.
 Result<void> describe(const std::string& file, bool json) {
-  const auto description = probe_manifest(file);
+  const auto description = host::probe_manifest(file);
   if (!description) return description.error();
   if (json) {
     const auto document = yaml::parse(*description, file);

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "cli/output/json_text.hpp"
-#include "cli/plugins/probe.hpp"
+#include "host/probing/probe.hpp"
 
 namespace weft::cli {
 namespace {
@@ -62,7 +62,8 @@ Finding finding_of(const host::Registry& registry, const host::Installed& entry)
         fmt::format("{} {} is found first, in {} ({})", component.id, winner->component.version,
                     winner->library->library, winner->origin);
     finding.fix = "search its folder first with --plugin-path, or remove the other one";
-  } else if (const auto loaded = probe_component(entry); !loaded) {
+  } else if (const auto loaded = host::probe_component(entry.library->library, entry.component.id);
+             !loaded) {
     finding.state = "refused";
     finding.cause = loaded.error().message;
     finding.fix = "correct that, then ask again";

@@ -97,7 +97,7 @@ void on_deadly(int signal, siginfo_t* info, void*) {
       signal == SIGSEGV ? host::protected_place(info->si_addr) : host::ProtectedPlace{};
   for (std::size_t i = 0; i < kDeadly.size(); ++i) {
     sigaction(kDeadly[i].signal, &actions_before[i], nullptr);
-    if (kDeadly[i].signal != signal) continue;
+    if (kDeadly[i].signal != signal || watched != getpid()) continue;
     if (place.input == nullptr) say_what_ran("ended the process", kDeadly[i].meaning);
     if (place.input != nullptr) {
       say_what_ran(place.beyond ? "went beyond the end of its input " : "wrote into its input ",

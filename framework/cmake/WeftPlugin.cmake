@@ -4,10 +4,10 @@
 #                 [TESTS a_test.cpp ...] [LONG_TESTS b_test.cpp ...] [FOLDER folder]
 #                 [CONTRACT argument ...] [BROKEN])
 #
-# Builds <role>_<name>.so, which exports nothing but `weft_library`, and beside it the manifest
-# <role>_<name>.plugin.yaml; both in FOLDER where it is given, else in this tree's plugin folder or
-# another tree's build folder; `cmake --install` puts both into lib/weft/plugins. role/name is the id
-# of its first component. The same function serves this tree and, after find_package(weft), any
+# Builds <role>_<name>.so, which exports nothing but `weft_library`, and has weft::describe write the
+# manifest <role>_<name>.plugin.yaml beside it; both in FOLDER where it is given, else in this tree's
+# plugin folder or another tree's build folder; `cmake --install` puts both into lib/weft/plugins.
+# role/name is the id of its first component. The same function serves this tree and, after find_package(weft), any
 # other. Tests are built where GTest and weft::testing exist; they are linked with the plugin's
 # objects, so that they can test its parts as well as call it through the contract.
 #
@@ -43,7 +43,7 @@ function(weft_add_plugin id)
     set(folder ${PROJECT_BINARY_DIR})
   endif()
 
-  # One compilation serves the library and the program that writes its manifest.
+  # One compilation serves the library and its tests.
   add_library(${name}_objects OBJECT ${arg_SOURCES})
   set_target_properties(${name}_objects PROPERTIES
     POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
@@ -55,6 +55,11 @@ function(weft_add_plugin id)
     LINK_DEPENDS ${WEFT_PLUGIN_CMAKE_DIR}/weft_plugin.map)
   target_link_options(${name} PRIVATE -Wl,--build-id=sha1
     -Wl,--version-script=${WEFT_PLUGIN_CMAKE_DIR}/weft_plugin.map)
+  # What is missing is said now, not when it is loaded. What sanitizers need comes with the program.
+  get_target_property(sdk_options weft::sdk INTERFACE_LINK_OPTIONS)
+  if(NOT "${sdk_options} ${CMAKE_CXX_FLAGS}" MATCHES "-fsanitize")
+    target_link_options(${name} PRIVATE -Wl,-z,defs)
+  endif()
 
   set(manifest ${folder}/${name}.plugin.yaml)
   weft_is_worth_testing(is_worth_testing ${CMAKE_CURRENT_SOURCE_DIR})
@@ -65,22 +70,20 @@ function(weft_add_plugin id)
       COMMAND ${CMAKE_COMMAND} -E copy ${plain} ${folder}
       DEPENDS ${plain}
       COMMENT "Taking ${id} as it is" VERBATIM)
+  elseif(CMAKE_CROSSCOMPILING AND NOT CMAKE_CROSSCOMPILING_EMULATOR)
+    message(STATUS "Not described, as it cannot run here: ${id}; run `weft plugins describe ${name}.so` where "
+      "it is installed, or set CMAKE_CROSSCOMPILING_EMULATOR")
+    set(manifest "")
   else()
-    add_executable(${name}_describe)
-    target_link_libraries(${name}_describe PRIVATE ${name}_objects weft::describe)
-    set_target_properties(${name}_describe PROPERTIES
-      RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
     add_custom_command(OUTPUT ${manifest}
-      COMMAND ${name}_describe $<TARGET_FILE:${name}> ${manifest} ${id}
-      DEPENDS ${name} ${name}_describe
+      COMMAND ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:weft::describe>
+        $<TARGET_FILE:${name}> ${manifest} ${id}
+      DEPENDS ${name} weft::describe
       COMMENT "Describing ${id}" VERBATIM)
   endif()
   if(TARGET weft_options)
     target_link_libraries(${name}_objects PRIVATE weft_options)
     target_link_libraries(${name} PRIVATE weft_options)
-    if(TARGET ${name}_describe)
-      target_link_libraries(${name}_describe PRIVATE weft_options)
-    endif()
   endif()
   add_custom_target(${name}_manifest ALL DEPENDS ${manifest})
   if(TARGET weft_plugins AND NOT arg_FOLDER)
@@ -97,7 +100,7 @@ function(weft_add_plugin id)
     weft_add_plugin_test(${name} ${name}_long_test long "${arg_LONG_TESTS}")
   endif()
   # Sanitizers see the plugin's own tests.
-  if(TARGET weft::contract AND NOT arg_BROKEN AND NOT WEFT_SANITIZE)
+  if(TARGET weft::contract AND NOT arg_BROKEN AND NOT WEFT_SANITIZE AND NOT CMAKE_CROSSCOMPILING)
     weft_add_contract_test(${name}_contract ${manifest} "${arg_CONTRACT}")
   endif()
 endfunction()

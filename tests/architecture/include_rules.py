@@ -35,6 +35,7 @@ INTERNAL = {
     "roles": "core sdk",
     "host/records": "core data",
     "host/loading": "core yaml describe roles host/records",
+    "host/probing": "core describe host/records host/loading",
     "host/workers": "core host/records host/loading",
     "host/calling": "core roles host/records host/loading host/workers",
     "host/serving": "core host/workers host/calling",
@@ -113,7 +114,7 @@ LIBRARIES = (
 MOST_SOURCES = 25
 MOST_HEADER_LINES = 200
 # Programs besides `weft` itself that may write to stdout and stderr.
-PRINTERS = ("framework/src/describe/main.cpp", "framework/src/testing/contract_main.cpp")
+PRINTERS = ("framework/src/host/probing/main.cpp", "framework/src/testing/contract_main.cpp")
 PRINTING = re.compile(
     r"\bstd\s*::\s*w?(?:cout|cerr|clog)\b"
     r"|\b(?:stdout|stderr)\b"

@@ -44,7 +44,7 @@ CLEAN = {
     ROOMS + "ablation/plan/plan.hpp": HPP + '#include "results/cell_record.hpp"\n',
     ROOMS + "ablation/ablation.hpp": HPP + '#include "ablation/plan/plan.hpp"\n',
     ROOMS + "report/report.hpp": HPP + '#include "results/cell_record.hpp"\n',
-    ROOMS + "describe/main.cpp": SPDX + "int main() { std::puts(text); }\n",
+    ROOMS + "host/probing/main.cpp": SPDX + "int main() { std::puts(text); }\n",
     ROOMS + "testing/synthetic.cpp": SPDX
     + '#include <opencv2/core.hpp>\n#include "host/calling/lane.hpp"\n',
     "cli/main.cpp": SPDX

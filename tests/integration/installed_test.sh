@@ -90,6 +90,25 @@ cmake --build build >/dev/null
 cmake --install build --prefix "$prefix" >/dev/null
 weft plugins show filters/local_motion | grep -q radius_px || fail "the plugin is not installed"
 
+echo "-- an author without Eigen, and with a symbol that there is not"
+mkdir small
+cat >small/CMakeLists.txt <<'TEXT'
+cmake_minimum_required(VERSION 3.25)
+project(small LANGUAGES CXX)
+find_package(weft REQUIRED)
+weft_add_plugin(filters/left_half SOURCES without_eigen.cpp)
+weft_add_plugin(filters/undefined SOURCES undefined.cpp)
+TEXT
+cp "$repository/tests/headers/without_eigen.cpp" small
+sed 's/left_half/undefined/; s/solvers.still/solvers\/undefined/; s/namespace {/extern "C" double nowhere(); namespace {/
+     s/share_ \*/nowhere() */' small/without_eigen.cpp >small/undefined.cpp
+cmake -S small -B smaller -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON \
+  ${CXX:+-DCMAKE_CXX_COMPILER="$CXX"} >/dev/null
+cmake --build smaller --target filters_left_half_manifest >/dev/null
+weft plugins show solvers/still --plugin-path smaller >/dev/null || fail "a plugin without Eigen is not found"
+! cmake --build smaller --target filters_undefined >said.txt 2>&1 || fail "a symbol is missing, and nobody says so"
+grep -q "undefined reference to .nowhere" said.txt || fail "$(cat said.txt)"
+
 echo "-- an author with tests"
 mkdir tests
 cat >tests/CMakeLists.txt <<'TEXT'

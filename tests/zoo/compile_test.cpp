@@ -1,24 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is no component is refused while it is built, in a sentence.
+// What is no component is refused while it is built, in a sentence; what the headers promise of
+// compilers holds.
 #include <gmock/gmock.h>
 
+#include <set>
 #include <sstream>
 
+#include "host/loading/processor.hpp"
 #include "support/child.hpp"
 #include "zoo.hpp"
 
 namespace weft::zoo {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// The compiler, with nothing but the installed headers on its path: no Eigen.
+testing::Ended compiled(const std::string& file, const std::vector<std::string>& options,
+                        const TemporaryFolder& folder) {
+  std::vector<std::string> command{WEFT_CXX_PROGRAM, "-std=c++20", "-I" WEFT_INCLUDE};
+  command.insert(command.end(), options.begin(), options.end());
+  command.push_back(file);
+  return testing::Child(command, folder / "compiler").wait();
+}
 
 TEST(MistakenComponents, AreRefusedByTheCompilerEachInASentence) {
   const TemporaryFolder folder;
-  std::vector<std::string> command{WEFT_CXX_PROGRAM, "-std=c++20", "-fsyntax-only"};
-  std::istringstream folders{std::string(WEFT_INCLUDE_FOLDERS)};
-  for (std::string each; std::getline(folders, each, ':');) command.push_back("-I" + each);
-  command.push_back(WEFT_MISTAKEN);
-  const testing::Ended ended = testing::Child(command, folder / "compiler").wait();
+  const testing::Ended ended = compiled(WEFT_SOURCES "/mistaken.cpp", {"-fsyntax-only"}, folder);
   EXPECT_NE(ended.exit_code, 0);
   for (const char* sentence : {"kAbout of a component is public and a weft::About",
                                "a component calls its weft::About kAbout",
@@ -29,20 +39,240 @@ TEST(MistakenComponents, AreRefusedByTheCompilerEachInASentence) {
   }
 }
 
-TEST(MistakenComponents, AreNotDescribedUnderAnIdThatTheirBuildDoesNotName) {
+TEST(HeadersWithoutEigen, SayWhichOneMakesMatricesOfArrays) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "matrices.cpp";
+  write_file(file,
+             "#include <weft/data/array.hpp>\n"
+             "double first(const weft::Array<double>& a) { return a.matrix<2>()(0, 0); }\n"
+             "weft::Array<double> made(double x) { return weft::make_array<double>(x); }\n");
+  const testing::Ended ended = compiled(file, {"-fsyntax-only"}, folder);
+  EXPECT_NE(ended.exit_code, 0);
+  for (const char* what : {"array.matrix<N>()", "make_array()"}) {
+    EXPECT_THAT(ended.err, HasSubstr(std::string(what) + " works with Eigen matrices: #include "
+                                                         "<weft/data/matrix.hpp>"));
+  }
+}
+
+/// What a library that is compiled with an option says of the processor.
+std::set<std::string> features_with(const std::string& option, const TemporaryFolder& folder) {
+  const std::string file = folder / "isa.cpp";
+  write_file(file, "#include <weft/sdk/isa.hpp>\n");
+  const testing::Ended ended = compiled(file, {"-E", "-P", option}, folder);
+  EXPECT_EQ(ended.exit_code, 0) << option << ": " << ended.err;
+  std::set<std::string> features;
+  std::size_t at = ended.out.find("kIsa[]");
+  while ((at = ended.out.find('"', at)) != std::string::npos) {
+    const std::size_t end = ended.out.find('"', at + 1);
+    std::istringstream words(ended.out.substr(at + 1, end - at - 1));
+    for (std::string word; words >> word;) features.insert(word);
+    at = end + 1;
+  }
+  return features;
+}
+
+#ifdef __x86_64__
+TEST(ProcessorFeatures, AreNamedForEachOptionAndKnownToTheHost) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(features_with("-march=x86-64", folder), ::testing::IsEmpty());
+  for (const std::string name : {"sse3",
+                                 "ssse3",
+                                 "sse4.1",
+                                 "sse4.2",
+                                 "sse4a",
+                                 "popcnt",
+                                 "lzcnt",
+                                 "bmi",
+                                 "bmi2",
+                                 "tbm",
+                                 "movbe",
+                                 "adx",
+                                 "cx16",
+                                 "sahf",
+                                 "aes",
+                                 "pclmul",
+                                 "sha",
+                                 "gfni",
+                                 "rdrnd",
+                                 "rdseed",
+                                 "avx",
+                                 "avx2",
+                                 "fma",
+                                 "fma4",
+                                 "xop",
+                                 "f16c",
+                                 "vaes",
+                                 "vpclmulqdq",
+                                 "avxvnni",
+                                 "avx512f",
+                                 "avx512cd",
+                                 "avx512vl",
+                                 "avx512bw",
+                                 "avx512dq",
+                                 "avx512ifma",
+                                 "avx512vbmi",
+                                 "avx512vbmi2",
+                                 "avx512vnni",
+                                 "avx512bitalg",
+                                 "avx512vpopcntdq",
+                                 "avx512bf16",
+                                 "avx512fp16",
+                                 "avx512vp2intersect",
+                                 "amx-tile",
+                                 "amx-int8",
+                                 "amx-bf16"}) {
+    EXPECT_THAT(features_with("-m" + name, folder), ::testing::Contains(name));
+  }
+  for (const std::string processor : {"sapphirerapids", "znver3", "bdver4", "tigerlake", "knl"}) {
+    const std::set<std::string> features = features_with("-march=" + processor, folder);
+    EXPECT_GE(features.size(), 15U) << processor;
+    for (const std::string& feature : features) {
+      EXPECT_TRUE(host::is_processor_feature(feature)) << feature;
+    }
+  }
+}
+
+TEST(ProcessorFeatures, AreThoseThatTheKernelTellsOfThisProcessor) {
+  std::ifstream stream("/proc/cpuinfo");
+  std::set<std::string> told;
+  for (std::string line; told.empty() && std::getline(stream, line);) {
+    if (!line.starts_with("flags")) continue;
+    std::istringstream words(line.substr(line.find(':') + 1));
+    for (std::string word; words >> word;) told.insert(word);
+  }
+  if (told.empty()) GTEST_SKIP() << "no flags in /proc/cpuinfo";
+  const std::vector<std::pair<std::string, std::string>> names{{"sse3", "pni"},
+                                                               {"ssse3", "ssse3"},
+                                                               {"sse4.1", "sse4_1"},
+                                                               {"sse4.2", "sse4_2"},
+                                                               {"popcnt", "popcnt"},
+                                                               {"lzcnt", "abm"},
+                                                               {"bmi", "bmi1"},
+                                                               {"bmi2", "bmi2"},
+                                                               {"movbe", "movbe"},
+                                                               {"cx16", "cx16"},
+                                                               {"sahf", "lahf_lm"},
+                                                               {"aes", "aes"},
+                                                               {"pclmul", "pclmulqdq"},
+                                                               {"sha", "sha_ni"},
+                                                               {"gfni", "gfni"},
+                                                               {"avx", "avx"},
+                                                               {"avx2", "avx2"},
+                                                               {"fma", "fma"},
+                                                               {"f16c", "f16c"},
+                                                               {"vaes", "vaes"},
+                                                               {"vpclmulqdq", "vpclmulqdq"},
+                                                               {"avx512f", "avx512f"},
+                                                               {"avx512vl", "avx512vl"},
+                                                               {"avx512bw", "avx512bw"},
+                                                               {"avx512dq", "avx512dq"},
+                                                               {"avx512cd", "avx512cd"},
+                                                               {"avx512vbmi", "avx512vbmi"},
+                                                               {"avx512vnni", "avx512_vnni"},
+                                                               {"avx512bf16", "avx512_bf16"},
+                                                               {"avxvnni", "avx_vnni"},
+                                                               {"adx", "adx"},
+                                                               {"rdrnd", "rdrand"},
+                                                               {"rdseed", "rdseed"},
+                                                               {"sse4a", "sse4a"},
+                                                               {"fma4", "fma4"},
+                                                               {"xop", "xop"},
+                                                               {"tbm", "tbm"},
+                                                               {"amx-tile", "amx_tile"},
+                                                               {"avx512fp16", "avx512_fp16"}};
+  for (const auto& [ours, kernels] : names) {
+    EXPECT_EQ(host::processor_has(ours), told.contains(kernels)) << ours;
+  }
+}
+#endif
+
+testing::Ended describe(const std::string& library, const std::string& manifest,
+                        const std::string& id, const TemporaryFolder& folder) {
+  return testing::Child({WEFT_DESCRIBE, library, manifest, id}, folder / "describe").wait();
+}
+
+TEST(WeftDescribe, RefusesAnIdThatTheBuildDoesNotName) {
   const TemporaryFolder folder;
   const std::string good = library("filters_zoo_good"), manifest = folder / "good.plugin.yaml";
-  const auto described_as = [&](const std::string& id) {
-    return testing::Child({WEFT_DESCRIBES_GOOD, good, manifest, id}, folder / "describe").wait();
-  };
-  const testing::Ended refused = described_as("filters/zoo_better");
+  const testing::Ended refused = describe(good, manifest, "filters/zoo_better", folder);
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_THAT(refused.err, HasSubstr("its first component is 'filters/zoo_good', and "
                                      "weft_add_plugin() builds 'filters/zoo_better': give both "
                                      "the same id"));
   EXPECT_FALSE(fs::exists(manifest));
-  EXPECT_EQ(described_as("filters/zoo_good").exit_code, 0);
+  EXPECT_EQ(describe(good, manifest, "filters/zoo_good", folder).exit_code, 0);
+  EXPECT_EQ(read_file(manifest), read_file(kFolder + "/filters_zoo_good.plugin.yaml"));
 }
+
+TEST(WeftDescribe, SaysWhatALibraryDoesInsteadOfDescribingItself) {
+  struct Case {
+    std::string deed, says;
+  };
+#ifdef WEFT_SANITIZED
+  const std::string fault = "exit(1)";  // as the sanitizer ends what it has reported
+#else
+  const std::string fault = "signal 11";
+#endif
+  for (const auto& [deed, says] :
+       {Case{"fault", "it ends the process that loads it by " + fault},
+        Case{"exit", "it ends the process that loads it by exit(0)"},
+        Case{"leave", "it ends the process that loads it by exit(7)"},
+        Case{"throw",
+             "its constructor failed while it declared its parameters (threw: no such table); it "
+             "should read them all and do nothing else: files and checks belong in prepare()"}}) {
+    const TemporaryFolder folder;
+    const std::string manifest = folder / "falls.plugin.yaml";
+    setenv("WEFT_ZOO_FALLS", deed.c_str(), 1);
+    const testing::Ended ended =
+        describe(WEFT_FALLS_FOLDER "/filters_zoo_falls.so", manifest, "filters/zoo_falls", folder);
+    unsetenv("WEFT_ZOO_FALLS");
+    EXPECT_EQ(ended.exit_code, 1) << deed;
+    EXPECT_THAT(ended.err, HasSubstr(says));
+    EXPECT_FALSE(fs::exists(manifest)) << deed;
+  }
+}
+
+TEST(WeftDescribe, SaysOfALibraryThatCannotBeLoadedWhy) {
+  const TemporaryFolder folder;
+  for (const auto& [name, says] : {std::pair("no_symbol", "exports no symbol 'weft_library'"),
+                                   std::pair("wrong_magic", "is no Weft library table"),
+                                   std::pair("wrong_abi", "needs plugin ABI"),
+                                   std::pair("needs_missing", "libzoo_absent.so")}) {
+    const std::string id = std::string("filters/zoo_") + name;
+    const testing::Ended ended = describe(library(std::string("filters_zoo_") + name),
+                                          folder / "refused.plugin.yaml", id, folder);
+    EXPECT_EQ(ended.exit_code, 1) << name;
+    EXPECT_THAT(ended.err, AllOf(HasSubstr(says), Not(HasSubstr("ends the process"))));
+  }
+}
+
+#ifdef WEFT_CLANG
+TEST(APluginLinkedWithLibcxx, IsDescribedAndRunByThisHost) {
+  const TemporaryFolder folder;
+  const std::string built = folder / "filters_zoo_good.so";
+  const testing::Ended compiler =
+      testing::Child({WEFT_CLANG, "-std=c++20", "-stdlib=libc++", "-shared", "-fPIC",
+                      "-fvisibility=hidden", "-Wl,--build-id=sha1", "-Wl,-z,defs",
+                      "-I" WEFT_INCLUDE, WEFT_SOURCES "/good.cpp", "-o", built},
+                     folder / "clang")
+          .wait();
+  ASSERT_EQ(compiler.exit_code, 0) << compiler.err;
+  const testing::Ended described =
+      describe(built, folder / "filters_zoo_good.plugin.yaml", "filters/zoo_good", folder);
+  ASSERT_EQ(described.exit_code, 0) << described.err;
+  EXPECT_THAT(read_file(folder / "filters_zoo_good.plugin.yaml"),
+              AllOf(HasSubstr("compiler: \"clang"), HasSubstr("default: [-1, 2.5]")));
+  Subject ours(scan(), "filters/zoo_good"), theirs(scan(folder.path()), "filters/zoo_good");
+  const host::Outcome one = ours.filter(), other = theirs.filter();
+  ASSERT_EQ(one.status, WEFT_OK) << one.error.message;
+  ASSERT_EQ(other.status, WEFT_OK) << other.error.message;
+  const auto mask = *host::view_as<InlierMask>(*one.find("inlier_mask"));
+  const auto their_mask = *host::view_as<InlierMask>(*other.find("inlier_mask"));
+  ASSERT_EQ(their_mask.kept.rows(), 5);
+  for (std::int64_t i = 0; i < 5; ++i) EXPECT_EQ(their_mask.kept(i), 1);
+  EXPECT_EQ(their_mask.diag.value("first_draw", -1.0), mask.diag.value("first_draw", -2.0));
+}
+#endif
 
 }  // namespace
 }  // namespace weft::zoo
