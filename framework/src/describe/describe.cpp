@@ -220,7 +220,7 @@ std::string write_sweep(std::ostream& out, const weft_sweep& sweep,
 }
 
 /// Returns what is wrong with the declarations, or an empty text.
-std::string write_component(std::ostream& out, const weft_component& component) {
+std::string write_component(std::ostream& out, const weft_component& component, bool is_newer) {
   out << "  - id: " << double_quoted(component.id)
       << "\n    version: " << double_quoted(component.version)
       << "\n    summary: " << double_quoted(component.summary)
@@ -232,7 +232,7 @@ std::string write_component(std::ostream& out, const weft_component& component) 
       << "\n    random: " << ((component.flags & WEFT_FLAG_RANDOM) != 0 ? "true" : "false")
       << "\n    uses_truth: " << ((component.flags & WEFT_FLAG_USES_TRUTH) != 0 ? "true" : "false")
       << "\n    extensions: " << extensions(component) << "\n    parameters:";
-  if (std::string unknown = unknown_slots(component); !unknown.empty()) return unknown;
+  if (std::string unknown = unknown_slots(component, is_newer); !unknown.empty()) return unknown;
   Declarations declarations;
   const weft_describe sink{sizeof(weft_describe),
                            0,
@@ -285,7 +285,8 @@ Result<std::string> describe_library(const weft_library_table& library,
       << "\ncomponents:\n";
   for (std::uint32_t i = 0; i < library.count; ++i) {
     const weft_component& component = *library.components[i];
-    if (std::string problem = write_component(out, component); !problem.empty()) {
+    if (std::string problem = write_component(out, component, library.sdk_minor > WEFT_ABI_MINOR);
+        !problem.empty()) {
       return Error{Errc::plugin_failure, std::move(problem), component.id};
     }
   }

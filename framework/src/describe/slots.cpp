@@ -48,7 +48,7 @@ std::string unknown_name(const char* list, const Role& role, Slots slots, const 
 
 }  // namespace
 
-std::string unknown_slots(const weft_component& component) {
+std::string unknown_slots(const weft_component& component, bool is_newer) {
   const std::string_view id = component.id;
   const std::vector<Role> roles = all_roles();
   const auto role = std::find_if(roles.begin(), roles.end(), [&](const Role& each) {
@@ -63,6 +63,7 @@ std::string unknown_slots(const weft_component& component) {
   for (const List& list : {List{"needs", component.needs, &RoleMethod::inputs, "input"},
                            List{"reads", component.reads, &RoleMethod::inputs, "input"},
                            List{"produces", component.produces, &RoleMethod::outputs, "output"}}) {
+    if (is_newer && list.names == component.reads) continue;
     const std::string wrong = unknown_name(list.names, *role, list.slots, list.what);
     if (!wrong.empty()) return std::string("kAbout.") + list.member + " " + wrong;
   }

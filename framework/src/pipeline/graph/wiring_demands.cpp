@@ -30,8 +30,12 @@ class Demands {
     for (const RoleSlot& input : method.inputs) {
       if (input.required) want(component, input.name, true, nested);
     }
+    // What a later version reads where it is there, this one does not have.
+    const bool is_newer = spec.installed->library->abi_minor > WEFT_ABI_MINOR;
     for (const std::string& slot : component.needs) want(component, slot, true, nested);
-    for (const std::string& slot : component.reads) want(component, slot, false, nested);
+    for (const std::string& slot : component.reads) {
+      if (!is_newer || is_offered(slot)) want(component, slot, false, nested);
+    }
     for (const host::NestedSpec& child : spec.nested) {
       if (child.component.installed != nullptr) add(child.component, true);
     }

@@ -1,0 +1,139 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * A library as a header 1.99 would make it: longer structs, flags and arrays that 1.0 does not
+ * know, an optional input that came later, and components that only a later host can use. It needs
+ * nothing of that for the first one. With NEEDS it needs a host of 1.99, with VERSION_2 it knows
+ * the second version of a record only, with BOTH the first one too.
+ */
+#include <stddef.h>
+#include <string.h>
+#include <weft/abi.h>
+
+#define SDK_MINOR 99
+#ifdef NEEDS
+#define NEEDS_MINOR 99
+#else
+#define NEEDS_MINOR 0
+#endif
+
+#if defined(VERSION_2)
+#define ID "filters/kept.version2"
+#elif defined(BOTH)
+#define ID "filters/kept.both"
+#elif defined(NEEDS)
+#define ID "filters/kept.needs"
+#else
+#define ID "filters/kept.newer"
+#endif
+
+static int instance;
+
+static int32_t describe(const weft_describe* sink, weft_error* error) {
+  (void)error;
+#ifndef VERSION_2
+  sink->record(sink->context, "correspondences/1");
+  sink->record(sink->context, "inlier_mask/1");
+#endif
+#if defined(VERSION_2) || defined(BOTH)
+  sink->record(sink->context, "correspondences/2");
+  sink->record(sink->context, "inlier_mask/2");
+#endif
+  sink->record(sink->context, "depth/1");
+  return WEFT_OK;
+}
+
+static int32_t create(const weft_create* with, void** self, weft_error* error) {
+  (void)with;
+  (void)error;
+  *self = &instance;
+  return WEFT_OK;
+}
+
+static int32_t prepare(void* self, const weft_call* call, const weft_record* inputs, uint64_t count,
+                       weft_error* error) {
+  (void)self;
+  (void)call;
+  (void)inputs;
+  (void)count;
+  (void)error;
+  return WEFT_OK;
+}
+
+/* Keeps all; asks for an array and a record that 1.0 does not know, and goes on where refused. */
+static int32_t process(void* self, const weft_call* call, const weft_record* inputs, uint64_t count,
+                       weft_error* error) {
+  const int64_t* length = NULL;
+  (void)self;
+  (void)error;
+  for (uint64_t i = 0; i < count; ++i) {
+    for (uint64_t j = 0; j < inputs[i].count; ++j) {
+      if (strcmp(inputs[i].arrays[j].name, "kept") == 0) length = inputs[i].arrays[j].shape;
+    }
+  }
+  if (length == NULL) return WEFT_ERROR;
+  uint8_t* kept =
+      call->host->alloc(call, "inlier_mask", "inlier_mask/1", "kept", WEFT_U8, 1, length);
+  double* score =
+      call->host->alloc(call, "inlier_mask", "inlier_mask/1", "score", WEFT_F64, 1, length);
+  if (kept == NULL || score == NULL) return WEFT_ERROR;
+  for (int64_t i = 0; i < length[0]; ++i) {
+    kept[i] = 1;
+    score[i] = 0.5;
+  }
+  call->host->alloc(call, "depth", "depth/1", "depth_m", WEFT_F32, 1, length);
+  return WEFT_OK;
+}
+
+static void destroy(void* self) { (void)self; }
+static const void* get_extension(const char* name) {
+  return strcmp(name, "weft.later/1") == 0 ? &instance : NULL;
+}
+
+static const struct {
+  weft_component known;
+  const char* unknown;
+} component = {
+    {sizeof component, 1u << 15, ID, "1.0.0", "Comes from a later version.", "", "Apache-2.0",
+     "exact", "", "depth", "", 1, describe, create, prepare, process, destroy, get_extension},
+    "?"};
+
+/* Of a role that came later. */
+static const weft_component later = {sizeof later,
+                                     0,
+                                     "tracks/kept.later",
+                                     "1.0.0",
+                                     "Has a role that came later.",
+                                     "",
+                                     "Apache-2.0",
+                                     "exact",
+                                     "",
+                                     "",
+                                     "",
+                                     1,
+                                     describe,
+                                     create,
+                                     prepare,
+                                     process,
+                                     destroy,
+                                     get_extension};
+
+static const weft_component* const components[] = {&component.known, &later};
+
+struct later_table {
+  weft_library_table known;
+  uint64_t unknown[4];
+};
+/* Under another name in C, where the symbol is declared with the length of today. */
+extern WEFT_EXPORT const struct later_table later_library __asm__("weft_library");
+const struct later_table later_library = {{WEFT_ABI_MAGIC,
+                                           WEFT_ABI_MAJOR,
+                                           SDK_MINOR,
+                                           sizeof(struct later_table),
+                                           2,
+                                           components,
+                                           "",
+                                           "synthetic 1.99",
+                                           NEEDS_MINOR,
+                                           7,
+                                           1u << 15,
+                                           {1, 2, 3, 4}},
+                                          {5, 6, 7, 8}};

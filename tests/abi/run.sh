@@ -1,0 +1,107 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# tests/abi/run.sh [BUILD]
+#
+# What docs/abi.md promises, with the libraries and the host that were kept when the contract became
+# what it is: old libraries in the host of BUILD (default build/release), new ones in the kept host,
+# one of a made-up version 1.99, records of a second version, and the layout of each struct.
+set -eu
+
+here=$(cd "$(dirname "$0")" && pwd)
+repository=$(cd "$here/../.." && pwd)
+build=$(cd "${1:-$repository/build/release}" && pwd)
+version=1.0-rc
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder"
+
+failures=0
+fail() {
+  echo "abi: $1" >&2
+  failures=$((failures + 1))
+}
+
+# answers HOST FOLDER FILE: what the components in a folder answer to a host, in a file.
+answers() {
+  WEFT_PLUGIN_PATH=$2 "$1" >"$3" 2>"$3.err" || fail "$1 on $2: $(cat "$3.err")"
+}
+
+expect_golden() {
+  if diff -u "$here/golden.txt" "$1" >difference; then
+    echo "  $2: $(grep -c '^[a-z]*/' "$1") calls, the same answers"
+  else
+    fail "$2: other answers than were kept"
+    head -20 difference >&2
+  fi
+}
+
+expect_line() {
+  grep -q -- "$2" "$1" || fail "$3: says no '$2', but: $(cat "$1")"
+}
+
+kept=$here/kept/$version
+(cd "$kept" && sha256sum --quiet --check SHA256SUMS) || fail "what was kept has been changed"
+for archive in "$kept"/*.tar.xz; do tar xJf "$archive"; done
+
+echo "kept libraries of $version in the host of this build"
+for made_by in gcc clang_libcxx c; do
+  answers "$build/tests/abi/weft_abi_host" "$folder/$version/$made_by" "$made_by.txt"
+  case $made_by in
+    c) expect_line c.txt '^filters/keep filter' "made with a C compiler" ;;
+    *) expect_golden "$made_by.txt" "made by $made_by" ;;
+  esac
+done
+
+echo "libraries of this build in the kept host of $version"
+cmake -S "$here/plugins" -B new -DCMAKE_BUILD_TYPE=Release -Dweft_DIR="$build" \
+  ${CXX:+-DCMAKE_CXX_COMPILER="$CXX"} >/dev/null
+cmake --build new >/dev/null || fail "the plugins do not build"
+answers "$folder/$version/host/weft_abi_host" "$folder/new" new.txt
+expect_golden new.txt "built now"
+answers "$build/tests/abi/weft_abi_host" "$folder/new" both.txt
+expect_golden both.txt "built now, in the host of this build"
+
+echo "libraries of a made-up version 1.99"
+mkdir later
+for kind in NEWER NEEDS VERSION_2 BOTH; do
+  library=later/filters_kept_$(echo $kind | tr '[:upper:]' '[:lower:]').so
+  cc -std=c99 -D$kind -fPIC -shared -Wl,--build-id=sha1 -I "$repository/framework/include" \
+    "$here/newer.c" -o "$library"
+  "$build/bin/weft" plugins describe "$library" >/dev/null || fail "$library is not described"
+done
+cp "$folder"/new/sources* "$folder"/new/templates* "$folder"/new/detectors* \
+  "$folder"/new/matchers* later
+for host in "$build/tests/abi/weft_abi_host" "$folder/$version/host/weft_abi_host"; do
+  answers "$host" "$folder/later" later.txt
+  expect_line later.txt '^filters/kept.newer filter 3: ok' "a newer library that needs nothing new"
+  expect_line later.txt '^filters/kept.both filter 3: ok' "a library that knows two versions of a record"
+  expect_line later.txt "refused filters_kept_newer.so: 'tracks' of 'tracks/kept.later' is no role" \
+    "a component of a role that came later"
+  expect_line later.txt 'refused filters_kept_needs.so: it needs plugin ABI 1.99' \
+    "a library that needs a later host"
+  expect_line later.txt "refused filters_kept_version_2.so: 'filters/kept.version2' knows correspondences/2" \
+    "a library that knows the second version of a record only"
+done
+
+echo "the layout of the structs"
+python3 "$here/layout.py" "$repository/framework/include/weft/abi.h" >layout.txt
+diff -u "$here/layout.txt" layout.txt || fail "the layout of abi.h is not what was kept"
+if command -v abidiff >/dev/null; then
+  abidiff --no-added-syms "$folder/$version/gcc/filters_kept.small.so" "$folder/new/filters_kept.small.so" \
+    >difference || { cat difference >&2; fail "abidiff finds a difference"; }
+else
+  echo "  abidiff is not installed (Debian: abigail-tools); the table of offsets was compared"
+fi
+
+echo "manifests stay bound"
+cp "$folder/$version/gcc"/filters_kept.small.* .
+strip --strip-debug filters_kept.small.so
+if command -v patchelf >/dev/null; then patchelf --set-rpath /nowhere filters_kept.small.so; fi
+"$build/bin/weft" plugins why "$folder/filters_kept.small.so" >said 2>&1 || true
+grep -q "can be used\|default: no plugin" said || fail "stripped, it is no longer bound: $(cat said)"
+objcopy --remove-section .note.gnu.build-id filters_kept.small.so
+"$build/bin/weft" plugins why "$folder/filters_kept.small.so" >said 2>&1 && fail "a library without build-id is used"
+expect_line said 'build-id' "a library without build-id"
+
+test "$failures" = 0 || { echo "abi: $failures failures" >&2; exit 1; }
+echo "abi: all is kept"
