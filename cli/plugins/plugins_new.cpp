@@ -96,13 +96,13 @@ void add_new_plugin(CLI::App& plugins, Context& context) {
       "  3  the folder is not empty or cannot be written");
   command
       ->add_option("ROLE", options->role,
-                   "source, template, detector, matcher, filter, warp, pass, solver or sink")
+                   "source, template, detector, matcher, filter, warp, pass, solver, stage or sink")
       ->type_name("")
       ->required();
   command->add_option("NAME", options->name, "Of the plugin: a to z, 0 to 9 and _")
       ->type_name("")
       ->required();
-  command->add_option("--language", options->language, "Of its source: c++ (default) or python")
+  command->add_option("--language", options->language, "Of its source: c++ (default), c or python")
       ->option_text("LANGUAGE");
   command->add_option("--out", options->folder, "Its folder, new or empty (default: NAME)")
       ->option_text("FOLDER");

@@ -92,13 +92,22 @@ std::string replaced(const std::string& text, const Words& words) {
   return result;
 }
 
-/// Adds the files of a folder, without those with the extension `but`, if any.
+/// A language in which plugins can be begun.
+struct Language {
+  const char* name;
+  const char* folder;    ///< of its sources, which stand in the place of those of the role
+  const char* replaces;  ///< what these are: an extension, or the end of a name
+};
+constexpr Language kLanguages[] = {
+    {"c++", "", ""}, {"c", "c", "my_plugin.cpp"}, {"python", "python", ".cpp"}};
+
+/// Adds the files of a folder, without those whose names end in `but`, if that says anything.
 Result<void> add_files(const fs::path& folder, const Words& words, const std::string& but,
                        std::map<std::string, std::string>& files) {
   std::error_code code;
   for (fs::recursive_directory_iterator entry(folder, code), end; entry != end && !code;
        entry.increment(code)) {
-    const bool is_left_out = !but.empty() && entry->path().extension() == but;
+    const bool is_left_out = !but.empty() && entry->path().string().ends_with(but);
     if (!entry->is_regular_file(code) || is_left_out) continue;
     auto content = read_text_file(entry->path().string(), kMostBytes);
     if (!content) return content.error();
@@ -131,29 +140,37 @@ Result<PluginName> plugin_name(const std::string& role, const std::string& name,
   return plugin;
 }
 
-std::vector<std::string> scaffold_languages() { return {"c++", "python"}; }
+std::vector<std::string> scaffold_languages() {
+  std::vector<std::string> names;
+  for (const Language& language : kLanguages) names.emplace_back(language.name);
+  return names;
+}
 
 Result<std::map<std::string, std::string>> scaffold_files(const PluginName& plugin,
                                                           const std::string& language,
                                                           const fs::path& scaffold) {
-  const Words words = words_of(plugin);
+  const auto* chosen = std::find_if(std::begin(kLanguages), std::end(kLanguages),
+                                    [&](const Language& each) { return each.name == language; });
+  Words words = words_of(plugin);
+  if (language == "c") {
+    words.insert(words.begin(), {{"LANGUAGES CXX", "LANGUAGES C CXX"},
+                                 {"SOURCES my_plugin.cpp", "SOURCES " + plugin.name + ".c\n  LINK m"}});
+  }
   std::map<std::string, std::string> files;
   const auto add = [&](const fs::path& part, const std::string& but) {
     return add_files(scaffold / part, words, but, files);
   };
   std::error_code code;
-  const fs::path python = "python";
-  const bool is_python = language == "python";
-  if (is_python && fs::exists(scaffold / plugin.role, code) &&
-      !fs::exists(scaffold / python / plugin.role, code)) {
-    return Error{
-        Errc::unsupported,
-        plugin.role + " in Python cannot be begun yet; begin a filter and change its class"};
+  const fs::path own = chosen->folder;
+  if (!own.empty() && fs::exists(scaffold / plugin.role, code) &&
+      !fs::exists(scaffold / own / plugin.role, code)) {
+    const char* in = language == "c" ? "C" : "Python";
+    return Error{Errc::unsupported,
+                 plugin.role + " in " + in + " cannot be begun yet; begin a filter and change it"};
   }
-  // Page and pipeline are those of the role in any language.
-  auto added = add(plugin.role, is_python ? ".cpp" : "");
-  if (added && is_python) added = add(python / plugin.role, "");
-  if (added) added = add(is_python ? python / "common" : fs::path("common"), "");
+  auto added = add(plugin.role, chosen->replaces);
+  if (added && !own.empty()) added = add(own / plugin.role, "");
+  if (added) added = add(language == "python" ? own / "common" : fs::path("common"), "");
   if (!added) return added.error();
   return files;
 }

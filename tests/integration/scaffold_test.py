@@ -17,9 +17,9 @@ import unittest
 
 # What the command takes, and the folder of each.
 ROLES = {"source": "sources", "template": "templates", "detector": "detectors", "matcher": "matchers",
-         "filter": "filters", "warp": "warps", "pass": "passes", "solver": "solvers", "sink": "sinks"}
+         "filter": "filters", "warp": "warps", "pass": "passes", "solver": "solvers", "stage": "stages", "sink": "sinks"}
 PYTHON_ROLES = ("source", "template", "filter", "pass", "solver", "sink")
-STAGES = ("detector", "matcher", "filter", "warp", "pass", "solver")
+STAGES = ("detector", "matcher", "filter", "warp", "pass", "solver", "stage")
 
 
 def run(words, folder, weft=None):
@@ -46,7 +46,7 @@ class InAFolder(unittest.TestCase):
     def begin(self, role, name, *more, weft=None):
         """Begins a plugin and returns the commands that it says are next."""
         said = self.done(["weft", "plugins", "new", role, name, *more], weft=weft)
-        self.assertIn(f"{name}/{name}.{'py' if 'python' in more else 'cpp'}\n", said)
+        self.assertIn(f"{name}/{name}.{'py' if 'python' in more else 'c' if 'c' in more else 'cpp'}\n", said)
         return [line.strip() for line in said.splitlines() if line.startswith("  cmake ")]
 
     def check(self, role, name, *more, weft=None):
@@ -83,7 +83,7 @@ class Refusals(InAFolder):
                          "error: no role 'fitler'; did you mean 'filter'?")
         self.assertEqual(self.refused(2, "thing", "mine"),
                          "error: no role 'thing'; there are: source, template, detector, matcher, filter, "
-                         "warp, pass, solver, sink")
+                         "warp, pass, solver, stage, sink")
 
     def test_an_illegal_name_is_told_with_what_would_be_legal(self):
         for word, legal in (("My-Filter", "my_filter"), ("2fast", "fast"), ("a.b", "a_b")):
@@ -95,11 +95,12 @@ class Refusals(InAFolder):
         self.assertIn("has more than 100 characters", self.refused(2, "filter", 100 * "a"))
 
     def test_a_language_that_is_not_there_is_told_with_what_is(self):
-        self.assertEqual(self.refused(2, "filter", "mine", "--language", "c"),
-                         "error: plugins in 'c' cannot be made yet; there are: c++, python")
+        self.assertEqual(self.refused(2, "filter", "mine", "--language", "fortran"),
+                         "error: plugins in 'fortran' cannot be made yet; there are: c++, c, python")
+        self.assertIn("in C cannot be begun yet", self.refused(2, "solver", "mine", "--language", "c"))
         self.assertEqual(self.refused(2, "filter", "mine", "--language", "pyhton"),
                          "error: plugins in 'pyhton' cannot be made yet; did you mean 'python'?")
-        for role in ("detector", "matcher", "warp"):
+        for role in ("detector", "matcher", "warp", "stage"):
             self.assertIn("in Python cannot be begun yet",
                           self.refused(2, role, "mine", "--language", "python"))
         self.assertEqual(list(self.folder.iterdir()), [])
@@ -157,6 +158,16 @@ class Files(InAFolder):
                 self.assertNotIn("my_plugin", files[name].read_text(encoding="utf-8"))
             self.assertIn("python3-numpy", files["README.md"].read_text(encoding="utf-8"))
 
+    def test_in_c_the_tests_are_those_of_the_role(self):
+        self.done(["weft", "plugins", "new", "filter", "my_own_2", "--vendor", "acme", "--language", "c"])
+        out = self.folder / "my_own_2"
+        files = sorted(str(file.relative_to(out)) for file in out.rglob("*") if file.is_file())
+        self.assertEqual(files, sorted((
+            ".gitignore", "CMakeLists.txt", "README.md", "my_own_2.c", "pipeline.yaml",
+            "tests/my_own_2_test.cpp", "texture.png")))
+        self.assertIn('.id = "filters/acme.my_own_2"', (out / "my_own_2.c").read_text(encoding="utf-8"))
+        self.assertIn("SOURCES my_own_2.c\n", (out / "CMakeLists.txt").read_text(encoding="utf-8"))
+
     def check_example(self, page, pipeline):
         """The page shows lines of the pipeline, which is run."""
         example = page.partition("```yaml\n")[2].partition("```")[0]
@@ -177,6 +188,12 @@ class AFilter(InAFolder):
         self.assertIn("the table of filters/mine is out of date", ended.stdout)
         self.done(["cmake", "--build", "mine/build", "--target", "filters_mine_page"])
         self.assertEqual(page.read_text(encoding="utf-8"), right)
+
+
+class InC(InAFolder):
+    def test_filter(self):
+        self.check("filter", "mine", "--language", "c")
+        self.run_of("filter", "mine", "mine")
 
 
 class InPython(InAFolder):
@@ -238,6 +255,9 @@ class EachRole(InAFolder):
     def test_solver(self):
         self.checked("solver")
 
+    def test_stage(self):
+        self.checked("stage")
+
     def test_sink(self):
         folder = self.checked("sink")
         self.assertEqual(sorted(file.name for file in (folder / "vertices").iterdir()),
@@ -262,7 +282,7 @@ class OfAnInstallation(InAFolder):
 
 if __name__ == "__main__":
     BUILD = pathlib.Path(sys.argv[1]).resolve()
-    CASES = {"quick": (Refusals, Files, AFilter), "long": (EachRole, InPython, OfAnInstallation)}[sys.argv[2]]
+    CASES = {"quick": (Refusals, Files, AFilter), "long": (EachRole, InC, InPython, OfAnInstallation)}[sys.argv[2]]
     loader = unittest.TestLoader()
     suite = unittest.TestSuite(loader.loadTestsFromTestCase(case) for case in CASES)
     sys.exit(0 if unittest.TextTestRunner(verbosity=2).run(suite).wasSuccessful() else 1)
