@@ -9,7 +9,7 @@ usage() {
   cat <<'TEXT'
 usage: scripts/bootstrap.sh [--tests] [--with-slurm] [--without-contrib] [--without-opencl | --without-pocl]
 
-  --tests            also what tests need: clang, libc++, clang-format, clang-tidy, codespell, gcovr,
+  --tests            also what tests need: abidiff, clang, libc++, clang-format, clang-tidy, codespell, gcovr,
                      chromium, jsonschema, NumPy, websockets and YAML for Python
   --with-slurm       also Slurm and MUNGE, for tests of ablations on a cluster
   --without-contrib  not libopencv-contrib-dev (148 MB, and VTK): templates/frex_sheet,
@@ -36,7 +36,7 @@ tests=()
 slurm=()
 for argument in "$@"; do
   case $argument in
-    --tests) tests=(clang clang-format clang-tidy codespell gcovr chromium libc++-dev libc++abi-dev
+    --tests) tests=(abigail-tools clang clang-format clang-tidy codespell gcovr chromium libc++-dev libc++abi-dev
       python3-jsonschema python3-numpy python3-websockets python3-yaml) ;;
     --with-slurm) slurm=(slurm-wlm munge) ;;
     --without-contrib) contrib=() ;;

@@ -50,6 +50,9 @@ done
 
 rm -rf "$here/kept/$version"
 mkdir -p "$here/kept/$version"
-tar cJf "$here/kept/$version/kept.tar.xz" --sort=name --owner=0 --group=0 --mtime=2000-01-01 "$version"
-(cd "$here/kept/$version" && sha256sum kept.tar.xz >SHA256SUMS)
+for part in gcc clang_libcxx c host; do
+  tar cJf "$here/kept/$version/$part.tar.xz" --sort=name --owner=0 --group=0 --mtime=2000-01-01 \
+    "$version/$part"
+done
+(cd "$here/kept/$version" && sha256sum ./*.tar.xz >SHA256SUMS)
 ls -l "$here/kept/$version"
