@@ -28,8 +28,7 @@ struct LocalMotion final : weft::Filter {
       const Eigen::RowVector2d usual(weft::median(u), weft::median(v));
       const double deviation_px = (motion.row(i) - usual).norm();
       mask.kept(i) = deviation_px <= max_deviation_px ? 1 : 0;
-      mask.score(i) = 1.0 / (1.0 + deviation_px);
-      ++judged;
+      mask.score(i) = 1.0 / (1.0 + deviation_px), ++judged;
     }
     if (judged == 0) return weft::no_result("no match is left to judge");
     return mask;
