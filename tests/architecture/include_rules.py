@@ -171,7 +171,9 @@ def scope_of(path: str) -> str:
         if inner == "abi.h":
             return "abi"
         room = str(PurePosixPath(inner).parent)
-        return room if room in rooms or room == "testing" else "nowhere"
+        if room.split("/")[0] == "testing":
+            return "testing"
+        return room if room in rooms else "nowhere"
     if parts[0] == "cli":
         return "cli"
     if parts[0] == "plugins":

@@ -53,7 +53,7 @@ class MyPluginWarp final : public weft::WarpModel {
   static constexpr weft::About kAbout{.reads = "weights"};
 
   explicit MyPluginWarp(weft::Params& p) {
-    p.read("margin_px", margin_px_, "px", {0, 10000},
+    p.read("margin_px", margin_px_, "px of the texture", {0, 10000},
            "the warp is valid in the box of the object in the texture and this around it");
   }
 

@@ -2,7 +2,6 @@
 #include "testing/contract_cases.hpp"
 
 #include <algorithm>
-#include <set>
 #include <weft/core/index.hpp>
 
 #include "testing/contract_materials.hpp"
@@ -138,6 +137,8 @@ const Change kChanges[] = {
 
 using Slots = std::set<std::string>;
 
+}  // namespace
+
 std::vector<Input> inputs_of(const Subject& subject, const Scene& scene, const Slots& left_out) {
   std::vector<Input> inputs;
   for (const RoleSlot& slot : subject.rules().main_method().inputs) {
@@ -146,8 +147,6 @@ std::vector<Input> inputs_of(const Subject& subject, const Scene& scene, const S
   }
   return inputs;
 }
-
-}  // namespace
 
 std::vector<Case> cases_of(const Subject& subject) {
   std::vector<Case> cases;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,6 +31,10 @@ struct Case {
                        [&](const Input& input) { return input.slot == slot; });
   }
 };
+
+/// What the scene holds of the inputs that the component takes, but for those `left_out`.
+std::vector<Input> inputs_of(const Subject& subject, const Scene& scene,
+                             const std::set<std::string>& left_out = {});
 
 /// Usual inputs, those without what is optional, and degenerate ones, as far as the component takes
 /// what they are about.

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// weft_contract MANIFEST_FILE|ROLE/NAME ["{parameter: value}"] [deviates "CHECK"]... [ROLE/NAME
-// ...]
+// weft_contract MANIFEST_FILE|ROLE/NAME [geometry] ["{parameter: value}"] [deviates "CHECK"]...
+// [ROLE/NAME ...]
 //
-// Checks one component, or each of a library, through the contract. What stands behind an id is
-// about this component, else about the first. Exit code: 0 all checks hold, 1 one fails, 2 wrong
-// usage, 77 nothing failed and a component was skipped.
+// Checks one component, or each of a library, through the contract, with the laws of geometry if
+// they are asked for. What stands behind an id is about this component, else about the first. Exit
+// code: 0 all checks hold, 1 one fails, 2 wrong usage, 77 nothing failed and a component was
+// skipped.
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -43,14 +44,16 @@ std::vector<Wanted> components_named(const std::string& first) {
 std::vector<Wanted> read_arguments(const std::vector<std::string>& arguments) {
   if (arguments.empty()) {
     throw std::runtime_error(
-        "usage: weft_contract MANIFEST_FILE|ROLE/NAME [\"{parameter: value}\"] "
+        "usage: weft_contract MANIFEST_FILE|ROLE/NAME [geometry] [\"{parameter: value}\"] "
         "[deviates \"CHECK\"]... [skipped \"WHY\"] [ROLE/NAME ...]");
   }
   std::vector<Wanted> wanted = components_named(arguments.front());
   auto about = wanted.begin();
   for (std::size_t i = 1; i < arguments.size(); ++i) {
     const std::string& argument = arguments[i];
-    if (argument.starts_with("{")) {
+    if (argument == "geometry") {
+      for (Wanted& each : wanted) each.options.geometry = true;
+    } else if (argument.starts_with("{")) {
       about->options.params = argument;
     } else if (argument == "deviates" && i + 1 < arguments.size()) {
       about->options.deviations.push_back(arguments[++i]);
@@ -69,6 +72,9 @@ int tell(const std::string& id, const ContractReport& report) {
   for (const std::string& failure : report.failures) std::cout << id << ": " << failure << '\n';
   for (const std::string& known : report.deviations) {
     std::cout << id << " (its page says so): " << known << '\n';
+  }
+  for (const std::string& line : report.inapplicable) {
+    std::cout << id << " (does not apply): " << line << '\n';
   }
   if (!report.failures.empty()) {
     std::cout << id << ": " << report.checks << " checks, " << report.failures.size() << " failures"
@@ -154,7 +160,7 @@ int main(int argc, char** argv) try {
   int code = kHolds;
   for (const Wanted& each : wanted) {
     const int one = each.skipped.empty() ? check_isolated(each.id, each.options)
-                                         : tell(each.id, {0, {}, {}, each.skipped});
+                                         : tell(each.id, {0, {}, {}, {}, each.skipped});
     if (code == kHolds || one == kFails) code = one;
   }
   return code;

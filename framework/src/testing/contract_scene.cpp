@@ -155,7 +155,11 @@ HeldRecord Scene::record(std::string_view slot) const {
 }
 
 Scene make_scene(int number) {
-  Rng rng(kContractSeed + static_cast<std::uint64_t>(100 * number));
+  return make_scene(number, {.count = 400 - 60 * number, .correct_rate = 0.85, .noise_px = 0.4});
+}
+
+Scene make_scene(int number, const MatchSpec& draw, int round) {
+  Rng rng(kContractSeed + static_cast<std::uint64_t>(100 * number + 1000 * round));
   Scene scene;
   scene.camera = {410.0, 410.0, 159.5, 119.5, 320, 240};
   scene.templ = make_template(kSheet);
@@ -167,9 +171,7 @@ Scene make_scene(int number) {
       make_cylinder(kSheet, radius_m, 0.4 + number, {.distance_m = 0.65, .tilt_y_rad = 0.15});
   const Points3 vertices_m = bent_vertices(scene.templ, sheet);
   scene.ground_truth = truth_of(scene.templ, vertices_m);
-  scene.matches =
-      draw_matches(scene.templ, scene.camera, sheet,
-                   {.count = 400 - 60 * number, .correct_rate = 0.85, .noise_px = 0.4}, rng);
+  scene.matches = draw_matches(scene.templ, scene.camera, sheet, draw, rng);
   describe(scene.matches, rng);
   const Rng descriptors(kContractSeed);
   const Correspondences& all = scene.matches.matches;

@@ -55,4 +55,7 @@ struct Scene {
 /// Scene `number`; all have the same template and camera.
 Scene make_scene(int number);
 
+/// The same with other matches, drawn as `draw` says; `round` tells draws apart.
+Scene make_scene(int number, const MatchSpec& draw, int round = 0);
+
 }  // namespace weft::testing

@@ -49,6 +49,12 @@ std::string difference(const std::string& slot, const weft_record& a, const weft
   return "";
 }
 
+bool draws(const host::ComponentSpec& spec) {
+  return spec.component().random ||
+         std::any_of(spec.nested.begin(), spec.nested.end(),
+                     [](const host::NestedSpec& nested) { return draws(nested.component); });
+}
+
 std::optional<host::ComponentSpec> any_warp(const host::Registry& registry) {
   for (const host::Installed& entry : registry.installed()) {
     if (entry.shadowed || !rules_of(entry.component.role()).samples) continue;
@@ -88,7 +94,7 @@ Result<Subject> Subject::find(const host::Registry& registry, const std::string&
   }
   if (spec && problems.empty()) host::ComponentChecks().ask(*spec, problems);
   if (spec && problems.empty()) {
-    Subject subject(*std::move(spec));
+    Subject subject(registry, *std::move(spec));
     if (subject.takes("warp")) subject.warp_maker = any_warp(registry);
     return subject;
   }
@@ -101,6 +107,8 @@ Result<Subject> Subject::find(const host::Registry& registry, const std::string&
                    id + " \"{name: value}\"",
                id};
 }
+
+bool Subject::is_random() const { return draws(spec_); }
 
 bool Subject::takes(std::string_view slot) const {
   return requires_input(slot) || has(manifest().reads, slot);

@@ -34,9 +34,16 @@ class Subject {
   static Result<Subject> find(const host::Registry& registry, const std::string& id,
                               const std::string& params, const std::string& output_folder);
 
+  /// The same component where a pixel is `px` pixels and a metre `m` metres: parameters whose
+  /// declared unit is of pixels of the image or of lengths in space have other values, those of
+  /// nested components too. Fails where one would leave its range.
+  Result<Subject> in_units(double px, double m) const;
+
   const host::ComponentSpec& spec() const { return spec_; }
   const host::ComponentManifest& manifest() const { return spec_.component(); }
   const RoleRules& rules() const { return manifest().rules(); }
+  /// Whether it, or a component that it holds, draws from the seed.
+  bool is_random() const;
   bool is_exact() const { return manifest().determinism == "exact"; }
 
   /// Whether the host delivers this input to its main method, and whether it insists on it.
@@ -48,7 +55,9 @@ class Subject {
   std::optional<host::ComponentSpec> warp_maker;
 
  private:
-  explicit Subject(host::ComponentSpec spec) : spec_(std::move(spec)) {}
+  Subject(const host::Registry& registry, host::ComponentSpec spec)
+      : registry_(&registry), spec_(std::move(spec)) {}
+  const host::Registry* registry_;
   host::ComponentSpec spec_;
 };
 

@@ -8,6 +8,7 @@
 #include "describe/describe.hpp"
 #include "host/records/plugin_error.hpp"
 #include "testing/contract_stages.hpp"
+#include "testing/geometry/check_geometry.hpp"
 
 namespace weft::testing {
 namespace {
@@ -65,7 +66,7 @@ void check_life(const Subject& subject, Checks& checks) {
   }
 }
 
-void check_all(const FindIn& find, Checks& checks) {
+void check_all(const FindIn& find, const ContractOptions& options, Checks& checks) {
   checks.begin("its parameters");
   const ScratchFolder folder;
   const auto subject = find(folder.path().string());
@@ -81,6 +82,7 @@ void check_all(const FindIn& find, Checks& checks) {
   if (rules.part == PipelinePart::sink) return check_sink(find, checks);
   check_stage(*subject, checks);
   if (rules.samples) check_warp(*subject, checks);
+  if (options.geometry) check_geometry(*subject, checks);
 }
 
 }  // namespace
@@ -91,7 +93,7 @@ ContractReport check_role_contract(const std::string& id, const ContractOptions&
     return Subject::find(registry, id, options.params, output_folder);
   };
   Checks checks(options);
-  check_all(find, checks);
+  check_all(find, options, checks);
   ContractReport report = checks.report();
   for (const std::string& known : options.deviations) {
     const bool occurs =

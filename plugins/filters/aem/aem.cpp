@@ -62,7 +62,7 @@ class Aem final : public weft::Filter {
            "the same for the last look, which decides");
     p.read("fine_control_short", annealing.fine_control_short, "", {4, 16},
            "the same along the shorter side");
-    p.read("margin_px", annealing.margin_px, "px", {0, 1e4},
+    p.read("margin_px", annealing.margin_px, "px of the texture", {0, 1e4},
            "the warp's domain is the box of the object in the texture and this around it");
     p.read("stiffness", annealing.stiffness, "", {1e-3, 1e6},
            "weight of the warp's bending: 1.5 bends to mismatches, 50 does not bend to the sheet");

@@ -33,7 +33,7 @@ class Merge final : public Matcher {
   static constexpr About kAbout{.reads = "correspondences"};
 
   explicit Merge(Params& p) {
-    p.read("template_radius_px", template_radius_px_, "px", {0, 100},
+    p.read("template_radius_px", template_radius_px_, "px of the texture", {0, 100},
            "duplicates are within this in the texture");
     p.read("image_radius_px", image_radius_px_, "px", {0, 100},
            "duplicates are also within this in the image");

@@ -10,8 +10,8 @@
 namespace weft::chhatkuli_stable {
 namespace {
 
-/// The smallest square around the normalised image points; it is the unit square of the spline, so
-/// that its bending energy is computed once.
+/// The smallest square around the normalised image points, with these in its middle; it is the unit
+/// square of the spline, so that its bending energy is computed once.
 struct ImageSquare {
   Eigen::RowVector2d low;  ///< [2] normalised image point
   double side = 0.0;       ///< []
@@ -21,8 +21,8 @@ struct ImageSquare {
     for (const solvers::WarpPlace& place : places) {
       least = least.cwiseMin(place.eta), most = most.cwiseMax(place.eta);
     }
-    low = least.transpose();
     side = (most - least).maxCoeff();
+    low = 0.5 * ((least + most).transpose().array() - side);
   }
 };
 

@@ -13,7 +13,8 @@ namespace {
 constexpr double kSoft = 10.0;                        // times the strain
 constexpr double kHuber = 1.0, kApproachHuber = 4.0;  // what is far off still has to come
 constexpr double kApproachBendRad = 0.1, kRigidBendRad = 0.02;
-constexpr MinimiserOptions kApproach{10, 1e-4};
+constexpr int kApproachIterations = 10;
+constexpr double kApproachTolerance = 100.0;  // times that of the last steps
 constexpr std::size_t kMostSeenBends = 256;
 
 /// Brings known points into their spheres, by the least motion of their corners.
@@ -63,9 +64,10 @@ void ShapeSearch::run(const Frame& frame, Candidate& candidate) {
   Scales stage = scales;
   stage.trust = {kHuber, false};
   candidate.approach_iterations = 0;
+  const MinimiserOptions approach{kApproachIterations, kApproachTolerance * options.tolerance_m};
   const auto settle = [&](const Scales& with) {
     candidate.approach_iterations +=
-        minimiser_.run(frame.data, expected_, with, kApproach, vertices_m).iterations;
+        minimiser_.run(frame.data, expected_, with, approach, vertices_m).iterations;
   };
   Scales soft = stage;
   soft.strain *= kSoft;

@@ -36,12 +36,12 @@ class Bbs final : public weft::WarpModel {
   explicit Bbs(weft::Params& p) {
     p.read("control_u", control_u_, "", {4, 100}, "control points along the domain's width");
     p.read("control_v", control_v_, "", {4, 100}, "control points along the domain's height");
-    p.read("margin_px", margin_px_, "px", {0, 1e4},
+    p.read("margin_px", margin_px_, "px of the texture", {0, 1e4},
            "the domain is the box of the object in the texture and this around it");
     p.choice("smoothing", smoothing_,
              {{"paper_px2", Smoothing::paper_px2}, {"dimensionless", Smoothing::dimensionless}},
              "which of lambda_px2 and lambda weighs the bending energy");
-    p.read("lambda_px2", lambda_px2_, "px^2", {0, 1e15},
+    p.read("lambda_px2", lambda_px2_, "px^2 of the texture", {0, 1e15},
            "for paper_px2: depends on the size of the texture");
     p.read("lambda", lambda_, "", {0, 1e9},
            "for dimensionless: in areas of a knot cell; 0.001 interpolates, 1 is stiff");

@@ -41,7 +41,7 @@ class Tps final : public weft::WarpModel {
     p.read("grid_v", grid_v_, "", {2, 40}, "centres along the domain's height");
     p.read("most_matches", most_matches_, "", {3, 5000},
            "for matches: with more of them the grid is used");
-    p.read("margin_px", margin_px_, "px", {0, 1e4},
+    p.read("margin_px", margin_px_, "px of the texture", {0, 1e4},
            "the domain is the box of the object in the texture and this around it");
     p.choice("smoothing", smoothing_,
              {{"fixed", Smoothing::fixed}, {"leave_one_out", Smoothing::leave_one_out}},

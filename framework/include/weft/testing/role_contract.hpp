@@ -9,10 +9,11 @@ namespace weft::testing {
 
 /// How a component did.
 struct ContractReport {
-  int checks = 0;                       ///< [] that were made
-  std::vector<std::string> failures;    ///< "with 0 matches: says ok and keeps no match"
-  std::vector<std::string> deviations;  ///< the same, of checks that may fail
-  std::string skipped;                  ///< why nothing was checked; empty where it was
+  int checks = 0;                         ///< [] that were made
+  std::vector<std::string> failures;      ///< "with 0 matches: says ok and keeps no match"
+  std::vector<std::string> deviations;    ///< the same, of checks that may fail
+  std::vector<std::string> inapplicable;  ///< checks that say nothing of it: "image scaled: why"
+  std::string skipped;                    ///< why nothing was checked; empty where it was
 };
 
 /// What a component is checked with.
@@ -20,6 +21,7 @@ struct ContractOptions {
   std::string params = "{}";                 ///< YAML; paths are relative to the working directory
   std::vector<std::string> deviations = {};  ///< checks that may fail: "with 0 matches"
   std::vector<std::string> plugin_folders = {};  ///< searched before those of WEFT_PLUGIN_PATH
+  bool geometry = false;  ///< also that answers follow scenes that move, and exact matches
   std::function<void(const std::string& what)> watch = {};  ///< told before each check what it is
 };
 
