@@ -44,8 +44,8 @@ class SalzmannClosedForm final : public Solver {
     p.read("modes", modes_wanted_, "", {4, 60}, "smooth functions of which shapes are made");
     p.read("unknowns", unknowns_, "", {1, 16},
            "at most so many of the shapes that the image allows are combined");
-    p.read("smoothing", smoothing_, "px^2", {1e-9, 1e9},
-           "bending energy against squared errors in the image");
+    p.read("smoothing", smoothing_, "", {1e-9, 1e9},
+           "bending energy against squared errors in the image in px");
     p.read("strain", strain_, "", {1e-5, 1.0},
            "how far an edge may be from its length: standard deviation");
     p.read("rounds", rounds_, "", {1, 20},
