@@ -22,11 +22,11 @@ class Cancelled(Exception):
 class Degenerate:
     """A result that is usable but doubtful, and why."""
 
-    def __init__(self, value, reason):
+    def __init__(self, value: object, reason: object) -> None:
         self.value = value
         self.reason = str(reason)
 
 
-def degenerate(value, reason):
+def degenerate(value: object, reason: object) -> Degenerate:
     """To be returned in the place of a result that is usable but doubtful."""
     return Degenerate(value, reason)

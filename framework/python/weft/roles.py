@@ -6,6 +6,10 @@ Methods are called with `given`: its attributes are the inputs of the method (`g
 `given.previous_shape`), None where they are absent, and `given.call`.
 """
 
+from __future__ import annotations
+
+from typing import Any
+
 from weft.parameters import parameters_of
 
 
@@ -22,11 +26,12 @@ class Component:
     produces = ""  # sources and passes: which outputs of the role they make
     random = False  # draws from the seed
     uses_truth = False  # may read ground_truth
-    sweep = None  # ("max_deviation_px", [1, 2, 5, 10]): over which a plan draws a ROC curve
+    # Over which a plan draws a ROC curve: ("max_deviation_px", [1, 2, 5, 10]).
+    sweep: tuple[str, list[float]] | None = None
     role = ""
-    methods = ()
+    methods: tuple[str, ...] = ()
 
-    def __init__(self, **values):
+    def __init__(self, **values: Any) -> None:
         declared = parameters_of(type(self))
         for name, value in values.items():
             if name not in declared:
@@ -40,7 +45,7 @@ class Component:
                 default = type(default)(default)
             setattr(self, name, values.get(name, default))
 
-    def prepare(self, given):
+    def prepare(self, given: Any) -> None:
         """Called once before the first frame with `given.template` and `given.camera`; not for
         sources and templates. What is read or computed once belongs here."""
 
@@ -110,8 +115,8 @@ class Sink(Component):
     role = "sinks"
     methods = ("open", "write", "finish")
 
-    def open(self, given):
+    def open(self, given: Any) -> None:
         """Called once, after prepare()."""
 
-    def finish(self, given):
+    def finish(self, given: Any) -> None:
         """Called once after the last frame, also when the run failed."""

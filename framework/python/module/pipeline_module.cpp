@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+// The module weft.programs._pipeline: weft::Pipeline as weft/programs/pipelines.py needs it.
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <array>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+#include <weft/core/index.hpp>
+#include <weft/data/owned.hpp>
+#include <weft/embedding/pipeline.hpp>
+
+#include "numpy_arrays.hpp"
+
+namespace py = pybind11;
+
+namespace weft::python {
+namespace {
+
+using Texts = std::vector<std::string>;
+
+const char* name_of(Errc code) {
+  constexpr std::array kNames{
+      "no_result",    "invalid_value", "invalid_data",   "not_found", "io",        "syntax",
+      "incompatible", "unsupported",   "plugin_failure", "cancelled", "no_memory", "end"};
+  const auto number = static_cast<std::int32_t>(code) - 1;
+  return number >= 0 && to_index(number) < kNames.size() ? kNames[to_index(number)] : "unknown";
+}
+
+/// Raises it as weft.Error.
+[[noreturn]] void raise(const Error& error) {
+  const py::object type = py::module_::import("weft.programs.errors").attr("Error");
+  const auto text = [](const std::string& bytes) {
+    return py::reinterpret_steal<py::str>(
+        PyUnicode_DecodeUTF8(bytes.data(), static_cast<Py_ssize_t>(bytes.size()), "replace"));
+  };
+  const py::object raised = type(text(error.message), text(error.where), name_of(error.code));
+  PyErr_SetObject(type.ptr(), raised.ptr());
+  throw py::error_already_set();
+}
+
+py::dict dict_of(const ProcessedFrame& frame) {
+  py::list stages;
+  for (const ProcessedFrame::Stage& stage : frame.stages) {
+    stages.append(py::make_tuple(stage.name, stage.status, stage.reason, stage.ms));
+  }
+  py::dict told;
+  told["index"] = frame.frame;
+  told["state"] = to_string(frame.state());
+  told["confidence"] = frame.confidence();
+  told["failed"] = frame.failed;
+  told["stages"] = stages;
+  told["warnings"] = frame.warnings;
+  told["report_json"] = frame.report;
+  if (frame.shape) {
+    told["age_frames"] = frame.shape->age_frames;
+    told["vertices_m"] = numpy_of(frame.shape->vertices_m);
+    told["source"] = numpy_of(frame.shape->source);
+    told["covariance_m2"] = numpy_of(frame.shape->covariance_m2);
+    told["diagnostics"] = named_of(frame.shape->diag);
+  }
+  return told;
+}
+
+/// Other threads of Python go on while it works; a second one that comes meanwhile is refused, for
+/// the order of the images would be left to chance.
+class OpenedPipeline {
+ public:
+  OpenedPipeline(const std::string& file, const Camera& camera, const PipelineOptions& options) {
+    auto loaded = [&] {
+      const py::gil_scoped_release others_go_on;
+      return Pipeline::load(file, camera, options);
+    }();
+    if (!loaded) raise(loaded.error());
+    pipeline_.emplace(*std::move(loaded));
+  }
+  ~OpenedPipeline() { close(); }
+  OpenedPipeline(const OpenedPipeline&) = delete;
+  OpenedPipeline& operator=(const OpenedPipeline&) = delete;
+
+  /// Components in Python end in it, in threads that want the lock of the interpreter.
+  void close() {
+    const py::gil_scoped_release others_go_on;
+    const std::lock_guard alone(mutex_);
+    pipeline_.reset();
+  }
+
+  py::dict templ() const {
+    const Template templ = owned_record(pipeline_->templ());
+    py::dict arrays;
+    arrays["vertices_m"] = numpy_of(templ.vertices_m);
+    arrays["faces"] = numpy_of(templ.faces);
+    arrays["flat_px"] = numpy_of(templ.flat_px);
+    arrays["m_per_px"] = numpy_of(templ.m_per_px);
+    arrays["texture"] = numpy_of(templ.texture);
+    arrays["mask"] = numpy_of(templ.mask);
+    return arrays;
+  }
+
+  /// Rows of `pixels` may lie apart, the elements of a row may not.
+  py::dict process(const py::array_t<std::uint8_t, 0>& pixels, double t_s) {
+    if (pixels.ndim() > WEFT_MAX_DIMENSIONS) {
+      raise({Errc::invalid_data, "has too many axes; give [H,W] grey levels or [H,W,3] BGR",
+             "image"});
+    }
+    Array<std::uint8_t>::Shape shape{};
+    for (py::ssize_t axis = 0; axis < pixels.ndim(); ++axis) {
+      shape[to_index(axis)] = pixels.shape(axis);
+    }
+    const std::int64_t row_bytes = pixels.ndim() > 0 ? pixels.strides(0) : 1;
+    Image image;
+    image.pixels = Array<std::uint8_t>::borrow(pixels.data(), static_cast<int>(pixels.ndim()),
+                                               shape, row_bytes);
+    const std::unique_lock alone(mutex_, std::try_to_lock);
+    if (!alone) {
+      raise({Errc::unsupported,
+             "another thread's image is being processed; take turns, or open a pipeline for each",
+             "pipeline"});
+    }
+    if (!pipeline_) raise({Errc::unsupported, "is closed; open it again", "pipeline"});
+    auto frame = [&] {
+      const py::gil_scoped_release others_go_on;
+      return pipeline_->process(image, t_s);
+    }();
+    if (!frame) raise(frame.error());
+    return dict_of(*frame);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::optional<Pipeline> pipeline_;
+};
+
+using CameraNumbers = std::tuple<double, double, double, double, std::int64_t, std::int64_t>;
+
+std::unique_ptr<OpenedPipeline> open_pipeline(const std::string& file, const CameraNumbers& camera,
+                                              Texts settings, Texts plugin_path,
+                                              std::string worker) {
+  const auto& [fx, fy, cx, cy, width_px, height_px] = camera;
+  return std::make_unique<OpenedPipeline>(
+      file, Camera{fx, fy, cx, cy, width_px, height_px},
+      PipelineOptions{std::move(settings), std::move(plugin_path), std::move(worker)});
+}
+
+}  // namespace
+}  // namespace weft::python
+
+PYBIND11_MODULE(_pipeline, module) {
+  using weft::python::OpenedPipeline;
+  module.doc() = "What weft.Pipeline is made of; see there.";
+  py::class_<OpenedPipeline>(module, "OpenedPipeline")
+      .def(py::init(&weft::python::open_pipeline))
+      .def("template", &OpenedPipeline::templ)
+      .def("process", &OpenedPipeline::process)
+      .def("close", &OpenedPipeline::close);
+}
