@@ -9,8 +9,9 @@ usage() {
   cat <<'TEXT'
 usage: scripts/bootstrap.sh [--tests] [--with-slurm] [--without-contrib] [--without-opencl | --without-pocl]
 
-  --tests            also what tests need: abidiff, clang, libc++, clang-format, clang-tidy, codespell, gcovr,
-                     chromium, jsonschema, NumPy, websockets and YAML for Python
+  --tests            also what tests need: abidiff, clang, libc++, clang-format, clang-tidy,
+                     codespell, gcovr, chromium, jsonschema, matplotlib, mypy, NumPy, websockets,
+                     xxhash and YAML for Python
   --with-slurm       also Slurm and MUNGE, for tests of ablations on a cluster
   --without-contrib  not libopencv-contrib-dev (148 MB, and VTK): templates/frex_sheet,
                      sources/frex_video and `weft calibrate` are then left out of the build
@@ -27,7 +28,7 @@ packages=(
   libopencv-calib3d-dev libopencv-imgcodecs-dev libopencv-videoio-dev libopencv-video-dev
   libeigen3-dev libboost-dev libboost-filesystem-dev libyaml-cpp-dev libcgal-dev
   libembree-dev libceres-dev libhwy-dev libcli11-dev libfmt-dev nlohmann-json3-dev libxxhash-dev libzip-dev libsqlite3-dev
-  python3 python3-dev python3-numpy
+  python3 python3-dev python3-numpy pybind11-dev
 )
 contrib=(libopencv-contrib-dev)
 opencl=(ocl-icd-opencl-dev opencl-headers opencl-clhpp-headers)
@@ -36,8 +37,9 @@ tests=()
 slurm=()
 for argument in "$@"; do
   case $argument in
-    --tests) tests=(abigail-tools clang clang-format clang-tidy codespell gcovr chromium libc++-dev libc++abi-dev
-      python3-jsonschema python3-numpy python3-websockets python3-yaml) ;;
+    --tests) tests=(abigail-tools clang clang-format clang-tidy codespell gcovr chromium libc++-dev
+      libc++abi-dev python3-jsonschema python3-matplotlib python3-mypy python3-numpy
+      python3-websockets python3-xxhash python3-yaml) ;;
     --with-slurm) slurm=(slurm-wlm munge) ;;
     --without-contrib) contrib=() ;;
     --without-opencl) opencl=() pocl=() ;;

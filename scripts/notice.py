@@ -79,7 +79,8 @@ that loads solvers/brunet_refine loads them. Weft asks Ceres for Eigen's solver 
 is built without SuiteSparse loads none. The same holds for whoever passes these on.
 
 Plugins in Python, of which none is installed with Weft, link libpython (PSF-2.0) and load NumPy
-(BSD-3-Clause).
+(BSD-3-Clause). The package for programs in Python contains pybind11 (BSD-3-Clause), is loaded by
+Python and loads NumPy; it draws by matplotlib (PSF-2.0, by its own wording).
 
 Tests, which are not installed, also use GoogleTest (BSD-3-Clause) and Google Benchmark
 (Apache-2.0); that of filters/myneighbor compares with CGAL. OpenCL devices have drivers of their

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 #
-# What `cmake --install` puts where, and the Debian packages of it (`cpack`): weft, weft-plugins and
-# weft-dev. The program finds plugins, worker, report and scaffold beside itself, so that a folder of it
+# What `cmake --install` puts where, and the Debian packages of it (`cpack`): weft, weft-plugins,
+# weft-dev and python3-weft. The program finds plugins, worker, report and scaffold beside itself, so that a folder of it
 # can be moved. weft_add_plugin installs its plugin by itself. The build tree is a package too.
 
 include(CMakePackageConfigHelpers)
@@ -29,8 +29,19 @@ if(TARGET weft_python)
   install(TARGETS weft_python EXPORT weftTargets ARCHIVE DESTINATION lib COMPONENT dev)
   install(FILES framework/python/embed.py framework/python/python_library.hpp
     DESTINATION share/weft/python COMPONENT dev)
+  # What travels in libraries; programs import the package from the component `python`.
   install(DIRECTORY framework/python/weft DESTINATION share/weft/python COMPONENT dev
-    FILES_MATCHING PATTERN *.py PATTERN __pycache__ EXCLUDE)
+    FILES_MATCHING PATTERN *.py PATTERN __pycache__ EXCLUDE PATTERN programs EXCLUDE)
+endif()
+# It finds plugins and worker from where it lies, as the program does.
+if(NOT WEFT_SANITIZE)
+  set(python_packages lib/python3/dist-packages)
+  install(DIRECTORY framework/python/weft DESTINATION ${python_packages} COMPONENT python
+    FILES_MATCHING PATTERN *.py PATTERN *.pyi PATTERN py.typed PATTERN __pycache__ EXCLUDE)
+  if(TARGET weft_python_module)
+    install(TARGETS weft_python_module LIBRARY DESTINATION ${python_packages}/weft/programs
+      COMPONENT python)
+  endif()
 endif()
 install(TARGETS weft_contract weft_describe EXPORT weftTargets RUNTIME DESTINATION bin COMPONENT dev)
 install(TARGETS weft_sdk EXPORT weftTargets COMPONENT dev)
@@ -92,6 +103,9 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_COMPONENTS_ALL runtime plugins dev)
+if(NOT WEFT_SANITIZE)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS ON)
@@ -105,11 +119,17 @@ set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "libeigen3-dev")
 # What the components testing and embedding are linked with, and plugins in Python.
 set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS "libboost-filesystem-dev, libyaml-cpp-dev, libzip-dev, \
 libxxhash-dev, nlohmann-json3-dev, pkg-config, python3-dev, python3-numpy")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-weft)
+get_property(python_versions GLOBAL PROPERTY WEFT_PYTHON_MODULE_VERSIONS)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "${python_versions}python3-numpy")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "weft-plugins, python3-matplotlib, python3-xxhash")
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
   "The program weft, its manual pages, its report page and its pipelines.")
 set(CPACK_COMPONENT_PLUGINS_DESCRIPTION "The plugins of Weft: sources to sinks.")
 set(CPACK_COMPONENT_DEV_DESCRIPTION
   "What plugins for Weft are built with, and programs that embed its pipelines.")
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION
+  "Pipelines of Weft in programs in Python; its runs and results as NumPy, drawings.")
 set(CPACK_COMPONENT_PLUGINS_DEPENDS runtime)
 set(CPACK_COMPONENT_DEV_DEPENDS runtime)
 include(CPack)

@@ -54,7 +54,7 @@ def numbers(default: Sequence[float], unit: str, bounds: tuple[float, float] | N
                      required=required, is_list=True)
 
 
-def wholes(default: Sequence[int], unit: str, bounds: "tuple[float, float] | None", meaning: str, *,
+def wholes(default: Sequence[int], unit: str, bounds: tuple[float, float] | None, meaning: str, *,
            required: bool = False) -> Any:
     """A list of whole numbers; likewise."""
     return Parameter("i64", [int(each) for each in default], meaning, unit=unit, bounds=bounds,

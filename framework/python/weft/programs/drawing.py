@@ -71,7 +71,7 @@ def coloured(collection: Any, colours: dict[str, Any], ax: Any) -> None:
         import matplotlib
         collection.set_array(colours["array"])
         collection.set_cmap(matplotlib.colormaps["viridis"].with_extremes(bad="0.6"))
-        ax.figure.colorbar(collection, ax=ax, shrink=0.8, pad=0.1)
+        ax.figure.colorbar(collection, ax=ax, shrink=0.8, pad=0.2 if ax.name == "3d" else 0.02)
     else:
         collection.set_facecolor(colours["facecolor"])
 
@@ -118,7 +118,7 @@ def draw_in_space(vertices: NDArray[np.float64], faces: NDArray[np.int32], colou
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
     if ax is None:
         ax = new_figure().add_subplot(projection="3d")
-    if not hasattr(ax, "set_zlim"):
+    if ax.name != "3d":
         raise ValueError("without a camera the mesh is drawn in 3D: give axes that are made with projection=\"3d\"")
     x, y, z = 1000.0 * vertices.T
     points = np.stack((x, z, y), axis=1)

@@ -168,9 +168,9 @@ def value_text(path: str, value: Any) -> str:
         value = os.fspath(value)
     try:
         return json.dumps(value, allow_nan=False)
-    except (TypeError, ValueError) as mistake:
-        raise Error(f"{mistake}; a value is a number, text, True or False, or a list or dict of these",
-                    f"set {path}", "invalid_value") from None
+    except (TypeError, ValueError):
+        raise Error(f"cannot be {value!r}: a value is a finite number, text, True or False, or a list or dict of "
+                    "these", f"set {path}", "invalid_value") from None
 
 
 def installed_plugins() -> list[str]:
