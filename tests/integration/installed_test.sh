@@ -75,6 +75,27 @@ done
 cmp given/frames.jsonl.told embedded.jsonl.told || fail "an embedded pipeline gives other shapes"
 test "$(grep -c estimated embedded.jsonl.told)" = 2 || fail "an embedded pipeline finds no sheet"
 
+if ls "$prefix"/lib/python3/dist-packages/weft/programs/_pipeline*.so >/dev/null 2>&1; then
+  echo "-- a program in Python"
+  (cd / && PYTHONPATH=$prefix/lib/python3/dist-packages "${WEFT_PYTHON:-python3}" - "$folder" \
+    "$prefix/share/weft/pipelines/demo.yaml" >"$folder/python.jsonl" <<'TEXT'
+import sys
+
+import numpy as np
+import weft
+
+folder, demo = sys.argv[1:]
+camera = weft.open_run(folder + "/given").camera
+images = np.fromfile(folder + "/frames.bgr", np.uint8).reshape(-1, 480, 640, 3)
+with weft.Pipeline(demo, camera, set={"filters.isolate": "process"}) as pipeline:
+    for image in images:
+        print(pipeline.process(image).report_json)
+TEXT
+  )
+  grep -oE '"state":"[a-z]+","age":[0-9]+,"confidence":[0-9.e-]+' python.jsonl >python.jsonl.told
+  cmp given/frames.jsonl.told python.jsonl.told || fail "a pipeline in Python gives other shapes"
+fi
+
 echo "-- an author in C"
 cp "$repository/docs/examples/c_filter/keep.c" .
 PKG_CONFIG_PATH=$prefix/lib/pkgconfig sh -eu -c "$(grep '^cc ' "$repository/docs/examples/c_filter/README.md")"
