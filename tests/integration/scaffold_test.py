@@ -83,7 +83,7 @@ class Refusals(InAFolder):
                          "error: no role 'fitler'; did you mean 'filter'?")
         self.assertEqual(self.refused(2, "thing", "mine"),
                          "error: no role 'thing'; there are: source, template, detector, matcher, filter, "
-                         "warp, pass, solver, stage, sink")
+                         "warp, pass, stage, solver, sink")
 
     def test_an_illegal_name_is_told_with_what_would_be_legal(self):
         for word, legal in (("My-Filter", "my_filter"), ("2fast", "fast"), ("a.b", "a_b")):

@@ -128,7 +128,7 @@ TEST_F(Tools, WhyNamesCauseAndFixOfEachRefusal) {
            {"old", true, true, "needs_minor: ", "needs_minor: 9", "it needs plugin ABI 1.9",
             "rebuild the plugin"},
            {"foreign", true, true, "isa: \\[", "isa: [\"sse9\", ",
-            "it needs processor features that this machine lacks: sse9",
+            "it needs processor features that this version of Weft does not know: sse9",
             "rebuild the plugin without"},
            {"broken", true, true, "weft_plugin: 1", "weft_plugin: [", "its manifest cannot be read",
             "run: weft plugins describe"}}) {
