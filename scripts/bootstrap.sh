@@ -9,9 +9,9 @@ usage() {
   cat <<'TEXT'
 usage: scripts/bootstrap.sh [--tests] [--with-slurm] [--without-contrib] [--without-opencl | --without-pocl]
 
-  --tests            also what tests need: abidiff, clang, libc++, clang-format, clang-tidy,
-                     codespell, gcovr, chromium, jsonschema, matplotlib, mypy, NumPy, websockets,
-                     xxhash and YAML for Python
+  --tests            also what tests need: abidiff, clang with libFuzzer, libc++, clang-format,
+                     clang-tidy, codespell, gcovr, chromium, jsonschema, matplotlib, mypy, NumPy,
+                     websockets, xxhash and YAML for Python
   --with-slurm       also Slurm and MUNGE, for tests of ablations on a cluster
   --without-contrib  not libopencv-contrib-dev (148 MB, and VTK): templates/frex_sheet,
                      sources/frex_video and `weft calibrate` are then left out of the build
@@ -37,9 +37,9 @@ tests=()
 slurm=()
 for argument in "$@"; do
   case $argument in
-    --tests) tests=(abigail-tools clang clang-format clang-tidy codespell gcovr chromium libc++-dev
-      libc++abi-dev python3-jsonschema python3-matplotlib python3-mypy python3-numpy
-      python3-websockets python3-xxhash python3-yaml) ;;
+    --tests) tests=(abigail-tools clang libclang-rt-dev clang-format clang-tidy codespell gcovr
+      chromium libc++-dev libc++abi-dev python3-jsonschema python3-matplotlib python3-mypy
+      python3-numpy python3-websockets python3-xxhash python3-yaml) ;;
     --with-slurm) slurm=(slurm-wlm munge) ;;
     --without-contrib) contrib=() ;;
     --without-opencl) opencl=() pocl=() ;;

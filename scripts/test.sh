@@ -21,10 +21,10 @@ anything failed.
             before); scripts/tidy.py says more
   --long    release, and what is run neither without options nor by --ci: the tests labelled `long` in the
             presets release and asan, the quick tests in the preset tsan (of plugins, those that start
-            threads), clang-tidy over everything, and the benchmarks of the stages
-            (build/benchmarks.log). What the preset tsan and clang-tidy passed before and is
-            unchanged since is skipped, and so is each test that passed before on the very same
-            sources: a run that was stopped, or failed by the machine, goes on
+            threads), clang-tidy over everything, each fuzzer of tests/fuzz for a minute, and the
+            benchmarks of the stages (build/benchmarks.log). What the preset tsan and clang-tidy
+            passed before and is unchanged since is skipped, and so is each test that passed before
+            on the very same sources: a run that was stopped, or failed by the machine, goes on
   --ci --long
             all of both
   --all     with --long: skip nothing; tests of asan look for locals that are used after their
@@ -281,6 +281,7 @@ if ((ci || long)); then
 fi
 if ((long)); then
   build_and_test_tsan
+  step fuzz build/fuzz.log scripts/fuzz.py --seconds 60 || true
   step benchmarks build/benchmarks.log run_benchmarks || true
 fi
 ((coverage == 0)) || report_coverage

@@ -2,7 +2,8 @@
 #
 # weft_enable_sanitizers(target): compiles and links whatever links the INTERFACE library `target`
 # with the sanitizers of the cache variable WEFT_SANITIZE, a comma-separated list of `address`,
-# `leak`, `undefined` and `thread`. An empty list does nothing. Undefined behaviour ends the program.
+# `leak`, `undefined`, `thread`, and with Clang `fuzzer`, which counts branches for libFuzzer. An empty
+# list does nothing. Undefined behaviour ends the program.
 
 function(weft_enable_sanitizers target)
   string(REPLACE "," ";" sanitizers "${WEFT_SANITIZE}")
@@ -12,9 +13,9 @@ function(weft_enable_sanitizers target)
   endif()
 
   foreach(sanitizer IN LISTS sanitizers)
-    if(NOT sanitizer MATCHES "^(address|leak|undefined|thread)$")
+    if(NOT sanitizer MATCHES "^(address|leak|undefined|thread|fuzzer)$")
       message(FATAL_ERROR "WEFT_SANITIZE: '${sanitizer}' is not one of address, leak, undefined, "
-        "thread; separate several by commas, without spaces")
+        "thread, fuzzer; separate several by commas, without spaces")
     endif()
   endforeach()
   if("thread" IN_LIST sanitizers AND ("address" IN_LIST sanitizers OR "leak" IN_LIST sanitizers))
@@ -25,6 +26,14 @@ function(weft_enable_sanitizers target)
     message(FATAL_ERROR "WEFT_SANITIZE needs GCC or Clang, not ${CMAKE_CXX_COMPILER_ID}")
   endif()
 
+  if("fuzzer" IN_LIST sanitizers)
+    if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+      message(FATAL_ERROR "WEFT_SANITIZE: 'fuzzer' needs Clang, not ${CMAKE_CXX_COMPILER_ID} (preset fuzz)")
+    endif()
+    # What is fuzzed alone is linked with a main() of libFuzzer, in tests/fuzz.
+    list(REMOVE_ITEM sanitizers fuzzer)
+    list(APPEND sanitizers fuzzer-no-link)
+  endif()
   list(JOIN sanitizers "," joined)
   set(flags -fsanitize=${joined})
   if("undefined" IN_LIST sanitizers)

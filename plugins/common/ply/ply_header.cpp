@@ -27,6 +27,12 @@ std::optional<PlyFormat> format_named(std::string_view word) {
   return std::nullopt;
 }
 
+std::vector<PlyElement>::const_iterator element_named(const PlyHeader& header,
+                                                      std::string_view name) {
+  return std::find_if(header.elements.begin(), header.elements.end(),
+                      [&](const PlyElement& element) { return element.name == name; });
+}
+
 /// What is wrong with the line; empty where nothing is.
 std::string take_property(const Words& words, PlyHeader& header) {
   const bool is_list = words.size() == 5 && words[1] == "list";
@@ -57,6 +63,9 @@ std::string take_line(const Words& words, bool& has_format, PlyHeader& header) {
   if (kind == "element" && words.size() == 3) {
     const auto count = number_in<std::int64_t>(words[2]);
     if (!count || *count < 0) return "'" + std::string(words[2]) + "' is no number of elements";
+    if (element_named(header, words[1]) != header.elements.end()) {
+      return "the element '" + std::string(words[1]) + "' is given twice: export it again";
+    }
     header.elements.push_back({std::string(words[1]), *count, {}});
     return {};
   }
@@ -66,16 +75,12 @@ std::string take_line(const Words& words, bool& has_format, PlyHeader& header) {
 
 std::string missing_in(const PlyHeader& header, bool has_format, PlyUse use) {
   if (!has_format) return "the header has no line 'format ...'";
-  const auto named = [&](std::string_view name) {
-    return std::find_if(header.elements.begin(), header.elements.end(),
-                        [&](const PlyElement& element) { return element.name == name; });
-  };
   for (const PlyElement& element : header.elements) {
     if (element.properties.empty() && element.count > 0) {  // would be read for ever
       return "the element '" + element.name + "' has no properties: export it again";
     }
   }
-  const auto vertex = named("vertex"), face = named("face");
+  const auto vertex = element_named(header, "vertex"), face = element_named(header, "face");
   if (vertex == header.elements.end() ||
       std::min({vertex->find({"x"}), vertex->find({"y"}), vertex->find({"z"})}) < 0) {
     return "the file has no element 'vertex' with the properties x, y and z";
@@ -84,6 +89,9 @@ std::string missing_in(const PlyHeader& header, bool has_format, PlyUse use) {
   if (!may_lack && (face == header.elements.end() || face->corners() < 0)) {
     return "the file has no element 'face' with the list vertex_indices: a cloud of points is no "
            "mesh";
+  }
+  if (face < vertex && face->count > 0) {
+    return "the element 'face' stands before 'vertex', whose places it needs: export it again";
   }
   return {};
 }

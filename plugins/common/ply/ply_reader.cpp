@@ -41,6 +41,14 @@ double value_of(PlyType type, const unsigned char* bytes) {
   return as<double>(bytes);
 }
 
+bool is_length(double count) { return count >= 0.0 && count == std::floor(count); }
+
+std::string no_length(const PlyProperty& property) {
+  return "'" + property.name +
+         "' begins with its length, which must be a whole number from 0: correct it, or export the "
+         "file again";
+}
+
 }  // namespace
 
 bool is_ply(std::string_view text) {
@@ -100,6 +108,7 @@ Result<void> PlyReader::read_ascii(const PlyElement& element, std::int64_t i, Pl
     const PlyProperty& property = element.properties[k];
     std::vector<double>& values = row[k];
     const auto count = property.length ? next() : std::optional(1.0);
+    if (count && !is_length(*count)) return mistake(element, i, no_length(property));
     while (count && static_cast<double>(values.size()) < *count) {
       const auto value = next();
       if (!value) break;
@@ -123,6 +132,7 @@ Result<void> PlyReader::read_binary(const PlyElement& element, std::int64_t i, P
     const PlyProperty& property = element.properties[k];
     const auto count = property.length ? binary_value(*property.length) : std::optional(1.0);
     if (!count) return cut_off(element, i);
+    if (!is_length(*count)) return mistake(element, i, no_length(property));
     const double left = static_cast<double>(bytes_.size());
     if (*count * static_cast<double>(kBytes[static_cast<int>(property.type)]) > left) {
       return cut_off(element, i);

@@ -8,15 +8,18 @@ namespace {
 
 constexpr std::uintmax_t kMostBytes = 1 << 20;
 
+/// "path:line:column: "; both are counted from 0.
+std::string place_of(const std::string& path, int line, int column) {
+  return path + ":" + std::to_string(line + 1) + ":" + std::to_string(column + 1) + ": ";
+}
+
 }  // namespace
 
 void fail_at(const std::string& path, const YAML::Node& node, const std::string& message) {
   const YAML::Mark mark = node.Mark();
-  std::string place = path;
-  if (!mark.is_null()) {
-    place += ":" + std::to_string(mark.line + 1) + ":" + std::to_string(mark.column + 1);
-  }
-  throw FileMistake(place + ": " + message);
+  // The value of an empty text has no place of its own.
+  throw FileMistake(mark.is_null() ? path + ":1:1: " + message
+                                   : place_of(path, mark.line, mark.column) + message);
 }
 
 Result<std::string> read_yaml_text(const std::string& path, const std::string& parameter) {
@@ -27,14 +30,30 @@ Result<std::string> read_yaml_text(const std::string& path, const std::string& p
 }
 
 Error syntax_error(const std::string& path, const YAML::Mark& mark) {
-  const std::string place =
-      mark.is_null() ? ""
-                     : ":" + std::to_string(mark.line + 1) + ":" + std::to_string(mark.column + 1);
+  const std::string place = mark.is_null() ? path + ": " : place_of(path, mark.line, mark.column);
   return {Errc::syntax,
-          path + place +
-              ": cannot be understood from here on: look for a bracket or quote that is not "
+          place +
+              "cannot be understood from here on: look for a bracket or quote that is not "
               "closed, a missing colon or comma, and wrong indentation",
           {}};
+}
+
+Result<void> check_characters(const std::string& path, const std::string& text) {
+  int line = 0, column = 0;
+  for (const char byte : text) {
+    const auto value = static_cast<unsigned char>(byte);
+    const bool blank = byte == '\n' || byte == '\t' || byte == '\r';
+    if ((value < 0x20 && !blank) || value == 0x7F) {
+      return Error{Errc::syntax, place_of(path, line, column) +
+                                     "a control character: remove it, or save the file anew"};
+    }
+    if ((value & 0xC0U) != 0x80U) ++column;  // not the later bytes of a character
+    if (byte == '\n') {
+      ++line;
+      column = 0;
+    }
+  }
+  return {};
 }
 
 }  // namespace weft::yaml_files

@@ -5,6 +5,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <vector>
 #include <weft/core/result.hpp>
 
 /// YAML files that a parameter names.
@@ -25,12 +26,20 @@ Result<std::string> read_yaml_text(const std::string& path, const std::string& p
 /// What to say where the library's parser gave up.
 Error syntax_error(const std::string& path, const YAML::Mark& mark);
 
+/// Fails at a control character: yaml-cpp takes one of them for the end of the text.
+Result<void> check_characters(const std::string& path, const std::string& text);
+
 /// What `read` makes of the root of a YAML text; it reports mistakes with fail_at.
 template <class Read>
 auto read_yaml(const std::string& path, const std::string& text, Read read)
     -> Result<decltype(read(YAML::Node()))> {
+  if (auto checked = check_characters(path, text); !checked) return checked.error();
   try {
-    return read(YAML::Load(text));
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1) {
+      fail_at(path, documents[1], "more than one document: put it into a file of its own");
+    }
+    return read(documents.empty() ? YAML::Node() : documents.front());
   } catch (const FileMistake& mistake) {
     return Error{Errc::invalid_data, mistake.what()};
   } catch (const YAML::Exception& mistake) {

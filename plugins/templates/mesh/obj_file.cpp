@@ -38,6 +38,7 @@ class ObjParser {
       if (auto read = statement(words_of(joined)); !read) return read.error();
       joined.clear();
     }
+    if (auto read = statement(words_of(joined)); !read) return read.error();
     if (auto checked = check_indices(); !checked) return checked.error();
     return std::move(file_);
   }

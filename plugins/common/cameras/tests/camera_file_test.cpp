@@ -46,6 +46,13 @@ TEST(CameraFile, ReadsYamlWithNotes) {
       "distortion: null\nconvention: \"whatever\"\ncomment: {a: 1}\n");
 }
 
+TEST(CameraFile, ReadsNothingBehindWhatTheLibraryTakesForTheEnd) {
+  const std::string camera = "{fx: 500, fy: 510, cx: 3, cy: 2, width: 8, height: 6}\n";
+  expect_refusal("", {"camera.yaml:1:1: must hold keys"});
+  expect_refusal(camera + "é\x04 fx: 9\n", {"camera.yaml:2:2: a control character"});
+  expect_refusal(camera + "---\nfx: 9\n", {"camera.yaml:3:1: more than one document"});
+}
+
 TEST(CameraFile, ReadsJsonIndentedWithTabs) {
   expect_camera(
       "{\n\t\"fx\": 500.25,\n\t\"fy\": 510, \"cx\": 3.5,\r\n\t\"cy\": -2.5,\n"

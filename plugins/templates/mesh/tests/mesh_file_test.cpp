@@ -49,6 +49,7 @@ TEST(ParseObj, NamesTheLineOfEachMistake) {
       {"v 0 nan 0\n", "a.obj:1: 'v' needs 3 finite numbers, not 'nan'"},
       {"v 0 0 1e999\n", "a.obj:1: 'v' needs 3 finite numbers"},
       {"vt 0\n", "a.obj:1: 'vt' needs 2 finite numbers"},
+      {square + "f 1 2 4 \\", "a.obj:4: the face uses a vertex that does not exist"},
       {"\n\nsolid part\n", "a.obj:3: 'solid' is no statement of an OBJ file"}};
   for (const auto& [text, reason] : cases) {
     EXPECT_THAT(refusal(parse_obj("a.obj", text)), HasSubstr(reason)) << text;
@@ -125,10 +126,27 @@ TEST(ParsePly, NamesTheLineOrTheElementOfEachMistake) {
        "a.ply:5: the file has no element 'vertex' with"},
       {"ply\nformat ascii 1.0\nproperty float x\n", "a.ply:3: a property is"},
       {"ply\nformat ascii 1.0\n", "a.ply:2: the header has no end"},
-      {"ply\nformat ascii 1.0\nelement vertex -3\n", "a.ply:3: '-3' is no number of elements"}};
+      {"ply\nformat ascii 1.0\nelement vertex -3\n", "a.ply:3: '-3' is no number of elements"},
+      {header + three + "0 1 0 0 1 1\n3.5 0 1 2 3\n", "a.ply:18: 'vertex_indices' begins with"},
+      {header + three + "0 1 0 0 1 1\nnan\n", "a.ply:18: 'vertex_indices' begins with"},
+      {"ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
+       "element face 1\n",
+       "a.ply:5: the element 'face' is given twice"},
+      {"ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
+       "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nend_header\n",
+       "a.ply:9: the element 'face' stands before 'vertex'"}};
   for (const auto& [text, reason] : cases) {
     EXPECT_THAT(refusal(parse_ply("a.ply", text)), HasSubstr(reason)) << text;
   }
+}
+
+TEST(ParsePly, RefusesAListWhoseLengthIsNegative) {
+  std::string bytes = binary_ply(std::endian::little);
+  const std::string list = "list uchar int vertex_indices";
+  bytes.replace(bytes.find(list), list.size(), "list char int vertex_indices");
+  bytes[bytes.size() - 17] = '\xFF';
+  EXPECT_THAT(refusal(parse_ply("a.ply", bytes)),
+              HasSubstr("a.ply: face 1: 'vertex_indices' begins with its length"));
 }
 
 }  // namespace
