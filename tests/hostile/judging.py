@@ -63,6 +63,7 @@ class Verdict:
 
     kind: str
     ms: float = 0.0
+    processor_ms: float = 0.0
     answered: bool = True  # refused, or shown harmless
     planted: int = 0
     exact: int = 0
@@ -70,6 +71,7 @@ class Verdict:
     suggestions: int = 0
     right_suggestions: int = 0
     complete: bool = True
+    sorts: list[str] = field(default_factory=list)  # of the planted mistakes
     faults: list[str] = field(default_factory=list)
 
 
@@ -93,6 +95,7 @@ def judge_planted(mutant: Mutant, answer: Answer, verdict: Verdict) -> None:
     files = {expected.file for expected in mutant.expected}
     reported = [m for m in mistakes_in(answer, files) if Path(m.file).name in files]
     verdict.planted = len(mutant.expected)
+    verdict.sorts = [expected.what for expected in mutant.expected]
     left = list(reported)
     for expected in mutant.expected:
         fitting = next((m for m in left if expected.fits(m)), None)
@@ -135,7 +138,7 @@ def judge(mutant: Mutant, program: Program, folder: Path) -> tuple[Verdict, Answ
     """Writes the mutant into the folder, asks the program, and compares."""
     mutant.write(folder)
     answer = program.ask(folder, *mutant.command)
-    verdict = Verdict(mutant.kind, answer.ms)
+    verdict = Verdict(mutant.kind, answer.ms, answer.processor_ms)
     if mutant.expected:
         judge_planted(mutant, answer, verdict)
     else:
@@ -153,10 +156,11 @@ def percentile(values: list[float], percent: float) -> float:
 
 
 class Rates:
-    """Rates of verdicts; the first three have a goal, the time is told beside its own."""
+    """Rates of verdicts, which have goals; the times are told beside theirs."""
 
-    HEADER = ("kind", "mutants", "refused or harmless", "exact place", "suggestion",
-              "one pass", "P50 ms", "P99 ms")
+    HEADER = ("kind", "mutants", "mistakes", "refused or harmless", "exact place", "suggestion",
+              "one pass", "P50 ms", "P95 ms", "P99 ms", "P50 cpu", "P95 cpu", "P99 cpu")
+    PERCENTS = (50, 95, 99)
 
     def __init__(self, verdicts: list[Verdict]) -> None:
         self.verdicts = verdicts
@@ -179,10 +183,12 @@ class Rates:
         rows = [self.HEADER]
         for kind in [*sorted({v.kind for v in self.verdicts}), None]:
             mine, figures = self.figures(kind)
-            times = [v.ms for v in mine]
-            rows.append((kind or "all", str(len(mine)), *(f"{f:.1f} %" for f in figures),
-                         f"{percentile(times, 50):.0f}", f"{percentile(times, 99):.0f}"))
-        rows.append(("goal", "", "100 %", "100 %", "100 %", "98 %", "", "50"))
+            times = [percentile(values, percent) for values in
+                     ([v.ms for v in mine], [v.processor_ms for v in mine])
+                     for percent in self.PERCENTS]
+            rows.append((kind or "all", str(len(mine)), str(sum(v.planted for v in mine)),
+                         *(f"{f:.1f} %" for f in figures), *(f"{time:.0f}" for time in times)))
+        rows.append(("goal", "", "", "100 %", "100 %", "100 %", "98 %", "", "", "50", "", "", "50"))
         widths = [max(len(row[i]) for row in rows) for i in range(len(self.HEADER))]
         return "\n".join("  ".join(cell.ljust(width) if i == 0 else cell.rjust(width)
                                    for i, (cell, width) in enumerate(zip(row, widths)))

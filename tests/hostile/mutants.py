@@ -40,10 +40,20 @@ def makers_of(program: Program) -> list[Maker]:
     return [maker for share, maker in shares for _ in range(share)]
 
 
+# That can be asked for alone, as often as one likes.
+BY_KIND = {"pipeline": pipeline_mutant, "plan": plan_mutant, "camera": camera_mutant,
+           "mesh": mesh_mutant, "bytes": bytes_mutant, "path": path_mutant}
+
+
 def mutant_of(makers: list[Maker], seed: int, index: int) -> Mutant:
     """The same mutant whatever else is asked: all draws come from the seed and the index."""
     rng = Random(f"{seed}/{index}")
     return rng.choice(makers)(rng)
+
+
+def kind_at(kinds: list[str], index: int) -> list[Maker]:
+    """The maker of a mutant where kinds are asked for, which take turns."""
+    return [BY_KIND[kinds[index % len(kinds)]]]
 
 
 def ask(program: Program, makers: list[Maker], seed: int, index: int,
@@ -66,23 +76,33 @@ def arguments_of(words: list[str]) -> argparse.Namespace:
     parser.add_argument("--weft", required=True, metavar="FILE", help="the program")
     parser.add_argument("--plugin-path", action="append", default=[], metavar="FOLDER")
     parser.add_argument("--seed", type=int, default=18, help="of all draws (default: %(default)s)")
-    parser.add_argument("--count", type=int, default=100, help="mutants (default: %(default)s)")
+    parser.add_argument("--count", type=int, default=100,
+                        help="mutants, with --kinds of each kind (default: %(default)s)")
+    parser.add_argument("--kinds", type=lambda text: text.split(","), default=[], metavar="KIND,...",
+                        help=f"these alone: {', '.join(BY_KIND)}")
     parser.add_argument("--only", type=int, metavar="I", help="this mutant alone")
     parser.add_argument("--keep", type=Path, metavar="DIR", help="leave files and answers there")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="asked at a time")
-    return parser.parse_args(words)
+    arguments = parser.parse_args(words)
+    if unknown := set(arguments.kinds) - set(BY_KIND):
+        parser.error(f"no kind is {', '.join(sorted(unknown))}; there are {', '.join(BY_KIND)}")
+    return arguments
 
 
 def main(words: list[str]) -> int:
     arguments = arguments_of(words)
     program = Program(arguments.weft, arguments.plugin_path)
-    makers = makers_of(program)
-    which = range(arguments.count) if arguments.only is None else [arguments.only]
+    kinds = arguments.kinds
+    makers = [] if kinds else makers_of(program)
+    count = arguments.count * max(1, len(kinds))
+    which = range(count) if arguments.only is None else [arguments.only]
     print(f"seed {arguments.seed}, {len(which)} mutants")
     with ThreadPoolExecutor(arguments.jobs) as pool:
         verdicts = list(pool.map(
-            lambda index: ask(program, makers, arguments.seed, index, arguments.keep), which))
+            lambda index: ask(program, kind_at(kinds, index) if kinds else makers, arguments.seed,
+                              index, arguments.keep), which))
     options = " ".join(f"--plugin-path {folder}" for folder in arguments.plugin_path)
+    options += f" --kinds {','.join(kinds)}" if kinds else ""
     for index, verdict in zip(which, verdicts):
         if verdict.faults:
             print(f"{sys.argv[0]} --weft {arguments.weft} {options} --seed {arguments.seed} "
@@ -90,6 +110,8 @@ def main(words: list[str]) -> int:
             print("\n".join("    " + fault[:300] for fault in verdict.faults))
     rates = Rates(verdicts)
     print(rates.table())
+    sorts = [sort for verdict in verdicts for sort in verdict.sorts]
+    print(f"{len(sorts)} mistakes of {len(set(sorts))} sorts")
     return 0 if rates.met() else 1
 
 

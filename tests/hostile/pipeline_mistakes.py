@@ -10,6 +10,7 @@ from __future__ import annotations
 from random import Random
 
 import planting
+import wiring_mistakes
 from bases import ALL_PARAMETERS, PARAMETERS, ROOT_KEYS, STAGE_KEYS
 from documents import List, Map, Text, tree
 from planting import Planted, put_value, rename_key, unknown_key, with_control
@@ -137,7 +138,8 @@ def wrong_nested(rng: Random, part: Map) -> Planted | None:
     right = use_of(inner)
     if rng.random() < 0.4:
         return rng.choice([wrong_parameter, misspelt_parameter])(rng, inner)
-    if rng.random() < 0.3:
+    # A filter has a warp of its own, for which parameters alone are meant.
+    if rng.random() < 0.3 and params_of(part).find("warp") is None:
         return Planted("missing use", no_use(rng, inner).node)
     if rng.random() < 0.5:
         role, name = right.split("/")
@@ -158,7 +160,7 @@ def wrong_from(rng: Random, part: Map) -> Planted | None:
     names = value if isinstance(value, List) else None
     right = names.items[0].value if names else value.value
     wrong = rng.choice([misspelt(rng, right, []), unlike(rng), None])
-    written = Text(wrong) if wrong else with_control(rng, right)
+    written = Text(wrong) if wrong else with_control(rng, right, False)
     if names:
         names.items[0] = written
     else:
@@ -184,6 +186,17 @@ def illegal_name(rng: Random, part: Map) -> Planted | None:
     return Planted("illegal name", put_value(part, "as", rng.choice(
         [Text("My Name"), Text("filters"), Text("previous"), with_control(rng, "name"),
          Text("", '""'), Text("../x"), tree([1])])))
+
+
+def deep_nested(rng: Random, part: Map) -> Planted | None:
+    """A mistake of a component in a component in the stage."""
+    if use_of(part) != "solvers/test.holder":
+        return None
+    inner = tree({"use": "solvers/test.scripted", "params": {"distance_m": 0.3}})
+    holder = Map([(Text("use"), Text("solvers/test.holder")),
+                  (Text("params"), Map([(Text("start"), inner)]))])
+    put_value(params_of(part), "start", holder)
+    return rng.choice([wrong_parameter, misspelt_parameter, unknown_parameter, misspelt_id])(rng, inner)
 
 
 def wrong_isolation(rng: Random, part: Map) -> Planted:
@@ -235,18 +248,26 @@ def without_extends(rng: Random, root: Map) -> Planted:
     return Planted("missing key", put_value(root, "without", tree(["lines"])))
 
 
+def source_of_another_role(rng: Random, root: Map) -> Planted:
+    key, wrong = rng.choice([("source", "templates"), ("template", "sources"), ("source", "solvers")])
+    part = root.find(key)
+    part.entries = [entry for entry in part.entries if entry[0].value != "params"]
+    return Planted("wrong role", put_value(part, "use", Text(wrong + "/test.scripted")), None, 0, True)
+
+
 COMPONENT = [wrong_parameter, wrong_parameter, wrong_choice, misspelt_parameter, misspelt_parameter,
              unknown_parameter, duplicate_parameter, misspelt_id, unreadable_id, no_use,
              params_as_list, misspelt_component_key, unknown_component_key, duplicate_component_key,
              absent_path]
 STAGE = COMPONENT + [wrong_nested, wrong_nested, wrong_from, wrong_from, from_of_wrong_kind,
-                     illegal_name, wrong_isolation, not_a_stage]
+                     illegal_name, wrong_isolation, not_a_stage, deep_nested]
 ROOT = [wrong_root_value, misspelt_root_key, unknown_root_key, duplicate_root_key, no_template,
-        without_extends]
+        without_extends, source_of_another_role, *wiring_mistakes.ROOT]
 
 
 def places(root: Map) -> list[tuple[Map, list]]:
     """Where mistakes may be planted, and which."""
     found = [(root, ROOT), (root.find("source"), COMPONENT), (root.find("template"), COMPONENT)]
-    found += [(stage, STAGE) for stage in root.find("stages").items]
+    found += [(part, STAGE + wiring_mistakes.of_stage(stage))
+              for part, stage in wiring_mistakes.stages_of(root)]
     return found + [(sink, COMPONENT) for sink in root.find("sinks").items]

@@ -6,6 +6,8 @@ from __future__ import annotations
 from random import Random
 
 import planting
+from grid_mistakes import (one_of, wrong_bound, wrong_cluster, wrong_component_axis, wrong_kind_of_data,
+                           wrong_pipelines, wrong_sweep, wrong_where)
 from bases import METRICS, PATCH_KEYS, PLAN_KEYS
 from documents import Map, Text, tree
 from planting import Planted, put_value, rename_key, unknown_key, with_control
@@ -13,10 +15,6 @@ from words import misspelt, unlike
 
 FILTER = ["every", "no_result_at", "degenerate_at", "error_at", "throw_at", "nan_at",
           "wrong_length_at", "refuse"]
-
-
-def one_of(*raws: str) -> list[Text]:
-    return [Text("", raw) for raw in raws]
 
 
 # --- of the root ----------------------------------------------------------------------------------
@@ -31,7 +29,9 @@ def wrong_head(rng: Random, root: Map) -> Planted:
              "seeds": one_of("-1", "3-1", "1-", "soon", "99999999999999999999", "1.5", "[]",
                              "[1, 1]", "0-1000000000")}
     key = rng.choice(sorted(wrong))
-    return Planted(f"wrong {key}", put_value(root, key, rng.choice(wrong[key])))
+    # Which stages there are is not known without the pipeline.
+    return Planted(f"wrong {key}", put_value(root, key, rng.choice(wrong[key])), None, 0,
+                   key == "pipeline")
 
 
 def wrong_show(rng: Random, root: Map) -> Planted:
@@ -208,10 +208,10 @@ def places(root: Map) -> list[tuple[Map, list]]:
     axes, data = root.find("axes"), root.find("data")
     patch = [wrong_setting, wrong_setting, wrong_patch_key, wrong_without]
     found = [(root, [wrong_head, wrong_head, wrong_show, misspelt_root_key, unknown_root_key,
-                     duplicate_root_key, missing_root_key]),
-             (axes, [wrong_axes]), (axes.find("free"), [wrong_axis]),
+                     duplicate_root_key, missing_root_key, wrong_cluster, wrong_pipelines]),
+             (axes, [wrong_axes, wrong_component_axis, wrong_sweep]), (data, [wrong_kind_of_data]), (axes.find("free"), [wrong_axis]),
              (data.find("plain"), [wrong_data]), (data.find("other"), patch),
              (root.find("metrics"), [wrong_metrics])]
     found += [(value, patch) for _, value in axes.find("filter").find("values").entries]
     found += [(item, [wrong_comparison]) for item in root.find("comparisons").items]
-    return found + [(item, [wrong_expectation]) for item in root.find("expect").items]
+    return found + [(item, [wrong_expectation, wrong_where, wrong_bound]) for item in root.find("expect").items]

@@ -92,10 +92,14 @@ def deep(rng: Random, root: Map) -> Planted:
 CONTROL = ["\\x01", "\\x1b[31m", "\\x07", "\\x7f", "\\0", "\\u0085", "\\n", "\\r"]
 
 
-def with_control(rng: Random, word: str) -> Text:
-    """The word in quotes with a control character written as an escape, which is legal YAML."""
+def with_control(rng: Random, word: str, nul: bool = True) -> Text:
+    """The word in quotes with a control character written as an escape, which is legal YAML.
+
+    NUL is a mistake at its own place, whatever it stands in.
+    """
     place = rng.randrange(1, len(word))
-    return Text("", '"' + word[:place] + rng.choice(CONTROL) + word[place:] + '"')
+    character = rng.choice([one for one in CONTROL if nul or one != "\\0"])
+    return Text("", '"' + word[:place] + character + word[place:] + '"')
 
 
 def wrong_type(rng: Random, kind: str) -> tuple[Node, int]:

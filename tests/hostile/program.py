@@ -7,6 +7,8 @@ import os
 import re
 import signal
 import subprocess
+import tempfile
+import threading
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -39,8 +41,9 @@ class Answer:
     code: int  # negative: the signal that ended it
     out: str
     err: str
-    ms: float
+    ms: float  # of wall time
     hung: bool = False
+    processor_ms: float = 0.0
 
     @property
     def text(self) -> str:
@@ -78,16 +81,24 @@ class Program:
         """Runs in the folder; a program that does not end is killed with all its children."""
         command = self.command(*arguments)
         start = time.monotonic()
-        child = subprocess.Popen(command, cwd=folder, stdin=subprocess.DEVNULL,
-                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                 start_new_session=True)
-        hung = False
-        try:
-            out, err = child.communicate(timeout=self.patience_s)
-        except subprocess.TimeoutExpired:
-            hung = True
-            os.killpg(child.pid, signal.SIGKILL)
-            out, err = child.communicate()
-        ms = 1000.0 * (time.monotonic() - start)
-        texts = [printed.decode(errors="replace") for printed in (out, err)]
-        return Answer(command, child.returncode, *texts, ms, hung)
+        with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
+            child = subprocess.Popen(command, cwd=folder, stdin=subprocess.DEVNULL,
+                                     stdout=out, stderr=err, start_new_session=True)
+            hung = threading.Event()
+
+            def end() -> None:
+                hung.set()
+                os.killpg(child.pid, signal.SIGKILL)
+
+            patience = threading.Timer(self.patience_s, end)
+            patience.start()
+            _, status, usage = os.wait4(child.pid, 0)  # the child's own times, unlike wait()
+            patience.cancel()
+            child.returncode = os.waitstatus_to_exitcode(status)
+            ms = 1000.0 * (time.monotonic() - start)
+            texts = []
+            for printed in (out, err):
+                printed.seek(0)
+                texts.append(printed.read().decode(errors="replace"))
+        processor_ms = 1000.0 * (usage.ru_utime + usage.ru_stime)
+        return Answer(command, child.returncode, *texts, ms, hung.is_set(), processor_ms)

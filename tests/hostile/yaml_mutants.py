@@ -13,6 +13,7 @@ import plan_mistakes
 import planting
 from documents import Map, Style, Text, nodes, write
 from judging import Expected, Mutant
+from overlay_mutants import pipeline_overlay, plan_overlay
 from planting import Planted
 from program import Answer, Program
 
@@ -29,6 +30,8 @@ def plant(rng: Random, root: Map, places) -> list[Planted]:
         there = any(node is part for node in nodes(root))
         if len(planted) < count and there and (part is not root or rng.random() < 0.4):
             mistake = rng.choice(kinds)(rng, part)
+            if mistake and mistake.alone:  # of the root, which comes first
+                return [mistake]
             planted += [mistake] if mistake else []
     return planted
 
@@ -90,6 +93,8 @@ def same_run(program: Program, folder: Path, answer: Answer) -> str:
 
 
 def pipeline_mutant(rng: Random) -> Mutant:
+    if rng.random() < 0.15:
+        return pipeline_overlay(rng)
     root = bases.pipeline(rng)
     command = ["check", "pipeline.yaml"]
     if rng.random() < 0.15:
@@ -123,6 +128,8 @@ def same_cells(program: Program, folder: Path, answer: Answer) -> str:
 
 
 def plan_mutant(rng: Random) -> Mutant:
+    if rng.random() < 0.1:
+        return plan_overlay(rng)
     root = bases.plan(rng)
     base = {"base.yaml": bases.BASE_OF_PLANS.encode()}
     command = ["ablate", "plan.yaml", "--status", "--out", "out"]
