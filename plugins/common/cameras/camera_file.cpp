@@ -87,7 +87,7 @@ double shown_share(const CameraFile& file) {
 
 class Reader {
  public:
-  Reader(std::string path, const YAML::Node& root) : path_(std::move(path)), root_(root) {}
+  explicit Reader(const YAML::Node& root) : root_(root) {}
 
   CameraFile read() const {
     if (!root_.IsMap()) {
@@ -111,7 +111,7 @@ class Reader {
 
  private:
   [[noreturn]] void fail(const YAML::Node& node, const std::string& message) const {
-    yaml_files::fail_at(path_, node, message);
+    yaml_files::fail_at(node, message);
   }
 
   /// yaml-cpp keeps both values of a key that is given twice and answers with the first.
@@ -268,7 +268,6 @@ class Reader {
     file.coefficients = std::move(values);
   }
 
-  std::string path_;
   YAML::Node root_;
 };
 
@@ -288,7 +287,7 @@ Result<CameraFile> read_camera_file(const std::string& path) {
   // OpenCV's first line is no directive of YAML; a comment in its place keeps the line numbers.
   if (text->starts_with("%YAML:")) text->front() = '#';
   return yaml_files::read_yaml(path, *text,
-                               [&](const YAML::Node& root) { return Reader(path, root).read(); });
+                               [&](const YAML::Node& root) { return Reader(root).read(); });
 }
 
 }  // namespace weft::cameras

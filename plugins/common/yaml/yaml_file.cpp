@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/yaml/yaml_file.hpp"
 
+#include <algorithm>
+#include <string_view>
+#include <weft/core/index.hpp>
 #include <weft/core/text_file.hpp>
+#include <weft/core/utf8.hpp>
 
 namespace weft::yaml_files {
 namespace {
@@ -13,13 +17,31 @@ std::string place_of(const std::string& path, int line, int column) {
   return path + ":" + std::to_string(line + 1) + ":" + std::to_string(column + 1) + ": ";
 }
 
+/// The same of a place of yaml-cpp, which counts bytes.
+std::string place_of(const std::string& path, const std::string& text, const YAML::Mark& mark) {
+  std::string_view line = text;
+  if (line.starts_with("\xEF\xBB\xBF")) line.remove_prefix(3);
+  for (int i = 0; i < mark.line && line.find('\n') != line.npos; ++i) {
+    line.remove_prefix(line.find('\n') + 1);
+  }
+  line = line.substr(0, to_index(mark.column));
+  const auto later = std::count_if(line.begin(), line.end(), [](char byte) {
+    return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U;
+  });
+  return place_of(path, mark.line, mark.column - static_cast<int>(later));
+}
+
 }  // namespace
 
-void fail_at(const std::string& path, const YAML::Node& node, const std::string& message) {
-  const YAML::Mark mark = node.Mark();
+void fail_at(const YAML::Node& node, const std::string& message) {
+  throw FileMistake(node.Mark(), message);
+}
+
+Error error_of(const std::string& path, const std::string& text, const FileMistake& mistake) {
   // The value of an empty text has no place of its own.
-  throw FileMistake(mark.is_null() ? path + ":1:1: " + message
-                                   : place_of(path, mark.line, mark.column) + message);
+  const std::string place =
+      mistake.mark.is_null() ? path + ":1:1: " : place_of(path, text, mistake.mark);
+  return {Errc::invalid_data, place + mistake.what(), {}};
 }
 
 Result<std::string> read_yaml_text(const std::string& path, const std::string& parameter) {
@@ -29,8 +51,8 @@ Result<std::string> read_yaml_text(const std::string& path, const std::string& p
                                       ": correct '" + parameter + "' or its file"};
 }
 
-Error syntax_error(const std::string& path, const YAML::Mark& mark) {
-  const std::string place = mark.is_null() ? path + ": " : place_of(path, mark.line, mark.column);
+Error syntax_error(const std::string& path, const std::string& text, const YAML::Mark& mark) {
+  const std::string place = mark.is_null() ? path + ": " : place_of(path, text, mark);
   return {Errc::syntax,
           place +
               "cannot be understood from here on: look for a bracket or quote that is not "
@@ -40,18 +62,21 @@ Error syntax_error(const std::string& path, const YAML::Mark& mark) {
 
 Result<void> check_characters(const std::string& path, const std::string& text) {
   int line = 0, column = 0;
-  for (const char byte : text) {
-    const auto value = static_cast<unsigned char>(byte);
-    const bool blank = byte == '\n' || byte == '\t' || byte == '\r';
-    if ((value < 0x20 && !blank) || value == 0x7F) {
-      return Error{Errc::syntax, place_of(path, line, column) +
-                                     "a control character: remove it, or save the file anew"};
+  for (std::size_t i = 0; i < text.size(); ++column) {
+    const utf8::CodePoint point = utf8::decode(text, i);
+    const bool blank = text[i] == '\n' || text[i] == '\t' || text[i] == '\r';
+    if (point.bytes == 0 || (point.value < 0x20 && !blank) || point.value == 0x7F) {
+      return Error{
+          Errc::syntax,
+          place_of(path, line, column) +
+              (point.bytes == 0 ? "no UTF-8: save the file as UTF-8"
+                                : "a control character: remove it, or save the file anew")};
     }
-    if ((value & 0xC0U) != 0x80U) ++column;  // not the later bytes of a character
-    if (byte == '\n') {
+    if (text[i] == '\n') {
       ++line;
-      column = 0;
+      column = -1;
     }
+    i += point.bytes;
   }
   return {};
 }

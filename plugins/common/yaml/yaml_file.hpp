@@ -11,22 +11,27 @@
 /// YAML files that a parameter names.
 namespace weft::yaml_files {
 
-/// A mistake in a file; the text begins with its place.
+/// A mistake in a file and where it is, as yaml-cpp counts.
 struct FileMistake : std::runtime_error {
-  using std::runtime_error::runtime_error;
+  FileMistake(const YAML::Mark& at, const std::string& message)
+      : std::runtime_error(message), mark(at) {}
+  YAML::Mark mark;
 };
 
-/// Ends the reading of a file with a mistake at `node`, "file:line:column: message".
-[[noreturn]] void fail_at(const std::string& path, const YAML::Node& node,
-                          const std::string& message);
+/// Ends the reading of a file with a mistake at `node`.
+[[noreturn]] void fail_at(const YAML::Node& node, const std::string& message);
+
+/// The mistake as an Error, "file:line:column: message"; columns count characters.
+Error error_of(const std::string& path, const std::string& text, const FileMistake& mistake);
 
 /// The text of a regular file of at most 1 MiB; `parameter` is what names it.
 Result<std::string> read_yaml_text(const std::string& path, const std::string& parameter);
 
 /// What to say where the library's parser gave up.
-Error syntax_error(const std::string& path, const YAML::Mark& mark);
+Error syntax_error(const std::string& path, const std::string& text, const YAML::Mark& mark);
 
-/// Fails at a control character: yaml-cpp takes one of them for the end of the text.
+/// Fails at a control character, one of which yaml-cpp takes for the end of the text, and at what
+/// is no UTF-8.
 Result<void> check_characters(const std::string& path, const std::string& text);
 
 /// What `read` makes of the root of a YAML text; it reports mistakes with fail_at.
@@ -37,13 +42,13 @@ auto read_yaml(const std::string& path, const std::string& text, Read read)
   try {
     const std::vector<YAML::Node> documents = YAML::LoadAll(text);
     if (documents.size() > 1) {
-      fail_at(path, documents[1], "more than one document: put it into a file of its own");
+      fail_at(documents[1], "more than one document: put it into a file of its own");
     }
     return read(documents.empty() ? YAML::Node() : documents.front());
   } catch (const FileMistake& mistake) {
-    return Error{Errc::invalid_data, mistake.what()};
+    return error_of(path, text, mistake);
   } catch (const YAML::Exception& mistake) {
-    return syntax_error(path, mistake.mark);
+    return syntax_error(path, text, mistake.mark);
   }
 }
 

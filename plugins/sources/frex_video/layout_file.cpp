@@ -18,8 +18,6 @@ constexpr double kSameCentre_mm = 0.01;
 
 class Reader {
  public:
-  explicit Reader(std::string path) : path_(std::move(path)) {}
-
   MarkerSheet read(const YAML::Node& root) const {
     check_keys(root, {"marker_sheet", "dictionary", "width_mm", "height_mm", "markers"});
     if (at(root, "marker_sheet").as<std::string>("") != "1") {
@@ -49,7 +47,7 @@ class Reader {
 
  private:
   [[noreturn]] void fail(const YAML::Node& node, const std::string& message) const {
-    yaml_files::fail_at(path_, node, message);
+    yaml_files::fail_at(node, message);
   }
 
   /// yaml-cpp keeps both values of a key that is given twice and answers with the first.
@@ -118,8 +116,6 @@ class Reader {
       }
     }
   }
-
-  std::string path_;
 };
 
 }  // namespace
@@ -128,7 +124,7 @@ Result<MarkerSheet> read_layout_file(const std::string& path) {
   const auto text = yaml_files::read_yaml_text(path, "layout");
   if (!text) return text.error();
   return yaml_files::read_yaml(path, *text,
-                               [&](const YAML::Node& root) { return Reader(path).read(root); });
+                               [&](const YAML::Node& root) { return Reader().read(root); });
 }
 
 }  // namespace weft::frex_video
