@@ -19,11 +19,11 @@ class PlanReader {
   PlanReader(Plan& plan, const host::Registry& registry, std::vector<yaml::Problem>& problems)
       : plan_(plan), registry_(registry), values_(problems) {}
 
-  void read(const yaml::Node& root) {
+  void read(yaml::Node root) {
     if (root.kind != yaml::Kind::map) {
       return values_.problem(root.at, "a plan is a map with the keys weft, name, pipeline, data");
     }
-    values_.is_map(root, "a plan", plan_keys());
+    values_.correct_keys(root, "a plan", plan_keys());
     read_head(root);
     if (const yaml::Node* axes = root.find("axes"))
       plan_.axes = read_axes(*axes, registry_, values_, broken_);
@@ -202,7 +202,7 @@ class PlanReader {
       if (value.empty()) continue;
       selection.emplace_back(entry.key, value);
       if (const auto known = known_values(entry.key, entry.at)) {
-        check_choice("value of '" + entry.key + "'", value, entry.value.at, *known);
+        check_choice("value of " + quote(entry.key), value, entry.value.at, *known);
       }
     }
   }

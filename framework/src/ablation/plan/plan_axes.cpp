@@ -3,6 +3,7 @@
 #include <map>
 #include <set>
 #include <weft/core/quote.hpp>
+#include <weft/core/suggest.hpp>
 
 #include "ablation/plan/plan_keys.hpp"
 #include "ablation/plan/plan_parts.hpp"
@@ -28,8 +29,9 @@ class AxesReader {
       }
       values_.is_name(entry.key, entry.at, "the name of an axis");
       const std::size_t before = values_.count();
+      in_patches_ = 0;
       std::vector<NamedPatch> values = values_of(entry.value);
-      if (values_.count() > before) broken_.insert(entry.key);
+      if (values_.count() > before + in_patches_) broken_.insert(entry.key);
       refuse_same_setting(entry);
       if (!values.empty()) all.push_back({entry.key, std::move(values)});
     }
@@ -47,7 +49,7 @@ class AxesReader {
     if (dot != std::string::npos && path.compare(dot, 8, ".params.") == 0) path.erase(dot, 7);
     const auto [first, is_new] = settings_.emplace(path, axis.key);
     if (is_new) return;
-    values_.problem(set->at, "the axis '" + first->second + "' sets " + quote(path) + " too");
+    values_.problem(set->at, "the axis " + quote(first->second) + " sets " + quote(path) + " too");
   }
 
   std::vector<NamedPatch> values_of(const yaml::Node& axis) {
@@ -147,15 +149,26 @@ class AxesReader {
   }
 
   yaml::Node patch_of(const yaml::Node& node) {
-    if (!values_.is_map(node, "a value of an axis", axis_value_keys())) return {};
-    if (yaml::is_null(node)) return {};
-    return patch_in(node, values_);
+    const std::size_t before = values_.count();
+    const bool legal = values_.is_map(node, "a value of an axis", axis_value_keys());
+    yaml::Node patch = legal && !yaml::is_null(node) ? patch_in(node, values_) : yaml::Node();
+    if (!may_be_swept(node)) in_patches_ += values_.count() - before;
+    return patch;
+  }
+
+  /// Whether a key is a misspelt `sweep`, which would have given the value other names.
+  static bool may_be_swept(const yaml::Node& node) {
+    const std::vector<std::string> keys = yaml::names_of(axis_value_keys());
+    return std::any_of(node.entries.begin(), node.entries.end(), [&](const yaml::Entry& entry) {
+      return entry.key != "sweep" && nearest(entry.key, keys) == "sweep";
+    });
   }
 
   const host::Registry& registry_;
   PlanValues& values_;
   std::set<std::string>& broken_;
   std::map<std::string, std::string> settings_;  ///< the axis of each
+  std::size_t in_patches_ = 0;  ///< mistakes of an axis that leave the names of its values known
 };
 
 }  // namespace

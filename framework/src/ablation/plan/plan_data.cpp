@@ -47,7 +47,7 @@ class DataReader {
     if (folders != nullptr && plan_.helpers.frames_source.empty()) {
       values_.problem(folders->at, "'folders' need a source that this program does not have");
     }
-    if (folders != nullptr) return of_folders(*folders);
+    if (folders != nullptr && seeds == nullptr) return of_folders(*folders);
     if (seeds != nullptr) return of_seeds(*seeds, setting);
     return {{entry_.key, patch_}};
   }
@@ -58,7 +58,16 @@ class DataReader {
     const std::string path =
         setting != nullptr ? values_.text(*setting, "'seed_setting'") : "source.seed";
     const yaml::Position at = setting != nullptr ? setting->at : seeds.at;
-    for (const std::uint64_t seed : values_.seeds(seeds, "data seeds")) {
+    const std::vector<std::uint64_t> given = values_.seeds(seeds, "data seeds");
+    if (!values_.data_use_known && !given.empty()) {
+      const auto [first, last] = std::minmax_element(given.begin(), given.end());
+      if (*first <= kLastTuningSeed && *last > kLastTuningSeed) {
+        values_.problem(seeds.at,
+                        "data seeds 1-100 are for tuning, from 101 on for reporting: use "
+                        "one or the other");
+      }
+    }
+    for (const std::uint64_t seed : given) {
       if (values_.data_use_known && (seed > kLastTuningSeed) != plan_.reporting) {
         values_.problem(seeds.at, "the data seed " + std::to_string(seed) + " is for " +
                                       (plan_.reporting ? "tuning" : "reporting") +

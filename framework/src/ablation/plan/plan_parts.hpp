@@ -35,6 +35,9 @@ class PlanValues {
   /// Whether the node is a map of no keys but these; `what` names it in messages.
   bool is_map(const yaml::Node& node, const std::string& what, const yaml::KeyTable& table);
 
+  /// The same of what is a map; what is under a misspelt key is then under the one that was meant.
+  void correct_keys(yaml::Node& map, const std::string& what, const yaml::KeyTable& table);
+
   /// A text that is not empty, or "" after a mistake.
   std::string text(const yaml::Node& node, const std::string& what);
 

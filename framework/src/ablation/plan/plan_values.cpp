@@ -8,6 +8,7 @@
 
 #include "ablation/plan/plan_keys.hpp"
 #include "ablation/plan/plan_parts.hpp"
+#include "yaml/keys.hpp"
 
 namespace weft::evaluation {
 namespace {
@@ -40,6 +41,15 @@ bool PlanValues::is_map(const yaml::Node& node, const std::string& what,
                           did_you_mean(entry.key, keys, "; it may have: " + joined(keys)));
   }
   return true;
+}
+
+void PlanValues::correct_keys(yaml::Node& map, const std::string& what,
+                              const yaml::KeyTable& table) {
+  const std::vector<std::string> keys = yaml::names_of(table);
+  yaml::correct_keys(map, keys, [&](const yaml::Entry& entry, const std::string& near) {
+    problem(entry.at, what + " has no key " + quote(entry.key) +
+                          meant(near, "; it may have: " + joined(keys)));
+  });
 }
 
 std::string PlanValues::text(const yaml::Node& node, const std::string& what) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <weft/core/quote.hpp>
 #include <weft/core/suggest.hpp>
 
 #include "metrics/forms/json.hpp"
@@ -34,9 +35,10 @@ Error no_such(const std::string& path, const std::string& word, const json& plac
   const std::vector<std::string> names = names_in(place);
   std::string all;
   for (const std::string& name : names) all += (all.empty() ? "; there are: " : ", ") + name;
-  return {Errc::not_found,
-          "the metric '" + path + "': there is no '" + word + "'" + did_you_mean(word, names, all),
-          {}};
+  return {
+      Errc::not_found,
+      "the metric " + quote(path) + ": there is no " + quote(word) + did_you_mean(word, names, all),
+      {}};
 }
 
 /// Goes into a list, by the name of an entry or because there is one only; true where `word` was
@@ -71,7 +73,7 @@ Result<double> metric_at(const json& metrics, const std::string& path) {
   }
   if (place->is_null()) return kUnknown;
   if (place->is_number()) return place->get<double>();
-  return Error{Errc::not_found, "the metric '" + path + "' is no number"};
+  return Error{Errc::not_found, "the metric " + quote(path) + " is no number"};
 }
 
 std::string why_no_metric(const std::string& path, const std::vector<std::string>& filters) {

@@ -22,6 +22,11 @@ void ConfigReport::sort() {
   };
   std::stable_sort(problems.begin(), problems.end(),
                    [&](const auto& a, const auto& b) { return key(a) < key(b); });
+  // Two inputs that one word chooses are wrong in the same words.
+  const auto same = [&](const yaml::Problem& a, const yaml::Problem& b) {
+    return key(a) == key(b) && a.message == b.message;
+  };
+  problems.erase(std::unique(problems.begin(), problems.end(), same), problems.end());
 }
 
 Error placed(Error error, const PipelineConfig& config) {
