@@ -34,7 +34,7 @@ INTERNAL = {
     "describe": "core sdk roles",
     "roles": "core sdk",
     "host/records": "core data",
-    "host/loading": "core yaml describe roles host/records",
+    "host/loading": "core sdk yaml describe roles host/records",
     "host/probing": "core describe host/records host/loading",
     "host/workers": "core host/records host/loading",
     "host/calling": "core roles host/records host/loading host/workers",

@@ -11,7 +11,11 @@
 #include <sstream>
 #include <string_view>
 #include <vector>
+#include <weft/core/component_id.hpp>
+#include <weft/core/quote.hpp>
+#include <weft/sdk/extensions.hpp>
 
+#include "describe/declaration_check.hpp"
 #include "describe/slots.hpp"
 
 namespace weft::host {
@@ -22,10 +26,11 @@ std::string double_quoted(std::string_view text) {
   std::string result = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') result += '\\';
-    if (c == '\n') {
-      result += "\\n";
-    } else {
+    if (static_cast<unsigned char>(c) >= 0x20 && c != 0x7F) {
       result += c;
+    } else {
+      constexpr char kDigits[] = "0123456789abcdef";
+      result += std::string("\\x") + kDigits[c / 16] + kDigits[c % 16];
     }
   }
   return result + '"';
@@ -36,12 +41,6 @@ std::string number(double value) {
   std::array<char, 40> buffer;
   const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
   return {buffer.data(), end};
-}
-
-const char* type_name(std::int32_t type) {
-  constexpr const char* kNames[] = {"",     "f64",        "i64",         "bool",      "choice",
-                                    "text", "input_path", "output_path", "component", "labels"};
-  return type >= 1 && type <= 9 ? kNames[type] : "unknown";
 }
 
 std::string element(const weft_value& value, std::uint64_t index) {
@@ -75,12 +74,13 @@ bool is_bounded(const weft_parameter& parameter) {
 
 void write_parameter(std::ostream& out, const weft_parameter& parameter) {
   const weft_value& value = parameter.default_value;
+  const char* type = type_name(value.type);
   out << "      - name: " << double_quoted(value.name)
-      << "\n        type: " << type_name(value.type);
+      << "\n        type: " << (type != nullptr ? type : std::to_string(value.type));
   if (value.is_vector != 0) out << "\n        vector: true";
   if (parameter.required != 0) {
     out << "\n        required: true";
-  } else {
+  } else if (type != nullptr) {
     out << "\n        default: " << default_of(value);
   }
   if (*parameter.unit != '\0') out << "\n        unit: " << double_quoted(parameter.unit);
@@ -95,31 +95,6 @@ void write_parameter(std::ostream& out, const weft_parameter& parameter) {
   if (*parameter.role != '\0') out << "\n        role: " << double_quoted(parameter.role);
   if (*parameter.was != '\0') out << "\n        was: " << double_quoted(parameter.was);
   out << "\n        help: " << double_quoted(parameter.help) << "\n";
-}
-
-bool is_outside(double number, const weft_parameter& parameter) {
-  return !std::isfinite(number) || number < parameter.minimum || number > parameter.maximum;
-}
-
-/// Why no pipeline could ever use a parameter as it is declared, or empty.
-std::string contradiction(const weft_parameter& parameter) {
-  const weft_value& value = parameter.default_value;
-  if (!(parameter.minimum <= parameter.maximum))
-    return "has a range whose minimum is the larger end";
-  if (parameter.required != 0) return {};
-  bool outside = false;
-  for (std::uint64_t i = 0; i < value.count; ++i) {
-    if (value.type == WEFT_VALUE_F64) {
-      outside = outside || is_outside(static_cast<const double*>(value.data)[i], parameter);
-    } else if (value.type == WEFT_VALUE_I64) {
-      const std::int64_t number = static_cast<const std::int64_t*>(value.data)[i];
-      outside = outside || is_outside(static_cast<double>(number), parameter);
-    }
-  }
-  if (outside) return "has a default outside its range";
-  if (value.type != WEFT_VALUE_CHOICE) return {};
-  const bool listed = *static_cast<const char* const*>(value.data)[0] != '\0';
-  return listed ? "" : "has a default that is none of its choices";
 }
 
 const char* dtype_word(std::int32_t dtype) {
@@ -141,35 +116,49 @@ struct Number {
   double minimum, maximum;
 };
 
-/// Collects the declarations of one component.
+/// Collects the declarations of one component, up to the first that is wrong.
 struct Declarations {
+  static constexpr std::size_t kMostParameters = 10'000;
+
   std::ostringstream text{};
-  std::vector<std::string> names{};
+  std::set<std::string> names{};
   std::vector<Number> numbers{};
   std::set<std::string> records{};
   std::map<std::string, std::map<std::string, std::string>> arrays{};  ///< by type and name
-  std::string problem{};                                               ///< the first one
+  std::string problem{};
 
-  void add(const std::string& type, const weft_field& field) {
-    const std::string told = text_of(field);
-    const auto [known, is_new] = arrays[type].try_emplace(field.name, told);
-    if (!is_new && known->second != told && problem.empty()) {
-      problem = "the array '" + std::string(field.name) + "' of " + type + " is declared twice";
-    }
+  void add_field(const char* type, const weft_field* field) {
+    if (!problem.empty()) return;
+    if (type == nullptr || field == nullptr) problem = "an array of a record is null";
+    if (problem.empty()) problem = wrong_field(*field);
+    if (!problem.empty()) return;
+    const std::string told = text_of(*field);
+    const auto [known, is_new] = arrays[type].try_emplace(field->name, told);
+    if (is_new || known->second == told) return;
+    problem = "the array '" + std::string(field->name) + "' of " + type + " is declared twice";
   }
 
-  void add(const weft_parameter& parameter) {
+  void add(const weft_parameter* declared) {
+    if (!problem.empty()) return;
+    problem = declared != nullptr ? wrong_declaration(*declared) : "a parameter is null";
+    if (!problem.empty()) return;
+    const weft_parameter& parameter = *declared;
     const std::string name = parameter.default_value.name;
-    std::string wrong = contradiction(parameter);
-    if (std::find(names.begin(), names.end(), name) != names.end()) wrong = "is declared twice";
-    if (!wrong.empty() && problem.empty()) problem = "parameter '" + name + "' " + wrong;
-    names.push_back(name);
+    if (!names.insert(name).second) problem = "parameter '" + name + "' is declared twice";
+    if (names.size() > kMostParameters) {
+      problem = "declares more than " + std::to_string(kMostParameters) + " parameters";
+    }
     const weft_value& value = parameter.default_value;
     const bool is_number = value.type == WEFT_VALUE_F64 || value.type == WEFT_VALUE_I64;
     if (is_number && value.is_vector == 0) {
       numbers.push_back({name, parameter.minimum, parameter.maximum});
     }
     write_parameter(text, parameter);
+  }
+
+  void add_record(const char* type) {
+    if (type == nullptr && problem.empty()) problem = "a type of records is null";
+    if (type != nullptr) records.insert(type);
   }
 };
 
@@ -181,15 +170,47 @@ std::string words(std::string_view text) {
   return list + "]";
 }
 
+struct Extension {
+  const char* name;
+  std::size_t bytes;  ///< of its table, which begins with its size
+};
+constexpr Extension kExtensions[] = {{WEFT_DEVICE_MEMORY, sizeof(weft_device_memory)},
+                                     {WEFT_DEVICES, sizeof(weft_devices)},
+                                     {WEFT_CHECK, sizeof(weft_check)},
+                                     {WEFT_SWEEP, sizeof(weft_sweep)},
+                                     {WEFT_STEERING, sizeof(weft_steering)},
+                                     {WEFT_ISOLATION, sizeof(weft_isolation)}};
+
 /// Those abilities beyond its role that this version of Weft knows of.
 std::string extensions(const weft_component& component) {
   std::string list;
-  for (const char* name :
-       {WEFT_DEVICE_MEMORY, WEFT_DEVICES, WEFT_CHECK, WEFT_SWEEP, WEFT_STEERING, WEFT_ISOLATION}) {
-    const bool has = component.get_extension != nullptr && component.get_extension(name) != nullptr;
-    if (has) list += (list.empty() ? "" : " ") + std::string(name);
+  for (const Extension& extension : kExtensions) {
+    const bool has =
+        component.get_extension != nullptr && component.get_extension(extension.name) != nullptr;
+    if (has) list += (list.empty() ? "" : " ") + std::string(extension.name);
   }
   return words(list);
+}
+
+/// What is wrong with a component before it says anything of its parameters, or an empty text.
+std::string wrong_component(const weft_component& component, bool is_newer) {
+  if (!is_component_id(component.id)) {
+    return "its id '" + escaped(component.id) +
+           "' is not of the form role/name or role/vendor.name";
+  }
+  for (const char* text : {component.version, component.summary, component.reference,
+                           component.licence, component.determinism}) {
+    if (!is_utf8(text)) return "one of its texts is no UTF-8";
+  }
+  for (const Extension& extension : kExtensions) {
+    if (component.get_extension == nullptr) break;
+    const auto* size = static_cast<const std::uint32_t*>(component.get_extension(extension.name));
+    if (size != nullptr && *size < extension.bytes) {
+      return std::string("its extension ") + extension.name +
+             " is damaged: its struct_size is too small";
+    }
+  }
+  return unknown_slots(component, is_newer);
 }
 
 const weft_sweep* sweep_of(const weft_component& component) {
@@ -200,6 +221,7 @@ const weft_sweep* sweep_of(const weft_component& component) {
 /// Writes the sweep of a component; returns what is wrong with it, or an empty text.
 std::string write_sweep(std::ostream& out, const weft_sweep& sweep,
                         const std::vector<Number>& numbers) {
+  if (sweep.parameter == nullptr || sweep.values == nullptr) return "its sweep is null";
   const std::string name = sweep.parameter;
   const auto number_of = std::find_if(numbers.begin(), numbers.end(),
                                       [&](const Number& each) { return each.name == name; });
@@ -221,6 +243,7 @@ std::string write_sweep(std::ostream& out, const weft_sweep& sweep,
 
 /// Returns what is wrong with the declarations, or an empty text.
 std::string write_component(std::ostream& out, const weft_component& component, bool is_newer) {
+  if (std::string wrong = wrong_component(component, is_newer); !wrong.empty()) return wrong;
   out << "  - id: " << double_quoted(component.id)
       << "\n    version: " << double_quoted(component.version)
       << "\n    summary: " << double_quoted(component.summary)
@@ -232,26 +255,28 @@ std::string write_component(std::ostream& out, const weft_component& component, 
       << "\n    random: " << ((component.flags & WEFT_FLAG_RANDOM) != 0 ? "true" : "false")
       << "\n    uses_truth: " << ((component.flags & WEFT_FLAG_USES_TRUTH) != 0 ? "true" : "false")
       << "\n    extensions: " << extensions(component) << "\n    parameters:";
-  if (std::string unknown = unknown_slots(component, is_newer); !unknown.empty()) return unknown;
   Declarations declarations;
   const weft_describe sink{sizeof(weft_describe),
                            0,
                            &declarations,
                            [](void* context, const weft_parameter* parameter) {
-                             static_cast<Declarations*>(context)->add(*parameter);
+                             static_cast<Declarations*>(context)->add(parameter);
                            },
                            [](void* context, const char* type) {
-                             static_cast<Declarations*>(context)->records.insert(type);
+                             static_cast<Declarations*>(context)->add_record(type);
                            },
                            [](void* context, const char* type, const weft_field* field) {
-                             static_cast<Declarations*>(context)->add(type, *field);
+                             static_cast<Declarations*>(context)->add_field(type, field);
                            }};
   weft_error error{sizeof(weft_error), 0, {}, {}, {}};
-  if (component.describe(&sink, &error) != WEFT_OK) {
+  const auto describe = [&] { return component.describe(&sink, &error); };
+  const std::int32_t status = detail::guarded(&error, describe);
+  if (status != WEFT_OK) {
     error.message[sizeof(error.message) - 1] = '\0';
     if (error.code == WEFT_CODE_INVALID_VALUE) return error.message;
+    const std::string reason = error.message;
     return "its constructor failed while it declared its parameters (" +
-           std::string(error.message) +
+           (reason.empty() ? "status " + std::to_string(status) : reason) +
            "); it should read them all and do nothing else: files and checks belong in prepare()";
   }
   const std::string text = declarations.text.str();
@@ -283,10 +308,17 @@ Result<std::string> describe_library(const weft_library_table& library,
       << "build_id: " << double_quoted(build_id)
       << "\ncompiler: " << double_quoted(library.compiler) << "\nisa: " << words(library.isa)
       << "\ncomponents:\n";
+  std::set<std::string> ids;
   for (std::uint32_t i = 0; i < library.count; ++i) {
     const weft_component& component = *library.components[i];
+<<<<<<< HEAD
     if (std::string problem = write_component(out, component, library.sdk_minor > WEFT_ABI_MINOR);
         !problem.empty()) {
+=======
+    std::string problem = write_component(out, component);
+    if (!ids.insert(component.id).second) problem = "is in the library twice";
+    if (!problem.empty()) {
+>>>>>>> 2180af8a (Name what is damaged in a plugin, and keep what it changes from the others)
       return Error{Errc::plugin_failure, std::move(problem), component.id};
     }
   }

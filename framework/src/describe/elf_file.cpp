@@ -73,8 +73,11 @@ bool ElfFile::read(std::uint64_t offset, void* target, std::uint64_t bytes) cons
 Result<void> ElfFile::read_headers() {
   Elf64_Ehdr header;
   if (!read(0, &header, sizeof(header)) || std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0 ||
-      header.e_ident[EI_CLASS] != ELFCLASS64 || header.e_ident[EI_DATA] != ELFDATA2LSB) {
+      header.e_ident[EI_CLASS] != ELFCLASS64) {
     return Error{Errc::incompatible, "is no 64-bit ELF file", path_};
+  }
+  if (header.e_ident[EI_DATA] != ELFDATA2LSB || header.e_machine != EM_X86_64) {
+    return Error{Errc::incompatible, "is an ELF file for another processor than x86-64", path_};
   }
   if (header.e_type != ET_DYN) return damaged("it is no shared library");
   if (header.e_phentsize != sizeof(Elf64_Phdr)) return damaged("its segments have a wrong size");

@@ -5,6 +5,7 @@
 #include "host/calling/hashing.hpp"
 #include "host/calling/lane_parts.hpp"
 #include "host/calling/protected_inputs.hpp"
+#include "host/loading/library_call.hpp"
 #include "host/records/plugin_error.hpp"
 #include "host/records/value_check.hpp"
 
@@ -13,6 +14,7 @@ namespace weft::host {
 namespace {
 
 constexpr int kDeepestNesting = 16;
+constexpr int kWarning = 2;  ///< as of weft_host.log
 
 Error not_begun(const std::string& id) {
   return {Errc::cancelled, "cancelled before it began", id};
@@ -40,8 +42,6 @@ Lane::Lane(std::uint64_t run_seed, Log log, std::shared_ptr<SharedArena> arena,
       revision_mark_(revision_mark),
       arena_(std::move(arena)) {}
 
-Lane::~Lane() { memory_->close(); }
-
 Result<Instance*> Lane::instantiate(const ComponentSpec& spec, const std::string& stage,
                                     const std::string& path) {
   if (is_cancelled()) return not_begun(spec.component().id);
@@ -64,7 +64,8 @@ Result<Instance*> Lane::instantiate(const ComponentSpec& spec, const std::string
   void* self = nullptr;
   weft_error error = kNoError;
   const weft_create with = made_from(values);
-  const std::int32_t status = made->table->create(&with, &self, &error);
+  const std::int32_t status =
+      call_library(error, [&] { return made->table->create(&with, &self, &error); });
   if (status != WEFT_OK) return plugin_error(status, error, made->id);
   if (self == nullptr) {
     return Error{Errc::plugin_failure, "created nothing and gave no reason", made->id};
@@ -128,8 +129,9 @@ Result<void> Lane::prepare_here(Instance& instance, std::span<const weft_record>
     inputs = *given;
   }
   weft_error error = kNoError;
-  const std::int32_t status =
-      instance.table->prepare(instance.self, &call, inputs.data(), inputs.size(), &error);
+  const std::int32_t status = call_library(error, [&] {
+    return instance.table->prepare(instance.self, &call, inputs.data(), inputs.size(), &error);
+  });
   if (status == WEFT_OK || status == WEFT_DEGENERATE) return {};
   return plugin_error(status, error, instance.id);
 }
@@ -183,8 +185,7 @@ Outcome Lane::enter(Instance& instance, int method, std::span<const weft_record>
     instance.running = true;
     status = instance.worker != nullptr
                  ? call_worker(instance, scope, method, *readable, &error)
-                 : instance.table->process(instance.self, &call, readable->data(), readable->size(),
-                                           &error);
+                 : call_here(instance, call, *readable, turn.run_frame, error);
     instance.running = false;
   } else {
     status = report(readable.error(), &error);
@@ -203,6 +204,19 @@ Outcome Lane::enter(Instance& instance, int method, std::span<const weft_record>
         {},
         outcome.downloaded_bytes});
   return outcome;
+}
+
+std::int32_t Lane::call_here(const Instance& instance, const weft_call& call,
+                             std::span<const weft_record> inputs, std::uint64_t run_frame,
+                             weft_error& error) const {
+  bool kept_mode = true;
+  const auto process = [&] {
+    return instance.table->process(instance.self, &call, inputs.data(), inputs.size(), &error);
+  };
+  const std::int32_t status = call_library(error, process, &kept_mode);
+  constexpr const char* kChanged = "left the floating-point mode changed; it was set back";
+  if (!kept_mode && log_) log_(instance.name, kWarning, kChanged, run_frame);
+  return status;
 }
 
 Outcome Lane::finish(Instance& instance, Scope& scope, std::span<const weft_record> inputs,

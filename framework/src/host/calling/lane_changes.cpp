@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a lane does for runs that change while they run.
+// What a lane does for runs that change while they run, and at its end.
 #include "host/calling/lane_parts.hpp"
 #include "host/records/plugin_error.hpp"
 
@@ -8,10 +8,22 @@ namespace {
 
 const weft_steering* steering_of(const Instance& sink) {
   if (sink.table == nullptr || sink.table->get_extension == nullptr) return nullptr;
-  return static_cast<const weft_steering*>(sink.table->get_extension(WEFT_STEERING));
+  const void* found = sink.table->get_extension(WEFT_STEERING);
+  const auto* steering = static_cast<const weft_steering*>(found);
+  const bool usable = steering != nullptr && steering->struct_size >= sizeof(weft_steering) &&
+                      steering->take_wishes != nullptr && steering->answer != nullptr;
+  return usable ? steering : nullptr;
 }
 
 }  // namespace
+
+Lane::~Lane() {
+  memory_->close();
+  for (std::unique_ptr<Instance>& instance : instances_) {
+    if (instance != nullptr) announce(instance->name, instance->id, "destroy", kOfflineFrame);
+    instance.reset();
+  }
+}
 
 void Lane::replace(Instance& old, Instance& made) {
   auto in_place = take_out(made);
@@ -34,6 +46,7 @@ std::unique_ptr<Instance> Lane::take_out(Instance& instance) {
 /// Those nested in it after it: it may call them until it is gone.
 void Lane::destroy(std::unique_ptr<Instance> instance) {
   const std::vector<Instance*> nested = instance->nested;
+  announce(instance->name, instance->id, "destroy", kOfflineFrame);
   instance.reset();
   for (Instance* each : nested) destroy(take_out(*each));
 }

@@ -5,6 +5,7 @@
 #include <weft/core/index.hpp>
 #include <weft/core/quote.hpp>
 
+#include "host/loading/library_call.hpp"
 #include "host/records/plugin_error.hpp"
 
 namespace weft::host {
@@ -53,24 +54,30 @@ std::vector<ComponentChecks::Mistake> ComponentChecks::mistakes_of(const Compone
   };
   const auto table = load(*spec.installed);
   if (!table) return failed(table.error());
-  const void* extension =
+  const void* found =
       (*table)->get_extension != nullptr ? (*table)->get_extension(WEFT_CHECK) : nullptr;
-  if (extension == nullptr) return {};
+  if (found == nullptr) return {};
   const std::string& id = spec.component().id;
+  const auto* extension = static_cast<const weft_check*>(found);
+  if (extension->struct_size < sizeof(weft_check) || extension->check == nullptr) {
+    return failed({Errc::plugin_failure, "its check is damaged; rebuild the plugin", id});
+  }
   const std::vector<weft_value>& values = spec.arguments.values();
   void* self = nullptr;
   weft_error error = kNoError;
   const weft_create with = made_from(values);
-  std::int32_t status = (*table)->create(&with, &self, &error);
+  std::int32_t status = call_library(error, [&] { return (*table)->create(&with, &self, &error); });
   if (status != WEFT_OK) return failed(plugin_error(status, error, id));
   if (self == nullptr) {
     return failed({Errc::plugin_failure, "created nothing and gave no reason", id});
   }
   std::vector<Mistake> mistakes;
   const auto note = [](void* context, const char* parameter, const char* message) {
-    static_cast<std::vector<Mistake>*>(context)->push_back({parameter, escaped(message)});
+    const auto text = [](const char* given) { return given != nullptr ? given : ""; };
+    static_cast<std::vector<Mistake>*>(context)->push_back(
+        {text(parameter), escaped(text(message))});
   };
-  status = static_cast<const weft_check*>(extension)->check(self, &mistakes, note, &error);
+  status = call_library(error, [&] { return extension->check(self, &mistakes, note, &error); });
   (*table)->destroy(self);
   if (status != WEFT_OK) mistakes.push_back(failed(plugin_error(status, error, id)).front());
   return mistakes;

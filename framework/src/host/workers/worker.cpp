@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/workers/worker.hpp"
 
+#include <algorithm>
 #include <weft/core/version.hpp>
 
 #include "host/workers/codec.hpp"
@@ -12,6 +13,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kCancelPatience{1000};
+constexpr std::chrono::milliseconds kLeastToStart{10'000};
 
 /// Nothing that a worker says is taken for granted.
 Error error_in(const ReplyMessage& reply) {
@@ -101,7 +103,10 @@ Result<void> Worker::ready() {
 }
 
 Result<void> Worker::introduce(const CreateMessage& component) {
-  const auto reply = converse(MessageKind::create, pack(component));
+  // Who bounds a call does not want to wait for a library that never gets loaded either.
+  const auto bound = isolation_.deadline;
+  const auto patience = bound.count() == 0 ? bound : std::max(bound, kLeastToStart);
+  const auto reply = converse(MessageKind::create, pack(component), patience);
   if (!reply) return reply.error();
   return reply->status == WEFT_OK ? Result<void>{} : error_in(*reply);
 }
