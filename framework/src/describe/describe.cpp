@@ -311,14 +311,9 @@ Result<std::string> describe_library(const weft_library_table& library,
   std::set<std::string> ids;
   for (std::uint32_t i = 0; i < library.count; ++i) {
     const weft_component& component = *library.components[i];
-<<<<<<< HEAD
-    if (std::string problem = write_component(out, component, library.sdk_minor > WEFT_ABI_MINOR);
-        !problem.empty()) {
-=======
-    std::string problem = write_component(out, component);
+    std::string problem = write_component(out, component, library.sdk_minor > WEFT_ABI_MINOR);
     if (!ids.insert(component.id).second) problem = "is in the library twice";
     if (!problem.empty()) {
->>>>>>> 2180af8a (Name what is damaged in a plugin, and keep what it changes from the others)
       return Error{Errc::plugin_failure, std::move(problem), component.id};
     }
   }

@@ -14,11 +14,13 @@
 namespace weft::host {
 namespace {
 
-constexpr std::chrono::seconds kLongest{60};  ///< devices are slow to wake
+constexpr std::chrono::seconds kLongest{20};
+constexpr std::chrono::seconds kLongestOfDevices{60};  ///< they are slow to wake
 
 Result<std::string> ask(const std::string& library,
-                        const std::function<Result<std::string>()>& find_out) {
-  auto answer = ask_in_child(find_out, kLongest);
+                        const std::function<Result<std::string>()>& find_out,
+                        std::chrono::seconds longest = kLongest) {
+  auto answer = ask_in_child(find_out, longest);
   if (answer || !answer.error().where.empty()) return answer;
   return Error{answer.error().code,
                "it " + answer.error().message +
@@ -92,7 +94,8 @@ Result<std::string> probe_manifest(const std::string& library, std::string_view 
 }
 
 Result<std::vector<std::string>> probe_devices(const std::string& library, const std::string& id) {
-  const auto answer = ask(library, [&] { return devices_here(library, id); });
+  const auto answer = ask(
+      library, [&] { return devices_here(library, id); }, kLongestOfDevices);
   if (!answer) return answer.error();
   std::vector<std::string> devices;
   for (std::size_t start = 0; start < answer->size(); start += devices.back().size() + 1) {
