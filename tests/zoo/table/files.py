@@ -159,8 +159,10 @@ OF_FILES = [
     refused("id_twice", component_twice, f"'{ID}' is in it twice", "correct the id"),
     refused("id_in_two_libraries", with_a_twin, f"'{ID}' is also in .*twin.so",
             "keep one of the two"),
-    refused("role_unknown", edited(ID, "clouds/zoo_animal"),
-            "'clouds' of 'clouds/zoo_animal' is no role", "install a newer Weft"),
+    Animal("role_unknown", [
+        Ask("list", "'clouds' of 'clouds/zoo_animal' is no role.*install a newer Weft"),
+        Ask("doctor", "'clouds' of 'clouds/zoo_animal' is no role.*install a newer Weft"),
+        Ask("check", f"no plugin '{ID}' is installed", 2)], edited(ID, "clouds/zoo_animal")),
     refused("type_unknown", edited("type: f64", "type: tensor"), "has the unknown type 'tensor'",
             "install a newer Weft"),
     refused("processor_feature", edited("isa: []", "isa: [avx9]"),
