@@ -4,6 +4,7 @@
 #include <pybind11/numpy.h>
 
 #include <memory>
+#include <variant>
 #include <vector>
 #include <weft/data/array.hpp>
 #include <weft/data/record.hpp>
@@ -30,11 +31,15 @@ inline pybind11::dict named_of(const Diagnostics& diagnostics) {
   pybind11::dict named;
   for (const NamedArray& entry : diagnostics.entries()) {
     const pybind11::str name(std::string(entry.name).substr(5));
-    if (entry.values.ndim() == 0 && entry.values.present()) {
-      named[name] = *entry.values.data();
-    } else {
-      named[name] = numpy_of(entry.values);
-    }
+    std::visit(
+        [&](const auto& values) {
+          if (values.ndim() == 0 && values.present()) {
+            named[name] = *values.data();
+          } else {
+            named[name] = numpy_of(values);
+          }
+        },
+        entry.values);
   }
   return named;
 }
