@@ -74,7 +74,7 @@ void check_sight(const Scene& scene, const Sightlines& made, Checks& checks) {
   checks.expect(made.coverage >= 0.0 && made.coverage <= 1.0, "its coverage is not in 0 to 1");
 }
 
-void check_shape(const Shape& made, Checks& checks) {
+void check_shape(const Case& given, const Shape& made, Checks& checks) {
   const ShapeState state = made.shape_state();
   checks.expect(state == ShapeState::estimated || state == ShapeState::weak,
                 std::string("its shape is '") + to_string(state) +
@@ -82,13 +82,21 @@ void check_shape(const Shape& made, Checks& checks) {
   checks.expect(made.confidence >= 0.0 && made.confidence <= 1.0,
                 "its confidence is not in 0 to 1");
   checks.expect(is_flag(made.source), "its source has entries that are not 0 or 1");
+  if (given.expect != Expect::answer) return;
+  for (std::int64_t v = 0; v < made.vertices_m.rows(); ++v) {
+    if (made.vertices_m(v, 2) > 0.0) continue;
+    return checks.fail("vertex " + std::to_string(v) + " of its shape lies behind the camera");
+  }
 }
 
 }  // namespace
 
 void check_answer(const Answer& answer, Checks& checks) {
   if (answer.status == WEFT_CANCELLED) return checks.fail("says cancelled though nobody asked");
-  if (answer.status != WEFT_OK && answer.message.empty()) {
+  // The host says so where a component left the text empty.
+  const bool no_reason =
+      answer.message.empty() || answer.message.starts_with("gave no reason for its status");
+  if (answer.status != WEFT_OK && no_reason) {
     return checks.fail("says " + to_text(answer) + " and not why");
   }
   const bool broken = answer.status == WEFT_ERROR && answer.code == Errc::plugin_failure;
@@ -119,7 +127,7 @@ void check_outputs(const Subject& subject, const Case& given, const Answer& answ
     if (const auto made = typed_in<InlierMask>(record)) check_mask(given, *made, checks);
     if (const auto made = typed_in<Sightlines>(record)) check_sight(scene, *made, checks);
     if (const auto made = typed_in<Visibility>(record)) check_visibility(*made, checks);
-    if (const auto made = typed_in<Shape>(record)) check_shape(*made, checks);
+    if (const auto made = typed_in<Shape>(record)) check_shape(given, *made, checks);
     if (const auto made = typed_in<Warp>(record)) {
       checks.expect(made->producer == subject.manifest().id,
                     "its warp names '" + made->producer + "' as its producer");
