@@ -74,6 +74,8 @@ INTERNAL = {
     "pipeline/graph pipeline/execution pipeline/runs statistics",
     "schema": "core yaml roles host/loading pipeline/configuration ablation/plan",
     "counting": "",
+    "mutants": "core describe host/loading programs",
+    "mutants/library": "mutants",
     "cli": "core data geometry generators truth sdk yaml describe roles host pipeline printing "
     "programs calibration metrics results ablation cluster report bench schema",
 }
@@ -88,6 +90,7 @@ ABI_READERS = (
     "framework/include/weft/sdk/",
     "framework/src/describe/",
     "framework/src/host/",
+    "framework/src/mutants/",
 )
 
 TESTING = ("framework/include/weft/testing/", "framework/src/testing/")
@@ -114,7 +117,11 @@ LIBRARIES = (
 MOST_SOURCES = 25
 MOST_HEADER_LINES = 200
 # Programs besides `weft` itself that may write to stdout and stderr.
-PRINTERS = ("framework/src/host/probing/main.cpp", "framework/src/testing/contract_main.cpp")
+PRINTERS = (
+    "framework/src/host/probing/main.cpp",
+    "framework/src/mutants/library/library.cpp",
+    "framework/src/testing/contract_main.cpp",
+)
 PRINTING = re.compile(
     r"\bstd\s*::\s*w?(?:cout|cerr|clog)\b"
     r"|\b(?:stdout|stderr)\b"

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a component is described and made.
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <optional>
+
+#include "mutants/library/deeds.hpp"
+
+namespace weft::mutants {
+namespace {
+
+/// What a component declares of one parameter.
+struct Declared {
+  std::string name;
+  std::int32_t type;
+  bool is_vector;
+  double minimum, maximum;
+
+  bool is_number() const {
+    return !is_vector && (type == WEFT_VALUE_F64 || type == WEFT_VALUE_I64);
+  }
+  bool is_bounded() const { return std::isfinite(minimum) || std::isfinite(maximum); }
+};
+
+std::vector<Declared> declared_by(const weft_component& component) {
+  std::vector<Declared> all;
+  const auto parameter = [](void* context, const weft_parameter* given) {
+    const weft_value& value = given->default_value;
+    static_cast<std::vector<Declared>*>(context)->push_back(
+        {value.name, value.type, value.is_vector != 0, given->minimum, given->maximum});
+  };
+  const weft_describe sink{sizeof(weft_describe), 0, &all, parameter, [](void*, const char*) {}};
+  weft_error error{sizeof(weft_error), 0, {}, {}, {}};
+  component.describe(&sink, &error);
+  return all;
+}
+
+/// A value, and the number in it where it was changed.
+struct Given {
+  weft_value value;
+  bool is_changed = false;
+  double f64 = 0.0;
+  std::int64_t i64 = 0;
+};
+
+double number_in(const weft_value& value) {
+  return value.type == WEFT_VALUE_F64
+             ? *static_cast<const double*>(value.data)
+             : static_cast<double>(*static_cast<const std::int64_t*>(value.data));
+}
+
+void set_number(Given& given, double number) {
+  given.is_changed = true;
+  given.f64 = number;
+  given.i64 = static_cast<std::int64_t>(number);
+  const bool is_real = given.value.type == WEFT_VALUE_F64;
+  given.value.data = is_real ? static_cast<const void*>(&given.f64) : &given.i64;
+}
+
+const Declared* find(const std::vector<Declared>& declared, const char* name) {
+  const auto found = std::find_if(declared.begin(), declared.end(),
+                                  [&](const Declared& each) { return each.name == name; });
+  return found != declared.end() ? &*found : nullptr;
+}
+
+/// Of the first bounded number that an instance was given, in the whole process.
+void keep_first(Given& given) {
+  static const std::string name = given.value.name;
+  static const double first = number_in(given.value);
+  if (name == given.value.name) set_number(given, first);
+}
+
+/// Whether the plugin shall see this value.
+bool pass_on(Given& given, const Declared& declared) {
+  const std::int32_t type = given.value.type;
+  if (does("accepts_wrong_type") && type != declared.type) return false;
+  if (type != declared.type || !declared.is_number() || given.value.count != 1) return true;
+  if (does("ignores_numbers")) return false;
+  if (!declared.is_bounded()) return true;
+  const double number = number_in(given.value);
+  if (does("crashes_at_end_of_range") &&
+      (number == declared.minimum || number == declared.maximum)) {
+    std::abort();
+  }
+  const bool is_outside = !(number >= declared.minimum && number <= declared.maximum);
+  if (does("accepts_out_of_range") && is_outside) {
+    const bool is_low = !(number > declared.maximum);
+    set_number(given, is_low ? declared.minimum : declared.maximum);
+  }
+  if (does("keeps_first_number")) keep_first(given);
+  return true;
+}
+
+std::int32_t refuse_unknown(weft_error& error) {
+  error.code = WEFT_CODE_INVALID_VALUE;
+  std::strncpy(error.message, "there is no such parameter", sizeof(error.message) - 1);
+  return WEFT_ERROR;
+}
+
+std::int32_t create_with(const weft_component& component, const weft_create& with, void** self,
+                         weft_error& error) {
+  const std::vector<Declared> declared = declared_by(component);
+  std::vector<Given> all;
+  for (std::uint64_t i = 0; i < with.count; ++i) {
+    all.push_back({with.values[i]});
+    const Declared* known = find(declared, with.values[i].name);
+    if (known == nullptr && does("refuses_unknown")) {
+      return refuse_unknown(error);
+    }
+    if (known != nullptr && !pass_on(all.back(), *known)) all.pop_back();
+  }
+  std::vector<weft_value> values;
+  for (Given& given : all) {
+    if (given.is_changed) set_number(given, given.f64);  // the vector may have moved it
+    values.push_back(given.value);
+  }
+  weft_create passed = with;
+  passed.struct_size = sizeof(passed);
+  passed.values = values.data();
+  passed.count = values.size();
+  return component.create(&passed, self, &error);
+}
+
+/// The sink in front of the host's.
+struct Between {
+  const weft_describe& sink;
+  bool is_changed = false;
+};
+
+/// Another legal number for the first one that has a range.
+void declare(void* context, const weft_parameter* given) {
+  auto& between = *static_cast<Between*>(context);
+  weft_parameter parameter = *given;
+  Given number{parameter.default_value};
+  const bool is_number =
+      number.value.is_vector == 0 && parameter.required == 0 &&
+      (number.value.type == WEFT_VALUE_F64 || number.value.type == WEFT_VALUE_I64);
+  if (is_number && !between.is_changed) {
+    const double now = number_in(number.value);
+    set_number(number, now + 1.0 <= parameter.maximum ? now + 1.0 : now / 2.0);
+    parameter.default_value = number.value;
+    between.is_changed = true;
+  }
+  between.sink.parameter(between.sink.context, &parameter);
+}
+
+}  // namespace
+
+std::int32_t describe(const weft_component& component, const weft_describe& sink,
+                      weft_error& error) {
+  if (!is_subject(component)) return component.describe(&sink, &error);
+  if (does("describing_opens_file")) close(open("/etc/hostname", O_RDONLY | O_CLOEXEC));
+  if (!does("describes_other_default")) return component.describe(&sink, &error);
+  Between between{sink};
+  const auto record = [](void* context, const char* type) {
+    const weft_describe& theirs = static_cast<Between*>(context)->sink;
+    theirs.record(theirs.context, type);
+  };
+  const weft_describe mine{sizeof(weft_describe), 0, &between, declare, record};
+  return component.describe(&mine, &error);
+}
+
+std::int32_t create(const weft_component& component, const weft_create& with, void** self,
+                    weft_error& error) {
+  if (!is_subject(component)) return component.create(&with, self, &error);
+  static std::atomic<int> at_work = 0;
+  if (does("creates_one_at_a_time")) {
+    if (at_work++ > 0) std::abort();
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  const std::int32_t status = create_with(component, with, self, error);
+  if (does("creates_one_at_a_time")) --at_work;
+  if (status == WEFT_OK) instance_of(*self).creator = std::this_thread::get_id();
+  if (status != WEFT_OK && does("names_no_subject")) error.subject[0] = '\0';
+  return status;
+}
+
+}  // namespace weft::mutants

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mutants/trial.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <sstream>
+#include <thread>
+#include <weft/core/quote.hpp>
+#include <weft/core/text_file.hpp>
+
+#include "describe/build_id.hpp"
+#include "programs/program.hpp"
+
+namespace weft::mutants {
+namespace {
+
+constexpr double kShareToCatch = 0.95;
+constexpr std::uint64_t kMostBytes = 16 << 20;
+constexpr std::size_t kMostCharacters = 200;
+
+/// The manifest with the build-id of another library.
+std::string bound_to(const std::string& manifest, const std::string& build_id) {
+  std::istringstream lines(manifest);
+  std::string text;
+  for (std::string line; std::getline(lines, line);) {
+    text += line.starts_with("build_id:") ? "build_id: \"" + build_id + "\"" : line;
+    text += '\n';
+  }
+  return text;
+}
+
+/// The first line that speaks of the component, else the last that says anything.
+std::string telling_line(const std::string& said, const std::string& id) {
+  std::istringstream lines(said);
+  std::string last;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with(id + ": ")) return line.substr(id.size() + 2, kMostCharacters);
+    if (!line.empty()) last = line;
+  }
+  return last.substr(0, kMostCharacters);
+}
+
+Verdict ask(const Judge& judge, const std::vector<std::string>& words, const std::string& id) {
+  const auto answer = run_program(words, {}, judge.longest);
+  if (!answer) return {false, answer.error().message};
+  if (answer->late) {
+    return {false, "the check was not done after " + std::to_string(judge.longest.count()) + " s"};
+  }
+  if (answer->exit_code == 0) return {false, "all checks hold"};
+  const std::string said = escaped(telling_line(answer->out + answer->err, id));
+  if (answer->exit_code == 1) return {true, said};
+  return {false,
+          "the check ended with exit code " + std::to_string(answer->exit_code) + ": " + said};
+}
+
+Verdict judge_one(const Judge& judge, const std::string& manifest, const Mutant& mutant) {
+  const std::string& id = mutant.original->component.id;
+  const auto of_group = judge.command(manifest, mutant.change->group);
+  if (!of_group.empty()) {
+    Verdict first = ask(judge, of_group, id);
+    if (first.is_caught) return first;
+  }
+  return ask(judge, judge.command(manifest, ""), id);
+}
+
+/// Does `work` for each number below `count`, on `jobs` threads.
+void share_out(std::size_t count, int jobs, const std::function<void(std::size_t)>& work) {
+  std::atomic<std::size_t> next = 0;
+  const auto take = [&] {
+    for (std::size_t i = next++; i < count; i = next++) work(i);
+  };
+  std::vector<std::jthread> helpers;
+  for (int i = 1; i < jobs; ++i) helpers.emplace_back(take);
+  take();
+}
+
+/// Why originals do not hold, by their manifest's file.
+std::map<std::string, std::string> wrong_originals(const std::vector<Mutant>& mutants,
+                                                   const Judge& judge) {
+  std::map<std::string, std::string> ids;
+  for (const Mutant& each : mutants) ids[each.original->manifest] = each.original->component.id;
+  const std::vector<std::pair<std::string, std::string>> all(ids.begin(), ids.end());
+  std::map<std::string, std::string> wrong;
+  std::mutex mutex;
+  share_out(all.size(), judge.jobs, [&](std::size_t i) {
+    const auto& [manifest, id] = all[i];
+    const Verdict verdict = ask(judge, judge.command(manifest, ""), id);
+    if (!verdict.is_caught && verdict.why == "all checks hold") return;
+    const std::lock_guard lock(mutex);
+    wrong[manifest] = id + ": " + verdict.why;
+  });
+  return wrong;
+}
+
+/// For a cell of a table.
+std::string cell(std::string text) {
+  std::replace(text.begin(), text.end(), '|', '/');
+  return text;
+}
+
+}  // namespace
+
+Result<std::string> make_mutant(const Mutant& mutant, const std::string& mutant_library,
+                                const std::string& folder) {
+  namespace fs = std::filesystem;
+  const auto build_id = host::read_build_id(mutant_library);
+  if (!build_id) return build_id.error();
+  const auto manifest = read_text_file(mutant.original->manifest, kMostBytes);
+  if (!manifest) return manifest.error();
+  const fs::path own = fs::path(folder) / mutant.name();
+  const std::string stem = fs::path(mutant.original->library).stem().string();
+  std::error_code failed;
+  fs::create_directories(own, failed);
+  fs::copy_file(mutant_library, own / (stem + ".so"), fs::copy_options::overwrite_existing, failed);
+  std::ofstream(own / (stem + ".mutant"))
+      << "library " << fs::absolute(mutant.original->library).string() << "\ncomponent "
+      << mutant.original->component.id << "\noperator "
+      << (mutant.change != nullptr ? mutant.change->name : "") << '\n';
+  const fs::path file = own / (stem + ".plugin.yaml");
+  std::ofstream out(file);
+  out << bound_to(*manifest, *build_id);
+  if (failed || !out.flush()) return Error{Errc::io, "cannot be written", file.string()};
+  return file.string();
+}
+
+std::size_t Trials::caught() const {
+  return static_cast<std::size_t>(std::count_if(
+      trials.begin(), trials.end(), [](const Trial& trial) { return trial.verdict.is_caught; }));
+}
+
+bool Trials::is_enough() const {
+  return wrong.empty() && !trials.empty() &&
+         static_cast<double>(caught()) >= kShareToCatch * static_cast<double>(trials.size());
+}
+
+Result<Trials> try_mutants(const std::vector<Mutant>& mutants, const std::string& mutant_library,
+                           const std::string& folder, const Judge& judge,
+                           const std::function<void(const Trial&)>& told) {
+  std::vector<std::string> manifests;
+  for (const Mutant& mutant : mutants) {
+    auto made = make_mutant(mutant, mutant_library, folder);
+    if (!made) return made.error();
+    manifests.push_back(*std::move(made));
+  }
+  const auto wrong = wrong_originals(mutants, judge);
+  Trials result;
+  for (const auto& [manifest, why] : wrong) result.wrong.push_back(why);
+  for (const Mutant& mutant : mutants) result.trials.push_back({mutant, {}});
+  std::mutex mutex;
+  share_out(mutants.size(), judge.jobs, [&](std::size_t i) {
+    const bool holds = wrong.count(mutants[i].original->manifest) == 0;
+    Verdict verdict = holds ? judge_one(judge, manifests[i], mutants[i])
+                            : Verdict{false, "its original does not hold"};
+    const std::lock_guard lock(mutex);
+    result.trials[i].verdict = std::move(verdict);
+    if (told) told(result.trials[i]);
+  });
+  return result;
+}
+
+std::string table_of(const Trials& trials) {
+  std::string text = "| mutant | should be caught by | caught | why |\n|---|---|---|---|\n";
+  for (const bool is_caught : {false, true}) {
+    for (const Trial& trial : trials.trials) {
+      if (trial.verdict.is_caught != is_caught) continue;
+      text += "| " + trial.mutant.name() + " | " + std::string(trial.mutant.change->group) + " | " +
+              (is_caught ? "yes" : "**no**") + " | " + cell(trial.verdict.why) + " |\n";
+    }
+  }
+  return text;
+}
+
+std::string table_of_operators() {
+  std::string text = "| operator | what the plugin does | group | roles |\n|---|---|---|---|\n";
+  for (const Operator& each : operators()) {
+    text += "| " + std::string(each.name) + " | " + std::string(each.deed) + " | " +
+            std::string(each.group) + " | " +
+            (each.roles.empty() ? std::string("all") : std::string(each.roles)) + " |\n";
+  }
+  return text;
+}
+
+}  // namespace weft::mutants
