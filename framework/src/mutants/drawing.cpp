@@ -36,16 +36,20 @@ bool has(Having what, const host::ComponentManifest& component) {
   return false;
 }
 
-/// Whether it can be checked as it is installed.
-bool is_usable(const host::ComponentManifest& component) {
+/// Whether it can be checked as it is installed; parameters stand in a file beside the library.
+bool is_usable(const host::ComponentManifest& component, const std::string& library) {
   const auto& extensions = component.extensions;
   const bool has_devices =
       std::find(extensions.begin(), extensions.end(), WEFT_DEVICES) != extensions.end();
   const auto& parameters = component.parameters;
   const bool needs_values = std::any_of(parameters.begin(), parameters.end(),
                                         [](const auto& parameter) { return parameter.required; });
+  const auto values = std::filesystem::path(library).replace_extension(".check");
+  std::error_code none;
+  const auto bytes = std::filesystem::file_size(values, none);
+  const bool has_values = !none && bytes > 1;  // more than a line that says nothing
   return component.unknown.empty() && !component.prefers_isolation() && !has_devices &&
-         !needs_values;
+         (!needs_values || has_values);
 }
 
 std::vector<std::string> manifests_in(const std::string& folder) {
@@ -77,7 +81,7 @@ Result<std::vector<Original>> originals_in(const std::string& folder,
     host::ComponentManifest& component = manifest->components.front();
     const bool is_wanted =
         ids.empty() || std::find(ids.begin(), ids.end(), component.id) != ids.end();
-    if (is_wanted && is_usable(component)) {
+    if (is_wanted && is_usable(component, manifest->library)) {
       originals.push_back({file, manifest->library, std::move(component)});
     }
   }

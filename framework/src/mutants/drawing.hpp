@@ -18,8 +18,9 @@ struct Original {
   host::ComponentManifest component;
 };
 
-/// What can be checked without a parameter, a device or an interpreter: of the libraries in a
-/// folder, those with one such component, in the order of their ids. `ids` keeps only these, where
+/// What can be checked without a device or an interpreter, and without parameters unless these
+/// stand beside the library, in a file .check: of the libraries in a folder, those with one such
+/// component, in the order of their ids. `ids` keeps only these, where
 /// it is not empty. Fails with not_found where one of them is not among them.
 Result<std::vector<Original>> originals_in(const std::string& folder,
                                            const std::vector<std::string>& ids = {});

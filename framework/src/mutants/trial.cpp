@@ -33,15 +33,21 @@ std::string bound_to(const std::string& manifest, const std::string& build_id) {
   return text;
 }
 
-/// The first line that speaks of the component, else the last that says anything.
+/// The first line about a check that fails, else the first one that speaks of the component, else
+/// the last that says anything.
 std::string telling_line(const std::string& said, const std::string& id) {
+  constexpr std::string_view kFails = "fails ";
   std::istringstream lines(said);
-  std::string last;
+  std::string about, last;
   for (std::string line; std::getline(lines, line);) {
-    if (line.starts_with(id + ": ")) return line.substr(id.size() + 2, kMostCharacters);
+    line.erase(0, line.find_first_not_of(' '));
+    if (line.starts_with(kFails)) {
+      return line.substr(line.find_first_not_of(' ', kFails.size()), kMostCharacters);
+    }
+    if (about.empty() && line.starts_with(id + ": ")) about = line.substr(id.size() + 2);
     if (!line.empty()) last = line;
   }
-  return last.substr(0, kMostCharacters);
+  return (about.empty() ? last : about).substr(0, kMostCharacters);
 }
 
 Verdict ask(const Judge& judge, const std::vector<std::string>& words, const std::string& id) {
@@ -116,6 +122,11 @@ Result<std::string> make_mutant(const Mutant& mutant, const std::string& mutant_
   std::error_code failed;
   fs::create_directories(own, failed);
   fs::copy_file(mutant_library, own / (stem + ".so"), fs::copy_options::overwrite_existing, failed);
+  // What the original needs to be checked.
+  const fs::path needs = fs::path(mutant.original->library).replace_extension(".check");
+  if (fs::exists(needs)) {
+    fs::copy_file(needs, own / needs.filename(), fs::copy_options::overwrite_existing, failed);
+  }
   std::ofstream(own / (stem + ".mutant"))
       << "library " << fs::absolute(mutant.original->library).string() << "\ncomponent "
       << mutant.original->component.id << "\noperator "

@@ -13,13 +13,13 @@
 namespace weft::mutants {
 
 /// Puts a mutant into a folder of its own, which is made: the library that misbehaves under the
-/// name of the original, its order, and the original's manifest bound to it. Returns the manifest's
-/// path. Fails with io.
+/// name of the original, its order, the original's manifest bound to it, and the file .check, where
+/// the original has one. Returns the manifest's path. Fails with io.
 Result<std::string> make_mutant(const Mutant& mutant, const std::string& mutant_library,
                                 const std::string& folder);
 
 /// How plugins are checked: by a program that exits with 0 where all holds and 1 where something
-/// does not, which it then says in lines "ID: CHECK: WHY".
+/// does not, which it then says in lines "ID: CHECK: WHY" or "fails CHECK: WHY".
 struct Judge {
   /// The program and its arguments for the plugin of a manifest; `group` is the group of checks
   /// that is asked for, or empty for all. No words: it cannot be asked for a group alone.

@@ -4,9 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <set>
 
 #include "mutants/operators.hpp"
+#include "mutants/trial.hpp"
+#include "testing/contract_subject.hpp"
 
 namespace weft::mutants {
 namespace {
@@ -117,6 +121,29 @@ TEST(Originals, AreThoseThatCanBeCheckedAsTheyAreInstalled) {
   const auto none = originals_in(WEFT_PLUGIN_FOLDER, {"templates/mesh"});
   ASSERT_FALSE(none);
   EXPECT_THAT(none.error().message, ::testing::HasSubstr("'templates/mesh'"));
+}
+
+TEST(Originals, MayRequireParametersThatStandBesideThem) {
+  namespace fs = std::filesystem;
+  const weft::testing::ScratchFolder folder;
+  const auto copy = [&](const std::string& file) {
+    fs::copy_file(fs::path(WEFT_PLUGIN_FOLDER) / file, folder.path() / file);
+  };
+  copy("templates_rectangular.plugin.yaml");
+  copy("templates_rectangular.so");
+  const std::vector<std::string> id = {"templates/rectangular"};
+  const fs::path values = folder.path() / "templates_rectangular.check";
+  EXPECT_FALSE(originals_in(folder.path().string(), id));
+  std::ofstream(values) << "\n";
+  EXPECT_FALSE(originals_in(folder.path().string(), id)) << "which gives no parameter";
+  std::ofstream(values) << "{texture: a.png, width_m: 0.2}\n";
+  const auto originals = originals_in(folder.path().string(), id);
+  ASSERT_TRUE(originals);
+  const weft::testing::ScratchFolder other;
+  const auto made = make_mutant({find_operator("wrong_magic"), &originals->front()}, WEFT_MUTANT,
+                                other.path().string());
+  ASSERT_TRUE(made) << made.error().message;
+  EXPECT_TRUE(fs::exists(fs::path(*made).parent_path() / values.filename()));
 }
 
 }  // namespace

@@ -137,14 +137,17 @@ TEST(Mutants, AreAskedOfTheirGroupFirstAndThenOfAll) {
   ASSERT_THAT(originals, SizeIs(1));
   const auto mutants = mutants_of(originals.front(), {"wrong_magic", "nan_in_output"});
   const weft::testing::ScratchFolder folder;
-  // Of mutants alone: the group load tells of all, no other does.
+  // Of mutants alone: the group load tells of all, no other does. Lines as both programs print
+  // them.
   const Judge judge = script(
       "case $0 in */wrong_magic.*|*/nan_in_output.*) ;; *) exit 0;; esac\n"
-      "case $1 in load|'') echo \"filters/lpm: by '$1'\"; exit 1;; *) exit 0;; esac");
+      "case $1 in load) echo 'filters/lpm: 1 fail'; echo \"  fails     load/x: by '$1'\"; exit "
+      "1;;\n"
+      "'') echo \"filters/lpm: x: by '$1'\"; exit 1;; *) exit 0;; esac");
   const auto trials = try_mutants(mutants, WEFT_MUTANT, folder.path().string(), judge);
   ASSERT_TRUE(trials) << trials.error().message;
-  EXPECT_EQ(trials->trials[0].verdict.why, "by 'load'");
-  EXPECT_EQ(trials->trials[1].verdict.why, "by ''");
+  EXPECT_EQ(trials->trials[0].verdict.why, "load/x: by 'load'");
+  EXPECT_EQ(trials->trials[1].verdict.why, "x: by ''");
   EXPECT_TRUE(trials->is_enough());
 }
 
