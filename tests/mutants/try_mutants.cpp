@@ -4,8 +4,9 @@
 // try_mutants --operators
 //
 // Draws COUNT mutants of the plugins in PLUGIN_FOLDER, makes them in FOLDER and lets the program
-// check them: {manifest} and {library} in its arguments are the file's, {group} the group of
-// checks, or `all`. Prints a table. Exit code: 0 at least 95 % are caught, 1 fewer, 2 wrong usage.
+// check them: {manifest} and {library} among its arguments are the file's, {group} is the group of
+// checks; for all groups it is left out, with the word before it. Prints a table. Exit code: 0 at
+// least 95 % are caught, 1 fewer, 2 wrong usage.
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
@@ -53,18 +54,17 @@ void replace(std::string& text, const std::string& name, const std::string& valu
   if (at != std::string::npos) text.replace(at, name.size(), value);
 }
 
-std::vector<std::string> words_for(const std::vector<std::string>& command,
-                                   const std::string& manifest, std::string_view group) {
-  std::vector<std::string> words = command;
-  const bool has_groups = std::any_of(words.begin(), words.end(), [](const std::string& word) {
-    return word.find("{group}") != std::string::npos;
-  });
+std::vector<std::string> words_for(std::vector<std::string> words, const std::string& manifest,
+                                   std::string_view group) {
+  const auto of_group = std::find(words.begin(), words.end(), "{group}");
+  const bool has_groups = of_group != words.end() && of_group != words.begin();
   if (!group.empty() && !has_groups) return {};
+  if (group.empty() && has_groups) words.erase(of_group - 1, of_group + 1);
   const std::string stem = manifest.substr(0, manifest.rfind(".plugin.yaml"));
   for (std::string& word : words) {
     replace(word, "{manifest}", manifest);
     replace(word, "{library}", stem + ".so");
-    replace(word, "{group}", group.empty() ? "all" : std::string(group));
+    replace(word, "{group}", std::string(group));
   }
   return words;
 }

@@ -7,7 +7,7 @@
 
 namespace weft::mutants {
 
-inline constexpr std::string_view kAll = "";
+inline constexpr std::string_view kAll;
 inline constexpr std::string_view kStages = "detectors matchers filters warps passes solvers";
 /// Components that give records, always the same for the same input.
 inline constexpr std::string_view kMakers =
