@@ -147,7 +147,7 @@ inline constexpr Operator kOperators[] = {
     {"depends_on_match_order", "geometry", "warps solvers", Having::no_random,
      "its answer moves with the match that comes last"},
     {"duplicates_disagree", "geometry", "filters", Having::no_random,
-     "it rejects the second of two equal matches"},
+     "it rejects the second of two matches in one place"},
     {"absolute_position", "geometry", "filters solvers", Having::no_random,
      "its answer depends on the pixel column as such"},
     {"fixed_offset", "geometry", "solvers", Having::no_random,

@@ -43,18 +43,25 @@ const weft_array* places(const Inputs& inputs) {
   return nullptr;
 }
 
+bool has_come_before(const weft_array& image_px, std::int64_t match) {
+  for (std::int64_t i = 0; i < match; ++i) {
+    const bool is_same = value_at(image_px, i, 0) == value_at(image_px, match, 0) &&
+                         value_at(image_px, i, 1) == value_at(image_px, match, 1);
+    if (is_same) return true;
+  }
+  return false;
+}
+
 void distort_mask(std::vector<Output>& outputs, const weft_array& image_px) {
   unsigned char* kept = flags(outputs, "kept");
   if (kept == nullptr) return;
   const std::int64_t count = rows(image_px);
   if (does("prefers_first_match")) kept[0] = 0;
   for (std::int64_t i = 0; i < count; ++i) {
-    const double x = value_at(image_px, i, 0), y = value_at(image_px, i, 1);
+    const double x = value_at(image_px, i, 0);
     const bool is_in_odd_stripe = std::fmod(std::floor(x / 16.0), 2.0) != 0.0;
     if (does("absolute_position") && is_in_odd_stripe) kept[i] = 0;
-    const bool is_second =
-        i > 0 && x == value_at(image_px, i - 1, 0) && y == value_at(image_px, i - 1, 1);
-    if (does("duplicates_disagree") && is_second) kept[i] = 0;
+    if (does("duplicates_disagree") && has_come_before(image_px, i)) kept[i] = 0;
   }
 }
 
