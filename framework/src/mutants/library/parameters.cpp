@@ -35,7 +35,12 @@ std::vector<Declared> declared_by(const weft_component& component) {
     static_cast<std::vector<Declared>*>(context)->push_back(
         {value.name, value.type, value.is_vector != 0, given->minimum, given->maximum});
   };
-  const weft_describe sink{sizeof(weft_describe), 0, &all, parameter, [](void*, const char*) {}};
+  const weft_describe sink{sizeof(weft_describe),
+                           0,
+                           &all,
+                           parameter,
+                           [](void*, const char*) {},
+                           [](void*, const char*, const weft_field*) {}};
   weft_error error{sizeof(weft_error), 0, {}, {}, {}};
   component.describe(&sink, &error);
   return all;
@@ -162,7 +167,11 @@ std::int32_t describe(const weft_component& component, const weft_describe& sink
     const weft_describe& theirs = static_cast<Between*>(context)->sink;
     theirs.record(theirs.context, type);
   };
-  const weft_describe mine{sizeof(weft_describe), 0, &between, declare, record};
+  const auto field = [](void* context, const char* type, const weft_field* declared) {
+    const weft_describe& theirs = static_cast<Between*>(context)->sink;
+    theirs.field(theirs.context, type, declared);
+  };
+  const weft_describe mine{sizeof(weft_describe), 0, &between, declare, record, field};
   return component.describe(&mine, &error);
 }
 
