@@ -7,6 +7,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/output/json_text.hpp"
+#include "cli/plugins/plugins_check.hpp"
 #include "cli/plugins/plugins_new.hpp"
 #include "cli/plugins/plugins_why.hpp"
 #include "cli/plugins/role_text.hpp"
@@ -254,6 +255,7 @@ void add_plugins_command(CLI::App& app, Context& context) {
   add_show(*command, json, context);
   add_why(*command, json, context);
   add_describe(*command, json, context);
+  add_check_of_plugins(*command, context);
   add_new_plugin(*command, context);
 }
 

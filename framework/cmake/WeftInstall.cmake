@@ -44,7 +44,7 @@ if(NOT WEFT_SANITIZE)
   endif()
 endif()
 install(TARGETS weft_mutant LIBRARY DESTINATION lib/weft COMPONENT dev)
-install(TARGETS weft_contract weft_describe EXPORT weftTargets RUNTIME DESTINATION bin COMPONENT dev)
+install(TARGETS weft_describe EXPORT weftTargets RUNTIME DESTINATION bin COMPONENT dev)
 install(TARGETS weft_sdk EXPORT weftTargets COMPONENT dev)
 install(TARGETS weft_host EXPORT weftHostTargets ARCHIVE DESTINATION lib COMPONENT dev)
 install(TARGETS weft_testing EXPORT weftTestingTargets ARCHIVE DESTINATION lib COMPONENT dev)
@@ -78,7 +78,7 @@ set(with_python "")
 if(TARGET weft_python)
   set(with_python weft_python)
 endif()
-export(TARGETS weft_sdk weft_describe ${with_python} weft_contract weft weft_worker NAMESPACE weft::
+export(TARGETS weft_sdk weft_describe ${with_python} weft weft_worker NAMESPACE weft::
   FILE ${PROJECT_BINARY_DIR}/weftTargets.cmake)
 export(TARGETS weft_host weft_options NAMESPACE weft::
   FILE ${PROJECT_BINARY_DIR}/weftHostTargets.cmake)

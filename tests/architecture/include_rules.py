@@ -76,8 +76,11 @@ INTERNAL = {
     "counting": "",
     "mutants": "core describe host/loading programs",
     "mutants/library": "mutants",
+    "conformance/probes": "core describe host/records host/loading testing",
+    "conformance": "core describe host/records host/loading host/calling testing programs "
+    "conformance/probes",
     "cli": "core data geometry generators truth sdk yaml describe roles host pipeline printing "
-    "programs calibration metrics results ablation cluster report bench schema",
+    "programs calibration metrics results ablation cluster report bench schema conformance",
 }
 LAYERS = INSTALLED | INTERNAL
 PLUGIN_LAYERS = ("core", "data", "geometry", "generators", "truth", "sdk")
@@ -88,6 +91,7 @@ ABI_READERS = (
     "framework/include/weft/core/params",
     "framework/include/weft/data/array.hpp",
     "framework/include/weft/sdk/",
+    "framework/src/conformance/",
     "framework/src/describe/",
     "framework/src/host/",
     "framework/src/mutants/",
@@ -120,7 +124,6 @@ MOST_HEADER_LINES = 200
 PRINTERS = (
     "framework/src/host/probing/main.cpp",
     "framework/src/mutants/library/library.cpp",
-    "framework/src/testing/contract_main.cpp",
 )
 PRINTING = re.compile(
     r"\bstd\s*::\s*w?(?:cout|cerr|clog)\b"
@@ -200,7 +203,7 @@ def lists_of(room: str) -> list[str]:
     """The two lists that the README of a room holds: whom it may include, and who it."""
     users = sorted(each for each in LAYERS if each != room and room in may_include(each))
     users += ["plugins"] if room in PLUGIN_LAYERS else []
-    users = ["tests"] if room == "testing" else users
+    users += ["tests"] if room == "testing" else []
 
     def line(what: str, rooms: list[str], none: str) -> str:
         return f"{what}: {', '.join(f'`{r}`' if r in LAYERS else r for r in rooms) or none}."

@@ -38,7 +38,7 @@ for expected in 'id: "filters/keep"' 'name: "max_deviation_px"' 'unit: "px"' 'ra
   grep -qF "$expected" filters_keep.plugin.yaml || fail "the manifest lacks: $expected"
 done
 
-"$WEFT_BUILD_DIR/bin/weft_contract" filters_keep.plugin.yaml || fail "the contract is not kept"
+"$weft" plugins check filters_keep.so || fail "the contract is not kept"
 
 "$weft" run "$source/pipeline.yaml" --plugin-path . --quiet --out run
 test "$(grep -c '"stage":"filters","status":"ok"' run/frames.jsonl)" = 4 ||

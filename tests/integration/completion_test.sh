@@ -43,7 +43,7 @@ expect_only() {
 
 expect 'run check plugins manual' weft ''
 expect_only 'replay records report run' weft r
-expect_only 'list show why describe new' weft plugins ''
+expect_only 'list show why describe check new' weft plugins ''
 expect '--help --version --plugin-path' weft -
 expect '--set --out --dump --quiet --plugin-path' weft run -
 expect_only 'runs runs.yaml' weft run ru

@@ -44,8 +44,9 @@ TEST(RoleContract, FindsOutputsThatAreAnnouncedAndNotMade) {
 }
 
 TEST(RoleContract, SaysHowToGiveWhatAComponentRequires) {
-  EXPECT_THAT(contract_of("filters/zoo_strict").failures,
-              Contains(HasSubstr("weft_contract filters/zoo_strict \"{name: value}\"")));
+  EXPECT_THAT(
+      contract_of("filters/zoo_strict").failures,
+      Contains(HasSubstr("weft plugins check filters/zoo_strict --params \"{name: value}\"")));
 }
 
 TEST(RoleContract, AcceptsADeviationThatIsSaidAndRefusesOneThatDoesNotOccur) {
@@ -57,30 +58,52 @@ TEST(RoleContract, AcceptsADeviationThatIsSaidAndRefusesOneThatDoesNotOccur) {
   EXPECT_THAT(report.failures, Contains("with 1 match: is said to deviate and holds"));
 }
 
-TEST(RoleContract, ProgramSurvivesItsComponentsAndTellsByItsExitCode) {
-  const std::string command = std::string(WEFT_CONTRACT) + " " + kFolder +
-                              "/filters_zoo_throws.plugin.yaml '{in: process}' 2>&1";
+/// What `weft plugins check` prints, and its exit code.
+std::pair<int, std::string> program_says(const std::string& arguments) {
+  const std::string command = std::string(WEFT_PROGRAM) + " plugins check " + arguments + " 2>&1";
   FILE* program = popen(command.c_str(), "r");
-  ASSERT_NE(program, nullptr);
+  if (program == nullptr) return {-1, ""};
   std::string said;
   std::array<char, 4096> part{};
   while (fgets(part.data(), part.size(), program) != nullptr) said += part.data();
-  EXPECT_EQ(WEXITSTATUS(pclose(program)), 1);
-  EXPECT_THAT(said, HasSubstr("filters/zoo_throws: with a usual input: says error"));
+  return {WEXITSTATUS(pclose(program)), said};
 }
 
-TEST(RoleContract, NamesTheInputThatAComponentWritesIntoAndWhoEndsItsProcess) {
-  const std::string command = std::string(WEFT_CONTRACT) + " " + WEFT_DEADLY_FOLDER +
-                              "/filters_zoo_deadly.plugin.yaml '{deed: spoil}' 2>&1";
-  FILE* program = popen(command.c_str(), "r");
-  ASSERT_NE(program, nullptr);
-  std::string said;
-  std::array<char, 4096> part{};
-  while (fgets(part.data(), part.size(), program) != nullptr) said += part.data();
-  EXPECT_EQ(WEXITSTATUS(pclose(program)), 1);
-  EXPECT_THAT(said, HasSubstr("it wrote into its input correspondences/kept: ended by signal 11"));
-  EXPECT_THAT(said, HasSubstr("filters/zoo_leaving: its parameters: it ended its process with exit "
-                              "code 0"));
+TEST(RoleContract, ProgramSurvivesItsComponentsAndTellsByItsExitCode) {
+  const auto [code, said] = program_says(
+      "--brief " + kFolder + "/filters_zoo_throws.plugin.yaml --params '{in: process}'");
+  EXPECT_EQ(code, 1);
+  EXPECT_THAT(said, HasSubstr("fails     contract/with_a_usual_input: says error (threw"));
+  EXPECT_THAT(said, HasSubstr("1 checked: 1 fail, 0 skipped"));
+}
+
+TEST(RoleContract, ProgramHoldsEachComponentOfALibraryToIt) {
+  const auto [code, said] =
+      program_says("--only contract/with_a_usual_input " + std::string(WEFT_DEADLY_FOLDER) +
+                   "/filters_zoo_deadly.so");
+  EXPECT_EQ(code, 1);
+  EXPECT_THAT(said, HasSubstr("filters/zoo_deadly: 1 hold"));
+  EXPECT_THAT(said, HasSubstr("it ended its process with exit code 0"));
+  EXPECT_THAT(said, HasSubstr("3 checked"));
+}
+
+#ifdef WEFT_UNRULY_FOLDER
+TEST(RoleContract, ProgramFindsWhatDiffersInAWorker) {
+  const std::string id = "--plugin-path " + std::string(WEFT_UNRULY_FOLDER) +
+                         " filters/zoo_unruly --only limits/isolated --json";
+  const auto [code, said] = program_says(id + " --params '{misdeed: isolated}'");
+  EXPECT_EQ(code, 1);
+  EXPECT_THAT(said, HasSubstr("in a process of its own"));
+  EXPECT_EQ(program_says(id).first, 0);
+}
+#endif
+
+TEST(RoleContract, ProgramRefusesWhatItCannotCheck) {
+  EXPECT_EQ(program_says("").first, 2);
+  EXPECT_EQ(program_says("--all filters/zoo_good").first, 2);
+  EXPECT_EQ(program_says("filters/there_is_none").first, 2);
+  EXPECT_EQ(program_says("/there/is/none.so").first, 3);
+  EXPECT_EQ(program_says("--only no_such_group filters/zoo_good --plugin-path " + kFolder").first, 2);
 }
 
 }  // namespace

@@ -154,9 +154,9 @@ std::vector<Case> cases_of(const Subject& subject) {
     auto inputs = inputs_of(subject, scene, without);
     cases.push_back({name, expect, std::move(scene), std::move(inputs)});
   };
-  const Scene usual = make_scene(0);
+  const Scene usual = make_scene(0, subject.seed);
   add("with a usual input", Expect::answer, usual, {});
-  add("with another frame", Expect::answer, make_scene(1), {});
+  add("with another frame", Expect::answer, make_scene(1, subject.seed), {});
   // What stands before the first frame, or behind a stage that found nothing, must not be missed.
   Slots optional;
   for (const RoleSlot& slot : subject.rules().main_method().inputs) {
@@ -169,7 +169,7 @@ std::vector<Case> cases_of(const Subject& subject) {
   if (optional.size() > 1) add("with what it needs alone", Expect::any, usual, optional);
   for (const Change& change : kChanges) {
     if (!subject.takes(change.slot)) continue;
-    Scene scene = make_scene(0);  // copies of one share their arrays
+    Scene scene = make_scene(0, subject.seed);  // copies of one share their arrays
     change.make(scene);
     add(change.name, change.expect, std::move(scene), {});
   }

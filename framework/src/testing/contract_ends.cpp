@@ -103,7 +103,7 @@ Files write_frames(const FindIn& find, int frames, Checks& checks) {
 
 void check_source(const Subject& subject, Checks& checks) {
   Performer performer(subject);
-  const Scene scene = make_scene(0);
+  const Scene scene = make_scene(0, subject.seed);
   if (auto made = performer.begin(scene.templ, scene.camera); !made) return;  // told already
   const auto camera = check_open(performer, checks);
   if (!camera) return;
@@ -139,7 +139,7 @@ void check_source(const Subject& subject, Checks& checks) {
 void check_template(const Subject& subject, Checks& checks) {
   const auto build = [](Performer& performer) { return performer.call(kBuildTemplate, {}); };
   Performer performer(subject);
-  const Scene scene = make_scene(0);
+  const Scene scene = make_scene(0, subject.seed);
   if (!performer.begin(scene.templ, scene.camera)) return;  // told already
   checks.begin("built");
   const Answer built = build(performer);

@@ -154,17 +154,18 @@ HeldRecord Scene::record(std::string_view slot) const {
   return nullptr;
 }
 
-Scene make_scene(int number) {
-  return make_scene(number, {.count = 400 - 60 * number, .correct_rate = 0.85, .noise_px = 0.4});
+Scene make_scene(int number, std::uint64_t seed) {
+  return make_scene(number, {.count = 400 - 60 * number, .correct_rate = 0.85, .noise_px = 0.4}, 0,
+                    seed);
 }
 
-Scene make_scene(int number, const MatchSpec& draw, int round) {
-  Rng rng(kContractSeed + static_cast<std::uint64_t>(100 * number + 1000 * round));
+Scene make_scene(int number, const MatchSpec& draw, int round, std::uint64_t seed) {
+  Rng rng(seed + static_cast<std::uint64_t>(100 * number + 1000 * round));
   Scene scene;
   scene.camera = {410.0, 410.0, 159.5, 119.5, 320, 240};
   scene.templ = make_template(kSheet);
-  scene.templ.revision = 1 + kContractSeed;
-  Rng same_print(kContractSeed);
+  scene.templ.revision = 1 + seed;
+  Rng same_print(seed);
   draw_discs(scene.templ.texture, same_print);
   const double radius_m = number == 0 ? 0.3 : -0.45;
   const DevelopableSheet sheet =
@@ -173,7 +174,7 @@ Scene make_scene(int number, const MatchSpec& draw, int round) {
   scene.ground_truth = truth_of(scene.templ, vertices_m);
   scene.matches = draw_matches(scene.templ, scene.camera, sheet, draw, rng);
   describe(scene.matches, rng);
-  const Rng descriptors(kContractSeed);
+  const Rng descriptors(seed);
   const Correspondences& all = scene.matches.matches;
   scene.template_keypoints = make_keypoints(all.template_px.matrix<2>(), descriptors, 0.0, Rng(2));
   scene.template_keypoints.face = all.face;

@@ -13,6 +13,7 @@
 #include <weft/data/visibility.hpp>
 #include <weft/data/warp.hpp>
 #include <weft/testing/held_record.hpp>
+#include <weft/testing/role_contract.hpp>
 #include <weft/testing/synthetic.hpp>
 
 namespace weft::testing {
@@ -52,10 +53,11 @@ struct Scene {
   void follow_matches();
 };
 
-/// Scene `number`; all have the same template and camera.
-Scene make_scene(int number);
+/// Scene `number`; all of a seed have the same template and camera.
+Scene make_scene(int number, std::uint64_t seed = kContractSeed);
 
 /// The same with other matches, drawn as `draw` says; `round` tells draws apart.
-Scene make_scene(int number, const MatchSpec& draw, int round = 0);
+Scene make_scene(int number, const MatchSpec& draw, int round = 0,
+                 std::uint64_t seed = kContractSeed);
 
 }  // namespace weft::testing

@@ -64,12 +64,12 @@ std::vector<Answer> ask_fresh(const Subject& subject, const std::vector<Case>& c
 /// The same cases in two other orders, all on one instance.
 void check_history(const Subject& subject, const std::vector<Case>& cases,
                    const std::vector<Answer>& fresh, Checks& checks) {
-  checks.begin("after other calls, in another order");
+  checks.begin("after other calls");
   Performer performer(subject);
   if (!performer.begin(cases.front().scene.templ, cases.front().scene.camera)) return;
   std::vector<std::size_t> order(cases.size());
   std::iota(order.begin(), order.end(), 0);
-  Rng rng(kContractSeed);
+  Rng rng(subject.seed);
   for (int round = 0; round < 2; ++round) {
     rng.shuffle(order);
     for (const std::size_t i : order) {

@@ -23,6 +23,12 @@ void check_template(const Subject& subject, Checks& checks);
 using FindIn = std::function<Result<Subject>(const std::string& output_folder)>;
 void check_sink(const FindIn& find, Checks& checks);
 
+/// All of it, as far as the component's role has it.
+void check_component(const FindIn& find, Checks& checks);
+
+/// Why a component that computes on devices cannot be tried here; empty where it can.
+std::string lacks_device(const Subject& subject);
+
 /// The same answer from `answer(performer)` after it was told to stop: at once, and after a few of
 /// the times that it asks. `begin` makes a performer ready.
 using AskFor = std::function<Answer(Performer&)>;

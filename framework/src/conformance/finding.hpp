@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace weft::conformance {
+
+enum class Verdict {
+  holds,
+  fails,
+  deviates,        ///< fails, as the component's page says
+  does_not_apply,  ///< to this component, here
+};
+
+inline const char* to_text(Verdict verdict) {
+  constexpr const char* kNames[] = {"holds", "fails", "deviates", "does not apply"};
+  return kNames[static_cast<int>(verdict)];
+}
+
+/// What became of a check.
+struct Finding {
+  std::string check;  ///< "limits/descriptors"
+  Verdict verdict = Verdict::holds;
+  std::string seen;  ///< of a failure what was seen and the fix; why it does not apply; a figure
+};
+
+/// Which checks are made.
+struct Choice {
+  std::string only;    ///< a group or a check; empty for all
+  bool brief = false;  ///< those alone that take little time
+
+  bool takes(std::string_view check) const {
+    return only.empty() || check == only || check.starts_with(only + "/");
+  }
+};
+
+}  // namespace weft::conformance
