@@ -26,6 +26,11 @@ struct Operator {
   std::string_view deed;  ///< what a plugin does then: "its table begins with another word"
 };
 
+/// What stands in the library that misbehaves where the path of its order is written, which goes
+/// with it wherever it is copied to; behind it are zeros.
+inline constexpr std::string_view kOrderMark = "WEFT_MUTANT_ORDER=";
+inline constexpr std::size_t kOrderRoom = 1024;  ///< [bytes] mark and path, with a NUL
+
 /// The fixed list, ordered by group.
 std::span<const Operator> operators();
 

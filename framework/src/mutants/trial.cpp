@@ -108,6 +108,20 @@ std::string cell(std::string text) {
   return text;
 }
 
+/// Writes into a copy of the library that misbehaves where its order stands.
+Result<void> write_place(const std::string& library, const std::string& order) {
+  const auto bytes = read_text_file(library, kMostBytes);
+  if (!bytes) return bytes.error();
+  const std::size_t at = bytes->find(std::string(kOrderMark) + std::string(64, '\0'));
+  if (at == std::string::npos || kOrderMark.size() + order.size() >= kOrderRoom) {
+    return Error{Errc::io, "is no library that can be told what to do, or lies too deep", library};
+  }
+  std::fstream file(library, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(static_cast<std::streamoff>(at + kOrderMark.size()));
+  if (!(file << order) || !file.flush()) return Error{Errc::io, "cannot be written", library};
+  return {};
+}
+
 }  // namespace
 
 Result<std::string> make_mutant(const Mutant& mutant, const std::string& mutant_library,
@@ -131,6 +145,8 @@ Result<std::string> make_mutant(const Mutant& mutant, const std::string& mutant_
       << "library " << fs::absolute(mutant.original->library).string() << "\ncomponent "
       << mutant.original->component.id << "\noperator "
       << (mutant.change != nullptr ? mutant.change->name : "") << '\n';
+  const std::string order = fs::absolute(own / (stem + ".mutant")).string();
+  if (auto done = write_place((own / (stem + ".so")).string(), order); !done) return done.error();
   const fs::path file = own / (stem + ".plugin.yaml");
   std::ofstream out(file);
   out << bound_to(*manifest, *build_id);
