@@ -77,10 +77,10 @@ INTERNAL = {
     "mutants": "core describe host/loading programs",
     "mutants/library": "mutants",
     "conformance/probes": "core describe host/records host/loading testing",
-    "conformance": "core describe host/records host/loading host/calling testing programs "
+    "conformance": "core data describe host/records host/loading host/calling testing programs "
     "conformance/probes",
     "cli": "core data geometry generators truth sdk yaml describe roles host pipeline printing "
-    "programs calibration metrics results ablation cluster report bench schema conformance",
+    "programs calibration metrics results ablation cluster report bench schema conformance mutants",
 }
 LAYERS = INSTALLED | INTERNAL
 PLUGIN_LAYERS = ("core", "data", "geometry", "generators", "truth", "sdk")
