@@ -103,7 +103,8 @@ TEST(RoleContract, ProgramRefusesWhatItCannotCheck) {
   EXPECT_EQ(program_says("--all filters/zoo_good").first, 2);
   EXPECT_EQ(program_says("filters/there_is_none").first, 2);
   EXPECT_EQ(program_says("/there/is/none.so").first, 3);
-  EXPECT_EQ(program_says("--only no_such_group filters/zoo_good --plugin-path " + kFolder").first, 2);
+  EXPECT_EQ(program_says("--only no_such_group filters/zoo_good --plugin-path " + kFolder).first,
+            2);
 }
 
 }  // namespace

@@ -63,6 +63,6 @@ const weft_library_table weft_library = {WEFT_ABI_MAGIC,
                                          WEFT_ISA,
                                          WEFT_COMPILER,
                                          0,
-                                         7,
+                                         0,
                                          0,
                                          {0, 0, 0, 0}};
