@@ -7,8 +7,8 @@
 
 #include <set>
 
+#include "../zoo.hpp"
 #include "conformance/check_list.hpp"
-#include "zoo/zoo.hpp"
 
 namespace weft::zoo {
 namespace {
@@ -107,10 +107,10 @@ const Broken kBroken[] = {
 };
 
 INSTANTIATE_TEST_SUITE_P(Conformance, BrokenPlugin, ::testing::ValuesIn(kBroken),
-                         [](const auto& info) {
+                         [](const auto& broken) {
                            std::string name =
-                               std::string(info.param.check) + "_" +
-                               (info.param.params[0] == '{' ? "" : info.param.params);
+                               std::string(broken.param.check) + "_" +
+                               (broken.param.params[0] == '{' ? "" : broken.param.params);
                            std::replace(name.begin(), name.end(), '/', '_');
                            return name;
                          });
