@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "python_library.hpp"
 
+#include <algorithm>
+#include <cstring>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -89,6 +91,30 @@ Ref python_values(const weft_value* values, std::uint64_t count) {
   return dict;
 }
 
+/// What is wrong with a number, or a word, for who declares such a parameter; or empty.
+std::string illegal_value(const weft_value& value, const weft_parameter& declared) {
+  if (value.type != declared.default_value.type ||
+      value.is_vector != declared.default_value.is_vector) {
+    return "has another type than it was declared with";
+  }
+  for (std::uint64_t i = 0; i < value.count; ++i) {
+    bool is_legal = true;
+    if (value.type == WEFT_VALUE_F64 || value.type == WEFT_VALUE_I64) {
+      const double number =
+          value.type == WEFT_VALUE_F64
+              ? static_cast<const double*>(value.data)[i]
+              : static_cast<double>(static_cast<const std::int64_t*>(value.data)[i]);
+      is_legal = number >= declared.minimum && number <= declared.maximum;
+    } else if (value.type == WEFT_VALUE_CHOICE) {
+      const std::string_view word = static_cast<const char* const*>(value.data)[i];
+      const auto* end = declared.choices + declared.choice_count;
+      is_legal = std::find(declared.choices, end, word) != end;
+    }
+    if (!is_legal) return "is outside its range, or none of its choices";
+  }
+  return {};
+}
+
 /// Calls a function of weft.bridge for a component, with a call and its inputs.
 template <class Ask>
 std::int32_t call_bridge(const weft_call& call, const weft_record* inputs, std::uint64_t count,
@@ -152,6 +178,16 @@ std::int32_t describe(const Declaration& declaration, const weft_describe& sink)
 std::int32_t create(const Library& library, const Declaration& declaration, const weft_create& with,
                     void** self, weft_error* error) {
   return detail::guarded(error, [&]() -> std::int32_t {
+    for (std::uint64_t i = 0; i < with.count; ++i) {
+      const auto* end = declaration.parameters + declaration.parameter_count;
+      const auto* declared = std::find_if(declaration.parameters, end, [&](const auto& each) {
+        return std::strcmp(each.default_value.name, with.values[i].name) == 0;
+      });
+      const std::string wrong = declared != end ? illegal_value(with.values[i], *declared) : "";
+      if (wrong.empty()) continue;
+      const std::string name = with.values[i].name;
+      return report({Errc::invalid_value, "parameter '" + name + "' " + wrong, {}, name}, error);
+    }
     const auto bridge = bridge_of(library);
     if (!bridge) return report(bridge.error(), error);
     const Gil gil;

@@ -17,6 +17,8 @@ def expected(page):
     """A line for each method that consumes or produces something, folded at 100 columns."""
     lines = []
     for row in page[page.index("| sources |"):].splitlines():
+        if not row.startswith("|"):
+            break  # behind the table
         role, method, consumes, produces = (cell.strip() for cell in row.strip("|").split("|"))
         if consumes or produces:
             text = f"{role} {method.split()[1]}: {consumes} -> {produces}".replace("`", "")

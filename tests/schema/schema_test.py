@@ -32,7 +32,8 @@ WRONG_PLANS = {file.stem: file for file in sorted((ROOT / "tests/ablation/plans"
 UNSEEN = set("""
     alias_bomb deep_nesting directive duplicate_parameter duplicate_root_key number_nan
     extends_a_folder extends_itself extends_missing extends_with_a_nul fraction_for_whole_number
-    from_a_sink from_future_frame from_itself from_later_other_kind from_later_stage from_other_kind
+    from_a_sink from_future_frame from_itself from_later_other_kind from_later_stage
+    from_nothing_for_two_inputs from_other_kind
     from_two_for_one from_unknown_input from_unknown_name merge_of_one merge_without_from
     missing_file missing_matcher missing_pass name_twice name_twice_over_a_base nested_input_missing
     output_of_the_run_folder output_over_a_file output_twice sink_named_like_a_stage

@@ -1,5 +1,5 @@
-/* SPDX-License-Identifier: Apache-2.0 */
-/* A filter in C99 of weft/abi.h alone: it keeps matches that move about as the median match. */
+/* SPDX-License-Identifier: Apache-2.0
+ * A filter in C99 of weft/abi.h alone: it keeps matches that move about as the median match. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,8 +37,14 @@ static int32_t create(const weft_create* with, void** self, weft_error* error) {
   if (max_deviation_px == NULL) return say(error, WEFT_ERROR, WEFT_CODE_NO_MEMORY, "out of memory");
   *max_deviation_px = usual_deviation_px;
   for (uint64_t i = 0; i < with->count; ++i) {
-    if (strcmp(with->values[i].name, "max_deviation_px") != 0) continue;
-    *max_deviation_px = *(const double*)with->values[i].data;
+    const weft_value* value = &with->values[i];
+    if (strcmp(value->name, "max_deviation_px") != 0) continue;
+    const double px = value->type == WEFT_VALUE_F64 ? *(const double*)value->data : -1.0;
+    *max_deviation_px = px;
+    if (px >= 0.0 && px <= 10000.0) continue;
+    free(max_deviation_px);
+    strcpy(error->subject, "max_deviation_px");
+    return say(error, WEFT_ERROR, WEFT_CODE_INVALID_VALUE, "is no number from 0 to 10000");
   }
   *self = max_deviation_px;
   return WEFT_OK;
@@ -63,21 +69,17 @@ static double element(const weft_array* array, int64_t row, int64_t axis) {
   return *(const double*)(const void*)at;
 }
 
-static int is_kept(const weft_array* kept, int64_t row) {
-  return *((const uint8_t*)kept->data + row * kept->stride[0]) != 0;
-}
-
 static int ascending(const void* a, const void* b) {
   const double x = *(const double*)a, y = *(const double*)b;
   return (x > y) - (x < y);
 }
 
 /* The lower median of the kept matches' motion along an axis; counts them. */
-static double usual_motion(const weft_array* from, const weft_array* to, const weft_array* kept,
+static double usual_motion(const weft_array* from, const weft_array* to, const uint8_t* kept,
                            int64_t axis, double* scratch, int64_t* left) {
   *left = 0;
-  for (int64_t i = 0; i < kept->shape[0]; ++i) {
-    if (is_kept(kept, i)) scratch[(*left)++] = element(to, i, axis) - element(from, i, axis);
+  for (int64_t i = 0; i < from->shape[0]; ++i) {
+    if (kept[i]) scratch[(*left)++] = element(to, i, axis) - element(from, i, axis);
   }
   qsort(scratch, (size_t)*left, sizeof(double), ascending);
   return *left > 0 ? scratch[(*left - 1) / 2] : 0.0;
@@ -85,24 +87,23 @@ static double usual_motion(const weft_array* from, const weft_array* to, const w
 
 static int32_t process(void* self, const weft_call* call, const weft_record* inputs, uint64_t count,
                        weft_error* error) {
+  if (call->method != 0) return say(error, WEFT_ERROR, WEFT_CODE_UNSUPPORTED, "has one method");
   const double limit_px = *(const double*)self;
-  const weft_array *from = NULL, *to = NULL, *before = NULL;
+  const weft_array *from = NULL, *to = NULL, *marks = NULL;
   for (uint64_t i = 0; i < count; ++i) {
     if (strcmp(inputs[i].slot, "correspondences") != 0) continue;
     from = array_of(&inputs[i], "template_px", WEFT_F64);
     to = array_of(&inputs[i], "image_px", WEFT_F64);
-    before = array_of(&inputs[i], "kept", WEFT_U8);
+    marks = array_of(&inputs[i], "kept", WEFT_U8);
   }
-  if (from == NULL || to == NULL || before == NULL) {
-    return say(error, WEFT_ERROR, WEFT_CODE_INVALID_DATA,
-               "the matches lack template_px, image_px or kept");
+  if (from == NULL || to == NULL || marks == NULL) {
+    return say(error, WEFT_ERROR, WEFT_CODE_INVALID_DATA, "the matches lack what they must have");
   }
-  const int64_t n = before->shape[0];
+  const uint8_t* before = marks->data;
+  const int64_t n = marks->shape[0];
   uint8_t* kept = call->host->alloc(call, output, output_type, "kept", WEFT_U8, 1, &n);
   double* score = call->host->alloc(call, output, output_type, "score", WEFT_F64, 1, &n);
-  if (kept == NULL || score == NULL) {
-    return say(error, WEFT_ERROR, WEFT_CODE_NO_MEMORY, "the host gives no memory for the mask");
-  }
+  if (!kept || !score) return say(error, WEFT_ERROR, WEFT_CODE_NO_MEMORY, "no room for the mask");
   int64_t left = 0, total = 0; /* the scores are the scratch of the medians until they are known */
   const double x_px = usual_motion(from, to, before, 0, score, &left);
   const double y_px = usual_motion(from, to, before, 1, score, &left);
@@ -111,12 +112,12 @@ static int32_t process(void* self, const weft_call* call, const weft_record* inp
     const double x = element(to, i, 0) - element(from, i, 0) - x_px;
     const double y = element(to, i, 1) - element(from, i, 1) - y_px;
     const double squared = x * x + y * y;
-    kept[i] = is_kept(before, i) && squared <= limit_px * limit_px; /* rejected ones stay so */
-    score[i] = is_kept(before, i) ? 1.0 / (1.0 + squared) : 0.0;
+    kept[i] = before[i] && squared <= limit_px * limit_px; /* rejected ones stay so */
+    score[i] = before[i] ? 1.0 / (1.0 + squared) : 0.0;
     total += kept[i];
   }
-  if (total == 0) return say(error, WEFT_DEGENERATE, 0, "no match moves as the median match does");
-  return WEFT_OK;
+  return total > 0 ? WEFT_OK
+                   : say(error, WEFT_DEGENERATE, 0, "none moves as the median match does");
 }
 
 static const weft_component component = {
@@ -137,7 +138,6 @@ static const weft_component component = {
     .process = process,
     .destroy = free};
 static const weft_component* const components[] = {&component};
-
 const weft_library_table weft_library = {
     .magic = WEFT_ABI_MAGIC,
     .abi_major = WEFT_ABI_MAJOR,

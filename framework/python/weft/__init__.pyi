@@ -15,7 +15,9 @@ from weft.parameters import number as number
 from weft.parameters import numbers as numbers
 from weft.parameters import output_path as output_path
 from weft.parameters import text as text
+from weft.parameters import texts as texts
 from weft.parameters import whole as whole
+from weft.parameters import wholes as wholes
 from weft.programs.drawing import draw as draw
 from weft.programs.errors import Error as Error
 from weft.programs.geometry import Camera as Camera

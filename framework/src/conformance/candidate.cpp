@@ -44,12 +44,13 @@ Result<void> apply_arguments(const std::vector<std::string>& arguments,
     const bool has_more = i + 1 < arguments.size();
     const bool deviates = argument == "deviates" && has_more;
     const bool skipped = argument == "skipped" && has_more;
-    if (!argument.starts_with("{") && !deviates && !skipped) {
+    const bool geometry = argument == "geometry";
+    if (!argument.starts_with("{") && !deviates && !skipped && !geometry) {
       if (std::find(ids.begin(), ids.end(), argument) == ids.end()) {
         return Error{Errc::invalid_value,
                      "'" + argument +
                          "' is no argument of CONTRACT: give \"{name: value}\", "
-                         "deviates \"CHECK\", skipped \"WHY\" or the id of a component "
+                         "deviates \"CHECK\", skipped \"WHY\", geometry or the id of a component "
                          "of the library",
                      ids.front()};
       }
@@ -61,7 +62,8 @@ Result<void> apply_arguments(const std::vector<std::string>& arguments,
       if (candidate.id != about) continue;
       if (deviates) candidate.deviations.push_back(arguments[i]);
       if (skipped) candidate.skipped = arguments[i];
-      if (!deviates && !skipped) candidate.params = argument;
+      if (geometry) candidate.geometry = true;
+      if (argument.starts_with("{")) candidate.params = argument;
     }
   }
   return {};

@@ -16,6 +16,7 @@ struct Candidate {
   std::shared_ptr<const host::Registry> registry;
   std::string params = "{}";            ///< YAML
   std::vector<std::string> deviations;  ///< checks that fail, as its page says
+  bool geometry = false;                ///< whether the laws of geometry are among its checks
   std::string skipped;                  ///< why it cannot be checked here; empty where it can
   std::string refusal;                  ///< why its library cannot be used, and the fix
   std::uint64_t seed = testing::kContractSeed;  ///< of all draws

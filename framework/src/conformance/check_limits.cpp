@@ -77,6 +77,7 @@ void check_memory(Play& play, Page& page) {
 }
 
 void check_opencv(Play& play, Page& page) {
+  static_cast<void>(host::load(*play.subject().spec().installed));  // with what it brings
   const int before = opencv_threads();
   if (before < 0) return page.skip("it does not bring OpenCV");
   play.whole();

@@ -10,6 +10,7 @@
 namespace weft::conformance {
 namespace {
 
+constexpr std::string_view kGeometry = "geometry";  ///< asked of who owes it, or by name
 constexpr const char* kSkips = "skips";  ///< the name of no check, for why there are none
 
 /// The first check of a group.
@@ -21,9 +22,10 @@ std::string first_of(const std::string& group) {
 }
 
 /// Whether any of its checks is to be made.
-bool is_asked_for(const Group& group, const Choice& choice) {
+bool is_asked_for(const Group& group, const Candidate& candidate, const Choice& choice) {
   const std::string prefix = std::string(group.name) + "/";
   if (!choice.only.empty()) return choice.only == group.name || choice.only.starts_with(prefix);
+  if (group.name == kGeometry && !candidate.geometry) return false;
   const auto& all = all_checks();
   return !choice.brief || std::any_of(all.begin(), all.end(), [&](const CheckInfo& info) {
     return info.brief && info.name.starts_with(prefix);
@@ -116,7 +118,8 @@ Report check(const Candidate& candidate, const Choice& choice) {
   }
   if (report.skipped.empty()) report.skipped = lack_of_device(setting);
   for (const Group& group : all_groups()) {
-    if (!is_asked_for(group, choice) || (group.calls && !report.skipped.empty())) continue;
+    if (!is_asked_for(group, candidate, choice) || (group.calls && !report.skipped.empty()))
+      continue;
     auto findings = checked_apart(first_of(group.name), choice, group.longest,
                                   [&](Notebook& notebook) { group.make(setting, notebook); });
     std::move(findings.begin(), findings.end(), std::back_inserter(report.findings));

@@ -111,16 +111,15 @@ TEST(Originals, AreThoseThatCanBeCheckedAsTheyAreInstalled) {
   ASSERT_TRUE(all);
   EXPECT_GE(all->size(), 10U);
   for (const Original& each : *all) {
-    EXPECT_NE(each.component.id, "templates/mesh") << "which requires parameters";
     EXPECT_NE(each.component.id, "detectors/sift_gpu") << "which needs a device";
   }
   const auto two = originals_in(WEFT_PLUGIN_FOLDER, {"warps/tps", "filters/lpm"});
   ASSERT_TRUE(two);
   ASSERT_THAT(*two, SizeIs(2));
   EXPECT_EQ(two->front().component.id, "filters/lpm");
-  const auto none = originals_in(WEFT_PLUGIN_FOLDER, {"templates/mesh"});
+  const auto none = originals_in(WEFT_PLUGIN_FOLDER, {"detectors/sift_gpu"});
   ASSERT_FALSE(none);
-  EXPECT_THAT(none.error().message, ::testing::HasSubstr("'templates/mesh'"));
+  EXPECT_THAT(none.error().message, ::testing::HasSubstr("'detectors/sift_gpu'"));
 }
 
 TEST(Originals, MayRequireParametersThatStandBesideThem) {

@@ -9,9 +9,9 @@
 #include <weft/sdk/filter.hpp>
 
 // Seen by everybody, as it is linked without the version script.
-extern "C" __attribute__((visibility("default"),
-                          tls_model("initial-exec"))) thread_local int zoo_loud_counter;
-thread_local int zoo_loud_counter = 0;
+extern "C" {
+__attribute__((visibility("default"), tls_model("initial-exec"))) __thread int zoo_loud_counter = 0;
+}
 
 namespace {
 

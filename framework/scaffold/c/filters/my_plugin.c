@@ -43,9 +43,14 @@ static int32_t create(const weft_create* with, void** self, weft_error* error) {
   if (tolerance_px == NULL) return say(error, WEFT_ERROR, WEFT_CODE_NO_MEMORY, "out of memory");
   *tolerance_px = usual_tolerance_px;
   for (uint64_t i = 0; i < with->count; ++i) {
-    if (strcmp(with->values[i].name, "tolerance_px") == 0) {
-      *tolerance_px = *(const double*)with->values[i].data;
-    }
+    const weft_value* value = &with->values[i];
+    if (strcmp(value->name, "tolerance_px") != 0) continue;
+    const int is_number = value->type == WEFT_VALUE_F64 && !value->is_vector;
+    if (is_number) *tolerance_px = *(const double*)value->data;
+    if (is_number && *tolerance_px >= 0.0 && *tolerance_px <= 1000.0) continue;
+    free(tolerance_px);
+    strcpy(error->subject, "tolerance_px");
+    return say(error, WEFT_ERROR, WEFT_CODE_INVALID_VALUE, "is no number from 0 to 1000");
   }
   *self = tolerance_px;
   return WEFT_OK;
@@ -222,6 +227,7 @@ static int32_t judge(matches* all, const weft_call* call, int64_t n, double tole
 
 static int32_t process(void* self, const weft_call* call, const weft_record* inputs, uint64_t count,
                        weft_error* error) {
+  if (call->method != 0) return say(error, WEFT_ERROR, WEFT_CODE_UNSUPPORTED, "has one method");
   const weft_array *from = NULL, *to = NULL, *kept = NULL;
   for (uint64_t i = 0; i < count; ++i) {
     if (strcmp(inputs[i].slot, "correspondences") != 0) continue;
