@@ -75,9 +75,10 @@ def wrong_kind_of_data(rng: Random, data: Map) -> Planted:
         data.put("more", Map([(Text("folders"), wrong)]))
         return Planted("no such folder", wrong)
     if kind == 1:
-        part = Map([(Text("seeds"), Text("4-5")), (Text("folders"), Text("a/*"))])
+        part = Map([(Text("seeds"), Text("4-5")), (Text("seed_setting"), Text("source.frames")),
+                    (Text("folders"), Text("a/*"))])
         data.put("more", part)
-        return Planted("seeds and folders", part.entries[1][1])
+        return Planted("seeds and folders", part.entries[2][1])
     if kind == 2:
         wrong = Text("source.frames")
         data.put("more", Map([(Text("seed_setting"), wrong)]))
@@ -87,7 +88,8 @@ def wrong_kind_of_data(rng: Random, data: Map) -> Planted:
 
 def wrong_where(rng: Random, expectation: Map) -> Planted:
     """What is expected of cells that there are not."""
-    values = {"filter": ["every", "chance"], "data": ["plain", "other"], "distance": ["near", "far"]}
+    # Not of data: a name of theirs that is wrong leaves open which there are.
+    values = {"filter": ["every", "chance"], "distance": ["near", "far"]}
     key = rng.choice(sorted(values))
     right = rng.choice([value for value in values[key] if len(value) >= 4])
     if rng.random() < 0.7:

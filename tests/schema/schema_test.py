@@ -41,8 +41,9 @@ UNSEEN = set("""
     unread_warp_at_the_end variable_not_closed variable_not_set when_names_nobody wrong_order
 """.split())
 UNSEEN_OF_PLANS = set("""
-    absent_data absent_pattern duplicate_key extends_a_pipeline extends_itself extends_nothing
-    extends_without_unknown no_frames_to_compare realtime reference unknown_metric unknown_parameter
+    absent_data absent_pattern control_character_in_a_metric duplicate_key extends_a_pipeline
+    extends_itself extends_nothing extends_without_unknown no_frames_to_compare realtime reference
+    seeds_and_folders unknown_metric unknown_parameter
     unknown_plugin unknown_stage value_out_of_range variable_not_set wiring without_unknown_stage
 """.split())
 
