@@ -153,8 +153,9 @@ Result<std::map<std::string, std::string>> scaffold_files(const PluginName& plug
                                     [&](const Language& each) { return each.name == language; });
   Words words = words_of(plugin);
   if (language == "c") {
-    words.insert(words.begin(), {{"LANGUAGES CXX", "LANGUAGES C CXX"},
-                                 {"SOURCES my_plugin.cpp", "SOURCES " + plugin.name + ".c\n  LINK m"}});
+    words.insert(words.begin(),
+                 {{"LANGUAGES CXX", "LANGUAGES C CXX"},
+                  {"SOURCES my_plugin.cpp", "SOURCES " + plugin.name + ".c\n  LINK m"}});
   }
   std::map<std::string, std::string> files;
   const auto add = [&](const fs::path& part, const std::string& but) {
