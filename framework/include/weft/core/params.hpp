@@ -3,6 +3,7 @@
 
 #include <weft/abi.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
@@ -19,6 +20,20 @@ struct Range {
   double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
 };
+
+namespace detail {
+
+inline bool is_within(Range range, double number) {
+  return number >= range.minimum && number <= range.maximum;
+}
+
+inline Range within_int(Range range) {
+  using Limits = std::numeric_limits<int>;
+  return {std::max<double>(range.minimum, Limits::min()),
+          std::min<double>(range.maximum, Limits::max())};
+}
+
+}  // namespace detail
 
 /// Whether a parameter must be given.
 enum class Need { optional, required };

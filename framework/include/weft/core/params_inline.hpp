@@ -1,25 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
-#include <limits>
 #include <weft/core/params.hpp>
 
 namespace weft {
-namespace detail {
-
-inline bool is_within(Range range, double number) {
-  return number >= range.minimum && number <= range.maximum;
-}
-
-inline Range within_int(Range range) {
-  using Limits = std::numeric_limits<int>;
-  return {std::max<double>(range.minimum, Limits::min()),
-          std::min<double>(range.maximum, Limits::max())};
-}
-
-}  // namespace detail
-
 inline const weft_value* Params::find(const char* name, int type, bool vector) {
   for (std::uint64_t i = 0; i < count_; ++i) {
     if (std::string_view(values_[i].name) != name) continue;
