@@ -110,6 +110,9 @@ constexpr const char* kNoStage = "only stages are given images and matches by th
 
 void check_large(const Setting& setting, Page& page) {
   if (!is_large_for(setting)) return page.skip(kNoStage);
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  return page.skip("this program is sanitized, which takes more addresses than it may have");
+#endif
   const rlimit limit{kMostMemory, RLIM_INFINITY};
   rlimit before{};
   getrlimit(RLIMIT_AS, &before);

@@ -166,7 +166,7 @@ OF_FILES = [
     refused("type_unknown", edited("type: f64", "type: tensor"), "has the unknown type 'tensor'",
             "install a newer Weft"),
     refused("processor_feature", edited("isa: []", "isa: [avx9]"),
-            "processor features that this machine lacks: avx9", "rebuild the plugin without"),
+            "processor features that this version of Weft does not know: avx9", "rebuild the plugin without"),
     refused("abi_major_2", edited("abi: [1,", "abi: [2,"), "has plugin ABI 2", "rebuild the plugin"),
     refused("abi_major_0", edited("abi: [1,", "abi: [0,"), "has plugin ABI 0", "rebuild the plugin"),
     refused("abi_minor_99", edited("needs_minor: 0", "needs_minor: 99"), "needs plugin ABI 1.99",

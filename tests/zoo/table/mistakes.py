@@ -8,7 +8,7 @@ from cages import ALL_GOOD, ID, LIBRARY, ONE_LOST, Animal, Ask, Cage
 TELLS = "Try isolate: process at its stage"
 # Sanitizers make an exit code of a signal.
 DIED = r"(died of signal {0} |exited with status)"
-ENDED = r"ends the process that loads it (by signal {0} |with exit code)"
+ENDED = r"ends the process that loads it (by signal {0} |by exit)"
 
 
 def damaged(name: str, what: str) -> Animal:
@@ -40,8 +40,8 @@ def ending_when_loaded(name: str, probed: str, here: str, apart: str, **more: ob
     """Ends whoever loads it: other processes tell, the one of a run says what ran."""
     told = rf"filters \({ID}: load\), outside of the frames: {here}.*{TELLS}"
     return Animal(name, [
-        Ask("describe", f"{probed}.*; rebuild the plugin", 3),
-        Ask("why", f"{probed}.*; rebuild the plugin", 2),
+        Ask("describe", f"{probed}.*and rebuild it", 3),
+        Ask("why", f"{probed}.*and rebuild it", 2),
         Ask("check", "ok, 6 stages", verdict="accepted: nothing is loaded"),
         Ask("run", told, "fails", verdict="ended, told"),
         Ask("isolated", f"{ID}: its worker {apart}", 2, verdict="ended apart, told")], **more)
@@ -123,13 +123,13 @@ OF_LOADING = [
                        DIED.format(6)),
     ending_when_loaded("load_crashes", ENDED.format(11), r"ended the process \(SIGSEGV",
                        DIED.format(11)),
-    ending_when_loaded("load_exits", r"ends the process that loads it by exit\(\)",
+    ending_when_loaded("load_exits", r"ends the process that loads it by exit\(\d+\)",
                        r"called exit\(\)", "exited with status 0"),
     ending_when_loaded("load_eats", ENDED.format(6), r"ended the process \(SIGABRT",
                        DIED.format(6), limit_bytes=1 << 30, sanitized=False),
     Animal("load_hangs", [
-        Ask("describe", "does not come to an end within 20 s; rebuild the plugin", 3),
-        Ask("why", "does not come to an end within 20 s; rebuild the plugin", 2),
+        Ask("describe", "does not come to an end within 20 s; .*and rebuild it", 3),
+        Ask("why", "does not come to an end within 20 s; .*and rebuild it", 2),
         Ask("isolated", f"{ID}: its worker gave no answer within 10000 ms and was ended", 2,
             verdict="ended apart, told")]),
     tolerated("load_prints"),
@@ -137,7 +137,7 @@ OF_LOADING = [
     tolerated("load_rounds"),
     tolerated("load_flushes"),
     Animal("devices_crash", [
-        Ask("devices", f"for {ID}: it {ENDED.format(11)}.*rebuild the plugin", (0, 1))],
+        Ask("devices", f"for {ID}: it {ENDED.format(11)}.*rebuild it", (0, 1))],
         with_devices),
 ]
 
@@ -146,7 +146,7 @@ OF_DECLARATIONS = [
     undescribed("describe_status", r"failed while it declared its parameters \(status 77\)"),
     undescribed("describe_throws", "threw something that is no std::exception"),
     undescribed("describe_crashes", ENDED.format(11)),
-    undescribed("describe_exits", r"ends the process that loads it by exit\(\)"),
+    undescribed("describe_exits", r"ends the process that loads it by exit\(\d+\)"),
     undescribed("describe_hangs", "does not come to an end within 20 s"),
     undescribed("describe_endlessly_hangs", "does not come to an end within 20 s"),
     Animal("many_parameters", [Ask("describe", "plugin.yaml", verdict="accepted")]),
