@@ -67,7 +67,9 @@ std::vector<Declared> declared_by() {
   std::vector<Declared> all;
   const auto keep_type = [](void*, const char*) {};
   const weft_describe sink{
-      sizeof(weft_describe), 0, &all,
+      sizeof(weft_describe),
+      0,
+      &all,
       [](void* context, const weft_parameter* p) {
         const weft_value& value = p->default_value;
         Declared declared;
@@ -96,7 +98,8 @@ std::vector<Declared> declared_by() {
         declared.choices.assign(p->choices, p->choices + p->choice_count);
         static_cast<std::vector<Declared>*>(context)->push_back(declared);
       },
-      keep_type, nullptr};
+      keep_type,
+      nullptr};
   Params params(&sink);
   Component component(params);
   return all;
