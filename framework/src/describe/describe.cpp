@@ -97,14 +97,9 @@ void write_parameter(std::ostream& out, const weft_parameter& parameter) {
   out << "\n        help: " << double_quoted(parameter.help) << "\n";
 }
 
-const char* dtype_word(std::int32_t dtype) {
-  constexpr const char* kNames[] = {"", "u8", "i8", "u16", "i16", "i32", "i64", "f32", "f64"};
-  return dtype >= WEFT_U8 && dtype <= WEFT_F64 ? kNames[dtype] : "unknown";
-}
-
 std::string text_of(const weft_field& field) {
   const auto flag = [&](std::uint32_t bit) { return (field.flags & bit) != 0 ? "true" : "false"; };
-  return "{name: " + double_quoted(field.name) + ", type: " + dtype_word(field.dtype) +
+  return "{name: " + double_quoted(field.name) + ", type: " + dtype_name(field.dtype) +
          ", shape: " + double_quoted(field.shape) + ", unit: " + double_quoted(field.unit) +
          ", meaning: " + double_quoted(field.meaning) + ", optional: " + flag(WEFT_FIELD_OPTIONAL) +
          ", may_be_nan: " + flag(WEFT_FIELD_MAY_BE_NAN) + "}";
