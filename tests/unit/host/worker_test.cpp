@@ -6,17 +6,20 @@
 #include <sys/wait.h>
 
 #include <chrono>
+#include <csignal>
 #include <cstring>
 #include <iostream>
 #include <map>
 #include <thread>
 #include <weft/core/index.hpp>
 
+#include "support/processes.hpp"
 #include "zoo/zoo.hpp"
 
 namespace weft::host {
 namespace {
 
+using testing::comes_true;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
@@ -135,6 +138,9 @@ std::int64_t shared_bytes() {
   return sum;
 }
 
+/// The processes that this one has started and not yet waited for.
+std::vector<pid_t> children() { return testing::children_of(getpid()); }
+
 TEST_F(WorkerTest, GivesTheSameBytesTimingsAndDrawsAsInThisProcess) {
   Instance& near = here("filters/zoo_good", kNested);
   Instance& far = apart("filters/zoo_good", kNested);
@@ -238,6 +244,58 @@ TEST_F(WorkerTest, HangingPastTheDeadlineCostsOneFrame) {
   EXPECT_EQ(filter(deadly, 2).status, WEFT_OK);
 }
 
+TEST_F(WorkerTest, AfterADeathAnotherWorkerIsMadeBeforeItIsCalled) {
+  Instance& deadly = apart("filters/zoo_deadly", "{frame: 1, deed: exit}");
+  const auto first = static_cast<pid_t>(diag(filter(deadly, 0), "process"));
+  EXPECT_EQ(filter(deadly, 1).status, WEFT_ERROR);
+  ASSERT_TRUE(comes_true([] { return !children().empty(); }));
+  const std::vector<pid_t> waiting = children();
+  const Outcome outcome = filter(deadly, 2);
+  EXPECT_NE(static_cast<pid_t>(diag(outcome, "process")), first);
+  EXPECT_THAT(waiting, ElementsAre(static_cast<pid_t>(diag(outcome, "process"))));
+  EXPECT_EQ(diag(outcome, "prepared"), 1.0);
+}
+
+TEST_F(WorkerTest, WhereAStartTakesLongASpareStandsReadyIfOneIsWanted) {
+  for (const bool keeps_spare : {true, false}) {
+    SCOPED_TRACE(keeps_spare);
+    Isolation how = isolation();
+    how.keeps_spare = keeps_spare;
+    Instance& deadly = prepared(lane_->instantiate_isolated(
+        spec("filters/zoo_deadly", "{frame: 1, deed: exit, prepare_ms: 50}"), "filters", how));
+    EXPECT_EQ(children().size(), 1U) << "not before it has answered";
+    const auto first = static_cast<pid_t>(diag(filter(deadly, 0), "process"));
+    if (keeps_spare) {
+      ASSERT_TRUE(comes_true([] { return children().size() == 2; }));
+    }
+    std::vector<pid_t> standing = children();
+    std::erase(standing, first);
+    EXPECT_EQ(standing.size(), keeps_spare ? 1U : 0U);
+    EXPECT_EQ(filter(deadly, 1).status, WEFT_ERROR);
+    const Outcome outcome = filter(deadly, 2);
+    EXPECT_EQ(diag(outcome, "prepared"), 1.0);
+    if (keeps_spare) {
+      EXPECT_THAT(standing, ElementsAre(static_cast<pid_t>(diag(outcome, "process"))));
+    }
+    lane_->discard(deadly);
+    EXPECT_THAT(children(), ElementsAre());
+  }
+}
+
+TEST_F(WorkerTest, ASpareThatDiedIsNotUsed) {
+  Isolation how = isolation();
+  how.keeps_spare = true;
+  Instance& deadly = prepared(lane_->instantiate_isolated(
+      spec("filters/zoo_deadly", "{frame: 1, deed: exit, prepare_ms: 50}"), "filters", how));
+  const auto first = static_cast<pid_t>(diag(filter(deadly, 0), "process"));
+  ASSERT_TRUE(comes_true([] { return children().size() == 2; }));
+  for (const pid_t child : children()) {
+    if (child != first) kill(child, SIGKILL);
+  }
+  EXPECT_EQ(filter(deadly, 1).status, WEFT_ERROR);
+  EXPECT_EQ(diag(filter(deadly, 2), "prepared"), 1.0);
+}
+
 TEST_F(WorkerTest, ADeathInCreateOrPrepareIsAnErrorBeforeTheFirstFrame) {
   const auto created = lane_->instantiate_isolated(
       spec("filters/zoo_deadly", "{where: create, deed: crash}"), "filters", isolation());
@@ -298,13 +356,16 @@ TEST_F(WorkerTest, ManyFramesTakeNeitherMemoryNorFiles) {
 }
 
 TEST_F(WorkerTest, ManyDeathsLeaveNoFilesAndNoZombies) {
-  Instance& deadly = apart("filters/zoo_deadly", "{deed: exit}");
-  filter(deadly);
-  const std::size_t files = open_files();
-  for (int i = 0; i < 10; ++i) EXPECT_EQ(filter(deadly).status, WEFT_ERROR);
-  EXPECT_EQ(open_files(), files);
-  apart("filters/zoo_good");
-  lane_.reset();
+  const auto lane_with_deaths = [&](int deaths) {
+    lane_ = std::make_unique<Lane>(7, Lane::Log{}, *SharedArena::create());
+    Instance& deadly = apart("filters/zoo_deadly", "{deed: exit}");
+    for (int i = 0; i < deaths; ++i) EXPECT_EQ(filter(deadly).status, WEFT_ERROR);
+    apart("filters/zoo_good");
+    lane_.reset();  // the worker that stands ready after the last death, too
+    return open_files();
+  };
+  const std::size_t files = lane_with_deaths(1);
+  EXPECT_EQ(lane_with_deaths(11), files);
   EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);
   EXPECT_EQ(errno, ECHILD);
 }

@@ -96,11 +96,13 @@ class Deadly final : public weft::Filter {
              {{"process", Place::process}, {"create", Place::create}, {"prepare", Place::prepare}},
              "in which function");
     p.read("frame", frame_, "", {-1, 1e6}, "in which frame; -1 for all");
+    p.read("prepare_ms", prepare_ms_, "ms", {0, 10'000}, "time that it takes to prepare");
     if (where_ == Place::create) act();
   }
 
   weft::Result<void> prepare(const weft::PrepareInput&) override {
     if (where_ == Place::prepare) act();
+    std::this_thread::sleep_for(std::chrono::milliseconds(prepare_ms_));
     prepared_ = true;
     return {};
   }
@@ -150,6 +152,7 @@ class Deadly final : public weft::Filter {
   Deed deed_ = Deed::none;
   Place where_ = Place::process;
   int frame_ = -1;
+  int prepare_ms_ = 0;
   bool prepared_ = false;
 };
 

@@ -19,6 +19,7 @@
 namespace weft::host {
 
 class Instance;
+class SharedInputs;
 struct Workplace;
 
 /// One set of component instances. Several threads may call instances of a lane, each instance and
@@ -137,7 +138,7 @@ class Lane {
   Instance& add(std::unique_ptr<Instance> instance);
   std::unique_ptr<Instance> take_out(Instance& instance);
   void destroy(std::unique_ptr<Instance> instance);
-  Result<void> open_workplace();
+  Result<Workplace> workplace_of(const Instance& instance);
   Outcome enter(Instance& instance, int method, std::span<const weft_record> inputs,
                 const Turn& turn);
   Outcome finish(Instance& instance, Scope& scope, std::span<const weft_record> inputs,
@@ -174,7 +175,7 @@ class Lane {
   std::atomic<bool> cancel_{false};
   std::function<bool()> watched_;
   std::shared_ptr<SharedArena> arena_;
-  std::unique_ptr<Workplace> workplace_;  ///< from the first worker on
+  std::shared_ptr<SharedInputs> inputs_of_workers_;  ///< from the first one on
 };
 
 /// The handle by which calls name an instance.

@@ -6,21 +6,20 @@ namespace weft::host {
 
 using SteadyTime = std::chrono::steady_clock::time_point;  // processes share this clock
 
-Result<void> Lane::open_workplace() {
-  if (workplace_ != nullptr) return {};
+Result<Workplace> Lane::workplace_of(const Instance& instance) {
   if (arena_ == nullptr) {
     return Error{Errc::unsupported, "a stage can be isolated only in a lane with shared memory"};
   }
+  if (inputs_of_workers_ == nullptr) inputs_of_workers_ = std::make_shared<SharedInputs>(arena_);
   const std::shared_ptr<void> block = arena_->allocate(sizeof(std::atomic<bool>));
   if (block == nullptr) return Error{Errc::io, "there is no room in shared memory"};
   auto* cancel = std::construct_at(static_cast<std::atomic<bool>*>(block.get()), false);
-  workplace_ = std::make_unique<Workplace>(Workplace{run_seed_,
-                                                     threads_a_call_,
-                                                     std::make_shared<SharedInputs>(arena_),
-                                                     {block, cancel},
-                                                     [this] { return is_cancelled(); },
-                                                     log_});
-  return {};
+  return Workplace{run_seed_,
+                   threads_a_call_,
+                   inputs_of_workers_,
+                   {block, cancel},
+                   [this, &instance] { return !instance.is_let_finish && is_cancelled(); },
+                   log_};
 }
 
 Result<Instance*> Lane::instantiate_isolated(const ComponentSpec& spec, const std::string& stage,
@@ -29,13 +28,16 @@ Result<Instance*> Lane::instantiate_isolated(const ComponentSpec& spec, const st
     return Error{Errc::cancelled, "cancelled before it began", spec.component().id};
   }
   announce(stage, spec.component().id, "load", kOfflineFrame);
-  if (auto open = open_workplace(); !open) return open.error();
   Instance& instance = add(std::make_unique<Instance>(spec, stage, ""));
+  auto workplace = workplace_of(instance);
+  if (!workplace) return workplace.error();
   const CreateMessage create{instance.handle, stage, "", Recipe::of(spec)};
   if (instance.rules.samples) instance.recreate = create;
-  Workplace workplace = *workplace_;
-  workplace.run_seed = run_seed_;
-  instance.worker = std::make_unique<Worker>(isolation, std::move(workplace), create);
+  Isolation how = isolation;
+  // A camera cannot be opened twice at once.
+  how.keeps_spare = how.keeps_spare && instance.rules.part == PipelinePart::stage;
+  how.starts_again = how.starts_again && instance.rules.part != PipelinePart::sink;
+  instance.worker = std::make_unique<Worker>(how, *std::move(workplace), create);
   if (auto started = instance.worker->start(); !started) return started.error();
   return &instance;
 }
@@ -70,6 +72,10 @@ std::int32_t Lane::call_worker(Instance& instance, Scope& scope, int method,
     scope.outputs.emplace_back(slot, std::move(record));
   }
   if (answer->status != WEFT_OK) report(answer->error, error);
+  if (answer->status == WEFT_OK && instance.rules.part == PipelinePart::source &&
+      method == kOpenSource) {
+    instance.worker->begin_with(method, scope.turn.frame);
+  }
   return answer->status;
 }
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/workers/channel.hpp"
 
-#include <poll.h>
 #include <sys/socket.h>
+#include <sys/uio.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <weft/core/index.hpp>
 
@@ -20,7 +21,6 @@ struct Header {
 
 constexpr std::uint32_t kMark = 0x54464557;  // "WEFT"
 constexpr std::uint64_t kLongestMessage_bytes = 64U << 20U;
-constexpr int kSlice_ms = 10;
 
 }  // namespace
 
@@ -29,15 +29,25 @@ Channel::~Channel() { close(socket_); }
 void Channel::finish() { shutdown(socket_, SHUT_WR); }
 
 bool Channel::send(MessageKind kind, std::string_view content) {
-  const Header header{kMark, static_cast<std::uint32_t>(kind), content.size()};
-  std::string bytes(reinterpret_cast<const char*>(&header), sizeof(header));
-  bytes += content;
+  Header header{kMark, static_cast<std::uint32_t>(kind), content.size()};
+  std::array<iovec, 2> parts{
+      iovec{&header, sizeof(header)},
+      iovec{const_cast<char*>(content.data()), content.size()}};  // it is only read
+  msghdr message{};
+  message.msg_iov = parts.data();
+  message.msg_iovlen = parts.size();
   const std::lock_guard lock(sending_);
-  for (std::size_t sent = 0; sent < bytes.size();) {
-    const ssize_t count = ::send(socket_, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
+  while (parts[0].iov_len + parts[1].iov_len > 0) {
+    const ssize_t count = sendmsg(socket_, &message, MSG_NOSIGNAL);
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) return false;
-    sent += to_index(count);
+    std::size_t sent = to_index(count);
+    for (iovec& part : parts) {
+      const std::size_t of_part = std::min(sent, part.iov_len);
+      part.iov_base = static_cast<char*>(part.iov_base) + of_part;
+      part.iov_len -= of_part;
+      sent -= of_part;
+    }
   }
   return true;
 }
@@ -52,15 +62,19 @@ Channel::Received Channel::receive(Message& message, const std::function<bool()>
   return read(message.content.data(), header.length, keep_waiting);
 }
 
+/// A header comes with what follows it: one wait for both.
 Channel::Received Channel::read(char* target, std::size_t size,
                                 const std::function<bool()>& keep_waiting) {
   for (std::size_t got = 0; got < size;) {
-    pollfd waiting{socket_, POLLIN, 0};
-    if (poll(&waiting, 1, keep_waiting ? kSlice_ms : -1) > 0) {
-      const ssize_t count = recv(socket_, target + got, size - got, MSG_DONTWAIT);
+    if (ahead_.empty()) {
+      const ssize_t count = recv(socket_, buffer_.data(), buffer_.size(), 0);
       if (count == 0 || (count < 0 && errno != EINTR && errno != EAGAIN)) return Received::closed;
-      got += to_index(std::max<ssize_t>(count, 0));
+      ahead_ = {buffer_.data(), to_index(std::max<ssize_t>(count, 0))};
     }
+    const std::size_t part = std::min(ahead_.size(), size - got);
+    std::copy_n(ahead_.data(), part, target + got);
+    ahead_.remove_prefix(part);
+    got += part;
     // Asked for a slow stream of bytes too.
     if (got < size && keep_waiting && !keep_waiting()) return Received::gave_up;
   }

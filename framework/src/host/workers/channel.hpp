@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <functional>
 #include <mutex>
 #include <string>
@@ -30,7 +31,8 @@ class Channel {
   /// From any thread; false when the other end is gone or does not read.
   bool send(MessageKind kind, std::string_view content);
 
-  /// Waits for a message. `keep_waiting` is asked every few milliseconds; empty waits for ever.
+  /// Waits for a message. `keep_waiting` is asked whenever the socket's own patience is at its end
+  /// (SO_RCVTIMEO); empty waits for ever. For one thread.
   Received receive(Message& message, const std::function<bool()>& keep_waiting = {});
 
   /// Tells the other end that nothing more will come.
@@ -40,6 +42,8 @@ class Channel {
   Received read(char* target, std::size_t size, const std::function<bool()>& keep_waiting);
 
   int socket_;
+  std::array<char, 8192> buffer_{};
+  std::string_view ahead_{};  ///< of the buffer, not yet asked for
   std::mutex sending_;
 };
 

@@ -23,6 +23,7 @@ namespace weft::host {
 namespace {
 
 constexpr int kPatience_ms = 5000;
+constexpr int kSlice_ms = 10;  ///< after which one who waits looks whether it shall go on
 
 std::string beside_this_program() {
   std::error_code code;
@@ -85,6 +86,8 @@ Result<std::unique_ptr<WorkerProcess>> WorkerProcess::start(const std::string& p
   const Channel workers_end(ends[1]);
   const timeval patience{kPatience_ms / 1000, 0};
   setsockopt(ends[0], SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof(patience));
+  const timeval slice{0, 1000 * kSlice_ms};
+  setsockopt(ends[0], SOL_SOCKET, SO_RCVTIMEO, &slice, sizeof(slice));
   const int output = memfd_create("weft-worker output", MFD_CLOEXEC);
   if (output < 0) return failed(errno);
   fcntl(output, F_SETFL, O_APPEND);

@@ -27,6 +27,9 @@ class WorkerProcess {
 
   Channel& channel() { return *channel_; }
 
+  /// Whether it has died by itself.
+  bool is_gone() { return reap(0); }
+
   /// Ends it and waits until it is gone.
   void kill();
 

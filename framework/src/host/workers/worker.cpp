@@ -2,230 +2,164 @@
 #include "host/workers/worker.hpp"
 
 #include <algorithm>
-#include <weft/core/version.hpp>
+#include <system_error>
 
 #include "host/workers/codec.hpp"
-#include "host/workers/process.hpp"
 
 namespace weft::host {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kCancelPatience{1000};
-constexpr std::chrono::milliseconds kLeastToStart{10'000};
-
-/// Nothing that a worker says is taken for granted.
-Error error_in(const ReplyMessage& reply) {
-  constexpr std::size_t kLongestText = 1023;
-  const bool known = reply.code >= static_cast<std::int32_t>(Errc::no_result) &&
-                     reply.code <= static_cast<std::int32_t>(Errc::end);
-  return {known ? static_cast<Errc>(reply.code) : Errc::plugin_failure,
-          reply.message.substr(0, kLongestText), reply.where.substr(0, kLongestText),
-          reply.subject.substr(0, kLongestText)};
-}
+constexpr std::chrono::milliseconds kQuickStart{20};  ///< no spare is needed for a start like this
 
 }  // namespace
-
-/// What a worker has lent to this process, until the process has done with it.
-class Loans : public std::enable_shared_from_this<Loans> {
- public:
-  Loans(std::shared_ptr<SharedMemory> memory, std::shared_ptr<SharedInputs> inputs)
-      : memory_(std::move(memory)), inputs_(std::move(inputs)) {}
-
-  const SharedMemory& memory() const { return *memory_; }
-
-  /// The memory at an offset, which is given back with the last reference; null when the worker
-  /// has no such memory.
-  std::shared_ptr<void> take(std::uint64_t offset, std::int64_t bytes) {
-    void* memory = memory_->at(offset, static_cast<std::uint64_t>(bytes));
-    if (memory == nullptr || offset % 64 != 0) return nullptr;
-    inputs_->watch(memory);
-    return {memory, [loans = shared_from_this(), offset](void* p) {
-              loans->inputs_->forget(p);
-              const std::lock_guard lock(loans->mutex_);
-              loans->returned_.push_back(offset);
-            }};
-  }
-
-  std::vector<std::uint64_t> returned() {
-    const std::lock_guard lock(mutex_);
-    return std::exchange(returned_, {});
-  }
-
- private:
-  std::shared_ptr<SharedMemory> memory_;
-  std::shared_ptr<SharedInputs> inputs_;
-  std::mutex mutex_;
-  std::vector<std::uint64_t> returned_;  ///< offsets
-};
 
 Worker::Worker(Isolation isolation, Workplace workplace, CreateMessage component)
     : isolation_(std::move(isolation)),
       workplace_(std::move(workplace)),
       component_(std::move(component)) {}
 
-Worker::~Worker() = default;
+Worker::~Worker() { end_spare(); }
 
 Result<void> Worker::start() {
-  auto outputs = SharedMemory::create(SharedMemory::Access::read);
-  if (!outputs) return outputs.error();
-  const SharedArena& arena = *workplace_.inputs->arena();
-  auto process =
-      WorkerProcess::start(isolation_.program, arena.memory().file(), (*outputs)->file());
-  if (!process) return process.error();
-  process_ = *std::move(process);
-  loans_ = std::make_shared<Loans>(*outputs, workplace_.inputs);
-  known_.clear();
-  kept_.clear();
-  const HelloMessage hello{kVersion,
-                           workplace_.run_seed,
-                           arena.memory().reserve_bytes(),
-                           loans_->memory().reserve_bytes(),
-                           *arena.memory().offset_of(workplace_.cancel.get()),
-                           workplace_.threads};
-  const auto met = converse(MessageKind::hello, pack(hello));
-  if (!met) return met.error();
-  if (met->status != WEFT_OK) {
-    return Error{Errc::incompatible, error_in(*met).message, component_.recipe.id};
+  const auto before = Clock::now();
+  auto made = make_seat({}, nullptr);
+  if (!made) return made.error();
+  seat_ = *std::move(made);
+  making_ = Clock::now() - before;
+  return {};
+}
+
+/// With all that the component has been told so far. May be called by another thread than that of
+/// the calls.
+Worker::Made Worker::make_seat(const std::vector<CreateMessage>& learned,
+                               const std::atomic<bool>* unwanted) {
+  auto seat = std::make_unique<Seat>(workplace_, component_.recipe.id, unwanted);
+  auto done = seat->start(isolation_.program);
+  if (done) done = seat->create(component_, isolation_.deadline);
+  if (done && !prepared_.empty()) done = seat->prepare(component_.handle, prepared_);
+  for (const CreateMessage& other : learned) {
+    if (done) done = seat->learn(other, prepared_, isolation_.deadline);
   }
-  auto made = introduce(component_);
-  if (made) known_.insert(component_.handle);
-  return made;
+  if (done && beginning_) done = begin(*seat);
+  if (!done) return done.error();
+  return seat;
+}
+
+Result<void> Worker::begin(Seat& seat) const {
+  const auto reply = seat.converse(MessageKind::process, pack(*beginning_), isolation_.deadline);
+  if (!reply) return reply.error();
+  if (reply->status != WEFT_OK) return error_in(*reply);
+  for (const PlacedRecord& output : reply->outputs) {  // known already: given back at once
+    if (auto record = seat.adopt(output); !record) return record.error();
+  }
+  return {};
 }
 
 Result<void> Worker::ready() {
-  if (process_ != nullptr) return {};
-  auto started = start();
-  if (started && !prepared_.empty()) started = prepare_there(component_.handle);
-  if (!started) process_.reset();  // the next call tries again
-  return started;
+  if (seat_ != nullptr) return {};
+  if (!isolation_.starts_again) {
+    return Error{Errc::plugin_failure,
+                 "its worker is gone and is not started again, lest it write over what it has "
+                 "written",
+                 component_.recipe.id};
+  }
+  const bool is_spare = spare_.valid();
+  Made made = is_spare ? spare_.get() : make_seat(learned_, nullptr);
+  // One that stood ready for long may tell nothing of now.
+  const bool is_stale = made ? (*made)->is_gone() : isolation_.keeps_spare;
+  if (is_spare && is_stale) made = make_seat(learned_, nullptr);
+  if (!made) return made.error();  // the next call tries again
+  seat_ = *std::move(made);
+  seat_->take();
+  return {};
 }
 
-Result<void> Worker::introduce(const CreateMessage& component) {
-  // Who bounds a call does not want to wait for a library that never gets loaded either.
-  const auto bound = isolation_.deadline;
-  const auto patience = bound.count() == 0 ? bound : std::max(bound, kLeastToStart);
-  const auto reply = converse(MessageKind::create, pack(component), patience);
-  if (!reply) return reply.error();
-  return reply->status == WEFT_OK ? Result<void>{} : error_in(*reply);
+/// Whoever calls next waits no longer than need be.
+void Worker::note_death(const Error& death) {
+  if (seat_ == nullptr || !seat_->is_lost()) return;
+  seat_.reset();
+  if (death.code != Errc::cancelled && isolation_.starts_again) make_spare();
 }
 
-Result<void> Worker::prepare(std::vector<std::pair<std::string, RecordPtr>> inputs) {
+void Worker::make_spare() {
+  if (spare_.valid()) return;
+  try {
+    spare_ = std::async(std::launch::async,
+                        [this, learned = learned_] { return make_seat(learned, &ending_); });
+  } catch (const std::system_error&) {
+    return;  // there is no thread: the next call makes the process
+  }
+}
+
+void Worker::end_spare() {
+  ending_ = true;
+  if (spare_.valid()) spare_.wait();
+  spare_ = {};
+  ending_ = false;
+}
+
+Result<void> Worker::prepare(InputsBySlot inputs) {
+  end_spare();  // it was made with others
   prepared_ = std::move(inputs);
-  const bool running = process_ != nullptr;
-  const auto up = ready();
-  return up && running ? prepare_there(component_.handle) : up;
-}
-
-Result<void> Worker::prepare_there(std::uint64_t handle) {
-  std::vector<weft_record> views;
-  for (const auto& [slot, record] : prepared_) views.push_back(record->view(slot.c_str()));
-  auto placed = place(views, kept_);
-  if (!placed) return placed.error();
-  const auto reply =
-      converse(MessageKind::prepare, pack(CallMessage{handle, 0, 0, 0, *std::move(placed), {}}));
-  if (!reply) return reply.error();
-  return reply->status == WEFT_OK ? Result<void>{} : error_in(*reply);
+  const auto before = Clock::now();
+  const bool running = seat_ != nullptr;
+  auto up = ready();
+  if (up && running) {
+    up = seat_->prepare(component_.handle, prepared_);
+    if (seat_->is_lost()) seat_.reset();
+  }
+  making_ += Clock::now() - before;
+  return up;
 }
 
 Result<void> Worker::learn(const CreateMessage& component) {
   if (auto up = ready(); !up) return up;
-  if (known_.count(component.handle) != 0) return {};
-  if (auto made = introduce(component); !made) return made;
-  auto prepared = prepare_there(component.handle);
-  if (prepared) known_.insert(component.handle);
-  return prepared;
+  if (seat_->knows(component.handle)) return {};
+  auto known = seat_->learn(component, prepared_, isolation_.deadline);
+  if (!known) {
+    note_death(known.error());
+    return known;
+  }
+  const bool is_new =
+      std::none_of(learned_.begin(), learned_.end(),
+                   [&](const CreateMessage& other) { return other.handle == component.handle; });
+  if (is_new) learned_.push_back(component);
+  return known;
+}
+
+void Worker::begin_with(int method, std::uint64_t frame) {
+  beginning_ = CallMessage{component_.handle, frame, 0, method, {}, {}};
 }
 
 Result<Worker::Answer> Worker::process(int method, std::uint64_t frame, std::uint64_t draw,
                                        std::span<const weft_record> inputs) {
   if (auto up = ready(); !up) return up.error();
-  process_->forget_old_output();
+  seat_->forget_old_output();
   std::vector<std::shared_ptr<void>> keep;
-  auto placed = place(inputs, keep);
+  auto placed = seat_->place(inputs, keep);
   if (!placed) return placed.error();
   const CallMessage call{component_.handle, frame, draw, method, *std::move(placed),
-                         loans_->returned()};
-  const auto reply = converse(MessageKind::process, pack(call), isolation_.deadline);
-  if (!reply) return reply.error();
+                         seat_->returned()};
+  const auto reply = seat_->converse(MessageKind::process, pack(call), isolation_.deadline);
+  if (!reply) {
+    note_death(reply.error());
+    return reply.error();
+  }
   Answer answer{reply->status,  error_in(*reply),        {},
                 reply->timings, reply->downloaded_bytes, reply->processor_ms};
   for (const PlacedRecord& output : reply->outputs) {
-    auto record = adopt(output);
-    if (!record) return fail(record.error().message).error();
+    auto record = seat_->adopt(output);
+    if (!record) {
+      note_death(record.error());
+      return record.error();
+    }
     answer.outputs.emplace_back(output.slot, *std::move(record));
   }
+  // Not before the component has shown that it works.
+  if (isolation_.keeps_spare && making_ > kQuickStart) make_spare();
   return answer;
-}
-
-Result<std::vector<PlacedRecord>> Worker::place(std::span<const weft_record> records,
-                                                std::vector<std::shared_ptr<void>>& keep) const {
-  std::vector<PlacedRecord> result;
-  for (const weft_record& record : records) {
-    auto placed = workplace_.inputs->place(record, keep);
-    if (!placed) return placed.error();
-    result.push_back(*std::move(placed));
-  }
-  return result;
-}
-
-Result<std::shared_ptr<Record>> Worker::adopt(const PlacedRecord& placed) const {
-  auto record = Record::make(placed.type);
-  for (const PlacedArray& array : placed.arrays) {
-    const std::int64_t bytes = array_bytes(array.dtype, array.ndim, array.shape.data());
-    std::shared_ptr<void> memory = bytes >= 0 ? loans_->take(array.offset, bytes) : nullptr;
-    if (memory == nullptr || !record->adopt(array.name, array.dtype, array.ndim, array.shape.data(),
-                                            std::move(memory))) {
-      return Error{Errc::plugin_failure, "named an array that it does not have, and was ended"};
-    }
-  }
-  return record;
-}
-
-Result<ReplyMessage> Worker::converse(MessageKind kind, const std::string& content,
-                                      std::chrono::milliseconds deadline) {
-  const auto start = Clock::now();
-  std::optional<Clock::time_point> cancelled_at;
-  workplace_.cancel->store(workplace_.cancelled());
-  const auto keep_waiting = [&] {
-    const auto now = Clock::now();
-    if (!cancelled_at && workplace_.cancelled()) cancelled_at = now;
-    workplace_.cancel->store(cancelled_at.has_value());
-    if (cancelled_at && now - *cancelled_at > kCancelPatience) return false;
-    return deadline.count() == 0 || now - start < deadline;
-  };
-  const auto gave_up = [&] {
-    if (cancelled_at) return fail("did not stop when cancelled, and was ended", Errc::cancelled);
-    return fail("gave no answer within " + std::to_string(deadline.count()) + " ms and was ended");
-  };
-  if (!process_->channel().send(kind, content)) return died();
-  for (;;) {
-    Message message;
-    const auto got = process_->channel().receive(message, keep_waiting);
-    if (got == Channel::Received::closed) return died();
-    if (got == Channel::Received::unreadable) return fail("sent what is no message, and was ended");
-    if (got == Channel::Received::gave_up) return gave_up();
-    auto reply = unpack<ReplyMessage>(message.content);
-    if (message.kind == MessageKind::reply && reply) return *std::move(reply);
-    const auto log = unpack<LogMessage>(message.content);
-    if (message.kind != MessageKind::log || !log) {
-      return fail("sent what is no answer, and was ended");
-    }
-    if (workplace_.log) workplace_.log(log->component, log->level, log->text, log->frame);
-    if (!keep_waiting()) return gave_up();
-  }
-}
-
-Result<ReplyMessage> Worker::died() {
-  const Error death = process_->cause_of_death();
-  return fail(death.message, death.code);
-}
-
-Result<ReplyMessage> Worker::fail(const std::string& cause, Errc code) {
-  process_->kill();
-  process_.reset();
-  return Error{code, "its worker " + cause, component_.recipe.id};
 }
 
 }  // namespace weft::host

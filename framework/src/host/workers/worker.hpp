@@ -2,38 +2,22 @@
 #pragma once
 
 #include <atomic>
-#include <functional>
+#include <chrono>
+#include <future>
 #include <memory>
-#include <set>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "host/records/record.hpp"
-#include "host/workers/isolation.hpp"
-#include "host/workers/message.hpp"
-#include "host/workers/shared_inputs.hpp"
+#include "host/workers/seat.hpp"
 
 namespace weft::host {
 
-/// What the workers of one lane share.
-struct Workplace {
-  std::uint64_t run_seed = 0;
-  int threads = 1;  ///< that a call may use
-  std::shared_ptr<SharedInputs> inputs;
-  std::shared_ptr<std::atomic<bool>> cancel;  ///< in memory that workers read
-  std::function<bool()> cancelled;
-  std::function<void(const std::string& component, int level, const std::string& text,
-                     std::uint64_t frame)>
-      log;
-};
-
-class WorkerProcess;
-class Loans;
-
 /// A component, with those nested in it, in a process of its own. When that process dies or does
-/// not answer, the call fails with the cause; before the next one it is started and prepared again.
-/// One call at a time.
+/// not answer, the call fails with the cause; meanwhile another one is started and prepared, for
+/// which the next call waits. One call at a time.
 class Worker {
  public:
   struct Answer {
@@ -52,36 +36,40 @@ class Worker {
   Result<void> start();
 
   /// Remembers the records by slot, for itself and later starts, and prepares the component.
-  Result<void> prepare(std::vector<std::pair<std::string, RecordPtr>> inputs);
+  Result<void> prepare(InputsBySlot inputs);
 
   /// Creates and prepares another component in the same process, unless it is there: the producer
   /// of a warp that the component reads.
   Result<void> learn(const CreateMessage& component);
+
+  /// From now on a process that is started again is given this call, which has no inputs, before
+  /// others: a source is opened.
+  void begin_with(int method, std::uint64_t frame);
 
   /// Calls a method. Fails when the process did; what the component answers is an Answer.
   Result<Answer> process(int method, std::uint64_t frame, std::uint64_t draw,
                          std::span<const weft_record> inputs);
 
  private:
+  using Made = Result<std::unique_ptr<Seat>>;
+
+  Made make_seat(const std::vector<CreateMessage>& learned, const std::atomic<bool>* unwanted);
+  Result<void> begin(Seat& seat) const;
   Result<void> ready();
-  Result<void> introduce(const CreateMessage& component);
-  Result<void> prepare_there(std::uint64_t handle);
-  Result<std::vector<PlacedRecord>> place(std::span<const weft_record> records,
-                                          std::vector<std::shared_ptr<void>>& keep) const;
-  Result<ReplyMessage> converse(MessageKind kind, const std::string& content,
-                                std::chrono::milliseconds deadline = {});
-  Result<ReplyMessage> fail(const std::string& cause, Errc code = Errc::plugin_failure);
-  Result<ReplyMessage> died();
-  Result<std::shared_ptr<Record>> adopt(const PlacedRecord& placed) const;
+  void note_death(const Error& death);
+  void make_spare();
+  void end_spare();
 
   Isolation isolation_;
   Workplace workplace_;
   CreateMessage component_;
-  std::vector<std::pair<std::string, RecordPtr>> prepared_;
-  std::unique_ptr<WorkerProcess> process_;  ///< null before the first start and after a death
-  std::shared_ptr<Loans> loans_;
-  std::set<std::uint64_t> known_;            ///< handles of the components in the process
-  std::vector<std::shared_ptr<void>> kept_;  ///< inputs of prepare, while the process lives
+  InputsBySlot prepared_;
+  std::vector<CreateMessage> learned_;
+  std::optional<CallMessage> beginning_;
+  std::unique_ptr<Seat> seat_;                    ///< null before the first start and after a death
+  std::chrono::steady_clock::duration making_{};  ///< what it took to start and prepare it
+  std::atomic<bool> ending_{false};               ///< no spare is wanted any more
+  std::future<Made> spare_;                       ///< being made, or ready
 };
 
 }  // namespace weft::host
