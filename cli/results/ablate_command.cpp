@@ -27,7 +27,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 struct AblateOptions {
-  std::string plan, folder, engine = "local";
+  std::string plan, folder, engine = "local", isolate = "auto";
   std::vector<std::string> settings, without;
   int jobs = 1;
   bool timing = false, accept_rebuilt = false, status = false, quiet = false;
@@ -94,7 +94,8 @@ std::string slurm_call(const AblateOptions& options, const evaluation::ResultsFo
   constexpr std::size_t kName = sizeof("weft") - 1;
   return program_word() + command_of(options, context).substr(kName) + " --out " +
          shell_word(folder.path()) + " --engine " + kSlurm + (options.timing ? " --timing" : "") +
-         (options.accept_rebuilt ? " --accept-rebuilt" : "");
+         (options.accept_rebuilt ? " --accept-rebuilt" : "") +
+         (options.isolate != "auto" ? " --isolate " + options.isolate : "");
 }
 
 bool print_expectations(const evaluation::Results& results) {
@@ -191,8 +192,9 @@ void ablate(AblateOptions options, Context& context) {
     context.exit_code = error.code == Errc::invalid_value ? kBadConfiguration : kInputOutput;
   };
   const auto registry = context.registry();
-  auto [grid, report] = evaluation::load_grid(options.plan, registry, options.settings,
-                                              standard_helpers(), options.without);
+  auto [grid, report] =
+      evaluation::load_grid(options.plan, registry, options.settings, standard_helpers(),
+                            options.without, isolating_of(options.isolate));
   if (!report.ok()) {
     fmt::print(stderr, "{}", report.text());
     tell_slurm_failure(options.slurm, options.folder, report.text());
@@ -267,6 +269,7 @@ void add_ablate_command(CLI::App& app, Context& context) {
       ->option_text("PATH=VALUE")
       ->allow_extra_args(false);
   add_without(*command, options->without);
+  add_isolation(*command, options->isolate);
   CLI::Option* retry =
       command
           ->add_option("--retry", options->retry,

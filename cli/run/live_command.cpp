@@ -158,6 +158,7 @@ void add_live_command(CLI::App& app, Context& context) {
                    "Run folder, new or empty (default: runs/<name of the pipeline>)")
       ->option_text("FOLDER");
   add_settings(*command, options->run.settings);
+  add_isolation(*command, options->run.isolate);
   command->add_flag("--keep", options->keep,
                     "Keep the records of all frames in the run folder, not their lines only");
   command->add_flag("--record", options->record,

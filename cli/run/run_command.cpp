@@ -29,9 +29,11 @@ void add_run_command(CLI::App& app, Context& context) {
                    "frames.jsonl of an earlier run: take the frames that it took, and make its "
                    "changes at their frames")
       ->option_text("FILE");
+  add_isolation(*command, options->isolate);
   command->add_flag("--paranoid", options->paranoid,
                     "Give components inputs that they cannot write into, nor read beyond or after "
-                    "their call: one that tries is named, and ends the run. Slower");
+                    "their call: one that tries is named, and ends the run. Slower; all run here "
+                    "then, unless they prefer another process or --isolate all is given");
   command->add_flag("--quiet", options->quiet, "No progress bar and no table of stages");
   command->footer(
       "Exit codes:\n"

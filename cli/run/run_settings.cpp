@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/run/run_settings.hpp"
 
+#include <algorithm>
 #include <filesystem>
 
 namespace weft::cli {
@@ -21,6 +22,42 @@ void add_without(CLI::App& command, std::vector<std::string>& names) {
                   "Leave out of a plan: AXIS, AXIS.VALUE or data.NAME; may be repeated")
       ->option_text("NAME")
       ->allow_extra_args(false);
+}
+
+void add_isolation(CLI::App& command, std::string& choice) {
+  command
+      .add_option(
+          "--isolate", choice,
+          "What has a process of its own where the pipeline does not say: auto: plugins from "
+          "other folders than the program's, unless they keep data on a device; none; all")
+      ->check(CLI::IsMember({"auto", "none", "all"}))
+      ->capture_default_str();
+}
+
+Isolating isolating_of(const std::string& choice) {
+  if (choice == "none") return Isolating::none;
+  return choice == "all" ? Isolating::all : Isolating::automatic;
+}
+
+std::string words_on_isolation(const PipelineConfig& config) {
+  std::vector<std::string> apart;
+  const auto look = [&](const StageConfig& stage) {
+    const std::string& id = stage.component.component().id;
+    const bool is_new = std::find(apart.begin(), apart.end(), id) == apart.end();
+    if (stage.apart_unasked && is_new) apart.push_back(id);
+  };
+  for (const auto* single : {&config.source, &config.templ}) look(**single);
+  for (const auto* list : {&config.stages, &config.sinks}) {
+    std::for_each(list->begin(), list->end(), look);
+  }
+  if (apart.empty()) return {};
+  std::string names = apart.front();
+  for (std::size_t i = 1; i < apart.size(); ++i) {
+    names += (i + 1 < apart.size() ? ", " : " and ") + apart[i];
+  }
+  return names + (apart.size() > 1
+                      ? " run in processes of their own (--isolate none runs them here)"
+                      : " runs in a process of its own (--isolate none runs it here)");
 }
 
 std::string free_folder(const std::string& pipeline) {

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/configuration/config.hpp"
+
 namespace weft::cli {
 
 /// The option --set of commands that take a pipeline.
@@ -12,6 +14,14 @@ void add_settings(CLI::App& command, std::vector<std::string>& settings);
 
 /// The option --without of commands that take a plan.
 void add_without(CLI::App& command, std::vector<std::string>& names);
+
+/// The option --isolate of commands that run pipelines; `choice` is a word of it.
+void add_isolation(CLI::App& command, std::string& choice);
+Isolating isolating_of(const std::string& choice);
+
+/// "filters/mine runs in a process of its own (--isolate none runs it here)", of those of which the
+/// pipeline says nothing; empty where there is none.
+std::string words_on_isolation(const PipelineConfig& config);
 
 /// The run folder of a pipeline for which none is given: runs/<pipeline>, or the first of
 /// runs/<pipeline>-2, -3 ... that does not exist.

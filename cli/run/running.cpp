@@ -163,8 +163,14 @@ void run(const RunArguments& arguments, Context& context) {
   }
   const auto registry = context.registry();
   host::ComponentChecks checks = checks_of(file);
-  const auto [pipeline, report] = check_pipeline(file, registry, fs::absolute(folder).string(),
-                                                 arguments.settings, arguments.patches, &checks);
+  const std::string absolute = fs::absolute(folder).string();
+  auto document = read_document(file, arguments.settings, host::PathRules::of_process({}, absolute),
+                                arguments.patches);
+  // What is to be named when it touches its inputs must be here.
+  const bool stays = arguments.paranoid && arguments.isolate == "auto";
+  document.isolating = stays ? Isolating::preferred : isolating_of(arguments.isolate);
+  const auto [pipeline, report] =
+      check_pipeline(file, std::move(document), registry, absolute, &checks);
   if (!report.ok()) {
     fmt::print(stderr, "{}", report.text());
     context.exit_code = kBadConfiguration;
@@ -172,6 +178,10 @@ void run(const RunArguments& arguments, Context& context) {
   }
   std::FILE* const words = words_beside(pipeline.config);
   Progress progress(arguments, pipeline.config, words);
+  const std::string apart = words_on_isolation(pipeline.config);
+  if (!apart.empty() && arguments.isolate == "auto" && !arguments.quiet) {
+    fmt::print(stderr, "{}\n", apart);
+  }
   const auto summary = run_pipeline(pipeline, folder, progress, interrupted,
                                     {.dumped = arguments.dumped,
                                      .registry = &registry,

@@ -17,8 +17,9 @@ struct RunArguments {
   std::vector<std::string> settings, dumped;
   std::vector<Patch> patches{};
   bool quiet = false;
-  bool keeps_records = true;  ///< see RunOptions
-  bool paranoid = false;      ///< inputs are protected, see RunOptions
+  bool keeps_records = true;     ///< see RunOptions
+  bool paranoid = false;         ///< inputs are protected, see RunOptions
+  std::string isolate = "auto";  ///< see isolating_of()
   /// Called before the first frame, when all sinks are open.
   std::function<void(const PipelineConfig& config)> started{};
 };

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stages in processes of their own, in runs as users start them.
 #include <gmock/gmock.h>
+#include <signal.h>
 
-#include <chrono>
+#include <algorithm>
 #include <nlohmann/json.hpp>
-#include <thread>
 
+#include "host/calling/lane.hpp"
+#include "roles/role_rules.hpp"
 #include "support/child.hpp"
 #include "support/pipeline_fixture.hpp"
+#include "support/processes.hpp"
 #include "support/run_lines.hpp"
 
 namespace weft {
@@ -16,47 +19,14 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using testing::Child;
+using testing::children_of;
+using testing::comes_true;
 using testing::Ended;
 using ::testing::HasSubstr;
+using testing::is_gone;
 using ::testing::Not;
 using testing::read_lines;
 using testing::read_text;
-
-/// The running processes whose parent is this one.
-std::vector<pid_t> children_of(pid_t parent) {
-  std::vector<pid_t> children;
-  std::error_code code;
-  for (const auto& entry : fs::directory_iterator("/proc", code)) {
-    const std::string name = entry.path().filename().string();
-    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
-    const std::string stat = read_text(entry.path().string() + "/stat");
-    const std::size_t name_end = stat.rfind(") ");
-    if (name_end == std::string::npos) continue;
-    std::istringstream rest(stat.substr(name_end + 2));
-    std::string state;
-    pid_t its_parent = 0;
-    rest >> state >> its_parent;
-    if (its_parent == parent) children.push_back(std::stoi(name));
-  }
-  return children;
-}
-
-/// Gone, or dead and waited for by nobody yet.
-bool is_gone(pid_t process) {
-  const std::string stat = read_text("/proc/" + std::to_string(process) + "/stat");
-  const std::size_t name_end = stat.rfind(") ");
-  return name_end == std::string::npos || stat[name_end + 2] == 'Z';
-}
-
-template <class Condition>
-bool comes_true(const Condition& condition) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (std::chrono::steady_clock::now() < end) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return false;
-}
 
 class IsolationTest : public testing::PipelineTest {
  protected:
@@ -71,6 +41,9 @@ class IsolationTest : public testing::PipelineTest {
                                    file,
                                    "--out",
                                    out};
+    if (std::find(more.begin(), more.end(), "--isolate") == more.end()) {
+      words.insert(words.end(), {"--isolate", "none"});
+    }
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
@@ -132,6 +105,86 @@ TEST_F(IsolationTest, AWorkerThatDiesCostsOneFrameAndPrintsNothingHere) {
   EXPECT_THAT(lines[1], HasSubstr("filters/zoo_deadly: its worker died of signal 11 "
                                   "(Segmentation fault); the last that it printed: last words"));
   EXPECT_THAT(read_text(path("run/pipeline.yaml")), HasSubstr("isolate: process"));
+}
+
+TEST_F(IsolationTest, WhatDidNotComeWithTheProgramHasProcessesOfItsOwnAndGivesTheSame) {
+  const std::string lines = path("lines");
+  const std::string file = write(testing::chain(
+      {{"sources", "{frames: 4, truth: true}"}, {"sinks", "{path: " + lines + "}"}}));
+  std::map<std::string, std::string> written;
+  std::map<std::string, std::vector<json>> said;
+  for (const std::string choice : {"none", "auto", "all"}) {
+    const Ended ended = run(file, path(choice), {"--isolate", choice});
+    ASSERT_EQ(ended.exit_code, 0) << ended.err;
+    const bool tells = ended.err.find("templates/test.scripted") != std::string::npos &&
+                       ended.err.find(
+                           "run in processes of their own (--isolate none runs them "
+                           "here)") != std::string::npos;
+    EXPECT_EQ(tells, choice == "auto") << ended.err;
+    written[choice] = read_text(lines);
+    fs::remove(lines);
+    said[choice] = testing::timeless(path(choice));
+    const std::string used = read_text(path(choice + "/pipeline.yaml"));
+    EXPECT_EQ(used.find("isolate: none") != std::string::npos, choice == "none") << used;
+    EXPECT_EQ(used.find("isolate: process") != std::string::npos, choice != "none") << used;
+    EXPECT_EQ(shapes(path(choice)), shapes(path("none")));
+    EXPECT_EQ(written[choice], written["none"]);
+    EXPECT_EQ(said[choice], said["none"]);
+  }
+  EXPECT_NE(written["none"], "");
+  // The file in the run folder says it all: the same again, whatever is asked for.
+  const Ended again = run(path("none/pipeline.yaml"), path("again"), {"--isolate", "all"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_THAT(read_text(path("again/pipeline.yaml")), Not(HasSubstr("isolate: process")));
+}
+
+TEST_F(IsolationTest, WhatOnlyTheProgramHasStaysThere) {
+  std::string steering = testing::chain();
+  const std::string sink = "{use: sinks/test.scripted, params: {}}";
+  steering.replace(steering.find(sink), sink.size(),
+                   "{use: sinks/test.steering, params: {path: " + path("lines") + "}}");
+  ASSERT_EQ(run(write(steering), path("run"), {"--isolate", "all", "--quiet"}).exit_code, 0);
+  EXPECT_THAT(read_text(path("run/pipeline.yaml")), HasSubstr("isolate: none"));
+  const std::string printing = testing::chain({{"sinks", "{path: /dev/stdout}"}});
+  EXPECT_THAT(run(write(printing), path("two"),
+                  {"--isolate", "none", "--quiet", "--set", "sinks.isolate=process"})
+                  .err,
+              HasSubstr("'isolate' cannot be process: 'path' is '/dev/stdout', which only this "
+                        "process has"));
+}
+
+TEST_F(IsolationTest, ASourceThatDiesIsOpenedAgainAndASinkIsNot) {
+  const auto [config, report] =
+      load(testing::chain({{"sinks", "{path: '" + path("lines") + "'}"}}));
+  ASSERT_TRUE(report.ok()) << report.text();
+  host::Lane lane(1, {}, *host::SharedArena::create());
+  const host::Isolation apart{(fs::path(WEFT_PROGRAM).parent_path() / "weft-worker").string()};
+  const auto status_of = [&](host::Instance* instance, int method, std::uint64_t frame) {
+    return lane.call(*instance, method, {}, frame).status;
+  };
+  const auto kill_all = [] {
+    for (const pid_t child : children_of(getpid())) kill(child, SIGKILL);
+  };
+  const auto source = lane.instantiate_isolated(config.source->component, "sources", apart);
+  ASSERT_TRUE(source) << source.error().message;
+  ASSERT_EQ(status_of(*source, kOpenSource, host::kOfflineFrame), WEFT_OK);
+  EXPECT_EQ(status_of(*source, kReadFrame, 0), WEFT_OK);
+  kill_all();
+  EXPECT_EQ(status_of(*source, kReadFrame, 1), WEFT_ERROR);
+  EXPECT_EQ(status_of(*source, kReadFrame, 1), WEFT_OK);
+
+  const auto sink = lane.instantiate_isolated(config.sinks[0].component, "sinks", apart);
+  ASSERT_TRUE(sink) << sink.error().message;
+  ASSERT_EQ(status_of(*sink, kOpenSink, host::kOfflineFrame), WEFT_OK);
+  EXPECT_EQ(status_of(*sink, kWriteFrame, 0), WEFT_OK);
+  const std::string written = read_text(path("lines.part"));
+  EXPECT_NE(written, "");
+  kill_all();
+  EXPECT_EQ(status_of(*sink, kWriteFrame, 1), WEFT_ERROR);
+  const host::Outcome refused = lane.call(**sink, kWriteFrame, {}, 2);
+  EXPECT_EQ(refused.status, WEFT_ERROR);
+  EXPECT_THAT(refused.error.message, HasSubstr("is not started again"));
+  EXPECT_EQ(read_text(path("lines.part")), written);
 }
 
 TEST_F(IsolationTest, AWorkerThatHangsCostsOneFrame) {

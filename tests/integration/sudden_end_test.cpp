@@ -19,6 +19,7 @@ class SuddenEnd : public testing::PipelineTest {
     std::vector<std::string> words{WEFT_PROGRAM, "--plugin-path", WEFT_TEST_PLUGINS,
                                    "--plugin-path", WEFT_DEADLY_FOLDER};
     words.insert(words.end(), arguments.begin(), arguments.end());
+    if (arguments.front() == "run") words.insert(words.end(), {"--isolate", "none"});
     return Child(words, path("printed")).wait();
   }
 

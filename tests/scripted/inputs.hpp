@@ -40,6 +40,7 @@ class FrameSource final : public weft::Source {
 
   weft::Result<weft::Camera> open(const weft::Call&) override {
     if (auto ready = script_.prepare(); !ready) return ready.error();
+    is_open_ = true;
     return weft::Camera{focal_px_, kFocal_px, 79.5, 59.5, 160, 120};
   }
 
@@ -47,6 +48,7 @@ class FrameSource final : public weft::Source {
   bool live() const override { return live_; }
 
   weft::Result<weft::SourceFrame> read(std::int64_t index, const weft::Call& call) override {
+    if (!is_open_) return weft::Error{weft::Errc::plugin_failure, "was not opened", ""};
     if (index >= frames_) return weft::no_more_frames("the end");
     if (auto failure = script_.failure(call)) return *failure;
     std::this_thread::sleep_for(std::chrono::milliseconds(sleep_ms_));
@@ -79,6 +81,7 @@ class FrameSource final : public weft::Source {
   bool truth_ = false;
   Frames wrong_size_;
   std::string path_, note_;
+  bool is_open_ = false;
 };
 
 /// A flat sheet with cells of 20 texels, and what can be wrong with one.

@@ -257,10 +257,8 @@ class Group {
 
   /// Records stand in shared memory where some stage runs in a process of its own.
   Result<std::unique_ptr<host::Lane>> make_lane() {
-    const auto isolated = [](const StageConfig& stage) { return stage.isolation.has_value(); };
-    const bool any = std::any_of(members_.begin(), members_.end(), [&](const Member& member) {
-      const auto& stages = member.config().stages;
-      return std::any_of(stages.begin(), stages.end(), isolated);
+    const bool any = std::any_of(members_.begin(), members_.end(), [](const Member& member) {
+      return has_isolated(member.config());
     });
     std::shared_ptr<host::SharedArena> arena;
     if (any) {

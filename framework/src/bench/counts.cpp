@@ -41,6 +41,7 @@ Result<void> load_all(const host::ComponentSpec& spec) {
 /// The libraries that a run has in this process.
 Result<void> load_all(const PipelineConfig& config) {
   for (const auto* single : {&config.source, &config.templ}) {
+    if ((*single)->isolation) continue;
     if (auto loaded = load_all((*single)->component); !loaded) return loaded;
   }
   for (const auto* list : {&config.stages, &config.sinks}) {

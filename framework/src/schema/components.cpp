@@ -137,6 +137,7 @@ class Definitions {
   void add_complete() {
     ordered_json complete = ordered_json::object();
     complete["required"] = required_of(host::component_keys());
+    complete["dependentRequired"]["deadline_ms"] = ordered_json::array({"isolate"});
     ordered_json rules = ordered_json::array();
     for (const RoleRules& role : all_role_rules()) {
       for (const host::ComponentManifest* component : components_of({role.role.name})) {
@@ -159,7 +160,6 @@ class Definitions {
     name["pattern"] = "^[a-z0-9_]+$";
     name["not"] = one_of(reserved_names());
     stage["properties"]["when"]["minProperties"] = 1;
-    stage["dependentRequired"]["deadline_ms"] = ordered_json::array({"isolate"});
     stage["allOf"] = ordered_json::array({reference("complete")});
     all_["complete_stage"] = std::move(stage);
   }

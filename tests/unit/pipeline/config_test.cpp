@@ -72,15 +72,15 @@ TEST_F(Config, SuggestsTheNearestKeyOnEachLevel) {
                           .second;
   EXPECT_THAT(
       lines(report),
-      ElementsAre(
-          "2:1: a pipeline has no key 'sed'; did you mean 'seed'?",
-          "3:38: the source has no key 'parms'; did you mean 'params'?",
-          "4:51: templates/test.scripted has no parameter 'colums'; did you mean "
-          "'columns'?",
-          "7:5: a stage has no key 'form'; did you mean 'from'?",
-          StartsWith("9:47: a nested component has no key 'prams'"),
-          "11:56: warps/test.scripted has no parameter 'eror_at'; did you mean 'error_at'?",
-          "13:32: a sink has no key 'note'; it may have: use, params, as, from, overwrite"));
+      ElementsAre("2:1: a pipeline has no key 'sed'; did you mean 'seed'?",
+                  "3:38: the source has no key 'parms'; did you mean 'params'?",
+                  "4:51: templates/test.scripted has no parameter 'colums'; did you mean "
+                  "'columns'?",
+                  "7:5: a stage has no key 'form'; did you mean 'from'?",
+                  StartsWith("9:47: a nested component has no key 'prams'"),
+                  "11:56: warps/test.scripted has no parameter 'eror_at'; did you mean 'error_at'?",
+                  "13:32: a sink has no key 'note'; it may have: use, params, as, from, isolate, "
+                  "deadline_ms, overwrite"));
 }
 
 TEST_F(Config, RefusesComponentsInTheWrongPlace) {

@@ -160,14 +160,13 @@ TEST_F(StageConfigs, IsolationIsRefusedWhereItMeansNothing) {
            "  - {use: filters/test.scripted, deadline_ms: 250}\n"
            "  - {use: warps/test.scripted, isolate: process, deadline_ms: 0}\n"
            "sinks:\n"
-           "  - {use: sinks/test.scripted, isolate: process}\n");
+           "  - {use: sinks/test.scripted, isolate: neither}\n");
   EXPECT_THAT(
       lines(report),
-      ElementsAre(
-          "5:43: 'isolate' must be process, or none to run the stage in here",
-          "6:47: 'deadline_ms' needs 'isolate: process': only a process can be ended",
-          "7:63: 'deadline_ms' must be a whole number from 1 to 86400000",
-          "9:32: a sink has no key 'isolate'; it may have: use, params, as, from, overwrite"));
+      ElementsAre("5:43: 'isolate' must be process, or none to run it in here",
+                  "6:47: 'deadline_ms' needs 'isolate: process': only a process can be ended",
+                  "7:63: 'deadline_ms' must be a whole number from 1 to 86400000",
+                  "9:41: 'isolate' must be process, or none to run it in here"));
 }
 
 }  // namespace

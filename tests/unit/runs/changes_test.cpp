@@ -226,7 +226,8 @@ TEST_F(Changes, AStageInAProcessOfItsOwnIsFixed) {
   ASSERT_TRUE(report.ok()) << report.text();
   const json settings = json::parse(settings_json(pipeline.config));
   EXPECT_EQ(settings["stages"][2]["changeable"], false);
-  EXPECT_EQ(settings["stages"][2]["why_not"], "it runs in a process of its own");
+  EXPECT_EQ(settings["stages"][2]["why_not"],
+            "it runs in a process of its own (--isolate none runs it here)");
 }
 
 TEST_F(Changes, SettingsSayWhatEachParameterMayBeAndIs) {

@@ -139,7 +139,10 @@ class IdentityWriter {
         when["not_ok"].push_back(config_.stages[to_index(other)].name);
       }
     }
-    if (stage.isolation) identity["deadline_ms"] = stage.isolation->deadline.count();
+    // Where it runs changes no result, unless it is ended.
+    if (stage.isolation && stage.isolation->deadline.count() > 0) {
+      identity["deadline_ms"] = stage.isolation->deadline.count();
+    }
     return identity;
   }
 

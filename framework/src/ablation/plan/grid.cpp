@@ -163,7 +163,9 @@ host::PathRules Grid::paths() const { return host::PathRules::of_process({}, pla
 PipelineDocument Grid::document(const Cell& cell) const {
   const NamedPatch& sequence = plan_.data[cell.data].sequences[cell.sequence];
   const PipelineDocument& base = bases_[plan_.pipeline_of(cell.values)];
-  return laid_over(base, plan_.patches(&sequence, cell.values), settings_, paths());
+  auto document = laid_over(base, plan_.patches(&sequence, cell.values), settings_, paths());
+  document.isolating = plan_.isolating;
+  return document;
 }
 
 std::pair<CheckedPipeline, ConfigReport> Grid::load(const Cell& cell,
@@ -199,8 +201,9 @@ std::string Grid::value_of(const Cell& cell, const std::string& name) const {
 
 std::pair<Grid, ConfigReport> load_grid(const std::string& file, const host::Registry& registry,
                                         std::vector<std::string> settings, const Helpers& helpers,
-                                        std::vector<std::string> without) {
-  const PlanChanges changes = PlanChanges::from(settings, std::move(without));
+                                        std::vector<std::string> without, Isolating isolating) {
+  PlanChanges changes = PlanChanges::from(settings, std::move(without));
+  changes.isolating = isolating;
   auto [plan, report] = load_plan(file, registry, settings, helpers, changes);
   if (!report.ok()) return {Grid(), std::move(report)};
   return Grid::expand(std::move(plan), registry, std::move(settings));

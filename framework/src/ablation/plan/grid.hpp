@@ -74,10 +74,12 @@ class Grid {
 
 /// Reads, checks and expands a plan; use the grid only when the report is ok. Settings whose path
 /// begins with a key of a plan (`axes.bend.values`, `data_use`) change the plan, all others its
-/// pipelines; `without` names axes, values and data that are left out.
+/// pipelines; `without` names axes, values and data that are left out. `isolating` changes neither
+/// results nor the keys of cells.
 std::pair<Grid, ConfigReport> load_grid(const std::string& file, const host::Registry& registry,
                                         std::vector<std::string> settings,
                                         const Helpers& helpers = {},
-                                        std::vector<std::string> without = {});
+                                        std::vector<std::string> without = {},
+                                        Isolating isolating = Isolating::preferred);
 
 }  // namespace weft::evaluation

@@ -83,6 +83,7 @@ struct Plan {
   std::vector<PlannedComparison> comparisons;
   std::vector<PlannedExpectation> expect;
   Helpers helpers;
+  Isolating isolating = Isolating::preferred;  ///< what has a process of its own in the cells
 
   /// Index of the base that cells with these values of the axes have.
   std::size_t pipeline_of(const std::vector<std::size_t>& values) const {
@@ -103,6 +104,7 @@ struct Plan {
 struct PlanChanges {
   std::vector<std::string> settings;  ///< PATH=VALUE; the path begins with a key of a plan
   std::vector<std::string> without;   ///< what is left out, named as in the key `without`
+  Isolating isolating = Isolating::preferred;
 
   /// Takes the settings out of the list that are a plan's and not its pipelines'.
   static PlanChanges from(std::vector<std::string>& settings, std::vector<std::string> without);

@@ -63,10 +63,11 @@ class PartsCheck {
     if (parts_ == kMostParts) return;
     ++parts_;
     const std::size_t base = plan_.pipeline_of(values);
-    const auto [pipeline, report] = check_cell(
-        plan_.pipelines[base],
-        laid_over(bases_[base], plan_.patches(first_of(data), values), settings_, paths_),
-        registry_, plan_.file().folder, &checks_);
+    auto document =
+        laid_over(bases_[base], plan_.patches(first_of(data), values), settings_, paths_);
+    document.isolating = plan_.isolating;
+    const auto [pipeline, report] = check_cell(plan_.pipelines[base], std::move(document),
+                                               registry_, plan_.file().folder, &checks_);
     std::vector<std::string> filters;
     for (const StageConfig& stage : pipeline.config.stages) {
       if (rules_of(stage.role).marks) filters.push_back(stage.name);
@@ -171,6 +172,7 @@ std::pair<Plan, ConfigReport> load_plan(const std::string& file, const host::Reg
                                         const Helpers& helpers, const PlanChanges& changes) {
   auto loaded = read_plan(file, registry, helpers, changes);
   auto& [plan, report] = loaded;
+  plan.isolating = changes.isolating;
   const bool complete = report.ok() && pipelines_of(plan) <= kFewPipelines;
   if (!complete && !plan.pipelines.empty()) {
     PartsCheck(plan, registry, settings, report).check();

@@ -18,7 +18,6 @@ const weft_steering* steering_of(const Instance& sink) {
 }  // namespace
 
 Lane::~Lane() {
-  instances_.clear();  // workers may still ask whether they are cancelled
   memory_->close();
   for (std::unique_ptr<Instance>& instance : instances_) {
     if (instance != nullptr) announce(instance->name, instance->id, "destroy", kOfflineFrame);

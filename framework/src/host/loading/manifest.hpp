@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 #include <weft/core/result.hpp>
 
@@ -59,8 +60,8 @@ struct ComponentManifest {
   /// Makes `open_rules` of what it says of itself, or says in `unknown` why they cannot be.
   void find_rules();
   std::string role() const { return id.substr(0, id.find('/')); }
-  bool prefers_isolation() const {
-    return std::find(extensions.begin(), extensions.end(), WEFT_ISOLATION) != extensions.end();
+  bool has_extension(std::string_view name) const {
+    return std::find(extensions.begin(), extensions.end(), name) != extensions.end();
   }
 };
 

@@ -145,15 +145,19 @@ std::vector<SearchFolder> search_path(const std::vector<std::string>& given) {
   const fs::path program = fs::read_symlink("/proc/self/exe", code);
   if (!code) {
     const fs::path beside = program.parent_path().parent_path() / "lib/weft/plugins";
-    if (fs::is_directory(beside, code)) folders.push_back({beside.string(), "beside the program"});
+    if (fs::is_directory(beside, code)) folders.push_back({beside.string(), kOwnOrigin});
   }
   return folders;
 }
 
 Registry Registry::scan(const std::vector<SearchFolder>& folders) {
   Registry registry;
+  std::error_code code;
   for (const SearchFolder& folder : folders) {
-    std::error_code code;
+    if (folder.origin != kOwnOrigin) continue;
+    registry.own_folder_ = fs::weakly_canonical(folder.path, code).string();
+  }
+  for (const SearchFolder& folder : folders) {
     const fs::path canonical = fs::weakly_canonical(folder.path, code);
     const bool known =
         std::any_of(registry.folders_.begin(), registry.folders_.end(),
@@ -229,7 +233,8 @@ void Registry::add(const SearchFolder& folder, std::vector<Manifest> manifests) 
         continue;
       }
       const bool shadowed = find(component.id) != nullptr;
-      installed_.push_back({component, library, folder.origin, shadowed});
+      installed_.push_back(
+          {component, library, folder.origin, shadowed, folder.path == own_folder_});
     }
   }
 }

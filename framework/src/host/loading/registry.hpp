@@ -13,8 +13,11 @@ namespace weft::host {
 /// Where plugins are looked for, and who said so.
 struct SearchFolder {
   std::string path;
-  std::string origin;  ///< "--plugin-path", "WEFT_PLUGIN_PATH", "beside the program"
+  std::string origin;  ///< "--plugin-path", "WEFT_PLUGIN_PATH", kOwnOrigin
 };
+
+/// The origin of what comes with the program.
+inline constexpr const char* kOwnOrigin = "beside the program";
 
 /// The folders given, then those of WEFT_PLUGIN_PATH (separated by colons), then the plugin folder
 /// beside the running program.
@@ -32,6 +35,7 @@ struct Installed {
   std::shared_ptr<const Manifest> library;
   std::string origin;
   bool shadowed = false;
+  bool is_own = false;  ///< it came with the program: its folder is that beside it
 };
 
 /// What is installed, known from manifests alone: nothing is loaded.
@@ -56,6 +60,7 @@ class Registry {
   void scan_folder(const SearchFolder& folder);
   void add(const SearchFolder& folder, std::vector<Manifest> manifests);
 
+  std::string own_folder_;  ///< "beside the program", whoever named it first; or empty
   std::vector<SearchFolder> folders_;
   std::vector<Installed> installed_;
   std::vector<Refusal> refusals_;

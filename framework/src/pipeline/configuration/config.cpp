@@ -47,6 +47,13 @@ Error placed(Error error, const PipelineConfig& config) {
   return error;
 }
 
+bool has_isolated(const PipelineConfig& config) {
+  const auto isolated = [](const auto& stage) { return stage.isolation.has_value(); };
+  return (config.source && isolated(*config.source)) || (config.templ && isolated(*config.templ)) ||
+         std::any_of(config.stages.begin(), config.stages.end(), isolated) ||
+         std::any_of(config.sinks.begin(), config.sinks.end(), isolated);
+}
+
 std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
                                                       const host::Registry& registry,
                                                       const std::string& output_folder,
@@ -69,6 +76,7 @@ std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
   config.left_out = std::move(document.left_out);
   config.doubtful_names = document.doubtful_names;
   config.in_program = document.in_program;
+  config.isolating = document.isolating;
   paths.of_fragment = document.fragment;
   ConfigReport report{std::move(document.sources), std::move(document.problems), false};
   const auto of_text = static_cast<std::ptrdiff_t>(report.problems.size());

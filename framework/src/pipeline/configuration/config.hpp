@@ -43,8 +43,9 @@ struct StageConfig {
   std::optional<host::ComponentSpec> on_template;
   bool overwrite = false;                    ///< its outputs may go over what is there
   std::optional<host::Isolation> isolation;  ///< `isolate: process`; nothing runs it in this one
-  bool stays_here = false;                   ///< `isolate: none`, though its component prefers it
-  std::optional<CallRule> when;              ///< else it is called in every frame
+  bool stays_here = false;       ///< it has none, though there is a reason to give it one
+  bool apart_unasked = false;    ///< it has one, of which the pipeline says nothing
+  std::optional<CallRule> when;  ///< else it is called in every frame
   yaml::Position at;
 };
 
@@ -65,6 +66,7 @@ struct PipelineConfig {
   int threads = 0;             ///< that work for a run; 0: one a processor core
   bool latest_only = false;    ///< `realtime: latest`: frames that come meanwhile are dropped
   bool in_program = false;     ///< see PipelineDocument: there is neither source nor sink
+  Isolating isolating = Isolating::preferred;  ///< what was chosen
   /// A mistake leaves open what some stages are called, so that names may be missing only by it.
   bool doubtful_names = false;
 };
@@ -102,6 +104,9 @@ std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
 /// The error of a component, at the place of the parameter that it is about, where there is one and
 /// no other stage has the same component.
 Error placed(Error error, const PipelineConfig& config);
+
+/// Whether anything of it has a process of its own, so that records must stand in shared memory.
+bool has_isolated(const PipelineConfig& config);
 
 /// The configuration with all defaults filled in and paths resolved, as YAML.
 std::string effective_yaml(const PipelineConfig& config);

@@ -6,6 +6,7 @@
 #include <weft/core/quote.hpp>
 #include <weft/core/suggest.hpp>
 
+#include "pipeline/configuration/isolation_rules.hpp"
 #include "pipeline/configuration/pipeline_keys.hpp"
 #include "pipeline/configuration/words.hpp"
 #include "roles/role_rules.hpp"
@@ -29,12 +30,12 @@ class Loader {
     check_version(root);
     read_options(root);
     if (!config_.in_program) {
-      config_.source = read_single(root, "source", place_of(PipelinePart::source));
+      config_.source = read_single(root, "source", PipelinePart::source);
     }
-    config_.templ = read_single(root, "template", place_of(PipelinePart::templ));
-    read_list(root, "stages", config_.stages, place_of(PipelinePart::stage));
+    config_.templ = read_single(root, "template", PipelinePart::templ);
+    read_list(root, "stages", config_.stages, PipelinePart::stage);
     if (config_.in_program) return;
-    read_list(root, "sinks", config_.sinks, place_of(PipelinePart::sink));
+    read_list(root, "sinks", config_.sinks, PipelinePart::sink);
   }
 
   /// Whether it is known which stages there are, so that wiring can be checked.
@@ -108,15 +109,18 @@ class Loader {
   }
 
   std::optional<StageConfig> read_single(const yaml::Node& root, const char* key,
-                                         const Place& place) {
+                                         PipelinePart part) {
+    const Place& place = place_of(part);
     const yaml::Node* node = root.find(key);
     if (node == nullptr) {
       if (!paths_.of_fragment) problem(root.at, std::string("the key '") + key + "' is missing");
       return std::nullopt;
     }
-    StageConfig stage = read_component(with_keys_of(*node, place.what, place.keys), place);
+    const yaml::Node item = with_keys_of(*node, place.what, place.keys);
+    StageConfig stage = read_component(item, place);
     stage.name = place.roles.front();
     if (root.find_entry(key)->doubtful) stage.component = {};
+    read_isolation(item, part, stage);
     return stage;
   }
 
@@ -170,7 +174,8 @@ class Loader {
   }
 
   void read_list(const yaml::Node& root, const char* key, std::vector<StageConfig>& stages,
-                 const Place& place) {
+                 PipelinePart part) {
+    const Place& place = place_of(part);
     const yaml::Node* list = root.find(key);
     if (list == nullptr || yaml::is_null(*list)) return;
     if (root.find_entry(key)->doubtful) wirable_ = false;
@@ -191,7 +196,7 @@ class Loader {
       read_name(item, stage);
       if (item.partial) config_.doubtful_names = true;
       read_from(item, stage);
-      read_isolation(item, stage);
+      read_isolation(item, part, stage);
       read_when(item, stage);
       if (stage.component.installed != nullptr) read_template_params(item, stage);
       stages.push_back(std::move(stage));
@@ -246,29 +251,34 @@ class Loader {
     }
   }
 
-  /// As the pipeline says, else as the component prefers.
-  void read_isolation(const yaml::Node& item, StageConfig& stage) {
+  /// As the pipeline says, else as `config_.isolating` does.
+  void read_isolation(const yaml::Node& item, PipelinePart part, StageConfig& stage) {
     const yaml::Node* isolate = item.find("isolate");
     const yaml::Node* deadline = item.find("deadline_ms");
-    const bool prefers = stage.component.installed != nullptr &&
-                         rules_of(stage.role).part == PipelinePart::stage &&
-                         stage.component.component().prefers_isolation();
     const bool stays = isolate != nullptr && isolate->scalar == "none";
-    if (isolate != nullptr && !stays && isolate->scalar != "process") {
-      problem(isolate->at, "'isolate' must be process, or none to run the stage in here");
+    const bool goes = isolate != nullptr && isolate->scalar == "process";
+    if (isolate != nullptr && !stays && !goes) {
+      problem(isolate->at, "'isolate' must be process, or none to run it in here");
     }
-    stage.stays_here = stays && prefers;
-    if (isolate == nullptr && prefers) stage.isolation.emplace();
-    if (deadline == nullptr && (isolate == nullptr || stays)) return;
-    if (isolate == nullptr || stays) {
-      if (isolate == nullptr && (item.partial || paths_.of_fragment)) return;
-      return problem(deadline->at,
-                     "'deadline_ms' needs 'isolate: process': only a process can be ended");
+    const IsolationRules rules(stage.component, part, config_.isolating);
+    if (goes && !rules.bound_by().empty()) {
+      problem(isolate->at, "'isolate' cannot be process: " + rules.bound_by());
     }
-    std::int64_t deadline_ms = 0;
-    const yaml::KeyTable& keys = place_of(PipelinePart::stage).keys;
-    read_integer(item, yaml::key_of(keys, "deadline_ms"), deadline_ms);
-    stage.isolation = host::Isolation{{}, std::chrono::milliseconds(deadline_ms)};
+    stage.apart_unasked = isolate == nullptr && rules.is_wanted();
+    if (goes || stage.apart_unasked) stage.isolation.emplace();
+    stage.stays_here = !stage.isolation && rules.has_reason();
+    if (deadline != nullptr && goes) {
+      std::int64_t deadline_ms = 0;
+      read_integer(item, yaml::key_of(place_of(part).keys, "deadline_ms"), deadline_ms);
+      stage.isolation->deadline = std::chrono::milliseconds(deadline_ms);
+    } else if (deadline != nullptr && (isolate != nullptr || !may_be_said_elsewhere(item))) {
+      problem(deadline->at, "'deadline_ms' needs 'isolate: process': only a process can be ended");
+    }
+    if (stage.isolation) stage.isolation->keeps_spare = config_.latest_only;
+  }
+
+  bool may_be_said_elsewhere(const yaml::Node& item) const {
+    return item.partial || paths_.of_fragment;
   }
 
   void read_when(const yaml::Node& item, StageConfig& stage) {

@@ -35,6 +35,14 @@ struct LeftOut {
   yaml::Position at;  ///< of the name in `without`
 };
 
+/// Which components have a process of their own where the pipeline says nothing of it.
+enum class Isolating {
+  preferred,  ///< stages that prefer it
+  automatic,  ///< and what does not come with the program, unless it keeps arrays on a device
+  none,       ///< none at all
+  all,        ///< all that can
+};
+
 /// A pipeline as one document. Its root is null when a text could not be read to its end.
 struct PipelineDocument {
   yaml::Node root;
@@ -47,6 +55,7 @@ struct PipelineDocument {
   /// A program hands images in and takes what comes out: what is said of source and sinks is not
   /// looked at.
   bool in_program = false;
+  Isolating isolating = Isolating::preferred;
 };
 
 /// Reads a pipeline file, merges it over the file that it `extends` (which may extend another), and

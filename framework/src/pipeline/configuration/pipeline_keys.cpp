@@ -15,9 +15,26 @@ using yaml::KeyTable;
 
 constexpr std::int64_t kMostFrames = std::numeric_limits<std::int32_t>::max();
 
+KeyTable keys_of_isolation() {
+  return {
+      {.name = "isolate",
+       .help = "process: it runs in a process of its own, so that a crash costs one frame; none: "
+               "it does not, though its component prefers it or did not come with the program",
+       .form = Form::choice,
+       .choices = {"process", "none"}},
+      {.name = "deadline_ms",
+       .help = "with isolate: process, after so many milliseconds a call is ended",
+       .form = Form::whole,
+       .low = 1,
+       .high = 86'400'000},
+  };
+}
+
 Place make_place(const char* what, PipelinePart part, const KeyTable& more) {
   Place made{what, host::component_keys(), roles_of(part)};
-  made.keys.insert(made.keys.end(), more.begin(), more.end());
+  for (const KeyTable& keys : {more, keys_of_isolation()}) {
+    made.keys.insert(made.keys.end(), keys.begin(), keys.end());
+  }
   made.keys.push_back({.name = "overwrite",
                        .help = "true: what it writes may go over what is there",
                        .form = Form::flag,
@@ -50,17 +67,6 @@ KeyTable keys_of_stages() {
        .help = "detectors: parameters that differ on the template's texture",
        .form = Form::part,
        .part = "template_params"},
-      {.name = "isolate",
-       .help =
-           "process: it runs in a process of its own, so that a crash costs one frame; none: it "
-           "does not, though its component prefers it, as those in Python do",
-       .form = Form::choice,
-       .choices = {"process", "none"}},
-      {.name = "deadline_ms",
-       .help = "of an isolated stage: after so many milliseconds a call is ended",
-       .form = Form::whole,
-       .low = 1,
-       .high = 86'400'000},
   };
   keys.insert(keys.end(), more.begin(), more.end());
   return keys;

@@ -90,6 +90,7 @@ class Pipeline::Opened {
     for (StageConfig& stage : config.stages) {
       if (stage.isolation) stage.isolation->program = options.worker;
     }
+    if (config.templ->isolation) config.templ->isolation->program = options.worker;
     return {};
   }
 

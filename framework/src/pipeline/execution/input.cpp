@@ -5,6 +5,7 @@
 #include <weft/data/correspondences.hpp>
 
 #include "pipeline/execution/checks.hpp"
+#include "pipeline/execution/stage_maker.hpp"
 #include "roles/role_rules.hpp"
 
 namespace weft {
@@ -36,7 +37,7 @@ Result<PipelineInput> PipelineInput::open(const PipelineConfig& config, host::La
 
 Result<void> PipelineInput::open_source() {
   const StageConfig& source = *config_->source;
-  const auto instance = lane_->instantiate(source.component, source.name);
+  const auto instance = instantiate(*lane_, source, source.component);
   if (!instance) return instance.error();
   source_ = *instance;
   auto camera = output_of(lane_->call(*source_, kOpenSource, {}, host::kOfflineFrame), "camera");
@@ -61,12 +62,13 @@ Result<void> PipelineInput::use_camera(RecordPtr camera) {
 
 Result<void> PipelineInput::build_template() {
   const StageConfig& templ = *config_->templ;
-  const auto builder = lane_->instantiate(templ.component, templ.name);
+  const auto builder = instantiate(*lane_, templ, templ.component);
   if (!builder) return builder.error();
   auto built =
       output_of(lane_->call(**builder, kBuildTemplate, {}, host::kOfflineFrame), "template");
   if (!built) return built.error();
   template_ = *std::move(built);
+  if (templ.isolation) lane_->discard(**builder);  // its process has nothing more to do
   placer_.emplace(template_, lane_->memory());
   return blame(check_template(*template_), templ);
 }

@@ -9,8 +9,14 @@ namespace weft {
 using host::Instance;
 using host::RecordPtr;
 
+Result<Instance*> instantiate(host::Lane& lane, const StageConfig& stage,
+                              const host::ComponentSpec& component) {
+  return stage.isolation ? lane.instantiate_isolated(component, stage.name, *stage.isolation)
+                         : lane.instantiate(component, stage.name);
+}
+
 Result<MadeStage> StageMaker::make(const StageConfig& stage) const {
-  const auto instance = instantiate(stage, stage.component);
+  const auto instance = prepared(stage, stage.component);
   if (!instance) return instance.error();
   if (!rules_of(stage.role).sees_texture) return MadeStage{*instance, nullptr};
   auto keypoints = keypoints_of(stage, **instance);
@@ -19,11 +25,9 @@ Result<MadeStage> StageMaker::make(const StageConfig& stage) const {
   return keypoints.error();
 }
 
-Result<Instance*> StageMaker::instantiate(const StageConfig& stage,
-                                          const host::ComponentSpec& component) const {
-  const auto instance = stage.isolation
-                            ? lane.instantiate_isolated(component, stage.name, *stage.isolation)
-                            : lane.instantiate(component, stage.name);
+Result<Instance*> StageMaker::prepared(const StageConfig& stage,
+                                       const host::ComponentSpec& component) const {
+  const auto instance = instantiate(lane, stage, component);
   if (!instance) return instance.error();
   const auto ready = lane.prepare(**instance, *templ, *camera);
   if (ready) return *instance;
@@ -34,7 +38,7 @@ Result<Instance*> StageMaker::instantiate(const StageConfig& stage,
 /// By the component with `template_params`, where the stage has these.
 Result<RecordPtr> StageMaker::keypoints_of(const StageConfig& stage, Instance& instance) const {
   if (!stage.on_template) return keypoints_by(stage, instance);
-  const auto own = instantiate(stage, *stage.on_template);
+  const auto own = prepared(stage, *stage.on_template);
   if (!own) return own.error();
   auto keypoints = keypoints_by(stage, **own);
   lane.discard(**own);

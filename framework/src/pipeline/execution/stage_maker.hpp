@@ -7,6 +7,10 @@
 
 namespace weft {
 
+/// Makes a component of a pipeline where that says: here or in a process of its own.
+Result<host::Instance*> instantiate(host::Lane& lane, const StageConfig& stage,
+                                    const host::ComponentSpec& component);
+
 /// Makes stages of a pipeline ready for their first frame.
 struct StageMaker {
   host::Lane& lane;
@@ -17,8 +21,8 @@ struct StageMaker {
   Result<MadeStage> make(const StageConfig& stage) const;
 
  private:
-  Result<host::Instance*> instantiate(const StageConfig& stage,
-                                      const host::ComponentSpec& component) const;
+  Result<host::Instance*> prepared(const StageConfig& stage,
+                                   const host::ComponentSpec& component) const;
   Result<host::RecordPtr> keypoints_by(const StageConfig& stage, host::Instance& instance) const;
   Result<host::RecordPtr> keypoints_of(const StageConfig& stage, host::Instance& instance) const;
 };

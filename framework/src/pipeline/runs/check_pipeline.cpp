@@ -7,14 +7,14 @@
 namespace weft {
 namespace {
 
-/// What the components whose parameters are legal say of them. A stage in a process of its own is
-/// not asked: nothing loads its library in this one.
+/// What the components whose parameters are legal say of them. One in a process of its own is not
+/// asked: nothing loads its library in this one.
 void ask_components(const PipelineConfig& config, host::ComponentChecks& checks,
                     std::vector<yaml::Problem>& problems) {
   std::vector<yaml::Problem> found;
   const auto ask = [&](const host::ComponentSpec& component) { checks.ask(component, found); };
   for (const auto* single : {&config.source, &config.templ}) {
-    if (*single) ask((*single)->component);
+    if (*single && !(*single)->isolation) ask((*single)->component);
   }
   for (const auto* list : {&config.stages, &config.sinks}) {
     for (const StageConfig& stage : *list) {

@@ -6,6 +6,7 @@
 #include <weft/core/index.hpp>
 #include <weft/data/run_report.hpp>
 
+#include "pipeline/execution/stage_maker.hpp"
 #include "pipeline/runs/frame_json.hpp"
 #include "pipeline/steering/settings_json.hpp"
 #include "roles/role_rules.hpp"
@@ -28,10 +29,8 @@ int workers_of(const PipelineConfig& config) {
 }
 
 Result<std::unique_ptr<host::Lane>> lane_of(const PipelineConfig& config, host::Lane::Log log) {
-  const bool isolated = std::any_of(config.stages.begin(), config.stages.end(),
-                                    [](const StageConfig& stage) { return stage.isolation; });
   std::shared_ptr<host::SharedArena> arena;
-  if (isolated) {
+  if (has_isolated(config)) {
     auto made = host::SharedArena::create();
     if (!made) return made.error();
     arena = *std::move(made);
@@ -77,7 +76,7 @@ void FrameLoop::watch_set_up() {
 Result<void> FrameLoop::open_sinks() {
   const std::vector<StageConfig>& sinks = pipeline_.config.sinks;
   for (std::size_t i = 0; i < sinks.size(); ++i) {
-    const auto instance = lane_.instantiate(sinks[i].component, sinks[i].name);
+    const auto instance = instantiate(lane_, sinks[i], sinks[i].component);
     if (!instance) return instance.error();
     auto ready = lane_.prepare(**instance, *input_.templ(), *input_.camera());
     if (!ready) return ready;

@@ -63,11 +63,8 @@ void add_parameters(const host::ComponentSpec& spec, const std::string& path, or
 }  // namespace
 
 std::string why_fixed(const StageConfig& stage, const PipelineConfig& config) {
-  if (stage.isolation) return "it runs in a process of its own";
-  const bool is_shared =
-      stage.role == "warps" &&
-      std::any_of(config.stages.begin(), config.stages.end(),
-                  [](const StageConfig& other) { return other.isolation.has_value(); });
+  if (stage.isolation) return "it runs in a process of its own (--isolate none runs it here)";
+  const bool is_shared = stage.role == "warps" && has_isolated(config);
   return is_shared ? "a stage in a process of its own may evaluate it" : "";
 }
 
