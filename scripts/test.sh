@@ -22,9 +22,9 @@ anything failed.
   --long    release, and what is run neither without options nor by --ci: the tests labelled `long` in the
             presets release and asan, the quick tests in the preset tsan (of plugins, those that start
             threads), clang-tidy over everything, each fuzzer of tests/fuzz for a minute, and the
-            benchmarks of the stages (build/benchmarks.log). What the preset tsan and clang-tidy
-            passed before and is unchanged since is skipped, and so is each test that passed before
-            on the very same sources: a run that was stopped, or failed by the machine, goes on
+            benchmarks of the stages and of the host (build/benchmarks.log). What the preset tsan and
+            clang-tidy passed before and is unchanged since is skipped, and so is each test that passed
+            before on the very same sources: a run that was stopped, or failed by the machine, goes on
   --ci --long
             all of both
   --all     with --long: skip nothing; tests of asan look for locals that are used after their
@@ -250,7 +250,9 @@ measure_coverage() {
 }
 
 run_benchmarks() {
-  cmake --build --preset release -j "$jobs" --target stages_benchmark \
+  cmake --build --preset release -j "$jobs" --target stages_benchmark host_benchmark \
+    && build/release/bin/host_benchmark --benchmark_out=build/host_benchmark.json \
+      --benchmark_out_format=json \
     && WEFT_PLUGIN_PATH="$PWD/build/release/lib/weft/plugins" build/release/bin/stages_benchmark \
       --benchmark_out=build/benchmarks.json --benchmark_out_format=json
 }
