@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/steering/settings_json.hpp"
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace weft {
