@@ -38,9 +38,6 @@ bool has(Having what, const host::ComponentManifest& component) {
 
 /// Whether it can be checked as it is installed; parameters stand in a file beside the library.
 bool is_usable(const host::ComponentManifest& component, const std::string& library) {
-  const auto& extensions = component.extensions;
-  const bool has_devices =
-      std::find(extensions.begin(), extensions.end(), WEFT_DEVICES) != extensions.end();
   const auto& parameters = component.parameters;
   const bool needs_values = std::any_of(parameters.begin(), parameters.end(),
                                         [](const auto& parameter) { return parameter.required; });
@@ -48,8 +45,8 @@ bool is_usable(const host::ComponentManifest& component, const std::string& libr
   std::error_code none;
   const auto bytes = std::filesystem::file_size(values, none);
   const bool has_values = !none && bytes > 1;  // more than a line that says nothing
-  return component.unknown.empty() && !component.prefers_isolation() && !has_devices &&
-         (!needs_values || has_values);
+  return component.unknown.empty() && !component.has_extension(WEFT_ISOLATION) &&
+         !component.has_extension(WEFT_DEVICES) && (!needs_values || has_values);
 }
 
 std::vector<std::string> manifests_in(const std::string& folder) {
