@@ -31,7 +31,7 @@ void add_isolation(CLI::App& command, std::string& choice) {
           "What has a process of its own where the pipeline does not say: auto: plugins from "
           "other folders than the program's, unless they keep data on a device; none; all")
       ->check(CLI::IsMember({"auto", "none", "all"}))
-      ->capture_default_str();
+      ->option_text("auto|none|all [auto]");
 }
 
 Isolating isolating_of(const std::string& choice) {

@@ -53,7 +53,8 @@ def cases() -> list[Case]:
     """300 of them: 25 sizes of two kinds, and 200 signals."""
     found = [Case(victim, kind, size) for size in SIZES for victim in ("ablation", "run")
              for kind in ("full disk", "file limit")]
-    for victim, each in (("ablation", 23), ("run", 8), ("isolated run", 4)):
+    for victim, each in (("ablation", 20), ("run", 8), ("isolated run", 4),
+                         ("isolated ablation", 3)):
         kinds = [kind for kind in SIGNALS if victim != "run" or kind != "child killed"]
         found += [Case(victim, kind) for kind in kinds for _ in range(each)]
     return (found + [Case("isolated run", kind) for kind in SIGNALS for _ in range(9)])[:300]
@@ -61,7 +62,8 @@ def cases() -> list[Case]:
 
 def victim_of(case: Case) -> Ablation | Run:
     out = "disk/out"  # a disk of its own for those that are to find it full
-    return Ablation(out) if case.victim == "ablation" else Run(out, case.victim == "isolated run")
+    isolated = case.victim.startswith("isolated")
+    return Ablation(out, isolated) if case.victim.endswith("ablation") else Run(out, isolated)
 
 
 class Judge:
@@ -69,7 +71,7 @@ class Judge:
 
     def __init__(self, program: Program, scratch: Path) -> None:
         self.program, self.results, self.codes = program, {}, {}
-        for name in ("ablation", "run", "isolated run"):
+        for name in ("ablation", "run", "isolated run", "isolated ablation"):
             folder = scratch / name
             (folder / "disk").mkdir(parents=True)
             victim = victim_of(Case(name, ""))
@@ -96,7 +98,7 @@ class Judge:
             gave_up = (GAVE_UP,) if case.kind == "interrupted twice" else ()
             allowed = (*victim.interrupted_codes, *gave_up)
             return "" if answer.code in allowed else f"exit {answer.code} after an interrupt"
-        if case.victim == "isolated run" and case.kind == "child killed":
+        if case.victim.startswith("isolated") and case.kind == "child killed":
             return "" if answer.code == 1 else f"exit {answer.code} where one frame failed"
         if answer.code == self.codes[case.victim]:
             return self.differs(case, victim, folder)  # it says that nothing was cut
@@ -215,11 +217,11 @@ def report(arguments: argparse.Namespace, which: list, outcomes: list) -> int:
             print(f"{sys.argv[0]} --weft {arguments.weft} {options} --seed {arguments.seed} "
                   f"--only {index} --keep DIR  # {case.victim}, {case.kind}, {case.size} bytes")
             print("\n".join("    " + fault[:400] for fault in faults))
-    print(f"{'victim':<14}{'disturbance':<20}{'done':>6}{'landed':>8}{'survived':>10}")
+    print(f"{'victim':<20}{'disturbance':<20}{'done':>6}{'landed':>8}{'survived':>10}")
     for (victim, kind), (done, landed, survived) in sorted(rows.items()):
-        print(f"{victim:<14}{kind:<20}{done:>6}{landed:>8}{survived:>10}")
+        print(f"{victim:<20}{kind:<20}{done:>6}{landed:>8}{survived:>10}")
     done, landed, survived = (sum(row[i] for row in rows.values()) for i in range(3))
-    print(f"{'all':<34}{done:>6}{landed:>8}{survived:>10}")
+    print(f"{'all':<40}{done:>6}{landed:>8}{survived:>10}")
     return 0 if done == landed == survived else 1
 
 

@@ -34,6 +34,10 @@ comparisons: [{axis: every, metric: all.error_solved.mean_mm}]
 """
 
 
+def stages(isolated: bool) -> str:
+    return STAGES.replace("ISOLATED", ", isolate: process" if isolated else "")
+
+
 def whole_lines(file: Path) -> list[bytes]:
     """The lines that end; a last one without its line break does not count."""
     data = file.read_bytes() if file.exists() else b""
@@ -41,17 +45,20 @@ def whole_lines(file: Path) -> list[bytes]:
 
 
 class Ablation:
-    """Twelve cells over two sequences, run by two processes."""
+    """Twelve cells over two sequences, run by two processes; with `isolated`, their filters have
+    processes of their own."""
 
-    name, calls = "ablation", 10
+    calls = 10
     stopped_codes, interrupted_codes = (3,), (1,)
 
-    def __init__(self, out: str) -> None:
-        self.out = out
-        self.command = ["ablate", "plan.yaml", "--out", out, "--jobs", "2", "--quiet"]
+    def __init__(self, out: str, isolated: bool) -> None:
+        self.out, self.isolated = out, isolated
+        self.name = "isolated ablation" if isolated else "ablation"
+        self.command = ["ablate", "plan.yaml", "--out", out, "--jobs", "2", "--quiet",
+                        "--isolate", "none"]
 
     def prepare(self, folder: Path) -> None:
-        text = BASE.replace("FRAMES", "2") + STAGES.replace("ISOLATED", "")
+        text = BASE.replace("FRAMES", "2") + stages(self.isolated)
         (folder / "pipeline.yaml").write_text(text)
         (folder / "plan.yaml").write_text(PLAN)
 
@@ -106,11 +113,10 @@ class Run:
     def __init__(self, out: str, isolated: bool, attempt: str = "") -> None:
         self.base, self.isolated, self.out = out, isolated, out + attempt
         self.name = "isolated run" if isolated else "run"
-        self.command = ["run", "pipeline.yaml", "--out", self.out, "--quiet"]
+        self.command = ["run", "pipeline.yaml", "--out", self.out, "--quiet", "--isolate", "none"]
 
     def prepare(self, folder: Path) -> None:
-        isolated = ", isolate: process" if self.isolated else ""
-        text = BASE.replace("FRAMES", str(self.frames)) + STAGES.replace("ISOLATED", isolated)
+        text = BASE.replace("FRAMES", str(self.frames)) + stages(self.isolated)
         (folder / "pipeline.yaml").write_text(
             text + "sinks:\n  - {use: sinks/test.scripted, params: {path: lines.txt}}\n")
 

@@ -22,7 +22,7 @@ using ::testing::StartsWith;
 /// right to write large files.
 class LostOutput : public testing::ShelledProgram {
  protected:
-  /// No file may be larger than this; the shell counts in 512 bytes.
+  /// No file may be larger than this, memory of workers included; the shell counts in 512 bytes.
   Ended limited(int kb, const std::vector<std::string>& arguments) const {
     return weft("ulimit -f " + std::to_string(2 * kb) + R"( && exec "$0" "$@")", arguments);
   }
@@ -46,7 +46,8 @@ class LostOutput : public testing::ShelledProgram {
 
 TEST_F(LostOutput, APipeThatNobodyReadsEndsNoRun) {
   const std::string file = write(chain());
-  const Ended ended = weft(R"(("$0" "$@"; echo $? > code) | true)", {"run", file, "--out", "kept"});
+  const Ended ended = weft(R"(("$0" "$@"; echo $? > code) | true)",
+                           {"run", file, "--out", "kept", "--isolate", "none"});
   EXPECT_EQ(read_lines(path("code")), std::vector<std::string>{"3"});
   EXPECT_EQ(ended.err, "");
   EXPECT_EQ(read_lines(path("kept/frames.jsonl")).size(), 3U);
@@ -85,8 +86,8 @@ TEST_F(LostOutput, OfEveryCommandIsAnErrorWithCodeThree) {
 }
 
 TEST_F(LostOutput, ThatIsClosedIsNotMistakenForAFile) {
-  const Ended closed =
-      weft(R"(exec "$0" "$@" >&- <&-)", {"run", write(chain()), "--out", path("run")});
+  const Ended closed = weft(R"(exec "$0" "$@" >&- <&-)",
+                            {"run", write(chain()), "--out", path("run"), "--isolate", "none"});
   EXPECT_EQ(closed.exit_code, 3);
   EXPECT_EQ(closed.err, "error: the standard output cannot be written (Bad file descriptor)\n");
   const std::vector<std::string> lines = read_lines(path("run/frames.jsonl"));
@@ -102,7 +103,7 @@ TEST_F(LostOutput, ThatNobodyNeedsIsNoError) {
 
 TEST_F(LostOutput, OfAFileThatGrowsTooLargeIsNamedWithItsReason) {
   const std::string file = write(overlay(40, "path: overlay.avi"));
-  const Ended ended = limited(48, {"run", file, "--out", "run", "--quiet"});
+  const Ended ended = limited(48, {"run", file, "--out", "run", "--quiet", "--isolate", "none"});
   EXPECT_EQ(ended.exit_code, 3) << ended.out << ended.err;
   EXPECT_EQ(ended.signal, 0);
   EXPECT_EQ(ended.err, "error: sinks/overlay: the video " + path("run/overlay.avi") +
@@ -120,15 +121,23 @@ TEST_F(LostOutput, OfAFileThatGrowsTooLargeIsNamedWithItsReason) {
 
 TEST_F(LostOutput, OfFfmpegIsFoundWhenTheVideoIsReadAgain) {
   const std::string file = write(overlay(40, "path: overlay.mkv"));
-  const Ended ended = limited(24, {"run", file, "--out", "run", "--quiet"});
+  const Ended ended = limited(24, {"run", file, "--out", "run", "--quiet", "--isolate", "none"});
   EXPECT_EQ(ended.exit_code, 3) << ended.out << ended.err;
   EXPECT_THAT(ended.err, HasSubstr("error: sinks/overlay: the video " + path("run/overlay.mkv")));
   EXPECT_THAT(ended.err, HasSubstr(" of 40 frames: is the disk full?\n"));
 }
 
+TEST_F(LostOutput, OfTheMemoryOfWorkersNamesTheLimit) {
+  const std::string file = write(chain());
+  const Ended ended = limited(48, {"run", file, "--quiet", "--isolate", "all", "--out", "run"});
+  EXPECT_EQ(ended.exit_code, 3) << ended.out << ended.err;
+  EXPECT_THAT(ended.err, HasSubstr("there is no room for workers in shared memory; the file size "
+                                   "limit holds for it, too: see ulimit -f"));
+}
+
 TEST_F(LostOutput, OfTheRunFolderItselfNamesTheFile) {
   const std::string file = write(chain({{"sources", "{frames: 400}"}}));
-  const Ended ended = limited(24, {"run", file, "--out", "run", "--quiet"});
+  const Ended ended = limited(24, {"run", file, "--out", "run", "--quiet", "--isolate", "none"});
   EXPECT_EQ(ended.exit_code, 3) << ended.out << ended.err;
   EXPECT_THAT(ended.err, HasSubstr(" cannot be written (it is beyond the file size limit"));
 }
@@ -140,7 +149,8 @@ TEST_F(LostOutput, OfAnAblationNamesTheFileAndCostsNoCellThatWasFinished) {
       "  distance: {set: solvers.distance_m, values: [0.2, 0.3, 0.4]}\n"
       "data: {plain: {seeds: 2-3, seed_setting: source.frames}, long: {}}\n",
       "plan.yaml");
-  const std::vector<std::string> ablate{"ablate", "plan.yaml", "--out", "cells", "--quiet"};
+  const std::vector<std::string> ablate{"ablate",  "plan.yaml", "--out", "cells",
+                                        "--quiet", "--isolate", "none"};
   const auto finished = [&] {
     std::set<std::string> keys;
     for (const auto& file : fs::directory_iterator(path("cells/results"))) {

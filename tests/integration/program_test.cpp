@@ -55,7 +55,7 @@ class Program : public testing::PipelineTest {
 };
 
 TEST_F(Program, PrintsTimesAndStatesOfARun) {
-  const Ended ended = run(chain({{"solvers", "{no_result_at: [1]}"}}));
+  const Ended ended = run(chain({{"solvers", "{no_result_at: [1]}"}}), {"--isolate", "none"});
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
   EXPECT_THAT(ended.out, HasSubstr("ms p50"));
   EXPECT_THAT(ended.out, HasSubstr("shapes: 2 estimated  1 predicted  "
@@ -94,7 +94,7 @@ TEST_F(Program, ExitsWithTwoForAMistakeOfTheUser) {
   const Ended missing = weft({"check", "x.yaml"});
   EXPECT_EQ(missing.exit_code, 2);
   EXPECT_EQ(missing.err, "x.yaml:1:1: the pipeline file cannot be read: there is no such file\n");
-  const Ended refused = run(chain({{"solvers", "{refuse: true}"}}));
+  const Ended refused = run(chain({{"solvers", "{refuse: true}"}}), {"--quiet"});
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_THAT(refused.err, ::testing::MatchesRegex("error: .*\\.yaml:[0-9]+:[0-9]+: "
                                                    "solvers/test.scripted: refuses as scripted\n"));
@@ -174,7 +174,7 @@ TEST_F(Program, ExitsWithThreeWhenItCannotWrite) {
   EXPECT_EQ(full.exit_code, 3);
   EXPECT_THAT(full.err, HasSubstr("exists and is not an empty folder; choose another with --out"));
   fs::remove_all(path("run"));
-  const Ended finish = run(chain({{"sinks", "{refuse_finish: true}"}}));
+  const Ended finish = run(chain({{"sinks", "{refuse_finish: true}"}}), {"--quiet"});
   EXPECT_EQ(finish.exit_code, 3);
   EXPECT_EQ(finish.err, "error: sinks/test.scripted: cannot finish as scripted\n");
 }

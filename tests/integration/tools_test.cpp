@@ -365,7 +365,8 @@ TEST_F(ReplayTool, SaysWhatIsWrong) {
 }
 
 TEST_F(ReplayTool, IsToldWhichStagesThereAre) {
-  const Ended ended = weft({"run", path("pipeline.yaml"), "--out", path("b"), "--dump", "solver"});
+  const Ended ended = weft(
+      {"run", path("pipeline.yaml"), "--out", path("b"), "--dump", "solver", "--isolate", "none"});
   EXPECT_EQ(ended.exit_code, 2);
   EXPECT_EQ(ended.err, "error: --dump: no stage is called 'solver'; did you mean 'solvers'?\n");
   EXPECT_FALSE(fs::exists(path("b")));

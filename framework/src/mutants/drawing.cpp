@@ -45,8 +45,8 @@ bool is_usable(const host::ComponentManifest& component, const std::string& libr
   std::error_code none;
   const auto bytes = std::filesystem::file_size(values, none);
   const bool has_values = !none && bytes > 1;  // more than a line that says nothing
-  return component.unknown.empty() && !component.has_extension(WEFT_ISOLATION) &&
-         !component.has_extension(WEFT_DEVICES) && (!needs_values || has_values);
+  return component.unknown.empty() && !component.prefers_isolation() &&
+         !component.keeps_arrays_on_devices() && (!needs_values || has_values);
 }
 
 std::vector<std::string> manifests_in(const std::string& folder) {

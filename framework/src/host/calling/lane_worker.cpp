@@ -12,7 +12,7 @@ Result<Workplace> Lane::workplace_of(const Instance& instance) {
   }
   if (inputs_of_workers_ == nullptr) inputs_of_workers_ = std::make_shared<SharedInputs>(arena_);
   const std::shared_ptr<void> block = arena_->allocate(sizeof(std::atomic<bool>));
-  if (block == nullptr) return Error{Errc::io, "there is no room in shared memory"};
+  if (block == nullptr) return no_room_in_shared_memory("workers");
   auto* cancel = std::construct_at(static_cast<std::atomic<bool>*>(block.get()), false);
   return Workplace{run_seed_,
                    threads_a_call_,

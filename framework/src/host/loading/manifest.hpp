@@ -63,6 +63,9 @@ struct ComponentManifest {
   bool has_extension(std::string_view name) const {
     return std::find(extensions.begin(), extensions.end(), name) != extensions.end();
   }
+  bool prefers_isolation() const { return has_extension(WEFT_ISOLATION); }
+  bool keeps_arrays_on_devices() const { return has_extension(WEFT_DEVICES); }
+  bool steers_runs() const { return has_extension(WEFT_STEERING); }
 };
 
 /// What stands beside a library, readable without loading it.

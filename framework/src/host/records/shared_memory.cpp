@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -80,6 +81,13 @@ std::optional<std::uint64_t> SharedMemory::offset_of(const void* memory) const {
   const auto place = reinterpret_cast<std::uintptr_t>(memory);
   if (place < start || place - start >= reserve_bytes_) return std::nullopt;
   return place - start;
+}
+
+Error no_room_in_shared_memory(const std::string& what) {
+  rlimit limit{};
+  const bool bound = getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
+  return {Errc::io, "there is no room for " + what + " in shared memory" +
+                        (bound ? "; the file size limit holds for it, too: see ulimit -f" : "")};
 }
 
 Result<std::shared_ptr<SharedArena>> SharedArena::create(std::size_t reserve_bytes) {

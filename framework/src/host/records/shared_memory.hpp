@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <weft/core/result.hpp>
 
 namespace weft::host {
@@ -55,6 +56,10 @@ class SharedMemory {
   std::byte* base_;
   std::size_t reserve_bytes_;
 };
+
+/// The error where no memory is left for `what`: "there is no room for X in shared memory". Names the
+/// file size limit, where one is set, since it bounds memory files, too.
+Error no_room_in_shared_memory(const std::string& what);
 
 /// Hands out blocks of a shared memory that this process writes; from any thread.
 class SharedArena : public std::enable_shared_from_this<SharedArena> {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <deque>
 #include <fstream>
 #include <thread>
@@ -199,6 +200,7 @@ std::string stranger(const HelloMessage& hello) {
 
 void serve_host(int socket, int inputs, int outputs) {
   close_all_but({socket, inputs, outputs});
+  std::signal(SIGXFSZ, SIG_IGN);  // as in the program: what cannot be written is an error
   // What a library starts must not hold them open.
   for (const int file : {socket, inputs, outputs}) fcntl(file, F_SETFD, FD_CLOEXEC);
   end_with_host(socket);

@@ -62,9 +62,8 @@ Result<void> SharedInputs::place(const weft_array& array, PlacedArray& placed,
     }
   }
   if (copy == nullptr) {
-    return Error{Errc::plugin_failure, std::string("there is no room for the input array '") +
-                                           array.name + "' of " + std::to_string(bytes) +
-                                           " bytes in shared memory"};
+    return no_room_in_shared_memory(std::string("the input array '") + array.name + "' of " +
+                                    std::to_string(bytes) + " bytes");
   }
   placed.offset = *arena_->memory().offset_of(copy.get());
   if (array.ndim > 0) placed.stride[0] = row_bytes(array);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/configuration/isolation_rules.hpp"
 
-#include <weft/abi.h>
-
 #include <algorithm>
 #include <weft/core/quote.hpp>
 
@@ -20,7 +18,7 @@ bool is_foreign(const host::ComponentSpec& spec) {
 /// What it leaves on a device would be fetched for the others.
 bool keeps_device(const host::ComponentSpec& spec) {
   return spec.installed != nullptr &&
-         (spec.component().has_extension(WEFT_DEVICES) ||
+         (spec.component().keeps_arrays_on_devices() ||
           std::any_of(spec.nested.begin(), spec.nested.end(), [](const host::NestedSpec& nested) {
             return keeps_device(nested.component);
           }));
@@ -49,7 +47,7 @@ IsolationRules::IsolationRules(const host::ComponentSpec& component, PipelinePar
                                Isolating isolating) {
   if (component.installed == nullptr) return;
   const bool prefers =
-      part == PipelinePart::stage && component.component().has_extension(WEFT_ISOLATION);
+      part == PipelinePart::stage && component.component().prefers_isolation();
   const bool foreign = is_foreign(component);
   switch (isolating) {
     case Isolating::preferred:
@@ -65,7 +63,7 @@ IsolationRules::IsolationRules(const host::ComponentSpec& component, PipelinePar
       break;
   }
   has_reason_ = prefers || (foreign && isolating != Isolating::preferred);
-  bound_by_ = component.component().has_extension(WEFT_STEERING)
+  bound_by_ = component.component().steers_runs()
                   ? "the run is steered through this sink"
                   : path_bound_here(component);
 }
