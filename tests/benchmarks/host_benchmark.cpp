@@ -62,13 +62,12 @@ class IdleLane {
     const auto record = host::Record::make(Image::kType, lane.memory(), arena_);
     Image typed;
     typed.pixels = Array<std::uint8_t>({height, width}, 7);
-    write_record(typed,
-                 [&](const char* name, std::int32_t dtype, int ndim, const std::int64_t* shape) {
-                   return record->allocate(name, dtype, ndim, shape);
-                 });
-    if (auto valid = lane.admit(*record, "image"); !valid) {
-      throw std::runtime_error(valid.error().message);
-    }
+    auto done = write_record(
+        typed, [&](const char* name, std::int32_t dtype, int ndim, const std::int64_t* shape) {
+          return record->allocate(name, dtype, ndim, shape);
+        });
+    if (done) done = lane.admit(*record, "image");
+    if (!done) throw std::runtime_error(done.error().message);
     return record;
   }
 
