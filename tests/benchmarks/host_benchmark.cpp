@@ -18,6 +18,7 @@
 #include <weft/data/image.hpp>
 
 #include "component.hpp"
+#include "host/calling/stopwatch.hpp"
 #include "scenes.hpp"
 
 namespace weft::bench {
@@ -99,7 +100,7 @@ void warm_call(benchmark::State& state) {
   const auto time = record_of(Time{0.5});
   const weft_record inputs[] = {time->view("time")};
   std::unique_ptr<Callee> callee = std::make_unique<Nothing>();
-  std::vector<double> calls_ns, virtual_ns;
+  std::vector<double> calls_ns, virtual_ns, clocks_ns;
   std::uint64_t allocated = 0;
   for (auto each : state) {
     auto start = Clock::now();
@@ -109,6 +110,9 @@ void warm_call(benchmark::State& state) {
       benchmark::DoNotOptimize(called->call(i));
     }
     virtual_ns.push_back(since<std::chrono::nanoseconds>(start) / kCalls);
+    start = Clock::now();
+    for (int i = 0; i < kCalls; ++i) benchmark::DoNotOptimize(host::Stopwatch().spent());
+    clocks_ns.push_back(since<std::chrono::nanoseconds>(start) / kCalls);
     const std::uint64_t before = host::allocations_of_process().blocks;
     start = Clock::now();
     for (int i = 0; i < kCalls; ++i) {
@@ -120,6 +124,7 @@ void warm_call(benchmark::State& state) {
   }
   state.counters["call_ns"] = median(calls_ns);
   state.counters["virtual_ns"] = median(virtual_ns);
+  state.counters["clocks_ns"] = median(clocks_ns);  // of the wall and the processor, in each call
   state.counters["beyond_ns"] = median(calls_ns) - median(virtual_ns);
   state.counters["allocations_a_call"] = static_cast<double>(allocated) / kCalls;
 }
