@@ -9,6 +9,7 @@
 #include <weft/core/stop_check.hpp>
 #include <weft/data/matrix.hpp>
 #include <weft/geometry/barycentric.hpp>
+#include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/check_sightlines.hpp>
 #include <weft/geometry/rigid_alignment.hpp>
 #include <weft/sdk/solver.hpp>

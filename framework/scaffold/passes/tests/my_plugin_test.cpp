@@ -5,6 +5,7 @@
 #include <weft/data/matrix.hpp>
 #include <weft/data/sightlines.hpp>
 #include <weft/geometry/barycentric.hpp>
+#include <weft/geometry/camera_model.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 #include <weft/testing/synthetic.hpp>
 
