@@ -3,7 +3,11 @@
 #include <iostream>
 #include <weft/embedding/pipeline.hpp>
 
-int main(int, char** arguments) {
+int main(int count, char** arguments) {
+  if (count != 2) {
+    std::cerr << "usage: embed PIPELINE <IMAGES, each 640 x 480 pixels of 3 bytes, BGR\n";
+    return 2;
+  }
   const weft::Camera camera{820.0, 820.0, 319.5, 239.5, 640, 480};
   auto pipeline = weft::Pipeline::load(arguments[1], camera, {.plugin_path = {WEFT_PLUGINS}});
   if (!pipeline) {
