@@ -13,6 +13,17 @@ class DynamicTables {
  public:
   explicit DynamicTables(const ElfFile& file) : file_(file) {}
 
+  std::string names() {
+    const Elf64_Dyn* table = read_entries() ? find(DT_STRTAB) : nullptr;
+    const std::uint64_t bytes = value(DT_STRSZ);
+    const Elf64_Phdr* segment =
+        table != nullptr ? file_.loaded_at(table->d_un.d_ptr, bytes) : nullptr;
+    if (segment == nullptr) return {};
+    std::string text(bytes, '\0');
+    const std::uint64_t start = segment->p_offset + (table->d_un.d_ptr - segment->p_vaddr);
+    return file_.read(start, text.data(), bytes) ? text : std::string();
+  }
+
   Result<void> check() {
     if (!read_entries()) return damaged("its dynamic section is missing or has no end");
     for (const Place& place : kTables) {
@@ -209,5 +220,7 @@ class DynamicTables {
 }  // namespace
 
 Result<void> check_dynamic_tables(const ElfFile& file) { return DynamicTables(file).check(); }
+
+std::string dynamic_names(const ElfFile& file) { return DynamicTables(file).names(); }
 
 }  // namespace weft::host

@@ -59,4 +59,8 @@ class ElfFile {
 /// what it is told to write to is writable. Fails with incompatible.
 Result<void> check_dynamic_tables(const ElfFile& file);
 
+/// The names in the dynamic section of a library: of what it needs, and of symbols that it takes or
+/// gives, each with a NUL before and behind it. Empty where it has none.
+std::string dynamic_names(const ElfFile& file);
+
 }  // namespace weft::host

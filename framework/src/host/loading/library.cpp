@@ -10,6 +10,7 @@
 #include "describe/build_id.hpp"
 #include "host/loading/floating_point.hpp"
 #include "host/loading/registry.hpp"
+#include "host/loading/sanitizer.hpp"
 
 namespace weft::host {
 namespace {
@@ -119,6 +120,9 @@ Result<const weft_library_table*> load_library(const std::string& file) {
   if (auto whole = check_library_file(file); !whole) {
     return incompatible(file, "cannot be loaded: it " + whole.error().message +
                                   "; build or install the plugin again");
+  }
+  if (const auto missing = missing_sanitizer(file)) {
+    return incompatible(file, "cannot be loaded: it " + missing->cause + "; " + missing->fix);
   }
   boost::dll::fs::error_code code;
   const boost::dll::shared_library library = open_library(file, code);

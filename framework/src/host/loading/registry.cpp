@@ -13,6 +13,7 @@
 
 #include "describe/build_id.hpp"
 #include "host/loading/processor.hpp"
+#include "host/loading/sanitizer.hpp"
 #include "roles/role_rules.hpp"
 
 namespace weft::host {
@@ -95,6 +96,17 @@ Refusal unreadable(const std::string& manifest, const Error& error) {
           {}};
 }
 
+Refusal without_manifest(const std::string& library) {
+  // It could not be described, and so has none.
+  if (const auto missing = missing_sanitizer(library)) {
+    return {library, "it " + missing->cause, missing->fix, {}};
+  }
+  return {library,
+          "it has no manifest beside it",
+          "run: weft plugins describe " + shell_word(library),
+          {}};
+}
+
 /// Nothing when the library beside the manifest can be used.
 std::optional<Refusal> check(const Manifest& manifest) {
   const auto refuse = [&](std::string cause, std::string fix) {
@@ -112,6 +124,9 @@ std::optional<Refusal> check(const Manifest& manifest) {
   const auto build_id = whole ? read_build_id(manifest.library) : whole.error();
   if (!build_id) {
     return refuse("it " + build_id.error().message, "build or install the plugin again");
+  }
+  if (const auto missing = missing_sanitizer(manifest.library)) {
+    return refuse("it " + missing->cause, missing->fix);
   }
   if (build_id->empty()) {
     return refuse("it has no build-id",
@@ -189,10 +204,7 @@ void Registry::scan_folder(const SearchFolder& folder) {
   for (const std::string& library : libraries) {
     const std::string manifest = library.substr(0, library.size() - 3) + ".plugin.yaml";
     if (std::binary_search(manifests.begin(), manifests.end(), manifest)) continue;
-    refusals_.push_back({library,
-                         "it has no manifest beside it",
-                         "run: weft plugins describe " + shell_word(library),
-                         {}});
+    refusals_.push_back(without_manifest(library));
   }
   std::vector<Manifest> usable;
   for (const std::string& file : manifests) {
