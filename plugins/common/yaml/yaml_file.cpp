@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/yaml/yaml_file.hpp"
 
+#include <yaml-cpp/eventhandler.h>
+
 #include <algorithm>
+#include <sstream>
 #include <string_view>
+#include <utility>
 #include <weft/core/index.hpp>
 #include <weft/core/text_file.hpp>
 #include <weft/core/utf8.hpp>
@@ -31,7 +35,50 @@ std::string place_of(const std::string& path, const std::string& text, const YAM
   return place_of(path, mark.line, mark.column - static_cast<int>(later));
 }
 
+/// Behind its first document yaml-cpp begins another one wherever it stopped, and for ever at what
+/// begins none, such as a bracket that closes nothing.
+class OneDocument final : public YAML::EventHandler {
+ public:
+  explicit OneDocument(std::string_view text) : text_(text) {
+    if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);
+  }
+
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (!std::exchange(started_, true)) return;
+    const std::size_t offset = std::min(to_index(mark.pos), text_.size());
+    std::string_view before = text_.substr(0, offset);
+    before = before.substr(0, before.find_last_not_of(" \t\r\n") + 1);  // npos + 1 is 0
+    if (text_.substr(offset).starts_with("---") || before.ends_with("\n...")) {
+      throw FileMistake(mark, "more than one document: put it into a file of its own");
+    }
+    throw YAML::ParserException(mark, "belongs to no document");
+  }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                  YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+
+ private:
+  std::string_view text_;
+  bool started_ = false;
+};
+
 }  // namespace
+
+void require_one_document(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  OneDocument document(text);
+  while (parser.HandleNextDocument(document)) {
+  }
+}
 
 void fail_at(const YAML::Node& node, const std::string& message) {
   throw FileMistake(node.Mark(), message);

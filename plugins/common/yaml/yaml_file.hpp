@@ -5,7 +5,6 @@
 
 #include <stdexcept>
 #include <string>
-#include <vector>
 #include <weft/core/result.hpp>
 
 /// YAML files that a parameter names.
@@ -34,17 +33,17 @@ Error syntax_error(const std::string& path, const std::string& text, const YAML:
 /// is no UTF-8.
 Result<void> check_characters(const std::string& path, const std::string& text);
 
+/// Ends the reading of a text behind its first document. Throws FileMistake or YAML::Exception.
+void require_one_document(const std::string& text);
+
 /// What `read` makes of the root of a YAML text; it reports mistakes with fail_at.
 template <class Read>
 auto read_yaml(const std::string& path, const std::string& text, Read read)
     -> Result<decltype(read(YAML::Node()))> {
   if (auto checked = check_characters(path, text); !checked) return checked.error();
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() > 1) {
-      fail_at(documents[1], "more than one document: put it into a file of its own");
-    }
-    return read(documents.empty() ? YAML::Node() : documents.front());
+    require_one_document(text);
+    return read(YAML::Load(text));
   } catch (const FileMistake& mistake) {
     return error_of(path, text, mistake);
   } catch (const YAML::Exception& mistake) {

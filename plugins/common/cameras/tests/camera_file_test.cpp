@@ -52,7 +52,17 @@ TEST(CameraFile, ReadsNothingBehindWhatTheLibraryTakesForTheEnd) {
   expect_refusal(camera + "é\x04 fx: 9\n", {"camera.yaml:2:2: a control character"});
   expect_refusal("{fx: 1, cx: \xC3}\n", {"camera.yaml:1:13: no UTF-8"});
   expect_refusal("{comment: é, nofx: 1}\n", {"camera.yaml:1:14: a camera file has no key"});
-  expect_refusal(camera + "---\nfx: 9\n", {"camera.yaml:3:1: more than one document"});
+  expect_refusal(camera + "---\nfx: 9\n", {"camera.yaml:2:1: more than one document"});
+  expect_refusal(camera + "...\nfx: 9\n", {"camera.yaml:3:1: more than one document"});
+}
+
+TEST(CameraFile, IsRefusedWhereTheLibraryWouldBeginEmptyDocumentsForEver) {
+  const std::string camera = "{fx: 500, fy: 510, cx: 3, cy: 2, width: 8, height: 6}";
+  expect_refusal(",", {"camera.yaml:1:1: cannot be understood from here on"});
+  expect_refusal(camera + "}\n", {"camera.yaml:1:54: cannot be understood from here on"});
+  expect_refusal(camera + "\n, fx: 9\n", {"camera.yaml:2:1: cannot be understood from here on"});
+  expect_refusal("\xEF\xBB\xBF" + camera + "\n---\n]\n",
+                 {"camera.yaml:2:1: more than one document"});
 }
 
 TEST(CameraFile, ReadsJsonIndentedWithTabs) {
