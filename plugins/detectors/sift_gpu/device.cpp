@@ -10,6 +10,7 @@
 #include <thread>
 #include <weft/core/suggest.hpp>
 
+#include "kept_process.hpp"
 #include "program.hpp"
 
 namespace weft::sift_gpu {
@@ -79,6 +80,7 @@ struct Found {
 };
 
 Found look_for_devices() {
+  const KeptProcess kept;
   Found found;
   // That there is no platform, or no device, is reported as a failure too.
   const auto note = [&](const cl::Error& failure) {
@@ -164,6 +166,7 @@ Device::Device(const cl::Device& device)
 Result<std::shared_ptr<Device>> Device::open(const std::string& wanted) {
   static std::mutex mutex;
   static std::map<cl_device_id, std::weak_ptr<Device>> open_devices;
+  const KeptProcess kept;
   std::string name;
   try {
     const auto device = choose(wanted);
