@@ -116,7 +116,7 @@ class MatchTrials final : public Source {
     Rng rng = stream(kShapes, trial);
     for (int draw = 0; draw < deformation_.max_draws; ++draw) {
       if (call.cancelled()) return Error{Errc::cancelled, "stopped while drawing a shape"};
-      RandomDeformation drawn = deformer_->draw(camera_, rng);
+      RandomDeformation drawn = deformer_->draw(camera_, rng, [&] { return call.cancelled(); });
       if (drawn.accepted) return std::move(drawn.vertices_m);
     }
     return Error{Errc::invalid_value,

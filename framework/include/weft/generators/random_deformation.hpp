@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <utility>
 #include <vector>
 #include <weft/core/index.hpp>
@@ -69,11 +70,14 @@ class SheetDeformer {
     return deformer;
   }
 
-  RandomDeformation draw(const Camera& camera, Rng& rng) const {
+  /// A draw that is stopped before its end is not accepted.
+  RandomDeformation draw(const Camera& camera, Rng& rng,
+                         const std::function<bool()>& stopped = {}) const {
     RandomDeformation drawn{start_m_};
     move_cell(left_, 1.0, rng, drawn.vertices_m);
     move_cell(right_, -1.0, rng, drawn.vertices_m);
     for (int sweep = 0; sweep < spec_.sweeps; ++sweep) {
+      if (stopped && stopped()) return drawn;
       relax(edges_, 1.0, drawn.vertices_m);
       relax(bending_, spec_.bend_stiffness, drawn.vertices_m);
     }
