@@ -53,12 +53,16 @@ void check_any_thread(Play& play, const std::vector<Answer>& expected, Page& pag
   bool ready = false;
   std::vector<Answer> given;
   const Scene& scene = play.scene();
-  std::thread([&] {
+  std::thread([&] {  // each lives until the end, or the next one could have its id
     ready = static_cast<bool>(performer->begin(scene.templ, scene.camera));
-  }).join();
+    if (!ready) return;
+    std::thread([&] {
+      given = play.frames(*performer);
+      std::thread([&] { performer.reset(); }).join();
+    }).join();
+  })
+      .join();
   if (!ready) return page.fail("it cannot be created in another thread");
-  std::thread([&] { given = play.frames(*performer); }).join();
-  std::thread([&] { performer.reset(); }).join();
   expect_same(play, given, expected, "keep nothing in thread-local variables", page);
 }
 

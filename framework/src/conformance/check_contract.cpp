@@ -31,12 +31,16 @@ void check_no_memory(Play& play, Page& page) {
     const auto answers = play.whole({.passage = &host});
     if (!host.has_refused()) break;
     ++refused;
-    const bool told = std::any_of(answers.begin(), answers.end(), [](const Answer& answer) {
-      return answer.status == WEFT_ERROR && !answer.message.empty();
-    });
-    page.expect(told, fmt::format("alloc number {} gives null, and it says {}: answer WEFT_ERROR "
-                                  "with WEFT_CODE_NO_MEMORY",
-                                  which + 1, to_text(answers.back())));
+    const bool told = host.answer() == WEFT_ERROR &&
+                      std::any_of(answers.begin(), answers.end(), [](const Answer& answer) {
+                        return answer.status == WEFT_ERROR && !answer.message.empty();
+                      });
+    page.expect(told,
+                fmt::format("alloc number {} gives null, and it says {}: answer WEFT_ERROR "
+                            "with WEFT_CODE_NO_MEMORY",
+                            which + 1,
+                            host.answer() != WEFT_ERROR ? fmt::format("status {}", host.answer())
+                                                        : to_text(answers.back())));
   }
   if (refused == 0) page.skip("it asks for no memory");
 }
@@ -139,6 +143,12 @@ void check_contract(const Setting& setting, Notebook& notebook) {
     const char* fix = "write all of what alloc gave";
     check_passage(play, usual, ones, fix, page);
     check_passage(play, usual, pattern, fix, page);
+  });
+  notebook.check("contract/output_bounds", [&](Page& page) {
+    WalledHost walls;
+    check_passage(play, usual, walls, "take for the answer what alloc gave", page);
+    page.expect(walls.breached().empty(),
+                "it writes behind the end of " + walls.breached() + ": ask alloc for all of it");
   });
   notebook.check("contract/no_memory", [&](Page& page) { check_no_memory(play, page); });
   notebook.check("contract/error_text", [&](Page& page) { check_error_text(play, page); });

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // The library as a file, and what loading and describing it does to the process.
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <weft/core/text_file.hpp>
 
+#include "conformance/apart.hpp"
 #include "conformance/groups.hpp"
 #include "conformance/probes/elf_facts.hpp"
 #include "conformance/probes/process_state.hpp"
@@ -21,12 +24,44 @@ namespace weft::conformance {
 namespace {
 
 constexpr std::uint64_t kMostManifestBytes = 16 << 20;  ///< of a manifest
-constexpr double kLongestLoading_ms = 100.0;
+constexpr double kLongLoading_ms = 100.0, kLongestLoading_ms = 300.0;
 
 off_t printed_bytes() {
   std::fflush(nullptr);
   struct stat known {};
   return fstat(STDOUT_FILENO, &known) == 0 ? known.st_size : 0;
+}
+
+/// [ms] that loading takes, computing or waiting for anything but a processor.
+double loading_ms(const std::string& library) {
+  const auto seen = checked_apart("load/time", {}, std::chrono::seconds(60), [&](Notebook& notes) {
+    notes.check("load/time", [&](Page& page) {
+      const double queued_before_ms = queued_ms(gettid());
+      const auto start = std::chrono::steady_clock::now();
+      static_cast<void>(host::load_library(library));
+      const std::chrono::duration<double, std::milli> took =
+          std::chrono::steady_clock::now() - start;
+      page.note(std::to_string(took.count() - (queued_ms(gettid()) - queued_before_ms)));
+    });
+  });
+  const bool is_told = !seen.empty() && seen.front().verdict == Verdict::holds;
+  return is_told ? std::stod(seen.front().seen) : 0.0;  // what cannot be loaded is told elsewhere
+}
+
+/// Twice, for the first time what it needs may come from a disk.
+void check_time(const std::string& library, Page& page) {
+  double took_ms = loading_ms(library);
+  if (took_ms > kLongLoading_ms) took_ms = std::min(took_ms, loading_ms(library));
+  const std::string figure = fmt::format("{:.0f} ms", took_ms);
+  page.expect(took_ms <= kLongestLoading_ms,
+              figure + ": make what takes time when it is first needed");
+  page.note(figure + (took_ms > kLongLoading_ms ? ", more than 100 ms" : ""));
+}
+
+/// The mode that this thread is left in, which the host would set back.
+std::string mode_after_loading(const std::string& library) {
+  dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+  return floating_point_mode();
 }
 
 void check_symbol(const std::string& library, Page& page) {
@@ -139,22 +174,22 @@ void check_load(const Setting& setting, Notebook& notebook) {
   const std::string& library = manifest.library;
   notebook.check("load/symbol", [&](Page& page) { check_symbol(library, page); });
   notebook.check("load/static_tls", [&](Page& page) { check_static_tls(library, page); });
+  notebook.check("load/time", [&](Page& page) { check_time(library, page); });
   const off_t printed = printed_bytes();
   const std::size_t threads = count_threads();
-  const double start_ms = processor_ms();
+  notebook.check("load/floating_point", [&](Page& page) {
+    const std::string before = floating_point_mode();
+    page.expect(mode_after_loading(library) == before,
+                "loading it changes it: link it without -ffast-math");
+  });
   Result<const weft_library_table*> table = Error{};
-  double took_ms = 0.0;
+  const auto load = [&] { table = host::load_library(library); };
   notebook.check("load/binds_now", [&](Page& page) {
-    table = host::load_library(library);
-    took_ms = processor_ms() - start_ms;
+    load();
     if (!table) page.fail(table.error().message);
   });
-  if (took_ms == 0.0) table = host::load_library(library);
+  if (!table) load();
   if (!table) return;
-  notebook.check("load/time", [&](Page& page) {
-    page.note(fmt::format("{:.0f} ms of processor time{}", took_ms,
-                          took_ms > kLongestLoading_ms ? ", more than 100 ms" : ""));
-  });
   notebook.check("load/silent", [&](Page& page) {
     page.expect(printed_bytes() == printed,
                 "loading it prints: leave that to weft_host.log, or to whoever is called");

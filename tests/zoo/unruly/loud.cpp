@@ -7,6 +7,9 @@
 #include <cstdio>
 #include <thread>
 #include <weft/sdk/filter.hpp>
+#if defined(__x86_64__)
+#include <xmmintrin.h>
+#endif
 
 // Seen by everybody, as it is linked without the version script.
 extern "C" {
@@ -29,6 +32,10 @@ class Loud final : public weft::Filter {
 
 const bool kIsLoaded = [] {
   std::puts("here I am");
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+#if defined(__x86_64__)
+  _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+#endif
   std::thread([] { std::this_thread::sleep_for(std::chrono::hours(1)); }).detach();
   return true;
 }();

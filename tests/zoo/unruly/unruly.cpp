@@ -31,6 +31,7 @@ enum class Misdeed {
   counts_slots,
   reads_memory,
   ignores_null,
+  ends_behind,
   silent_error,
   latin_error,
   counts_calls,
@@ -55,6 +56,7 @@ enum class Misdeed {
   files,
   threads,
   memory,
+  slow_memory,
   hunger,
   deaf,
   isolated
@@ -69,6 +71,7 @@ constexpr std::pair<const char*, Misdeed> kMisdeeds[] = {
     {"counts_slots", Misdeed::counts_slots},
     {"reads_memory", Misdeed::reads_memory},
     {"ignores_null", Misdeed::ignores_null},
+    {"ends_behind", Misdeed::ends_behind},
     {"silent_error", Misdeed::silent_error},
     {"latin_error", Misdeed::latin_error},
     {"counts_calls", Misdeed::counts_calls},
@@ -93,6 +96,7 @@ constexpr std::pair<const char*, Misdeed> kMisdeeds[] = {
     {"files", Misdeed::files},
     {"threads", Misdeed::threads},
     {"memory", Misdeed::memory},
+    {"slow_memory", Misdeed::slow_memory},
     {"hunger", Misdeed::hunger},
     {"deaf", Misdeed::deaf},
     {"isolated", Misdeed::isolated}};
@@ -199,6 +203,9 @@ class Unruly final : public weft::Filter {
       case Misdeed::generator:
         std::rand();
         break;
+      case Misdeed::slow_memory:
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        [[fallthrough]];
       case Misdeed::memory:
         leaked_.push_back(new std::vector<double>(128, 1.0));
         break;
@@ -266,7 +273,8 @@ std::int32_t process(void* self, const weft_call* call, const weft_record* input
     return status;
   }
   const std::int64_t shape[] = {4};
-  const bool asks = unruly.does(Misdeed::reads_memory) || unruly.does(Misdeed::ignores_null);
+  const bool asks = unruly.does(Misdeed::reads_memory) || unruly.does(Misdeed::ignores_null) ||
+                    unruly.does(Misdeed::ends_behind);
   if (!asks) return status;
   auto* more = static_cast<double*>(
       call->host->alloc(call, "inlier_mask", "inlier_mask/1", "diag.more", WEFT_F64, 1, shape));
@@ -275,6 +283,7 @@ std::int32_t process(void* self, const weft_call* call, const weft_record* input
   for (int i = 0; i < 4; ++i) {
     more[i] = is_dirty && unruly.does(Misdeed::reads_memory) ? 1.0 : 0.0;
   }
+  if (unruly.does(Misdeed::ends_behind)) more[4] = 0.0;
   return status;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <sys/mman.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstring>
 #include <new>
@@ -14,6 +15,7 @@ namespace {
 constexpr std::size_t kPage = 4096;
 constexpr std::size_t kGrowth = 256;  ///< [bytes] that a later host adds to each struct
 constexpr int kUnknown = 0xAB;
+constexpr std::size_t kWall = 64, kLine = 64;  ///< [bytes]
 
 // Where the structs of 1.0 end, which no later version changes.
 constexpr std::size_t kHostBytes = offsetof(weft_host, get_extension) + sizeof(void*);
@@ -40,7 +42,8 @@ struct Forward {
     const OtherHost::Stay& in = stay(call);
     void* memory = in.call.host->alloc(&in.call, slot, type, array, dtype, ndim, shape);
     if (memory == nullptr) return nullptr;
-    return in.host.given(memory, host::array_bytes(dtype, ndim, shape));
+    return in.host.given(memory, std::string(slot) + "/" + array,
+                         host::array_bytes(dtype, ndim, shape));
   }
   static std::int32_t cancelled(const weft_call* call) {
     return stay(call).call.host->cancelled(&stay(call).call);
@@ -92,11 +95,59 @@ std::int32_t OtherHost::process(const weft_component& component, void* self, con
   return Passage::process(component, self, dressed(with, kForwarding), inputs, error);
 }
 
-void* StingyHost::given(void* memory, std::int64_t /*bytes*/) {
+void* StingyHost::given(void* memory, const std::string& /*name*/, std::int64_t /*bytes*/) {
   return asked_++ == refused_ ? nullptr : memory;
 }
 
-void* DirtyHost::given(void* memory, std::int64_t bytes) {
+std::int32_t StingyHost::prepare(const weft_component& component, void* self, const weft_call& call,
+                                 std::span<const weft_record> inputs, weft_error* error) {
+  const bool before = has_refused();
+  const std::int32_t status = OtherHost::prepare(component, self, call, inputs, error);
+  if (!before && has_refused()) answer_ = status;
+  return status;
+}
+
+std::int32_t StingyHost::process(const weft_component& component, void* self, const weft_call& call,
+                                 std::span<const weft_record> inputs, weft_error* error) {
+  const bool before = has_refused();
+  const std::int32_t status = OtherHost::process(component, self, call, inputs, error);
+  if (!before && has_refused()) answer_ = status;
+  return status;
+}
+
+void* WalledHost::given(void* memory, const std::string& name, std::int64_t bytes) {
+  Room room{memory, static_cast<std::size_t>(bytes), {}, nullptr};
+  room.memory.resize(room.bytes + kWall + kLine, std::byte{kUnknown});
+  const auto start = reinterpret_cast<std::uintptr_t>(room.memory.data());
+  room.begin = room.memory.data() + (kLine - start % kLine) % kLine;
+  std::byte* const begin = room.begin;
+  rooms_.insert_or_assign(name, std::move(room));  // the host forgets the earlier one, too
+  return begin;
+}
+
+std::int32_t WalledHost::leave(std::int32_t status) {
+  for (const auto& [name, room] : rooms_) {
+    const std::byte* const wall = room.begin + room.bytes;
+    const bool holds =
+        std::all_of(wall, wall + kWall, [](std::byte each) { return each == std::byte{kUnknown}; });
+    if (!holds && breached_.empty()) breached_ = name;
+    std::memcpy(room.of_host, room.begin, room.bytes);
+  }
+  rooms_.clear();
+  return status;
+}
+
+std::int32_t WalledHost::prepare(const weft_component& component, void* self, const weft_call& call,
+                                 std::span<const weft_record> inputs, weft_error* error) {
+  return leave(OtherHost::prepare(component, self, call, inputs, error));
+}
+
+std::int32_t WalledHost::process(const weft_component& component, void* self, const weft_call& call,
+                                 std::span<const weft_record> inputs, weft_error* error) {
+  return leave(OtherHost::process(component, self, call, inputs, error));
+}
+
+void* DirtyHost::given(void* memory, const std::string& /*name*/, std::int64_t bytes) {
   if (bytes > 0) std::memset(memory, dirt_, static_cast<std::size_t>(bytes));
   return memory;
 }

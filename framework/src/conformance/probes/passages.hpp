@@ -3,8 +3,10 @@
 
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "testing/contract_subject.hpp"
@@ -22,8 +24,10 @@ class OtherHost : public testing::Passage {
                        std::span<const weft_record> inputs, weft_error* error) override;
 
  protected:
-  /// What alloc gives a component, of what the host gave for it.
-  virtual void* given(void* memory, std::int64_t /*bytes*/) { return memory; }
+  /// What alloc gives a component for "SLOT/ARRAY", of what the host gave for it.
+  virtual void* given(void* memory, const std::string& /*name*/, std::int64_t /*bytes*/) {
+    return memory;
+  }
   /// A call that stands for `call`, with the host table `host`; both live as long as this.
   virtual const weft_call& dressed(const weft_call& call, const weft_host& host);
 
@@ -39,12 +43,46 @@ class StingyHost final : public OtherHost {
  public:
   explicit StingyHost(int refused) : refused_(refused) {}
   bool has_refused() const { return asked_ > refused_; }
+  /// The component's own status of the call in which it was refused.
+  std::int32_t answer() const { return answer_; }
+  std::int32_t prepare(const weft_component& component, void* self, const weft_call& call,
+                       std::span<const weft_record> inputs, weft_error* error) override;
+  std::int32_t process(const weft_component& component, void* self, const weft_call& call,
+                       std::span<const weft_record> inputs, weft_error* error) override;
 
  protected:
-  void* given(void* memory, std::int64_t bytes) override;
+  void* given(void* memory, const std::string& name, std::int64_t bytes) override;
 
  private:
   int refused_, asked_ = 0;
+  std::int32_t answer_ = WEFT_OK;
+};
+
+/// What alloc gives ends at bytes that must stay as they are.
+class WalledHost final : public OtherHost {
+ public:
+  /// "SLOT/ARRAY" of the first that was written beyond; empty for none.
+  const std::string& breached() const { return breached_; }
+  std::int32_t prepare(const weft_component& component, void* self, const weft_call& call,
+                       std::span<const weft_record> inputs, weft_error* error) override;
+  std::int32_t process(const weft_component& component, void* self, const weft_call& call,
+                       std::span<const weft_record> inputs, weft_error* error) override;
+
+ protected:
+  void* given(void* memory, const std::string& name, std::int64_t bytes) override;
+
+ private:
+  struct Room {
+    void* of_host;
+    std::size_t bytes;
+    std::vector<std::byte> memory;  ///< with a wall behind what was asked for
+    std::byte* begin;
+  };
+  /// Hands what was written to the host, and looks at the walls.
+  std::int32_t leave(std::int32_t status);
+
+  std::map<std::string, Room> rooms_;  ///< of the call that is being made
+  std::string breached_;
 };
 
 /// What alloc gives is filled with these bytes.
@@ -53,7 +91,7 @@ class DirtyHost final : public OtherHost {
   explicit DirtyHost(unsigned char dirt) : dirt_(dirt) {}
 
  protected:
-  void* given(void* memory, std::int64_t bytes) override;
+  void* given(void* memory, const std::string& name, std::int64_t bytes) override;
 
  private:
   unsigned char dirt_;

@@ -3,6 +3,7 @@
 
 #include <dlfcn.h>
 #include <link.h>
+#include <malloc.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -31,23 +32,14 @@ std::size_t entries_of(const char* folder) {
   return count;
 }
 
-std::string floating_point() {
-  std::ostringstream text;
-  text << std::hex << "rounding " << std::fegetround();
-#if defined(__x86_64__)
-  constexpr unsigned kFlags = 0x3F;  // what computations leave behind
-  text << ", control " << (_mm_getcsr() & ~kFlags);
-#endif
-  return text.str();
-}
-
 std::string signals() {
+  constexpr int kRestorer = 0x04000000;  // set by the C library in whatever is installed
   std::ostringstream text;
   for (int signal = 1; signal < NSIG; ++signal) {
     struct sigaction action {};
     if (sigaction(signal, nullptr, &action) != 0) continue;
     text << signal << ' ' << reinterpret_cast<const void*>(action.sa_handler) << ' '
-         << action.sa_flags << '\n';
+         << (action.sa_flags & ~kRestorer) << '\n';
   }
   sigset_t mask;
   pthread_sigmask(SIG_SETMASK, nullptr, &mask);
@@ -86,17 +78,38 @@ std::int64_t resident_bytes() {
   return resident * sysconf(_SC_PAGESIZE);
 }
 
+std::int64_t heap_bytes() {
+  const struct mallinfo2 heap = mallinfo2();
+  return static_cast<std::int64_t>(heap.uordblks + heap.hblkhd);
+}
+
 double processor_ms() {
   timespec time{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
   return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
 }
 
+double queued_ms(int thread) {
+  std::ifstream file("/proc/self/task/" + std::to_string(thread) + "/schedstat");
+  double computed_ns = 0.0, queued_ns = 0.0;
+  file >> computed_ns >> queued_ns;
+  return 1e-6 * queued_ns;
+}
+
+std::string floating_point_mode() {
+  std::ostringstream text;
+  text << std::hex << "rounding " << std::fegetround();
+#if defined(__x86_64__)
+  constexpr unsigned kFlags = 0x3F;  // what computations leave behind
+  text << ", control " << (_mm_getcsr() & ~kFlags);
+#endif
+  return text.str();
+}
+
 std::map<std::string, std::string> process_state() {
   std::error_code code;
   const char* locale = std::setlocale(LC_ALL, nullptr);
   return {{"locale", locale != nullptr ? locale : ""},
-          {"floating_point", floating_point()},
           {"signals", signals()},
           {"working_directory", std::filesystem::current_path(code).string()},
           {"umask", file_mask()},

@@ -13,12 +13,20 @@ namespace weft::conformance {
 std::size_t count_descriptors();
 std::size_t count_threads();
 std::int64_t resident_bytes();
+std::int64_t heap_bytes();  ///< that are allocated and not freed
 
 /// [ms] of processor time that this process took so far, all of its threads.
 double processor_ms();
 
-/// What nobody but the program itself changes, by name, as text: "locale", "floating_point",
-/// "signals", "working_directory", "umask", "environment".
+/// [ms] for which a thread could have computed and had no processor; 0 where the kernel does not
+/// say.
+double queued_ms(int thread);
+
+/// How this thread rounds, and whether it takes subnormal numbers for zero, as text.
+std::string floating_point_mode();
+
+/// What nobody but the program itself changes, by name, as text: "locale", "signals",
+/// "working_directory", "umask", "environment".
 std::map<std::string, std::string> process_state();
 
 /// How many threads OpenCV would use; -1 where it is not loaded.
