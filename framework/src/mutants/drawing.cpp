@@ -28,8 +28,6 @@ bool has(Having what, const host::ComponentManifest& component) {
       });
     case Having::extension:
       return !component.extensions.empty();
-    case Having::random:
-      return component.random;
     case Having::no_random:
       return !component.random;
   }

@@ -13,8 +13,7 @@ enum class Having {
   numbers,    ///< a parameter that is one number and has a default
   ranges,     ///< such a number with a finite end
   extension,  ///< an extension that is read when the library is described
-  random,     ///< it draws from the seed
-  no_random,  ///< it does not
+  no_random,  ///< it does not draw from the seed
 };
 
 /// One way in which a plugin can be wrong.

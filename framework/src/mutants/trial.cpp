@@ -21,6 +21,7 @@ namespace {
 constexpr double kShareToCatch = 0.95;
 constexpr std::uint64_t kMostBytes = 16 << 20;
 constexpr std::size_t kMostCharacters = 200;
+constexpr const char* kAllHold = "all checks hold";
 
 /// The manifest with the build-id of another library.
 std::string bound_to(const std::string& manifest, const std::string& build_id) {
@@ -56,21 +57,11 @@ Verdict ask(const Judge& judge, const std::vector<std::string>& words, const std
   if (answer->late) {
     return {false, "the check was not done after " + std::to_string(judge.longest.count()) + " s"};
   }
-  if (answer->exit_code == 0) return {false, "all checks hold"};
+  if (answer->exit_code == 0) return {false, kAllHold};
   const std::string said = escaped(telling_line(answer->out + answer->err, id));
   if (answer->exit_code == 1) return {true, said};
   return {false,
           "the check ended with exit code " + std::to_string(answer->exit_code) + ": " + said};
-}
-
-Verdict judge_one(const Judge& judge, const std::string& manifest, const Mutant& mutant) {
-  const std::string& id = mutant.original->component.id;
-  const auto of_group = judge.command(manifest, mutant.change->group);
-  if (!of_group.empty()) {
-    Verdict first = ask(judge, of_group, id);
-    if (first.is_caught) return first;
-  }
-  return ask(judge, judge.command(manifest, ""), id);
 }
 
 /// Does `work` for each number below `count`, on `jobs` threads.
@@ -84,20 +75,25 @@ void share_out(std::size_t count, int jobs, const std::function<void(std::size_t
   take();
 }
 
-/// Why originals do not hold, by their manifest's file.
-std::map<std::string, std::string> wrong_originals(const std::vector<Mutant>& mutants,
-                                                   const Judge& judge) {
-  std::map<std::string, std::string> ids;
-  for (const Mutant& each : mutants) ids[each.original->manifest] = each.original->component.id;
-  const std::vector<std::pair<std::string, std::string>> all(ids.begin(), ids.end());
-  std::map<std::string, std::string> wrong;
+/// A plugin and a group of checks that mutants of it are asked for.
+using Question = std::pair<std::string, std::string_view>;
+
+/// Why originals do not hold, by what was asked of them.
+std::map<Question, std::string> wrong_originals(const std::vector<Mutant>& mutants,
+                                                const Judge& judge) {
+  std::map<Question, std::string> ids;
+  for (const Mutant& each : mutants) {
+    ids[{each.original->manifest, each.change->group}] = each.original->component.id;
+  }
+  const std::vector<std::pair<Question, std::string>> all(ids.begin(), ids.end());
+  std::map<Question, std::string> wrong;
   std::mutex mutex;
   share_out(all.size(), judge.jobs, [&](std::size_t i) {
-    const auto& [manifest, id] = all[i];
-    const Verdict verdict = ask(judge, judge.command(manifest, ""), id);
-    if (!verdict.is_caught && verdict.why == "all checks hold") return;
+    const auto& [question, id] = all[i];
+    const Verdict verdict = ask(judge, judge.command(question.first, question.second), id);
+    if (!verdict.is_caught && verdict.why == kAllHold) return;
     const std::lock_guard lock(mutex);
-    wrong[manifest] = id + ": " + verdict.why;
+    wrong[question] = id + ": " + verdict.why;
   });
   return wrong;
 }
@@ -175,13 +171,16 @@ Result<Trials> try_mutants(const std::vector<Mutant>& mutants, const std::string
   }
   const auto wrong = wrong_originals(mutants, judge);
   Trials result;
-  for (const auto& [manifest, why] : wrong) result.wrong.push_back(why);
+  for (const auto& [question, why] : wrong) result.wrong.push_back(why);
   for (const Mutant& mutant : mutants) result.trials.push_back({mutant, {}});
   std::mutex mutex;
   share_out(mutants.size(), judge.jobs, [&](std::size_t i) {
-    const bool holds = wrong.count(mutants[i].original->manifest) == 0;
-    Verdict verdict = holds ? judge_one(judge, manifests[i], mutants[i])
-                            : Verdict{false, "its original does not hold"};
+    const Mutant& mutant = mutants[i];
+    const std::string_view group = mutant.change->group;
+    const bool holds = wrong.count({mutant.original->manifest, group}) == 0;
+    Verdict verdict =
+        holds ? ask(judge, judge.command(manifests[i], group), mutant.original->component.id)
+              : Verdict{false, "its original does not hold"};
     const std::lock_guard lock(mutex);
     result.trials[i].verdict = std::move(verdict);
     if (told) told(result.trials[i]);
@@ -197,6 +196,28 @@ std::string table_of(const Trials& trials) {
       text += "| " + trial.mutant.name() + " | " + std::string(trial.mutant.change->group) + " | " +
               (is_caught ? "yes" : "**no**") + " | " + cell(trial.verdict.why) + " |\n";
     }
+  }
+  return text;
+}
+
+std::string table_of_groups(const Trials& trials) {
+  std::vector<std::string_view> groups;  // in the order of the operators
+  for (const Operator& each : operators()) {
+    if (std::find(groups.begin(), groups.end(), each.group) == groups.end()) {
+      groups.push_back(each.group);
+    }
+  }
+  std::string text = "| group | mutants | caught |\n|---|---|---|\n";
+  for (const std::string_view group : groups) {
+    int count = 0, caught = 0;
+    for (const Trial& trial : trials.trials) {
+      if (trial.mutant.change->group != group) continue;
+      ++count;
+      caught += trial.verdict.is_caught ? 1 : 0;
+    }
+    if (count == 0) continue;
+    text += "| " + std::string(group) + " | " + std::to_string(count) + " | " +
+            std::to_string(caught) + " |\n";
   }
   return text;
 }

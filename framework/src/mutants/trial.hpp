@@ -21,8 +21,7 @@ Result<std::string> make_mutant(const Mutant& mutant, const std::string& mutant_
 /// How plugins are checked: by a program that exits with 0 where all holds and 1 where something
 /// does not, which it then says in lines "ID: CHECK: WHY" or "fails CHECK: WHY".
 struct Judge {
-  /// The program and its arguments for the plugin of a manifest; `group` is the group of checks
-  /// that is asked for, or empty for all. No words: it cannot be asked for a group alone.
+  /// The program and its arguments for the plugin of a manifest and a group of checks.
   std::function<std::vector<std::string>(const std::string& manifest, std::string_view group)>
       command;
   std::chrono::seconds longest{600};  ///< then it is ended
@@ -49,15 +48,17 @@ struct Trials {
   bool is_enough() const;
 };
 
-/// Checks the originals of the mutants, which must hold, and the mutants: by the group that should
-/// catch each, then, where it does not, by all. `told` is called after each, by one thread at a
-/// time. A mutant of an original that does not hold counts as a survivor. Fails with io.
+/// Checks the originals of the mutants, which must hold, and the mutants, each by the group that
+/// should catch it and no other. `told` is called after each, by one thread at a time. A mutant of
+/// an original that does not hold counts as a survivor. Fails with io.
 Result<Trials> try_mutants(const std::vector<Mutant>& mutants, const std::string& mutant_library,
                            const std::string& folder, const Judge& judge,
                            const std::function<void(const Trial&)>& told = {});
 
 /// The trials as a table in Markdown, survivors first.
 std::string table_of(const Trials& trials);
+/// How many were caught, by the group of checks that should, as a table in Markdown.
+std::string table_of_groups(const Trials& trials);
 /// The operators as a table in Markdown.
 std::string table_of_operators();
 

@@ -49,9 +49,9 @@ std::int32_t call_and_spoil(const weft_component& component, void* self, const w
   PaddingIgnored changed;
   misuse_inputs(inputs, changed);
   if (does("ok_with_nothing")) return WEFT_OK;
-  if (does("ignores_seed")) passed.call.seed = 1;
   const std::int32_t status =
       component.process(self, &passed.call, inputs.data(), inputs.size(), &error);
+  if (does("slow_to_cancel") && call.host->cancelled(&call) != 0) std::this_thread::sleep_for(3s);
   const double swayed = strength_of_sway(passed, inputs, instance);
   if (status != WEFT_OK && status != WEFT_DEGENERATE) {
     return spoil_outputs(passed, status, error);

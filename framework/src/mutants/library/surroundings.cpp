@@ -41,13 +41,17 @@ void leave_behind() {
   if (does("leaves_thread")) idle();
 }
 
+void flush_denormals() {
+#if defined(__SSE__)
+  constexpr unsigned kFlushAndZero = 0x8040;
+  _mm_setcsr(_mm_getcsr() | kFlushAndZero);
+#endif
+}
+
 void change_numbers() {
   if (does("changes_locale")) setlocale(LC_ALL, "C.UTF-8");
   if (does("changes_rounding")) std::fesetround(FE_UPWARD);
-#if defined(__SSE__)
-  constexpr unsigned kFlushAndZero = 0x8040;
-  if (does("flushes_denormals")) _mm_setcsr(_mm_getcsr() | kFlushAndZero);
-#endif
+  if (does("flushes_denormals")) flush_denormals();
 }
 
 void change_signals() {
@@ -68,6 +72,7 @@ void misbehave_when_loaded() {
   }
   if (does("thread_when_loaded")) idle();
   if (does("slow_to_load")) std::this_thread::sleep_for(400ms);
+  if (does("flushes_when_loaded")) flush_denormals();
 }
 
 void disturb_process() {
