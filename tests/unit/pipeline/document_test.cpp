@@ -281,10 +281,10 @@ TEST_F(Documents, RefusesSettingsOfWholeComponentsWithTheSettingThatIsMeant) {
 
 TEST_F(Documents, RefusesSettingsOfWhatOnlyAFileSays) {
   for (const std::string key : {"extends", "stages"}) {
-    EXPECT_EQ(set({key + "=[]"}).second.text(), "--set " + key +
-                                                    "=[], column 1: a setting cannot "
-                                                    "set '" +
-                                                    key + "'; write it into a file\n");
+    EXPECT_EQ(set({key + "=[]", "seed=7"}).second.text(), "--set " + key +
+                                                              "=[], column 1: a setting cannot "
+                                                              "set '" +
+                                                              key + "'; write it into a file\n");
   }
 }
 

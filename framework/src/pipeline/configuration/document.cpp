@@ -73,8 +73,9 @@ class Reader {
       }
       auto [overlay, problems] = overlay_of(setting, document_.root);
       yaml::set_source(overlay, source);
+      const bool sound = problems.empty();
       report(std::move(problems), source);
-      laid.push_back({{1, 1, source}, leaves_of(overlay)});
+      if (sound) laid.push_back({{1, 1, source}, leaves_of(overlay)});
       document_.root = merged(std::move(document_.root), std::move(overlay));
     }
     refuse_lost(laid);
