@@ -17,6 +17,15 @@ bool all_within(const Array<T>& values, double low, double high) {
 
 bool is_flag(const Array<std::uint8_t>& values) { return all_within(values, 0, 1); }
 
+/// Who is given no image knows its size from the camera.
+bool is_mask_of_image(const Case& given, const Region& made) {
+  const Array<std::uint8_t>& pixels = given.scene.image.pixels;
+  const Camera& camera = given.scene.camera;
+  const bool has_image = given.gives("image");
+  return made.mask.dim(0) == (has_image ? pixels.dim(0) : camera.height_px) &&
+         made.mask.dim(1) == (has_image ? pixels.dim(1) : camera.width_px) && is_flag(made.mask);
+}
+
 void check_keypoints(const Case& given, const Keypoints& made, Checks& checks) {
   const Array<std::uint8_t>& pixels = given.scene.image.pixels;
   const Array<std::uint8_t>& mask = given.scene.region.mask;
@@ -133,9 +142,8 @@ void check_outputs(const Subject& subject, const Case& given, const Answer& answ
                     "its warp names '" + made->producer + "' as its producer");
     }
     if (const auto made = typed_in<Region>(record)) {
-      const bool fits = made->mask.dim(0) == scene.camera.height_px &&
-                        made->mask.dim(1) == scene.camera.width_px && is_flag(made->mask);
-      checks.expect(fits, "its region is no mask of the size of the image");
+      checks.expect(is_mask_of_image(given, *made),
+                    "its region is no mask of the size of the image");
     }
   }
 }
