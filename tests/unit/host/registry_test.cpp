@@ -117,7 +117,8 @@ TEST(Registry, ExplainsWhatIsMissing) {
   EXPECT_EQ(registry.find("filters/zoo_god"), nullptr);
   EXPECT_THAT(registry.explain_missing("filters/zoo_god"),
               HasSubstr("did you mean 'filters/zoo_good'?"));
-  EXPECT_THAT(registry.explain_missing("completely/different"), HasSubstr("weft plugins list"));
+  EXPECT_THAT(registry.explain_missing("completely/different"),
+              AllOf(HasSubstr("weft plugins list"), HasSubstr("--plugin-path")));
 }
 
 TEST(Manifest, SaysWhatTheSourceDeclares) {

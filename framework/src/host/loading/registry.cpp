@@ -291,7 +291,9 @@ std::string Registry::explain_missing(std::string_view id) const {
   std::vector<std::string> ids;
   for (const Installed& entry : installed_) ids.push_back(entry.component.id);
   return "no plugin " + quote(id) + " is installed" +
-         did_you_mean(id, ids, "; see: weft plugins list");
+         did_you_mean(id, ids,
+                      "; see: weft plugins list; the folder of one of your own is given by "
+                      "--plugin-path");
 }
 
 }  // namespace weft::host
