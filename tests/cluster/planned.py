@@ -37,13 +37,13 @@ class Planned:
 
     def results(self, out: str) -> dict[str, str]:
         """All that is promised to be the same, tables of the report included; they name `out`."""
-        found = Ablation(out).results(self.program, self.folder)
+        found = Ablation(out, isolated=False).results(self.program, self.folder)
         found["plan.json"] = (self.folder / out / "plan.json").read_text()
         return {name: text.replace(out, "OUT") for name, text in found.items()}
 
     def finished(self, out: str) -> dict[str, object]:
         """Each finished cell: its line without times and machine, and its files."""
-        kept: dict[str, object] = dict(Ablation(out).finished(self.folder))
+        kept: dict[str, object] = dict(Ablation(out, isolated=False).finished(self.folder))
         for name in [name for name in kept if name.startswith("line ")]:
             line = json.loads(kept[name])
             kept[name] = {key: line[key] for key in line if key not in ("timing", "machine", "check")}
