@@ -103,8 +103,11 @@ class Reader {
           "the distortion leaves less than a tenth of the image: are the coefficients in the order "
           "of the model, and of these fx, fy, cx and cy?");
     }
-    const bool ideal = std::all_of(file.coefficients.begin(), file.coefficients.end(),
-                                   [](double k) { return k == 0.0; });
+    // A fisheye lens bends rays with coefficients of 0 too.
+    const bool ideal = file.coefficients.empty() ||
+                       (file.model == Distortion::brown &&
+                        std::all_of(file.coefficients.begin(), file.coefficients.end(),
+                                    [](double k) { return k == 0.0; }));
     if (ideal) file.model = Distortion::none;
     return file;
   }

@@ -102,6 +102,14 @@ TEST(CalibratedCamera, UndoesTheFisheyeModel) {
   });
 }
 
+TEST(CalibratedCamera, UndoesAFisheyeWhoseCoefficientsAreZero) {
+  expect_undistorted("{model: fisheye, coefficients: [0, 0, 0, 0]}", [](Ray ray) {
+    const double r = std::hypot(ray.x, ray.y);
+    if (r < 1e-12) return ray;
+    return Ray{ray.x / r * std::atan(r), ray.y / r * std::atan(r)};
+  });
+}
+
 TEST(CalibratedCamera, TakesEachDepthFromTheNearestPixel) {
   constexpr int kWidth = 160, kHeight = 120;
   constexpr double kF = 150.0, kCx = 81.0, kCy = 58.0, kK1 = -0.22;
