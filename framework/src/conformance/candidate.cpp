@@ -15,7 +15,7 @@ using Registry = std::shared_ptr<const host::Registry>;
 constexpr std::string_view kManifest = ".plugin.yaml", kLibrary = ".so", kArguments = ".check";
 constexpr std::uint64_t kMostArgumentBytes = 1 << 20;
 
-std::string without(std::string text, std::string_view ending) {
+std::string without(const std::string& text, std::string_view ending) {
   return text.ends_with(ending) ? text.substr(0, text.size() - ending.size()) : text;
 }
 

@@ -167,21 +167,21 @@ void check_set(const Setting& setting, const yaml::Node& base, const host::Param
   const auto watched = [](Performer& performer) {
     performer.watch([end = Clock::now() + kLongestCalls] { return Clock::now() > end; });
   };
-  const Answer stopped{WEFT_CANCELLED, Errc::cancelled, "", {}};
+  const auto stopped = [] { return Answer{WEFT_CANCELLED, Errc::cancelled, "", {}}; };
   const std::string expected = digest_apart([&] {
     Performer fresh((*after)->subject());
     watched(fresh);
     const Answer ready = (*after)->begin(fresh);
-    return ready.is_usable() ? (*after)->frame(fresh, 1) : stopped;
+    return ready.is_usable() ? (*after)->frame(fresh, 1) : stopped();
   });
   const std::string given = digest_apart([&] {
     Performer set((*before)->subject());
     watched(set);
-    if (!(*before)->begin(set).is_usable()) return stopped;
+    if (!(*before)->begin(set).is_usable()) return stopped();
     (*before)->frame(set, 0);
     const Scene& scene = (*after)->scene();
-    if (!set.replace((*after)->subject(), scene.templ, scene.camera)) return stopped;
-    return (*after)->open(set).is_usable() ? (*after)->frame(set, 1) : stopped;
+    if (!set.replace((*after)->subject(), scene.templ, scene.camera)) return stopped();
+    return (*after)->open(set).is_usable() ? (*after)->frame(set, 1) : stopped();
   });
   page.expect(expected.empty() || given.empty() || given == expected,
               fmt::format("{} set between two frames: it {}, and a new instance {}; keep nothing "

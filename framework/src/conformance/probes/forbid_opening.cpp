@@ -8,6 +8,7 @@
 #include <ucontext.h>
 
 #include <array>
+#include <bit>
 #include <cerrno>
 #include <csignal>
 #include <cstddef>
@@ -47,7 +48,7 @@ void on_opening(int /*signal*/, siginfo_t* info, void* given) {
 #endif
   if (is_forbidden != 0) return;
   is_forbidden = 1;
-  std::strncpy(first_path.data(), reinterpret_cast<const char*>(path), first_path.size() - 1);
+  std::strncpy(first_path.data(), std::bit_cast<const char*>(path), first_path.size() - 1);
 }
 
 bool can_answer() { return true; }

@@ -86,8 +86,8 @@ std::string other_record(const StageConfig& reader, const std::string& slot,
                                     [&](const RoleSlot& each) { return each.name == name; });
     return found != slots.end() ? found->type : std::string();
   };
-  constexpr std::string_view kPrevious = "previous.";
-  const std::string made = slot.substr(slot.starts_with(kPrevious) ? kPrevious.size() : 0);
+  const std::string earlier = "previous.";
+  const std::string made = slot.substr(slot.starts_with(earlier) ? earlier.size() : 0);
   const std::string wanted = type_in(reads.rules().main_method().inputs, slot);
   const std::string given = type_in(makes.rules().main_method().outputs, made);
   const host::RecordSchema *as_read = reads.schema_of(wanted), *as_made = makes.schema_of(given);

@@ -107,12 +107,11 @@ Result<void> Replay::check(const StageCall& call) const {
   for (const GivenRecord& input : call.inputs) {
     const host::RecordSchema* schema = component.schema_of(input.record->type());
     if (!is_vendor_record(input.record->type())) continue;
-    const auto valid =
-        schema != nullptr
-            ? host::validate(input.record->view(input.slot.c_str()), *schema)
-            : Error{Errc::invalid_data, component.id + " does not know the record type " +
-                                            std::string(input.record->type()) + " of its input '" +
-                                            input.slot + "'"};
+    auto valid = schema != nullptr
+                     ? host::validate(input.record->view(input.slot.c_str()), *schema)
+                     : Error{Errc::invalid_data, component.id + " does not know the record type " +
+                                                     std::string(input.record->type()) +
+                                                     " of its input '" + input.slot + "'"};
     if (!valid) return valid;
   }
   return {};
