@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <weft/core/index.hpp>
 #include <weft/data/matrix.hpp>
 
@@ -111,8 +112,12 @@ Answer Play::begin(Performer& performer) {
 Answer Play::open(Performer& performer) const {
   const PipelinePart part = subject_.rules().part;
   if (part == PipelinePart::source) return performer.call(kOpenSource, {});
-  if (part == PipelinePart::sink) return performer.call(kOpenSink, {});
-  return {};
+  if (part != PipelinePart::sink) return {};
+  std::error_code ignored;  // what an earlier one wrote, a sink may refuse to touch
+  for (const auto& entry : std::filesystem::directory_iterator(folder_->path(), ignored)) {
+    std::filesystem::remove_all(entry.path(), ignored);
+  }
+  return performer.call(kOpenSink, {});
 }
 
 Answer Play::frame(Performer& performer, std::uint64_t number) {
