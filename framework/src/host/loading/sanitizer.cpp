@@ -14,8 +14,8 @@ struct Sanitizer {
   const char *name, *option;
   std::string_view symbol;   ///< what instrumented code begins to call, or how that begins
   std::string_view library;  ///< how the name of GCC's runtime begins
-  const char* preloaded;     ///< of Clang's runtime, where a program can be started with it
-  bool comes_late;           ///< the runtime may be loaded with the library
+  const char* preloaded;  ///< Clang's runtime; null where a program not built so reports anything
+  bool comes_late;        ///< the runtime may be loaded with the library
 };
 
 constexpr Sanitizer kSanitizers[] = {
@@ -41,16 +41,11 @@ bool is_loaded(const std::string& library) {
 }
 
 std::string fix_of(const Sanitizer& sanitizer, const std::string& runtime) {
-  std::string fix = "rebuild it without -fsanitize=" + std::string(sanitizer.option);
-  const auto start = [&](const std::string& with) {
-    fix += ", or start Weft with LD_PRELOAD=" + with;
-  };
-  if (!runtime.empty()) {
-    start(runtime);
-  } else if (sanitizer.preloaded != nullptr) {
-    start("$(clang++ -print-file-name=" + std::string(sanitizer.preloaded) + ")");
-  }
-  return fix;
+  const std::string fix = "rebuild it without -fsanitize=" + std::string(sanitizer.option);
+  if (sanitizer.preloaded == nullptr) return fix;
+  const std::string of_clang =
+      "$(clang++ -print-file-name=" + std::string(sanitizer.preloaded) + ")";
+  return fix + ", or start Weft with LD_PRELOAD=" + (runtime.empty() ? of_clang : runtime);
 }
 
 }  // namespace
