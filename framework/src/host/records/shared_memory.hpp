@@ -57,8 +57,8 @@ class SharedMemory {
   std::size_t reserve_bytes_;
 };
 
-/// The error where no memory is left for `what`: "there is no room for X in shared memory". Names the
-/// file size limit, where one is set, since it bounds memory files, too.
+/// The error where no memory is left for `what`: "there is no room for X in shared memory". Names
+/// the file size limit, where one is set, since it bounds memory files, too.
 Error no_room_in_shared_memory(const std::string& what);
 
 /// Hands out blocks of a shared memory that this process writes; from any thread.
