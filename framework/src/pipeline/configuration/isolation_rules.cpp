@@ -46,8 +46,7 @@ std::string path_bound_here(const host::ComponentSpec& spec) {
 IsolationRules::IsolationRules(const host::ComponentSpec& component, PipelinePart part,
                                Isolating isolating) {
   if (component.installed == nullptr) return;
-  const bool prefers =
-      part == PipelinePart::stage && component.component().prefers_isolation();
+  const bool prefers = part == PipelinePart::stage && component.component().prefers_isolation();
   const bool foreign = is_foreign(component);
   switch (isolating) {
     case Isolating::preferred:
@@ -63,9 +62,8 @@ IsolationRules::IsolationRules(const host::ComponentSpec& component, PipelinePar
       break;
   }
   has_reason_ = prefers || (foreign && isolating != Isolating::preferred);
-  bound_by_ = component.component().steers_runs()
-                  ? "the run is steered through this sink"
-                  : path_bound_here(component);
+  bound_by_ = component.component().steers_runs() ? "the run is steered through this sink"
+                                                  : path_bound_here(component);
 }
 
 }  // namespace weft
