@@ -76,11 +76,8 @@ typedef struct weft_array {
   int32_t dtype; /* weft_dtype */
   int32_t ndim;  /* 0 for a scalar */
   int64_t shape[WEFT_MAX_DIMENSIONS];
-  /* Bytes, signed, in C order. Of an input of two or more axes stride[0] may be any multiple of the
-     element's size: larger than an entry where entries are padded, negative where they run
-     backwards. */
-  int64_t stride[WEFT_MAX_DIMENSIONS];
-  void* data;  /* aligned to its elements; null in device memory */
+  int64_t stride[WEFT_MAX_DIMENSIONS]; /* bytes; [0] of two axes or more: padded, or negative */
+  void* data;                          /* aligned to its elements; null in device memory */
   void* owner; /* the host's own, to be passed on as it is; null in records that a plugin makes */
   uint64_t handle; /* device memory only: by which its library knows it; not 0 */
   int32_t memory; /* weft_memory; an array in device memory reaches only the library that made it */
