@@ -84,7 +84,10 @@ std::int32_t OtherHost::prepare(const weft_component& component, void* self, con
   Stay stay{*this, call};
   weft_call with = call;
   with.context = &stay;
-  return Passage::prepare(component, self, dressed(with, kForwarding), inputs, error);
+  const std::int32_t status =
+      Passage::prepare(component, self, dressed(with, kForwarding), inputs, error);
+  left(status);
+  return status;
 }
 
 std::int32_t OtherHost::process(const weft_component& component, void* self, const weft_call& call,
@@ -92,27 +95,18 @@ std::int32_t OtherHost::process(const weft_component& component, void* self, con
   Stay stay{*this, call};
   weft_call with = call;
   with.context = &stay;
-  return Passage::process(component, self, dressed(with, kForwarding), inputs, error);
+  const std::int32_t status =
+      Passage::process(component, self, dressed(with, kForwarding), inputs, error);
+  left(status);
+  return status;
 }
 
 void* StingyHost::given(void* memory, const std::string& /*name*/, std::int64_t /*bytes*/) {
   return asked_++ == refused_ ? nullptr : memory;
 }
 
-std::int32_t StingyHost::prepare(const weft_component& component, void* self, const weft_call& call,
-                                 std::span<const weft_record> inputs, weft_error* error) {
-  const bool before = has_refused();
-  const std::int32_t status = OtherHost::prepare(component, self, call, inputs, error);
-  if (!before && has_refused()) answer_ = status;
-  return status;
-}
-
-std::int32_t StingyHost::process(const weft_component& component, void* self, const weft_call& call,
-                                 std::span<const weft_record> inputs, weft_error* error) {
-  const bool before = has_refused();
-  const std::int32_t status = OtherHost::process(component, self, call, inputs, error);
-  if (!before && has_refused()) answer_ = status;
-  return status;
+void StingyHost::left(std::int32_t status) {
+  if (has_refused() && !answer_) answer_ = status;
 }
 
 void* WalledHost::given(void* memory, const std::string& name, std::int64_t bytes) {
@@ -125,7 +119,8 @@ void* WalledHost::given(void* memory, const std::string& name, std::int64_t byte
   return begin;
 }
 
-std::int32_t WalledHost::leave(std::int32_t status) {
+/// Hands what was written to the host, and looks at the walls.
+void WalledHost::left(std::int32_t /*status*/) {
   for (const auto& [name, room] : rooms_) {
     const std::byte* const wall = room.begin + room.bytes;
     const bool holds =
@@ -134,17 +129,6 @@ std::int32_t WalledHost::leave(std::int32_t status) {
     std::memcpy(room.of_host, room.begin, room.bytes);
   }
   rooms_.clear();
-  return status;
-}
-
-std::int32_t WalledHost::prepare(const weft_component& component, void* self, const weft_call& call,
-                                 std::span<const weft_record> inputs, weft_error* error) {
-  return leave(OtherHost::prepare(component, self, call, inputs, error));
-}
-
-std::int32_t WalledHost::process(const weft_component& component, void* self, const weft_call& call,
-                                 std::span<const weft_record> inputs, weft_error* error) {
-  return leave(OtherHost::process(component, self, call, inputs, error));
 }
 
 void* DirtyHost::given(void* memory, const std::string& /*name*/, std::int64_t bytes) {

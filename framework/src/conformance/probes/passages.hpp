@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,6 +29,8 @@ class OtherHost : public testing::Passage {
   virtual void* given(void* memory, const std::string& /*name*/, std::int64_t /*bytes*/) {
     return memory;
   }
+  /// What the component answered to prepare or process.
+  virtual void left(std::int32_t /*status*/) {}
   /// A call that stands for `call`, with the host table `host`; both live as long as this.
   virtual const weft_call& dressed(const weft_call& call, const weft_host& host);
 
@@ -44,18 +47,15 @@ class StingyHost final : public OtherHost {
   explicit StingyHost(int refused) : refused_(refused) {}
   bool has_refused() const { return asked_ > refused_; }
   /// The component's own status of the call in which it was refused.
-  std::int32_t answer() const { return answer_; }
-  std::int32_t prepare(const weft_component& component, void* self, const weft_call& call,
-                       std::span<const weft_record> inputs, weft_error* error) override;
-  std::int32_t process(const weft_component& component, void* self, const weft_call& call,
-                       std::span<const weft_record> inputs, weft_error* error) override;
+  std::int32_t answer() const { return answer_.value_or(WEFT_OK); }
 
  protected:
   void* given(void* memory, const std::string& name, std::int64_t bytes) override;
+  void left(std::int32_t status) override;
 
  private:
   int refused_, asked_ = 0;
-  std::int32_t answer_ = WEFT_OK;
+  std::optional<std::int32_t> answer_;
 };
 
 /// What alloc gives ends at bytes that must stay as they are.
@@ -63,13 +63,10 @@ class WalledHost final : public OtherHost {
  public:
   /// "SLOT/ARRAY" of the first that was written beyond; empty for none.
   const std::string& breached() const { return breached_; }
-  std::int32_t prepare(const weft_component& component, void* self, const weft_call& call,
-                       std::span<const weft_record> inputs, weft_error* error) override;
-  std::int32_t process(const weft_component& component, void* self, const weft_call& call,
-                       std::span<const weft_record> inputs, weft_error* error) override;
 
  protected:
   void* given(void* memory, const std::string& name, std::int64_t bytes) override;
+  void left(std::int32_t status) override;
 
  private:
   struct Room {
@@ -78,9 +75,6 @@ class WalledHost final : public OtherHost {
     std::vector<std::byte> memory;  ///< with a wall behind what was asked for
     std::byte* begin;
   };
-  /// Hands what was written to the host, and looks at the walls.
-  std::int32_t leave(std::int32_t status);
-
   std::map<std::string, Room> rooms_;  ///< of the call that is being made
   std::string breached_;
 };
