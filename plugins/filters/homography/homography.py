@@ -6,7 +6,7 @@ import math
 import numpy as np
 import weft
 
-BATCH = 64
+MOST_AT_ONCE = 2**18  # matches times samples
 FEWEST_AGREEING = 8
 MISSED = 0.01  # chance that no sample so far was without a mismatch
 
@@ -43,7 +43,7 @@ def fitted(start, end):
     rows = np.concatenate([
         np.stack([x, y, one, zero, zero, zero, -u * x, -u * y, -u], axis=-1),
         np.stack([zero, zero, zero, x, y, one, -v * x, -v * y, -v], axis=-1)], axis=-2)
-    _, _, axes = np.linalg.svd(rows)
+    _, _, axes = np.linalg.svd(rows, full_matrices=rows.shape[-2] < 9)
     return axes[..., -1, :].reshape(*axes.shape[:-2], 3, 3)
 
 
@@ -89,10 +89,11 @@ class Homography(weft.Filter):
         """The homography of the least sum of squares, each cut at that of the bound, or None; and how
         many were drawn."""
         rng, count = call.rng(), len(start)
+        batch = min(64, max(1, MOST_AT_ONCE // count))
         least, found, draws, wanted = math.inf, None, 0, self.most_draws
         while draws < wanted:
             call.go_on()
-            drawn = np.array([rng.choice(count, 4, replace=False) for _ in range(min(BATCH, wanted - draws))])
+            drawn = np.array([rng.choice(count, 4, replace=False) for _ in range(min(batch, wanted - draws))])
             draws += len(drawn)
             maps = fitted(start[drawn], end[drawn])
             maps = maps[np.linalg.cond(maps) < 1e9]
