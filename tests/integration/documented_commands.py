@@ -7,6 +7,7 @@ or in backquotes, must pass `weft check` with the same settings. Pipelines on re
 left out.
 """
 
+import os
 import pathlib
 import re
 import shlex
@@ -27,13 +28,14 @@ def commands(page):
 def main():
     weft, root = sys.argv[1], pathlib.Path(sys.argv[2]).resolve()
     checked, failed = 0, 0
+    environment = {name: value for name, value in os.environ.items() if name != "WEFT_DATA"}
     for page in [root / "README.md", *sorted((root / "docs").rglob("*.md"))]:
         for number, pipeline, settings in commands(page):
-            if "WEFT_DATA" in (root / pipeline).read_text(encoding="utf-8"):
-                continue
             options = [word for setting in settings for word in ("--set", setting)]
-            done = subprocess.run([weft, "check", pipeline, *options], cwd=root, text=True,
+            done = subprocess.run([weft, "check", pipeline, *options], cwd=root, text=True, env=environment,
                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+            if "the variable WEFT_DATA is not set" in done.stdout:
+                continue
             checked += 1
             if done.returncode != 0:
                 failed += 1

@@ -6,6 +6,7 @@ EXAMPLES is the folder of the example in C++ that does the same as the one in Py
 """
 
 import json
+import os
 import pathlib
 import re
 import subprocess
@@ -17,12 +18,14 @@ import numpy as np
 
 WEFT, ROOT, *FOLDERS = sys.argv[1], pathlib.Path(sys.argv[2]), *sys.argv[3:6]
 FRAMES = 3
+# A sanitizer leaves a crash to the host, whose report of it is looked at.
+ENVIRONMENT = {**os.environ, "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", "") + ":handle_segv=0"}
 
 
 def run(*words):
     paths = [word for folder in FOLDERS for word in ("--plugin-path", folder)]
     return subprocess.run([WEFT, *words, *paths], text=True, stdout=subprocess.PIPE,
-                          stderr=subprocess.STDOUT, check=False)
+                          stderr=subprocess.STDOUT, check=False, env=ENVIRONMENT)
 
 
 class Pipelines(unittest.TestCase):
