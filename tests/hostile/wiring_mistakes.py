@@ -26,6 +26,8 @@ class Stage:
     makes: str
     before: list[Stage]
     behind: list[Stage]
+    meant: bool = False  # by a mistake of another stage, which is right only under this name
+    renamed: bool = False
 
 
 def stages_of(root: Map) -> list[tuple[Map, Stage]]:
@@ -63,11 +65,13 @@ def wrong_when(rng: Random, part: Map, stage: Stage) -> Planted | None:
     if kind == 3:
         wrong = rng.choice([Text("always"), tree([1]), Text("", '"3"')])
         return Planted("wrong type", put_value(part, "when", wrong))
-    names = [other.name for other in stage.before if len(other.name) >= 4 and "#" not in other.name]
+    meant = [other for other in stage.before
+             if len(other.name) >= 4 and "#" not in other.name and not other.renamed]
     later = [stage.name, *(other.name for other in stage.behind)]
-    if kind == 4 and names:
-        right = rng.choice(names)
-        written = Text(misspelt(rng, right, names))
+    if kind == 4 and meant:
+        chosen = rng.choice(meant)
+        chosen.meant, right = True, chosen.name
+        written = Text(misspelt(rng, right, [other.name for other in meant]))
         put_value(part, "when", Map([(Text("not_ok"), rng.choice([written, List([written])]))]))
         return Planted("misspelt stage in when", written, right)
     written = Text(rng.choice([unlike(rng), *later]))
@@ -107,8 +111,9 @@ def two_for_one(rng: Random, part: Map, stage: Stage) -> Planted | None:
 def name_of_another(rng: Random, part: Map, stage: Stage) -> Planted | None:
     """The name of an earlier stage, which nobody means by it any more."""
     given = [other.name for other in stage.before if other.name not in TYPES and "#" not in other.name]
-    if part.find("as") is not None or not given:
+    if part.find("as") is not None or not given or stage.meant:
         return None
+    stage.renamed = True
     return Planted("name twice", put_value(part, "as", Text(rng.choice(given))))
 
 

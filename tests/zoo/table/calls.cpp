@@ -36,7 +36,9 @@ void read_beyond_a_file() {
   static_cast<void>(read);
 }
 
-void divide(const volatile int& number, const volatile int& nothing) {
+/// As the processor does it: no sanitizer answers in its place.
+[[gnu::no_sanitize("undefined")]] void divide(const volatile int& number,
+                                              const volatile int& nothing) {
   const volatile int result = number / nothing;
   static_cast<void>(result);
 }
