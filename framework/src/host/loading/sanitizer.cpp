@@ -41,7 +41,7 @@ bool is_loaded(const std::string& library) {
 }
 
 std::string fix_of(const Sanitizer& sanitizer, const std::string& runtime) {
-  const std::string fix = "rebuild it without -fsanitize=" + std::string(sanitizer.option);
+  std::string fix = "rebuild it without -fsanitize=" + std::string(sanitizer.option);
   if (sanitizer.preloaded == nullptr) return fix;
   const std::string of_clang =
       "$(clang++ -print-file-name=" + std::string(sanitizer.preloaded) + ")";
