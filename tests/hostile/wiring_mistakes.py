@@ -65,13 +65,13 @@ def wrong_when(rng: Random, part: Map, stage: Stage) -> Planted | None:
     if kind == 3:
         wrong = rng.choice([Text("always"), tree([1]), Text("", '"3"')])
         return Planted("wrong type", put_value(part, "when", wrong))
-    meant = [other for other in stage.before
+    named = [other for other in stage.before
              if len(other.name) >= 4 and "#" not in other.name and not other.renamed]
     later = [stage.name, *(other.name for other in stage.behind)]
-    if kind == 4 and meant:
-        chosen = rng.choice(meant)
+    if kind == 4 and named:
+        chosen = rng.choice(named)
         chosen.meant, right = True, chosen.name
-        written = Text(misspelt(rng, right, [other.name for other in meant]))
+        written = Text(misspelt(rng, right, [other.name for other in named]))
         put_value(part, "when", Map([(Text("not_ok"), rng.choice([written, List([written])]))]))
         return Planted("misspelt stage in when", written, right)
     written = Text(rng.choice([unlike(rng), *later]))

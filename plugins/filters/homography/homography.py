@@ -21,11 +21,16 @@ def similarity(points):
 def moved(maps, points):
     """Points [N,2] by maps [...,3,3]: [...,N,2], infinite where a map sends them behind the camera."""
     lifted = np.column_stack([points, np.ones(len(points))]) @ np.swapaxes(maps, -1, -2)
-    front = np.median(lifted[..., 2], axis=-1, keepdims=True)
-    depth = lifted[..., 2] * np.where(front < 0.0, -1.0, 1.0)
+    front = np.median(lifted[..., 2:], axis=-2, keepdims=True)
+    lifted *= np.where(front < 0.0, -1.0, 1.0)
+    depth = lifted[..., 2:]
     ahead = depth > 1e-9
-    xy = lifted[..., :2] * np.where(front < 0.0, -1.0, 1.0)[..., None]
-    return np.where(ahead[..., None], xy / np.where(ahead, depth, 1.0)[..., None], np.inf)
+    return np.where(ahead, lifted[..., :2] / np.where(ahead, depth, 1.0), np.inf)
+
+
+def apart(maps, start, end):
+    """How far start, moved by maps [...,3,3], is from end, each [N,2]: [...,N]."""
+    return np.hypot(*np.moveaxis(moved(maps, start) - end, -1, 0))
 
 
 def on_a_line(points):
@@ -72,7 +77,7 @@ class Homography(weft.Filter):
         found, draws = self.best(given.call, start, end, bound)
         if found is None:
             raise weft.NoResult("no four matches make a plane: they lie on a line, or in one place")
-        off_px = np.hypot(*(moved(found, start) - end).T) / after[0, 0]
+        off_px = apart(found, start, end) / after[0, 0]
         within = off_px <= self.tolerance_px
         if on_a_line(start[within]) or on_a_line(end[within]):
             raise weft.NoResult("the matches that agree lie on a line, or in one place")
@@ -99,15 +104,15 @@ class Homography(weft.Filter):
             maps = maps[np.linalg.cond(maps) < 1e9]
             if not len(maps):
                 continue
-            off = np.hypot(*np.moveaxis(moved(maps, start) - end, -1, 0))
-            costs = np.minimum(off, bound) ** 2
-            winner = np.argmin(costs.sum(axis=1))
-            if costs[winner].sum() < least:
-                least, found = costs[winner].sum(), maps[winner]
+            off = apart(maps, start, end)
+            costs = (np.minimum(off, bound) ** 2).sum(axis=1)
+            winner = np.argmin(costs)
+            if costs[winner] < least:
+                least, found = costs[winner], maps[winner]
                 share = max(np.mean(off[winner] <= bound), 1e-9)
                 wanted = min(wanted, math.ceil(math.log(MISSED) / math.log1p(-min(share**4, 1.0 - 1e-9))))
         for _ in range(3 if found is not None else 0):
-            within = np.hypot(*(moved(found, start) - end).T) <= bound
+            within = apart(found, start, end) <= bound
             if within.sum() >= 4:
                 found = fitted(start[within], end[within])
         return found, draws
