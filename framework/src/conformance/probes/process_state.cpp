@@ -19,6 +19,11 @@
 #if defined(__x86_64__)
 #include <xmmintrin.h>
 #endif
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define WEFT_SANITIZER_ALLOCATES
+// Of sanitizer/allocator_interface.h, which GCC does not install.
+extern "C" std::size_t __sanitizer_get_current_allocated_bytes();
+#endif
 
 namespace weft::conformance {
 namespace {
@@ -71,17 +76,26 @@ std::string file_mask() {
 std::size_t count_descriptors() { return entries_of("/proc/self/fd"); }
 std::size_t count_threads() { return entries_of("/proc/self/task"); }
 
+#ifdef WEFT_SANITIZER_ALLOCATES
+std::int64_t heap_bytes() {
+  return static_cast<std::int64_t>(__sanitizer_get_current_allocated_bytes());
+}
+
+// It keeps what is freed for a while, which makes the process larger.
+std::int64_t resident_bytes() { return heap_bytes(); }
+#else
+std::int64_t heap_bytes() {
+  const struct mallinfo2 heap = mallinfo2();
+  return static_cast<std::int64_t>(heap.uordblks + heap.hblkhd);
+}
+
 std::int64_t resident_bytes() {
   std::ifstream file("/proc/self/statm");
   std::int64_t total = 0, resident = 0;
   file >> total >> resident;
   return resident * sysconf(_SC_PAGESIZE);
 }
-
-std::int64_t heap_bytes() {
-  const struct mallinfo2 heap = mallinfo2();
-  return static_cast<std::int64_t>(heap.uordblks + heap.hblkhd);
-}
+#endif
 
 double processor_ms() {
   timespec time{};

@@ -12,8 +12,8 @@ namespace weft::conformance {
 
 std::size_t count_descriptors();
 std::size_t count_threads();
-std::int64_t resident_bytes();
-std::int64_t heap_bytes();  ///< that are allocated and not freed
+std::int64_t resident_bytes();  ///< of the process; under a sanitizer, those of the heap
+std::int64_t heap_bytes();      ///< that are allocated and not freed
 
 /// [ms] of processor time that this process took so far, all of its threads.
 double processor_ms();
