@@ -174,6 +174,7 @@ TEST(Zoo, RefusesADamagedManifestAtItsPlace) {
   EXPECT_THAT(refusal_with("compiler:", "kompiler:"), HasSubstr("'compiler' is missing"));
   EXPECT_THAT(refusal_with("type: f64", "type: f99"), HasSubstr("unknown type 'f99'"));
   EXPECT_THAT(refusal_with("range: [0, 100]", "range: [0, x]"), HasSubstr("'range'"));
+  EXPECT_THAT(refusal_with("range: [0, 100]", "range: [1, 0]"), HasSubstr("'range'"));
   EXPECT_THAT(refusal_with("abi: [", "abi: [1e9, "), HasSubstr("'abi'"));
   EXPECT_THAT(refusal_with("isa: [", "isa: {}  # ["), HasSubstr("'isa' is no list"));
   EXPECT_THAT(refusal_with("filters/zoo_good", "Filters zoo_good"), HasSubstr("role/name"));

@@ -99,6 +99,7 @@ TEST(FrameLine, TheNextFrameEntersWhileOneIsOnItsWay) {
 }
 
 TEST(FrameLine, NoMoreFramesThanAllowedAreOnTheirWay) {
+  Diary diary;
   std::atomic<int> inside{0}, most{0};
   FrameLine line(std::vector<StepRule>(3), 2, 2);
   line.run(4, [&](std::size_t step, std::uint64_t frame) {
@@ -108,8 +109,13 @@ TEST(FrameLine, NoMoreFramesThanAllowedAreOnTheirWay) {
       int seen = most.load();
       while (now > seen && !most.compare_exchange_weak(seen, now)) {
       }
+      diary.write("begin ", step, frame);
     }
     std::this_thread::yield();
+    // Ends only because two are allowed, whatever the threads do.
+    if (step == 2 && frame == 0) {
+      EXPECT_TRUE(diary.await("begin 0 of 1"));
+    }
     if (step == 2) inside.fetch_sub(1);
     return Answer::passed;
   });

@@ -92,7 +92,9 @@ ParameterSpec read_parameter(const yaml::Node& node) {
     const bool two = range->items.size() == 2;
     const auto minimum = two ? yaml::as_double(range->items[0]) : std::nullopt;
     const auto maximum = two ? yaml::as_double(range->items[1]) : std::nullopt;
-    if (!minimum || !maximum) throw Missing{range->at, "'range' is not [minimum, maximum]"};
+    if (!minimum || !maximum || !(*minimum <= *maximum)) {
+      throw Missing{range->at, "'range' is not [minimum, maximum]"};
+    }
     spec.bounded = true;
     spec.minimum = *minimum;
     spec.maximum = *maximum;
