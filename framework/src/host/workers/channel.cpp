@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <weft/core/index.hpp>
 
 namespace weft::host {
@@ -21,6 +22,8 @@ struct Header {
 
 constexpr std::uint32_t kMark = 0x54464557;  // "WEFT"
 constexpr std::uint64_t kLongestMessage_bytes = 64U << 20U;
+constexpr std::chrono::microseconds kSoon{100};  ///< a few times what waking a core takes
+constexpr int kEnoughShortWaits = 16;
 
 }  // namespace
 
@@ -67,7 +70,7 @@ Channel::Received Channel::read(char* target, std::size_t size,
                                 const std::function<bool()>& keep_waiting) {
   for (std::size_t got = 0; got < size;) {
     if (ahead_.empty()) {
-      const ssize_t count = recv(socket_, buffer_.data(), buffer_.size(), 0);
+      const ssize_t count = read_some();
       if (count == 0 || (count < 0 && errno != EINTR && errno != EAGAIN)) return Received::closed;
       ahead_ = {buffer_.data(), to_index(std::max<ssize_t>(count, 0))};
     }
@@ -79,6 +82,22 @@ Channel::Received Channel::read(char* target, std::size_t size,
     if (got < size && keep_waiting && !keep_waiting()) return Received::gave_up;
   }
   return Received::message;
+}
+
+/// Awake for a moment where messages have come that soon. Where both ends share a core, being awake
+/// only keeps the other one waiting: that is tried rarely.
+ssize_t Channel::read_some() {
+  const auto start = std::chrono::steady_clock::now();
+  const auto is_soon = [&] { return std::chrono::steady_clock::now() - start < kSoon; };
+  while (short_waits_ >= kEnoughShortWaits && is_soon()) {
+    const ssize_t count = recv(socket_, buffer_.data(), buffer_.size(), MSG_DONTWAIT);
+    if (count >= 0 || errno != EAGAIN) return count;
+  }
+  const ssize_t count = recv(socket_, buffer_.data(), buffer_.size(), 0);
+  const int reason = errno;
+  short_waits_ = is_soon() ? short_waits_ + 1 : 0;
+  errno = reason;
+  return count;
 }
 
 }  // namespace weft::host

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <sys/types.h>
+
 #include <array>
 #include <functional>
 #include <mutex>
@@ -40,10 +42,12 @@ class Channel {
 
  private:
   Received read(char* target, std::size_t size, const std::function<bool()>& keep_waiting);
+  ssize_t read_some();
 
   int socket_;
   std::array<char, 8192> buffer_{};
   std::string_view ahead_{};  ///< of the buffer, not yet asked for
+  int short_waits_ = 0;       ///< asleep, since the last long one
   std::mutex sending_;
 };
 
