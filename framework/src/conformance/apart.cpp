@@ -88,19 +88,29 @@ bool read_some(int file, int wait_ms, std::string& written) {
   return true;
 }
 
-/// All that it writes until it ends, or the time is over. Others may hold the pipe open after its
-/// end, and it may close the pipe before.
-std::string listen(const Pipe& notes, pid_t child, std::chrono::seconds longest, int& status) {
-  constexpr int kWait_ms = 20;
+struct Heard {
   std::string written;
-  const auto end = Clock::now() + longest;
-  for (bool is_open = true; waitpid(child, &status, WNOHANG) != child;) {
-    if (is_open) is_open = read_some(notes.read_end, kWait_ms, written);
+  int status = 0;     ///< as waitpid() tells it
+  bool late = false;  ///< it wrote nothing for too long, and was ended
+};
+
+/// All that it writes until it ends, or is silent for `longest`. Others may hold the pipe open
+/// after its end, and it may close the pipe before.
+Heard listen(const Pipe& notes, pid_t child, std::chrono::seconds longest) {
+  constexpr int kWait_ms = 20;
+  Heard heard;
+  auto last = Clock::now();
+  for (bool is_open = true; waitpid(child, &heard.status, WNOHANG) != child;) {
+    const std::size_t before = heard.written.size();
+    if (is_open) is_open = read_some(notes.read_end, kWait_ms, heard.written);
     if (!is_open) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    if (Clock::now() > end) kill(child, SIGKILL);
+    if (heard.written.size() > before) last = Clock::now();
+    heard.late = Clock::now() - last > longest;
+    if (heard.late) kill(child, SIGKILL);
   }
-  read_some(notes.read_end, 0, written);
-  return written;
+  read_some(notes.read_end, 0, heard.written);
+  heard.late = heard.late && WIFSIGNALED(heard.status);
+  return heard;
 }
 
 /// The last line that it printed, in quotes.
@@ -115,12 +125,12 @@ std::string last_line(int printed) {
   return text.empty() ? "" : ", having printed '" + text + "'";
 }
 
-std::string how_it_ended(int status, bool late, std::chrono::seconds longest) {
-  if (late) return fmt::format("not done after {} s", longest.count());
-  if (WIFEXITED(status)) {
-    return fmt::format("it ended its process with exit code {}", WEXITSTATUS(status));
+std::string how_it_ended(const Heard& heard, std::chrono::seconds longest) {
+  if (heard.late) return fmt::format("not done after {} s", longest.count());
+  if (WIFEXITED(heard.status)) {
+    return fmt::format("it ended its process with exit code {}", WEXITSTATUS(heard.status));
   }
-  const int signal = WTERMSIG(status);
+  const int signal = WTERMSIG(heard.status);
   return fmt::format("ended by signal {} ({})", signal, strsignal(signal));
 }
 
@@ -132,16 +142,14 @@ std::vector<Finding> checked_apart(const std::string& first, const Choice& choic
   Pipe notes;
   const int printed = memfd_create("printed", MFD_CLOEXEC);
   if (printed < 0) throw std::runtime_error("there is no memory");
-  const auto start = Clock::now();
   std::fflush(nullptr);  // or both would write what is left
   const pid_t child = fork();
   if (child == 0) work(notes, printed, choice, make);
   if (child < 0) throw std::runtime_error("no process can be made");
   notes.close_writing();
-  int status = 0;
-  Notes read = read_notes(listen(notes, child, longest, status));
-  const bool late = Clock::now() - start > longest && WIFSIGNALED(status);
-  const bool whole = WIFEXITED(status) && WEXITSTATUS(status) == kWhole;
+  const Heard heard = listen(notes, child, longest);
+  Notes read = read_notes(heard.written);
+  const bool whole = WIFEXITED(heard.status) && WEXITSTATUS(heard.status) == kWhole;
   if (!whole) {
     const std::string check = !read.unfinished.empty() ? read.unfinished
                               : !read.findings.empty() ? read.findings.back().check
@@ -150,7 +158,7 @@ std::vector<Finding> checked_apart(const std::string& first, const Choice& choic
     read.findings.push_back(
         {check, Verdict::fails,
          fmt::format("{}{}{}; what comes after it in its group was not checked", read.remarks,
-                     how_it_ended(status, late, longest), last_line(printed))});
+                     how_it_ended(heard, longest), last_line(printed))});
   }
   close(printed);
   return std::move(read.findings);

@@ -88,12 +88,12 @@ const std::vector<Group>& all_groups() {
   using std::chrono::seconds;
   static const std::vector<Group> all = {
       {"load", "the library as a file, and what loading it does", &check_load, seconds(60), false},
-      {"table", "what a component says of itself, and other hosts", &check_table, seconds(120)},
-      {"parameters", "legal and illegal values", &check_parameters, seconds(300)},
-      {"contract", "the contract of its role", &check_contract, seconds(600)},
-      {"geometry", "the laws of geometry", &check_geometry, seconds(600)},
-      {"calls", "the same answers, however it is called", &check_calls, seconds(300)},
-      {"limits", "what it takes, and what it leaves as it was", &check_limits, seconds(600)},
+      {"table", "what a component says of itself, and other hosts", &check_table, seconds(60)},
+      {"parameters", "legal and illegal values", &check_parameters, seconds(240)},
+      {"contract", "the contract of its role", &check_contract, seconds(240)},
+      {"geometry", "the laws of geometry", &check_geometry, seconds(240)},
+      {"calls", "the same answers, however it is called", &check_calls, seconds(240)},
+      {"limits", "what it takes, and what it leaves as it was", &check_limits, seconds(240)},
   };
   return all;
 }
