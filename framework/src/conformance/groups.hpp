@@ -15,7 +15,7 @@ struct Group {
   const char* name;
   const char* sentence;  ///< what it is about
   void (*make)(const Setting& setting, Notebook& notebook);
-  std::chrono::seconds longest;
+  std::chrono::seconds longest;  ///< for one check
   bool calls = true;  ///< makes instances, for which parameters are needed, and maybe a device
 };
 
