@@ -335,6 +335,15 @@ TEST(Yaml, RefusesTextsThatAreNoUtf8) {
                       "1:1", "UTF-16");
 }
 
+TEST(Yaml, ReadsShortEscapesAsTheCharactersThatTheyStandFor) {
+  EXPECT_EQ(root_of(R"("\N\_\L\P")").scalar, "\u0085\u00A0\u2028\u2029");
+  const Node map = root_of(R"("\u00C5\N\u00FF\_key": "\x85\N\xA0\_")");
+  ASSERT_EQ(map.entries.size(), 1u);
+  EXPECT_EQ(map.entries[0].key, "\u00C5\u0085\u00FF\u00A0key");
+  EXPECT_EQ(map.entries[0].value.scalar, "\u0085\u0085\u00A0\u00A0");
+  EXPECT_EQ(root_of(emit(map)), map);
+}
+
 TEST(Yaml, RefusesControlCharacters) {
   expect_syntax_error(std::string("a: \0b", 5), "1:4", "U+0000");
   expect_syntax_error("a: 1\nb: \x04 2\n", "2:4", "U+0004");
