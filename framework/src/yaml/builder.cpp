@@ -26,16 +26,17 @@ void measure(const Node& node, std::size_t depth, std::size_t& nodes, std::size_
   for (const Entry& entry : node.entries) measure(entry.value, depth, nodes, deepest);
 }
 
-/// The text of a scalar. yaml-cpp gives the escapes `\N` (U+0085) and `\_` (U+00A0) as the one byte
-/// 85 or A0, which is no UTF-8.
+/// The text of a quoted scalar. yaml-cpp gives the escapes `\N` (U+0085) and `\_` (U+00A0) as the
+/// one byte 85 or A0, which is no UTF-8.
 std::string in_utf8(const std::string& value) {
   std::string text;
   text.reserve(value.size());
   for (std::size_t i = 0; i < value.size();) {
-    const std::size_t bytes = decode(value, i).bytes;
-    if (bytes == 0) text += '\xC2';
-    text.append(value, i, std::max<std::size_t>(bytes, 1));
-    i += std::max<std::size_t>(bytes, 1);
+    const CodePoint point = decode(value, i);
+    const std::size_t bytes = std::max<std::size_t>(point.bytes, 1);
+    if (point.bytes == 0) text += '\xC2';
+    text.append(value, i, bytes);
+    i += bytes;
   }
   return text;
 }
@@ -156,8 +157,9 @@ void Builder::OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anc
                        const std::string& value) {
   const std::size_t offset = begin(mark);
   check_tag(tag, Kind::scalar, offset);
-  Node node = plain_node(in_utf8(value), text_.position(offset));
-  node.quoted = tag != "?";
+  const bool quoted = tag != "?";
+  Node node = plain_node(quoted ? in_utf8(value) : value, text_.position(offset));
+  node.quoted = quoted;
   if (value.find('\0') != std::string::npos) {
     problem(node.at, "a text with the character NUL, which ends names and paths; remove it");
   }
