@@ -2,6 +2,11 @@
 # shellcheck shell=bash
 # Sourced by test.sh and demo.sh, which run in the repository root.
 
+# The packages of bootstrap.sh are Debian's. pyenv, conda and the like put a python3 without NumPy,
+# and libraries that CMake derives from PATH, before them.
+export PATH=/usr/bin:$PATH
+unset PYTHONHOME PYTHONPATH
+
 # Jobs that the machine bears: one more than its cores, but 3 GiB of memory for each.
 weft_jobs() {
   local kib limit by_cores by_memory

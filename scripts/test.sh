@@ -83,6 +83,10 @@ done
 ((long || all == 0)) || refuse "--all goes with --long"
 [[ -z $since ]] || ((ci && long == 0)) || refuse "--since goes with --ci"
 
+# Settings of the user's own runs, such as a plugin path or a token, are not those of the tests.
+for variable in "${!WEFT_@}"; do
+  [[ $variable =~ ^WEFT_(DATA|SLURM)$ ]] || unset "$variable"
+done
 if [[ -z ${WEFT_DATA+set} && -d ../shared/data ]]; then
   WEFT_DATA=$(cd ../shared/data && pwd)
   export WEFT_DATA

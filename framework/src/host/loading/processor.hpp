@@ -7,10 +7,17 @@
 
 namespace weft::host {
 
-/// Instruction sets, by the names that manifests use, that this processor has: "avx2", "fma".
-std::vector<std::string> processor_features();
+/// The flags of the first processor in /proc/cpuinfo; empty where the kernel lists none.
+std::string kernel_flags();
 
-/// Whether it has this one; false for a name that is not known.
+/// Instruction sets that plugins may use, by the names that manifests use: "avx2", "fma". The
+/// processor has them (CPUID), the system saves their registers (XCR0), and the kernel lists them
+/// in `flags`. Hypervisors and boot options mask CPUID and the kernel's list separately; a feature
+/// that one of them hides may be emulated, faulty or gone after a migration. Empty flags, and
+/// features that Linux 6.1 does not list, leave the decision to CPUID.
+std::vector<std::string> processor_features(std::string_view flags = kernel_flags());
+
+/// Whether plugins may use this one; false for a name that is not known.
 bool processor_has(std::string_view feature);
 
 /// Whether a name is known: that of a feature that this or another processor may have.
