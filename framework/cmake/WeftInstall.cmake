@@ -73,6 +73,12 @@ install(FILES ${PROJECT_BINARY_DIR}/installed/weftConfig.cmake
   DESTINATION ${package} COMPONENT dev)
 install(FILES ${PROJECT_BINARY_DIR}/installed/weft.pc DESTINATION lib/pkgconfig COMPONENT dev)
 
+weft_built_before_installing(runtime weft weft_worker weft_count_allocations)
+weft_built_before_installing(plugins weft_calibrate)
+weft_built_before_installing(dev weft_python weft_mutant weft_describe weft_host weft_testing
+  weft_pipeline)
+weft_built_before_installing(python weft_python_module)
+
 # For find_package(weft) with weft_DIR set to the build tree.
 set(with_python "")
 if(TARGET weft_python)

@@ -68,10 +68,16 @@ bool follows_end_mark(const Text& text, std::size_t offset) {
 
 }  // namespace
 
+std::string with_question_marks(std::string text) {
+  std::replace(text.begin(), text.end(), kQuestionMark, '?');
+  return text;
+}
+
 std::string Builder::unknown_anchor(const std::string& name) const {
   const std::string near = nearest(name, anchor_names_);
   std::string hint;
   if (!near.empty()) hint = "; did you mean " + quote("*" + near) + "?";
+  if (near.empty()) hint = "; quote a text that begins with '*'";
   if (!name.empty() && name.back() == ':') hint = "; put a space before the ':'";
   return "no anchor " + quote("&" + name) + " stands before this alias" + hint;
 }
@@ -110,7 +116,7 @@ void Builder::OnDocumentStart(const YAML::Mark& mark) {
 }
 
 void Builder::OnAnchor(const YAML::Mark&, const std::string& name) {
-  anchor_names_.push_back(name);
+  anchor_names_.push_back(with_question_marks(name));
 }
 
 void Builder::refuse_missing_value(std::size_t offset) const {
@@ -158,7 +164,8 @@ void Builder::OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anc
   const std::size_t offset = begin(mark);
   check_tag(tag, Kind::scalar, offset);
   const bool quoted = tag != "?";
-  Node node = plain_node(quoted ? in_utf8(value) : value, text_.position(offset));
+  std::string given = with_question_marks(value);
+  Node node = plain_node(quoted ? in_utf8(given) : std::move(given), text_.position(offset));
   node.quoted = quoted;
   if (value.find('\0') != std::string::npos) {
     problem(node.at, "a text with the character NUL, which ends names and paths; remove it");

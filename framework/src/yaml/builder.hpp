@@ -16,6 +16,10 @@ namespace weft::yaml::detail {
 /// Thrown to end the reading after a problem that makes going on pointless.
 struct Stop {};
 
+/// Stands for a '?' in what yaml-cpp gets: a byte that no UTF-8 has and no escape makes.
+inline constexpr char kQuestionMark = '\xC0';
+std::string with_question_marks(std::string text);
+
 /// Builds a document from the events of yaml-cpp and collects its problems; throws Fault where
 /// yaml-cpp accepts what is no YAML, and Stop.
 class Builder final : public YAML::EventHandler {

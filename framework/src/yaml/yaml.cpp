@@ -52,6 +52,15 @@ const Saying kSayings[] = {
     {YAML::ErrorMsg::INVALID_ESCAPE, "unknown escape; double the backslash, or use single quotes"},
 };
 
+/// What separates texts inside { } and [ ].
+constexpr std::string_view kAround = " \t\r\n,[]{}";
+
+/// Whether a bracket follows a text without a space, such as in `{path: frames/[0-9].png}`.
+bool is_bracket_in_text(const Text& text, std::size_t offset) {
+  return offset > 0 && std::string_view("[]{}").find(text.at(offset)) != std::string_view::npos &&
+         kAround.find(text.at(offset - 1)) == std::string_view::npos;
+}
+
 std::string explain(const std::string& message, const Text& text, std::size_t offset) {
   if (offset > 0 && text.at(offset) == '{' && text.at(offset - 1) == '$') {
     return "'{' is not expected here; quote ${...} inside { } and [ ]";
@@ -65,21 +74,29 @@ std::string explain(const std::string& message, const Text& text, std::size_t of
       break;
     }
   }
+  if (is_bracket_in_text(text, offset)) result += "; quote a text that holds a bracket";
   if (by_tab && result.find("tab") == std::string::npos) result += "; indent with spaces, not tabs";
   return result;
 }
 
 /// The text as yaml-cpp gets it. Without the end mark it would itself close a quote that is open
-/// at the end.
-std::string with_end_mark(std::string_view bytes) {
+/// at the end. Inside { } and [ ] yaml-cpp ends a plain text at any '?', which YAML does not: one
+/// that is no indicator of a key is replaced, see detail::kQuestionMark.
+std::string feed_of(std::string_view bytes) {
   const bool ends_line = !bytes.empty() && bytes.back() == '\n';
-  return std::string(bytes) + (ends_line ? "...\n" : "\n...\n");
+  std::string feed = std::string(bytes) + (ends_line ? "...\n" : "\n...\n");
+  for (std::size_t i = feed.find('?'); i != std::string::npos; i = feed.find('?', i + 1)) {
+    const bool starts = i == 0 || kAround.find(feed[i - 1]) != std::string_view::npos;
+    const bool ends = kAround.find(feed[i + 1]) != std::string_view::npos;
+    if (!(starts && ends)) feed[i] = detail::kQuestionMark;
+  }
+  return feed;
 }
 
 /// Puts an empty value in place of the alias at `offset`; returns its name.
 std::string drop_alias(std::string& feed, std::size_t offset) {
   const std::size_t end = std::min(feed.find_first_of(" \t\r\n,[]{}", offset), feed.size());
-  std::string name = feed.substr(offset + 1, end - offset - 1);
+  std::string name = detail::with_question_marks(feed.substr(offset + 1, end - offset - 1));
   const bool is_key = name.size() > 1 && name.back() == ':';
   std::string filler = is_key ? "'':" : "''";
   filler.resize(end - offset, ' ');
@@ -148,7 +165,7 @@ Result<Document> parse(std::string_view text_bytes, std::string file_name) {
   if (const auto fault = text.check()) return syntax_error(text, *fault, file_name);
 
   std::vector<Problem> problems = text.directive_problems();
-  std::string feed = with_end_mark(text.bytes());
+  std::string feed = feed_of(text.bytes());
   Document document;
   for (std::size_t unknown = 0;; ++unknown) {
     document = Document{};

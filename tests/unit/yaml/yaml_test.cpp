@@ -188,6 +188,30 @@ TEST(Yaml, AcceptsNoDirectiveButTheVersion) {
   expect_syntax_error("a: 1\n%foo: 3\nb: 2\n", "2:1", "'%'");
 }
 
+TEST(Yaml, KeepsQuestionMarksOfPlainTextsInBrackets) {
+  const Node root = root_of("a: {path: frames/000?.png, b: [x??, ?x, a?b?], é?: 'c?', d?e: 1}\n");
+  const Node& a = *root.find("a");
+  EXPECT_EQ(a.find("path")->scalar, "frames/000?.png");
+  EXPECT_EQ(a.find("path")->at, (Position{1, 11}));
+  EXPECT_EQ(a.find("b")->items.at(0).scalar, "x??");
+  EXPECT_EQ(a.find("b")->items.at(1).scalar, "?x");
+  EXPECT_EQ(a.find("b")->items.at(2).scalar, "a?b?");
+  EXPECT_EQ(a.find("é?")->scalar, "c?");
+  EXPECT_EQ(a.find("d?e")->scalar, "1");
+  EXPECT_EQ(root_of("a: &x?y [1]\nb: *x?y\n").find("b")->items.size(), 1u);
+  EXPECT_EQ(root_of("a: |\n  b?\nc: \"\\xC0?\\x01\"\n").find("c")->scalar, "\xC3\x80?\x01");
+  EXPECT_EQ(root_of("{? a : b}").find("a")->scalar, "b");
+  EXPECT_EQ(root_of("? a\n: b\n").find("a")->scalar, "b");
+}
+
+TEST(Yaml, SaysToQuotePatternsThatYamlReadsOtherwise) {
+  expect_problem("path: *.png", "1:7", "quote a text that begins with '*'");
+  expect_syntax_error("a: {path: frames/[0-9].png}", "1:18", "quote a text that holds a bracket");
+  expect_syntax_error("a: [frames/{a,b}.png]", "1:12", "quote a text that holds a bracket");
+  expect_syntax_error("path: %04d.png", "1:7", "quote the value");
+  expect_syntax_error("path: a: b", "1:8", "quote text that holds ': '");
+}
+
 TEST(Yaml, ExpandsAliasesAtThePlaceOfUse) {
   const Node root = root_of("a: &x {b: [1, 2]}\nc:\n  - *x\n  - &x 3\n  - *x\n");
   EXPECT_EQ(root.find("a")->find("b")->items.at(1).at, (Position{1, 15}));
