@@ -40,6 +40,7 @@ Result<void> copy_source(const host::ComponentSpec& spec, const std::atomic<bool
   for (std::int64_t i = 0; (count < 0 || i < count) && !cancel.load(); ++i) {
     const Outcome read = lane.call(**source, kReadFrame, {}, static_cast<std::uint64_t>(i));
     if (count < 0 && read.status == WEFT_NO_RESULT) break;
+    if (!read.usable() && cancel.load()) break;
     if (!read.usable()) return read.error;
     const host::RecordPtr matches = read.find("correspondences"), truth = read.find("ground_truth");
     if (matches == nullptr) continue;

@@ -109,8 +109,8 @@ Result<void> MatchWriter::add(std::uint64_t frame, const Correspondences& matche
   const std::string path = file("matches", frame, format_);
   host::NamedRecords records{{"correspondences", host::Record::copy_of(matches)}};
   if (truth) records.emplace_back("ground_truth", host::Record::copy_of(own));
-  auto written =
-      format_ == "csv" ? write_whole(csv_of(matches, own), path) : host::write_npz(path, records);
+  auto written = format_ == "csv" ? write_whole(csv_of(matches, own), path, Durability::unsynced)
+                                  : host::write_npz(path, records, Durability::unsynced);
   if (!written) return written;
   ++frames_;
   matches_ += matches.count();
@@ -121,7 +121,7 @@ Result<void> MatchWriter::add(std::uint64_t frame, const Correspondences& matche
   points.match_label = {};
   points.match_xy_px = {};
   return host::write_npz(file("gt", frame, "npz"),
-                         {{"ground_truth", host::Record::copy_of(points)}});
+                         {{"ground_truth", host::Record::copy_of(points)}}, Durability::unsynced);
 }
 
 void MatchWriter::withdraw() const {
@@ -140,6 +140,9 @@ Result<void> MatchWriter::end(const std::string& templ, double fps) {
       format_ + "\n    camera: camera.yaml\n";
   if (frames_with_points_ > 0) text += "    truth: gt/*.npz\n";
   text += "    fps: " + number(fps) + "\n" + templ;
+  if (const std::error_code code = sync_file_system(folder_)) {
+    return Error{Errc::io, "cannot be written to disk (" + why_not_written(code) + ")", folder_};
+  }
   return write_whole(text, folder_ + "/sequence.yaml");
 }
 

@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <weft/core/output_folder.hpp>
-#include <weft/core/whole_file.hpp>
 
 namespace weft::cli {
 
@@ -29,8 +28,7 @@ Result<void> make_new_folder(const std::string& folder) {
   if (!is_free_for_folder(folder)) {
     return Error{Errc::io, "exists and is not an empty folder; choose another with --out", folder};
   }
-  std::error_code code;
-  fs::create_directories(folder, code);
+  const std::error_code code = make_folders(folder);
   if (code) return Error{Errc::io, "cannot be created: " + code.message(), folder};
   return {};
 }

@@ -211,6 +211,7 @@ void ablate(AblateOptions options, Context& context) {
     context.exit_code = kBadConfiguration;
     return;
   }
+  for (const std::string& file : folder->rebuilt()) fmt::print(stderr, "warning: {}\n", file);
   auto state = execute(grid, *folder, options, context);
   if (!state) return fail(state.error());
   if (options.engine == kSlurm && !options.status && !state->reasons.empty()) {

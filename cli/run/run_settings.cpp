@@ -67,4 +67,24 @@ std::string free_folder(const std::string& pipeline) {
   return folder;
 }
 
+bool ClaimedFolder::take(const std::string& folder) {
+  namespace fs = std::filesystem;
+  constexpr int kTries = 100;  // another run may remove `runs` in between
+  const std::string parent = fs::path(folder).parent_path().string();
+  std::error_code code = std::make_error_code(std::errc::no_such_file_or_directory);
+  for (int i = 0; i < kTries && code == std::errc::no_such_file_or_directory; ++i) {
+    if (fs::create_directory(parent, code)) made_ = {parent};
+    if (fs::create_directory(folder, code)) {
+      made_.insert(made_.begin(), folder);
+      return true;
+    }
+  }
+  return static_cast<bool>(code) && !fs::exists(folder, code);
+}
+
+ClaimedFolder::~ClaimedFolder() {
+  std::error_code code;
+  for (const std::string& folder : made_) std::filesystem::remove(folder, code);
+}
+
 }  // namespace weft::cli

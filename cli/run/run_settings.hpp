@@ -27,4 +27,21 @@ std::string words_on_isolation(const PipelineConfig& config);
 /// runs/<pipeline>-2, -3 ... that does not exist.
 std::string free_folder(const std::string& pipeline);
 
+/// A folder that this process alone has made. It is removed at the end, with `runs` where that is
+/// new too, unless something is in it.
+class ClaimedFolder {
+ public:
+  ClaimedFolder() = default;
+  ClaimedFolder(const ClaimedFolder&) = delete;
+  ClaimedFolder& operator=(const ClaimedFolder&) = delete;
+  ~ClaimedFolder();
+
+  /// False where another process was first. A folder that cannot be made counts as claimed: the run
+  /// reports the reason.
+  bool take(const std::string& folder);
+
+ private:
+  std::vector<std::string> made_;  ///< the innermost first
+};
+
 }  // namespace weft::cli

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <tuple>
 #include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
 
@@ -145,12 +146,29 @@ std::FILE* words_beside(const PipelineConfig& config) {
   return taken ? stderr : stdout;
 }
 
+void print_interrupted(std::FILE* words) {
+  fmt::print(words, "interrupted before the first frame was finished: no run folder is left\n");
+}
+
+/// With `folder` as the run folder.
+std::pair<CheckedPipeline, ConfigReport> check(const RunArguments& arguments,
+                                               const std::string& folder,
+                                               const host::Registry& registry,
+                                               host::ComponentChecks& checks) {
+  const std::string absolute = fs::absolute(folder).string();
+  auto document = read_document(arguments.pipeline, arguments.settings,
+                                host::PathRules::of_process({}, absolute), arguments.patches);
+  // What is to be named when it touches its inputs must be here.
+  const bool stays = arguments.paranoid && arguments.isolate == "auto";
+  document.isolating = stays ? Isolating::preferred : isolating_of(arguments.isolate);
+  return check_pipeline(arguments.pipeline, std::move(document), registry, absolute, &checks);
+}
+
 }  // namespace
 
 void run(const RunArguments& arguments, Context& context) {
   const std::string& file = arguments.pipeline;
   const std::atomic<bool>& interrupted = watch_for_interruption();
-  const std::string folder = arguments.folder.empty() ? free_folder(file) : arguments.folder;
   std::optional<RecordedRun> repeated;
   if (!arguments.repeated.empty()) {
     auto recorded = recorded_run(arguments.repeated);
@@ -163,14 +181,15 @@ void run(const RunArguments& arguments, Context& context) {
   }
   const auto registry = context.registry();
   host::ComponentChecks checks = checks_of(file);
-  const std::string absolute = fs::absolute(folder).string();
-  auto document = read_document(file, arguments.settings, host::PathRules::of_process({}, absolute),
-                                arguments.patches);
-  // What is to be named when it touches its inputs must be here.
-  const bool stays = arguments.paranoid && arguments.isolate == "auto";
-  document.isolating = stays ? Isolating::preferred : isolating_of(arguments.isolate);
-  const auto [pipeline, report] =
-      check_pipeline(file, std::move(document), registry, absolute, &checks);
+  ClaimedFolder claimed;
+  std::string folder = arguments.folder.empty() ? free_folder(file) : arguments.folder;
+  auto [pipeline, report] = check(arguments, folder, registry, checks);
+  // Of runs that begin together each gets a folder of its own.
+  while (report.ok() && arguments.folder.empty() && !claimed.take(folder)) {
+    folder = free_folder(file);
+    std::tie(pipeline, report) = check(arguments, folder, registry, checks);
+  }
+  if (!report.ok() && interrupted.load()) return print_interrupted(stdout);
   if (!report.ok()) {
     fmt::print(stderr, "{}", report.text());
     context.exit_code = kBadConfiguration;
@@ -197,8 +216,7 @@ void run(const RunArguments& arguments, Context& context) {
   }
   if (summary->cancelled && summary->frames == 0) {
     progress.clear_bar();
-    fmt::print(words, "interrupted before the first frame was finished: no run folder is left\n");
-    return;
+    return print_interrupted(words);
   }
   if (!arguments.quiet) progress.print_table();
   for (const RunWarning& warning : summary->warnings) {

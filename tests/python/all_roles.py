@@ -225,5 +225,7 @@ class Sink(weft.Sink):
     def write(self, given):
         import os
         target = f"{self.path}/{given.call.frame:06}.csv"
-        np.savetxt(target + ".part", given.shape.vertices_m, fmt="%.6f", delimiter=",", header="x_m,y_m,z_m")
-        os.replace(target + ".part", target)
+        part = f"{target}.{os.urandom(6).hex()}.part"
+        with open(part, "x", encoding="utf-8") as file:
+            np.savetxt(file, given.shape.vertices_m, fmt="%.6f", delimiter=",", header="x_m,y_m,z_m")
+        os.replace(part, target)

@@ -9,6 +9,7 @@
 #include <weft/sdk/source.hpp>
 #include <weft/sdk/template_builder.hpp>
 
+#include "gate.hpp"
 #include "script.hpp"
 
 namespace scripted {
@@ -18,7 +19,7 @@ class FrameSource final : public weft::Source {
  public:
   static constexpr weft::About kAbout{.produces = "image time known_points ground_truth"};
 
-  explicit FrameSource(weft::Params& p) : script_(p) {
+  explicit FrameSource(weft::Params& p) : script_(p), gate_(p) {
     p.read("frames", frames_, "", {0, 1e6}, "how many");
     p.read("unknown_count", unknown_count_, "end with no_result instead of a count");
     p.read("live", live_, "say that frames come by themselves");
@@ -38,7 +39,8 @@ class FrameSource final : public weft::Source {
     if (note_ == "add a line to 'path'") std::ofstream(path_, std::ios::app) << "checked\n";
   }
 
-  weft::Result<weft::Camera> open(const weft::Call&) override {
+  weft::Result<weft::Camera> open(const weft::Call& call) override {
+    if (auto cancelled = gate_.pass(call)) return *cancelled;
     if (auto ready = script_.prepare(); !ready) return ready.error();
     is_open_ = true;
     return weft::Camera{focal_px_, kFocal_px, 79.5, 59.5, 160, 120};
@@ -50,6 +52,7 @@ class FrameSource final : public weft::Source {
   weft::Result<weft::SourceFrame> read(std::int64_t index, const weft::Call& call) override {
     if (!is_open_) return weft::Error{weft::Errc::plugin_failure, "was not opened", ""};
     if (index >= frames_) return weft::no_more_frames("the end");
+    if (auto cancelled = gate_.pass(call)) return *cancelled;
     if (auto failure = script_.failure(call)) return *failure;
     std::this_thread::sleep_for(std::chrono::milliseconds(sleep_ms_));
     weft::SourceFrame frame;
@@ -72,6 +75,7 @@ class FrameSource final : public weft::Source {
 
  private:
   Script script_;
+  Gate gate_;
   int frames_ = 3;
   bool unknown_count_ = false;
   bool live_ = false;
@@ -87,7 +91,7 @@ class FrameSource final : public weft::Source {
 /// A flat sheet with cells of 20 texels, and what can be wrong with one.
 class Sheet final : public weft::TemplateBuilder {
  public:
-  explicit Sheet(weft::Params& p) {
+  explicit Sheet(weft::Params& p) : gate_(p) {
     p.read("columns", columns_, "", {2, 100}, "vertices in a row");
     p.read("rows", rows_, "", {2, 100}, "vertices in a column");
     p.choice("defect", defect_,
@@ -100,7 +104,8 @@ class Sheet final : public weft::TemplateBuilder {
              "what is wrong");
   }
 
-  weft::Result<weft::Template> build(const weft::Call&) override {
+  weft::Result<weft::Template> build(const weft::Call& call) override {
+    if (auto cancelled = gate_.pass(call)) return *cancelled;
     constexpr int kCell_px = 20;
     const int width = (columns_ - 1) * kCell_px + 1, height = (rows_ - 1) * kCell_px + 1;
     const std::int64_t count = std::int64_t{columns_} * rows_;
@@ -136,6 +141,7 @@ class Sheet final : public weft::TemplateBuilder {
     }
   }
 
+  Gate gate_;
   int columns_ = 6;
   int rows_ = 5;
   Defect defect_ = Defect::none;

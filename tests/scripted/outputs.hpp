@@ -11,6 +11,7 @@
 #include <vector>
 #include <weft/sdk/sink.hpp>
 
+#include "gate.hpp"
 #include "script.hpp"
 
 namespace scripted {
@@ -20,19 +21,21 @@ class LineSink final : public weft::Sink {
  public:
   static constexpr weft::About kAbout{.reads = "shape correspondences"};
 
-  explicit LineSink(weft::Params& p) : script_(p) {
+  explicit LineSink(weft::Params& p) : script_(p), gate_(p) {
     p.output_path("path", path_, "of the file, none without it");
     p.read("refuse_open", refuse_open_, "fail in open");
     p.read("refuse_finish", refuse_finish_, "fail in finish");
   }
 
-  weft::Result<void> open(const weft::Call&) override {
+  weft::Result<void> open(const weft::Call& call) override {
+    if (auto cancelled = gate_.pass(call)) return *cancelled;
     if (!path_.empty()) stream_.open(path_ + ".part");
     if (!refuse_open_) return {};
     return weft::Error{weft::Errc::io, "cannot open as scripted", ""};
   }
 
   weft::Result<void> write(const weft::SinkInput& in) override {
+    if (auto cancelled = gate_.pass(in.call)) return *cancelled;
     if (auto failure = script_.failure(in.call)) return *failure;
     stream_ << in.call.frame() << ' '
             << (in.shape ? weft::to_string(in.shape->shape_state()) : "no shape") << ' '
@@ -40,7 +43,8 @@ class LineSink final : public weft::Sink {
     return {};
   }
 
-  weft::Result<void> finish(const weft::Call&) override {
+  weft::Result<void> finish(const weft::Call& call) override {
+    if (auto cancelled = gate_.pass(call)) return *cancelled;
     stream_.close();
     if (!path_.empty()) std::filesystem::rename(path_ + ".part", path_);
     if (!refuse_finish_) return {};
@@ -49,6 +53,7 @@ class LineSink final : public weft::Sink {
 
  private:
   Script script_;
+  Gate gate_;
   std::string path_;
   bool refuse_open_ = false;
   bool refuse_finish_ = false;

@@ -37,6 +37,7 @@ class Script {
     read_frames(p, "wrong_length_at", wrong_length_, "frames whose result has a wrong length");
     read_frames(p, "no_memory_at", no_memory_, "frames in which memory is short");
     read_frames(p, "gone_at", lost_, "frames whose file is gone");
+    read_frames(p, "cancelled_at", cancelled_, "frames whose call says that it was cancelled");
     p.read("refuse", refuse_, "fail in prepare");
     p.read("absent", absent_, "fail in prepare for a file that is gone");
     p.text("doubt", doubt_, "what check() says of this parameter, where there is one");
@@ -59,6 +60,7 @@ class Script {
     if (has(no_memory_, call)) throw std::bad_alloc();
     if (has(lost_, call)) return weft::Error{weft::Errc::io, "scripted loss", ""};
     if (has(no_result_, call)) return weft::no_result("scripted no result");
+    if (has(cancelled_, call)) return weft::Error{weft::Errc::cancelled, "scripted stop", ""};
     if (has(error_, call)) return weft::Error{weft::Errc::invalid_data, "scripted error", ""};
     return std::nullopt;
   }
@@ -84,7 +86,8 @@ class Script {
   }
 
  private:
-  Frames no_result_, degenerate_, error_, throw_, nan_, wrong_length_, no_memory_, lost_;
+  Frames no_result_, degenerate_, error_, throw_, nan_, wrong_length_, no_memory_, lost_,
+      cancelled_;
   bool refuse_ = false, absent_ = false;
   std::string doubt_;
 };

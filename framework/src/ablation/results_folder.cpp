@@ -10,12 +10,11 @@
 #include <filesystem>
 #include <thread>
 #include <utility>
-#include <weft/core/quote.hpp>
+#include <weft/core/output_folder.hpp>
 #include <weft/core/version.hpp>
-#include <weft/core/whole_file.hpp>
 
+#include "ablation/folder_check.hpp"
 #include "ablation/line_of_cell.hpp"
-#include "metrics/runs/json_file.hpp"
 #include "pipeline/runs/source_revision.hpp"
 #include "results/cell_line.hpp"
 #include "results/checked_document.hpp"
@@ -35,52 +34,9 @@ Error io_error(const std::string& file, const std::string& message) {
 
 /// Makes sure that what was written survives the machine's failure too.
 Result<void> make_last(const std::string& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  const bool synced = descriptor >= 0 && fsync(descriptor) == 0;
-  if (descriptor >= 0) close(descriptor);
-  if (!synced) return io_error(path, "cannot be written to disk; is the disk full?");
-  return {};
-}
-
-/// A new folder, or one in which a process was killed before it had written the manifest.
-bool is_fresh(const std::string& path) {
-  std::error_code code;
-  for (const auto& entry : fs::directory_iterator(path, code)) {
-    const bool empty_folder = entry.is_directory(code) && fs::is_empty(entry.path(), code);
-    const bool passing =
-        entry.path().extension() == ".part" || entry.path().filename() == kLockFile;
-    if (!passing && !empty_folder) return false;
-  }
-  return true;
-}
-
-Result<void> check_schema(const std::string& path, const std::string& plan) {
-  const std::string file = path + "/manifest.json";
-  const auto manifest = read_json_object(file);
-  if (!manifest && manifest.error().code == Errc::not_found) {
-    if (is_fresh(path)) return {};
-    return Error{Errc::invalid_value,
-                 "is neither empty nor a results folder; choose another with --out", path};
-  }
-  if (!manifest) return manifest.error();
-  const std::string schema = text_in(*manifest, "schema");
-  if (const auto same = compare_check(*manifest, file); schema == kFolderSchema && !same) {
-    return Error{Errc::invalid_value,
-                 same.error().message + "; put it back, or choose another folder with --out", file};
-  }
-  const std::string of = manifest->contains("plan") ? text_in(*manifest, "plan") : plan;
-  if (schema == kFolderSchema && of == plan) return {};
-  if (schema == kFolderSchema) {
-    return Error{Errc::invalid_value,
-                 "holds the results of the plan " + quote(of) + ", and this plan is " +
-                     quote(plan) +
-                     "; choose another folder with --out, or give the plan its name back",
-                 path};
-  }
-  return Error{Errc::invalid_value,
-               "has the schema " + quote(schema) + ", this program writes '" + kFolderSchema +
-                   "'; choose another folder with --out",
-               file};
+  const std::error_code code = sync_path(path);
+  if (!code) return {};
+  return io_error(path, "cannot be written to disk (" + why_not_written(code) + ")");
 }
 
 /// The folder's descriptor, locked for this process and its children. Children of a process that
@@ -108,6 +64,20 @@ Result<int> lock_folder(const std::string& path) {
   }
   close(descriptor);
   return Error{Errc::invalid_value, "is in use by another `weft ablate`", path};
+}
+
+/// Files that a process which was killed, or met a full disk, had begun to write under names that
+/// begin with `stem`.
+void remove_begun_files(const std::string& folder, const std::string& stem) {
+  std::error_code code;
+  std::vector<fs::path> begun;
+  for (const auto& entry : fs::directory_iterator(folder, code)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with(stem) && name.find(".part") != std::string::npos) {
+      begun.push_back(entry.path());
+    }
+  }
+  for (const fs::path& file : begun) fs::remove(file, code);
 }
 
 std::string manifest_text(const Grid& grid, bool accept_rebuilt) {
@@ -156,7 +126,8 @@ Result<void> LineWriter::append(const std::string& line) {
 ResultsFolder::ResultsFolder(ResultsFolder&& other) noexcept
     : path_(std::move(other.path_)),
       lock_(std::exchange(other.lock_, -1)),
-      shared_(std::move(other.shared_)) {}
+      shared_(std::move(other.shared_)),
+      rebuilt_(std::move(other.rebuilt_)) {}
 
 ResultsFolder::~ResultsFolder() {
   if (lock_ >= 0) close(lock_);
@@ -167,21 +138,30 @@ Result<ResultsFolder> ResultsFolder::look(const std::string& path, const std::st
   if (fs::exists(path, code) && !fs::is_directory(path, code)) {
     return Error{Errc::invalid_value, "is no folder; choose another with --out", path};
   }
-  if (auto legal = check_schema(path, plan); !legal) return legal.error();
-  return ResultsFolder(fs::absolute(path).string(), -1);
+  auto legal = check_results_folder(path, plan);
+  if (!legal) return legal.error();
+  ResultsFolder folder(fs::absolute(path).string(), -1);
+  folder.rebuilt_ = *std::move(legal);
+  return folder;
 }
 
 Result<ResultsFolder> ResultsFolder::open(const std::string& path, const std::string& plan) {
-  std::error_code code;
-  fs::create_directories(path, code);
-  if (code || !fs::is_directory(path, code)) {
-    return io_error(path, "cannot be made a folder; choose another with --out");
-  }
-  if (auto legal = check_schema(path, plan); !legal) return legal.error();
+  const std::string absolute = fs::absolute(path).string();
+  std::error_code code = make_folders(absolute);
+  if (code) return io_error(path, "cannot be made a folder; choose another with --out");
+  auto legal = check_results_folder(path, plan);
+  if (!legal) return legal.error();
   const auto lock = lock_folder(path);
   if (!lock) return lock.error();
-  ResultsFolder folder(fs::absolute(path).string(), *lock);
-  for (const char* inner : {"results", "cells"}) fs::create_directories(path + "/" + inner, code);
+  ResultsFolder folder(absolute, *lock);
+  folder.rebuilt_ = *std::move(legal);
+  // The folder may have files of the user too.
+  for (const char* own : {"manifest.json.", "plan.json.", "index.sqlite."}) {
+    remove_begun_files(path, own);
+  }
+  for (const char* inner : {"results", "cells"}) {
+    if (!code) code = make_folders(absolute + "/" + inner);
+  }
   if (code || access((path + "/results").c_str(), W_OK) != 0 || access(path.c_str(), W_OK) != 0) {
     return io_error(path, "cannot be written; choose another folder with --out");
   }
@@ -191,10 +171,10 @@ Result<ResultsFolder> ResultsFolder::open(const std::string& path, const std::st
 Result<ResultsFolder> ResultsFolder::join(const std::string& path, const std::string& plan,
                                           SharedWriter writer) {
   std::error_code code;
-  if (!fs::exists(path + "/manifest.json", code)) {
+  if (!fs::is_directory(path + "/results", code)) {
     return Error{Errc::not_found, "is no results folder here; do all machines share it?", path};
   }
-  if (auto legal = check_schema(path, plan); !legal) return legal.error();
+  if (auto legal = check_results_folder(path, plan); !legal) return legal.error();
   if (access((path + "/results").c_str(), W_OK) != 0) return io_error(path, "cannot be written");
   ResultsFolder folder(fs::absolute(path).string(), -1);
   folder.shared_ = std::move(writer);
@@ -212,6 +192,11 @@ Result<void> ResultsFolder::describe(const Grid& grid, const std::string& comman
 
 Result<void> ResultsFolder::withdraw(const std::vector<Damage>& lines) const {
   if (lines.empty()) return {};
+  // What is withdrawn is on the disk: another line at its place would be withdrawn with it.
+  for (const Damage& line : lines) {
+    if (auto lasting = make_last(path_ + "/results/" + line.file); !lasting) return lasting;
+  }
+  if (auto lasting = make_last(path_ + "/results"); !lasting) return lasting;
   auto writer = lines_file("withdrawn");
   if (!writer) return writer.error();
   for (const Damage& line : lines) {
@@ -231,33 +216,21 @@ Result<LineWriter> ResultsFolder::lines_file(const std::string& kind) const {
     const std::string file = fmt::format("{}/results/{}-{:06}.jsonl", path_, kind, number);
     constexpr int kFlags = O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC;
     const int descriptor = ::open(file.c_str(), kFlags, 0666);
-    if (descriptor >= 0) return LineWriter(file, descriptor);
+    if (descriptor >= 0) {
+      LineWriter lines(file, descriptor);
+      if (auto lasting = make_last(path_ + "/results"); !lasting) return lasting.error();
+      return lines;
+    }
     if (errno != EEXIST) return io_error(file, "cannot be created; is the disk full?");
   }
   return io_error(path_ + "/results", "holds too many files");
 }
 
-namespace {
-
-/// Files that a process which was killed, or met a full disk, had begun to write.
-void remove_begun_files(const std::string& folder) {
-  std::error_code code;
-  std::vector<fs::path> begun;
-  for (const auto& entry : fs::directory_iterator(folder, code)) {
-    if (entry.path().filename().string().find(".part") != std::string::npos) {
-      begun.push_back(entry.path());
-    }
-  }
-  for (const fs::path& file : begun) fs::remove(file, code);
-}
-
-}  // namespace
-
 /// Where files of a cell are written: in its folder, or where another writer of the same cell does
 /// not write into them.
 Result<std::string> ResultsFolder::begin_files(const std::string& folder) const {
   if (!shared_) {
-    remove_begun_files(folder);
+    remove_begun_files(folder, "");
     return folder;
   }
   const std::string work = shared_->work + "/" + std::to_string(getpid());
@@ -276,17 +249,20 @@ Result<void> ResultsFolder::keep(const Cell& cell, const CellResult& result, boo
   const auto work = begin_files(folder);
   if (!work) return work.error();
   const auto path_of = [&](const std::string& name) { return *work + "/" + name; };
+  // All of them are written to the disk before the line is.
+  const auto write_now = [&](const std::string& bytes, const std::string& name) {
+    return write_whole(bytes, path_of(name), Durability::unsynced);
+  };
   std::vector<std::string> names{"pipeline.yaml"};
-  if (auto written = write_whole(result.pipeline, path_of(names.back())); !written) return written;
+  if (auto written = write_now(result.pipeline, names.back()); !written) return written;
   if (!result.shapes.empty()) {
     names.emplace_back("shapes.npz");
-    if (auto written = host::write_npz(path_of(names.back()), result.shapes); !written) {
-      return written;
-    }
+    auto written = host::write_npz(path_of(names.back()), result.shapes, Durability::unsynced);
+    if (!written) return written;
   }
   for (const auto& [name, bytes] : result.pictures) {
     names.push_back(name);
-    if (auto written = write_whole(bytes, path_of(name)); !written) return written;
+    if (auto written = write_now(bytes, name); !written) return written;
   }
   std::vector<CellFile> files;
   for (const std::string& name : names) {

@@ -55,6 +55,9 @@ class ResultsFolder {
   ~ResultsFolder();
 
   const std::string& path() const { return path_; }
+  /// What was missing or damaged when the folder was opened and describe() writes anew: a sentence
+  /// for each file.
+  const std::vector<std::string>& rebuilt() const { return rebuilt_; }
   /// Where components print.
   std::string log_file() const;
 
@@ -79,6 +82,7 @@ class ResultsFolder {
   std::string path_;
   int lock_;  ///< descriptor of the folder, which holds the lock; -1 where none is held
   std::optional<SharedWriter> shared_;
+  std::vector<std::string> rebuilt_;
 };
 
 }  // namespace weft::evaluation

@@ -122,6 +122,9 @@ Result<QueueState> look_at_queue(const std::string& results, const std::set<std:
   Look look(*queued, left);
   for (auto each = submissions->rbegin(); each != submissions->rend(); ++each) look.add(*each);
   QueueState state = look.state();
+  for (const Submission& submission : *submissions) {
+    if (!submission.fault.empty()) state.reasons.push_back(submission.fault);
+  }
   state.cell_seconds = cell_seconds_of(*submissions);
   return state;
 }

@@ -60,6 +60,9 @@ class SlurmEngine final : public evaluation::Engine {
     // SQLite is not safe on folders that machines share, and an index from before knows too little.
     std::error_code ignored;
     fs::remove(results + "/index.sqlite", ignored);
+    for (const Submission& submission : *known) {
+      if (!submission.fault.empty()) said.push_back(submission.fault);
+    }
     return said;
   }
 

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <weft/core/whole_file.hpp>
+#include <weft/core/output_folder.hpp>
 
 #include "host/records/content_hash.hpp"
 #include "metrics/runs/json_file.hpp"
@@ -25,11 +25,12 @@ std::string job_name(const std::string& results, const std::string& number) {
 }
 
 Result<std::string> next_folder(const std::string& folder) {
-  std::error_code code;
-  fs::create_directories(folder, code);
+  std::error_code code = make_folders(folder);
   for (int number = 1; !code && number < kMostSubmissions; ++number) {
     std::string next = fmt::format("{}/{:06}", folder, number);
-    if (fs::create_directory(next, code)) return next;
+    if (fs::create_directory(next, code)) {
+      if (code = sync_path(folder); !code) return next;
+    }
   }
   return Error{Errc::io, "cannot be written (" + code.message() + ")", folder};
 }
@@ -52,10 +53,25 @@ Result<Submission> submission_in(const fs::path& folder) {
                       order->at("job"),
                       order->at("tasks"),
                       order->at("processes"),
-                      {equipment.at("weft"), equipment.at("processor"), equipment.at("builds")}};
+                      {equipment.at("weft"), equipment.at("processor"), equipment.at("builds")},
+                      {}};
   } catch (const json::exception& mistake) {
     return Error{Errc::invalid_data, evaluation::reason_of(mistake), file};
   }
+}
+
+/// Of an order that cannot be read, what the name of its folder says: its job is known to Slurm.
+Submission without_order(const fs::path& folder, const Error& fault) {
+  const std::string number = folder.filename().string();
+  return {folder.string(),
+          number,
+          job_name(folder.parent_path().string(), number),
+          {},
+          1,
+          {},
+          (folder / "order.json").string() + ": " +
+              (fault.code == Errc::not_found ? "is missing" : fault.message) +
+              "; the cells of its tasks are submitted again"};
 }
 
 }  // namespace
@@ -84,8 +100,8 @@ Result<Submission> create_submission(const std::string& results, std::vector<Chu
   const auto folder = next_folder(parent);
   if (!folder) return folder.error();
   const std::string number = fs::path(*folder).filename().string();
-  Submission submission{*folder,          number,    job_name(parent, number),
-                        std::move(tasks), processes, equipment};
+  Submission submission{*folder,   number, job_name(parent, number), std::move(tasks), processes,
+                        equipment, {}};
   const json order{{"schema", kSchema},
                    {"job", submission.job},
                    {"processes", processes},
@@ -108,14 +124,17 @@ Result<std::vector<Submission>> read_submissions(const std::string& results) {
   std::vector<fs::path> folders;
   std::error_code code;
   for (const auto& entry : fs::directory_iterator(cluster_folder(results), code)) {
-    if (fs::exists(entry.path() / "order.json", code)) folders.push_back(entry.path());
+    // A process that was killed before there was an order has not written a script either.
+    const bool is_begun =
+        fs::exists(entry.path() / "order.json", code) || fs::exists(entry.path() / "task.sh", code);
+    if (is_begun) folders.push_back(entry.path());
   }
   std::sort(folders.begin(), folders.end());
   std::vector<Submission> all;
   for (const fs::path& folder : folders) {
     auto submission = submission_in(folder);
-    if (!submission) return submission.error();
-    all.push_back(*std::move(submission));
+    const bool is_whole = static_cast<bool>(submission);
+    all.push_back(is_whole ? *std::move(submission) : without_order(folder, submission.error()));
   }
   return all;
 }

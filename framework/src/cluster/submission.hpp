@@ -26,6 +26,7 @@ struct Submission {
   std::vector<Chunk> tasks;
   int processes = 1;  ///< of each task
   Equipment equipment;
+  std::string fault = {};  ///< why its order cannot be read: then it has no tasks; else empty
 
   std::string log_of(int task) const;
   std::string report_of(int task) const;
@@ -47,7 +48,8 @@ Result<Submission> create_submission(const std::string& results, std::vector<Chu
                                      int processes, const Equipment& equipment);
 Result<Submission> read_submission(const std::string& results, const std::string& number);
 
-/// All of a results folder, the oldest first. One that was killed before it was whole is none.
+/// All of a results folder, the oldest first. One that was killed before it was whole is none; one
+/// whose order is lost or damaged has its job and a fault.
 Result<std::vector<Submission>> read_submissions(const std::string& results);
 
 Result<void> write_report(const Submission& submission, int task, const TaskReport& report);

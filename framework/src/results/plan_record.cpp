@@ -190,8 +190,7 @@ Result<PlanRecord> read_plan_record(const std::string& file) {
   const auto object = read_json_object(file);
   if (!object) return object.error();
   if (const auto same = compare_check(*object, file); !same) {
-    return Error{same.error().code,
-                 same.error().message + "; `weft ablate` of the plan writes it anew", file};
+    return same.error();
   }
   try {
     PlanRecord plan = plan_from(*object);

@@ -2,6 +2,7 @@
 #include "results/results.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <weft/core/quote.hpp>
 
 #include "metrics/runs/json_file.hpp"
@@ -13,16 +14,25 @@ namespace {
 
 using nlohmann::json;
 
-Error no_results(Error error) {
+/// Of a file that `weft ablate` writes anew where results are there.
+Error no_results(Error error, const std::string& folder) {
+  constexpr const char* kAnew = "; `weft ablate` of the plan writes it anew";
+  std::error_code code;
+  const bool has_results = std::filesystem::is_directory(folder + "/results", code);
   if (error.code == Errc::not_found) {
-    error.message = "there is no such file; a results folder is what `weft ablate` writes";
+    error.message = has_results
+                        ? std::string("is missing") + kAnew
+                        : "there is no such file; a results folder is what `weft ablate` writes";
+  } else if (error.code == Errc::invalid_data && has_results) {
+    error.message += kAnew;
   }
   return error;
 }
 
-Result<void> read_manifest(const std::string& file, Results& results) {
+Result<void> read_manifest(Results& results) {
+  const std::string file = results.folder + "/manifest.json";
   const auto manifest = read_json_object(file);
-  if (!manifest) return no_results(manifest.error());
+  if (!manifest) return no_results(manifest.error(), results.folder);
   const std::string schema = text_in(*manifest, "schema");
   if (schema != kFolderSchema) {
     return Error{Errc::incompatible,
@@ -77,9 +87,9 @@ void Results::take(CellRecords read) {
 Result<Results> read_results(const std::string& folder) {
   Results results;
   results.folder = folder;
-  if (auto read = read_manifest(folder + "/manifest.json", results); !read) return read.error();
+  if (auto read = read_manifest(results); !read) return read.error();
   auto plan = read_plan_record(folder + "/plan.json");
-  if (!plan) return no_results(plan.error());
+  if (!plan) return no_results(plan.error(), folder);
   results.plan = *std::move(plan);
   auto records = read_cell_records(folder, {results.plan.metrics(), true, false});
   if (!records) return records.error();

@@ -4,13 +4,11 @@
 #include <sqlite3.h>
 
 #include <cmath>
-#include <filesystem>
 #include <memory>
+#include <weft/core/whole_file.hpp>
 
 namespace weft::evaluation {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr const char* kTables =
     "PRAGMA journal_mode = OFF; BEGIN;"
@@ -88,19 +86,17 @@ bool fill(sqlite3* database, const Results& results) {
 }  // namespace
 
 Result<void> write_index(const Results& results, const std::string& folder) {
-  const std::string file = folder + "/index.sqlite", part = file + ".part";
-  std::error_code code;
-  fs::remove(part, code);
+  const std::string file = folder + "/index.sqlite";
+  UnfinishedFile part(file);
   sqlite3* opened = nullptr;
-  const int status = sqlite3_open(part.c_str(), &opened);
+  const int status = sqlite3_open(part.path().c_str(), &opened);
   const std::unique_ptr<sqlite3, decltype(&sqlite3_close)> database(opened, sqlite3_close);
   const auto execute = [&](const char* text) {
     return sqlite3_exec(opened, text, nullptr, nullptr, nullptr) == SQLITE_OK;
   };
   const bool written =
       status == SQLITE_OK && execute(kTables) && fill(opened, results) && execute("COMMIT");
-  if (written) fs::rename(part, file, code);
-  if (written && !code) return {};
+  if (written && !part.finish(Durability::unsynced)) return {};
   return Error{Errc::io, "cannot be written; is the disk full?", file};
 }
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "program.hpp"
 
-#include <unistd.h>
 #include <xxhash.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <weft/core/whole_file.hpp>
 
 #include "kernel_sizes.hpp"
 
@@ -52,15 +52,11 @@ XXH64_hash_t hash_of(const std::vector<unsigned char>& binary) {
 void store(const fs::path& file, const std::vector<unsigned char>& binary) {
   std::error_code code;
   fs::create_directories(file.parent_path(), code);
-  const fs::path partial = file.string() + "." + std::to_string(getpid());
-  std::ofstream out(partial, std::ios::binary);
+  UnfinishedFile unfinished(file);
   const XXH64_hash_t hash = hash_of(binary);
-  out.write(reinterpret_cast<const char*>(&hash), sizeof(hash));
-  out.write(reinterpret_cast<const char*>(binary.data()),
-            static_cast<std::streamsize>(binary.size()));
-  out.close();
-  if (out) fs::rename(partial, file, code);
-  fs::remove(partial, code);
+  unfinished.write({reinterpret_cast<const char*>(&hash), sizeof(hash)});
+  unfinished.write({reinterpret_cast<const char*>(binary.data()), binary.size()});
+  static_cast<void>(unfinished.finish(Durability::unsynced));
 }
 
 cl::Program from_cache(const cl::Context& context, const cl::Device& device, const fs::path& file) {

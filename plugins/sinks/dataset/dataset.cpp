@@ -55,8 +55,7 @@ class Dataset final : public Sink {
                      (folder / part).string() +
                          " holds files already: choose another 'path', or move them away"};
       }
-      std::error_code status;
-      fs::create_directories(folder / part, status);
+      const std::error_code status = make_folders(folder / part);
       if (status) {
         return Error{Errc::io, "the folder " + (folder / part).string() + " cannot be made (" +
                                    status.message() + "): choose another 'path'"};
@@ -92,6 +91,10 @@ class Dataset final : public Sink {
     if (auto done = write_whole(sequence_text(templ_, contents_), folder / "sequence.yaml");
         !done) {
       return done;
+    }
+    if (const std::error_code code = sync_file_system(folder)) {
+      return Error{Errc::io, "the folder " + path_ + " cannot be written to disk (" +
+                                 why_not_written(code) + "): free space, or choose another 'path'"};
     }
     return write_whole(meta_text(camera_, templ_, contents_), folder / "meta.yaml");
   }

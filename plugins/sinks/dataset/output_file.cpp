@@ -22,15 +22,6 @@ Error cannot_write(const fs::path& path, const std::string& reason) {
           {}};
 }
 
-fs::path temporary_of(const fs::path& path) { return path.string() + ".part"; }
-
-Result<void> put_in_place(const fs::path& path) {
-  std::error_code failure;
-  fs::rename(temporary_of(path), path, failure);
-  if (failure) return cannot_write(path, failure.message());
-  return {};
-}
-
 struct Discard {
   void operator()(zip_t* archive) const { zip_discard(archive); }
 };
@@ -57,13 +48,16 @@ Result<void> write_png(const fs::path& path, const Array<std::uint8_t>& pixels) 
                       const_cast<std::uint8_t*>(pixels.data()), to_index(pixels.row_stride()));
   std::vector<std::uint8_t> png;
   if (!cv::imencode(".png", image, png)) return cannot_write(path, "the image is no PNG");
-  return write_whole({reinterpret_cast<const char*>(png.data()), png.size()}, path);
+  return write_whole({reinterpret_cast<const char*>(png.data()), png.size()}, path,
+                     Durability::unsynced);
 }
 
 Result<void> write_npz(const fs::path& path, const std::vector<NpzMember>& members) {
+  UnfinishedFile unfinished(path);
+  if (const auto reason = unfinished.status()) return cannot_write(path, why_not_written(reason));
   int code = 0;
   std::unique_ptr<zip_t, Discard> archive(
-      zip_open(temporary_of(path).c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code));
+      zip_open(unfinished.path().c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code));
   if (!archive) return cannot_write(path, "zip error " + std::to_string(code));
   for (const NpzMember& member : members) {
     if (auto added = add(archive.get(), member); !added) {
@@ -76,7 +70,9 @@ Result<void> write_npz(const fs::path& path, const std::vector<NpzMember>& membe
     return cannot_write(path, reason ? why_not_written(reason) : zip_strerror(archive.get()));
   }
   static_cast<void>(archive.release());
-  return put_in_place(path);
+  const std::error_code reason = unfinished.finish(Durability::unsynced);
+  if (reason) return cannot_write(path, why_not_written(reason));
+  return {};
 }
 
 }  // namespace weft::dataset

@@ -10,7 +10,7 @@
 namespace weft::dataset {
 
 // Each writes under a temporary name first, so that no half-written file bears the final one, and
-// fails with the path and the reason.
+// fails with the path and the reason. They do not wait for the disk: see sync_file_system().
 
 /// [H,W] or [H,W,3] as PNG, without loss.
 Result<void> write_png(const std::filesystem::path& path, const Array<std::uint8_t>& pixels);

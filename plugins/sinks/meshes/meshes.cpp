@@ -81,16 +81,27 @@ class Meshes final : public Sink {
     }
     const Mesh mesh{vertices, faces_, description(shape, in.call.frame())};
     if (format_ != Format::obj) {
-      if (auto done = write_whole(to_ply(mesh), file_of(in.call.frame(), "ply")); !done)
-        return done;
+      auto done = write_now(to_ply(mesh), in.call.frame(), "ply");
+      if (!done) return done;
     }
     if (format_ == Format::ply) return {};
-    return write_whole(to_obj(mesh, texture_uv_, kMaterialName), file_of(in.call.frame(), "obj"));
+    return write_now(to_obj(mesh, texture_uv_, kMaterialName), in.call.frame(), "obj");
   }
 
-  Result<void> finish(const Call&) override { return {}; }
+  Result<void> finish(const Call&) override {
+    const std::error_code code = sync_file_system(path_);
+    if (!code) return {};
+    return Error{Errc::io, "the folder " + path_ + " cannot be written to disk (" +
+                               why_not_written(code) + "): free space, or choose another 'path'"};
+  }
 
  private:
+  /// Without waiting for the disk.
+  Result<void> write_now(const std::string& text, std::uint64_t frame,
+                         const char* extension) const {
+    return write_whole(text, file_of(frame, extension), Durability::unsynced);
+  }
+
   fs::path file_of(std::uint64_t frame, const char* extension) const {
     char name[40];
     std::snprintf(name, sizeof name, "%06llu.%s", static_cast<unsigned long long>(frame),

@@ -49,7 +49,8 @@ Result<void> AviFile::open(const std::string& path, double fps, int width, int h
   height_ = height;
   end_ = largest_ = index_bytes_ = 0;
   sizes_.clear();
-  file_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  constexpr int kFlags = O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC;
+  file_ = ::open(path.c_str(), kFlags, 0666);
   if (!is_open()) return failure(errno);
   end_ = kMoviBegin + 4;
   return write_header();

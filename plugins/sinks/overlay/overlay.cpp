@@ -185,7 +185,8 @@ class Overlay final : public Sink {
     }
     std::error_code status;
     fs::create_directories(path.parent_path(), status);  // writing says why it cannot
-    return write_whole({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path);
+    return write_whole({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path,
+                       Durability::unsynced);
   }
 
   std::string path_ = "overlay.avi";

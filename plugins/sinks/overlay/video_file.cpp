@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "video_file.hpp"
 
-#include <cerrno>
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <filesystem>
-#include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <weft/core/whole_file.hpp>
 
@@ -16,9 +17,13 @@ bool is_avi(const std::string& path) { return path.ends_with(".avi"); }
 
 /// Makes an empty file, so that the system can say what is wrong; FFmpeg does not.
 Result<void> check_writable(const std::string& path) {
-  errno = 0;
-  if (std::ofstream(path, std::ios::binary)) return {};
-  const std::error_code code(errno, std::generic_category());
+  constexpr int kFlags = O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC;
+  const int file = ::open(path.c_str(), kFlags, 0666);
+  if (file >= 0) {
+    ::close(file);
+    return {};
+  }
+  const std::error_code code = last_system_error();
   return Error{Errc::io, "the video " + path + " cannot be written (" + why_not_written(code) +
                              "): choose another 'path' or make its folder writable"};
 }
@@ -119,6 +124,10 @@ Result<void> VideoFile::close_part() {
   auto closed = avi_.close();
   writer_.release();
   if (!closed) return closed;
+  if (const std::error_code code = sync_path(part_path_)) {
+    return Error{Errc::io, "the video " + part_path_ + " cannot be written to disk (" +
+                               why_not_written(code) + "): is the disk full?"};
+  }
   const std::int64_t found = pictures_in(part_path_);
   if (found == given_) return {};
   return Error{Errc::io, "the video " + part_path_ + " has " + std::to_string(found) + " of " +

@@ -22,5 +22,16 @@ TEST(OutputFolder, MayBeMadeWhereNothingIsAndOverAnEmptyFolderAlone) {
   fs::remove_all(folder);
 }
 
+TEST(OutputFolder, IsMadeWithAllThatAreAboveIt) {
+  const fs::path folder = fs::path(::testing::TempDir()) / "output_folder_made";
+  fs::remove_all(folder);
+  EXPECT_FALSE(make_folders(folder / "a" / "b" / ""));
+  EXPECT_TRUE(fs::is_directory(folder / "a" / "b"));
+  EXPECT_FALSE(make_folders(folder / "a" / "b"));
+  std::ofstream(folder / "file") << "";
+  EXPECT_TRUE(make_folders(folder / "file" / "inside"));
+  fs::remove_all(folder);
+}
+
 }  // namespace
 }  // namespace weft

@@ -2,8 +2,11 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <csignal>
+#include <fstream>
 #include <iterator>
 #include <weft/core/whole_file.hpp>
 
@@ -22,6 +25,23 @@ class WholeFileTest : public ::testing::Test {
     std::ifstream stream(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), {}};
   }
+  /// No file of this process grows beyond so many bytes.
+  class SmallFiles {
+   public:
+    explicit SmallFiles(rlim_t bytes) {
+      std::signal(SIGXFSZ, SIG_IGN);
+      getrlimit(RLIMIT_FSIZE, &before_);
+      const rlimit limit{bytes, before_.rlim_max};
+      setrlimit(RLIMIT_FSIZE, &limit);
+    }
+    ~SmallFiles() { setrlimit(RLIMIT_FSIZE, &before_); }
+    SmallFiles(const SmallFiles&) = delete;
+    SmallFiles& operator=(const SmallFiles&) = delete;
+
+   private:
+    rlimit before_{};
+  };
+
   std::ptrdiff_t entries() const {
     return std::distance(fs::directory_iterator(folder_), fs::directory_iterator());
   }
@@ -50,12 +70,49 @@ TEST_F(WholeFileTest, AFolderThatIsAbsentIsNamedWithTheReason) {
 TEST_F(WholeFileTest, AFullDiskLeavesWhatWasThereBefore) {
   const fs::path file = folder_ / "a.txt";
   ASSERT_TRUE(write_whole("before", file));
-  fs::create_symlink("/dev/full", folder_ / "a.txt.part");
+  const SmallFiles limit(3);
   const auto written = write_whole("after", file);
   ASSERT_FALSE(written);
-  EXPECT_THAT(written.error().message, HasSubstr("No space left on device"));
+  EXPECT_THAT(written.error().message, HasSubstr("file size limit"));
   EXPECT_EQ(content(file), "before");
   EXPECT_EQ(entries(), 1);
+}
+
+TEST_F(WholeFileTest, FilesAndLinksOfOthersStayWhateverTheirNames) {
+  std::ofstream(folder_ / "a.txt.part") << "a file of the user";
+  std::ofstream(folder_ / "elsewhere") << "what the link leads to";
+  fs::create_symlink(folder_ / "elsewhere", folder_ / "b.txt.part");
+  ASSERT_TRUE(write_whole("text", folder_ / "a.txt"));
+  ASSERT_TRUE(write_whole("text", folder_ / "b.txt"));
+  EXPECT_EQ(content(folder_ / "a.txt.part"), "a file of the user");
+  EXPECT_EQ(content(folder_ / "elsewhere"), "what the link leads to");
+  EXPECT_TRUE(fs::is_symlink(folder_ / "b.txt.part"));
+  EXPECT_EQ(entries(), 5);
+}
+
+TEST_F(WholeFileTest, TwoWritersOfOneFileDoNotMeet) {
+  UnfinishedFile one(folder_ / "a.txt"), other(folder_ / "a.txt");
+  EXPECT_NE(one.path(), other.path());
+  EXPECT_THAT(one.path().filename().string(),
+              ::testing::MatchesRegex("a\\.txt\\.[0-9a-f]{12}\\.part"));
+  one.write("one");
+  other.write("other");
+  EXPECT_FALSE(one.finish(Durability::unsynced));
+  EXPECT_EQ(content(folder_ / "a.txt"), "one");
+  EXPECT_FALSE(other.finish(Durability::synced));
+  EXPECT_EQ(content(folder_ / "a.txt"), "other");
+  EXPECT_EQ(entries(), 1);
+}
+
+TEST_F(WholeFileTest, WhatIsNotFinishedDisappears) {
+  { UnfinishedFile(folder_ / "a.txt").write("half"); }
+  EXPECT_EQ(entries(), 0);
+}
+
+TEST_F(WholeFileTest, ANameOfTheGreatestLengthIsWritten) {
+  const fs::path file = folder_ / std::string(255, 'x');
+  ASSERT_TRUE(write_whole("text", file));
+  EXPECT_EQ(content(file), "text");
 }
 
 TEST_F(WholeFileTest, ADeviceIsWrittenAndStays) {

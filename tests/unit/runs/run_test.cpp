@@ -243,7 +243,10 @@ TEST_F(Runs, FinishTheSinksWhateverHappens) {
   const Ran opening = run(with("refuse_open"), "opening");
   ASSERT_FALSE(opening.summary);
   EXPECT_EQ(opening.summary.error().message, "cannot open as scripted");
-  EXPECT_TRUE(fs::exists(opening.folder + "/a.txt"));
+  EXPECT_FALSE(fs::exists(opening.folder)) << "the next try finds it free";
+  fs::create_directories(path("empty"));
+  ASSERT_FALSE(run(with("refuse_open"), "empty").summary);
+  EXPECT_TRUE(fs::is_empty(path("empty"))) << "a folder that was there before stays";
   const Ran finishing = run(with("refuse_finish"), "finishing");
   ASSERT_FALSE(finishing.summary);
   EXPECT_EQ(finishing.summary.error().code, Errc::io);
@@ -320,6 +323,43 @@ TEST_F(Runs, WriteAllFramesThatWereThroughWhenTheyAreCancelled) {
   ASSERT_EQ(lines.size(), static_cast<std::size_t>(summary->frames));
   for (std::size_t i = 0; i < lines.size(); ++i) EXPECT_EQ(lines[i]["frame"], i);
   EXPECT_EQ(read_lines(path("run/lines.txt")).size(), lines.size());
+}
+
+/// A run that is interrupted while the source reads, whatever the source makes of that.
+TEST_F(Runs, KeepNoLineOfAFrameWhoseReadingWasInterrupted) {
+  for (const std::string answer : {"error_at: [1]", "cancelled_at: [1]"}) {
+    for (const std::string mode : {"", "realtime: latest"}) {
+      Canceller ran([](const std::string& call, std::uint64_t frame) {
+        return call == "sources read" && frame == 1;
+      });
+      const auto [pipeline, report] =
+          check(chain({{"sources", "{frames: 4, " + answer + "}"}}, mode));
+      ASSERT_TRUE(report.ok()) << report.text();
+      fs::remove_all(path("run"));
+      const auto summary = run_pipeline(pipeline, path("run"), ran, ran.cancel);
+      ASSERT_TRUE(summary) << answer << ": " << summary.error().message;
+      EXPECT_TRUE(summary->cancelled);
+      EXPECT_EQ(summary->failed, 0) << answer;
+      if (!fs::exists(path("run"))) continue;  // not even the first frame was through
+      for (const std::string& line : read_lines(path("run/frames.jsonl"))) {
+        EXPECT_EQ(json::parse(line)["failed"], false) << answer;
+      }
+    }
+  }
+}
+
+TEST_F(Runs, LeaveNothingWhenTheyAreInterruptedBeforeTheFirstFrame) {
+  const std::string text = chain({{"sources", "{refuse: true}"}, {"sinks", "{refuse_open: true}"}});
+  for (const std::string at : {"sources load", "sources open"}) {
+    Canceller ran([&](const std::string& call, std::uint64_t) { return call == at; });
+    const auto [pipeline, report] = check(text);
+    ASSERT_TRUE(report.ok()) << report.text();
+    const auto summary = run_pipeline(pipeline, path("run"), ran, ran.cancel);
+    ASSERT_TRUE(summary) << at << ": " << summary.error().message;
+    EXPECT_TRUE(summary->cancelled) << at;
+    EXPECT_EQ(summary->frames, 0) << at;
+    EXPECT_FALSE(fs::exists(path("run"))) << at;
+  }
 }
 
 TEST_F(Runs, NeedNoOtherThreadWithoutAFolder) {

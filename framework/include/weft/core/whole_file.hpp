@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <fcntl.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <cerrno>
+#include <cstdint>
+#include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <weft/core/result.hpp>
 
 namespace weft {
@@ -29,25 +36,136 @@ inline bool is_device(const std::filesystem::path& file) {
   return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
 }
 
-/// Writes a file that appears whole or not at all: it is renamed from `file`.part. A device is
-/// written directly.
-inline Result<void> write_whole(std::string_view bytes, const std::filesystem::path& file) {
-  namespace fs = std::filesystem;
+/// Whether a file survives a power cut as soon as its writer has returned. Files that are written
+/// once a frame do without: waiting for the disk would slow the frames down.
+enum class Durability { synced, unsynced };
+
+inline std::error_code last_system_error() { return {errno, std::generic_category()}; }
+
+/// Writes what is open, a file or the entries of a folder, to the disk. File systems that cannot do
+/// so are no error.
+inline std::error_code sync_open(int descriptor) {
+  if (::fsync(descriptor) == 0 || errno == EINVAL || errno == ENOTSUP) return {};
+  return last_system_error();
+}
+
+/// The same of a path. A folder that may not be read is no error.
+inline std::error_code sync_path(const std::filesystem::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) return errno == EACCES ? std::error_code() : last_system_error();
+  const std::error_code code = sync_open(descriptor);
+  ::close(descriptor);
+  return code;
+}
+
+/// Writes everything of the file system of `path` to the disk: one wait instead of one a file.
+inline std::error_code sync_file_system(const std::filesystem::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return last_system_error();
+  const std::error_code code = ::syncfs(descriptor) == 0 ? std::error_code() : last_system_error();
+  ::close(descriptor);
+  return code;
+}
+
+inline std::error_code write_all(int descriptor, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(descriptor, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return last_system_error();
+    bytes.remove_prefix(static_cast<std::size_t>(count));
+  }
+  return {};
+}
+
+/// The folder that a path is an entry of.
+inline std::filesystem::path folder_of(const std::filesystem::path& path) {
+  return path.has_parent_path() ? path.parent_path() : ".";
+}
+
+/// A file under a temporary name of its own beside `file`, NAME.<12 hexadecimal digits>.part. It is
+/// always a new file: no file of another writer and no link is written through. It is removed
+/// unless finish() has renamed it. The first error is the one that finish() returns.
+class UnfinishedFile {
+ public:
+  explicit UnfinishedFile(std::filesystem::path file) : file_(std::move(file)) {
+    constexpr int kTries = 100;
+    constexpr int kFlags = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
+    errno = EEXIST;
+    for (int i = 0; i < kTries && descriptor_ < 0 && errno == EEXIST; ++i) {
+      path_ = temporary_name();
+      descriptor_ = ::open(path_.c_str(), kFlags, 0666);
+    }
+    if (descriptor_ < 0) status_ = last_system_error();
+  }
+  UnfinishedFile(const UnfinishedFile&) = delete;
+  UnfinishedFile& operator=(const UnfinishedFile&) = delete;
+  ~UnfinishedFile() {
+    if (descriptor_ < 0) return;
+    ::close(descriptor_);
+    ::unlink(path_.c_str());
+  }
+
+  /// Where it is until then. Others may write there by name, or rename over it.
+  const std::filesystem::path& path() const { return path_; }
+
+  /// Why it could not be created or written; none so far.
+  std::error_code status() const { return status_; }
+
+  void write(std::string_view bytes) {
+    if (!status_) status_ = write_all(descriptor_, bytes);
+  }
+
+  /// Gives it its name, in place of what has that name.
+  std::error_code finish(Durability durability) {
+    const bool is_synced = durability == Durability::synced;
+    if (!status_ && is_synced) status_ = sync();
+    if (!status_ && ::rename(path_.c_str(), file_.c_str()) != 0) status_ = last_system_error();
+    if (status_) return status_;
+    if (::close(std::exchange(descriptor_, -1)) != 0) status_ = last_system_error();
+    if (!status_ && is_synced) status_ = sync_path(folder_of(file_));
+    return status_;
+  }
+
+ private:
+  std::error_code sync() const {
+    struct stat status {};
+    const bool is_replaced = ::fstat(descriptor_, &status) == 0 && status.st_nlink == 0;
+    return is_replaced ? sync_path(path_) : sync_open(descriptor_);
+  }
+
+  std::filesystem::path temporary_name() const {
+    constexpr std::size_t kLongest = 200;  // so that a long name has room for its ending
+    std::uint64_t random = 0;
+    static_cast<void>(!getrandom(&random, sizeof(random), 0));
+    char ending[24];
+    std::snprintf(ending, sizeof(ending), ".%012llx.part",
+                  static_cast<unsigned long long>(random >> 16U));
+    return folder_of(file_) / (file_.filename().string().substr(0, kLongest) + ending);
+  }
+
+  std::filesystem::path file_, path_;
+  int descriptor_ = -1;
+  std::error_code status_;
+};
+
+/// Writes a file that appears whole or not at all, see UnfinishedFile. A device is written
+/// directly.
+inline Result<void> write_whole(std::string_view bytes, const std::filesystem::path& file,
+                                Durability durability = Durability::synced) {
   std::error_code code;
-  const bool replaceable = !is_device(file);
-  fs::path target = file;
-  if (replaceable) target += ".part";
-  errno = 0;
-  std::ofstream stream(target, std::ios::binary | std::ios::trunc);
-  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  stream.close();
-  code = stream ? std::error_code() : std::error_code(errno, std::generic_category());
-  if (stream && replaceable) fs::rename(target, file, code);
-  if (stream && !code) return {};
-  const std::string reason = code ? " (" + why_not_written(code) + ")" : "";
-  if (replaceable) fs::remove(target, code);
+  if (is_device(file)) {
+    const int device = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    code = device < 0 ? last_system_error() : write_all(device, bytes);
+    if (device >= 0 && ::close(device) != 0 && !code) code = last_system_error();
+  } else {
+    UnfinishedFile unfinished(file);
+    unfinished.write(bytes);
+    code = unfinished.finish(durability);
+  }
+  if (!code) return {};
   return Error{Errc::io,
-               "cannot be written" + reason + "; is its folder writable and the disk not full?",
+               "cannot be written (" + why_not_written(code) +
+                   "); is its folder writable and the disk not full?",
                file.string()};
 }
 

@@ -33,6 +33,7 @@ class MyPluginSink(weft.Sink):
         for vertex_m, measured in zip(shape.vertices_m.tolist(), shape.source.tolist(), strict=True):
             lines.append(",".join(map(repr, vertex_m)) + f",{int(measured != 0)}")
         target = os.path.join(self.path, f"{given.call.frame:06}.csv")
-        with open(target + ".part", "w", encoding="utf-8") as file:
+        part = f"{target}.{os.urandom(6).hex()}.part"
+        with open(part, "x", encoding="utf-8") as file:  # always a new file, through no link
             file.write("\n".join(lines) + "\n")
-        os.replace(target + ".part", target)
+        os.replace(part, target)

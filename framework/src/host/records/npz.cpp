@@ -105,14 +105,19 @@ struct Assembly {
 
 }  // namespace
 
-Result<void> write_npz(const std::string& file, const NamedRecords& records) {
+Result<void> write_npz(const std::string& file, const NamedRecords& records,
+                       Durability durability) {
   if (records.empty()) return Error{Errc::invalid_value, "there are no records to write", file};
   std::vector<NpzMember> members;
   for (const auto& [slot, record] : records) add_npz_members(record->view(slot.c_str()), members);
-  const std::string temporary = file + ".part";
+  const auto failure = [&](std::error_code reason) {
+    return zip_failure(file, "cannot be written (" + why_not_written(reason) + ")");
+  };
+  UnfinishedFile unfinished(file);
+  if (const std::error_code reason = unfinished.status()) return failure(reason);
   int code = 0;
-  Archive archive(zip_open(temporary.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code));
-  if (!archive) return zip_failure(temporary, "cannot be created; is the folder writable?");
+  Archive archive(zip_open(unfinished.path().c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code));
+  if (!archive) return zip_failure(file, "cannot be created; is the folder writable?");
   for (const NpzMember& member : members) {
     const std::string name = member.path();
     zip_source_t* source =
@@ -129,15 +134,12 @@ Result<void> write_npz(const std::string& file, const NamedRecords& records) {
   if (zip_close(archive.get()) != 0) {
     const std::error_code reason(zip_error_code_system(zip_get_error(archive.get())),
                                  std::generic_category());
-    return zip_failure(
-        file, "cannot be written (" +
-                  (reason ? why_not_written(reason) : std::string(zip_strerror(archive.get()))) +
-                  ")");
+    if (reason) return failure(reason);
+    return zip_failure(file,
+                       "cannot be written (" + std::string(zip_strerror(archive.get())) + ")");
   }
   static_cast<void>(archive.release());
-  std::error_code failure;
-  std::filesystem::rename(temporary, file, failure);
-  if (failure) return zip_failure(file, "cannot be renamed into place: " + failure.message());
+  if (const std::error_code reason = unfinished.finish(durability)) return failure(reason);
   return {};
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <weft/core/whole_file.hpp>
 
 #include "host/records/record.hpp"
 
@@ -11,7 +12,8 @@ namespace weft::host {
 /// the member `s/record_type.npy` (u8 text). The file appears whole: it is written under a
 /// temporary name beside its place and renamed. Equal records give equal bytes.
 /// Fails without records.
-Result<void> write_npz(const std::string& file, const NamedRecords& records);
+Result<void> write_npz(const std::string& file, const NamedRecords& records,
+                       Durability durability = Durability::synced);
 
 /// `none` is for a reader that counts bad records instead of refusing them.
 enum class NpzCheck { catalogue, none };

@@ -212,7 +212,7 @@ Result<void> write_call(const std::string& file, const StageCall& call) {
   put_text(*facts, "reason", reason);
   put_text(*facts, "inputs", lines);
   records.emplace_back(kCall, std::move(facts));
-  return host::write_npz(file, records);
+  return host::write_npz(file, records, Durability::unsynced);
 }
 
 Result<DumpedStage> read_dumped_stage(const std::string& folder) {

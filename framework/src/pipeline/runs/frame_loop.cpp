@@ -195,7 +195,8 @@ Result<void> FrameLoop::close_sinks() {
   Result<void> status;
   for (const Sink& sink : sinks_) {
     const Outcome closed = lane_.call(*sink.instance, kFinishSink, {}, host::kOfflineFrame);
-    if (!closed.usable() && status) {
+    const bool is_cut_short = closed.error.code == Errc::cancelled && lane_.is_cancelled();
+    if (!closed.usable() && !is_cut_short && status) {
       status = Error{Errc::io, closed.error.message, closed.error.where};
     }
   }

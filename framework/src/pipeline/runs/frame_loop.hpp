@@ -79,7 +79,8 @@ class FrameLoop {
   /// The next frame is the first of a sequence, see Executor::restart().
   void restart();
 
-  /// Finishes all sinks, whatever one of them says; the first error counts.
+  /// Finishes all sinks, whatever one of them says; the first error counts. One that was cut short
+  /// by an interrupt is none.
   Result<void> close_sinks();
 
  private:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/runs/run.hpp"
 
+#include <algorithm>
 #include <mutex>
 #include <weft/core/index.hpp>
 
@@ -60,8 +61,12 @@ class Run {
       take_all_frames();
     } catch (const Failed& failed) {
       static_cast<void>(finish());  // the first error is the one to report
-      if (failed.error.code != Errc::cancelled || !cancel_.load()) throw;
-      return summary();
+      // An interrupt before the frames may look like any failure of a component; later ones are
+      // told.
+      const bool is_of_interrupt = is_open_ ? failed.error.code == Errc::cancelled : true;
+      if (cancel_.load() && is_of_interrupt) return summary();
+      if (!is_open_) withdraw();
+      throw;
     }
     need(finish());
     return summary();
@@ -77,16 +82,20 @@ class Run {
       for (RunWarning& warning : loop_->warnings()) summary_.warnings.push_back(std::move(warning));
       summary_.camera = loop_->camera();
     }
-    if (folder_ && summary_.cancelled && summary_.frames == 0) {
-      trace_.reset();
-      folder_->withdraw();
-      folder_.reset();
-    }
+    if (summary_.cancelled && summary_.frames == 0) withdraw();
     if (folder_) {
       need(folder_->end(summary_, pipeline_.config.latest_only));
       summary_.folder = folder_->path();
     }
     return summary_;
+  }
+
+  /// Otherwise the next try would find its folder taken.
+  void withdraw() {
+    if (!folder_) return;
+    trace_.reset();
+    folder_->withdraw();
+    folder_.reset();
   }
 
   void open() {
@@ -99,6 +108,7 @@ class Run {
     need(loop_->open_sinks());
     open_steering();
     if (trace_) need(trace_->add(lane_->take_timings()));
+    is_open_ = true;
   }
 
   void stop_if_cancelled() const {
@@ -190,9 +200,19 @@ class Run {
       loop_->take(step, *frame);
       return passed;
     }
+    const auto& reports = frame->result.stages;
+    const auto is_cut = [&](const StageReport& report) {
+      return report.code == Errc::cancelled && is_cut_short(report);
+    };
+    if (std::any_of(reports.begin(), reports.end(), is_cut)) return not_there;
     FrameOnItsWay through = std::move(*frame);
     frame.reset();
     return file(std::move(through)) ? passed : last;
+  }
+
+  /// An interrupted call, whatever its component says, has failed for no fault of the frame.
+  bool is_cut_short(const StageReport& report) const {
+    return report.status == StageStatus::error && cancel_.load();
   }
 
   /// False where there is no such frame, or none is wanted.
@@ -205,7 +225,7 @@ class Run {
     auto read = repeated_ ? repeated_->read(place, loop_->input(), *lane_)
                 : latest_ ? latest_->take([this] { return cancel_.load(); })
                           : loop_->input().read(place);
-    if (!read) return false;
+    if (!read || is_cut_short(read->report)) return false;
     if (steering_) {
       if (auto settings = need(steering_->change(read->input.index))) {
         loop_->set_settings(*std::move(settings));
@@ -267,6 +287,7 @@ class Run {
   std::mutex announcing_;
   std::unique_ptr<host::Lane> lane_;
   std::string folder_path_;
+  bool is_open_ = false;  ///< all that comes before the first frame is done
   std::optional<RunFolder> folder_;
   std::optional<Trace> trace_;
   std::optional<Dump> dump_;

@@ -29,6 +29,10 @@ Error io_error(const std::string& file, const std::string& message) {
   return {Errc::io, message, file};
 }
 
+Error not_on_disk(const std::string& path, std::error_code code) {
+  return io_error(path, "cannot be written to disk (" + why_not_written(code) + ")");
+}
+
 void add_components(const host::ComponentSpec& spec, const std::string& stage,
                     ordered_json& components) {
   const host::Installed& installed = *spec.installed;
@@ -187,12 +191,14 @@ Result<RunFolder> RunFolder::create(const std::string& path) {
   const Error taken =
       io_error(path, "exists and is not an empty folder; choose another with --out");
   if (!is_free_for_folder(path)) return taken;
-  std::error_code code;
-  fs::create_directories(path, code);
+  std::error_code code = make_folders(folder_of(fs::absolute(path)));
+  const bool is_new = !code && fs::create_directory(path, code);
+  if (!code) code = make_folders(path);
   // Of two runs that begin together one makes this folder.
   if (!code && !fs::create_directory(path + "/frames", code) && !code) return taken;
   if (code) return io_error(path, "cannot be created: " + code.message());
   RunFolder folder(fs::absolute(path).string());
+  folder.is_new_ = is_new;
   folder.frames_.open(path + "/frames.jsonl");
   if (!folder.frames_) return io_error(path + "/frames.jsonl", "cannot be created");
   return folder;
@@ -200,30 +206,39 @@ Result<RunFolder> RunFolder::create(const std::string& path) {
 
 Result<void> RunFolder::begin(const PipelineConfig& config, const host::Record& templ,
                               const host::Record& camera, std::int64_t source_frames) {
-  if (auto written = write_whole(effective_yaml(config), path_ + "/pipeline.yaml"); !written) {
-    return written;
-  }
+  constexpr Durability kLater = Durability::unsynced;
+  const std::string file = path_ + "/pipeline.yaml";
+  if (auto written = write_whole(effective_yaml(config), file, kLater); !written) return written;
   ordered_json manifest = provenance(config);
   if (source_frames >= 0) manifest["source_frames"] = source_frames;
-  if (auto written = write_whole(dump(manifest, 2) + "\n", path_ + "/manifest.json"); !written)
-    return written;
+  auto written = write_whole(dump(manifest, 2) + "\n", path_ + "/manifest.json", kLater);
+  if (!written) return written;
   const auto borrow = [](const host::Record& record) {
     return host::RecordPtr(&record, [](const host::Record*) {});
   };
-  return host::write_npz(path_ + "/template.npz",
-                         {{"template", borrow(templ)}, {"camera", borrow(camera)}});
+  written = host::write_npz(path_ + "/template.npz",
+                            {{"template", borrow(templ)}, {"camera", borrow(camera)}}, kLater);
+  if (!written) return written;
+  for (const char* name : {"pipeline.yaml", "manifest.json", "template.npz", "."}) {
+    if (const auto code = sync_path(fs::path(path_) / name)) return not_on_disk(path_, code);
+  }
+  return {};
 }
 
 void RunFolder::withdraw() {
   frames_.close();
   std::error_code ignored;
-  fs::remove_all(path_, ignored);
+  for (const auto& entry : fs::directory_iterator(path_, ignored)) {
+    fs::remove_all(entry.path(), ignored);
+  }
+  if (is_new_) fs::remove(path_, ignored);
 }
 
 Result<void> RunFolder::add(const FrameResult& frame, const host::NamedRecords& records) {
   if (!records.empty()) {
     const std::string file = path_ + "/frames/" + frame_name(frame.index) + ".npz";
-    if (auto written = host::write_npz(file, records); !written) return written;
+    if (auto written = host::write_npz(file, records, Durability::unsynced); !written)
+      return written;
   }
   errno = 0;
   // At once: a line that was written has its end.
@@ -239,6 +254,7 @@ Result<void> RunFolder::end(const RunSummary& summary, bool drops) const {
       {"frames", summary.frames}, {"failed", summary.failed}, {"stopped", summary.stopped}};
   if (drops) end["dropped"] = summary.dropped;
   for (const auto& [name, value] : summary.camera) end["camera"][name] = rounded(value, 1e4);
+  if (const auto code = sync_file_system(path_)) return not_on_disk(path_, code);
   return write_whole(dump(end) + "\n", path_ + "/" + kEndFile);
 }
 

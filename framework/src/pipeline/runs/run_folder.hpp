@@ -22,7 +22,9 @@ host::NamedRecords frame_records(const Graph& graph, const FrameResult& frame,
 
 /// The folder of one run: pipeline.yaml (effective configuration), manifest.json, template.npz
 /// (template, camera), frames.jsonl (a line a frame), frames/NNNNNN.npz, what the sinks write, and
-/// at the end end.json. Whatever is finished stays readable when the run is killed.
+/// at the end end.json. Whatever is finished stays readable when the run is killed. After a power
+/// cut a folder with end.json is complete; of a run that had not ended, frames that the system had
+/// not written to the disk are missing.
 /// frames/NNNNNN.npz holds the frame_records; a frame without any has no such file.
 class RunFolder {
  public:
@@ -39,17 +41,20 @@ class RunFolder {
   /// Writes one frame and what is kept of it; its line is flushed.
   Result<void> add(const FrameResult& frame, const host::NamedRecords& records);
 
-  /// Writes end.json: how many frames there are, so that a reader knows that none is missing, and
-  /// how many were dropped where that may be (`drops`); and what they say of the camera.
+  /// Writes all frames to the disk, then end.json: how many frames there are, so that a reader
+  /// knows that none is missing, and how many were dropped where that may be (`drops`); and what
+  /// they say of the camera.
   Result<void> end(const RunSummary& summary, bool drops) const;
 
-  /// Removes the folder with all that is in it: it was new or empty, so that all is of this run.
+  /// Removes what is in the folder, and the folder unless it was there before: it was new or empty,
+  /// so that all is of this run.
   void withdraw();
 
  private:
   explicit RunFolder(std::string path) : path_(std::move(path)) {}
 
   std::string path_;
+  bool is_new_ = false;
   std::ofstream frames_;
 };
 

@@ -151,7 +151,7 @@ Result<DataSurvey> survey_data(const DataLayout& layout, const host::Registry& r
   const std::int64_t count = typed_in<Count>(counted, "count")->frames;
   for (std::int64_t i = 0; (count < 0 || i < count) && !cancel.load(); ++i) {
     const Outcome read = lane.call(**source, kReadFrame, {}, static_cast<std::uint64_t>(i));
-    if (read.status == WEFT_END) break;
+    if (read.status == WEFT_END || (!read.usable() && cancel.load())) break;
     ++survey.frames;
     if (read.usable()) add_frame(read, survey);
     if (!read.usable()) {
