@@ -24,7 +24,7 @@ struct ConvertOptions {
 };
 
 /// The pipeline that reads the data and writes the sequence.
-Result<std::string> pipeline_text(const ConvertOptions& options) {
+Result<GeneratedText> pipeline_text(const ConvertOptions& options) {
   const auto layout = find_data_layout(options.path, standard_sources(), options.camera);
   if (!layout) return layout.error();
   if (layout->kind == "sequence") {
@@ -39,17 +39,23 @@ Result<std::string> pipeline_text(const ConvertOptions& options) {
                  "has no template/texture.png and no texture.png; give the texture with --texture",
                  options.path};
   }
-  std::string text = "# Made by `weft data convert`.\nweft: 1\non_error: stop\nsource:\n";
-  text += "  use: " + layout->source.find("use")->scalar + "\n  params:\n";
+  GeneratedText text("weft data convert");
+  text.add("# Made by `weft data convert`.\nweft: 1\non_error: stop\nsource:\n");
+  text.add("  use: " + layout->source.find("use")->scalar + "\n  params:\n", options.path);
   for (const yaml::Entry& entry : layout->source.find("params")->entries) {
-    text += "    " + entry.key + ": " + yaml_quoted(entry.value.scalar) + "\n";
+    const bool is_camera = entry.key == "camera" && !options.camera.empty();
+    text.add("    " + entry.key + ": " + yaml_quoted(entry.value.scalar) + "\n",
+             is_camera ? "--camera " + options.camera : options.path);
   }
-  text +=
-      "template:\n  use: templates/rectangular\n  params:\n    texture: " + yaml_quoted(texture) +
-      "\n";
-  text += fmt::format("    width_m: {}\n    height_m: {}\n    columns: {}\n    rows: {}\n",
-                      options.width_m, options.height_m, options.columns, options.rows);
-  return text + "sinks:\n  - use: sinks/dataset\n    params: {path: .}\n";
+  text.add("template:\n  use: templates/rectangular\n  params:\n");
+  text.add("    texture: " + yaml_quoted(texture) + "\n",
+           options.texture.empty() ? options.path : "--texture " + options.texture);
+  text.add(fmt::format("    width_m: {}\n", options.width_m), "--width-m");
+  text.add(fmt::format("    height_m: {}\n", options.height_m), "--height-m");
+  text.add(fmt::format("    columns: {}\n", options.columns), "--columns");
+  text.add(fmt::format("    rows: {}\n", options.rows), "--rows");
+  text.add("sinks:\n  - use: sinks/dataset\n    params: {path: .}\n");
+  return text;
 }
 
 void convert(const ConvertOptions& options, Context& context) {

@@ -67,25 +67,30 @@ Result<double> print_width_m(const Context& context, const FrexVideoRequest& req
 
 }  // namespace
 
-Result<std::string> frex_video_pipeline(const Context& context, const FrexVideoRequest& request) {
+Result<GeneratedText> frex_video_pipeline(const Context& context, const FrexVideoRequest& request) {
   const auto width_m = print_width_m(context, request);
   if (!width_m) return width_m.error();
   const std::string texture = absolute(request.texture);
-  std::string text = "# Made by `weft data make frex --video`.\nweft: 1\nsource:\n";
-  text += fmt::format(
-      "  use: sources/frex_video\n  params:\n    frames:\n      use: sources/video\n"
-      "      params: {{path: {}, camera: {}}}\n    layout: {}\n    texture: {}\n"
-      "    lighting_seed: {}\n",
-      absolute(request.video), absolute(request.camera), absolute(request.layout), texture,
-      request.seed);
+  GeneratedText text("weft data make frex --video");
+  const auto add_path = [&](const char* key, const std::string& path, const std::string& argument) {
+    text.add(fmt::format("{}{}\n", key, path), argument);
+  };
+  text.add("# Made by `weft data make frex --video`.\nweft: 1\nsource:\n");
+  text.add("  use: sources/frex_video\n  params:\n    frames:\n      use: sources/video\n");
+  text.add("      params:\n");
+  add_path("        path: ", absolute(request.video), "--video " + request.video);
+  add_path("        camera: ", absolute(request.camera), "--camera " + request.camera);
+  add_path("    layout: ", absolute(request.layout), "--layout " + request.layout);
+  add_path("    texture: ", texture, "--texture " + request.texture);
+  text.add(fmt::format("    lighting_seed: {}\n", request.seed), "--seed");
   if (!request.background.empty()) {
-    text += "    background: " + yaml_quoted(request.background) + "\n";
+    add_path("    background: ", yaml_quoted(request.background), "--background");
   }
-  text += fmt::format(
-      "template:\n  use: templates/rectangular\n  params:\n    texture: {}\n    width_m: {}\n"
-      "    columns: 10\n    rows: 7\n",
-      texture, *width_m);
-  return text + "sinks:\n  - use: sinks/dataset\n    params: {path: .}\n";
+  text.add("template:\n  use: templates/rectangular\n  params:\n");
+  add_path("    texture: ", texture, "--texture " + request.texture);
+  text.add(fmt::format("    width_m: {}\n    columns: 10\n    rows: 7\n", *width_m));
+  text.add("sinks:\n  - use: sinks/dataset\n    params: {path: .}\n");
+  return text;
 }
 
 }  // namespace weft::cli

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "cli/commands.hpp"
+#include "cli/output/generated_text.hpp"
 
 namespace weft::cli {
 
@@ -16,6 +17,6 @@ struct FrexVideoRequest {
 
 /// The pipeline that puts `texture` on the filmed sheet of markers: sources/frex_video into
 /// sinks/dataset. Paths in it are absolute. Fails where the texture or the layout cannot be read.
-Result<std::string> frex_video_pipeline(const Context& context, const FrexVideoRequest& request);
+Result<GeneratedText> frex_video_pipeline(const Context& context, const FrexVideoRequest& request);
 
 }  // namespace weft::cli

@@ -35,26 +35,34 @@ std::string one_line(std::string text) {
 
 /// The pipeline that simulates the sequence. It stands in the sequence and says how that was made,
 /// so it does not depend on where that is.
-std::string simulation_text(const FrexOptions& options) {
+GeneratedText simulation_text(const FrexOptions& options) {
   const std::string texture =
       yaml_quoted(std::filesystem::absolute(options.texture).lexically_normal().string());
-  const std::string size =
-      fmt::format("    width_m: {}\n    height_m: {}\n", options.width_m, options.height_m);
-  std::string text = "# Made by `weft data make frex`; `weft run` of this file makes it again";
-  text += options.settings.empty() ? ".\n" : ", with:\n";
-  for (const std::string& setting : options.settings)
-    text += "#   --set " + one_line(setting) + "\n";
-  text += "weft: 1\non_error: stop\nsource:\n  use: sources/frex\n  params:\n";
-  text += "    texture: " + texture + "\n" + size;
-  text += fmt::format("    frames: {}\n    seed: {}\n", options.frames, options.seed);
-  if (!options.pattern.empty()) text += "    pattern: " + yaml_quoted(options.pattern) + "\n";
-  if (!options.background.empty()) {
-    text += "    background: " + yaml_quoted(options.background) + "\n";
+  GeneratedText text("weft data make frex");
+  const auto add_sheet = [&] {
+    text.add("    texture: " + texture + "\n", "--texture " + options.texture);
+    text.add(fmt::format("    width_m: {}\n", options.width_m), "--width-m");
+    text.add(fmt::format("    height_m: {}\n", options.height_m), "--height-m");
+  };
+  text.add(std::string("# Made by `weft data make frex`; `weft run` of this file makes it again") +
+           (options.settings.empty() ? ".\n" : ", with:\n"));
+  for (const std::string& setting : options.settings) {
+    text.add("#   --set " + one_line(setting) + "\n");
   }
-  if (options.occluder) text += "    occluder: true\n";
-  text +=
-      "template:\n  use: templates/rectangular\n  params:\n    texture: " + texture + "\n" + size;
-  text += "    columns: 10\n    rows: 7\nsinks:\n  - use: sinks/dataset\n    params: {path: .}\n";
+  text.add("weft: 1\non_error: stop\nsource:\n  use: sources/frex\n  params:\n");
+  add_sheet();
+  text.add(fmt::format("    frames: {}\n", options.frames), "--frames");
+  text.add(fmt::format("    seed: {}\n", options.seed), "--seed");
+  if (!options.pattern.empty()) {
+    text.add("    pattern: " + yaml_quoted(options.pattern) + "\n", "--pattern");
+  }
+  if (!options.background.empty()) {
+    text.add("    background: " + yaml_quoted(options.background) + "\n", "--background");
+  }
+  if (options.occluder) text.add("    occluder: true\n", "--occluder");
+  text.add("template:\n  use: templates/rectangular\n  params:\n");
+  add_sheet();
+  text.add("    columns: 10\n    rows: 7\nsinks:\n  - use: sinks/dataset\n    params: {path: .}\n");
   return text;
 }
 
@@ -71,13 +79,11 @@ void make(const FrexOptions& options, Context& context) {
     context.exit_code = kBadConfiguration;
     return;
   }
-  Result<std::string> pipeline = std::string{};
-  if (options.video.empty()) {
-    pipeline = simulation_text(options);
-  } else {
-    pipeline = frex_video_pipeline(context, {options.video, options.camera, options.layout,
-                                             options.texture, options.background, options.seed});
-  }
+  const Result<GeneratedText> pipeline =
+      options.video.empty()
+          ? simulation_text(options)
+          : frex_video_pipeline(context, {options.video, options.camera, options.layout,
+                                          options.texture, options.background, options.seed});
   if (!pipeline) {
     print_error(pipeline.error());
     context.exit_code = pipeline.error().code == Errc::io ? kInputOutput : kBadConfiguration;

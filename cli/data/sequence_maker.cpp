@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -24,7 +25,7 @@ constexpr const char* kPipelineName = "make.yaml";
 /// Frames that were made, on the terminal.
 class SequenceProgress final : public RunObserver {
  public:
-  explicit SequenceProgress(bool quiet) : quiet_(quiet) {}
+  explicit SequenceProgress(bool quiet) : shows_(!quiet && isatty(STDERR_FILENO) != 0) {}
 
   void started(std::int64_t frames) override { total_ = frames; }
   void frame_done(const FrameResult& frame) override {
@@ -33,7 +34,7 @@ class SequenceProgress final : public RunObserver {
       if (report.status != StageStatus::error || !first_error_.empty()) continue;
       first_error_ = fmt::format("frame {}: {}", frame.index, report.reason.str());
     }
-    if (quiet_) return;
+    if (!shows_) return;
     // Frames do not depend on whether somebody can read this.
     std::fputs(
         fmt::format("\r{}{} frames", done_, total_ < 0 ? "" : fmt::format("/{}", total_)).c_str(),
@@ -44,12 +45,12 @@ class SequenceProgress final : public RunObserver {
     now_running(stage, component, what, frame);
   }
   void end_line() const {
-    if (!quiet_ && done_ > 0) fmt::print(stderr, "\n");
+    if (shows_ && done_ > 0) fmt::print(stderr, "\n");
   }
   const std::string& first_error() const { return first_error_; }
 
  private:
-  bool quiet_;
+  bool shows_;
   std::int64_t done_ = 0, total_ = -1;
   std::string first_error_;
 };
@@ -78,19 +79,20 @@ void withdraw(const fs::path& folder) {
 
 }  // namespace
 
-void make_sequence(const std::string& pipeline_text, const std::string& folder,
+void make_sequence(const GeneratedText& pipeline_text, const std::string& folder,
                    const std::vector<std::string>& settings, bool quiet, const Error& none,
                    Context& context) {
-  if (auto written = write_pipeline(pipeline_text, folder); !written) {
+  if (auto written = write_pipeline(pipeline_text.text(), folder); !written) {
     print_error(written.error());
     context.exit_code = kInputOutput;
     return;
   }
   const auto registry = context.registry();
-  const auto [pipeline, report] = check_pipeline((fs::path(folder) / kPipelineName).string(),
-                                                 registry, fs::absolute(folder).string(), settings);
+  const std::string file = (fs::path(folder) / kPipelineName).string();
+  const auto [pipeline, report] =
+      check_pipeline(file, registry, fs::absolute(folder).string(), settings);
   if (!report.ok()) {
-    fmt::print(stderr, "{}", report.text());
+    fmt::print(stderr, "{}", pipeline_text.told(report, file));
     withdraw(folder);
     context.exit_code = kBadConfiguration;
     return;

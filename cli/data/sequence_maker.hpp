@@ -5,13 +5,14 @@
 #include <vector>
 
 #include "cli/commands.hpp"
+#include "cli/output/generated_text.hpp"
 
 namespace weft::cli {
 
 /// Runs a pipeline that writes a sequence into `folder`, new or empty, where its text is kept as
 /// make.yaml. Prints progress and mistakes, and sets Context::exit_code; where nothing could be
 /// made, nothing is left. A run that wrote no frame is the mistake `none`.
-void make_sequence(const std::string& pipeline_text, const std::string& folder,
+void make_sequence(const GeneratedText& pipeline_text, const std::string& folder,
                    const std::vector<std::string>& settings, bool quiet, const Error& none,
                    Context& context);
 

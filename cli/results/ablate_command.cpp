@@ -236,12 +236,13 @@ void ablate(AblateOptions options, Context& context) {
 }  // namespace
 
 void ablate_plan(const std::string& plan, const std::string& folder, int jobs,
-                 const std::vector<std::string>& settings, Context& context) {
+                 const std::vector<std::string>& settings, bool is_dry, Context& context) {
   AblateOptions options;
   options.plan = plan;
   options.folder = folder;
   options.jobs = jobs;
   options.settings = settings;
+  options.status = is_dry;
   ablate(std::move(options), context);
 }
 

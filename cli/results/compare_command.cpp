@@ -10,7 +10,10 @@
 
 #include "ablation/plan/grid.hpp"
 #include "cli/data/sequence_maker.hpp"
+#include "cli/output/generated_text.hpp"
+#include "cli/output/temporary_folder.hpp"
 #include "cli/results/ablate_plan.hpp"
+#include "cli/results/compared_data.hpp"
 #include "cli/run/run_settings.hpp"
 #include "cli/standard_components.hpp"
 #include "metrics/forms/metric_path.hpp"
@@ -23,9 +26,10 @@ namespace fs = std::filesystem;
 
 struct CompareOptions {
   std::vector<std::string> pipelines;
-  std::vector<std::string> folders, settings;
+  std::vector<std::string> data, settings;
   std::string seeds, metric = evaluation::kErrorMetric, out;
   int jobs = 1;
+  bool is_dry = false;
 };
 
 /// The name of a file without what may not stand in the name of a value.
@@ -45,33 +49,35 @@ std::vector<std::string> names_of(const CompareOptions& options) {
 }
 
 /// What `weft ablate` would be given to answer the same.
-std::string plan_text(const CompareOptions& options, const std::string& name) {
+Result<GeneratedText> plan_text(const CompareOptions& options, const std::string& name,
+                                const host::Registry& registry) {
   const std::vector<std::string> names = names_of(options);
-  const auto path = [](const std::string& file) {
-    return yaml_quoted(fs::absolute(file).string());
-  };
   // Seeds up to 100 are for tuning; that is the caller's to know, who asks for no report.
   const long first_seed = std::strtol(options.seeds.c_str(), nullptr, 10);
   const bool tuning = !options.seeds.empty() && first_seed <= 100;
-  std::string text =
-      "# What `weft compare` asked; weft ablate runs it again.\nweft: 1\nname: " + name +
-      "\npipeline:\n";
+  GeneratedText text("weft compare");
+  text.add("# What `weft compare` asked; weft ablate runs it again.\nweft: 1\nname: " + name +
+           "\npipeline:\n");
   for (std::size_t i = 0; i < 2; ++i) {
-    text += "  " + names[i] + ": " + path(options.pipelines[i]) + "\n";
+    const std::string& file = options.pipelines[i];
+    text.add("  " + names[i] + ": " + yaml_quoted(fs::absolute(file).string()) + "\n", file);
   }
-  text += std::string("data_use: ") + (tuning ? "tuning" : "reporting") + "\ndata:\n";
-  for (std::size_t i = 0; i < options.folders.size(); ++i) {
-    const fs::path folder = options.folders[i];
-    const bool is_one = fs::exists(folder / "camera.yaml");
-    text += fmt::format("  data_{}: {{folders: {}}}\n", i + 1,
-                        path((is_one ? folder : folder / "*").string()));
+  text.add(std::string("data_use: ") + (tuning ? "tuning" : "reporting") + "\n", "--seeds");
+  text.add("data:\n");
+  for (std::size_t i = 0; i < options.data.size(); ++i) {
+    auto entries = compared_data(options.data[i], i + 1, registry);
+    if (!entries) return entries.error();
+    text.add(*entries, "--data " + options.data[i]);
   }
-  if (options.folders.empty()) {
-    text += options.seeds.empty() ? "  own: {}\n" : "  own: {seeds: [" + options.seeds + "]}\n";
+  if (options.data.empty()) {
+    text.add(options.seeds.empty() ? "  own: {}\n" : "  own: {seeds: [" + options.seeds + "]}\n",
+             options.seeds.empty() ? "" : "--seeds " + options.seeds);
   }
-  return text + "show: [" + yaml_quoted(options.metric) +
-         ", counts.solved_percent]\ncomparisons:\n" +
-         "  - {axis: pipeline, metric: " + yaml_quoted(options.metric) + "}\n";
+  const std::string metric = yaml_quoted(options.metric);
+  text.add("show: [" + metric + ", counts.solved_percent]\ncomparisons:\n" +
+               "  - {axis: pipeline, metric: " + metric + "}\n",
+           "--metric " + options.metric);
+  return text;
 }
 
 /// Why pipelines that keep their own sources cannot be compared; empty where they can.
@@ -89,14 +95,14 @@ std::string different_frames(const evaluation::Grid& grid) {
 }
 
 /// Loads the plan, so that mistakes are said before anything runs.
-bool is_sound(const std::string& plan, const CompareOptions& options,
+bool is_sound(const std::string& plan, const GeneratedText& text, const CompareOptions& options,
               const host::Registry& registry) {
   auto [grid, report] = evaluation::load_grid(plan, registry, options.settings, standard_helpers());
   if (!report.ok()) {
-    fmt::print(stderr, "{}", report.text());
+    fmt::print(stderr, "{}", text.told(report, plan));
     return false;
   }
-  const std::string why = options.folders.empty() ? different_frames(grid) : "";
+  const std::string why = options.data.empty() ? different_frames(grid) : "";
   if (!why.empty()) print_error({Errc::invalid_value, why, {}});
   return why.empty();
 }
@@ -120,26 +126,40 @@ Result<void> print_answer(const std::string& folder, const std::string& metric) 
 }
 
 void compare(CompareOptions options, Context& context) {
+  const auto fail = [&](const Error& error, int exit_code) {
+    print_error(error);
+    context.exit_code = exit_code;
+  };
   const std::vector<std::string> names = names_of(options);
   const std::string name = names[0] + "_and_" + names[1];
   if (options.out.empty()) options.out = "comparisons/" + name;
-  const std::string plan = options.out + ".yaml";
-  std::error_code code;
-  fs::create_directories(fs::absolute(plan).parent_path(), code);
-  if (auto written = write_whole(plan_text(options, name), plan); !written) {
-    print_error(written.error());
-    context.exit_code = kInputOutput;
-    return;
+  const host::Registry registry = context.registry();
+  const auto text = plan_text(options, name, registry);
+  if (!text) return fail(text.error(), kBadConfiguration);
+  // Nothing of a plan that is wrong, or of a dry run, is left.
+  const auto scratch = TemporaryFolder::make("weft-compare");
+  if (!scratch) return fail(scratch.error(), kInputOutput);
+  const std::string trial = scratch->path() + "/plan.yaml";
+  if (auto written = write_whole(text->text(), trial); !written) {
+    return fail(written.error(), kInputOutput);
   }
-  if (!is_sound(plan, options, context.registry())) {
+  if (!is_sound(trial, *text, options, registry)) {
     context.exit_code = kBadConfiguration;
     return;
   }
-  ablate_plan(plan, options.out, options.jobs, options.settings, context);
+  if (options.is_dry) {
+    return ablate_plan(trial, options.out, options.jobs, options.settings, true, context);
+  }
+  const std::string plan = options.out + ".yaml";
+  std::error_code code;
+  fs::create_directories(fs::absolute(plan).parent_path(), code);
+  if (auto written = write_whole(text->text(), plan); !written) {
+    return fail(written.error(), kInputOutput);
+  }
+  ablate_plan(plan, options.out, options.jobs, options.settings, false, context);
   if (context.exit_code != kDone && context.exit_code != kFramesFailed) return;
   if (auto answered = print_answer(options.out, options.metric); !answered) {
-    print_error(answered.error());
-    context.exit_code = kInputOutput;
+    fail(answered.error(), kInputOutput);
   }
 }
 
@@ -153,16 +173,15 @@ void add_compare_command(CLI::App& app, Context& context) {
   command->add_option("PIPELINES", options->pipelines, "The two pipelines (YAML)")
       ->type_name("")
       ->expected(2)
-      ->check(CLI::ExistingFile)
       ->required();
   CLI::Option* data =
       command
           ->add_option(
-              "--data", options->folders,
-              "Folder of a sequence (frames, camera.yaml, gt), or of several such folders; "
-              "may be repeated (default: the source of the pipelines)")
-          ->option_text("FOLDER")
-          ->check(CLI::ExistingDirectory)
+              "--data", options->data,
+              "What `weft data info` reads, such as the folder of a sequence (frames, camera.yaml, "
+              "gt), or a folder of several such folders; may be repeated (default: the source of "
+              "the pipelines)")
+          ->option_text("PATH")
           ->allow_extra_args(false);
   command
       ->add_option("--seeds", options->seeds,
@@ -175,6 +194,8 @@ void add_compare_command(CLI::App& app, Context& context) {
   command->add_option("--jobs", options->jobs, "Processes; the results are the same for any number")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
+  command->add_flag("--dry-run", options->is_dry,
+                    "Say what is done, and what the rest will take; run and write nothing");
   command->add_option("--out", options->out,
                       "Results folder, beside which the plan is written (default: "
                       "comparisons/<names of the two>)");

@@ -48,6 +48,22 @@ TEST(Suggest, AllowsAboutAThirdOfTheLength) {
   EXPECT_EQ(nearest("abXXXXghi", {"abcdefghi"}), "");
 }
 
+TEST(Suggest, ComparesTheNamesOfPluginsOfOneRoleAlone) {
+  const std::vector<std::string> ids{"filters/aem", "filters/gms", "filters/myneighbor",
+                                     "solvers/aem_like"};
+  EXPECT_EQ(nearest("filters/foo", ids), "");
+  EXPECT_EQ(nearest("filters/ame", ids), "filters/aem");
+  EXPECT_EQ(nearest("filters/neighbor", ids), "filters/myneighbor");
+  EXPECT_EQ(nearest("filter/aem", ids), "filters/aem");
+  EXPECT_EQ(nearest("filters/", ids), "");
+}
+
+TEST(Suggest, WantsShortWordsToDifferInOneEdit) {
+  EXPECT_EQ(nearest("foo", {"lmo", "aem"}), "");
+  EXPECT_EQ(nearest("rnu", {"run"}), "run");
+  EXPECT_EQ(nearest("rank", {"tran"}), "");
+}
+
 TEST(DidYouMean, EndsASentenceWithWhatIsNearOrWithWhatElseThereIs) {
   EXPECT_EQ(did_you_mean("alpah", {"beta", "alpha"}), "; did you mean 'alpha'?");
   EXPECT_EQ(did_you_mean("zzz", {"beta", "alpha"}), "");

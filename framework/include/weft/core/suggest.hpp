@@ -31,9 +31,10 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 /// The candidate the writer of `word` most likely meant, or an empty string when none is near.
-/// Near is: at most max(2, length / 3) edits, ignoring case, and fewer than the shorter word has
-/// bytes; or else, one contains the other ('alpha', 'alpha_start'), the shorter having at least 3
-/// bytes. Fewer edits win, then the earlier candidate.
+/// Near is: at most max(2, length / 3) edits, 1 below 5 bytes, ignoring case, and fewer than the
+/// shorter word has bytes; or else, one contains the other ('alpha', 'alpha_start'), the shorter
+/// having at least 3 bytes. Fewer edits win, then the earlier candidate. What both have up to
+/// the last '/', '.' or blank of `word` does not count: 'filters/foo' is not near 'filters/aem'.
 inline std::string nearest(std::string_view word, const std::vector<std::string>& candidates) {
   const auto lower = [](std::string_view text) {
     std::string result(text);
@@ -43,14 +44,19 @@ inline std::string nearest(std::string_view word, const std::vector<std::string>
     return result;
   };
   constexpr std::size_t kFar = to_index(-1);
-  const std::string wanted = lower(word);
+  const std::string whole = lower(word);
+  const std::size_t part = whole.find_last_of("/. ") + 1;  // npos + 1 is 0
   std::string best;
   std::size_t best_cost = kFar;
   for (const std::string& candidate : candidates) {
-    const std::string other = lower(candidate);
+    std::string wanted = whole, other = lower(candidate);
+    if (other.compare(0, part, whole, 0, part) == 0) {
+      wanted.erase(0, part);
+      other.erase(0, part);
+    }
     const std::size_t shorter = std::min(wanted.size(), other.size());
     const std::size_t longer = std::max(wanted.size(), other.size());
-    const std::size_t limit = std::max<std::size_t>(2, longer / 3);
+    const std::size_t limit = longer < 5 ? 1 : std::max<std::size_t>(2, longer / 3);
     std::size_t cost = kFar;
     if (longer - shorter <= limit) {
       const std::size_t edits = edit_distance(wanted, other);

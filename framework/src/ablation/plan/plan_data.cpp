@@ -25,6 +25,17 @@ yaml::Node map_node(yaml::Position at) {
   return node;
 }
 
+/// "FOLDER/*.png", of the first of these extensions that a file in the folder has, else of the first.
+std::string pattern_in(const fs::path& folder, const std::vector<const char*>& extensions) {
+  std::error_code code;
+  for (const char* extension : extensions) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, code)) {
+      if (entry.path().extension() == extension) return (folder / "*").string() + extension;
+    }
+  }
+  return (folder / "*").string() + extensions.front();
+}
+
 /// Data that are one entry of the plan's `data`.
 class DataReader {
  public:
@@ -109,14 +120,13 @@ class DataReader {
     yaml::Node use = map_node(at), patch = patch_;
     use.entries.push_back({"use", at, yaml::text_node(plan_.helpers.frames_source, at)});
     patch.entries.push_back({"source", at, use});
-    const std::vector<std::pair<const char*, fs::path>> files{{"path", folder / "frames/*.png"},
-                                                              {"camera", folder / "camera.yaml"},
-                                                              {"truth", folder / "gt/*.npz"}};
-    for (const auto& [parameter, file] : files) {
-      if (file.parent_path().filename() == "gt" && !fs::exists(file.parent_path())) continue;
-      const std::string path = std::string("source.") + parameter;
-      patch = with_setting(std::move(patch), path, at, yaml::text_node(file.string(), at));
-    }
+    const auto set = [&](const char* path, const std::string& file) {
+      patch = with_setting(std::move(patch), path, at, yaml::text_node(file, at));
+    };
+    set("source.path", pattern_in(folder / "frames",
+                                  {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff"}));
+    set("source.camera", (folder / "camera.yaml").string());
+    if (fs::exists(folder / "gt")) set("source.truth", pattern_in(folder / "gt", {".npz", ".csv"}));
     return patch;
   }
 

@@ -153,8 +153,8 @@ const KeyTable& data_keys() {
         .part = "seeds"},
        {.name = "seed_setting", .help = "the parameter that takes them (default: source.seed)"},
        {.name = "folders",
-        .help = "pattern of folders with frames/*.png, camera.yaml and "
-                "gt/*.npz; each makes a sequence"}});
+        .help = "pattern of folders with frames/ (images), camera.yaml and gt/ (*.npz or "
+                "*.csv); each makes a sequence"}});
   return kKeys;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <sstream>
 #include <weft/core/component_id.hpp>
 #include <weft/core/quote.hpp>
@@ -288,12 +289,24 @@ std::string Registry::explain_missing(std::string_view id) const {
              "); " + refusal.fix;
     }
   }
+  const std::string role = role_of(id);
+  const bool has_role =
+      std::any_of(installed_.begin(), installed_.end(),
+                  [&](const Installed& entry) { return entry.component.role() == role; });
   std::vector<std::string> ids;
-  for (const Installed& entry : installed_) ids.push_back(entry.component.id);
+  std::set<std::string> others;  // of this role, or the roles
+  for (const Installed& entry : installed_) {
+    ids.push_back(entry.component.id);
+    if (!has_role) others.insert(entry.component.role());
+    if (entry.component.role() == role) others.insert(entry.component.id);
+  }
+  std::string list;
+  for (const std::string& other : others) list += (list.empty() ? "" : ", ") + other;
+  if (list.empty()) list = "none";
   return "no plugin " + quote(id) + " is installed" +
          did_you_mean(id, ids,
-                      "; see: weft plugins list; the folder of one of your own is given by "
-                      "--plugin-path");
+                      (has_role ? "; there are: " : "; an id begins with one of these roles: ") +
+                          list + "; the folder of one of your own is given by --plugin-path");
 }
 
 }  // namespace weft::host

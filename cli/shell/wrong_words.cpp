@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/shell/wrong_words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+#include <weft/core/quote.hpp>
+#include <weft/core/suggest.hpp>
+
+namespace weft::cli {
+namespace {
+
+/// The command that was given, as it is typed: "weft data convert".
+struct Given {
+  const CLI::App* command;
+  std::string path = "weft";
+};
+
+Given given_command(const CLI::App& program) {
+  Given given{&program};
+  while (!given.command->get_subcommands().empty()) {
+    given.command = given.command->get_subcommands().front();
+    given.path += " " + given.command->get_name();
+  }
+  return given;
+}
+
+std::vector<std::string> names_of_commands(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::App* each : command.get_subcommands([](const CLI::App*) { return true; })) {
+    names.push_back(each->get_name());
+  }
+  return names;
+}
+
+/// "--set" of all that the command takes.
+std::vector<std::string> names_of_options(const CLI::App* command) {
+  std::vector<std::string> names;
+  for (; command != nullptr; command = command->get_parent()) {
+    for (const CLI::Option* option : command->get_options()) {
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    }
+  }
+  return names;
+}
+
+bool has(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::string unknown_option(const Given& given, const std::string& word) {
+  const std::string name = word.substr(0, word.find('='));
+  const std::vector<std::string> known = names_of_options(given.command);
+  // Before the name of its command an option is nothing that is known there.
+  if (has(known, name)) {
+    return fmt::format("give {} behind '{}'", name, given.path);
+  }
+  return fmt::format("{} has no option {}{}", given.path, quote(name), did_you_mean(name, known));
+}
+
+/// A word that stands where none is expected.
+std::string unexpected(const Given& given, const std::string& word) {
+  const std::vector<std::string> commands = names_of_commands(*given.command);
+  if (!commands.empty()) {
+    const std::string all = fmt::format("; there are: {}", fmt::join(commands, ", "));
+    return fmt::format("no command '{}'{}", word, did_you_mean(word, commands, all));
+  }
+  const bool is_setting = word.find('=') != std::string::npos &&
+                          has(names_of_options(given.command), "--set");
+  return fmt::format("{} does not expect {}{}", given.path, quote(word),
+                     is_setting ? "; did you mean --set " + quote(word) + "?" : "");
+}
+
+const CLI::Option* option_of(const Given& given, std::string_view text) {
+  const std::string name(text.substr(0, text.find(':')));
+  for (const CLI::App* app = given.command; app != nullptr; app = app->get_parent()) {
+    for (const CLI::Option* option : app->get_options()) {
+      if (option->check_name(name)) return option;
+    }
+  }
+  return nullptr;
+}
+
+/// What CLI11 says of values, as this program says it.
+std::string of_values(const Given& given, const CLI::ParseError& error) {
+  const std::string text = error.what();
+  const CLI::Option* option = option_of(given, text);
+  if (option != nullptr && error.get_name() == "ArgumentMismatch") {
+    const std::string name = option->get_name(option->get_positional());
+    const int count = option->get_expected_min();
+    return option->get_expected_max() == 0
+               ? fmt::format("{} takes no value", name)
+               : fmt::format("{} needs {}: {}", name,
+                             count == 1 ? "a value" : fmt::format("{} values", count),
+                             option->get_option_text().empty() ? option->get_description()
+                                                               : option->get_option_text());
+  }
+  constexpr std::string_view kConversion = "Could not convert: ";
+  if (text.starts_with(kConversion)) {
+    return fmt::format("{} is no value that it takes", text.substr(kConversion.size()));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string wrong_words(const CLI::App& program, const CLI::ParseError& error) {
+  const Given given = given_command(program);
+  const std::vector<std::string> left = program.remaining(true);
+  const auto option = std::find_if(left.begin(), left.end(), [](const std::string& word) {
+    return word.starts_with("-") && word != "--";
+  });
+  const bool is_extra = error.get_name() == "ExtrasError" || !names_of_commands(*given.command).empty();
+  std::string text;
+  if (option != left.end()) {
+    text = unknown_option(given, *option);
+  } else if (is_extra && !left.empty()) {
+    text = unexpected(given, left.front());
+  } else {
+    text = of_values(given, error);
+  }
+  return fmt::format("{}; see: {} --help", text, given.path);
+}
+
+const CLI::App* without_command(const CLI::App& program) {
+  const Given given = given_command(program);
+  const bool is_group = !names_of_commands(*given.command).empty();
+  return is_group && program.remaining(true).empty() ? given.command : nullptr;
+}
+
+}  // namespace weft::cli
