@@ -1,38 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/format.h>
-
 #include <cstdio>
-#include <string_view>
-#include <weft/core/suggest.hpp>
 #include <weft/core/version.hpp>
 
 #include "cli/commands.hpp"
 #include "cli/output/standard_output.hpp"
 #include "cli/run/sudden_end.hpp"
+#include "cli/shell/wrong_words.hpp"
 
 namespace {
-
-/// What is wrong with the name of a command; empty when something else is.
-std::string wrong_command(const CLI::App& app) {
-  const CLI::App* last = &app;
-  while (!last->get_subcommands().empty()) last = last->get_subcommands().front();
-  std::vector<std::string> known;
-  for (const CLI::App* command : last->get_subcommands([](const CLI::App*) { return true; })) {
-    known.push_back(command->get_name());
-  }
-  const std::vector<std::string> unknown = app.remaining();
-  if (known.empty() || unknown.empty() || unknown.front().starts_with("-")) return {};
-  const std::string all = fmt::format("; there are: {}", fmt::join(known, ", "));
-  return fmt::format("no command '{}'{}", unknown.front(),
-                     weft::did_you_mean(unknown.front(), known, all));
-}
 
 /// The exit code of the command that the arguments give.
 int run_command(int argc, char** argv) {
   CLI::App app{"Weft recovers the 3D shape of a deforming surface from one camera and a template."};
   app.set_version_flag("--version", weft::kVersion);
   app.require_subcommand(1);
-  app.footer("All commands exit with 3 when their standard output cannot be written.");
+  app.footer(
+      "Examples:\n"
+      "  weft live --demo                a simulated sheet in the browser\n"
+      "  weft run pipelines/demo.yaml    a pipeline, into a run folder\n"
+      "Exit codes: without a command or with a wrong one 2; all commands exit with 3 when their "
+      "standard output cannot be written.");
   weft::cli::Context context;
   app.add_option("--plugin-path", context.plugin_path,
                  "Folder of plugins, searched before WEFT_PLUGIN_PATH; may be repeated")
@@ -59,14 +46,14 @@ int run_command(int argc, char** argv) {
   weft::cli::add_schema_command(app, context);
   weft::cli::add_completion_command(app, context);
   weft::cli::add_manual_command(app, context);
+  weft::cli::group_commands(app);
   try {
     app.parse(argc, argv);
+  } catch (const CLI::Success& asked) {
+    app.exit(asked);  // help or version
+    return weft::cli::kDone;
   } catch (const CLI::ParseError& error) {
-    const std::string message = error.get_exit_code() != 0 ? wrong_command(app) : "";
-    if (message.empty()) {
-      return app.exit(error) == 0 ? weft::cli::kDone : weft::cli::kBadConfiguration;
-    }
-    weft::cli::print_error({weft::Errc::invalid_value, message, {}});
+    weft::cli::print_wrong_words(app, error);
     return weft::cli::kBadConfiguration;
   } catch (const std::exception& error) {
     if (std::ferror(stdout) != 0) return weft::cli::kInputOutput;  // said at the end

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <filesystem>
+#include <weft/core/input_path.hpp>
 #include <weft/data/template.hpp>
 
 #include "cli/data/sequence_maker.hpp"
@@ -20,9 +21,7 @@ std::string absolute(const std::string& path) {
 }
 
 Result<void> check_file(const std::string& path, const std::string& option) {
-  std::error_code status;
-  if (std::filesystem::is_regular_file(path, status)) return {};
-  return Error{Errc::not_found, "there is no such file: correct " + option, path};
+  return check_input(path, InputKind::file, "correct " + option);
 }
 
 /// Width and height of the printed sheet, from its layout.

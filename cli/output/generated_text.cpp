@@ -16,11 +16,11 @@ std::string GeneratedText::told(const ConfigReport& report, const std::string& f
   std::string text;
   for (const yaml::Problem& problem : report.problems) {
     const bool is_here = report.sources.at(to_index(problem.at.source)).name == file;
-    const std::size_t line = to_index(problem.at.line - 1);
-    const std::string place = !is_here                    ? place_in(report.sources, problem.at)
-                              : line < arguments_.size() ? arguments_[line]
-                                                          : otherwise_;
-    const std::string said = place + ": " + problem.message + "\n";
+    const std::size_t line = to_index(std::max(problem.at.line, 1) - 1);
+    const std::string& argument = line < arguments_.size() ? arguments_[line] : otherwise_;
+    const std::string place = is_here ? argument : place_in(report.sources, problem.at);
+    const bool has_place = !is_here && problem.at.line > 0;
+    const std::string said = (has_place ? "" : "error: ") + place + ": " + problem.message + "\n";
     if (text.find(said) == std::string::npos) text += said;  // both pipelines read an argument
   }
   return text;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <set>
+#include <weft/core/input_path.hpp>
 
 #include "cli/output/json_text.hpp"
 #include "host/probing/probe.hpp"
@@ -179,10 +180,12 @@ void explain_plugin(const std::string& id_or_file, bool json, Context& context) 
   std::error_code code;
   const bool is_file = id_or_file.ends_with(".so") || id_or_file.ends_with(".plugin.yaml") ||
                        fs::is_regular_file(id_or_file, code);
-  if (is_file && !fs::exists(id_or_file, code)) {
-    print_error({Errc::io, "does not exist", id_or_file});
-    context.exit_code = kInputOutput;
-    return;
+  if (is_file) {
+    if (auto found = check_input(id_or_file, InputKind::any); !found) {
+      print_error(found.error());
+      context.exit_code = kInputOutput;
+      return;
+    }
   }
   Explanation explanation = is_file ? explain_file(id_or_file, context.plugin_path)
                                     : explain_id(id_or_file, context.registry());

@@ -11,6 +11,7 @@
 #include "ablation/ablation.hpp"
 #include "cli/commands.hpp"
 #include "cli/output/duration_text.hpp"
+#include "cli/output/report_text.hpp"
 #include "cli/results/ablate_plan.hpp"
 #include "cli/results/ablate_slurm.hpp"
 #include "cli/results/cell_failures.hpp"
@@ -196,7 +197,7 @@ void ablate(AblateOptions options, Context& context) {
       evaluation::load_grid(options.plan, registry, options.settings, standard_helpers(),
                             options.without, isolating_of(options.isolate));
   if (!report.ok()) {
-    fmt::print(stderr, "{}", report.text());
+    print_report(report);
     tell_slurm_failure(options.slurm, options.folder, report.text());
     context.exit_code = kBadConfiguration;
     return;

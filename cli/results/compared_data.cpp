@@ -55,7 +55,8 @@ std::string entry_of(const std::string& name, DataLayout layout, const host::Reg
   data.entries.push_back({"source", {}, std::move(layout.source)});
   named.entries.push_back({name, {}, std::move(data)});
   std::string lines = "  ";
-  for (const char c : yaml::emit(named)) lines += c == '\n' ? std::string("\n  ") : std::string(1, c);
+  for (const char c : yaml::emit(named))
+    lines += c == '\n' ? std::string("\n  ") : std::string(1, c);
   lines.erase(lines.size() - 2);
   return lines;
 }

@@ -8,8 +8,8 @@
 
 namespace weft::cli {
 
-/// Lines below `data:` of a plan for what --data names: all that `weft data info` reads, or a folder
-/// of several of these. `number` is that of the option.
+/// Lines below `data:` of a plan for what --data names: all that `weft data info` reads, or a
+/// folder of several of these. `number` is that of the option.
 Result<std::string> compared_data(const std::string& path, std::size_t number,
                                   const host::Registry& registry);
 

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <weft/core/input_path.hpp>
 
 #include "cli/commands.hpp"
 #include "cli/output/new_file.hpp"
@@ -19,8 +20,10 @@ Result<evaluation::ReportFiles> write_report_of(const std::string& folder,
                                                 const evaluation::ReportOptions& options) {
   namespace fs = std::filesystem;
   std::error_code code;
-  if (!fs::is_directory(folder, code)) {
-    return Error{Errc::not_found, "there is no such folder", folder};
+  if (auto found =
+          check_input(folder, InputKind::folder, "give one that `weft run` or `weft ablate` wrote");
+      !found) {
+    return found.error();
   }
   if (evaluation::is_run_folder(folder)) return evaluation::write_run_report(folder, options);
   if (!fs::exists(folder + "/plan.json", code) && !fs::exists(folder + "/results", code)) {

@@ -11,6 +11,7 @@
 #include "bench/report.hpp"
 #include "cli/commands.hpp"
 #include "cli/output/new_file.hpp"
+#include "cli/output/report_text.hpp"
 #include "cli/run/bench_options.hpp"
 #include "cli/run/interruption.hpp"
 #include "cli/run/run_settings.hpp"
@@ -96,7 +97,7 @@ std::vector<CheckedPipeline> check_all(const std::vector<bench::Entry>& entries,
     host::ComponentChecks checks = checks_of(entries[i].file);
     auto [pipeline, report] =
         check_pipeline(entries[i].file, registry, folder, entries[i].settings, {}, &checks);
-    if (!report.ok()) fmt::print(stderr, "{}", report.text());
+    if (!report.ok()) print_report(report);
     ok = ok && report.ok();
     pipelines.push_back(with_sinks ? std::move(pipeline)
                                    : bench::without_sinks(std::move(pipeline)));

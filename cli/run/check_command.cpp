@@ -6,6 +6,7 @@
 
 #include "ablation/plan/grid.hpp"
 #include "cli/commands.hpp"
+#include "cli/output/report_text.hpp"
 #include "cli/run/interruption.hpp"
 #include "cli/run/run_settings.hpp"
 #include "cli/standard_components.hpp"
@@ -50,7 +51,7 @@ void check(const CheckOptions& options, Context& context) {
       fmt::print("{}: ok, {}\n", file, content);
       continue;
     }
-    fmt::print(stderr, "{}", report.text());
+    print_report(report);
     context.exit_code = kBadConfiguration;
   }
 }

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 #include <weft/core/image_file.hpp>
+#include <weft/core/input_path.hpp>
 #include <weft/core/output_folder.hpp>
 #include <weft/core/whole_file.hpp>
 
@@ -27,7 +28,7 @@ namespace fs = std::filesystem;
 constexpr const char* kSchema = "pipeline.schema.json";
 
 struct InitOptions {
-  std::string folder, picture, object;
+  std::string folder, picture, object, video;
   std::optional<std::string> camera;  ///< empty: there is none
   std::optional<double> width_m;
   std::optional<int> device;
@@ -66,7 +67,7 @@ Result<void> fill_in(InitOptions& options) {
     }
     options.width_m = metres;
   }
-  if (!options.device) {
+  if (!options.device && options.video.empty()) {
     const auto device = ask("Number N of the camera /dev/videoN, empty for 0");
     if (!device) return unanswered("--device");
     int number = 0;
@@ -131,9 +132,7 @@ Result<TemplateKey> template_key(const InitOptions& options) {
 /// Before the first one is copied: whoever mistyped a name types the command again.
 Result<void> check_are_there(const std::vector<Copy>& files) {
   for (const Copy& copy : files) {
-    std::error_code code;
-    if (fs::is_regular_file(copy.file, code)) continue;
-    return Error{Errc::not_found, "there is no such file: correct its name", copy.file};
+    if (auto found = check_input(copy.file, InputKind::file); !found) return found;
   }
   return {};
 }
@@ -148,15 +147,27 @@ Result<void> copy_into(const std::string& folder, const std::vector<Copy>& files
   return {};
 }
 
+/// A path as a value inside { }.
+std::string flow_quoted(const fs::path& path) {
+  std::string quoted = "'";
+  for (const char c : path.string()) quoted += c == '\'' ? std::string("''") : std::string(1, c);
+  return quoted + "'";
+}
+
 /// As pipelines/live.yaml, whole in one file; editors read in its first line where the schema is.
 std::string pipeline_text(const InitOptions& options, const std::string& templ) {
   const std::string camera = options.camera->empty() ? "" : ", camera: camera.yaml";
+  const bool is_film = !options.video.empty();
+  const std::string params =
+      is_film
+          ? fmt::format("params: {{path: {}{}}}", flow_quoted(fs::absolute(options.video)), camera)
+          : fmt::format("params: {{device: {}{}}}", *options.device, camera);
   return fmt::format(
       "# yaml-language-server: $schema={}\n"
-      "# Show the object to the camera: weft live live.yaml\n"
+      "# {}: weft live live.yaml\n"
       "weft: 1\n"
       "realtime: latest\n"
-      "source: {{use: sources/video, params: {{device: {}{}}}}}\n"
+      "source: {{use: sources/video, {}}}\n"
       "{}"
       "stages:\n"
       "  - {{use: matchers/track, as: tracked}}\n"
@@ -170,7 +181,7 @@ std::string pipeline_text(const InitOptions& options, const std::string& templ) 
       "    params: {{start: {{use: solvers/brunet_mdh}}, tracked_damping: 0.05}}\n"
       "sinks:\n"
       "  - {{use: sinks/live, as: live}}\n",
-      kSchema, *options.device, camera, templ);
+      kSchema, is_film ? "Play the film" : "Show the object to the camera", params, templ);
 }
 
 Result<void> check_size(const InitOptions& options) {
@@ -195,7 +206,9 @@ Result<void> init(InitOptions options, const host::Registry& registry) {
   if (!templ) return templ.error();
   std::vector<Copy> files = std::move(templ->files);
   if (!options.camera->empty()) files.push_back({*options.camera, "camera.yaml"});
-  if (auto there = check_are_there(files); !there) return there;
+  std::vector<Copy> inputs = files;
+  if (!options.video.empty()) inputs.push_back({options.video, {}});
+  if (auto there = check_are_there(inputs); !there) return there;
   if (auto made = make_new_folder(options.folder); !made) return made;
   if (auto copied = copy_into(options.folder, files); !copied) return copied;
   auto written = write_whole(schema::pipeline_schema(registry), options.folder + "/" + kSchema);
@@ -217,9 +230,14 @@ void add_init_command(CLI::App& app, Context& context) {
       ->add_option("--template", options->object,
                    "In place of both a folder that `weft template make` wrote")
       ->option_text("FOLDER");
-  command->add_option("--device", options->device, "N of the camera /dev/videoN")
-      ->option_text("N")
-      ->check(CLI::NonNegativeNumber);
+  CLI::Option* device =
+      command->add_option("--device", options->device, "N of the camera /dev/videoN")
+          ->option_text("N")
+          ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option("--video", options->video, "A film in place of a camera; it stays where it is")
+      ->option_text("FILE")
+      ->excludes(device);
   command
       ->add_option("--camera", options->camera,
                    "Camera file, as `weft calibrate` writes it; empty: there is none")

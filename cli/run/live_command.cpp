@@ -21,9 +21,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kSink = "sinks/live";
+constexpr const char* kVideo = "sources/video";
 
 struct LiveOptions {
   RunArguments run;
+  std::string video;
   bool demo = false, keep = false, record = false, no_browser = false;
 };
 
@@ -35,7 +37,21 @@ Patch live_patch(bool records) {
         "  - {use: sinks/dataset, as: recording, params: {path: recording, dense_truth: false}}\n";
   }
   auto parsed = yaml::parse(text, "weft live");
-  return {{{"weft live", "", true, "weft live"}}, std::move(parsed->root)};
+  return {{{"", "", true, "weft live", true}}, std::move(parsed->root)};
+}
+
+/// Plays a film in place of what the pipeline reads; the camera file stays where the source is one
+/// of films and cameras already.
+Patch video_patch(const std::string& video) {
+  yaml::Node source, params, root;
+  source.kind = params.kind = root.kind = yaml::Kind::map;
+  params.entries.push_back({"path", {}, yaml::text_node(fs::absolute(video).string())});
+  params.entries.push_back({"device", {}, yaml::plain_node("-1")});
+  params.entries.push_back({"address", {}, yaml::text_node("")});
+  source.entries.push_back({"use", {}, yaml::text_node(kVideo)});
+  source.entries.push_back({"params", {}, std::move(params)});
+  root.entries.push_back({"source", {}, std::move(source)});
+  return {{{video, "", true, "--video", true}}, std::move(root)};
 }
 
 /// A value of a parameter as text, or nothing.
@@ -80,7 +96,7 @@ void open_browser(std::string page) {
 
 /// What the source needs of the user, beside being looked at.
 std::string advice_for(const PipelineConfig& config) {
-  if (config.source->component.component().id != "sources/video") return "";
+  if (config.source->component.component().id != kVideo) return "";
   if (value_of(*config.source, "camera")) return "";
   const std::string device = value_of(*config.source, "device").value_or("-1");
   return "The camera is not calibrated, so depths are a guess: weft calibrate " +
@@ -101,11 +117,20 @@ std::string pipeline_of(const LiveOptions& options) {
 }
 
 /// What to hold before the camera, where the pipeline is one of the program's.
-std::string object_of(const std::string& pipeline) {
-  if (pipeline != own_pipeline("live.yaml")) return "";
+std::string object_of(const LiveOptions& options, const std::string& pipeline) {
+  if (pipeline != own_pipeline("live.yaml") || !options.video.empty()) return "";
   return "Show the camera " + own_pipeline("data/sheet_texture.png") +
          ", printed 297 mm wide.\nA picture of yours: weft init FOLDER, then weft live "
          "FOLDER/live.yaml.\n";
+}
+
+/// Whether a camera is what a pipeline could not run for.
+bool is_about_camera(const PipelineConfig& config, const Error& error) {
+  if (error.code == Errc::cancelled || config.source->component.component().id != kVideo) {
+    return false;
+  }
+  const std::string device = value_of(*config.source, "device").value_or("-1");
+  return error.where == kVideo && !device.starts_with('-');
 }
 
 constexpr const char* kAdvice =
@@ -116,30 +141,31 @@ constexpr const char* kAdvice =
     "  a picture of yours   weft init FOLDER, then weft live FOLDER/live.yaml\n"
     "  a photograph of it   weft template make --photo FILE --width METRES --out OBJECT, then\n"
     "                       weft init FOLDER --template OBJECT\n"
-    "  another port         --set live.address=127.0.0.1:8091\n";
+    "  a film               --video FILE\n";
 
 void run_live(const LiveOptions& options, Context& context) {
-  if (options.demo && !options.run.pipeline.empty()) {
-    print_error({Errc::invalid_value, "give a pipeline or --demo, not both", {}});
+  if (options.demo && !(options.run.pipeline.empty() && options.video.empty())) {
+    print_error(
+        {Errc::invalid_value, "--demo stands alone: leave the pipeline and --video out", {}});
     context.exit_code = kBadConfiguration;
     return;
   }
   RunArguments arguments = options.run;
   if (arguments.pipeline.empty()) arguments.pipeline = pipeline_of(options);
   arguments.patches = {live_patch(options.record)};
+  if (!options.video.empty()) arguments.patches.push_back(video_patch(options.video));
   arguments.keeps_records = options.keep;
-  bool has_started = false;
   arguments.started = [&](const PipelineConfig& config) {
-    has_started = true;
     const auto page = page_of(config);
-    fmt::print("{}{}Ctrl-C ends it.\n{}", page ? *page + "\n" : "", object_of(arguments.pipeline),
-               advice_for(config));
+    fmt::print("{}{}Ctrl-C ends it.\n{}", page ? *page + "\n" : "",
+               object_of(options, arguments.pipeline), advice_for(config));
     std::fflush(stdout);
     if (page && !options.no_browser) open_browser(*page);
   };
+  arguments.failed = [](const PipelineConfig& config, const Error& error) {
+    if (is_about_camera(config, error)) fmt::print(stderr, "{}", kAdvice);
+  };
   run(arguments, context);
-  if (has_started || context.exit_code == kDone) return;
-  fmt::print(stderr, "{}", kAdvice);
 }
 
 }  // namespace
@@ -153,6 +179,8 @@ void add_live_command(CLI::App& app, Context& context) {
                    "Pipeline file (default: live.yaml here, else the printed demo before camera 0)")
       ->type_name("");
   command->add_flag("--demo", options->demo, "A simulated sheet in place of a camera");
+  command->add_option("--video", options->video, "Play a film in place of a camera")
+      ->option_text("FILE");
   command
       ->add_option("--out", options->run.folder,
                    "Run folder, new or empty (default: runs/<name of the pipeline>)")

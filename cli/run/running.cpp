@@ -13,6 +13,7 @@
 #include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
 
+#include "cli/output/report_text.hpp"
 #include "cli/run/interruption.hpp"
 #include "cli/run/recorded_run.hpp"
 #include "cli/run/run_settings.hpp"
@@ -191,7 +192,7 @@ void run(const RunArguments& arguments, Context& context) {
   }
   if (!report.ok() && interrupted.load()) return print_interrupted(stdout);
   if (!report.ok()) {
-    fmt::print(stderr, "{}", report.text());
+    print_report(report);
     context.exit_code = kBadConfiguration;
     return;
   }
@@ -212,6 +213,7 @@ void run(const RunArguments& arguments, Context& context) {
     print_error(summary.error());
     const bool io = summary.error().code == Errc::io;
     context.exit_code = io ? kInputOutput : kBadConfiguration;
+    if (arguments.failed) arguments.failed(pipeline.config, summary.error());
     return;
   }
   if (summary->cancelled && summary->frames == 0) {

@@ -9,6 +9,8 @@
 #include <weft/core/quote.hpp>
 #include <weft/core/suggest.hpp>
 
+#include "cli/output/outcome.hpp"
+
 namespace weft::cli {
 namespace {
 
@@ -67,8 +69,8 @@ std::string unexpected(const Given& given, const std::string& word) {
     const std::string all = fmt::format("; there are: {}", fmt::join(commands, ", "));
     return fmt::format("no command '{}'{}", word, did_you_mean(word, commands, all));
   }
-  const bool is_setting = word.find('=') != std::string::npos &&
-                          has(names_of_options(given.command), "--set");
+  const bool is_setting =
+      word.find('=') != std::string::npos && has(names_of_options(given.command), "--set");
   return fmt::format("{} does not expect {}{}", given.path, quote(word),
                      is_setting ? "; did you mean --set " + quote(word) + "?" : "");
 }
@@ -104,30 +106,46 @@ std::string of_values(const Given& given, const CLI::ParseError& error) {
   return text;
 }
 
-}  // namespace
-
-std::string wrong_words(const CLI::App& program, const CLI::ParseError& error) {
-  const Given given = given_command(program);
+std::string sentence(const CLI::App& program, const Given& given, const CLI::ParseError& error) {
   const std::vector<std::string> left = program.remaining(true);
   const auto option = std::find_if(left.begin(), left.end(), [](const std::string& word) {
     return word.starts_with("-") && word != "--";
   });
-  const bool is_extra = error.get_name() == "ExtrasError" || !names_of_commands(*given.command).empty();
-  std::string text;
-  if (option != left.end()) {
-    text = unknown_option(given, *option);
-  } else if (is_extra && !left.empty()) {
-    text = unexpected(given, left.front());
-  } else {
-    text = of_values(given, error);
-  }
-  return fmt::format("{}; see: {} --help", text, given.path);
+  if (option != left.end()) return unknown_option(given, *option);
+  const bool is_group = !names_of_commands(*given.command).empty();
+  const bool is_extra = is_group || error.get_name() == "ExtrasError";
+  return is_extra && !left.empty() ? unexpected(given, left.front()) : of_values(given, error);
 }
 
-const CLI::App* without_command(const CLI::App& program) {
+}  // namespace
+
+void group_commands(CLI::App& program) {
+  struct Group {
+    const char* name;
+    std::vector<const char*> commands;
+  };
+  const std::vector<Group> groups{
+      {"Begin", {"live", "init", "run", "check"}},
+      {"Data, templates and cameras", {"data", "template", "calibrate"}},
+      {"Results", {"eval", "compare", "ablate", "report", "metrics", "bench", "replay"}},
+      {"Plugins", {"plugins", "doctor", "records", "schema"}},
+      {"Shell", {"completion", "manual"}}};
+  for (const Group& group : groups) {
+    for (const char* command : group.commands) program.get_subcommand(command)->group(group.name);
+  }
+}
+
+void print_wrong_words(const CLI::App& program, const CLI::ParseError& error) {
   const Given given = given_command(program);
   const bool is_group = !names_of_commands(*given.command).empty();
-  return is_group && program.remaining(true).empty() ? given.command : nullptr;
+  if (is_group && program.remaining(true).empty()) {
+    fmt::print(stderr, "{}\n", given.command->help(given.path));
+    print_error({Errc::invalid_value, fmt::format("give {} a command", given.path), {}});
+    return;
+  }
+  std::string text = sentence(program, given, error);
+  if (!is_group && !text.ends_with("?")) text += fmt::format("; see: {} --help", given.path);
+  print_error({Errc::invalid_value, std::move(text), {}});
 }
 
 }  // namespace weft::cli

@@ -2,15 +2,15 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <string>
 
 namespace weft::cli {
 
-/// What is wrong with a command line that CLI11 refuses, in one sentence with what to do: an option
-/// that the command does not have is named before what is missing because of it.
-std::string wrong_words(const CLI::App& program, const CLI::ParseError& error);
+/// Puts the commands of the program under headings of its help.
+void group_commands(CLI::App& program);
 
-/// Whether a command was left out of "weft" or "weft data": then its help lists them.
-const CLI::App* without_command(const CLI::App& program);
+/// Prints to stderr what is wrong with a command line that CLI11 refuses, and what to do. An option
+/// that the command does not have is named before what is missing because of it. Where a command is
+/// missing, as in "weft" and "weft data", the help is printed that lists them.
+void print_wrong_words(const CLI::App& program, const CLI::ParseError& error);
 
 }  // namespace weft::cli

@@ -7,6 +7,7 @@
 
 #include "cli/output/json_text.hpp"
 #include "cli/output/new_file.hpp"
+#include "cli/output/report_text.hpp"
 #include "cli/run/run_settings.hpp"
 #include "cli/template/template_commands.hpp"
 #include "cli/template/template_picture.hpp"
@@ -73,7 +74,7 @@ void check(const TemplateCheckOptions& options, Context& context) {
   const auto [pipeline, report] =
       check_pipeline(options.pipeline, registry, folder, options.settings);
   if (!report.ok()) {
-    fmt::print(stderr, "{}", report.text());
+    print_report(report);
     return;
   }
   const auto lane = lane_of(pipeline.config, {});

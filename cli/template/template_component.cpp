@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cli/data/sequence_maker.hpp"
+#include "cli/output/report_text.hpp"
 #include "cli/standard_components.hpp"
 #include "pipeline/configuration/config.hpp"
 
@@ -94,7 +95,7 @@ std::optional<host::ComponentSpec> component_of_pipeline(const ChosenTemplate& c
                                                          const host::Registry& registry) {
   auto [config, report] = load_pipeline(chosen.pipeline, registry, ".", chosen.settings);
   if (report.ok()) return std::move(config.templ->component);
-  fmt::print(stderr, "{}", report.text());
+  print_report(report);
   return std::nullopt;
 }
 

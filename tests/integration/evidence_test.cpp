@@ -171,7 +171,7 @@ TEST_F(Evidence, ASurveyTakesTheSourceOfAPipelineFile) {
 
 TEST_F(Evidence, ALayoutThatIsNotThereSaysWhatWasLookedFor) {
   EXPECT_THAT(find_data_layout(path("none"), kSources).error().message,
-              HasSubstr("does not exist"));
+              HasSubstr("there is no such file or folder"));
   EXPECT_THAT(find_data_layout(folder_.string(), kSources).error().message, HasSubstr("no images"));
   write_frame({640, 480}, 800.0, 0.5);
   fs::remove(folder_ / "camera.yaml");

@@ -170,7 +170,7 @@ TEST_F(Tools, WhySaysThatAFolderIsNotSearched) {
   EXPECT_THAT(ended.out, HasSubstr("add: --plugin-path " + fs::path(copy).parent_path().string()));
   const Ended none = weft({"plugins", "why", path("nothing.so")});
   EXPECT_EQ(none.exit_code, 3);
-  EXPECT_THAT(none.err, HasSubstr("does not exist"));
+  EXPECT_THAT(none.err, HasSubstr("there is no such file"));
   const Ended text = weft({"plugins", "why", write("a: b")});
   EXPECT_EQ(text.exit_code, 2);
   EXPECT_THAT(text.out, HasSubstr("is no plugin: give a library"));
@@ -353,7 +353,7 @@ TEST_F(ReplayTool, SaysWhatIsWrong) {
            {{"solvers", path("run"), "--params", "{refuse: true}"}, 2, "refuses as scripted"},
            {{"solvers", path("run"), "--repeat", "0"}, 2, "--repeat"},
            {{"solvers"}, 2, "RECORDS is required"},
-           {{"solvers", path("nowhere")}, 3, "does not exist"},
+           {{"solvers", path("nowhere")}, 3, "there is no such file"},
            {{"solvers", path("run/frames")}, 3, "holds no dump"},
            {{"solvers", path("damaged")}, 3, "cannot be read as an npz file"}}) {
     std::vector<std::string> arguments{"replay"};

@@ -86,7 +86,7 @@ std::unique_ptr<FrameReader> read_images(std::vector<std::string> paths) {
 
 Result<std::unique_ptr<FrameReader>> open_film(const std::string& path, int frames) {
   if (!is_file(path)) {
-    return Error{Errc::not_found, path + ": there is no such file: correct its name", {}};
+    return Error{Errc::not_found, path + ": there is no such file; correct its name", {}};
   }
   cv::VideoCapture capture;
   // FFmpeg opens some files of which it can read no frame.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <sstream>
+#include <weft/core/input_path.hpp>
 #include <weft/core/text_file.hpp>
 
 namespace weft::conformance {
@@ -110,7 +111,9 @@ Result<void> add_installed(const Registry& registry, const IsAsked& is_asked,
 
 Result<void> add_file(const std::string& file, const Asked& asked, std::vector<Candidate>& all) {
   std::error_code code;
-  if (!fs::exists(file, code)) return Error{Errc::io, "does not exist", file};
+  if (auto found = check_input(file, InputKind::any); !found) {
+    return Error{Errc::io, found.error().message, file};
+  }
   const fs::path given = fs::absolute(without(file, kManifest) +
                                       (file.ends_with(kManifest) ? std::string(kLibrary) : ""));
   const fs::path folder = fs::weakly_canonical(given.parent_path(), code);

@@ -139,6 +139,7 @@ Error syntax_error(const Text& text, const Fault& fault, const std::string& file
 Result<std::string> read_text(const std::string& file) { return read_text_file(file, kMaxBytes); }
 
 std::string place(std::string_view file, Position at) {
+  if (at.line == 0) return escaped(file);
   return escaped(file) + ":" + std::to_string(at.line) + ":" + std::to_string(at.column);
 }
 

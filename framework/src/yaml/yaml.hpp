@@ -24,9 +24,12 @@ struct Position {
   int column = 1;
   int source = 0;  ///< index of the text, where a document is made from several
   bool operator==(const Position&) const = default;
+
+  /// Of a file that cannot be read; its line is 0.
+  static Position whole_file(int source) { return {0, 0, source}; }
 };
 
-/// "file:line:column".
+/// "file:line:column", or "file" of a whole file.
 std::string place(std::string_view file, Position at);
 
 /// The place in the `where` of an Error of parse.

@@ -214,13 +214,13 @@ TEST_F(Config, SaysWhyAFileCannotBeRead) {
   const auto text = [&](const std::string& file) {
     return load_pipeline(file, registry_, path("run")).second.text();
   };
-  const std::string cannot = ":1:1: the pipeline file cannot be read: ";
-  EXPECT_EQ(text(path("missing.yaml")), path("missing.yaml") + cannot + "there is no such file\n");
-  EXPECT_EQ(text(folder_), folder_ + cannot + "it is a folder\n");
+  EXPECT_EQ(text(path("missing.yaml")),
+            path("missing.yaml") + ": there is no such file; correct its name\n");
+  EXPECT_EQ(text(folder_), folder_ + ": is a folder, no file; correct its name\n");
   const std::string locked = write(chain(), "locked.yaml");
   std::filesystem::permissions(locked, std::filesystem::perms::none);
   if (std::ifstream(locked)) GTEST_SKIP() << "this user may read everything";
-  EXPECT_EQ(text(locked), locked + cannot + "Permission denied\n");
+  EXPECT_EQ(text(locked), locked + ": cannot be read: Permission denied\n");
 }
 
 TEST_F(Config, ResolvesPathsAgainstTheFileAndRefusesMissingOnes) {

@@ -25,7 +25,8 @@ yaml::Node map_node(yaml::Position at) {
   return node;
 }
 
-/// "FOLDER/*.png", of the first of these extensions that a file in the folder has, else of the first.
+/// "FOLDER/*.png", of the first of these extensions that a file in the folder has, else of the
+/// first.
 std::string pattern_in(const fs::path& folder, const std::vector<const char*>& extensions) {
   std::error_code code;
   for (const char* extension : extensions) {
@@ -123,8 +124,8 @@ class DataReader {
     const auto set = [&](const char* path, const std::string& file) {
       patch = with_setting(std::move(patch), path, at, yaml::text_node(file, at));
     };
-    set("source.path", pattern_in(folder / "frames",
-                                  {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff"}));
+    set("source.path",
+        pattern_in(folder / "frames", {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff"}));
     set("source.camera", (folder / "camera.yaml").string());
     if (fs::exists(folder / "gt")) set("source.truth", pattern_in(folder / "gt", {".npz", ".csv"}));
     return patch;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <weft/core/index.hpp>
+#include <weft/core/input_path.hpp>
 #include <weft/core/quote.hpp>
 
 #include "pipeline/configuration/extended_file.hpp"
@@ -52,7 +53,7 @@ class DocumentReader {
     const int source = add_source({file, fs::absolute(file, code).parent_path().string()});
     const auto text = yaml::read_text(file);
     if (!text) {
-      return give_up({1, 1, source}, "the plan cannot be read: " + text.error().message);
+      return give_up(yaml::Position::whole_file(source), unreadable_text(text.error()));
     }
     auto parsed = yaml::parse(*text, file);
     if (!parsed) {

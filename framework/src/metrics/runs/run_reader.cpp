@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <weft/core/input_path.hpp>
 #include <weft/data/matrix.hpp>
 
 #include "metrics/runs/run_damage.hpp"
@@ -139,9 +140,10 @@ Result<std::vector<WarpRecords>> find_warps(const host::NamedRecords& records,
 
 Result<RunReader> RunReader::open(const std::string& folder) {
   std::error_code code;
-  if (!fs::is_directory(folder, code)) {
-    return Error{Errc::not_found, "is no folder; give the folder that `weft run --out` wrote",
-                 folder};
+  if (auto found =
+          check_input(folder, InputKind::folder, "give the folder that `weft run --out` wrote");
+      !found) {
+    return found.error();
   }
   for (const char* file : {"frames.jsonl", "template.npz"}) {
     if (fs::is_regular_file(folder + "/" + file, code)) continue;

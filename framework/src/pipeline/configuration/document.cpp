@@ -7,6 +7,7 @@
 #include <set>
 #include <sstream>
 #include <weft/core/index.hpp>
+#include <weft/core/input_path.hpp>
 #include <weft/core/quote.hpp>
 #include <weft/core/suggest.hpp>
 
@@ -65,7 +66,7 @@ class Reader {
     for (const std::string& setting : settings) {
       std::error_code code;
       const int source = add_source({setting, fs::current_path(code).string(), true});
-      if (document_.unreadable || document_.fragment) continue;
+      if (!takes_more()) continue;
       if (setting.starts_with(kWithout)) {
         leave_out_by(setting, source);
         laid.push_back({{1, 1, source}, {}});
@@ -94,10 +95,15 @@ class Reader {
     return static_cast<int>(document_.sources.size()) - 1;
   }
 
+  /// Of a file that is no map nothing else is said.
+  bool takes_more() const {
+    return !document_.unreadable && !document_.fragment && document_.root.kind == yaml::Kind::map;
+  }
+
   void lay(const Patch& patch) {
     const int first = static_cast<int>(document_.sources.size());
     for (const ConfigSource& source : patch.sources) add_source(source);
-    if (document_.unreadable || document_.fragment) return;
+    if (!takes_more()) return;
     yaml::Node node = patch.node;
     shift_sources(node, first);
     refuse_twice(node);
@@ -172,7 +178,7 @@ class Reader {
     const auto text = yaml::read_text(file);
     if (!text) {
       document_.unreadable = chain.empty();
-      return give_up({1, 1, source}, "the pipeline file cannot be read: " + text.error().message);
+      return give_up(yaml::Position::whole_file(source), unreadable_text(text.error()));
     }
     auto parsed = yaml::parse(*text, file);
     if (!parsed) {
@@ -291,6 +297,9 @@ class Reader {
 std::string place_in(const std::vector<ConfigSource>& sources, yaml::Position at) {
   const ConfigSource& source = sources.at(to_index(at.source));
   if (!source.is_setting) return yaml::place(source.name, at);
+  if (source.is_generated) {
+    return source.option + (source.name.empty() ? "" : " " + escaped(source.name, kMostShown));
+  }
   return source.option + " " + escaped(source.name, kMostShown) + ", column " +
          std::to_string(at.column);
 }

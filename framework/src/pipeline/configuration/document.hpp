@@ -16,9 +16,10 @@ struct ConfigSource {
   std::string folder;  ///< where its relative paths start
   bool is_setting = false;
   std::string option = "--set";  ///< that gave a setting
+  bool is_generated = false;     ///< for the option: places in the text mean nothing
 };
 
-/// "file:line:column", or "--set a.b=c, column 5".
+/// "file:line:column", "file" of a whole file, "--set a.b=c, column 5", or "--video FILE".
 std::string place_in(const std::vector<ConfigSource>& sources, yaml::Position at);
 
 /// Something laid over a pipeline that stands in texts of its own: keys of a pipeline that extends

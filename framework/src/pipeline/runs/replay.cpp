@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <weft/core/component_id.hpp>
+#include <weft/core/input_path.hpp>
 #include <weft/core/shell_word.hpp>
 #include <weft/core/suggest.hpp>
 
@@ -138,7 +139,9 @@ Replayed Replay::run(const StageCall& call, int repeat) {
 Result<std::string> find_dump(const std::string& records, const std::string& stage) {
   std::error_code code;
   fs::path root = fs::absolute(records);
-  if (!fs::exists(root, code)) return Error{Errc::io, "does not exist", records};
+  if (auto found = check_input(records, InputKind::any); !found) {
+    return Error{Errc::io, found.error().message, records};
+  }
   if (!fs::is_directory(root, code)) root = root.parent_path();
   if (has_dump(root)) {
     const auto found = read_dumped_stage(root.string());

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <utility>
 #include <vector>
+#include <weft/core/input_path.hpp>
 
 namespace weft {
 namespace {
@@ -128,7 +129,7 @@ Result<DataLayout> find_data_layout(const std::string& path, const FileSources& 
     const std::string sequence = first_of(place, {"sequence.yaml"});
     return sequence.empty() ? layout_of_images(place, sources, camera) : layout_of_yaml(sequence);
   }
-  if (!fs::is_regular_file(place, code)) return missing(place, "does not exist");
+  if (auto found = check_input(path, InputKind::any); !found) return found.error();
   if (place.extension() == ".yaml" || place.extension() == ".yml") return layout_of_yaml(place);
   if (place.extension() == ".csv" || place.extension() == ".npz") {
     return layout_of_matches(place.parent_path(), place.string(), sources, camera);
