@@ -92,16 +92,21 @@ std::string of_values(const Given& given, const CLI::ParseError& error) {
   if (option != nullptr && error.get_name() == "ArgumentMismatch") {
     const std::string name = option->get_name(option->get_positional());
     const int count = option->get_expected_min();
-    return option->get_expected_max() == 0
-               ? fmt::format("{} takes no value", name)
-               : fmt::format("{} needs {}: {}", name,
-                             count == 1 ? "a value" : fmt::format("{} values", count),
-                             option->get_option_text().empty() ? option->get_description()
-                                                               : option->get_option_text());
+    if (option->get_expected_max() == 0) return name + " takes no value";
+    const std::string& value = option->get_option_text();
+    return fmt::format("{} needs {}: {}", name,
+                       count == 1 ? "a value" : fmt::format("{} values", count),
+                       value.empty() ? option->get_description() : value);
   }
-  constexpr std::string_view kConversion = "Could not convert: ";
-  if (text.starts_with(kConversion)) {
-    return fmt::format("{} is no value that it takes", text.substr(kConversion.size()));
+  struct Saying {
+    std::string library, ours;
+  };
+  for (const Saying& saying :
+       {Saying{"Could not convert: ", "not of the type of the option: "},
+        Saying{" excludes ", " cannot be given with "}, Saying{" requires ", " needs "}}) {
+    const std::size_t at = text.find(saying.library);
+    if (at == std::string::npos) continue;
+    return text.substr(0, at) + saying.ours + text.substr(at + saying.library.size());
   }
   return text;
 }
@@ -138,7 +143,8 @@ void group_commands(CLI::App& program) {
 void print_wrong_words(const CLI::App& program, const CLI::ParseError& error) {
   const Given given = given_command(program);
   const bool is_group = !names_of_commands(*given.command).empty();
-  if (is_group && program.remaining(true).empty()) {
+  const bool lacks_command = is_group && error.get_name() == "RequiredError";
+  if (lacks_command && program.remaining(true).empty()) {
     fmt::print(stderr, "{}\n", given.command->help(given.path));
     print_error({Errc::invalid_value, fmt::format("give {} a command", given.path), {}});
     return;

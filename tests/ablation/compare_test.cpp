@@ -56,6 +56,28 @@ TEST_F(CompareCommand, LeavesAPlanThatGivesTheSameCells) {
   EXPECT_THAT(again.out, HasSubstr("2 cells (2 distinct): 2 done"));
 }
 
+TEST_F(CompareCommand, SaysInADryRunWhatWouldRunAndWritesNothing) {
+  const auto ended = compare({"--dry-run"});
+  EXPECT_EQ(ended.exit_code, 1) << ended.err;  // not finished, as of weft ablate
+  EXPECT_THAT(ended.out, HasSubstr("2 cells (2 distinct): 0 done"));
+  EXPECT_FALSE(fs::exists(path("out")));
+  EXPECT_FALSE(fs::exists(path("out.yaml")));
+}
+
+TEST_F(CompareCommand, NamesTheArgumentInWhichAMistakeIs) {
+  EXPECT_THAT(compare({"--data", path("nowhere")}).err,
+              HasSubstr("error: --data " + path("nowhere") + ": there is no such file or folder"));
+  EXPECT_THAT(compare({"--metric", "all.eror"}).err, HasSubstr("error: --metric all.eror: "));
+  EXPECT_THAT(compare({"--seeds", "one"}).err, HasSubstr("error: --seeds one: "));
+  EXPECT_FALSE(fs::exists(path("out.yaml")));
+}
+
+TEST_F(CompareCommand, ReadsDataThatAFileWithASourceNames) {
+  write("source: {use: sources/test.scripted, params: {frames: 2}}\n", "data/more.yaml");
+  const auto ended = compare({"--data", path("data/more.yaml"), "--dry-run"});
+  EXPECT_THAT(ended.out, HasSubstr("2 cells")) << ended.err;
+}
+
 TEST_F(CompareCommand, RefusesPipelinesThatReadDifferentFrames) {
   write_pipeline("far", "0.8", "3");
   const auto ended = compare({});

@@ -63,6 +63,7 @@ TEST_F(Data, IsMadeTwiceWithTheSameBytes) {
   const Ended first = make("a", {"--seed", "7", "--background", "clutter", "--occluder"});
   ASSERT_EQ(first.exit_code, 0) << first.err;
   EXPECT_THAT(first.out, HasSubstr("4 frames, 0 failed"));
+  EXPECT_EQ(first.err, "") << "progress is for terminals";
   ASSERT_EQ(make("b", {"--seed", "7", "--background", "clutter", "--occluder"}).exit_code, 0);
   const auto a = contents("a"), b = contents("b");
   EXPECT_EQ(a.size(), 4U + 4U + 2U + 4U) << "frames, truth, template, descriptions";

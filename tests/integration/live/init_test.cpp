@@ -85,6 +85,45 @@ TEST_F(Init, RefusesAPictureThatIsNone) {
   EXPECT_FALSE(fs::exists(path("mine")));
 }
 
+TEST_F(Init, TakesAFilmInPlaceOfACamera) {
+  const std::vector<std::string> command{
+      "init",  "mine",     "--picture", WEFT_TEXTURE, "--width",
+      "0.297", "--camera", "",          "--video",    "it's, a film.avi"};
+  const Ended mistyped = weft(command);
+  EXPECT_EQ(mistyped.exit_code, 2);
+  EXPECT_THAT(mistyped.err, HasSubstr("it's, a film.avi: there is no such file"));
+  write("a film", "it's, a film.avi");
+  const Ended ended = weft(command);
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(pipeline(),
+              HasSubstr("path: '" + fs::canonical(folder_).string() + "/it''s, a film.avi'"));
+  EXPECT_THAT(pipeline(), ::testing::Not(HasSubstr("device")));
+  const Ended checked = weft({"check", "mine/live.yaml"});
+  EXPECT_THAT(checked.err, HasSubstr("it's, a film.avi: "));  // read, and found to be none
+}
+
+TEST_F(Init, GivesALivePipelineAFilmByOneOption) {
+  ASSERT_EQ(weft({"init", "mine", "--picture", WEFT_TEXTURE, "--width", "0.297", "--device", "0",
+                  "--camera", ""})
+                .exit_code,
+            0);
+  const Ended ended = weft({"live", "mine/live.yaml", "--video", "none.avi", "--no-browser"});
+  EXPECT_EQ(ended.exit_code, 2);
+  EXPECT_THAT(ended.err, StartsWith("--video none.avi: "));
+  EXPECT_THAT(ended.err, ::testing::Not(HasSubstr("another camera")));
+}
+
+TEST_F(Init, AdvisesOnCamerasWhereTheCameraIsNotThere) {
+  ASSERT_EQ(weft({"init", "mine", "--picture", WEFT_TEXTURE, "--width", "0.297", "--device", "1023",
+                  "--camera", ""})
+                .exit_code,
+            0);
+  const Ended ended = weft({"live", "mine/live.yaml", "--no-browser"});
+  EXPECT_NE(ended.exit_code, 0);
+  EXPECT_THAT(ended.err, HasSubstr("/dev/video1023"));
+  EXPECT_THAT(ended.err, HasSubstr("another camera"));
+}
+
 TEST_F(Init, TakesWhatTemplateMakeWrote) {
   const Ended made = weft({"template", "make", "--use", "templates/rectangular", "--set",
                            "texture=" WEFT_TEXTURE, "--set", "width_m=0.2", "--out", "sheet"});
