@@ -143,6 +143,8 @@ constexpr const char* kAdvice =
     "                       weft init FOLDER --template OBJECT\n"
     "  a film               --video FILE\n";
 
+constexpr const char* kPortAdvice = "Another port: --set live.address=127.0.0.1:8091\n";
+
 void run_live(const LiveOptions& options, Context& context) {
   if (options.demo && !(options.run.pipeline.empty() && options.video.empty())) {
     print_error(
@@ -164,6 +166,7 @@ void run_live(const LiveOptions& options, Context& context) {
   };
   arguments.failed = [](const PipelineConfig& config, const Error& error) {
     if (is_about_camera(config, error)) fmt::print(stderr, "{}", kAdvice);
+    if (error.where == kSink) fmt::print(stderr, "{}", kPortAdvice);
   };
   run(arguments, context);
 }
