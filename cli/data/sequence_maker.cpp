@@ -109,7 +109,8 @@ void make_sequence(const GeneratedText& pipeline_text, const std::string& folder
     return;
   }
   if (!progress.first_error().empty()) fmt::print(stderr, "error: {}\n", progress.first_error());
-  if (summary->failed > 0 || summary->stopped) context.exit_code = kFramesFailed;
+  const bool gave_up = summary->stopped && !summary->cancelled;
+  if (summary->failed > 0 || gave_up) context.exit_code = kFramesFailed;
   const std::int64_t written = frames_in(folder);
   if (summary->cancelled && written == 0) {
     fmt::print("interrupted before the first frame was finished: nothing is left\n");

@@ -30,6 +30,7 @@ Result<void> evaluate(const EvalOptions& options, const std::string& alignment) 
   if (options.surfaces) choice.surface_samples = evaluation::kSurfaceSamples;
   const auto metrics = evaluation::evaluate_run(options.folder, choice);
   if (!metrics) return metrics.error();
+  for (const std::string& text : metrics->warnings) fmt::print(stderr, "warning: {}\n", text);
   if (!options.no_save) {
     const std::string file =
         options.folder + "/" + evaluation::metrics_file_name(metrics->alignment);

@@ -90,6 +90,54 @@ TEST_F(DamagedFolder, TakesAPlanThatWasEditedForDamageUntilItIsWrittenAnew) {
   EXPECT_TRUE(read_results(path("out"))) << "older programs wrote none";
 }
 
+TEST_F(DamagedFolder, GoesOnWithItsCellsWhereManifestOrPlanAreLost) {
+  const std::string expected = content(*read_results(path("out")));
+  const std::string lines = weft::testing::read_text(path("out/results/cached-000001.jsonl"));
+  using Names = std::vector<std::string>;
+  for (const Names& names :
+       {Names{"manifest.json"}, Names{"plan.json"}, Names{"manifest.json", "plan.json"}}) {
+    for (const int share : {-1, 0, 50}) {  // [%] that is left; -1: there is no file
+      for (const std::string& name : names) {
+        const std::string file = path("out/" + name), good = weft::testing::read_text(file);
+        const std::size_t size = good.size() * static_cast<std::size_t>(std::max(share, 0)) / 100;
+        std::ofstream(file) << good.substr(0, size) << std::string(share > 0 ? 9 : 0, '\0');
+        if (share < 0) std::filesystem::remove(file);
+      }
+      const auto looked = ResultsFolder::look(path("out"), "plan");
+      ASSERT_TRUE(looked) << looked.error().message;
+      ASSERT_EQ(looked->rebuilt().size(), names.size());
+      EXPECT_THAT(looked->rebuilt()[0], HasSubstr(path("out/" + names[0]) + ": is "));
+      EXPECT_THAT(read_results(path("out")).error().message,
+                  HasSubstr("`weft ablate` of the plan writes it anew"));
+      EXPECT_EQ(run(grid_, "out").done, 2U);
+      EXPECT_EQ(said(expected), "same");
+      EXPECT_TRUE(ResultsFolder::look(path("out"), "plan")->rebuilt().empty());
+    }
+  }
+  EXPECT_EQ(weft::testing::read_text(path("out/results/cached-000001.jsonl")), lines);
+  EXPECT_FALSE(std::filesystem::exists(path("out/results/cached-000002.jsonl")))
+      << "no cell has run again";
+}
+
+TEST_F(DamagedFolder, WithoutAManifestIsStillThatOfItsPlan) {
+  std::filesystem::remove(path("out/manifest.json"));
+  const auto other = ResultsFolder::look(path("out"), "another");
+  ASSERT_FALSE(other);
+  EXPECT_THAT(other.error().message, HasSubstr("holds the results of the plan 'plan'"));
+}
+
+TEST(FolderOfOthers, IsNotTakenForResultsWhateverItsNames) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "of_others";
+  std::filesystem::create_directories(folder / "results");
+  std::ofstream(folder / "results" / "notes.txt") << "x";
+  std::ofstream(folder / "notes.txt") << "x";
+  for (const char* text : {"", "{", "no JSON"}) {
+    std::ofstream(folder / "manifest.json") << text;
+    EXPECT_FALSE(ResultsFolder::look(folder.string(), "plan")) << text;
+  }
+  std::filesystem::remove_all(folder);
+}
+
 TEST_F(DamagedFolder, IsNotWrittenToWhereItsManifestWasEdited) {
   const std::string file = path("out/manifest.json");
   json manifest = json::parse(weft::testing::read_text(file));

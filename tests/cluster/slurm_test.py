@@ -135,6 +135,23 @@ class GivesTheTablesOfTheLocalEngine(SlurmTest):
                                                               "--without", "every.4"))
 
 
+class GoesOnWhereAnOrderIsLost(SlurmTest):
+    def test_and_submits_its_cells_again(self) -> None:
+        for text in ("", None):
+            self.setUp()
+            self.submit()
+            order = self.folder / self.out / "slurm/000001/order.json"
+            order.unlink()
+            if text is not None:
+                order.write_text(text)
+            self.assertIn(str(order), self.status())
+            said = self.submit()
+            self.assertIn(str(order), said)
+            self.assertIn(f"job 3: {CELLS} cells", said)  # job 2 collects what job 1 comes to
+            self.nodes.run()
+            self.assert_whole()
+
+
 class SurvivesWhateverBecomesOfTasks(SlurmTest):
     frame_ms = 20
 

@@ -2,14 +2,11 @@
 #include <gmock/gmock.h>
 
 #include <chrono>
-#include <functional>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "host/records/npz.hpp"
-#include "support/child.hpp"
-#include "support/pipeline_fixture.hpp"
+#include "program_fixture.hpp"
 
 namespace weft {
 namespace {
@@ -22,43 +19,9 @@ using testing::Child;
 using testing::Ended;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using testing::Program;
 using testing::read_lines;
 using ::testing::StartsWith;
-
-/// The program as a user starts it, in a folder of its own, with the scripted components.
-class Program : public testing::PipelineTest {
- protected:
-  std::vector<std::string> command(const std::vector<std::string>& arguments) const {
-    std::vector<std::string> words{"/usr/bin/env",   "-C", folder_, WEFT_PROGRAM, "--plugin-path",
-                                   WEFT_TEST_PLUGINS};
-    words.insert(words.end(), arguments.begin(), arguments.end());
-    return words;
-  }
-
-  Ended weft(const std::vector<std::string>& arguments) const {
-    return Child(command(arguments), path("printed")).wait();
-  }
-
-  Ended run(const std::string& text, const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> arguments{"run", write(text), "--out", path("run")};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return weft(arguments);
-  }
-
-  /// False when it takes too long.
-  static bool comes_true(const std::function<bool()>& condition) {
-    for (int i = 0; i < 24'000; ++i) {
-      if (condition()) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    return false;
-  }
-
-  /// Waits until the run has written so many frames; false when it takes too long.
-  bool wait_for_frames(std::size_t count) const {
-    return comes_true([&] { return read_lines(path("run/frames.jsonl")).size() >= count; });
-  }
-};
 
 TEST_F(Program, PrintsTimesAndStatesOfARun) {
   const Ended ended = run(chain({{"solvers", "{no_result_at: [1]}"}}), {"--isolate", "none"});
@@ -231,143 +194,6 @@ TEST_F(Program, LeavesFinishedFramesReadableWhenItIsKilled) {
   EXPECT_FALSE(json::parse(testing::read_text(path("run/manifest.json"))).empty());
   EXPECT_TRUE(host::read_npz(path("run/template.npz")));
   EXPECT_THAT(read_lines(path("run/lines.txt.part"))[0], StartsWith("0 estimated"));
-}
-
-TEST_F(Program, FinishesWhenItIsInterrupted) {
-  for (const int signal : {SIGINT, SIGTERM}) {
-    fs::remove_all(path("run"));
-    const std::string file =
-        write(chain({{"sources", "{frames: 5000, sleep_ms: 10}"}, {"sinks", "{path: lines.txt}"}}));
-    Child child(command({"run", file, "--out", path("run")}), path("printed"));
-    ASSERT_TRUE(wait_for_frames(2));
-    child.send(signal);
-    const Ended ended = child.wait();
-    EXPECT_EQ(ended.signal, 0);
-    EXPECT_THAT(ended.out, HasSubstr("stopped early"));
-    EXPECT_EQ(read_lines(path("run/lines.txt")).size(),
-              read_lines(path("run/frames.jsonl")).size());
-  }
-}
-
-TEST_F(Program, ASecondInterruptEndsItAtOnceAndNamesWhatRan) {
-  for (const int signal : {SIGINT, SIGTERM}) {
-    fs::remove_all(path("run"));
-    const std::string file = write(chain({{"sources", "{frames: 50, sleep_ms: 300}"}}));
-    Child child(command({"run", file, "--out", path("run")}), path("printed"));
-    ASSERT_TRUE(wait_for_frames(1));
-    std::this_thread::sleep_for(std::chrono::milliseconds(60));
-    child.send(signal);
-    std::this_thread::sleep_for(std::chrono::milliseconds(60));
-    child.send(signal);
-    const Ended ended = child.wait();
-    EXPECT_EQ(ended.exit_code, 128 + signal);
-    EXPECT_THAT(ended.err, HasSubstr("interrupted twice, ended at once; running: sources "
-                                     "(sources/test.scripted: read), frame 1"));
-  }
-}
-
-TEST_F(Program, AnInterruptBeforeTheFirstFrameIsNoErrorAndLeavesNoFolder) {
-  const std::string file = write(chain({{"sources", "{frames: 50, sleep_ms: 400}"}}));
-  Child child(command({"run", file, "--out", path("run")}), path("printed"));
-  while (!fs::exists(path("run/frames.jsonl"))) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  child.send(SIGINT);
-  const Ended ended = child.wait();
-  EXPECT_EQ(ended.exit_code, 0) << ended.err;
-  EXPECT_EQ(ended.out, "interrupted before the first frame was finished: no run folder is left\n");
-  EXPECT_FALSE(fs::exists(path("run")));
-}
-
-/// Where an interrupt may fall: in the call with this number of a component with a gate. Sinks of a
-/// frame that is through are not told to stop: they pass the gate as it opens.
-struct Interrupted {
-  std::string role, mode;
-  int calls;           ///< that pass the gate before
-  std::size_t frames;  ///< that are kept
-};
-
-class InterruptedProgram : public Program, public ::testing::WithParamInterface<Interrupted> {
- protected:
-  /// Whether no such signal waits for the process any more.
-  static bool has_heard(pid_t process, int signal) {
-    for (const std::string& line : read_lines("/proc/" + std::to_string(process) + "/status")) {
-      if (!line.starts_with("ShdPnd:")) continue;
-      return (std::stoull(line.substr(7), nullptr, 16) >> (signal - 1) & 1U) == 0;
-    }
-    return true;
-  }
-};
-
-TEST_P(InterruptedProgram, KeepsWhatIsFinishedAndNothingElse) {
-  const Interrupted& at = GetParam();
-  write("", "gate");
-  const std::string gate = path("gate"), arrived = gate + ".arrived";
-  std::string text = chain(
-      {{"sources", "{frames: 4" + (at.role == "sources" ? ", gate: '" + gate + "'" : "") + "}"},
-       {"templates", at.role == "templates" ? "{gate: '" + gate + "'}" : "{}"},
-       {"sinks", "{path: lines.txt" + (at.role == "sinks" ? ", gate: '" + gate + "'" : "") + "}"}},
-      at.mode);
-  Child child(command({"run", write(text), "--out", path("run")}), path("printed"));
-  for (int call = 0; call < at.calls; ++call) {
-    ASSERT_TRUE(comes_true([&] { return fs::exists(arrived); }));
-    fs::remove(arrived);
-  }
-  ASSERT_TRUE(comes_true([&] { return fs::exists(arrived); }));
-  ASSERT_TRUE(wait_for_frames(at.frames - (at.role == "sinks" && at.frames > 0 ? 1 : 0)));
-  child.send(SIGINT);
-  ASSERT_TRUE(comes_true([&] { return has_heard(child.id(), SIGINT); }));
-  if (at.role == "sinks") fs::remove(gate);
-  const Ended ended = child.wait();
-  EXPECT_EQ(ended.exit_code, 0) << ended.err;
-  EXPECT_EQ(ended.err, "");
-  if (at.frames == 0) {
-    EXPECT_FALSE(fs::exists(path("run"))) << ended.out;
-    return;
-  }
-  const auto lines = read_lines(path("run/frames.jsonl"));
-  EXPECT_EQ(lines.size(), at.frames) << ended.out;
-  for (const std::string& line : lines) EXPECT_EQ(json::parse(line)["failed"], false) << line;
-  EXPECT_TRUE(fs::exists(path("run/end.json")));
-}
-
-INSTANTIATE_TEST_SUITE_P(AtAnyMoment, InterruptedProgram,
-                         ::testing::Values(Interrupted{"sources", "", 0, 0},
-                                           Interrupted{"sources", "", 1, 0},
-                                           Interrupted{"sources", "", 3, 2},
-                                           Interrupted{"sources", "frames_at_once: 3", 3, 2},
-                                           Interrupted{"templates", "", 0, 0},
-                                           Interrupted{"sinks", "", 0, 0},
-                                           Interrupted{"sinks", "", 2, 2}));
-
-TEST_F(Program, RunsThatBeginTogetherGetFoldersOfTheirOwn) {
-  const std::string file = write(chain({{"sources", "{frames: 2, gate: '" + path("gate") + "'}"}}));
-  write("", "gate");
-  std::vector<std::unique_ptr<Child>> children;
-  for (int i = 0; i < 4; ++i) {
-    children.push_back(std::make_unique<Child>(command({"run", file, "--quiet"}),
-                                               path("printed" + std::to_string(i))));
-  }
-  const auto folders = [&] {
-    std::vector<std::string> names;
-    std::error_code absent;
-    for (const auto& entry : fs::directory_iterator(path("runs"), absent)) {
-      names.push_back(entry.path().filename().string());
-    }
-    return names;
-  };
-  // All of them wait for their source by then.
-  ASSERT_TRUE(comes_true([&] { return folders().size() == children.size(); }));
-  fs::remove(path("gate"));
-  for (const auto& child : children) {
-    const Ended ended = child->wait();
-    EXPECT_EQ(ended.exit_code, 0) << ended.err;
-  }
-  EXPECT_THAT(folders(), ::testing::UnorderedElementsAre("pipeline", "pipeline-2", "pipeline-3",
-                                                         "pipeline-4"));
-  for (const std::string& name : folders()) {
-    EXPECT_EQ(read_lines(path("runs/" + name + "/frames.jsonl")).size(), 2U);
-  }
 }
 
 TEST_F(Program, PrintsWhatComponentsWarnOf) {

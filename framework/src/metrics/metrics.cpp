@@ -282,8 +282,15 @@ Result<RunMetrics> evaluate_run(const std::string& folder, const EvaluationOptio
     return Error{evaluator.error().code, evaluator.error().message, folder + "/template.npz"};
   }
   std::vector<Error> damages;
+  std::vector<std::string> warnings = reader->warnings();
   for (const FrameLine& line : reader->lines()) {
     const auto records = reader->read(line);
+    if (!records && reader->killed()) {
+      // The rest had not been written to the disk when the run was cut off.
+      warnings.push_back(records.error().where + ": " + records.error().message + "; frames from " +
+                         std::to_string(line.frame) + " on are left out");
+      break;
+    }
     if (!records) {
       damages.push_back(records.error());
     } else if (auto added = evaluator->add(line, *records); !added) {
@@ -297,6 +304,7 @@ Result<RunMetrics> evaluate_run(const std::string& folder, const EvaluationOptio
   metrics.source_frames = reader->source_frames();
   metrics.dropped = reader->dropped();
   metrics.truth_users = reader->truth_users();
+  metrics.warnings = std::move(warnings);
   return metrics;
 }
 

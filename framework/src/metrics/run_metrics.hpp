@@ -33,7 +33,8 @@ struct RunMetrics {
   std::vector<FilterMetrics> filters;  ///< by stage; frames apart are left out
   std::vector<WarpMetrics> warps;      ///< by stage; frames apart are left out
   Jitter jitter;
-  std::vector<FrameMetrics> frames;  ///< in order
+  std::vector<FrameMetrics> frames;   ///< in order
+  std::vector<std::string> warnings;  ///< what of the run folder is left out or not known, and why
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

@@ -228,8 +228,38 @@ TEST(RunReader, ListsComponentsThatMayReadTheTruth) {
   run.write_text("manifest.json", R"({"components": [{"id": "filters/oracle", "uses_truth": true},
       {"id": "warps/bbs", "uses_truth": false}, {"id": "solvers/brunet"}]})");
   EXPECT_THAT(evaluate_run(run.folder())->truth_users, ElementsAre("filters/oracle"));
-  run.write_text("manifest.json", "{\"comp");
-  EXPECT_THAT(failure(run).where, EndsWith("manifest.json"));
+}
+
+TEST(RunReader, ReadsTheFramesOfARunWhoseManifestIsLost) {
+  TestRun run;
+  run.solved(1.0, TestRun::truth("mdh"));
+  run.write_text("end.json", R"({"frames": 1, "failed": 0, "stopped": false})");
+  for (const char* text : {"", "{\"comp"}) {
+    run.write_text("manifest.json", text);
+    const auto metrics = evaluate_run(run.folder());
+    ASSERT_TRUE(metrics) << metrics.error().message;
+    EXPECT_EQ(metrics->counts.frames, 1);
+    ASSERT_EQ(metrics->warnings.size(), 1U);
+    EXPECT_THAT(metrics->warnings[0], HasSubstr("/manifest.json: is no JSON object"));
+  }
+  std::filesystem::remove(run.folder() + "/manifest.json");
+  EXPECT_TRUE(evaluate_run(run.folder())->warnings.empty()) << "other programs write none";
+  run.write_text("pipeline.yaml", "weft: 1\n");
+  EXPECT_THAT(evaluate_run(run.folder())->warnings[0], HasSubstr("/manifest.json: is missing"));
+}
+
+TEST(RunReader, LeavesOutWhatAPowerCutHasTakenFromARunThatHadNotEnded) {
+  TestRun run;
+  for (int i = 0; i < 3; ++i) run.solved(1.0, TestRun::truth("mdh"));
+  run.write_text("manifest.json", kEnds);
+  run.write_text(TestRun::frame_name(1), "");
+  const auto metrics = evaluate_run(run.folder());
+  ASSERT_TRUE(metrics) << metrics.error().message;
+  EXPECT_EQ(metrics->counts.frames, 1);
+  ASSERT_EQ(metrics->warnings.size(), 1U);
+  EXPECT_THAT(metrics->warnings[0], HasSubstr("frames from 1 on are left out"));
+  run.write_text("end.json", R"({"frames": 3, "failed": 0, "stopped": false})");
+  EXPECT_FALSE(evaluate_run(run.folder())) << "a run that came to its end was written to the disk";
 }
 
 TEST(RunReader, ACutFileIsAnErrorThatNamesIt) {

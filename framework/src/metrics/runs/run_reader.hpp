@@ -77,6 +77,10 @@ class RunReader {
   /// The run did not come to its end: it was killed or stopped. A line that was cut off then is not
   /// among lines().
   bool interrupted() const { return interrupted_; }
+  /// It was killed, or the machine lost its power: files of its last frames may not be whole.
+  bool killed() const { return killed_; }
+  /// What is not known of the run because a file of the folder is missing or damaged.
+  const std::vector<std::string>& warnings() const { return warnings_; }
   /// [frames] of the source; -1 where nobody knows.
   std::int64_t source_frames() const { return source_frames_; }
   /// [frames] of the source that the run left out between its own, with `realtime: latest`.
@@ -101,6 +105,7 @@ class RunReader {
   Result<void> read_lines();
   Result<void> check_numbers();
   Result<void> read_manifest();
+  Result<void> do_without_manifest(const Error& fault);
   Result<void> read_end(const std::string& file);
 
   std::string folder_;
@@ -109,12 +114,14 @@ class RunReader {
   Camera camera_;
   std::vector<FrameLine> lines_;
   bool interrupted_ = false;
+  bool killed_ = false;
   bool may_drop_ = false;
   std::int64_t source_frames_ = -1;
   std::int64_t dropped_ = 0;
   bool cut_ = false;  ///< the last line has no line break
   bool has_solver_ = true;
   std::vector<std::string> truth_users_;
+  std::vector<std::string> warnings_;
 };
 
 }  // namespace weft::evaluation

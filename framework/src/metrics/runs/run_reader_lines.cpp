@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a run says of itself beside the records of its frames.
 #include <algorithm>
+#include <filesystem>
 #include <sstream>
 
 #include "metrics/runs/json_file.hpp"
@@ -94,9 +95,7 @@ Result<void> RunReader::check_numbers() {
 Result<void> RunReader::read_manifest() {
   const std::string file = folder_ + "/manifest.json";
   const auto manifest = read_json_object(file);
-  // A folder made by another program need not have one.
-  if (!manifest && manifest.error().code == Errc::not_found) return {};
-  if (!manifest) return damaged_run(file, manifest.error().message);
+  if (!manifest) return do_without_manifest(manifest.error());
   may_drop_ = manifest->value("realtime", json()) == "latest";
   const json source_frames = manifest->value("source_frames", json());
   if (source_frames.is_number_unsigned()) source_frames_ = source_frames.get<std::int64_t>();
@@ -118,11 +117,29 @@ Result<void> RunReader::read_manifest() {
   return {};
 }
 
+/// A manifest that is empty or cut off costs what it alone says, not the frames.
+Result<void> RunReader::do_without_manifest(const Error& fault) {
+  const std::string file = folder_ + "/manifest.json";
+  const bool is_missing = fault.code == Errc::not_found;
+  if (!is_missing && fault.code != Errc::invalid_data) return damaged_run(file, fault.message);
+  std::error_code code;
+  // A folder made by another program need not have one.
+  if (is_missing && !std::filesystem::exists(folder_ + "/pipeline.yaml", code)) return {};
+  may_drop_ = true;
+  warnings_.push_back(file + ": " + (is_missing ? "is missing" : fault.message) +
+                      "; it is not known which components ran, and whether one read the truth");
+  return read_end(folder_ + "/end.json");
+}
+
 /// Nothing may be missing of a run that came to its end.
 Result<void> RunReader::read_end(const std::string& file) {
   const auto end = read_json_object(file);
-  if (!end && end.error().code == Errc::not_found) {
-    interrupted_ = true;
+  if (!end && (end.error().code == Errc::not_found || end.error().code == Errc::invalid_data)) {
+    interrupted_ = killed_ = true;
+    if (end.error().code == Errc::invalid_data) {
+      warnings_.push_back(file + ": " + end.error().message +
+                          "; it is not known whether the run came to its end");
+    }
     return {};
   }
   if (!end) return damaged_run(file, end.error().message);
