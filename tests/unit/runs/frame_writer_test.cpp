@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <future>
 #include <stdexcept>
 #include <string>
@@ -63,18 +64,20 @@ TEST(FrameWriter, NobodyWaitsForAFrameThatHasRoom) {
 
 TEST(FrameWriter, AFrameWithoutRoomWaits) {
   Notes notes;
-  std::promise<void> first_put;
-  FrameWriter writer(1, [&, wait = first_put.get_future().share()](FrameOnItsWay& frame) {
-    wait.wait();
+  std::array<std::promise<void>, 3> put;
+  FrameWriter writer(1, [&](FrameOnItsWay& frame) {
+    put.at(frame.result.index).get_future().wait();
+    // Long enough for a `put` that does not wait to be noted first.
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     notes.write("written " + std::to_string(frame.result.index));
   });
   for (std::uint64_t i = 0; i < 3; ++i) {
     writer.put(numbered(i));
     notes.write("put " + std::to_string(i));
-    if (i == 0) first_put.set_value();
+    if (i < 2) put.at(i).set_value();
   }
   EXPECT_THAT(notes.all(), ElementsAre("put 0", "written 0", "put 1", "written 1", "put 2"));
+  put[2].set_value();
   writer.close();
 }
 
