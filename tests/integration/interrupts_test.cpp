@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "program_fixture.hpp"
 
@@ -73,7 +74,9 @@ struct Interrupted {
   std::size_t frames;  ///< that are kept
 };
 
-class InterruptedProgram : public Program, public ::testing::WithParamInterface<Interrupted> {
+class InterruptedProgram
+    : public Program,
+      public ::testing::WithParamInterface<std::tuple<std::string, Interrupted>> {
  protected:
   /// Whether no such signal waits for the process any more.
   static bool has_heard(pid_t process, int signal) {
@@ -86,7 +89,7 @@ class InterruptedProgram : public Program, public ::testing::WithParamInterface<
 };
 
 TEST_P(InterruptedProgram, KeepsWhatIsFinishedAndNothingElse) {
-  const Interrupted& at = GetParam();
+  const auto& [isolate, at] = GetParam();
   write("", "gate");
   const std::string gate = path("gate"), arrived = gate + ".arrived";
   std::string text = chain(
@@ -94,7 +97,8 @@ TEST_P(InterruptedProgram, KeepsWhatIsFinishedAndNothingElse) {
        {"templates", at.role == "templates" ? "{gate: '" + gate + "'}" : "{}"},
        {"sinks", "{path: lines.txt" + (at.role == "sinks" ? ", gate: '" + gate + "'" : "") + "}"}},
       at.mode);
-  Child child(command({"run", write(text), "--out", path("run")}), path("printed"));
+  Child child(command({"run", write(text), "--out", path("run"), "--isolate", isolate}),
+              path("printed"));
   for (int call = 0; call < at.calls; ++call) {
     ASSERT_TRUE(comes_true([&] { return fs::exists(arrived); }));
     fs::remove(arrived);
@@ -117,14 +121,16 @@ TEST_P(InterruptedProgram, KeepsWhatIsFinishedAndNothingElse) {
   EXPECT_TRUE(fs::exists(path("run/end.json")));
 }
 
-INSTANTIATE_TEST_SUITE_P(AtAnyMoment, InterruptedProgram,
-                         ::testing::Values(Interrupted{"sources", "", 0, 0},
-                                           Interrupted{"sources", "", 1, 0},
-                                           Interrupted{"sources", "", 3, 2},
-                                           Interrupted{"sources", "frames_at_once: 3", 3, 2},
-                                           Interrupted{"templates", "", 0, 0},
-                                           Interrupted{"sinks", "", 0, 0},
-                                           Interrupted{"sinks", "", 2, 2}));
+INSTANTIATE_TEST_SUITE_P(
+    AtAnyMoment, InterruptedProgram,
+    ::testing::Combine(::testing::Values("none", "all"),
+                       ::testing::Values(Interrupted{"sources", "", 0, 0},
+                                         Interrupted{"sources", "", 1, 0},
+                                         Interrupted{"sources", "", 3, 2},
+                                         Interrupted{"sources", "frames_at_once: 3", 3, 2},
+                                         Interrupted{"templates", "", 0, 0},
+                                         Interrupted{"sinks", "", 0, 0},
+                                         Interrupted{"sinks", "", 2, 2})));
 
 TEST_F(Program, RunsThatBeginTogetherGetFoldersOfTheirOwn) {
   const std::string file = write(chain({{"sources", "{frames: 2, gate: '" + path("gate") + "'}"}}));

@@ -29,7 +29,7 @@ host::NamedRecords frame_records(const Graph& graph, const FrameResult& frame,
 class RunFolder {
  public:
   /// Creates the folder; refuses one that is not empty.
-  static Result<RunFolder> create(const std::string& path);
+  static Result<RunFolder> create(const std::string& given);
 
   const std::string& path() const { return path_; }
 
