@@ -192,14 +192,14 @@ Result<RunFolder> RunFolder::create(const std::string& given) {
   if (!absolute.has_filename()) absolute = absolute.parent_path();  // of "runs/mine/"
   const std::string path = absolute.string();
   const Error taken =
-      io_error(path, "exists and is not an empty folder; choose another with --out");
+      io_error(given, "exists and is not an empty folder; choose another with --out");
   if (!is_free_for_folder(path)) return taken;
   std::error_code code = make_folders(folder_of(path));
   const bool is_new = !code && fs::create_directory(path, code);
   if (!code) code = make_folders(path);
   // Of two runs that begin together one makes this folder.
   if (!code && !fs::create_directory(path + "/frames", code) && !code) return taken;
-  if (code) return io_error(path, "cannot be created: " + code.message());
+  if (code) return io_error(given, "cannot be created: " + code.message());
   RunFolder folder(path);
   folder.is_new_ = is_new;
   folder.frames_.open(path + "/frames.jsonl");
