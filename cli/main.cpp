@@ -53,7 +53,7 @@ int run_command(int argc, char** argv) {
     app.exit(asked);  // help or version
     return weft::cli::kDone;
   } catch (const CLI::ParseError& error) {
-    weft::cli::print_wrong_words(app, error);
+    weft::cli::print_wrong_words(app, "weft", error);
     return weft::cli::kBadConfiguration;
   } catch (const std::exception& error) {
     if (std::ferror(stdout) != 0) return weft::cli::kInputOutput;  // said at the end

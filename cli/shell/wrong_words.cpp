@@ -17,11 +17,11 @@ namespace {
 /// The command that was given, as it is typed: "weft data convert".
 struct Given {
   const CLI::App* command;
-  std::string path = "weft";
+  std::string path;
 };
 
-Given given_command(const CLI::App& program) {
-  Given given{&program};
+Given given_command(const CLI::App& program, const std::string& name) {
+  Given given{&program, name};
   while (!given.command->get_subcommands().empty()) {
     given.command = given.command->get_subcommands().front();
     given.path += " " + given.command->get_name();
@@ -67,6 +67,8 @@ std::string unexpected(const Given& given, const std::string& word) {
   const std::vector<std::string> commands = names_of_commands(*given.command);
   if (!commands.empty()) {
     const std::string all = fmt::format("; there are: {}", fmt::join(commands, ", "));
+    if (word == "help")
+      return fmt::format("no command 'help'; did you mean {} --help?", given.path);
     return fmt::format("no command '{}'{}", word, did_you_mean(word, commands, all));
   }
   const bool is_setting =
@@ -140,10 +142,11 @@ void group_commands(CLI::App& program) {
   }
 }
 
-void print_wrong_words(const CLI::App& program, const CLI::ParseError& error) {
-  const Given given = given_command(program);
+void print_wrong_words(const CLI::App& program, const std::string& name,
+                       const CLI::ParseError& error) {
+  const Given given = given_command(program, name);
   const bool is_group = !names_of_commands(*given.command).empty();
-  const bool lacks_command = is_group && error.get_name() == "RequiredError";
+  const bool lacks_command = std::string_view(error.what()).starts_with("A subcommand");
   if (lacks_command && program.remaining(true).empty()) {
     fmt::print(stderr, "{}\n", given.command->help(given.path));
     print_error({Errc::invalid_value, fmt::format("give {} a command", given.path), {}});

@@ -6,6 +6,7 @@
 #include "cli/calibrate/program/program.hpp"
 #include "cli/output/outcome.hpp"
 #include "cli/output/standard_output.hpp"
+#include "cli/shell/wrong_words.hpp"
 
 namespace {
 
@@ -21,8 +22,11 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     if (app.get_subcommands().empty()) exit_code = calibrate();
+  } catch (const CLI::Success& asked) {
+    app.exit(asked);  // help or version
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? weft::cli::kDone : weft::cli::kBadConfiguration;
+    weft::cli::print_wrong_words(app, "weft calibrate", error);
+    return weft::cli::kBadConfiguration;
   } catch (const std::exception& error) {
     if (std::ferror(stdout) != 0) return weft::cli::kInputOutput;  // said at the end
     weft::cli::print_error({weft::Errc::io, error.what(), {}});

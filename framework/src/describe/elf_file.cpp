@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstring>
 #include <utility>
+#include <weft/core/input_path.hpp>
 
 namespace weft::host {
 
@@ -46,7 +47,9 @@ Error ElfFile::truncated(const std::string& what) const {
 Result<void> ElfFile::open_file() {
   file_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file_ < 0) {
-    return Error{Errc::io, std::string("cannot be read: ") + std::strerror(errno), path_};
+    const std::string why = std::string("cannot be read: ") + std::strerror(errno);
+    const auto found = check_input(path_, InputKind::file);
+    return Error{Errc::io, found ? why : found.error().message, path_};
   }
   struct stat status {};
   if (fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) {
