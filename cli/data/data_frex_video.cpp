@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <filesystem>
-#include <weft/core/input_path.hpp>
+#include <weft/core/text_file.hpp>
 #include <weft/data/template.hpp>
 
 #include "cli/data/sequence_maker.hpp"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <set>
-#include <weft/core/input_path.hpp>
+#include <weft/core/text_file.hpp>
 
 #include "cli/output/json_text.hpp"
 #include "host/probing/probe.hpp"

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 #include <memory>
-#include <weft/core/input_path.hpp>
+#include <weft/core/text_file.hpp>
 
 #include "cli/commands.hpp"
 #include "cli/output/new_file.hpp"

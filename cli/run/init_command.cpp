@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 #include <weft/core/image_file.hpp>
-#include <weft/core/input_path.hpp>
 #include <weft/core/output_folder.hpp>
+#include <weft/core/text_file.hpp>
 #include <weft/core/whole_file.hpp>
 
 #include "cli/commands.hpp"

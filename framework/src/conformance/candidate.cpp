@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <sstream>
-#include <weft/core/input_path.hpp>
 #include <weft/core/text_file.hpp>
 
 namespace weft::conformance {

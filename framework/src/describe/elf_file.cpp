@@ -9,7 +9,7 @@
 #include <cerrno>
 #include <cstring>
 #include <utility>
-#include <weft/core/input_path.hpp>
+#include <weft/core/text_file.hpp>
 
 namespace weft::host {
 

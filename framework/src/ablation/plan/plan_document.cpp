@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <weft/core/index.hpp>
-#include <weft/core/input_path.hpp>
 #include <weft/core/quote.hpp>
+#include <weft/core/text_file.hpp>
 
 #include "pipeline/configuration/extended_file.hpp"
 

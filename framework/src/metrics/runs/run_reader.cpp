@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
-#include <weft/core/input_path.hpp>
+#include <weft/core/text_file.hpp>
 #include <weft/data/matrix.hpp>
 
 #include "metrics/runs/run_damage.hpp"

@@ -7,9 +7,9 @@
 #include <set>
 #include <sstream>
 #include <weft/core/index.hpp>
-#include <weft/core/input_path.hpp>
 #include <weft/core/quote.hpp>
 #include <weft/core/suggest.hpp>
+#include <weft/core/text_file.hpp>
 
 #include "pipeline/configuration/document_merge.hpp"
 #include "pipeline/configuration/extended_file.hpp"

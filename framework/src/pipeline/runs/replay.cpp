@@ -3,9 +3,9 @@
 
 #include <filesystem>
 #include <weft/core/component_id.hpp>
-#include <weft/core/input_path.hpp>
 #include <weft/core/shell_word.hpp>
 #include <weft/core/suggest.hpp>
+#include <weft/core/text_file.hpp>
 
 #include "pipeline/configuration/document_merge.hpp"
 #include "pipeline/configuration/output_paths.hpp"

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <utility>
 #include <vector>
-#include <weft/core/input_path.hpp>
+#include <weft/core/text_file.hpp>
 
 namespace weft {
 namespace {

@@ -49,7 +49,7 @@ class Built(unittest.TestCase):
             lists = Path(folder, "installed")
             lists.mkdir()
             Path(lists, "runtime.txt").write_text("/nowhere/bin/weft\n")
-            script = Path(__file__).parents[2] / "framework/cmake/CheckBuilt.cmake"
+            script = Path(__file__).parents[3] / "framework/cmake/CheckBuilt.cmake"
             ended = subprocess.run([self.cmake, f"-Dweft_build_folder={folder}", "-P", str(script)],
                                    capture_output=True, text=True, check=False)
             self.assertNotEqual(ended.returncode, 0)
