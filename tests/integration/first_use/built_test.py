@@ -23,13 +23,9 @@ class Built(unittest.TestCase):
         """The files of the build that installation scripts name."""
         files: set[Path] = set()
         for script in self.build.rglob("cmake_install.cmake"):
-            if "_deps" in script.parts or "embedding" in script.parts:
-                continue
-            for name in re.findall(r'"([^"$;\n]+)"', script.read_text()):
-                path = Path(name)
-                if path.is_absolute() and path.is_relative_to(self.build) and path.suffix:
-                    files.add(path)
-        return files
+            for names in re.findall(r'FILES((?:\s+"[^"]+")+)', script.read_text()):
+                files |= {Path(name) for name in re.findall(r'"([^"]+)"', names)}
+        return {file for file in files if file.is_relative_to(self.build)}
 
     @unittest.skipUnless(shutil.which("ninja"), "needs ninja")
     def test_the_demo_builds_every_file_that_is_installed(self) -> None:
@@ -37,12 +33,13 @@ class Built(unittest.TestCase):
                                 capture_output=True, text=True, check=True)
         made = {Path(label) if Path(label).is_absolute() else self.build / label
                 for label in re.findall(r'label="([^"]+)"', answer.stdout)}
+        # What is configured, not built, is no target.
         ruled = subprocess.run(["ninja", "-C", str(self.build), "-t", "targets", "all"],
                                capture_output=True, text=True, check=True)
         ours = {self.build / line.split(":")[0] for line in ruled.stdout.splitlines()}
         missing = sorted(str(path) for path in self.installed() & ours - made)
-        self.assertEqual(missing, [], "install needs what weft_demo does not build")
-        self.assertTrue(self.installed() & made)
+        self.assertFalse(missing, f"weft_demo does not build, but cmake installs: {missing}")
+        self.assertGreater(len(self.installed() & made), 3)
 
     def test_an_installation_names_what_is_not_built_and_the_command_that_builds_it(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
@@ -53,8 +50,9 @@ class Built(unittest.TestCase):
             ended = subprocess.run([self.cmake, f"-Dweft_build_folder={folder}", "-P", str(script)],
                                    capture_output=True, text=True, check=False)
             self.assertNotEqual(ended.returncode, 0)
-            self.assertIn("/nowhere/bin/weft is not built. Build first:", ended.stderr)
-            self.assertIn(f"cmake --build {folder} --target weft_installed", ended.stderr)
+            said = " ".join(ended.stderr.split())
+            self.assertIn("/nowhere/bin/weft is not built. Build first:", said)
+            self.assertIn(f"cmake --build {folder} --target weft_installed", said)
             of_python = subprocess.run(
                 [self.cmake, f"-Dweft_build_folder={folder}", "-DCMAKE_INSTALL_COMPONENT=python", "-P",
                  str(script)], capture_output=True, text=True, check=False)
