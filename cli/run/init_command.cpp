@@ -11,10 +11,10 @@
 #include <string>
 #include <utility>
 #include <vector>
-#include <weft/core/image_file.hpp>
 #include <weft/core/output_folder.hpp>
 #include <weft/core/text_file.hpp>
 #include <weft/core/whole_file.hpp>
+#include <weft/images/image_file.hpp>
 
 #include "cli/commands.hpp"
 #include "cli/output/new_file.hpp"
@@ -98,8 +98,8 @@ struct TemplateKey {
 /// About 12 cells along the longer side, square ones.
 std::string flat_template(double width_m, const ImageHeader& picture, const std::string& texture) {
   constexpr double kCells = 12.0;
-  const auto width = static_cast<double>(picture.width_px);
-  const auto height = static_cast<double>(picture.height_px);
+  const auto width = static_cast<double>(picture.upright_width_px());
+  const auto height = static_cast<double>(picture.upright_height_px());
   const double cell = std::max(width, height) / kCells;
   const auto count = [&](double side) { return std::max(3L, std::lround(side / cell) + 1); };
   return fmt::format(

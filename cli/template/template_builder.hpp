@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cli/commands.hpp"
 #include "host/calling/lane.hpp"
@@ -21,7 +22,8 @@ Result<host::RecordPtr> build_template(const host::Registry& registry,
 /// A template, checked as before a run.
 struct BuiltTemplate {
   host::RecordPtr record;
-  std::string note;  ///< what is doubtful about it; mostly empty
+  std::string note;                  ///< what is doubtful about it; mostly empty
+  std::vector<std::string> reports;  ///< of its component, such as how its image was turned
 };
 
 Result<BuiltTemplate> build_template(const host::ComponentSpec& component);

@@ -95,6 +95,7 @@ void print(const TemplateOptions& options, const std::string& id, const BuiltTem
   if (options.json) {
     auto json = numbers_json(numbers);
     json["note"] = built.note;
+    json["reports"] = built.reports;
     if (texture) json.update(texture_json(*texture));
     json["warnings"] = warnings;
     return print_json(json);
@@ -102,6 +103,7 @@ void print(const TemplateOptions& options, const std::string& id, const BuiltTem
   fmt::print("{}: {}\n{}", id, options.out.empty() ? "built" : "written to " + options.out,
              numbers_text(numbers));
   if (texture) fmt::print("{}", texture_text(*texture));
+  for (const std::string& report : built.reports) fmt::print("note      {}\n", report);
   if (!built.note.empty()) fmt::print("note      {}\n", built.note);
   if (!texture) fmt::print("note      the texture is not judged: {}\n", texture.error().message);
   for (const std::string& warning : warnings) fmt::print("warning   {}\n", warning);

@@ -21,6 +21,7 @@ ROOMS = ("framework", "cli", "plugins", "tests", "docs", "scripts", ".ci")
 # The first ones are installed, in framework/include/weft; the others hold headers beside sources.
 INSTALLED = {
     "core": "",
+    "images": "core",
     "data": "core",
     "geometry": "core data",
     "generators": "core data geometry",
@@ -51,7 +52,7 @@ INTERNAL = {
     "pipeline/survey": "core data geometry sdk yaml roles host/loading host/calling "
     "pipeline/execution",
     "printing": "core data generators",
-    "calibration": "core printing",
+    "calibration": "core images printing",
     "programs": "core",
     "statistics": "core",
     "metrics/runs": "core data roles host/records pipeline/execution statistics",
@@ -79,11 +80,13 @@ INTERNAL = {
     "conformance/probes": "core describe host/records host/loading testing",
     "conformance": "core data describe host/records host/loading host/calling testing programs "
     "conformance/probes",
-    "cli": "core data geometry generators truth sdk yaml describe roles host pipeline printing "
+    "cli": "core images data geometry generators truth sdk yaml describe roles host pipeline printing "
     "programs calibration metrics results ablation cluster report bench schema conformance mutants",
 }
 LAYERS = INSTALLED | INTERNAL
-PLUGIN_LAYERS = ("core", "data", "geometry", "generators", "truth", "sdk")
+# What reads images and videos is shared by plugins and the one room that links OpenCV as they do.
+SHARED_PLUGIN_CODE = {"calibration": ("plugin:common/images", "plugin:common/films")}
+PLUGIN_LAYERS = ("core", "images", "data", "geometry", "generators", "truth", "sdk")
 
 # abi.h is not a layer: these path prefixes may name it. data/array.hpp owns the dtypes and the
 # array layout, which are the contract's.
@@ -330,7 +333,7 @@ class Tree:
             return ""
         if quoted and name.startswith("weft/"):
             return f"include {name} as <{name}>"
-        spelt = {"framework/include/" + name, "framework/src/" + name, name}
+        spelt = {f"{start}{name}" for start in ("framework/include/", "framework/src/", "plugins/", "")}
         return "" if spelt & set(targets) else f"include {name} as ROOM/{PurePosixPath(name).name}"
 
     def _rule_for_ours(self, path: str, name: str, targets: list[str]) -> str:
@@ -349,6 +352,8 @@ class Tree:
         if scope.startswith("plugin:"):
             return self._rule_for_plugin(path, name, target)
         allowed = may_include(scope)
+        if target in SHARED_PLUGIN_CODE.get(scope, ()):
+            return ""
         if target in allowed or (path.startswith("framework/src/testing/") and target in LAYERS):
             return ""
         what = f"{scope} must not include {name} ({target})"

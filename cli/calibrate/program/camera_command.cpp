@@ -60,10 +60,14 @@ Result<void> watch(cal::FrameReader& reader, cal::ViewCollection& collection) {
 }
 
 Result<void> read_all(cal::FrameReader& reader, cal::ViewCollection& collection) {
-  for (;;) {
+  for (int turned = 0;;) {
     const auto frame = reader.next();
     if (!frame) return frame.error();
+    if (!*frame && turned > 0) {
+      fmt::print("{} images have an orientation; all are read as the sensor stores them\n", turned);
+    }
     if (!*frame) return {};
+    turned += (*frame)->orientation == 1 ? 0 : 1;
     if (auto added = collection.add(**frame); !added) return added;
   }
 }

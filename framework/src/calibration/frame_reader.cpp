@@ -2,13 +2,14 @@
 #include "calibration/frame_reader.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <utility>
-#include <weft/core/image_file.hpp>
+
+#include "common/films/film.hpp"
+#include "common/images/decoder.hpp"
 
 namespace weft::calibration {
 namespace {
@@ -29,15 +30,10 @@ class ImageFiles final : public FrameReader {
     const std::string& path = paths_[next_++];
     const auto file = read_image_bytes(path);
     if (!file) return file.error();
-    Frame frame{path, {}};
-    const cv::Mat bytes(1, static_cast<int>(file->bytes.size()), CV_8U,
-                        const_cast<char*>(file->bytes.data()));
-    try {
-      frame.grey = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-    } catch (const cv::Exception&) {  // said below: the file is at fault
-    }
-    if (frame.grey.empty()) return no_image(path);
-    return std::optional(std::move(frame));
+    const auto decoded = image_files::decode_stored(*file, image_files::Channels::grey);
+    const auto grey = image_files::whole_pixels(decoded, path);
+    if (!grey) return grey.error();
+    return std::optional(Frame{path, *grey, file->header.orientation});
   }
 
  private:
@@ -45,37 +41,67 @@ class ImageFiles final : public FrameReader {
   std::size_t next_ = 0;
 };
 
-class Capture final : public FrameReader {
+cv::Mat grey_of(const cv::Mat& bgr) {
+  cv::Mat grey;
+  cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
+  return grey;
+}
+
+std::string numbered(const std::string& name, std::int64_t number) {
+  return name + " frame " + std::to_string(number);
+}
+
+/// Every `step`-th frame; those that are damaged are passed over.
+class FilmFrames final : public FrameReader {
  public:
-  Capture(std::string name, const cv::VideoCapture& capture, int step)
-      : name_(std::move(name)), capture_(capture), step_(step) {}
+  FilmFrames(std::string name, films::Film film, std::int64_t step)
+      : name_(std::move(name)), film_(std::move(film)), step_(step) {}
 
   Result<std::optional<Frame>> next() override {
-    const int last = number_;
-    do {
-      if (!capture_.grab()) return std::optional<Frame>();
-      ++number_;
-    } while (last >= 0 && number_ < last + step_);
+    for (;;) {
+      const films::Film::Step taken = film_.advance();
+      if (taken == films::Film::Step::end) return std::optional<Frame>();
+      if (film_.number() < next_ || taken == films::Film::Step::refused) continue;
+      if (!film_.damage().empty()) continue;
+      next_ = film_.number() + step_;
+      const auto image = film_.image();
+      if (!image) return image.error();
+      return std::optional(
+          Frame{numbered(name_, film_.number()), grey_of(*image), film_.orientation()});
+    }
+  }
+
+ private:
+  std::string name_;
+  films::Film film_;
+  std::int64_t step_;
+  std::int64_t next_ = 0;  ///< the first frame that may be given
+};
+
+class CameraFrames final : public FrameReader {
+ public:
+  CameraFrames(std::string name, const cv::VideoCapture& capture)
+      : name_(std::move(name)), capture_(capture) {}
+
+  Result<std::optional<Frame>> next() override {
+    if (!capture_.grab()) return std::optional<Frame>();
     cv::Mat image;
     try {
       capture_.retrieve(image);
     } catch (const cv::Exception&) {
       image.release();
     }
-    const std::string name = name_ + " frame " + std::to_string(number_);
+    const std::string name = numbered(name_, ++number_);
     if (image.empty() || image.type() != CV_8UC3) {
       return Error{Errc::invalid_data, name + " cannot be decoded", {}};
     }
-    Frame frame{name, {}};
-    cv::cvtColor(image, frame.grey, cv::COLOR_BGR2GRAY);
-    return std::optional(std::move(frame));
+    return std::optional(Frame{name, grey_of(image)});
   }
 
  private:
   std::string name_;
   cv::VideoCapture capture_;
-  int step_;
-  int number_ = -1;  ///< of the last frame that was read
+  std::int64_t number_ = -1;  ///< of the last frame that was read
 };
 
 }  // namespace
@@ -88,21 +114,17 @@ Result<std::unique_ptr<FrameReader>> open_film(const std::string& path, int fram
   if (!is_file(path)) {
     return Error{Errc::not_found, path + ": there is no such file; correct its name", {}};
   }
-  cv::VideoCapture capture;
-  // FFmpeg opens some files of which it can read no frame.
-  const auto open = [&] { return capture.open(path, cv::CAP_FFMPEG); };
-  if (!open() || !capture.grab() || !open()) {
+  auto film = films::Film::open(path);
+  auto first = films::Film::open(path);  // FFmpeg opens some files of which it can read no frame
+  if (!film || !first || first->advance() == films::Film::Step::end) {
     return Error{Errc::invalid_data,
                  path +
                      ": is neither an image nor a video that can be read: check it with another "
                      "program, or convert it",
                  {}};
   }
-  capture.set(cv::CAP_PROP_ORIENTATION_AUTO, 0.0);  // as sources read it
-  const double count = capture.get(cv::CAP_PROP_FRAME_COUNT);
-  const int step =
-      std::isfinite(count) ? static_cast<int>(std::clamp(count / frames, 1.0, 1e6)) : 1;
-  return std::unique_ptr<FrameReader>(std::make_unique<Capture>(path, capture, step));
+  const std::int64_t step = std::max<std::int64_t>(film->promised() / frames, 1);
+  return std::unique_ptr<FrameReader>(std::make_unique<FilmFrames>(path, *std::move(film), step));
 }
 
 Result<std::unique_ptr<FrameReader>> open_camera(int number) {
@@ -112,6 +134,7 @@ Result<std::unique_ptr<FrameReader>> open_camera(int number) {
     return Error{
         Errc::not_found, name + ": there is no such camera: connect it, or correct --camera", {}};
   }
+  films::quiet_decoders();
   cv::VideoCapture capture;
   if (!capture.open(number, cv::CAP_V4L2)) {
     return Error{Errc::io,
@@ -120,7 +143,7 @@ Result<std::unique_ptr<FrameReader>> open_camera(int number) {
                      "that you may read it (group video)",
                  {}};
   }
-  return std::unique_ptr<FrameReader>(std::make_unique<Capture>(name, capture, 1));
+  return std::unique_ptr<FrameReader>(std::make_unique<CameraFrames>(name, capture));
 }
 
 Result<std::unique_ptr<FrameReader>> open_files(const std::vector<std::string>& paths) {

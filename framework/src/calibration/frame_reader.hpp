@@ -12,7 +12,8 @@ namespace weft::calibration {
 
 struct Frame {
   std::string name;
-  cv::Mat grey;  ///< [H,W] u8
+  cv::Mat grey;         ///< [H,W] u8, as the sensor stores it
+  int orientation = 1;  ///< of EXIF: how the image would be turned to be upright
 };
 
 /// Frames in their order.
@@ -23,8 +24,8 @@ class FrameReader {
   virtual Result<std::optional<Frame>> next() = 0;
 };
 
-/// Image files, as their pixels are stored: notes about how they are to be turned are ignored, as
-/// sources do.
+/// Image files, as the sensor stores them: a camera file describes its grid of pixels, so that
+/// views of all orientations belong together.
 std::unique_ptr<FrameReader> read_images(std::vector<std::string> paths);
 
 /// A video file, of which about so many frames are read, spread over its length.

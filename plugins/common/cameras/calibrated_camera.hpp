@@ -6,8 +6,11 @@
 #include <weft/core/result.hpp>
 #include <weft/data/camera.hpp>
 #include <weft/data/image.hpp>
+#include <weft/sdk/call.hpp>
 
 #include "common/cameras/undistorter.hpp"
+#include "common/cameras/upright_camera.hpp"
+#include "common/images/decoder.hpp"
 
 namespace weft::cameras {
 
@@ -25,13 +28,25 @@ class CalibratedCamera {
   /// of its images, 53 degrees, with the centre in their middle and no distortion.
   static CalibratedCamera guess(const cv::Size& size_px);
 
-  const Camera& pinhole() const { return camera_; }
+  /// The same for images that are stored so, once they are upright: see upright_camera(), of which
+  /// it has the errors.
+  Result<CalibratedCamera> of_images(const StoredImages& stored, const std::string& name) const;
 
-  /// An error unless images of this size are the camera's; `name` is the image's in the message.
+  /// Of upright images.
+  const Camera& pinhole() const { return file_.camera; }
+  const StoredImages& stored() const { return stored_; }
+  /// Whether upright images have another frame than the file describes.
+  bool is_rotated() const { return is_rotated_; }
+  /// Logs how `images` are made upright, and what that means for the camera; nothing where they are
+  /// stored so.
+  void report_orientation(const Call& call, const std::string& images) const;
+
+  /// An error unless upright images of this size are the camera's; `name` is the image's in the
+  /// message.
   Result<void> check_size(const cv::Size& size_px, const std::string& name) const;
 
-  /// An image of the camera, 8 bits a channel and grey or BGR, without its distortion. Fails as
-  /// check_size() does.
+  /// An upright image of the camera, 8 bits a channel and grey or BGR, without its distortion.
+  /// Fails as check_size() does.
   Result<Image> undistorted(const cv::Mat& stored, const std::string& name,
                             const std::string& stem) const;
 
@@ -47,12 +62,19 @@ class CalibratedCamera {
 
  private:
   std::string path_;
-  Camera camera_;
+  CameraFile file_;
+  StoredImages stored_;
+  bool is_rotated_ = false;
   Undistorter undistorter_;
 };
 
-/// An image of the camera as it is stored. Its header is read before its pixels are decoded, so
-/// that an image of another size costs nothing. Fails with a message that names the file.
-Result<cv::Mat> read_image_of(const std::string& path, const CalibratedCamera& camera);
+/// An image of the camera, made upright, and what is damaged in it. Its header is read before its
+/// pixels are decoded, so that an image of another size or orientation costs nothing. Fails with a
+/// message that names the file.
+Result<image_files::Decoded> read_image_of(const std::string& path, const CalibratedCamera& camera);
+
+/// An image that belongs to a frame of the camera pixel by pixel, upright as that; see
+/// image_files::upright_beside().
+Result<cv::Mat> read_image_beside(const std::string& path, const CalibratedCamera& camera);
 
 }  // namespace weft::cameras

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/images/picture_file.hpp"
 
-#include <opencv2/imgcodecs.hpp>
-#include <vector>
-#include <weft/core/image_file.hpp>
 #include <weft/core/stop_check.hpp>
 
 namespace weft::image_files {
@@ -32,26 +29,18 @@ cv::Mat opaque(const cv::Mat& image) {
 
 }  // namespace
 
-cv::Mat decode_image(const std::string& bytes, int flags) {
-  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
-  try {
-    if (!bytes.empty()) return cv::imdecode(buffer, flags);
-  } catch (const cv::Exception&) {  // reported by the caller: the file is at fault
-  }
-  return {};
-}
-
 Error at_parameter(Error error, const std::string& parameter) {
   error.message += ": correct '" + parameter + "' or its file";
   return error;
 }
 
-Result<cv::Mat> read_pixels(const std::string& parameter, const std::string& path) {
+Result<cv::Mat> read_pixels(const std::string& parameter, const std::string& path,
+                            Channels channels) {
   const auto file = read_image_bytes(path);
   if (!file) return at_parameter(file.error(), parameter);
-  const cv::Mat image = decode_image(file->bytes, cv::IMREAD_UNCHANGED);
-  if (image.empty()) return at_parameter(no_image(path), parameter);
-  return image;
+  ask_to_go_on();
+  auto image = whole_pixels(decode_upright(*file, channels), path);
+  return image ? image : at_parameter(image.error(), parameter);
 }
 
 Result<cv::Mat> read_picture(const std::string& parameter, const std::string& path) {
@@ -67,7 +56,7 @@ Result<cv::Mat> read_picture(const std::string& parameter, const std::string& pa
 Result<void> check_picture(const std::string& parameter, const std::string& path) {
   const auto file = read_image_bytes(path);
   if (!file) return at_parameter(file.error(), parameter);
-  if (file->header.complete && file->header.bits == 8) return {};
+  if (is_surely_whole(*file)) return {};
   const auto picture = read_picture(parameter, path);
   return picture ? Result<void>() : picture.error();
 }

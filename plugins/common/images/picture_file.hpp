@@ -5,22 +5,23 @@
 #include <string>
 #include <weft/core/result.hpp>
 
+#include "common/images/decoder.hpp"
+
 namespace weft::image_files {
 
-/// Decodes an image of 8 bits a channel, grey or BGR; transparency becomes white paper. Fails with
-/// a message that names the parameter and the file.
+/// Decodes an image of 8 bits a channel, grey or BGR, upright; transparency becomes white paper.
+/// Fails with a message that names the parameter and the file, also on one that is damaged.
 Result<cv::Mat> read_picture(const std::string& parameter, const std::string& path);
 
-/// What read_picture() would refuse; a PNG or JPEG that is whole is not decoded for that.
+/// What read_picture() would refuse; a PNG is not decoded for that.
 Result<void> check_picture(const std::string& parameter, const std::string& path);
 
-/// The pixels of an image file as they are stored; fails like read_picture().
-Result<cv::Mat> read_pixels(const std::string& parameter, const std::string& path);
+/// The pixels of an image file, upright, with the channels that it stores or grey; fails like
+/// read_picture().
+Result<cv::Mat> read_pixels(const std::string& parameter, const std::string& path,
+                            Channels channels = Channels::as_stored);
 
 /// Says with an error of a file which parameter names it.
 Error at_parameter(Error error, const std::string& parameter);
-
-/// Empty for what cannot be decoded; never throws. `flags` are OpenCV's.
-cv::Mat decode_image(const std::string& bytes, int flags);
 
 }  // namespace weft::image_files

@@ -2,7 +2,7 @@
 #include "common/images/texture_file.hpp"
 
 #include <opencv2/imgproc.hpp>
-#include <weft/core/image_file.hpp>
+#include <weft/images/image_file.hpp>
 
 #include "common/images/picture_file.hpp"
 
@@ -14,13 +14,15 @@ constexpr double kHalfOpaque = 127.0;
 }  // namespace
 
 Result<Texture> read_texture_file(const std::string& parameter, const std::string& path) {
-  const auto image = read_pixels(parameter, path);
-  if (!image) return image.error();
+  const auto file = read_image_bytes(path);
+  if (!file) return at_parameter(file.error(), parameter);
+  const auto image = whole_pixels(decode_upright(*file), path);
+  if (!image) return at_parameter(image.error(), parameter);
   if (image->depth() != CV_8U) {
     return Error{Errc::unsupported, path + ": the " + parameter +
                                         " has more than 8 bits a channel: convert it to 8 bits"};
   }
-  Texture texture{*image, cv::Mat::ones(image->size(), CV_8U)};
+  Texture texture{*image, cv::Mat::ones(image->size(), CV_8U), false, file->header.orientation};
   if (const int channels = image->channels(); channels == 2 || channels == 4) {
     texture.has_alpha = true;
     cv::extractChannel(*image, texture.mask, channels - 1);
@@ -38,7 +40,7 @@ Result<Texture> read_texture_file(const std::string& parameter, const std::strin
 Result<void> check_texture_file(const std::string& parameter, const std::string& path) {
   const auto file = read_image_bytes(path);
   if (!file) return at_parameter(file.error(), parameter);
-  if (file->header.complete && file->header.bits == 8 && !file->header.has_alpha) return {};
+  if (is_surely_whole(*file) && !file->header.has_alpha) return {};
   const auto texture = read_texture_file(parameter, path);
   return texture ? Result<void>() : texture.error();
 }

@@ -8,6 +8,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <weft/core/whole_file.hpp>
 
+#include "common/films/packets.hpp"
+
 namespace weft::overlay {
 namespace {
 
@@ -26,20 +28,6 @@ Result<void> check_writable(const std::string& path) {
   const std::error_code code = last_system_error();
   return Error{Errc::io, "the video " + path + " cannot be written (" + why_not_written(code) +
                              "): choose another 'path' or make its folder writable"};
-}
-
-/// Pictures of a finished video, none of which is decoded.
-std::int64_t pictures_in(const std::string& path) {
-  std::int64_t count = 0;
-  try {
-    cv::VideoCapture video(path, is_avi(path) ? cv::CAP_OPENCV_MJPEG : cv::CAP_FFMPEG);
-    constexpr double kPackets = -1.0;
-    if (!is_avi(path)) video.set(cv::CAP_PROP_FORMAT, kPackets);
-    while (video.isOpened() && video.grab()) ++count;
-  } catch (const cv::Exception&) {
-    return 0;
-  }
-  return count;
 }
 
 }  // namespace
@@ -128,7 +116,7 @@ Result<void> VideoFile::close_part() {
     return Error{Errc::io, "the video " + part_path_ + " cannot be written to disk (" +
                                why_not_written(code) + "): is the disk full?"};
   }
-  const std::int64_t found = pictures_in(part_path_);
+  const std::int64_t found = films::count_packets(part_path_);
   if (found == given_) return {};
   return Error{Errc::io, "the video " + part_path_ + " has " + std::to_string(found) + " of " +
                              std::to_string(given_) + " frames: is the disk full?"};

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
+#include <weft/core/file_order.hpp>
 
 namespace weft::sources {
 namespace {
@@ -49,6 +50,7 @@ Result<void> expand(const fs::path& base, fs::path::iterator part, fs::path::ite
 
 /// Why nothing matches, and what to change.
 std::string explanation(const fs::path& pattern) {
+  if (const std::string hint = numbering_hint(pattern); !hint.empty()) return hint;
   if (is_folder(pattern)) return "it is a folder: name its files, for example with /*.png";
   fs::path folder;
   for (const fs::path& part : pattern.parent_path()) {
@@ -68,7 +70,7 @@ Result<std::vector<std::string>> matching_files(const std::string& pattern) {
   if (found.empty() || (!has_wildcard(pattern) && is_folder(path))) {
     return Error{Errc::not_found, "no file matches '" + pattern + "': " + explanation(path)};
   }
-  std::sort(found.begin(), found.end());
+  std::sort(found.begin(), found.end(), natural_less);
   return found;
 }
 

@@ -7,7 +7,7 @@ namespace weft::images {
 namespace {
 
 Result<cv::Mat> read_depth_file(const std::string& path, const cameras::CalibratedCamera& camera) {
-  auto depth = cameras::read_image_of(path, camera);
+  auto depth = cameras::read_image_beside(path, camera);
   if (!depth) return depth;
   if (depth->type() != CV_16UC1) {
     return Error{Errc::unsupported,

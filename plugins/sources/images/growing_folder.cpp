@@ -9,6 +9,7 @@
 #include <system_error>
 #include <thread>
 #include <utility>
+#include <weft/core/file_order.hpp>
 #include <weft/core/stop_check.hpp>
 
 namespace weft::images {
@@ -45,6 +46,9 @@ Result<GrowingFolder> GrowingFolder::open(const std::string& pattern, double wai
     return refuse(Errc::invalid_value, "is a folder: name its files, for example with /*.png");
   }
   if (!has_wildcard(name)) {
+    if (const std::string hint = numbering_hint(name); !hint.empty()) {
+      return refuse(Errc::invalid_value, hint);
+    }
     return refuse(Errc::invalid_value,
                   "names one file: with 'wait_s' give a pattern of those that will come, for "
                   "example with /*.png");
@@ -85,17 +89,17 @@ Result<void> GrowingFolder::list(const Call& call) {
     worked(kPassesAnEntry);
     std::string name = entry->path().filename().string();
     if (settled_.count(name) > 0 || fnmatch(name_.c_str(), name.c_str(), FNM_PERIOD) != 0) continue;
-    if (name > last_) {
+    if (natural_less(last_, name)) {
       waiting_.push_back(std::move(name));
       continue;
     }
     call.log_warning(path_of(name) + ": sorts before " + last_ +
                      ", which was read already: it is left out; give files names in the order in "
-                     "which they come, numbers with leading zeros");
+                     "which they come");
     settled_.insert(std::move(name));
     ++late_;
   }
-  std::sort(waiting_.begin(), waiting_.end());
+  std::sort(waiting_.begin(), waiting_.end(), natural_less);
   if (!code) return {};
   return Error{Errc::io, folder_ + ": the folder can no longer be listed: " + code.message()};
 }
@@ -124,8 +128,7 @@ Error GrowingFolder::ending() const {
     return {Errc::invalid_data,
             files + ": no new file for 'wait_s' but " + std::to_string(late_) +
                 " that sort before " + last_ +
-                ", which was read already: give files names in the order in which they come, "
-                "numbers with leading zeros",
+                ", which was read already: give files names in the order in which they come",
             {}};
   }
   if (!last_.empty()) return no_more_frames(files + ": no new file for 'wait_s'");

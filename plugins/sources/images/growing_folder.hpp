@@ -13,9 +13,9 @@
 
 namespace weft::images {
 
-/// A folder that another program fills: its files one after the other, in the bytewise order of
-/// their names, each when it is complete. What sorts before the last file that was given comes too
-/// late: it is left out, with a warning.
+/// A folder that another program fills: its files one after the other, in the natural order
+/// of their names, each when it is complete. What sorts before the last file that was given comes
+/// too late: it is left out, with a warning.
 class GrowingFolder {
  public:
   /// `pattern` has * ? or [ ] in its file name alone. The folder must be there, files need not.

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <map>
-#include <weft/core/image_file.hpp>
+#include <utility>
 #include <weft/core/index.hpp>
 #include <weft/core/suggest.hpp>
+#include <weft/images/image_file.hpp>
 #include <weft/sdk/source.hpp>
 
 #include "common/cameras/calibrated_camera.hpp"
@@ -24,8 +25,8 @@ struct Frame {
   std::string apart;  ///< why it is reported apart, if it is
 };
 
-/// Image files of a calibrated camera, in bytewise order of their paths: those that are there, or
-/// those that come into a folder.
+/// Image files of a calibrated camera, in the natural order of their paths: those that are there,
+/// or those that come into a folder.
 class Images final : public Source {
  public:
   static constexpr About kAbout{.produces = "image time ground_truth region"};
@@ -49,19 +50,24 @@ class Images final : public Source {
   }
 
   void check(Mistakes& mistakes) const {
-    const auto camera = cameras::CalibratedCamera::read_sizes(camera_path_);
+    auto camera = cameras::CalibratedCamera::read_sizes(camera_path_);
     const bool calibrated = mistakes.expect("camera", camera);
     Images found = *this;
     if (!mistakes.expect("path", found.list_frames())) return;
     mistakes.expect("path", found.check_readable());
-    if (calibrated) mistakes.expect("camera", found.check_sizes(*camera));
+    if (calibrated) {
+      found.camera_ = *std::move(camera);
+      const auto fits = found.fit_camera();
+      const bool wrong_size = !fits && fits.error().code == Errc::invalid_data;
+      mistakes.expect(wrong_size ? "camera" : "path", fits);
+    }
     mistakes.expect("truth", found.attach_truth());
     mistakes.expect("depth", found.attach_depth());
     mistakes.expect("region", found.attach_region());
     mistakes.expect("apart", found.mark_apart());
   }
 
-  Result<Camera> open(const Call&) override {
+  Result<Camera> open(const Call& call) override {
     frames_.clear();
     frame_of_.clear();
     ending_.reset();
@@ -70,11 +76,13 @@ class Images final : public Source {
     camera_ = *std::move(camera);
     if (auto listed = list_frames(); !listed) return listed.error();
     if (auto readable = check_readable(); !readable) return readable.error();
-    if (auto fit = check_sizes(camera_); !fit) return fit.error();
+    if (auto fits = fit_camera(); !fits) return fits.error();
     if (auto attached = attach_truth(); !attached) return attached.error();
     if (auto attached = attach_depth(); !attached) return attached.error();
     if (auto attached = attach_region(); !attached) return attached.error();
     if (auto marked = mark_apart(); !marked) return marked.error();
+    camera_.report_orientation(call, path_);
+    report_order(call);
     return camera_.pinhole();
   }
 
@@ -87,7 +95,7 @@ class Images final : public Source {
     const Frame& frame = frames_[to_index(index)];
     const auto stored = read_image_file(frame.path, camera_);
     if (!stored) return stored.error();
-    auto image = camera_.undistorted(*stored, frame.path, frame.stem);
+    auto image = camera_.undistorted(stored->pixels, frame.path, frame.stem);
     if (!image) return image.error();
     SourceFrame result;
     result.image = *std::move(image);
@@ -100,7 +108,8 @@ class Images final : public Source {
     auto region = region_.read(frame.stem, camera_);
     if (!region) return region.error();
     result.region = *std::move(region);
-    return result;
+    if (stored->damage.empty()) return result;
+    return degenerate(std::move(result), frame.path + ": is damaged: " + stored->damage);
   }
 
  private:
@@ -178,20 +187,21 @@ class Images final : public Source {
     return first;
   }
 
-  /// A frame of another size than the camera's is an error of that frame; if none has it, the
-  /// camera file is that of other images.
-  Result<void> check_sizes(const cameras::CalibratedCamera& camera) const {
-    Result<void> first;
-    for (const std::string& path : first_paths()) {
-      const auto file = read_image_bytes(path);
-      if (!file || file->header.width_px == 0) continue;
-      const cv::Size size(static_cast<int>(file->header.width_px),
-                          static_cast<int>(file->header.height_px));
-      const auto fits = camera.check_size(size, path);
-      if (fits) return {};
-      if (first) first = fits;
+  Result<void> fit_camera() {
+    auto camera = camera_of_files(first_paths(), camera_);
+    if (!camera) return camera.error();
+    camera_ = *std::move(camera);
+    return {};
+  }
+
+  /// Where numbers without leading zeros make a difference.
+  void report_order(const Call& call) const {
+    for (std::size_t i = 1; i < frames_.size(); ++i) {
+      if (frames_[i - 1].path <= frames_[i].path) continue;
+      return call.log_info(
+          "files are read in the order of the numbers in their names: " + frames_[i - 1].stem +
+          " before " + frames_[i].stem + "; bytewise the order would be another");
     }
-    return first;
   }
 
   std::vector<std::string> stems() const {
@@ -221,6 +231,12 @@ class Images final : public Source {
 
   Result<void> attach_truth() {
     if (auto whole = check_whole("truth", !truth_path_.empty()); !whole) return whole;
+    if (camera_.is_rotated() && !truth_path_.empty()) {
+      return Error{Errc::unsupported,
+                   "'truth' is that of the camera as its file describes it, but the images are "
+                   "turned to be upright, and the camera with them: save the images without "
+                   "orientation, or leave 'truth' out"};
+    }
     return truth_.open(truth_path_, stems());
   }
 

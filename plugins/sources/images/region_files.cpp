@@ -29,7 +29,7 @@ Result<std::optional<Region>> RegionFiles::read(const std::string& stem,
                                                 const cameras::CalibratedCamera& camera) const {
   const auto found = path_of_.find(stem);
   if (found == path_of_.end()) return std::optional<Region>();
-  const auto stored = cameras::read_image_of(found->second, camera);
+  const auto stored = cameras::read_image_beside(found->second, camera);
   if (!stored) return stored.error();
   if (stored->channels() != 1) {
     return Error{Errc::unsupported,

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 #include <system_error>
-#include <weft/core/image_file.hpp>
+#include <weft/images/image_file.hpp>
 
 namespace weft::images {
 

@@ -2,16 +2,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <set>
-#include <weft/core/image_file.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/data/matrix.hpp>
 #include <weft/generators/sheet_motion.hpp>
+#include <weft/images/image_file.hpp>
 #include <weft/sdk/source.hpp>
 
 #include "background.hpp"
+#include "common/images/picture_file.hpp"
 #include "common/scene/sensor.hpp"
 #include "common/scene/sheet_renderer.hpp"
 #include "sheet_mesh.hpp"
@@ -21,30 +21,15 @@ namespace {
 
 constexpr double kJumpInPeriods = 0.73;
 
-Error in_texture(Error error) {
-  error.message += ": correct 'texture' or its file";
-  return error;
-}
-
 Result<cv::Mat> read_texture(const std::string& path) {
-  const auto file = read_image_bytes(path);
-  if (!file) return in_texture(file.error());
-  const cv::Mat bytes(1, static_cast<int>(file->bytes.size()), CV_8U,
-                      const_cast<char*>(file->bytes.data()));
-  cv::Mat image;
-  try {
-    image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
-  } catch (const cv::Exception&) {  // reported below: the file is at fault
-  }
-  if (image.empty()) return in_texture(no_image(path));
-  return image;
+  return image_files::read_pixels("texture", path, image_files::Channels::grey);
 }
 
-/// What read_texture() would refuse; a PNG or JPEG that is whole is not decoded for that.
+/// What read_texture() would refuse; a PNG is not decoded for that.
 Result<void> check_texture(const std::string& path) {
   const auto file = read_image_bytes(path);
-  if (!file) return in_texture(file.error());
-  if (file->header.complete) return {};
+  if (!file) return image_files::at_parameter(file.error(), "texture");
+  if (image_files::is_surely_whole(*file)) return {};
   const auto texture = read_texture(path);
   return texture ? Result<void>() : texture.error();
 }

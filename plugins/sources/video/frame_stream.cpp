@@ -11,6 +11,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include "pipeline_text.hpp"
+
 namespace weft::video {
 namespace {
 
@@ -52,29 +54,18 @@ bool comes_to_life(int pipe, double patience_s, const std::function<bool()>& can
 }  // namespace
 
 Result<FrameStream> FrameStream::open_file(const std::string& path) {
-  std::error_code status;
-  if (!std::filesystem::is_regular_file(path, status)) {
-    return Error{Errc::not_found, path + ": is no regular file: correct 'path'"};
-  }
+  auto film = films::Film::open(path);
+  if (!film) return film.error();
   FrameStream stream;
   stream.name_ = path;
-  if (!stream.capture_.open(path, cv::CAP_FFMPEG)) {
-    return Error{Errc::invalid_data,
-                 path +
-                     ": is no video that can be read (empty, damaged, cut off, unreadable or of "
-                     "an unknown format): check it with another player, or convert it"};
-  }
-  stream.capture_.set(cv::CAP_PROP_ORIENTATION_AUTO, 0.0);  // the calibration ignores it too
-  stream.fps_ = stream.capture_.get(cv::CAP_PROP_FPS);
-  if (!std::isfinite(stream.fps_) || stream.fps_ <= 0.0) {
-    return Error{Errc::invalid_data, path + ": has no frame rate: convert it to another format"};
-  }
-  const double promised = stream.capture_.get(cv::CAP_PROP_FRAME_COUNT);
-  if (std::isfinite(promised)) stream.promised_s_ = std::max(0.0, promised / stream.fps_);
+  stream.fps_ = film->fps();
+  stream.promised_s_ = static_cast<double>(film->promised()) / stream.fps_;
+  stream.film_ = *std::move(film);
   return stream;
 }
 
 Result<FrameStream> FrameStream::open_device(int number, const CameraSettings& settings) {
+  films::quiet_decoders();
   FrameStream stream;
   stream.is_live_ = true;
   stream.name_ = "/dev/video" + std::to_string(number);
@@ -109,11 +100,12 @@ Result<FrameStream> FrameStream::open_device(int number, const CameraSettings& s
 
 Result<FrameStream> FrameStream::open_address(const std::string& address, double patience_s,
                                               const std::function<bool()>& cancelled) {
+  films::quiet_decoders();
   FrameStream stream;
   stream.is_live_ = true;
   stream.name_ = address;
-  const bool is_pipeline = address.find('!') != std::string::npos;
-  const bool is_file = !is_pipeline && address.find("://") == std::string::npos;
+  const bool by_gstreamer = is_pipeline(address);
+  const bool is_file = !by_gstreamer && address.find("://") == std::string::npos;
   std::error_code status;
   if (is_file && !std::filesystem::is_fifo(address, status)) {
     return Error{Errc::not_found,
@@ -134,7 +126,7 @@ Result<FrameStream> FrameStream::open_address(const std::string& address, double
     stream.pipe_ = pipe;
   }
   const int patience_ms = static_cast<int>(std::clamp(1000.0 * patience_s, 1.0, 1e6));
-  const bool opened = is_pipeline
+  const bool opened = by_gstreamer
                           ? stream.capture_.open(source, cv::CAP_GSTREAMER)
                           : stream.capture_.open(source, cv::CAP_FFMPEG,
                                                  {cv::CAP_PROP_OPEN_TIMEOUT_MSEC, patience_ms,
@@ -148,14 +140,14 @@ Result<FrameStream> FrameStream::open_address(const std::string& address, double
 }
 
 bool FrameStream::advance() {
-  if (!capture_.grab()) return false;
+  if (film_ ? film_->advance() == films::Film::Step::end : !capture_.grab()) return false;
   stamp_s_ = next_stamp_s();
   if (++number_ == 0) first_stamp_s_ = stamp_s_;
   return true;
 }
 
 double FrameStream::next_stamp_s() {
-  const double stated_s = capture_.get(cv::CAP_PROP_POS_MSEC) / 1e3;
+  const double stated_s = film_ ? film_->stamp_s() : capture_.get(cv::CAP_PROP_POS_MSEC) / 1e3;
   if (stated_s > stamp_s_) return stated_s;
   if (!is_live_) return stamp_s_ + 1.0 / fps_;
   return std::max(steady_s(), std::nextafter(stamp_s_, HUGE_VAL));  // the clock of the drivers, too
@@ -163,6 +155,7 @@ double FrameStream::next_stamp_s() {
 
 void FrameStream::close() {
   capture_.release();
+  film_.reset();
   pipe_.reset();
 }
 
@@ -187,6 +180,11 @@ Result<void> FrameStream::ending() const {
 }
 
 Result<cv::Mat> FrameStream::image() {
+  if (film_) {
+    auto image = film_->image();
+    if (image) *image = image_files::upright(*image, film_->orientation());
+    return image;
+  }
   cv::Mat image;
   try {
     capture_.retrieve(image);
@@ -196,6 +194,15 @@ Result<cv::Mat> FrameStream::image() {
   if (!image.empty() && image.type() == CV_8UC3) return image;
   return Error{Errc::invalid_data,
                name_ + ": frame " + std::to_string(number_) + " cannot be decoded"};
+}
+
+std::string FrameStream::damage() { return film_ ? film_->damage() : std::string(); }
+
+Result<cameras::StoredImages> FrameStream::stored() {
+  if (film_) return cameras::StoredImages{film_->size_px(), film_->orientation()};
+  const auto first = image();
+  if (!first) return first.error();
+  return cameras::StoredImages{first->size(), 1};
 }
 
 }  // namespace weft::video

@@ -5,8 +5,12 @@
 #include <functional>
 #include <memory>
 #include <opencv2/videoio.hpp>
+#include <optional>
 #include <string>
 #include <weft/core/result.hpp>
+
+#include "common/cameras/upright_camera.hpp"
+#include "common/films/film.hpp"
 
 namespace weft::video {
 
@@ -18,7 +22,8 @@ struct CameraSettings {
 };
 
 /// The frames of a video file or of a camera, one after the other. It never seeks: the containers'
-/// tables lead to wrong frames too often, decoding in order always gives the same ones.
+/// tables lead to wrong frames too often, decoding in order always gives the same ones. A frame of
+/// a file that the decoder refuses counts as one.
 class FrameStream {
  public:
   /// Fails, with the reason, on a file that is missing or no video.
@@ -45,8 +50,12 @@ class FrameStream {
   /// Of the current frame, s since frame 0: the container's or the driver's time, and increasing
   /// in any case.
   double time_s() const { return stamp_s_ - first_stamp_s_; }
-  /// The current frame, BGR, 8 bits a channel, not turned by a tag of the file.
+  /// The current frame, BGR, 8 bits a channel, upright; black where the decoder refused it.
   Result<cv::Mat> image();
+  /// What is wrong with the current frame of a file; empty for a whole one.
+  std::string damage();
+  /// How frames are stored, once there is one.
+  Result<cameras::StoredImages> stored();
   /// File, device or address, for messages.
   const std::string& name() const { return name_; }
 
@@ -54,7 +63,8 @@ class FrameStream {
   double next_stamp_s();
 
   std::shared_ptr<const void> pipe_;  ///< that `capture_` reads, if any
-  cv::VideoCapture capture_;
+  cv::VideoCapture capture_;          ///< of what is live
+  std::optional<films::Film> film_;   ///< of a file
   std::string name_;
   bool is_live_ = false;
   double fps_ = 0.0;         // of a file

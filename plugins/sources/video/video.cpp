@@ -5,10 +5,12 @@
 #include <filesystem>
 #include <thread>
 #include <utility>
+#include <weft/core/file_order.hpp>
 #include <weft/sdk/source.hpp>
 
 #include "common/cameras/calibrated_camera.hpp"
 #include "frame_stream.hpp"
+#include "pipeline_text.hpp"
 
 namespace weft::video {
 namespace {
@@ -42,17 +44,17 @@ class Video final : public Source {
     const auto camera = camera_path_.empty() ? cameras::CalibratedCamera()
                                              : cameras::CalibratedCamera::read_sizes(camera_path_);
     const bool calibrated = mistakes.expect("camera", camera) && !camera_path_.empty();
-    if (!mistakes.expect(path_.empty() ? "device" : "path", check_choice())) return;
+    if (!mistakes.expect(given(), check_choice())) return;
     if (live()) return;
     auto stream = FrameStream::open_file(path_);
     if (!mistakes.expect("path", stream)) return;
     if (!stream->advance()) return mistakes.add("path", no_frame());
-    const auto first = stream->image();
-    if (first && calibrated) mistakes.expect("camera", camera->check_size(first->size(), path_));
+    const auto stored = stream->stored();
+    if (stored && calibrated) mistakes.expect("camera", camera->of_images(*stored, path_));
   }
 
   Result<Camera> open(const Call& call) override {
-    if (auto chosen = check_choice(); !chosen) return about("device", chosen.error());
+    if (auto chosen = check_choice(); !chosen) return about(given(), chosen.error());
     if (is_calibrated()) {
       auto camera = cameras::CalibratedCamera::read(camera_path_);
       if (!camera) return about("camera", camera.error());
@@ -60,12 +62,13 @@ class Video final : public Source {
     }
     end_.reset();
     if (auto started = start(call); !started) return about(given(), started.error());
-    const auto first = stream_.image();
-    if (!first) return first.error();
-    if (!is_calibrated()) camera_ = cameras::CalibratedCamera::guess(first->size());
-    if (auto fits = camera_.check_size(first->size(), stream_.name()); !fits) {
-      return about("camera", fits.error());
-    }
+    const auto stored = stream_.stored();
+    if (!stored) return stored.error();
+    if (!is_calibrated()) camera_ = cameras::CalibratedCamera::guess(stored->size_px);
+    auto upright = camera_.of_images(*stored, stream_.name());
+    if (!upright) return about("camera", upright.error());
+    camera_ = *std::move(upright);
+    camera_.report_orientation(call, stream_.name());
     return camera_.pinhole();
   }
 
@@ -87,6 +90,9 @@ class Video final : public Source {
     SourceFrame frame;
     frame.image = *std::move(image);
     frame.time = Time{stream_.time_s() - first_time_s_};
+    if (std::string damage = stream_.damage(); !damage.empty()) {
+      return degenerate(std::move(frame), stream_.name() + ": " + damage);
+    }
     if (!gap_.empty()) return degenerate(std::move(frame), std::exchange(gap_, {}));
     if (!is_calibrated()) {
       return degenerate(std::move(frame),
@@ -135,8 +141,12 @@ class Video final : public Source {
 
   Result<void> check_choice() const {
     const int given = (path_.empty() ? 0 : 1) + (device_ < 0 ? 0 : 1) + (address_.empty() ? 0 : 1);
-    if (given == 1) return {};
-    return Error{Errc::invalid_value, "give one of 'path', 'device' and 'address'"};
+    if (given != 1) return Error{Errc::invalid_value, "give one of 'path', 'device' and 'address'"};
+    if (const std::string hint = numbering_hint(path_); !hint.empty()) {
+      return Error{Errc::invalid_value,
+                   path_ + ": numbered image files are read by sources/images; " + hint};
+    }
+    return is_pipeline(address_) ? check_pipeline(address_) : Result<void>();
   }
 
   /// The parameter that says what is read.

@@ -70,9 +70,10 @@ class MeshTemplate final : public TemplateBuilder {
     mistakes.expect("unit_m", check_size(unit_m_ * surface->vertices));
   }
 
-  Result<Template> build(const Call&) override {
+  Result<Template> build(const Call& call) override {
     auto texture = image_files::read_texture_file("texture", texture_path_);
     if (!texture) return texture.error();
+    image_files::report_orientation(call, texture_path_, texture->orientation);
     const auto file = read_mesh_file(mesh_path_);
     if (!file) return file.error();
     auto surface = weld(*file);

@@ -59,9 +59,10 @@ class OutlineTemplate final : public TemplateBuilder {
     }
   }
 
-  Result<Template> build(const Call&) override {
+  Result<Template> build(const Call& call) override {
     auto texture = image_files::read_texture_file("photo", photo_path_);
     if (!texture) return texture.error();
+    image_files::report_orientation(call, photo_path_, texture->orientation);
     auto object = find_object(*texture);
     if (!object) return in_photo(object.error());
     texture->mask = *object;
@@ -100,6 +101,15 @@ class OutlineTemplate final : public TemplateBuilder {
                                              ": the mask must have the size of the photograph, " +
                                              std::to_string(photo.pixels.cols) + " x " +
                                              std::to_string(photo.pixels.rows) + " px"};
+      }
+      const bool sideways = turns(mask->orientation).sideways;
+      const bool size_tells =
+          sideways != turns(photo.orientation).sideways && photo.pixels.cols != photo.pixels.rows;
+      if (mask->orientation != photo.orientation && !size_tells) {
+        return Error{Errc::invalid_data, mask_path_ + ": " + orientation_text(mask->orientation) +
+                                             " to be upright, but the photograph " +
+                                             orientation_text(photo.orientation) +
+                                             ": save both with the same orientation"};
       }
       cv::Mat grey = mask->pixels;
       if (grey.channels() == 3) cv::cvtColor(grey, grey, cv::COLOR_BGR2GRAY);

@@ -85,6 +85,7 @@ class PhotoTemplate final : public TemplateBuilder {
     if (auto legal = check_grid(); !legal) return legal.error();
     auto photo = read_photograph(photo_path_, camera_path_);
     if (!photo) return photo.error();
+    image_files::report_orientation(call, photo_path_, photo->orientation);
     const auto corners_px = corners_in(*photo);
     if (auto offered = offer_page(*photo, corners_px); !offered) return offered.error();
     if (!corners_px) return corners_px.error();

@@ -2,12 +2,12 @@
 #include "photograph.hpp"
 
 #include <algorithm>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <utility>
-#include <weft/core/image_file.hpp>
 #include <weft/core/stop_check.hpp>
+#include <weft/images/image_file.hpp>
 
+#include "common/cameras/upright_camera.hpp"
 #include "common/images/picture_file.hpp"
 
 namespace weft::photo {
@@ -51,8 +51,12 @@ Result<Photograph> read_photograph(const std::string& path, const std::string& c
   const auto file = read_image_bytes(path);
   if (!file) return image_files::at_parameter(file.error(), "photo");
   ask_to_go_on();
-  Photograph photo{image_files::decode_image(file->bytes, cv::IMREAD_ANYCOLOR)};
-  if (photo.pixels.empty()) return image_files::at_parameter(no_image(path), "photo");
+  const auto pixels = image_files::whole_pixels(image_files::decode_upright(*file), path);
+  if (!pixels) return image_files::at_parameter(pixels.error(), "photo");
+  Photograph photo{*pixels};
+  if (pixels->channels() == 2) cv::extractChannel(*pixels, photo.pixels, 0);
+  if (pixels->channels() == 4) cv::cvtColor(*pixels, photo.pixels, cv::COLOR_BGRA2BGR);
+  photo.orientation = file->header.orientation;
   const cv::Size size = photo.pixels.size();
   if (std::min(size.width, size.height) < kLeastPhoto_px ||
       std::max(size.width, size.height) > kMostPhoto_px) {
@@ -70,9 +74,14 @@ Result<Photograph> read_photograph(const std::string& path, const std::string& c
   photo.camera = *std::move(camera);
   photo.is_calibrated = true;
   const Camera& described = photo.camera.camera;
-  if (size.width != described.width_px || size.height != described.height_px) {
-    return other_size(path, camera_path, described, size);
-  }
+  const bool fits = size.width == described.width_px && size.height == described.height_px;
+  if (photo.orientation == 1 && !fits) return other_size(path, camera_path, described, size);
+  const cv::Size stored =
+      turns(photo.orientation).sideways ? cv::Size(size.height, size.width) : size;
+  auto upright =
+      cameras::upright_camera(photo.camera, camera_path, {stored, photo.orientation}, path);
+  if (!upright) return upright.error();
+  photo.camera = std::move(upright->file);
   return photo;
 }
 

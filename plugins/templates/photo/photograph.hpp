@@ -16,6 +16,7 @@ struct Photograph {
   cv::Mat pixels;                ///< [H,W] grey u8 or [H,W,3] BGR u8, upright
   cameras::CameraFile camera{};  ///< a guess unless it is calibrated
   bool is_calibrated = false;
+  int orientation = 1;  ///< of the file, by which it was made upright
 
   Pinhole pinhole() const {
     return {camera.camera.fx, camera.camera.fy, camera.camera.cx, camera.camera.cy};

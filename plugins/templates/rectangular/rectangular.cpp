@@ -38,11 +38,12 @@ class Rectangular final : public TemplateBuilder {
     mistakes.expect("texture", image_files::check_texture_file("texture", texture_path_));
   }
 
-  Result<Template> build(const Call&) override {
+  Result<Template> build(const Call& call) override {
     auto faces = rectangular_grid_faces(columns_, rows_);
     if (!faces) return faces.error();
     auto texture = image_files::read_texture_file("texture", texture_path_);
     if (!texture) return texture.error();
+    image_files::report_orientation(call, texture_path_, texture->orientation);
 
     const cv::Size size = texture->pixels.size();
     const double pitch_u_m = width_m_ / size.width;

@@ -133,7 +133,10 @@ Result<DataSurvey> survey_data(const DataLayout& layout, const host::Registry& r
       registry, *layout.source.find("use"), layout.source.find("params"),
       host::PathRules::of_process({layout.folder}, layout.folder), problems);
   if (!spec) return problem_of(problems, layout);
-  host::Lane lane(0, {});
+  DataSurvey survey;
+  host::Lane lane(0, [&](const std::string&, int, const std::string& text, std::uint64_t frame) {
+    if (frame == host::kOfflineFrame) survey.findings.push_back(text);
+  });
   lane.watch([&] { return cancel.load(); });
   const auto source = lane.instantiate(*spec, "sources");
   if (!source) return source.error();
@@ -144,7 +147,6 @@ Result<DataSurvey> survey_data(const DataLayout& layout, const host::Registry& r
   }
   const Outcome counted = lane.call(**source, kCountFrames, {}, host::kOfflineFrame);
   if (!counted.usable()) return counted.error;
-  DataSurvey survey;
   survey.kind = layout.kind;
   survey.source = spec->component().id;
   survey.camera = *typed_in<Camera>(opened, "camera");

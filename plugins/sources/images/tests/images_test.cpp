@@ -41,18 +41,18 @@ std::string refusal(PluginUnderTest source) {
   return opened.message;
 }
 
-TEST(ImagesSource, GivesFramesInBytewiseOrderWithTheirTime) {
+TEST(ImagesSource, GivesFramesInNaturalOrderWithTheirTime) {
   const FrameFolder folder;
   folder.write_camera();
-  folder.write_frame("frames/b10.png", 3);
-  folder.write_frame("frames/b9.png", 4);
+  folder.write_frame("frames/b10.png", 4);
+  folder.write_frame("frames/b9.png", 3);
   folder.write_frame("frames/B11.png", 1);
   folder.write_frame("frames/a.png", 2);
   folder.write_frame("frames/.hidden.png", 9);
   folder.write("frames/notes.txt", "no image");
   PluginUnderTest source = images_source(folder, "frames/*.png", "fps: 25");
   ASSERT_EQ(opened_count(source), 4);
-  const std::vector<std::string> stems{"B11", "a", "b10", "b9"};
+  const std::vector<std::string> stems{"B11", "a", "b9", "b10"};
   for (std::uint64_t i = 0; i < 4; ++i) {
     const PluginAnswer frame = source.process(kRead, {}, i);
     ASSERT_EQ(frame.status, WEFT_OK) << frame.message;

@@ -192,6 +192,20 @@ TEST(PhotoTemplate, TurnsAPhotographUprightAsItsExifDataSays) {
                                      HasSubstr("camera held as for the calibration")));
 }
 
+TEST(PhotoTemplate, RotatesTheCameraOfTheSensorWithThePhotograph) {
+  PhotoFolder folder;
+  const Still still = still_of(640, false);
+  folder.write_camera(still.camera);
+  write_turned_jpeg(folder, photographed(still), 6);
+  const double height_m = still.height_m;
+  const Template templ =
+      built(folder.build(", width_m: " + std::to_string(height_m) + folder.with_camera()));
+  EXPECT_NEAR(height_of(templ) / 0.297, 1.0, 0.005);
+  cv::Mat turned;
+  cv::rotate(still.print, turned, cv::ROTATE_90_CLOCKWISE);
+  EXPECT_GT(correlation(texture_in(templ), turned), 0.98);
+}
+
 TEST(PhotoTemplate, SaysWhatToChangeWhereASheetCannotBe) {
   PhotoFolder folder;
   folder.files().write_image("photo.png", cv::Mat(240, 320, CV_8UC3, cv::Scalar::all(120)));

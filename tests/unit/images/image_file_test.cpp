@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
-#include <weft/core/image_file.hpp>
+#include <weft/images/image_file.hpp>
 
 namespace weft {
 namespace {
@@ -33,6 +33,21 @@ void expect_size(const std::string& bytes, std::int64_t width, std::int64_t heig
   EXPECT_EQ(header->height_px, height);
 }
 
+/// EXIF data with an orientation in either order of bytes.
+std::string exif(int orientation, bool big) {
+  using namespace std::string_literals;
+  const char value = static_cast<char>(orientation);
+  if (big) return "MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0"s + value + "\0\0\0\0\0\0"s;
+  return "II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0"s + value + "\0\0\0\0\0\0\0"s;
+}
+
+void expect_orientation(const std::string& bytes, int orientation) {
+  const auto header = read_image_header(bytes);
+  ASSERT_TRUE(header) << header.error().message;
+  EXPECT_EQ(header->orientation, orientation);
+  EXPECT_EQ(header->upright_width_px(), orientation > 4 ? header->height_px : header->width_px);
+}
+
 void expect_refusal(const std::string& bytes, const std::string& reason) {
   const auto header = read_image_header(bytes);
   ASSERT_FALSE(header);
@@ -41,6 +56,44 @@ void expect_refusal(const std::string& bytes, const std::string& reason) {
 
 TEST(ImageHeader, ComputesTheChecksumOfItsStandard) {
   EXPECT_EQ(detail::crc32("123456789"), 0xCBF43926U);
+}
+
+TEST(ImageHeader, ReadsTheOrientationOfEachFormat) {
+  using namespace std::string_literals;
+  for (int k = 1; k <= 8; ++k) {
+    for (const bool big : {false, true}) {
+      const std::string data = exif(k, big);
+      expect_orientation("\xFF\xD8\xFF\xE1\0"s + static_cast<char>(data.size() + 8) + "Exif\0\0"s +
+                             data +
+                             "\xFF\xC0\0\x11\x08\x01\xE0\x02\x80\x03zzzzzzzzz\xFF\xDA\0\x02"
+                             "data\xFF\xD9"s,
+                         k);
+      std::string image = png(640, 480);
+      image.insert(8 + 25, chunk("eXIf", data));
+      expect_orientation(image, k);
+      const std::string vp8x = "RIFF\0\0\0\0WEBPVP8X\x0A\0\0\0\0\0\0\0\x7F\x02\0\xDF\x01\0"s;
+      expect_orientation(vp8x + "EXIF" + static_cast<char>(data.size()) + "\0\0\0"s + data, k);
+    }
+    expect_orientation(
+        "II*\0\x08\0\0\0\x03\0\0\x01\x03\0\x01\0\0\0\x80\x02\0\0\x01\x01\x04\0\x01\0\0\0\xE0"
+        "\x01\0\0\x12\x01\x03\0\x01\0\0\0"s +
+            static_cast<char>(k) + "\0\0\0"s,
+        k);
+  }
+}
+
+TEST(ImageHeader, TakesAnOrientationThatIsNoneOfTheEightForNone) {
+  using namespace std::string_literals;
+  for (const int k : {0, 9, 100}) {
+    std::string image = png(640, 480);
+    image.insert(8 + 25, chunk("eXIf", exif(k, false)));
+    expect_orientation(image, 1);
+  }
+  std::string damaged = png(640, 480);
+  std::string part = chunk("eXIf", exif(6, true));
+  part.back() = static_cast<char>(part.back() + 1);
+  damaged.insert(8 + 25, part);
+  expect_orientation(damaged, 1);  // its checksum is wrong
 }
 
 TEST(ImageHeader, TellsSizesOfEachFormat) {

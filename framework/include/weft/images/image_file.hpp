@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <weft/core/image_header.hpp>
 #include <weft/core/text_file.hpp>
+#include <weft/images/image_header.hpp>
 
 namespace weft {
 
@@ -33,25 +33,35 @@ inline ImageHeader bmp_header(const Bytes& bytes) {
   return header;
 }
 
-/// The first directory: entries of tag, type, count and value.
-inline ImageHeader tiff_header(const Bytes& bytes) {
+inline ImageHeader tiff_header(std::string_view text) {
+  const TiffFields fields = tiff_fields(text);
   ImageHeader header;
-  const bool big = bytes.at(0) == 'M';
-  const auto u16 = [&](std::uint64_t i) { return big ? bytes.big16(i) : bytes.little16(i); };
-  const auto u32 = [&](std::uint64_t i) { return big ? bytes.big32(i) : bytes.little32(i); };
-  const std::uint64_t start = u32(4);
-  for (std::uint64_t i = 0; i < u16(start); ++i) {
-    const std::uint64_t entry = start + 2 + 12 * i;
-    const std::int64_t value = u16(entry + 2) == 3 ? u16(entry + 8) : u32(entry + 8);
-    if (u16(entry) == 256) header.width_px = value;
-    if (u16(entry) == 257) header.height_px = value;
-  }
+  header.width_px = fields.width_px;
+  header.height_px = fields.height_px;
+  header.bits = fields.bits == 0 || fields.bits > 8 ? fields.bits : 8;
+  header.orientation = fields.orientation;
   return header;
+}
+
+/// The EXIF data of a WebP: a chunk of its own, behind the image as a rule.
+inline int webp_orientation(const Bytes& bytes) {
+  for (std::uint64_t at = 12; bytes.has(at + 8);) {
+    const std::uint64_t length = bytes.little32(at + 4);
+    if (bytes.part(at, 4) == "EXIF") {
+      std::string_view exif = bytes.part(at + 8, length);
+      if (exif.starts_with("Exif")) exif.remove_prefix(std::min<std::size_t>(exif.size(), 6));
+      return tiff_fields(exif).orientation;
+    }
+    at += 8 + length + length % 2;
+  }
+  return 1;
 }
 
 inline ImageHeader webp_header(const Bytes& bytes) {
   ImageHeader header;
+  header.bits = 8;
   const std::string_view form = bytes.part(12, 4);
+  if (form == "VP8X") header.orientation = webp_orientation(bytes);
   if (form == "VP8X") {
     header.width_px = 1 + (bytes.little32(24) & 0xFFFFFFU);
     header.height_px = 1 + (bytes.little32(27) & 0xFFFFFFU);
@@ -66,11 +76,14 @@ inline ImageHeader webp_header(const Bytes& bytes) {
   return header;
 }
 
-/// "P5", then width and height, with blanks and comments between.
+/// "P5", then width, height and, but for bits, the largest value; blanks and comments between.
 inline ImageHeader pnm_header(const Bytes& bytes) {
   ImageHeader header;
   std::uint64_t at = 2;
-  for (std::int64_t* length : {&header.width_px, &header.height_px}) {
+  std::int64_t largest = 0;
+  const bool is_binary_picture = bytes.at(1) == '1' || bytes.at(1) == '4';
+  for (std::int64_t* length : {&header.width_px, &header.height_px, &largest}) {
+    if (length == &largest && is_binary_picture) break;
     while (bytes.has(at + 1) && !std::isdigit(static_cast<int>(bytes.at(at)))) {
       const bool comment = bytes.at(at) == '#';
       while (comment && bytes.has(at + 1) && bytes.at(at) != '\n') ++at;
@@ -80,6 +93,7 @@ inline ImageHeader pnm_header(const Bytes& bytes) {
       *length = 10 * *length + bytes.at(at) - '0';
     }
   }
+  if (largest > 0 || is_binary_picture) header.bits = largest > 255 ? 16 : 8;
   return header;
 }
 
@@ -88,10 +102,7 @@ inline Result<ImageHeader> header_of_any(std::string_view text) {
   if (text.starts_with("\x89PNG\r\n\x1A\n")) return png_header(bytes);
   if (text.starts_with("\xFF\xD8\xFF")) return jpeg_header(bytes);
   if (text.starts_with("BM")) return bmp_header(bytes);
-  if (text.starts_with(std::string_view("II*\0", 4)) ||
-      text.starts_with(std::string_view("MM\0*", 4))) {
-    return tiff_header(bytes);
-  }
+  if (TiffNumbers(text).is_tiff()) return tiff_header(text);
   if (text.starts_with("RIFF") && text.substr(0, 12).ends_with("WEBP")) return webp_header(bytes);
   if (text.size() > 2 && text[0] == 'P' && text[1] >= '1' && text[1] <= '6') {
     return pnm_header(bytes);

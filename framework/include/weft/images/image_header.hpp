@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
-#include <weft/core/index.hpp>
 #include <weft/core/result.hpp>
+#include <weft/images/orientation.hpp>
 
 namespace weft {
 
@@ -17,31 +17,19 @@ struct ImageHeader {
   std::int64_t width_px = 0, height_px = 0;
   int bits = 0;            ///< of a channel; 0: not known
   bool has_alpha = false;  ///< known of PNG only
+  int orientation = 1;     ///< of EXIF, 1 to 8: see turns(); sizes are those before it is applied
   bool complete = false;   ///< PNG and JPEG: all parts are there, those of PNG with right checksums
+
+  /// Of the image that is made upright.
+  std::int64_t upright_width_px() const {
+    return turns(orientation).sideways ? height_px : width_px;
+  }
+  std::int64_t upright_height_px() const {
+    return turns(orientation).sideways ? width_px : height_px;
+  }
 };
 
 namespace detail {
-
-/// Numbers at places of a text; beyond its end they are 0.
-class Bytes {
- public:
-  explicit Bytes(std::string_view text) : text_(text) {}
-  bool has(std::uint64_t end) const { return end <= text_.size(); }
-  std::uint32_t at(std::uint64_t i) const {
-    return i < text_.size() ? static_cast<unsigned char>(text_[to_index(i)]) : 0U;
-  }
-  std::uint32_t big16(std::uint64_t i) const { return at(i) << 8U | at(i + 1); }
-  std::uint32_t big32(std::uint64_t i) const { return big16(i) << 16U | big16(i + 2); }
-  std::uint32_t little16(std::uint64_t i) const { return at(i + 1) << 8U | at(i); }
-  std::uint32_t little32(std::uint64_t i) const { return little16(i + 2) << 16U | little16(i); }
-  std::string_view part(std::uint64_t from, std::uint64_t count) const {
-    return from > text_.size() ? std::string_view() : text_.substr(to_index(from), to_index(count));
-  }
-  std::uint64_t size() const { return text_.size(); }
-
- private:
-  std::string_view text_;
-};
 
 constexpr std::array<std::uint32_t, 256> crc_table() {
   std::array<std::uint32_t, 256> table{};
@@ -73,7 +61,9 @@ inline Result<ImageHeader> png_header(const Bytes& bytes) {
     if (!bytes.has(at + 12 + length)) return cut_off();
     const std::string_view type = bytes.part(at + 4, 4);
     const bool critical = (bytes.at(at + 4) & 0x20U) == 0;
-    if (critical && crc32(bytes.part(at + 4, length + 4)) != bytes.big32(at + 8 + length)) {
+    const bool is_right = (!critical && type != "eXIf") ||
+                          crc32(bytes.part(at + 4, length + 4)) == bytes.big32(at + 8 + length);
+    if (critical && !is_right) {
       return Error{Errc::invalid_data, "it is damaged: a checksum is wrong"};
     }
     if (type == "IHDR") {
@@ -81,6 +71,9 @@ inline Result<ImageHeader> png_header(const Bytes& bytes) {
       header.height_px = bytes.big32(at + 12);
       header.bits = bytes.at(at + 16) == 16 ? 16 : 8;
       header.has_alpha = (bytes.at(at + 17) & 4U) != 0;
+    }
+    if (type == "eXIf" && is_right) {
+      header.orientation = tiff_fields(bytes.part(at + 8, length)).orientation;
     }
     if (type == "tRNS") header.has_alpha = true;
     if (type == "IEND") break;
@@ -94,6 +87,7 @@ inline Result<ImageHeader> png_header(const Bytes& bytes) {
 inline Result<ImageHeader> jpeg_header(const Bytes& bytes) {
   ImageHeader header;
   header.bits = 8;
+  bool has_exif = false;
   for (std::uint64_t at = 2; bytes.has(at + 4); at += 2 + bytes.big16(at + 2)) {
     while (bytes.at(at) == 0xFF && bytes.at(at + 1) == 0xFF) ++at;
     const std::uint32_t marker = bytes.at(at + 1);
@@ -103,6 +97,12 @@ inline Result<ImageHeader> jpeg_header(const Bytes& bytes) {
     if (is_frame) {
       header.height_px = bytes.big16(at + 5);
       header.width_px = bytes.big16(at + 7);
+    }
+    const std::string_view exif = bytes.part(at + 4, bytes.big16(at + 2) - 2);
+    if (marker == 0xE1 && exif.starts_with(std::string_view("Exif\0", 5)) && !has_exif) {
+      header.orientation =
+          tiff_fields(exif.substr(std::min<std::size_t>(exif.size(), 6))).orientation;
+      has_exif = true;
     }
     if (marker != 0xDA) continue;
     const std::string_view rest = bytes.part(at, bytes.size());

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+
+namespace weft::image_files {
+
+/// Decodes a JPEG as OpenCV does, to the bit, but ignores its orientation. `pixels` is
+/// [H,W] u8 or [H,W,3] BGR u8, empty where nothing can be decoded. Returns what the decoder found
+/// wrong with the file, its first complaint; empty for a whole file. OpenCV writes that to stderr.
+///
+/// Bits that flipped within the coded data are found only where the code itself stops making sense:
+/// an unknown code word, data that are left over or missing, a restart marker out of order.
+std::string decode_jpeg(const std::string& bytes, bool grey, cv::Mat& pixels);
+
+/// What decode_jpeg() would find wrong; pixels are not computed for it.
+std::string jpeg_damage(const std::string& bytes);
+
+}  // namespace weft::image_files
