@@ -8,10 +8,11 @@ import { close, module_loader } from "./modules.mjs";
 const load = module_loader(process.argv[2]);
 const { decode_frame, template_of } = await load("messages");
 const { edges_of, edge_lengths, project, vertex_strain } = await load("mesh");
-const { cause_of, notices_of, offline_words, percent, silent_words, state_words } =
+const { behind_words, cause_of, has_ended, notices_of, offline_words, percent, silent_words, state_words } =
   await load("words");
 const { History, sample_of } = await load("history");
 const { Colouring } = await load("colouring");
+const { runs_of } = await load("strips");
 
 const as_buffer = (bytes) => Uint8Array.from(bytes).buffer;
 
@@ -141,6 +142,9 @@ test("words tell a run that ended from a network that is down", () => {
   assert.match(offline_words({ code: 1006, reason: "" }, ""), /lost/);
   assert.match(offline_words({ code: 1008, reason: "too many wishes" }, ""), /too many wishes/);
   assert.match(silent_words(8), /^Connected; no frame for 8 s: .*source/);
+  assert.match(behind_words(8), /^Connected; behind by 8 s: .*browser/);
+  assert.deepEqual([1000, 1001, 1006].map((code) => has_ended({ code })), [true, true, false]);
+  assert.equal(has_ended(null), false);
 });
 
 const report_of = (kept) => ({
@@ -173,6 +177,31 @@ test("the history holds half a minute and knows the run's rate", () => {
   close(history.latest.rate, 0.1, 1e-9);
   history.push(sample_of({ frame: 0, report: null }, 111));
   assert.equal(history.samples.length, 1);
+});
+
+test("the rate is the run's, however frames arrive", () => {
+  // 30 frames a second, of which the network delivers bursts of 15.
+  const history = new History();
+  const rates = [];
+  for (let frame = 0; frame < 300; ++frame) {
+    const arrived_s = Math.ceil((frame + 1) / 15) / 2 + (frame % 15) * 0.001;
+    history.push(sample_of({ frame, report: null, taken_s: frame / 30 }, arrived_s));
+    rates.push(history.latest.rate);
+  }
+  assert.ok(rates.slice(0, 15).every(Number.isNaN)); // too early to tell
+  for (const rate of rates.slice(15)) close(rate, 30, 1e-6);
+  // A page that is shown single frames after a pause knows it as well.
+  history.push(sample_of({ frame: 450, report: null, taken_s: 15 }, 16));
+  history.push(sample_of({ frame: 451, report: null, taken_s: 15 + 1 / 30 }, 16.001));
+  close(history.latest.rate, 30, 1e-6);
+});
+
+test("a line breaks at gaps, and a sample on its own is a line of its own", () => {
+  const samples = [0, 1, 2, 9, 20, 21, 22, 30].map((at_s) => ({ at_s, value: at_s === 21 ? NaN : 1 }));
+  const runs = runs_of(samples, ({ value }) => value);
+  const times = runs.map((run) => run.map(([at_s]) => at_s));
+  assert.deepEqual(times, [[0, 1, 2], [9], [20], [22], [30]]);
+  assert.deepEqual(runs_of([], () => 1), []);
 });
 
 test("colours lie on the ramp, and their scale is that of the last frames", () => {

@@ -17,6 +17,7 @@ export function frame_message({ frame, time_s = null, report = null, ...given })
       return { name, type, bytes };
     });
   const head = { frame, time_s, report, parts: [] };
+  if (given.taken_s !== undefined) head.taken_s = given.taken_s;
   head.parts = parts.map(({ name, type, bytes }) => ({ name, type, bytes: bytes.length }));
   const json = Buffer.from(JSON.stringify(head));
   const lengths = Buffer.alloc(8);

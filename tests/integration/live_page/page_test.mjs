@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { overflow_of } from "../../support/chromium.mjs";
 import { expect_contrast } from "./contrast.mjs";
-import { use_live_page } from "./live_page.mjs";
+import { pause, use_live_page } from "./live_page.mjs";
 import { bent, camera, report_of } from "./scene.mjs";
 
 await use_live_page(async (live) => {
@@ -158,12 +158,68 @@ await use_live_page(async (live) => {
   await page.setViewport({ width: 1400, height: 900 });
   assert.ok((await overflow_of(page)) <= 0);
 
+  // The run has no frames: the page says what the server says of it, and nothing else.
+  live.run.say({ type: "still", still: true });
+  await live.until_text("#connection", "the run waits for its source");
+  live.run.pause(true, 28);
+  await live.until(() => document.querySelector("#connection").textContent === "Connected");
+  live.run.pause(false, 28);
+  await live.until_text("#connection", "the run waits for its source");
+  live.run.say({ type: "still", still: false });
+  await live.until(() => document.querySelector("#connection").textContent === "Connected");
+  // It goes on, and nothing arrives here.
+  await live.until_text("#connection", "this browser or the network is slow");
+
+  // A pause ends with the browser that asked for it.
+  live.run.pause(true, 28);
+  await live.until_text("#outcome", "Paused in another browser");
+  live.run.pause(false, 29, { left: true });
+  await live.until_text("#outcome", "the browser that paused it left");
+  live.run.pause(true, 29);
+  await live.until_text("#outcome", "Paused in another browser");
+  live.run.break_connections();
+  await live.until_text("#connection", "The connection was lost");
+  await live.until_text("#connection", "Connected");
+  live.run.pause(false, 29, { left: true });
+  await live.until_text("#outcome", "the connection was lost during a pause");
+  live.forgive_tries();
+
+  // Single samples far apart are seen in the strips.
+  for (const frame of [40, 41, 42]) await live.show(frame, { taken_s: 8 * (frame - 36) });
+  await pause(300); // the strips are drawn some times a second
+  await live.show(43, { taken_s: 60 });
+  await live.shot("single");
+  const blue = (canvas) => {
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    let count = 0;
+    for (let at = 0; at < data.length; at += 4) {
+      if (data[at + 3] > 200 && data[at + 2] > data[at] + 60) ++count;
+    }
+    return count;
+  };
+  const count = await page.$eval("[data-strip=kept] canvas", blue);
+  assert.ok(count >= 4 * 5, `${count} pixels of four points`);
+
   // The run ends, and another one begins at the same place.
   const { port } = live.run;
+  const usable_commands = () =>
+    page.$$eval("#commands [data-command]:enabled, #stop:enabled", (all) => all.length);
+  assert.equal(await usable_commands(), 4);
   await live.run.end();
   await live.until_text("#connection", "The run has ended.");
+  assert.doesNotMatch(await live.text("#connection"), /Trying again/);
+  assert.equal(await usable_commands(), 0);
+  await live.shot("ended");
   live.run = await live.start(port, { settings: null });
   await live.until_text("#connection", "Connected");
   await live.until_text("#stages", "The run tells none.");
+  assert.equal(await usable_commands(), 4);
+
+  // After a stop it has ended, however the connection goes.
+  await page.click("#stop");
+  await page.click("#stopping button[value=stop]");
+  await live.until_text("#outcome", "The run stops.");
+  live.run.break_connections();
+  await live.until_text("#connection", "The run has ended.");
   live.forgive_tries();
 });

@@ -88,10 +88,18 @@ export class PlayedRun {
   }
 
   /** The run pauses or goes on, whoever wished for it. */
-  pause(paused, frame) {
-    for (const client of this.#clients.keys()) {
-      client.send(JSON.stringify({ type: "pause", paused, frame }));
-    }
+  pause(paused, frame, more = {}) {
+    this.say({ type: "pause", paused, frame, ...more });
+  }
+
+  /** A message to all clients. */
+  say(message) {
+    for (const client of this.#clients.keys()) client.send(JSON.stringify(message));
+  }
+
+  /** Breaks all connections, as a network that fails does. */
+  break_connections() {
+    for (const client of this.#clients.keys()) client.terminate();
   }
 
   /** Answers the oldest wish that has no answer. */

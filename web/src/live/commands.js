@@ -6,11 +6,15 @@ const kMostSteps = 3; // frames that somebody else may have stepped through
 
 export class Commands {
   #paused = null; // {from: frame, frames: that came nevertheless}; null: not, as far as is known
+  #lost = false; // the connection was, while the run was paused
+  #stops = false; // the run has agreed to
 
   constructor(root, wishes) {
     this.root = root;
     this.wishes = wishes;
     this.outcome = root.querySelector("#outcome");
+    this.buttons = root.querySelectorAll("[data-command], #stop");
+    this.connect(false);
     for (const button of root.querySelectorAll("[data-command]")) {
       button.addEventListener("click", () => this.#ask(button.dataset.command));
     }
@@ -28,6 +32,17 @@ export class Commands {
     return this.#paused !== null;
   }
 
+  /** Whether the run ends by a wish of this page. */
+  get stops() {
+    return this.#stops;
+  }
+
+  /** Without a run there is nothing to press. */
+  connect(there) {
+    for (const button of this.buttons) button.disabled = !there;
+    if (!there) document.getElementById("stopping").close();
+  }
+
   #ask(command) {
     this.wishes.now(command, (told) => {
       if (told.outcome === "granted") this.#granted(command, told.frame);
@@ -37,6 +52,7 @@ export class Commands {
 
   #granted(command, frame) {
     const pauses = command === "pause" || command === "step";
+    this.#stops ||= command === "stop";
     this.#paused = pauses ? { from: frame, frames: 0 } : null;
     const words = {
       pause: `Paused before frame ${frame}`,
@@ -47,11 +63,16 @@ export class Commands {
     this.#say(words[command], false);
   }
 
-  /** The run pauses or goes on, whoever wished for it. */
-  pause_told({ paused, frame }) {
+  /** The run pauses or goes on, whoever wished for it. A pause ends with the browser that asked for
+      it, which may be this one before it came back. */
+  pause_told({ paused, frame, left }) {
+    const was_lost = this.#lost;
+    this.#lost = false;
+    if (left && was_lost) return this.#say("Going on: the connection was lost during a pause", false);
     if (paused === this.paused) return;
     this.#paused = paused ? { from: frame, frames: 0 } : null;
-    this.#say(paused ? "Paused in another browser" : "Going on, by another browser", false);
+    const goes_on = left ? "Going on: the browser that paused it left" : "Going on, by another browser";
+    this.#say(paused ? "Paused in another browser" : goes_on, false);
   }
 
   /** A frame came: where several do although the run pauses, somebody else has let it go on. */
@@ -63,6 +84,8 @@ export class Commands {
 
   /** The run went away, or another one began. */
   forget() {
+    this.#lost ||= this.paused;
+    this.#stops = false;
     this.#paused = null;
     this.#say("", false);
   }

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// The frames of the last half minute, as they came in.
+// The frames of the last half minute, at the times at which the run had finished them.
 
 export const kSpan_s = 30;
 const kRateSpan_s = 1;
+const kLeastRateSpan_s = 0.5; // of a run that has just begun
 
-/** Of a frame what is drawn over time; NaN for what its report does not tell. */
-export function sample_of({ frame, report }, at_s) {
+/** Of a frame what is drawn over time; NaN for what its report does not tell. Its time is that of
+    the run's clock: when frames arrive here depends on the connection and on this browser. */
+export function sample_of({ frame, report, taken_s }, arrived_s) {
   const stages = (report?.stages ?? []).filter(({ ms }) => Number.isFinite(ms));
   const counted = stages.findLast(({ kept }) => Number.isFinite(kept));
   return {
-    at_s,
+    at_s: taken_s ?? arrived_s,
     frame,
     stages: stages.map(({ stage, ms }) => ({ stage, ms })),
     total_ms: stages.length ? stages.reduce((sum, { ms }) => sum + ms, 0) : NaN,
@@ -25,7 +27,8 @@ export class History {
 
   push(sample) {
     // A run that was started anew begins with its first frame.
-    if (sample.frame < (this.latest?.frame ?? 0)) this.#samples = [];
+    const { latest } = this;
+    if (latest && (sample.frame < latest.frame || sample.at_s < latest.at_s)) this.#samples = [];
     this.#samples.push({ ...sample, rate: this.#rate(sample) });
     while (this.#samples[0].at_s < sample.at_s - kSpan_s) this.#samples.shift();
   }
@@ -39,10 +42,11 @@ export class History {
   }
 
   /** Frames a second of the run, those among them that this page was not shown: over the last
-      second, or since the frame before where that is longer ago. */
+      second, or since the frame before where that is longer ago. NaN until there are enough. */
   #rate({ frame, at_s }) {
     const first =
-      this.#samples.find((each) => each.at_s >= at_s - kRateSpan_s) ?? this.#samples.at(-1);
-    return first && at_s > first.at_s ? (frame - first.frame) / (at_s - first.at_s) : NaN;
+      this.#samples.findLast((each) => each.at_s <= at_s - kRateSpan_s) ?? this.#samples[0];
+    const span_s = first ? at_s - first.at_s : 0;
+    return span_s >= kLeastRateSpan_s ? (frame - first.frame) / span_s : NaN;
   }
 }

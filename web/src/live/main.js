@@ -13,10 +13,18 @@ import { save_picture } from "./save.js";
 import { Settings } from "./settings.js";
 import { Strips } from "./strips.js";
 import { Wishes } from "./wishes.js";
-import { notices_of, offline_words, silent_words, state_words } from "./words.js";
+import {
+  behind_words,
+  has_ended,
+  notices_of,
+  offline_words,
+  silent_words,
+  state_words,
+} from "./words.js";
 
 const kStrips_ms = 200; // between drawings of the strips
-const kSilence_s = 3; // without a frame, from which the page says so
+const kStill_s = 3; // without a frame of the run, when the server says so
+const kBehind_s = 5; // without one here although the run goes on, from which the page says so
 
 const by_id = (id) => document.getElementById(id);
 const now_s = () => performance.now() / 1000;
@@ -26,7 +34,9 @@ class Page {
   #frame = null; // that is shown
   #colouring = new Colouring();
   #strips_at_s = 0;
-  #frame_at_s = null; // when the last one came; null without a connection
+  #frame_at_s = null; // when the last one was shown; null without a connection
+  #ended = false; // by a wish of this page
+  #still_since_s = null; // when the run's last frame came, where the server says so
 
   constructor() {
     this.notices = new Notices(by_id("notices"));
@@ -92,6 +102,9 @@ class Page {
       this.wishes.answer(message);
     } else if (message.type === "pause") {
       this.commands.pause_told(message);
+    } else if (message.type === "still") {
+      this.#still_since_s = message.still ? now_s() - kStill_s : null;
+      this.#watch();
     }
   }
 
@@ -181,17 +194,26 @@ class Page {
 
   #connected() {
     this.#frame_at_s = now_s();
+    this.#still_since_s = null;
+    this.#ended = false;
+    this.commands.connect(true);
+    by_id("stages").inert = false;
     this.#say_connection("Connected", "on");
   }
 
   #disconnected({ was, pause_ms }) {
     this.#frame_at_s = null;
     this.wishes.lose();
+    if (this.commands.stops) this.#ended = true;
     this.commands.forget();
+    this.commands.connect(false);
+    by_id("stages").inert = true;
     this.recorder.leave_run();
+    const how = this.#ended ? { code: 1001 } : was;
     const again = `Trying again in ${pause_ms < 1000 ? "a moment" : `${pause_ms / 1000} s`}.`;
-    this.#say_connection(`${offline_words(was, location.host)} ${again}`, "off");
-    this.announcer.say("offline", offline_words(was, location.host));
+    const words = offline_words(how, location.host);
+    this.#say_connection(has_ended(how) ? words : `${words} ${again}`, "off");
+    this.announcer.say("offline", words);
   }
 
   #say_connection(words, kind) {
@@ -203,9 +225,16 @@ class Page {
   /** Says so where frames do not come although the run is there. */
   #watch() {
     if (this.#frame_at_s === null || document.hidden) return;
-    const silent_s = Math.floor(now_s() - this.#frame_at_s);
-    const silent = silent_s >= kSilence_s && !this.commands.paused;
-    this.#say_connection(silent ? silent_words(silent_s) : "Connected", "on");
+    const since = (at_s) => Math.floor(now_s() - at_s);
+    let words = "Connected";
+    if (this.commands.paused) {
+      // No frame is due.
+    } else if (this.#still_since_s !== null) {
+      words = silent_words(since(this.#still_since_s));
+    } else if (since(this.#frame_at_s) >= kBehind_s) {
+      words = behind_words(since(this.#frame_at_s));
+    }
+    this.#say_connection(words, "on");
   }
 
   #save() {

@@ -11,6 +11,8 @@ import { percent } from "./words.js";
 const kTop = 15; // px above the plot, for its scale
 const kGap_s = 2; // between frames, from which a line breaks
 const kStateHeight = 5;
+const kPoint = 2; // radius of a sample on its own
+const kLeastBar = 3; // of a sample on its own
 const kRest = kColours - 1; // slot of all stages that have no colour of their own
 
 /** A colour for each stage, which it keeps for as long as it has one. */
@@ -51,6 +53,22 @@ const most = (samples, value) =>
   samples.reduce((high, sample) => (value(sample) > high ? value(sample) : high), 0);
 const digits = (value) => (value >= 99.5 ? value.toFixed(0) : value.toPrecision(2));
 
+/** The samples with a value as lines [[at_s, value], ...], which break at gaps. */
+export function runs_of(samples, value) {
+  const runs = [];
+  let before_s = NaN; // of the sample before, where it has a value
+  for (const sample of samples) {
+    const at = value(sample);
+    if (Number.isFinite(at)) {
+      const follows = sample.at_s - before_s <= kGap_s;
+      if (!follows) runs.push([]);
+      runs.at(-1).push([sample.at_s, at]);
+    }
+    before_s = Number.isFinite(at) ? sample.at_s : NaN;
+  }
+  return runs;
+}
+
 /** A canvas with its scale from 0 to `top`, and where values lie on it. */
 class Plot {
   constructor(canvas, newest_s, top, label) {
@@ -85,31 +103,30 @@ class Plot {
     this.pen.strokeStyle = this.colour(name);
     this.pen.lineWidth = 1.6;
     this.pen.lineJoin = "round";
-    this.pen.beginPath();
-    let before = null;
-    for (const sample of samples) {
-      const at = value(sample);
-      if (!Number.isFinite(at)) {
-        before = null;
-        continue;
-      }
-      const broken = before === null || sample.at_s - before.at_s > kGap_s;
-      // A frame on its own is a dot.
-      if (broken) this.pen.moveTo(this.x(sample.at_s) - 1, this.y(at));
-      this.pen.lineTo(this.x(sample.at_s), this.y(at));
-      before = sample;
+    this.pen.fillStyle = this.colour(name);
+    for (const run of runs_of(samples, value)) {
+      this.pen.beginPath();
+      for (const [at_s, at] of run) this.pen.lineTo(this.x(at_s), this.y(at));
+      this.pen.stroke();
+      if (run.length > 1) continue;
+      const [at_s, at] = run[0];
+      this.pen.beginPath();
+      // The newest one stands at the edge, and is to be seen whole.
+      this.pen.arc(Math.min(this.x(at_s), this.width - kPoint), this.y(at), kPoint, 0, 2 * Math.PI);
+      this.pen.fill();
     }
-    this.pen.stroke();
   }
 
-  /** For each sample a bar of the time since the one before; `draw(sample, left, width)`. */
+  /** For each sample a bar of the time since the one before, or a narrow one behind a gap;
+      `draw(sample, left, width)`. */
   bars(samples, draw) {
     let before_s = null;
     for (const sample of samples) {
-      const since_s = before_s === null ? 0 : Math.min(kGap_s, sample.at_s - before_s);
+      const follows = before_s !== null && sample.at_s - before_s <= kGap_s;
+      const right = Math.round(this.x(sample.at_s));
+      const left = follows ? Math.round(this.x(before_s)) : right - kLeastBar;
       before_s = sample.at_s;
-      const left = Math.round(this.x(sample.at_s - since_s));
-      draw(sample, left, Math.max(1, Math.round(this.x(sample.at_s)) - left));
+      draw(sample, left, Math.max(1, right - left));
     }
   }
 }

@@ -71,6 +71,9 @@ export function notices_of(report) {
   return [...(report?.warnings ?? []), ...sentences];
 }
 
+/** Whether the run said goodbye, or this page has stopped it. */
+export const has_ended = (was) => was?.code === 1000 || was?.code === 1001;
+
 /** What is said while there is no connection. `was` tells of the one before: null, or {code,
     reason}. */
 export function offline_words(was, host) {
@@ -80,16 +83,20 @@ export function offline_words(was, host) {
       "address of this page ends with ?token=…"
     );
   }
-  if (was.code === 1000 || was.code === 1001) {
+  if (has_ended(was)) {
     return "The run has ended. When it is started again, this page goes on by itself.";
   }
   if (was.reason) return `The run closed the connection: ${was.reason}`;
   return "The connection was lost: the run has ended, or the network is down.";
 }
 
-/** What is said while there is a connection, but no frame, although the run is not paused. */
+/** What is said while the run has finished no frame, although it is not paused. */
 export const silent_words = (silent_s) =>
-  `Connected; no frame for ${silent_s} s: the run waits for its source`;
+  `Connected; no frame for ${silent_s} s: the run waits for its source, or a stage takes long`;
+
+/** What is said while the run goes on, but this page has not shown a frame. */
+export const behind_words = (behind_s) =>
+  `Connected; behind by ${behind_s} s: this browser or the network is slow`;
 
 export const size_words = (bytes) => `${(bytes / 1e6).toFixed(1)} MB`;
 
