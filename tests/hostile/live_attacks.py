@@ -18,7 +18,7 @@ from live_client import MASK, masked, xored
 GONE = 0
 PROTOCOL_ERROR, BAD_PAYLOAD, POLICY_ERROR, TOO_BIG = 1002, 1007, 1008, 1009
 MOST_MESSAGE = 64 * 1024
-LIVE, FOXGLOVE = "weft.live.1", "foxglove.websocket.v1"
+LIVE, FOXGLOVE, SDK = "weft.live.1", "foxglove.websocket.v1", "foxglove.sdk.v1"
 
 
 @dataclass(frozen=True)
@@ -225,7 +225,7 @@ class Attacks:
     def conversation(self, rng: Random, kind: str, last: bytes, *expected: int,
                      protocol: str | None = None) -> Attack:
         """A handshake, some legal messages, and then the last bytes."""
-        protocol = protocol or rng.choice([LIVE, FOXGLOVE])
+        protocol = protocol or rng.choice([LIVE, FOXGLOVE, SDK])
         before = b"".join(self.legal(rng, protocol) for _ in range(rng.randrange(4)))
         return Attack(kind, self.upgrade(rng, protocol).bytes(), expected, before + last)
 
@@ -239,7 +239,7 @@ class Attacks:
         wish = rng.choices(["dance", "set nothing.at_all=1", "set filters.every=-5"], [8, 1, 1])[0]
         said = rng.choice([{"type": "ready"}, {"type": "wish", "number": rng.randrange(9),
                                                "text": wish}])
-        if protocol == FOXGLOVE:
+        if protocol in (FOXGLOVE, SDK):
             subscription = {"id": rng.randrange(9), "channelId": rng.randrange(7)}
             said = rng.choice([{"op": "subscribe", "subscriptions": [subscription]},
                                {"op": "unsubscribe", "subscriptionIds": [rng.randrange(9)]},

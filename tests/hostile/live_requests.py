@@ -29,6 +29,7 @@ TOKEN = "a-token-of-sixteen-or-more"
 SLEEP_MS = 20  # that each frame takes at least
 AT_ONCE = 8  # far below the clients that the server takes
 CHECKED_EVERY = 500
+HALF_OPEN = 140  # more than the server has room for
 
 
 def answer_in(data: bytes) -> int:
@@ -121,11 +122,21 @@ class Session:
         wanted = " or ".join(map(str, attack.expected))
         return attack.kind, f"answers {answer}, not {wanted}: {(attack.first, attack.then)!r}"
 
+    def half_open(self, number: int) -> socket.socket:
+        """A connection whose request is never complete."""
+        link = socket.socket()
+        link.settimeout(PATIENCE_S)
+        link.bind((f"127.0.1.{2 + number % 250}", 0))
+        link.connect(("127.0.0.1", self.run.port))
+        send(link, b"GET /ws HTTP/1.1\r\nHost: 127.0"[:number % 30], is_last=False)
+        return link
+
     def check_others(self, faithful: FaithfulViewer) -> list[str]:
         """Whether right requests are answered as before."""
         if not self.run.is_alive():
             return ["the run has ended"]
         found = [] if faithful.goes_on() else ["the faithful viewer gets no more frames"]
+        half_open = [self.half_open(i) for i in range(HALF_OPEN)]
         try:
             asked = http.client.HTTPConnection("127.0.0.1", self.run.port, timeout=PATIENCE_S)
             asked.request("GET", f"/?token={TOKEN}")
@@ -136,8 +147,14 @@ class Session:
                 refusal = viewer.insist("dance")
                 if "no run knows 'dance'" not in refusal:
                     found.append(f"a wish is answered by: {refusal}")
+                if refusal := viewer.insist("pause"):
+                    found.append(f"a pause is refused: {refusal}")
         except Exception as failure:  # whatever it is, a right request has failed
             found.append(f"a right request fails: {failure!r}")
+        for link in half_open:
+            link.close()
+        if not faithful.goes_on():
+            found.append("the run stays paused, although the client that paused it has left")
         return found
 
     def attack(self, numbers: list[int], again: str) -> list[str]:

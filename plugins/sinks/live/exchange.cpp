@@ -61,6 +61,7 @@ void Exchange::put_settings(std::string settings) {
 
 std::vector<Wish> Exchange::take_wishes() {
   const std::lock_guard lock(mutex_);
+  if (is_abandoned_) add_wish(kServer, 0, "resume");  // whether or not there is room for more
   std::vector<Wish> taken(std::make_move_iterator(wishes_.begin()),
                           std::make_move_iterator(wishes_.end()));
   wishes_.clear();
@@ -100,9 +101,22 @@ std::string Exchange::ask(ClientId client, std::uint64_t number, std::string tex
   if (askers_.size() == kMostAskers) {
     return "256 wishes have no answer yet: the run makes one after the other, so wish again then";
   }
-  askers_[++asked_] = {client, number, pauses(text)};
-  wishes_.push_back({asked_, std::move(text)});
+  add_wish(client, number, std::move(text));
   return {};
+}
+
+void Exchange::add_wish(ClientId client, std::uint64_t number, std::string text) {
+  const std::optional<bool> paused = pauses(text);
+  if (paused == true) pausing_.insert(client);
+  if (paused == false) pausing_.clear();
+  if (paused) is_abandoned_ = false;
+  askers_[++asked_] = {client, number, paused};
+  wishes_.push_back({asked_, std::move(text)});
+}
+
+void Exchange::leave(ClientId client) noexcept {
+  const std::lock_guard lock(mutex_);
+  if (pausing_.erase(client) > 0 && pausing_.empty()) is_abandoned_ = true;
 }
 
 }  // namespace weft::live

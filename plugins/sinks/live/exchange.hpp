@@ -8,6 +8,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 #include <weft/sdk/sink.hpp>
@@ -17,6 +18,8 @@
 namespace weft::live {
 
 using ClientId = std::uint64_t;
+/// In place of a client: the server itself resumes a run whose pausing clients have all left.
+constexpr ClientId kServer = 0;
 
 /// What became of a client's wish, under the client's own number.
 struct ClientAnswer {
@@ -40,6 +43,7 @@ struct Arrivals {
 class Exchange {
  public:
   // From the run.
+  int viewers() const { return viewers_; }
   bool is_watched() const { return viewers_ > 0; }  ///< whether frames are worth copying
   bool is_read() const { return readers_ > 0; }     ///< and lines
   void put_frame(FrameCopy frame);
@@ -56,6 +60,8 @@ class Exchange {
   Arrivals take();
   /// Why the wish is not handed on; empty where it is.
   std::string ask(ClientId client, std::uint64_t number, std::string text);
+  /// The client is gone. A pause ends with the last client that requested it.
+  void leave(ClientId client) noexcept;
   void count_viewers(int change) { viewers_ += change; }
   void count_readers(int change) { readers_ += change; }
 
@@ -67,6 +73,7 @@ class Exchange {
   };
 
   void wake();
+  void add_wish(ClientId client, std::uint64_t number, std::string text);
 
   std::atomic<int> viewers_ = 0, readers_ = 0;
   std::mutex mutex_;
@@ -74,6 +81,8 @@ class Exchange {
   bool is_woken_ = false, is_shown_ = false;
   Arrivals arrivals_;
   std::deque<Wish> wishes_;
+  std::set<ClientId> pausing_;             ///< those whose pause holds, or is about to
+  bool is_abandoned_ = false;              ///< all of them have left
   std::map<std::uint64_t, Asker> askers_;  ///< by our own number
   std::uint64_t asked_ = 0;
 };

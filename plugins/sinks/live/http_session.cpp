@@ -35,11 +35,16 @@ Visit visit_of(const Request& request) {
   return visit;
 }
 
-/// The first subprotocol that both sides know; empty where there is none.
+/// The first subprotocol that both sides know; empty where there is none. A client may list them in
+/// one field or in several.
 std::string_view subprotocol_of(const Request& request) {
-  for (const auto& name : http::token_list(request[http::field::sec_websocket_protocol])) {
-    for (const std::string_view known : {kLiveProtocol, kFoxgloveProtocol}) {
-      if (view(name) == known) return known;
+  const auto [first, last] = request.equal_range(http::field::sec_websocket_protocol);
+  for (auto field = first; field != last; ++field) {
+    for (const auto& name : http::token_list(field->value())) {
+      for (const std::string_view known :
+           {kLiveProtocol, kFoxgloveSdkProtocol, kFoxgloveProtocol}) {
+        if (view(name) == known) return known;
+      }
     }
   }
   return {};
@@ -84,25 +89,30 @@ class HttpSession final : public Client, public std::enable_shared_from_this<Htt
       : hub_(hub), place_(hub, *this), stream_(std::move(socket)), buffer_(2 * kMostHeader) {
     parser_.header_limit(kMostHeader);
     parser_.body_limit(std::uint64_t{0});
+    hub_.guests.push_back(this);
   }
+  ~HttpSession() override { hub_.guests.remove(this); }
 
   void run() {
-    stream_.expires_after(hub_.setup.limits.request);
+    stream_.expires_after(hub_.setup.limits.head);
     http::async_read_header(
         stream_, buffer_, parser_,
         [self = shared_from_this()](const error_code& code, std::size_t) { self->judge(code); });
   }
 
+  void end(bool at_once) override {
+    if (!at_once && is_answering_) return;
+    hub_.guests.remove(this);
+    stream_.close();
+  }
+  bool has_access() const override { return has_access_; }
+
+ private:
   void refuse(http::status status, std::string sentence) {
     sentence_ = std::move(sentence) + "\n";
     answer({status, "text/plain; charset=utf-8", sentence_.size()}, sentence_);
   }
 
-  void end(bool at_once) override {
-    if (at_once || !is_answering_) stream_.close();
-  }
-
- private:
   void judge(const error_code& code) {
     if (!code) return route(parser_.get());
     if (code == http::error::header_limit || code == http::error::buffer_overflow) {
@@ -136,6 +146,10 @@ class HttpSession final : public Client, public std::enable_shared_from_this<Htt
     if (request.method() != http::verb::get) {
       return refuse(http::status::method_not_allowed, "This server answers to GET only.");
     }
+    if (needs_token && !enter()) {
+      return refuse(http::status::service_unavailable,
+                    "This server has as many clients as it takes: close one of them.");
+    }
     const bool is_upgrade = beast::websocket::is_upgrade(request);
     if (is_upgrade && (path == "/ws" || path == "/")) return upgrade(request);
     if (path == "/ws") {
@@ -151,11 +165,19 @@ class HttpSession final : public Client, public std::enable_shared_from_this<Htt
     answer({http::status::ok, file->type, file->content.size()}, file->content);
   }
 
+  /// A guest becomes a client, unless there are enough of these.
+  bool enter() {
+    if (hub_.is_full()) return false;
+    has_access_ = true;
+    hub_.guests.remove(this);
+    return true;
+  }
+
   void upgrade(const Request& request) {
     const std::string_view subprotocol = subprotocol_of(request);
     if (subprotocol.empty()) {
       return refuse(http::status::bad_request,
-                    "Name a subprotocol: weft.live.1 or foxglove.websocket.v1.");
+                    "Name a subprotocol: weft.live.1, foxglove.sdk.v1 or foxglove.websocket.v1.");
     }
     serve_websocket(std::move(stream_), hub_, request, subprotocol);
   }
@@ -199,19 +221,13 @@ class HttpSession final : public Client, public std::enable_shared_from_this<Htt
   std::string head_, sentence_;
   std::array<char, 4096> unread_{};
   std::size_t drained_ = 0;
-  bool is_answering_ = false;
+  bool is_answering_ = false, has_access_ = false;
 };
 
 }  // namespace
 
 void serve_request(tcp::socket socket, Hub& hub) {
   std::make_shared<HttpSession>(std::move(socket), hub)->run();
-}
-
-void turn_away(tcp::socket socket, Hub& hub) {
-  std::make_shared<HttpSession>(std::move(socket), hub)
-      ->refuse(http::status::service_unavailable,
-               "This server has as many clients as it takes: close one of them.");
 }
 
 }  // namespace weft::live

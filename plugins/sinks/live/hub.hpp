@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <list>
 #include <memory>
 #include <set>
 #include <string>
@@ -19,9 +21,14 @@ namespace weft::live {
 
 /// What bounds the clients.
 struct Limits {
-  std::size_t clients = 64;
-  std::size_t message_bytes = 64 * 1024;      ///< of what a client says
-  std::chrono::milliseconds request{10'000};  ///< until a request and its answer are through
+  std::size_t clients = 64;               ///< with access
+  std::size_t message_bytes = 64 * 1024;  ///< of what a client says
+  /// Connections without access: the head of their request is not complete, they are refused, or
+  /// they get a file that needs no token. Beyond this number the oldest one is closed.
+  std::size_t guests = 64;
+  std::chrono::milliseconds head{2'000};      ///< until the head of a request is complete
+  std::chrono::milliseconds request{10'000};  ///< until its answer is through
+  std::chrono::milliseconds still{3'000};     ///< without a frame, until clients are told
   std::chrono::milliseconds write{20'000};    ///< until a client has taken what it is sent
   std::chrono::milliseconds silence{30'000};  ///< until a client answers whether it is there
   std::chrono::milliseconds end{400};         ///< for all clients together, after the last frame
@@ -50,6 +57,8 @@ class Client {
   virtual void take_answer(const ClientAnswer& /*answer*/) {}
   /// The run is over: the client gets what is left, or, `at_once`, nothing any more.
   virtual void end(bool at_once) = 0;
+  /// False for a guest.
+  virtual bool has_access() const { return true; }
 
  protected:
   Client() = default;
@@ -61,6 +70,15 @@ struct Hub {
   Hub(const Hub&) = delete;
   Hub& operator=(const Hub&) = delete;
 
+  bool is_full() const {
+    const auto members = std::count_if(clients.begin(), clients.end(),
+                                       [](const Client* each) { return each->has_access(); });
+    return static_cast<std::size_t>(members) >= setup.limits.clients;
+  }
+  void drop_oldest_guest() {
+    if (!guests.empty()) guests.front()->end(true);
+  }
+
   /// Whether there is a newest frame that is not the one which was had under this count.
   bool has_newer(std::uint64_t had) const { return newest != nullptr && frame_count != had; }
 
@@ -71,9 +89,13 @@ struct Hub {
   std::string settings;                ///< one JSON object; empty before the first ones
   std::uint64_t settings_count = 0;
   bool is_paused = false;
+  bool has_left = false;          ///< the run goes on since the client that paused it has left
   std::uint64_t pause_frame = 0;  ///< from which that holds
   std::uint64_t pause_count = 0;
-  std::set<Client*> clients;
+  bool is_still = false;  ///< no frame has come for Limits::still
+  std::uint64_t still_count = 0;
+  std::set<Client*> clients;  ///< all connections, guests included
+  std::list<Client*> guests;  ///< in the order of arrival
   ClientId last_client = 0;
   std::function<void()> when_empty;  ///< called when the last client has gone; may be null
 };

@@ -28,7 +28,11 @@ class LiveProtocol final : public Protocol {
     }
     if (pause_had_ != hub_.pause_count) {
       pause_had_ = hub_.pause_count;
-      return text_message(pause_message(hub_.is_paused, hub_.pause_frame));
+      return text_message(pause_message(hub_.is_paused, hub_.pause_frame, hub_.has_left));
+    }
+    if (still_had_ != hub_.still_count) {
+      still_had_ = hub_.still_count;
+      return text_message(still_message(hub_.is_still));
     }
     if (!is_ready_ || is_served()) return std::nullopt;
     is_ready_ = false;
@@ -65,7 +69,7 @@ class LiveProtocol final : public Protocol {
   Hub& hub_;
   ClientId client_;
   bool is_greeted_ = false, is_ready_ = false;
-  std::uint64_t settings_had_ = 0, pause_had_ = 0, frame_had_ = 0;
+  std::uint64_t settings_had_ = 0, pause_had_ = 0, still_had_ = 0, frame_had_ = 0;
   std::deque<std::string> answers_;
 };
 

@@ -136,12 +136,17 @@ std::string answer_message(std::uint64_t number, std::uint64_t frame, const std:
   return text + json(refusal).dump(-1, ' ', false, json::error_handler_t::replace) + "}";
 }
 
-std::string pause_message(bool is_paused, std::uint64_t frame) {
+std::string pause_message(bool is_paused, std::uint64_t frame, bool has_left) {
   std::string text = "{\"type\":\"pause\",\"paused\":";
   text += is_paused ? "true" : "false";
   text += ",\"frame\":";
   add_number(text, frame);
+  if (has_left) text += ",\"left\":true";
   return text + "}";
+}
+
+std::string still_message(bool is_still) {
+  return std::string("{\"type\":\"still\",\"still\":") + (is_still ? "true}" : "false}");
 }
 
 std::string frame_message(const FrameCopy& frame, const std::string& jpeg) {
@@ -150,6 +155,8 @@ std::string frame_message(const FrameCopy& frame, const std::string& jpeg) {
   add_number(text, frame.frame);
   text += ",\"time_s\":";
   add_number(text, frame.time_s);
+  text += ",\"taken_s\":";
+  add_number(text, static_cast<double>(frame.taken_ns) / 1e9);
   text += ",";
   add_object(text, "report", frame.report);
   text += ",\"parts\":[";

@@ -22,7 +22,8 @@ std::string hello_message(const std::string& scene, const std::string& settings)
 std::string settings_message(const std::string& settings);
 std::string answer_message(std::uint64_t number, std::uint64_t frame, const std::string& refusal);
 /// Of the run, whoever wished for it.
-std::string pause_message(bool is_paused, std::uint64_t frame);
+std::string pause_message(bool is_paused, std::uint64_t frame, bool has_left = false);
+std::string still_message(bool is_still);
 
 /// `jpeg` is the picture, or empty.
 std::string frame_message(const FrameCopy& frame, const std::string& jpeg);

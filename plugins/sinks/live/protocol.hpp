@@ -38,6 +38,8 @@ class Protocol {
 
 constexpr std::string_view kLiveProtocol = "weft.live.1";
 constexpr std::string_view kFoxgloveProtocol = "foxglove.websocket.v1";
+/// The name under which newer Foxglove clients offer the same protocol.
+constexpr std::string_view kFoxgloveSdkProtocol = "foxglove.sdk.v1";
 
 std::unique_ptr<Protocol> speak_live(Hub& hub, ClientId client);
 std::unique_ptr<Protocol> speak_foxglove(Hub& hub);

@@ -11,6 +11,7 @@
 #include <future>
 #include <sstream>
 #include <thread>
+#include <utility>
 
 #include "sessions.hpp"
 
@@ -28,6 +29,7 @@ class TcpServer final : public Server {
         acceptor_(context_),
         retry_(context_),
         last_moment_(context_),
+        stillness_(context_),
         work_(asio::make_work_guard(context_)) {}
   ~TcpServer() override {
     hub_.exchange.detach();
@@ -47,6 +49,7 @@ class TcpServer final : public Server {
     if (code) return code;
     port_ = acceptor_.local_endpoint(code).port();
     accept();
+    watch_frames();
     std::promise<void> ended;
     ended_ = ended.get_future();
     thread_ = std::thread([this, promise = std::move(ended)]() mutable {
@@ -99,6 +102,7 @@ class TcpServer final : public Server {
 
   /// There are too many open files, which may pass.
   void accept_later() {
+    hub_.drop_oldest_guest();
     constexpr std::chrono::milliseconds kPause(100);
     retry_.expires_after(kPause);
     retry_.async_wait([this](const error_code& code) {
@@ -107,12 +111,9 @@ class TcpServer final : public Server {
   }
 
   void admit(tcp::socket socket) {
-    const std::size_t most = hub_.setup.limits.clients;
-    if (hub_.clients.size() < most) {
-      serve_request(std::move(socket), hub_);
-    } else if (hub_.clients.size() < 2 * most) {
-      turn_away(std::move(socket), hub_);
-    }
+    // Half-open connections keep no client out.
+    if (hub_.guests.size() >= hub_.setup.limits.guests) hub_.drop_oldest_guest();
+    serve_request(std::move(socket), hub_);
   }
 
   void receive() {
@@ -127,10 +128,12 @@ class TcpServer final : public Server {
       ++hub_.frame_count;
     }
     bool is_told = false;
+    if (arrivals.is_passed || arrivals.frame) is_told = frames_come();
     for (const ClientAnswer& answer : arrivals.answers) {
       if (!answer.pauses) continue;
       hub_.is_paused = *answer.pauses;
       hub_.pause_frame = answer.frame;
+      hub_.has_left = answer.client == kServer;
       ++hub_.pause_count;
       is_told = true;
     }
@@ -145,6 +148,26 @@ class TcpServer final : public Server {
     }
   }
 
+  /// Tells clients when no frame comes: they cannot tell a run that waits from a slow connection.
+  void watch_frames() {
+    stillness_.expires_after(hub_.setup.limits.still);
+    stillness_.async_wait([this](const error_code& code) {
+      const bool is_early = stillness_.expiry() > asio::steady_timer::clock_type::now();
+      if (code || is_early || !acceptor_.is_open()) return;
+      hub_.is_still = true;
+      ++hub_.still_count;
+      for (Client* client : hub_.clients) client->look();
+    });
+  }
+
+  /// Whether clients are to be told that they come again.
+  bool frames_come() {
+    const bool was_still = std::exchange(hub_.is_still, false);
+    if (was_still) ++hub_.still_count;
+    watch_frames();
+    return was_still;
+  }
+
   /// Clients that are not through in half of the time are told so at once; the thread ends when all
   /// have gone.
   void end() {
@@ -152,6 +175,7 @@ class TcpServer final : public Server {
     error_code ignored;
     acceptor_.close(ignored);
     retry_.cancel();
+    stillness_.cancel();
     work_.reset();
     for (Client* client : hub_.clients) client->end(false);
     if (hub_.clients.empty()) return;
@@ -166,7 +190,7 @@ class TcpServer final : public Server {
   Hub hub_;  // the clients in the context look into it to their end
   asio::io_context context_{1};
   tcp::acceptor acceptor_;
-  asio::steady_timer retry_, last_moment_;
+  asio::steady_timer retry_, last_moment_, stillness_;
   asio::executor_work_guard<asio::io_context::executor_type> work_;
   std::uint16_t port_ = 0;
   std::future<void> ended_;

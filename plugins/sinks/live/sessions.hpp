@@ -23,8 +23,6 @@ using Request = http::request<http::empty_body>;
 
 /// Reads one request and answers it, or becomes one of the others.
 void serve_request(tcp::socket socket, Hub& hub);
-/// Says that there are too many clients.
-void turn_away(tcp::socket socket, Hub& hub);
 /// A line for each frame, in chunks; `head` is that of the answer.
 void serve_lines(tcp::socket socket, Hub& hub, std::string head);
 void serve_websocket(beast::tcp_stream stream, Hub& hub, const Request& request,

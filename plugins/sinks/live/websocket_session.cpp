@@ -27,7 +27,10 @@ class WebSocketSession final : public Client,
         patience_(socket_.get_executor()) {
     hub.exchange.count_viewers(1);
   }
-  ~WebSocketSession() override { hub_.exchange.count_viewers(-1); }
+  ~WebSocketSession() override {
+    hub_.exchange.leave(id_);
+    hub_.exchange.count_viewers(-1);
+  }
 
   void run(const Request& request, std::string_view subprotocol) {
     const Limits& limits = hub_.setup.limits;

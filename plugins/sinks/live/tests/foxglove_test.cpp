@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <boost/asio/read_until.hpp>
+
 #include "foxglove/channels.hpp"
 #include "live_fixture.hpp"
 
@@ -46,6 +48,33 @@ class LiveFoxglove : public LiveServer {
     EXPECT_EQ(viewer.text()["op"], "status");
   }
 };
+
+TEST_F(LiveFoxglove, IsServedUnderEachNameOfItsProtocol) {
+  start();
+  const std::string sdk(kFoxgloveSdkProtocol), older(kFoxgloveProtocol);
+  for (const auto& [offered, chosen] : std::vector<std::pair<std::string, std::string>>{
+           {sdk, sdk},
+           {older, older},
+           {sdk + ", " + older, sdk},
+           {older + ", " + sdk, older},
+           {"foxglove.sdk.v2," + sdk, sdk},
+           {"chat\r\nSec-WebSocket-Protocol: " + sdk, sdk}}) {
+    const std::string upgrade =
+        "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+        "Sec-WebSocket-Key: MDEyMzQ1Njc4OWFiY2RlZg==\r\nSec-WebSocket-Protocol: ";
+    asio::io_context context;
+    tcp::socket socket(context);
+    socket.connect({asio::ip::address_v4::loopback(), port_});
+    asio::write(socket, asio::buffer(request_for("/", port_, upgrade + offered + "\r\n")));
+    std::string answer;
+    asio::read_until(socket, asio::dynamic_buffer(answer), "\r\n\r\n");
+    EXPECT_EQ(status_of(answer), "101") << offered;
+    EXPECT_THAT(answer, HasSubstr("Sec-WebSocket-Protocol: " + chosen + "\r\n")) << offered;
+  }
+  Viewer viewer(port_, kFoxgloveSdkProtocol, "/");
+  EXPECT_EQ(viewer.text()["op"], "serverInfo");
+  EXPECT_EQ(viewer.text()["op"], "advertise");
+}
 
 TEST_F(LiveFoxglove, IsToldTheServerAndItsChannelsWithTheirSchemas) {
   start();

@@ -151,11 +151,25 @@ TEST_F(LiveHttp, LetsGoOfReadersThatSayMoreOrGoAway) {
 }
 
 TEST_F(LiveHttp, EndsRequestsThatAreNeverFinished) {
-  Limits limits;
-  limits.request = std::chrono::milliseconds(50);
+  Limits limits = patient();
+  limits.head = std::chrono::milliseconds(50);
   start("", "", limits);
   EXPECT_EQ(answer_to(port_, ""), "");
   EXPECT_EQ(answer_to(port_, "GET / HTTP/1.1\r\nHost: local"), "");
+}
+
+TEST_F(LiveHttp, EndsRequestsThatComeByteByByte) {
+  Limits limits = patient();
+  limits.head = std::chrono::milliseconds(50);
+  start("", "", limits);
+  asio::io_context context;
+  tcp::socket socket(context);
+  socket.connect({asio::ip::address_v4::loopback(), port_});
+  wait_until([&] {
+    error_code code;
+    asio::write(socket, asio::buffer("x", 1), code);
+    return code.failed();
+  });
 }
 
 }  // namespace

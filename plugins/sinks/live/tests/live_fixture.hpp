@@ -66,7 +66,15 @@ inline std::ptrdiff_t thread_count() {
 /// The server without a run: tests put in what a run would.
 class LiveServer : public ::testing::Test {
  protected:
-  void start(const std::string& token = "", const std::string& origin = "", Limits limits = {}) {
+  /// Clients are told nothing of a run without frames, unless the limits say so.
+  static Limits patient() {
+    Limits limits;
+    limits.still = kPatience;
+    return limits;
+  }
+
+  void start(const std::string& token = "", const std::string& origin = "",
+             Limits limits = patient()) {
     LiveSetup setup{
         Gate(asio::ip::address_v4::loopback(), token, origin), {}, camera_, {}, scene_, limits};
     for (std::int64_t f = 0; f < templ_.faces.rows(); ++f) {

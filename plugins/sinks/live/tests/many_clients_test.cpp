@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <malloc.h>
+#include <sys/resource.h>
+
+#include <deque>
 
 #include "live_fixture.hpp"
 
@@ -27,7 +30,7 @@ Crowd viewers_at(std::uint16_t port, int count) {
 }
 
 TEST_F(LiveClients, ThatStallHoldNothingUpAndKeepNoFrames) {
-  Limits limits;
+  Limits limits = patient();
   limits.write = limits.silence = kPatience;  // however slow the machine: none is let go
   start("", "", limits);
   Crowd stalled = viewers_at(port_, 49);
@@ -78,7 +81,7 @@ TEST_F(LiveClients, MayComeStallAndGo) {
 }
 
 TEST_F(LiveClients, BeyondTheMostAreTurnedAwayUntilOneGoes) {
-  Limits limits;
+  Limits limits = patient();
   limits.clients = 3;
   start("", "", limits);
   Crowd crowd = viewers_at(port_, 3);
@@ -89,8 +92,68 @@ TEST_F(LiveClients, BeyondTheMostAreTurnedAwayUntilOneGoes) {
   wait_until([&] { return status_of(get("/")) == "200"; });
 }
 
+/// Connections whose requests are never complete.
+class HalfOpen {
+ public:
+  HalfOpen(std::uint16_t port, int count, const std::string& begin) {
+    rlimit files{};
+    getrlimit(RLIMIT_NOFILE, &files);
+    files.rlim_cur = files.rlim_max;
+    setrlimit(RLIMIT_NOFILE, &files);
+    for (int i = 0; i < count; ++i) {
+      tcp::socket& socket = sockets_.emplace_back(context_);
+      socket.connect({asio::ip::address_v4::loopback(), port});
+      error_code ignored;  // it may be closed already, in favour of a later one
+      asio::write(socket, asio::buffer(begin), ignored);
+    }
+  }
+  /// Until the server closes it.
+  std::string answer_to_first() {
+    std::string answer;
+    complete(context_, [&](auto done) {
+      asio::async_read(sockets_.front(), asio::dynamic_buffer(answer), done);
+    });
+    return answer;
+  }
+
+ private:
+  asio::io_context context_;
+  std::deque<tcp::socket> sockets_;
+};
+
+TEST_F(LiveClients, WithTheTokenGetInThroughHalfOpenConnections) {
+  const std::string token = "0123456789abcdef", target = "/ws?token=" + token;
+  for (const int count : {140, 1'000}) {
+    for (const std::string begin :
+         {"", "GET /ws?token=0123", "GET /live.js HTTP/1.1\r\nHost: 127"}) {
+      Limits limits = patient();
+      limits.head = limits.request = kPatience;  // time alone does not make room
+      start(token, "", limits);
+      HalfOpen crowd(port_, count, begin);
+      Viewer viewer(port_, kLiveProtocol, target);
+      ASSERT_TRUE(viewer.is_open()) << count << " of '" << begin << "'";
+      EXPECT_EQ(viewer.text()["type"], "hello");
+      EXPECT_EQ(status_of(get("/?token=" + token)), "200");
+      // The oldest one made room.
+      EXPECT_EQ(crowd.answer_to_first(), "");
+    }
+  }
+}
+
+TEST_F(LiveClients, WithTheTokenGetInThroughClientsWithAWrongOne) {
+  Limits limits = patient();
+  limits.request = kPatience;
+  start("0123456789abcdef", "", limits);
+  // Each is refused, and keeps its connection.
+  const HalfOpen crowd(port_, 200, request_for("/?token=wrong", port_));
+  const HalfOpen others(port_, 200, request_for("/live.js", port_));
+  Viewer viewer(port_, kLiveProtocol, "/ws?token=0123456789abcdef");
+  ASSERT_TRUE(viewer.is_open());
+  EXPECT_EQ(viewer.text()["type"], "hello");
+}
+
 TEST_F(LiveClients, ThatTakeNothingAreLetGo) {
-  Limits limits;
+  Limits limits = patient();
   limits.write = std::chrono::milliseconds(100);
   start("", "", limits);
   Viewer viewer(port_);
@@ -109,7 +172,7 @@ TEST_F(LiveClients, ThatTakeNothingAreLetGo) {
 }
 
 TEST_F(LiveClients, ThatAnswerNothingAreLetGo) {
-  Limits limits;
+  Limits limits = patient();
   limits.silence = std::chrono::milliseconds(100);
   start("", "", limits);
   Viewer dead(port_);  // it answers only while it reads

@@ -85,6 +85,7 @@ TEST(LiveMessages, HoldAFramesPartsAtMultiplesOfFour) {
   FrameCopy frame;
   frame.frame = 7;
   frame.time_s = 0.5;
+  frame.taken_ns = 12'250'000'000;
   frame.vertices_m = {1.0F, 2.0F, 3.0F};
   frame.visible = {1};
   for (const std::string report : {R"({})", R"({"a":1})", R"({"ab":1})", R"({"abc":1})"}) {
@@ -92,6 +93,7 @@ TEST(LiveMessages, HoldAFramesPartsAtMultiplesOfFour) {
     const Decoded decoded = decode(frame_message(frame, "jpeg!"));
     EXPECT_EQ(decoded.head["frame"], 7);
     EXPECT_EQ(decoded.head["time_s"], 0.5);
+    EXPECT_EQ(decoded.head["taken_s"], 12.25);
     EXPECT_EQ(decoded.head["report"], json::parse(report));
     EXPECT_EQ(decoded.parts.at("image"), "jpeg!");
     EXPECT_EQ(numbers_of<float>(decoded.parts.at("vertices_m")), frame.vertices_m);

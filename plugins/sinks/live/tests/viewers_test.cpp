@@ -30,6 +30,20 @@ TEST_F(LiveViewers, AreGreetedAndThenGetFramesWhenTheyAreReady) {
   }
 }
 
+TEST_F(LiveViewers, AreToldWhenTheRunHasNoFrameAndWhenItHasOneAgain) {
+  Limits limits;
+  limits.still = std::chrono::milliseconds(50);
+  start("", "", limits);
+  Viewer viewer(port_);
+  viewer.text();
+  EXPECT_EQ(viewer.text(), json::parse(R"({"type":"still","still":true})"));
+  Viewer late(port_);
+  EXPECT_EQ(late.text()["type"], "hello");
+  EXPECT_EQ(late.text(), json::parse(R"({"type":"still","still":true})"));
+  exchange_.put_frame(frame(1));
+  EXPECT_EQ(viewer.text(), json::parse(R"({"type":"still","still":false})"));
+}
+
 TEST_F(LiveViewers, WaitForTheNextFrameWhereTheyHaveHadTheNewest) {
   start();
   Viewer viewer(port_);

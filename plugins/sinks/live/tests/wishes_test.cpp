@@ -71,6 +71,59 @@ TEST_F(LiveWishes, ThatPauseTheRunAreToldToAllClients) {
   for (Viewer* viewer : {&one, &other, &late}) EXPECT_EQ(viewer->text(), goes_on);
 }
 
+TEST_F(LiveWishes, ForAPauseEndWhenTheLastClientThatMadeOneHasLeft) {
+  start();
+  Viewer watching(port_);
+  watching.text();
+  auto one = std::make_unique<Viewer>(port_), other = std::make_unique<Viewer>(port_);
+  one->say(wish_text(1, "pause"));
+  EXPECT_EQ(taken(1).at(0).text, "pause");
+  other->say(wish_text(1, "step"));
+  EXPECT_EQ(taken(1).at(0).text, "step");
+  one.reset();
+  wait_until([&] { return exchange_.viewers() == 2; });
+  EXPECT_TRUE(exchange_.take_wishes().empty()) << "the other one has paused the run too";
+  other.reset();
+  const Wish resume = taken(1).at(0);
+  EXPECT_EQ(resume.text, "resume");
+  exchange_.answer({resume.number, 8, ""});
+  EXPECT_EQ(watching.text(),
+            json::parse(R"({"type":"pause","paused":false,"frame":8,"left":true})"));
+  // From then on nothing is paused, and who leaves resumes nothing.
+  watching.say(wish_text(1, "pause"));
+  watching.say(wish_text(2, "resume"));
+  EXPECT_EQ(taken(2).size(), 2U);
+  Viewer last(port_);
+  watching.connection().close();
+  wait_until([&] { return exchange_.viewers() == 1; });
+  EXPECT_TRUE(exchange_.take_wishes().empty());
+}
+
+TEST_F(LiveWishes, ForAPauseEndWithAClientThatVanishes) {
+  Limits limits = patient();
+  limits.silence = std::chrono::milliseconds(100);
+  start("", "", limits);
+  Viewer vanished(port_);  // it answers no ping, and its connection stays
+  vanished.say(wish_text(1, "pause"));
+  const std::vector<Wish> wishes = taken(2);
+  EXPECT_EQ(wishes.at(0).text, "pause");
+  EXPECT_EQ(wishes.at(1).text, "resume");
+}
+
+TEST(LiveExchange, KeepsThePauseOfAClientThatCameAfterAnotherHadLeft) {
+  Exchange exchange;
+  ASSERT_EQ(exchange.ask(1, 1, "pause"), "");
+  EXPECT_EQ(exchange.take_wishes().size(), 1U);
+  exchange.leave(1);
+  ASSERT_EQ(exchange.ask(2, 1, "pause"), "");
+  const std::vector<Wish> wishes = exchange.take_wishes();
+  ASSERT_EQ(wishes.size(), 1U) << "the run would resume behind it";
+  EXPECT_EQ(wishes[0].text, "pause");
+  exchange.leave(2);
+  EXPECT_EQ(exchange.take_wishes().size(), 1U);
+  EXPECT_TRUE(exchange.take_wishes().empty());
+}
+
 TEST_F(LiveWishes, BeyondThoseThatMayWaitAreRefusedAtOnce) {
   start();
   Viewer viewer(port_);
