@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fcntl.h>
 #include <fmt/core.h>
-#include <spawn.h>
-#include <unistd.h>
 
-#include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "cli/commands.hpp"
 #include "cli/output/program_root.hpp"
+#include "cli/run/browser.hpp"
 #include "cli/run/run_settings.hpp"
 #include "cli/run/running.hpp"
 
@@ -62,36 +60,37 @@ std::optional<std::string> value_of(const StageConfig& stage, const std::string&
   return value->scalar;
 }
 
+/// What the user opens.
+struct Page {
+  std::string address;  ///< without the token
+  std::string token;    ///< empty where none is needed
+};
+
+/// The first word of a file that the sink has checked.
+std::string word_in(const std::string& file) {
+  std::ifstream in(file);
+  std::string word;
+  in >> word;
+  return word;
+}
+
 /// Where the page is; nothing where no sink shows one, or at a port that is not known.
-std::optional<std::string> page_of(const PipelineConfig& config) {
+std::optional<Page> page_of(const PipelineConfig& config) {
   for (const StageConfig& sink : config.sinks) {
     if (sink.component.component().id != kSink) continue;
     const std::string address = value_of(sink, "address").value_or("");
     if (address.ends_with(":0")) return std::nullopt;
-    const auto token = value_of(sink, "token");
-    return "http://" + address + "/" + (token ? "?token=" + *token : "");
+    const auto file = value_of(sink, "token_file");
+    return Page{"http://" + address + "/",
+                file ? word_in(*file) : value_of(sink, "token").value_or("")};
   }
   return std::nullopt;
 }
 
-/// By the desktop, if there is one; it goes on by itself, and what it says is nobody's. Ctrl-C is
-/// not for it.
-void open_browser(std::string page) {
-  if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
-  posix_spawn_file_actions_t quiet;
-  posix_spawn_file_actions_init(&quiet);
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-    posix_spawn_file_actions_addopen(&quiet, stream, "/dev/null", O_RDWR, 0);
-  }
-  posix_spawnattr_t apart;
-  posix_spawnattr_init(&apart);
-  posix_spawnattr_setflags(&apart, POSIX_SPAWN_SETPGROUP);  // a group of its own
-  char program[] = "xdg-open";
-  char* const arguments[] = {program, page.data(), nullptr};
-  pid_t child = 0;
-  posix_spawnp(&child, program, &quiet, &apart, arguments, environ);
-  posix_spawnattr_destroy(&apart);
-  posix_spawn_file_actions_destroy(&quiet);
+/// The lines about the page. The token stays out of them, since they may end up in a log.
+std::string words_on(const Page& page) {
+  if (page.token.empty()) return page.address + "\n";
+  return page.address + "?token=...\nPut the token in place of the dots.\n";
 }
 
 /// What the source needs of the user, beside being looked at.
@@ -157,12 +156,13 @@ void run_live(const LiveOptions& options, Context& context) {
   arguments.patches = {live_patch(options.record)};
   if (!options.video.empty()) arguments.patches.push_back(video_patch(options.video));
   arguments.keeps_records = options.keep;
+  Browser browser;
   arguments.started = [&](const PipelineConfig& config) {
     const auto page = page_of(config);
-    fmt::print("{}{}Ctrl-C ends it.\n{}", page ? *page + "\n" : "",
+    fmt::print("{}{}Ctrl-C ends it.\n{}", page ? words_on(*page) : "",
                object_of(options, arguments.pipeline), advice_for(config));
     std::fflush(stdout);
-    if (page && !options.no_browser) open_browser(*page);
+    if (page && !options.no_browser) browser.open(page->address, page->token);
   };
   arguments.failed = [](const PipelineConfig& config, const Error& error) {
     if (is_about_camera(config, error)) fmt::print(stderr, "{}", kAdvice);

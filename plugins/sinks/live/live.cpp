@@ -8,6 +8,7 @@
 
 #include "messages.hpp"
 #include "server.hpp"
+#include "token.hpp"
 
 namespace weft::live {
 namespace {
@@ -23,7 +24,8 @@ class Live final : public Sink {
            "ADDRESS:PORT at which it is served; port 0: a free one, for tests");
     p.text("token", token_,
            "what clients must know, at least 16 letters and digits; needed where others than this "
-           "machine reach the address");
+           "machine reach the address; ${NAME} takes it from the environment");
+    p.input_path("token_file", token_file_, "or a file with the token, readable by its owner only");
     p.text("origin", origin_,
            "a page of another origin that may connect too, such as https://app.foxglove.dev");
     p.read("jpeg_quality", style_.quality, "", {1, 100}, "of the images that clients are sent");
@@ -34,9 +36,12 @@ class Live final : public Sink {
   void check(Mistakes& mistakes) const {
     const auto place = destination();
     if (!mistakes.expect("address", place)) return;
-    const Gate gate(place->host, token_, origin_);
-    mistakes.expect("token", gate.check_token());
-    mistakes.expect("origin", gate.check_origin());
+    const char* parameter = token_file_.empty() ? "token" : "token_file";
+    const auto token = chosen_token();
+    if (mistakes.expect(parameter, token)) {
+      mistakes.expect(parameter, Gate(place->host, *token, origin_).check_token());
+    }
+    mistakes.expect("origin", Gate(place->host, "", origin_).check_origin());
   }
 
   Result<void> prepare(const PrepareInput& in) override {
@@ -53,14 +58,16 @@ class Live final : public Sink {
   Result<void> open(const Call& call) override {
     const auto place = destination();
     if (!place) return place.error();
-    LiveSetup setup{Gate(place->host, token_, origin_), style_, camera_, faces_, scene_, {}};
+    const auto token = chosen_token();
+    if (!token) return token.error();
+    LiveSetup setup{Gate(place->host, *token, origin_), style_, camera_, faces_, scene_, {}};
     if (auto fits = setup.gate.check_token(); !fits) return fits;
     if (auto fits = setup.gate.check_origin(); !fits) return fits;
     auto started = start_server(*place, std::move(setup), exchange_);
     if (!started) return started.error();
     server_ = *std::move(started);
     opened_ = std::chrono::steady_clock::now();
-    call.log_info("the live view is at " + url(*place) + (token_.empty() ? "" : "?token=..."));
+    call.log_info("the live view is at " + url(*place) + (token->empty() ? "" : "?token=..."));
     return {};
   }
 
@@ -92,6 +99,12 @@ class Live final : public Sink {
   void answer(const WishAnswer& answer) { exchange_.answer(answer); }
 
  private:
+  Result<std::string> chosen_token() const {
+    if (token_file_.empty()) return token_;
+    if (token_.empty()) return token_in(token_file_);
+    return Error{Errc::invalid_value, "give 'token' or 'token_file', not both"};
+  }
+
   Result<network::Address> destination() const {
     auto place = network::parse_address(address_, 0);
     if (place) return place;
@@ -136,7 +149,7 @@ class Live final : public Sink {
     return shown;
   }
 
-  std::string address_ = "127.0.0.1:8090", token_, origin_;
+  std::string address_ = "127.0.0.1:8090", token_, token_file_, origin_;
   PictureStyle style_;
 
   std::int64_t vertex_count_ = 0;

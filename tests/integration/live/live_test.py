@@ -8,15 +8,22 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import socket
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 import urllib.request
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+
+from live_client import Viewer
+
+TOKEN = "a-token-that-is-seen-nowhere"
 PATIENCE_S = 240  # of a machine that has other work, for each answer
 STATES = {"estimated", "weak", "predicted", "lost", "none"}
 
@@ -36,11 +43,11 @@ class Live(unittest.TestCase):
         self.held.bind(("127.0.0.1", 0))
         self.address = f"127.0.0.1:{self.held.getsockname()[1]}"
 
-    def start(self, *more: str) -> subprocess.Popen:
+    def start(self, *more: str, browser: bool = False, **variables: str) -> subprocess.Popen:
         environment = {name: value for name, value in os.environ.items()
-                       if not name.startswith("WEFT_")}
+                       if not name.startswith("WEFT_")} | variables
         live = subprocess.Popen(
-            [self.program, "live", *more, "--no-browser", "--out", "run",
+            [self.program, "live", *more, *([] if browser else ["--no-browser"]), "--out", "run",
              "--set", f"live.address={self.address}"],
             cwd=self.folder, env=environment, text=True, stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE, stderr=subprocess.PIPE)
@@ -83,6 +90,106 @@ class Live(unittest.TestCase):
         self.assertGreaterEqual(len(kept), 5)
         self.assertEqual(list((self.folder / "run" / "frames").iterdir()), [],
                          "without --keep lines are all that is left")
+
+    def until(self, holds) -> None:
+        end = time.monotonic() + PATIENCE_S
+        while not holds():
+            self.assertLess(time.monotonic(), end, "it never comes")
+            time.sleep(0.02)
+
+    def port(self) -> int:
+        return int(self.address.rsplit(":", 1)[1])
+
+    def expect_no_token(self, *texts: str) -> None:
+        for text in texts:
+            self.assertNotIn(TOKEN, text)
+        for file in (self.folder / "run").rglob("*"):
+            if file.is_file():
+                self.assertNotIn(TOKEN.encode(), file.read_bytes(), file)
+
+    def stop(self, live: subprocess.Popen) -> tuple[str, str]:
+        live.send_signal(signal.SIGINT)
+        out, err = live.communicate(timeout=PATIENCE_S)
+        self.assertEqual(live.returncode, 0, err)
+        return out, err
+
+    def test_a_pause_ends_with_the_client_that_asked_for_it(self) -> None:
+        live = self.start("--demo")
+        live.stdout.readline()
+        with Viewer(self.port()) as watching:
+            watching.frame()
+            pausing = Viewer(self.port())
+            self.assertEqual(pausing.wish("pause")["refusal"], "")
+            pausing.link.close()
+            while (message := watching.read()).get("type") != "pause" or message["paused"]:
+                pass
+            self.assertTrue(message["left"])
+            before = watching.frame()["frame"]
+            self.assertGreater(watching.frame()["frame"], before)
+        self.stop(live)
+
+    def test_a_token_is_in_no_file_and_in_no_argument(self) -> None:
+        """It is given in one of three ways; the desktop's program notes how it is started."""
+        desktop = self.folder / "bin" / "xdg-open"
+        desktop.parent.mkdir()
+        desktop.write_text('#!/bin/sh\necho "$@" > "$NOTES.part"\n'
+                           'stat -c "%a" "${1#file://}" "$(dirname "${1#file://}")" '
+                           '>> "$NOTES.part"\ncat "${1#file://}" >> "$NOTES.part"\n'
+                           'mv "$NOTES.part" "$NOTES"\n')
+        desktop.chmod(0o755)
+        secret = self.folder / "secret"
+        secret.write_text(TOKEN + "\n")
+        secret.chmod(0o600)
+        ways = {"environment": ["--set", "live.token=${MINE}"],
+                "file": ["--set", f"live.token_file={secret}"],
+                "setting": ["--set", f"live.token={TOKEN}"]}
+        for way, given in ways.items():
+            with self.subTest(way):
+                notes, temporary = self.folder / f"notes-{way}", self.folder / f"tmp-{way}"
+                temporary.mkdir()
+                live = self.start(
+                    "--demo", *given, browser=True, MINE=TOKEN, NOTES=str(notes), DISPLAY=":99",
+                    TMPDIR=str(temporary), PATH=f"{desktop.parent}:{os.environ['PATH']}")
+                self.until(notes.exists)
+                argument, mode, folder_mode, page = notes.read_text().split("\n", 3)
+                self.assertTrue(argument.startswith("file://"), argument)
+                self.assertNotIn(TOKEN, argument)
+                self.assertEqual([mode, folder_mode], ["600", "700"])
+                self.assertIn(f"url=http://{self.address}/?token={TOKEN}", page)
+                with Viewer(self.port(), TOKEN) as viewer:
+                    viewer.frame()
+                    # What is checked anew for a change has the token.
+                    self.assertEqual(viewer.insist("set filters.every=1"), "")
+                out, err = self.stop(live)
+                self.assertIn("?token=...", out)
+                self.expect_no_token(out, err)
+                self.assertEqual(list(temporary.iterdir()), [], "the page for the browser stays")
+                self.repeat("MINE" if way == "environment" else "WEFT_TOKEN", way != "file")
+                shutil.rmtree(self.folder / "run")
+
+    def repeat(self, variable: str, asks: bool) -> None:
+        """The pipeline of the run folder asks for the token where it is needed."""
+        command = [self.program, "check", "run/pipeline.yaml"]
+        environment = {name: value for name, value in os.environ.items()
+                       if not name.startswith("WEFT_")}
+        without = subprocess.run(command, cwd=self.folder, env=environment, text=True,
+                                 capture_output=True, timeout=PATIENCE_S, check=False)
+        self.assertEqual(without.returncode, 2 if asks else 0, without.stderr)
+        if asks:
+            self.assertIn(f"the variable {variable} is not set", without.stderr)
+        subprocess.run(command, cwd=self.folder, env=environment | {variable: TOKEN}, check=True,
+                       capture_output=True, timeout=PATIENCE_S)
+
+    def test_a_token_is_in_no_message(self) -> None:
+        live = self.start("--demo", "--set", f"live.token={TOKEN}", "--set", "live.origin=none")
+        out, err = live.communicate(timeout=PATIENCE_S)
+        self.assertEqual(live.returncode, 2, out)
+        self.assertIn("the origin must be", err)
+        self.expect_no_token(out, err)
+        live = self.start("--demo", "--set", f"live.tokn={TOKEN}", "--set", "live.token=short-one")
+        out, err = live.communicate(timeout=PATIENCE_S)
+        self.assertEqual(live.returncode, 2, out)
+        self.assertNotIn("short-one", err)
 
     def test_a_camera_that_is_not_there_is_an_error_that_says_what_to_do(self) -> None:
         live = self.start("--set", "source.device=1023")

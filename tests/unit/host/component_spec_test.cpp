@@ -46,6 +46,14 @@ class ComponentSpecTest : public ::testing::Test {
   const Registry registry_ = zoo::scan();
 };
 
+TEST_F(ComponentSpecTest, VariablesAreExpandedInTexts) {
+  variables_["NAME"] = "value";
+  EXPECT_EQ(effective(good("{title: 'a ${NAME}'}"), "title"), "a value");
+  EXPECT_EQ(effective(good("{title: '${ABSENT:-other}'}"), "title"), "other");
+  expect_problem("{title: '${ABSENT}'}", "the variable ABSENT is not set");
+  expect_problem("{title: '${NAME'}", "${ without }");
+}
+
 TEST_F(ComponentSpecTest, WithoutParametersAllDefaultsAreEffective) {
   for (const std::string params : {"{}", "~", ""}) {
     const Resolved resolved = good(params);

@@ -10,6 +10,7 @@
 #include <weft/core/suggest.hpp>
 
 #include "host/loading/component_keys.hpp"
+#include "host/loading/secrets.hpp"
 #include "yaml/keys.hpp"
 
 namespace weft::host {
@@ -132,7 +133,8 @@ class Binder {
       case WEFT_VALUE_CHOICE:
         return bind_choice(parameter, value);
       case WEFT_VALUE_TEXT:
-        return parameter.is_vector ? bind_texts(parameter, value) : bind_text(parameter, value);
+        return parameter.is_vector ? bind_texts(parameter, value)
+                                   : bind_text(parameter, value, given, resolved);
       case WEFT_VALUE_INPUT_PATH:
       case WEFT_VALUE_OUTPUT_PATH:
         return bind_path(parameter, value, given, resolved);
@@ -205,9 +207,16 @@ class Binder {
     wrong(parameter, value, "one of: " + expected);
   }
 
-  void bind_text(const ParameterSpec& parameter, const yaml::Node& value) {
+  void bind_text(const ParameterSpec& parameter, const yaml::Node& value, bool given,
+                 yaml::Node& resolved) {
     if (value.kind != yaml::Kind::scalar) return wrong(parameter, value, "a text");
-    spec_.arguments.add_texts(parameter.name, parameter.type, {value.scalar});
+    const auto text = given ? expand_variables(value.scalar, paths_) : value.scalar;
+    if (!text) return problem(value.at, text.error().message);
+    if (*text != value.scalar) resolved = yaml::text_node(*text, value.at);
+    if (auto hidden = hidden_text(parameter.name, value.scalar, *text)) {
+      spec_.hidden[parameter.name] = *std::move(hidden);
+    }
+    spec_.arguments.add_texts(parameter.name, parameter.type, {*text});
   }
 
   void bind_texts(const ParameterSpec& parameter, const yaml::Node& value) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -33,7 +34,9 @@ struct ComponentSpec {
   Arguments arguments;
   std::vector<NestedSpec> nested;
   yaml::Node effective;  ///< {use, params} with all defaults, paths as they were resolved
-  bool bound = false;    ///< all its own parameters have legal values: it can be created
+  /// By parameter, what files have in place of a secret text, see secrets.hpp.
+  std::map<std::string, std::string> hidden;
+  bool bound = false;  ///< all its own parameters have legal values: it can be created
 
   const ComponentManifest& component() const { return installed->component; }
 };

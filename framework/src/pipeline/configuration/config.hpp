@@ -108,7 +108,10 @@ Error placed(Error error, const PipelineConfig& config);
 /// Whether anything of it has a process of its own, so that records must stand in shared memory.
 bool has_isolated(const PipelineConfig& config);
 
+/// Whether secrets such as tokens are in a text, or variables of the environment in their place.
+enum class Secrets { hidden, shown };
+
 /// The configuration with all defaults filled in and paths resolved, as YAML.
-std::string effective_yaml(const PipelineConfig& config);
+std::string effective_yaml(const PipelineConfig& config, Secrets secrets = Secrets::hidden);
 
 }  // namespace weft

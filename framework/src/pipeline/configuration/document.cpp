@@ -11,6 +11,7 @@
 #include <weft/core/suggest.hpp>
 #include <weft/core/text_file.hpp>
 
+#include "host/loading/secrets.hpp"
 #include "pipeline/configuration/document_merge.hpp"
 #include "pipeline/configuration/extended_file.hpp"
 
@@ -297,11 +298,9 @@ class Reader {
 std::string place_in(const std::vector<ConfigSource>& sources, yaml::Position at) {
   const ConfigSource& source = sources.at(to_index(at.source));
   if (!source.is_setting) return yaml::place(source.name, at);
-  if (source.is_generated) {
-    return source.option + (source.name.empty() ? "" : " " + escaped(source.name, kMostShown));
-  }
-  return source.option + " " + escaped(source.name, kMostShown) + ", column " +
-         std::to_string(at.column);
+  const std::string shown = escaped(host::shown_setting(source.name), kMostShown);
+  if (source.is_generated) return source.option + (shown.empty() ? "" : " " + shown);
+  return source.option + " " + shown + ", column " + std::to_string(at.column);
 }
 
 PipelineDocument read_document(const std::string& file, const std::vector<std::string>& settings,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "host/loading/secrets.hpp"
 #include "pipeline/configuration/config.hpp"
 
 namespace weft {
@@ -25,8 +26,11 @@ yaml::Node effective_rule(const CallRule& rule) {
   return when;
 }
 
-yaml::Node effective_stage(const StageConfig& stage) {
-  yaml::Node node = stage.component.effective;
+yaml::Node effective_stage(const StageConfig& stage, Secrets secrets) {
+  const auto written = [secrets](const host::ComponentSpec& spec) {
+    return secrets == Secrets::hidden ? host::without_secrets(spec) : spec.effective;
+  };
+  yaml::Node node = written(stage.component);
   if (stage.named) node.entries.push_back({"as", {}, yaml::text_node(stage.name)});
   if (!stage.from.empty()) {
     yaml::Node from;
@@ -39,7 +43,7 @@ yaml::Node effective_stage(const StageConfig& stage) {
   }
   if (stage.when) node.entries.push_back({"when", {}, effective_rule(*stage.when)});
   if (stage.on_template) {
-    node.entries.push_back({"template_params", {}, *stage.on_template->effective.find("params")});
+    node.entries.push_back({"template_params", {}, *written(*stage.on_template).find("params")});
   }
   if (stage.overwrite) node.entries.push_back({"overwrite", {}, yaml::plain_node("true")});
   if (stage.stays_here) node.entries.push_back({"isolate", {}, yaml::plain_node("none")});
@@ -55,16 +59,16 @@ yaml::Node effective_stage(const StageConfig& stage) {
 
 }  // namespace
 
-std::string effective_yaml(const PipelineConfig& config) {
+std::string effective_yaml(const PipelineConfig& config, Secrets secrets) {
   yaml::Node root;
   root.kind = yaml::Kind::map;
   const auto add = [&](const char* key, yaml::Node node) {
     root.entries.push_back({key, {}, std::move(node)});
   };
-  const auto list = [](const std::vector<StageConfig>& stages) {
+  const auto list = [secrets](const std::vector<StageConfig>& stages) {
     yaml::Node node;
     node.kind = yaml::Kind::sequence;
-    for (const StageConfig& stage : stages) node.items.push_back(effective_stage(stage));
+    for (const StageConfig& stage : stages) node.items.push_back(effective_stage(stage, secrets));
     return node;
   };
   add("weft", yaml::plain_node("1"));
@@ -80,8 +84,8 @@ std::string effective_yaml(const PipelineConfig& config) {
     if (value != usual) add(key, yaml::plain_node(std::to_string(value)));
   }
   if (config.latest_only) add("realtime", yaml::plain_node("latest"));
-  add("source", effective_stage(*config.source));
-  add("template", effective_stage(*config.templ));
+  add("source", effective_stage(*config.source, secrets));
+  add("template", effective_stage(*config.templ, secrets));
   add("stages", list(config.stages));
   add("sinks", list(config.sinks));
   return yaml::emit(root);

@@ -60,10 +60,17 @@ std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file,
   return {std::move(pipeline), std::move(report)};
 }
 
-Result<CheckedPipeline> check_change(const std::string& folder, const host::Registry& registry,
+Result<CheckedPipeline> check_change(const PipelineConfig& running, const std::string& folder,
+                                     const host::Registry& registry,
                                      const std::vector<std::string>& settings) {
   const std::string file = folder + "/pipeline.yaml";
-  auto document = read_document(file, settings, host::PathRules::of_process({}, folder));
+  // The file itself has no secrets.
+  auto text = yaml::parse(effective_yaml(running, Secrets::shown), file);
+  if (!text) return text.error();
+  PipelineDocument document;
+  document.root = std::move(text->root);
+  document.sources = {{file, folder}};
+  document = laid_over(std::move(document), {}, settings, host::PathRules::of_process({}, folder));
   auto [config, report] = load_pipeline(file, std::move(document), registry, folder);
   CheckedPipeline pipeline{std::move(config), {}};
   host::ComponentChecks checks;

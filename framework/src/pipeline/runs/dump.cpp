@@ -11,6 +11,8 @@
 #include <weft/core/suggest.hpp>
 #include <weft/core/whole_file.hpp>
 
+#include "host/loading/secrets.hpp"
+
 namespace weft {
 namespace {
 
@@ -27,7 +29,7 @@ yaml::Node stage_node(const StageConfig& stage) {
   yaml::Node node;
   node.kind = yaml::Kind::map;
   node.entries = {{"stage", {}, yaml::text_node(stage.name)},
-                  {"component", {}, stage.component.effective}};
+                  {"component", {}, host::without_secrets(stage.component)}};
   return node;
 }
 

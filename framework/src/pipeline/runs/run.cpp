@@ -130,7 +130,7 @@ class Run {
     if (options_.registry == nullptr || !folder_) return;
     if (sinks.empty() && !options_.repeated) return;
     const auto check = [this](const std::vector<std::string>& settings) {
-      return check_change(folder_->path(), *options_.registry, settings);
+      return check_change(pipeline_.config, folder_->path(), *options_.registry, settings);
     };
     const StageMaker maker{*lane_, loop_->input().templ(), loop_->input().camera()};
     steering_ = std::make_unique<Steering>(

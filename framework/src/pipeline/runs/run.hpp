@@ -61,9 +61,10 @@ std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file,
                                                         const std::string& output_folder,
                                                         host::ComponentChecks* checks = nullptr);
 
-/// The same of the run folder of a run that goes on, with `settings` laid over what it runs. The
+/// The same of a run that goes on in a folder, with `settings` laid over what it runs. The
 /// Error has the first mistake. Outputs are not checked: they are those of the run.
-Result<CheckedPipeline> check_change(const std::string& folder, const host::Registry& registry,
+Result<CheckedPipeline> check_change(const PipelineConfig& running, const std::string& folder,
+                                     const host::Registry& registry,
                                      const std::vector<std::string>& settings);
 
 struct RunOptions {

@@ -13,6 +13,7 @@
 #include <weft/core/whole_file.hpp>
 
 #include "host/loading/processor.hpp"
+#include "host/loading/secrets.hpp"
 #include "pipeline/execution/match_depths.hpp"
 #include "pipeline/runs/frame_json.hpp"
 #include "pipeline/runs/source_revision.hpp"
@@ -53,7 +54,7 @@ void add_components(const host::ComponentSpec& spec, const std::string& stage,
 ordered_json source_names(const std::vector<ConfigSource>& sources) {
   ordered_json names = ordered_json::array();
   for (const ConfigSource& source : sources) {
-    names.push_back((source.is_setting ? "--set " : "") + source.name);
+    names.push_back(source.is_setting ? "--set " + host::shown_setting(source.name) : source.name);
   }
   return names;
 }

@@ -3,6 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/loading/secrets.hpp"
+
 namespace weft {
 namespace {
 
@@ -44,7 +46,8 @@ ordered_json declaration_of(const host::ParameterSpec& parameter, const std::str
 
 /// The parameters of a component, each nested one followed by its own; `path` ends with a dot.
 void add_parameters(const host::ComponentSpec& spec, const std::string& path, ordered_json& list) {
-  const yaml::Node* values = spec.effective.find("params");
+  const yaml::Node shown = host::without_secrets(spec);
+  const yaml::Node* values = shown.find("params");
   for (const host::ParameterSpec& parameter : spec.component().parameters) {
     ordered_json object = declaration_of(parameter, path + parameter.name);
     const yaml::Node* value = values != nullptr ? values->find(parameter.name) : nullptr;

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/run/browser.hpp"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+namespace weft::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The desktop's program goes on by itself: its output is discarded, and it runs in its own process
+/// group so that Ctrl-C does not reach it.
+void start_desktop(std::string address) {
+  posix_spawn_file_actions_t quiet;
+  posix_spawn_file_actions_init(&quiet);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    posix_spawn_file_actions_addopen(&quiet, stream, "/dev/null", O_RDWR, 0);
+  }
+  posix_spawnattr_t apart;
+  posix_spawnattr_init(&apart);
+  posix_spawnattr_setflags(&apart, POSIX_SPAWN_SETPGROUP);
+  char program[] = "xdg-open";
+  char* const arguments[] = {program, address.data(), nullptr};
+  pid_t child = 0;
+  posix_spawnp(&child, program, &quiet, &apart, arguments, environ);
+  posix_spawnattr_destroy(&apart);
+  posix_spawn_file_actions_destroy(&quiet);
+}
+
+}  // namespace
+
+Browser::~Browser() {
+  std::error_code ignored;
+  if (!folder_.empty()) fs::remove_all(folder_, ignored);
+}
+
+void Browser::open(const std::string& page, const std::string& token) {
+  if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
+  const std::string address = token.empty() ? page : write_private(page + "?token=" + token);
+  if (!address.empty()) start_desktop(address);
+}
+
+std::string Browser::write_private(const std::string& page) {
+  std::error_code code;
+  const fs::path temporary = fs::temp_directory_path(code);
+  if (code) return "";
+  std::string pattern = temporary / "weft-live-XXXXXX";
+  if (mkdtemp(pattern.data()) == nullptr) return "";  // for this user only
+  folder_ = pattern;
+  const std::string file = folder_ + "/page.html";
+  // Neither the address nor the token has a character that HTML would read in another way.
+  const std::string text =
+      "<!DOCTYPE html>\n<meta charset=\"utf-8\">\n<meta name=\"referrer\" "
+      "content=\"no-referrer\">\n"
+      "<meta http-equiv=\"refresh\" content=\"0; url=" +
+      page + "\">\n<title>Weft live</title>\n<a href=\"" + page + "\">Weft live</a>\n";
+  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (descriptor < 0) return "";
+  const ssize_t written = write(descriptor, text.data(), text.size());
+  const bool is_whole = close(descriptor) == 0 && written == static_cast<ssize_t>(text.size());
+  return is_whole ? "file://" + file : "";
+}
+
+}  // namespace weft::cli

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+namespace weft::cli {
+
+/// Opens a page by the desktop, if there is one. An address with a token is a secret that the
+/// arguments of a program would show to all users: the browser is given a private file that leads
+/// to the page, which is removed with this object.
+class Browser {
+ public:
+  Browser() = default;
+  ~Browser();
+  Browser(const Browser&) = delete;
+  Browser& operator=(const Browser&) = delete;
+
+  void open(const std::string& page, const std::string& token);
+
+ private:
+  /// Its address; empty where it cannot be written.
+  std::string write_private(const std::string& page);
+
+  std::string folder_;
+};
+
+}  // namespace weft::cli
