@@ -22,11 +22,14 @@ struct CameraFile {
   std::vector<double> coefficients;  ///< brown: k1 k2 p1 p2 k3, then k4 k5 k6; fisheye: k1 to k4
 };
 
-/// Reads a camera file: Weft's own (YAML or JSON: fx fy cx cy width height distortion), OpenCV's
-/// YAML, or ROS camera_info. Fails with a message that names the file, the line and the key.
+/// Reads a camera file: Weft's own (YAML or JSON: fx fy cx cy width height distortion) or one of
+/// the formats in README.md. Fails with a message that names the file, the line and the key.
 Result<CameraFile> read_camera_file(const std::string& path);
 
 /// Where the camera shows what the ideal pinhole has at a pixel, px.
 Eigen::Vector2d seen_px(const CameraFile& file, const Eigen::Vector2d& ideal_px);
+
+/// Share of the ideal image that the camera's image shows, by probes.
+double shown_share(const CameraFile& file);
 
 }  // namespace weft::cameras

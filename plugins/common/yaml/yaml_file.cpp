@@ -107,7 +107,45 @@ Error syntax_error(const std::string& path, const std::string& text, const YAML:
           {}};
 }
 
+std::optional<Error> slip_in(const std::string& path, const std::string& text, const Error& error) {
+  const auto has = [&](const std::string& part) {
+    return error.message.find(part) != std::string::npos;
+  };
+  const bool is_syntax = error.code == Errc::syntax;
+  const bool lacks_keys = is_syntax || has("must hold keys") || has("has no '");
+  std::istringstream lines(text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text);
+  int number = 0;
+  for (std::string line; std::getline(lines, line); ++number) {
+    const std::string place = path + ":" + std::to_string(number + 1) + ":";
+    const std::size_t first = std::min(line.find_first_not_of(" \t"), line.size());
+    const std::size_t tab = line.find('\t');
+    if (is_syntax && tab < first && error.message.starts_with(place)) {
+      return Error{Errc::syntax, place_of(path, number, static_cast<int>(tab)) +
+                                     "a tab indents this line: indent by blanks"};
+    }
+    const std::size_t start = std::min(line.find_first_not_of(" \t-{,"), line.size());
+    const std::size_t colon = line.find(':', start);
+    if (colon == line.npos || colon + 1 >= line.size()) continue;
+    const std::string key = line.substr(start, colon - start);
+    const bool is_key = !key.empty() && std::all_of(key.begin(), key.end(), [](char c) {
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+             c == '_' || c == '.';
+    });
+    const char next = line[colon + 1];
+    if (!is_key || std::string_view(" \t\r/\\:").find(next) != std::string_view::npos) continue;
+    if (!lacks_keys && !has("'" + key + ":")) continue;
+    return Error{Errc::syntax, place_of(path, number, static_cast<int>(colon) + 1) +
+                                   "a blank is missing after the colon: write '" + key + ": ...'"};
+  }
+  return std::nullopt;
+}
+
 Result<void> check_characters(const std::string& path, const std::string& text) {
+  const bool zeros = text.size() > 1 && (text[0] == '\0') != (text[1] == '\0');
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF") || zeros) {
+    return Error{Errc::syntax,
+                 place_of(path, 0, 0) + "UTF-16 or no text: save the file as text in UTF-8"};
+  }
   int line = 0, column = 0;
   for (std::size_t i = 0; i < text.size(); ++column) {
     const utf8::CodePoint point = utf8::decode(text, i);

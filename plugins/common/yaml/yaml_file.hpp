@@ -3,6 +3,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <weft/core/result.hpp>
@@ -36,19 +37,32 @@ Result<void> check_characters(const std::string& path, const std::string& text);
 /// Ends the reading of a text behind its first document. Throws FileMistake or YAML::Exception.
 void require_one_document(const std::string& text);
 
-/// What `read` makes of the root of a YAML text; it reports mistakes with fail_at.
+/// What is wrong where a text cannot be read as it should: a blank that is missing behind the colon
+/// of a key, or a tab that indents. `error` is what was found; nothing where it is another mistake.
+std::optional<Error> slip_in(const std::string& path, const std::string& text, const Error& error);
+
+/// What `read` returns; it reports mistakes in a text with FileMistake.
 template <class Read>
-auto read_yaml(const std::string& path, const std::string& text, Read read)
-    -> Result<decltype(read(YAML::Node()))> {
+auto reading(const std::string& path, const std::string& text, Read read)
+    -> Result<decltype(read())> {
   if (auto checked = check_characters(path, text); !checked) return checked.error();
   try {
-    require_one_document(text);
-    return read(YAML::Load(text));
+    return read();
   } catch (const FileMistake& mistake) {
     return error_of(path, text, mistake);
   } catch (const YAML::Exception& mistake) {
     return syntax_error(path, text, mistake.mark);
   }
+}
+
+/// What `read` makes of the root of a YAML text; it reports mistakes with fail_at.
+template <class Read>
+auto read_yaml(const std::string& path, const std::string& text, Read read)
+    -> Result<decltype(read(YAML::Node()))> {
+  return reading(path, text, [&] {
+    require_one_document(text);
+    return read(YAML::Load(text));
+  });
 }
 
 }  // namespace weft::yaml_files

@@ -51,7 +51,7 @@ TEST(CameraFile, ReadsNothingBehindWhatTheLibraryTakesForTheEnd) {
   expect_refusal("", {"camera.yaml:1:1: must hold keys"});
   expect_refusal(camera + "é\x04 fx: 9\n", {"camera.yaml:2:2: a control character"});
   expect_refusal("{fx: 1, cx: \xC3}\n", {"camera.yaml:1:13: no UTF-8"});
-  expect_refusal("{comment: é, nofx: 1}\n", {"camera.yaml:1:14: a camera file has no key"});
+  expect_refusal("{comment: é, fx: 1, nofx: 1}\n", {"camera.yaml:1:21: a camera file has no key"});
   expect_refusal(camera + "---\nfx: 9\n", {"camera.yaml:2:1: more than one document"});
   expect_refusal(camera + "...\nfx: 9\n", {"camera.yaml:3:1: more than one document"});
 }
