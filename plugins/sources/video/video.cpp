@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <thread>
 #include <utility>
-#include <weft/core/file_order.hpp>
 #include <weft/sdk/source.hpp>
 
 #include "common/cameras/calibrated_camera.hpp"
@@ -142,10 +141,6 @@ class Video final : public Source {
   Result<void> check_choice() const {
     const int given = (path_.empty() ? 0 : 1) + (device_ < 0 ? 0 : 1) + (address_.empty() ? 0 : 1);
     if (given != 1) return Error{Errc::invalid_value, "give one of 'path', 'device' and 'address'"};
-    if (const std::string hint = numbering_hint(path_); !hint.empty()) {
-      return Error{Errc::invalid_value,
-                   path_ + ": numbered image files are read by sources/images; " + hint};
-    }
     return is_pipeline(address_) ? check_pipeline(address_) : Result<void>();
   }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <sstream>
+#include <weft/core/file_order.hpp>
 #include <weft/core/index.hpp>
 #include <weft/core/quote.hpp>
 #include <weft/core/suggest.hpp>
@@ -247,7 +248,9 @@ class Binder {
     const bool pattern = path.find_first_of("*?[") != std::string::npos;
     std::error_code code;
     if (input && !pattern && !fs::exists(path, code)) {
-      return problem(value.at, "'" + parameter.name + "': there is no file " + escaped(path));
+      const std::string hint = numbering_hint(value.scalar);
+      return problem(value.at, "'" + parameter.name + "': there is no file " + escaped(path) +
+                                   (hint.empty() ? "" : "; " + escaped(hint)));
     }
     resolved = yaml::text_node(input ? path : path_in_run(path, paths_), value.at);
     spec_.arguments.add_texts(parameter.name, parameter.type, {path});
