@@ -91,7 +91,7 @@ const CLI::Option* option_of(const Given& given, std::string_view text) {
 std::string of_values(const Given& given, const CLI::ParseError& error) {
   const std::string text = error.what();
   const CLI::Option* option = option_of(given, text);
-  if (option != nullptr && error.get_name() == "ArgumentMismatch") {
+  if (option != nullptr && dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
     const std::string name = option->get_name(option->get_positional());
     const int count = option->get_expected_min();
     if (option->get_expected_max() == 0) return name + " takes no value";
@@ -120,7 +120,7 @@ std::string sentence(const CLI::App& program, const Given& given, const CLI::Par
   });
   if (option != left.end()) return unknown_option(given, *option);
   const bool is_group = !names_of_commands(*given.command).empty();
-  const bool is_extra = is_group || error.get_name() == "ExtrasError";
+  const bool is_extra = is_group || dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
   return is_extra && !left.empty() ? unexpected(given, left.front()) : of_values(given, error);
 }
 
@@ -148,7 +148,9 @@ void print_wrong_words(const CLI::App& program, const std::string& name,
   const bool is_group = !names_of_commands(*given.command).empty();
   const bool lacks_command = std::string_view(error.what()).starts_with("A subcommand");
   if (lacks_command && program.remaining(true).empty()) {
-    fmt::print(stderr, "{}\n", given.command->help(given.path));
+    const std::size_t last = given.path.rfind(' ');  // help() adds the name of the command
+    const bool is_below = given.command != &program;
+    fmt::print(stderr, "{}\n", given.command->help(is_below ? given.path.substr(0, last) : ""));
     print_error({Errc::invalid_value, fmt::format("give {} a command", given.path), {}});
     return;
   }
