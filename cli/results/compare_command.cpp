@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <weft/core/text_file.hpp>
 #include <weft/core/whole_file.hpp>
 
 #include "ablation/plan/grid.hpp"
@@ -130,6 +131,11 @@ void compare(CompareOptions options, Context& context) {
     print_error(error);
     context.exit_code = exit_code;
   };
+  for (const std::string& file : options.pipelines) {
+    if (auto found = check_input(file, InputKind::file); !found) {
+      return fail(found.error(), kBadConfiguration);
+    }
+  }
   const std::vector<std::string> names = names_of(options);
   const std::string name = names[0] + "_and_" + names[1];
   if (options.out.empty()) options.out = "comparisons/" + name;

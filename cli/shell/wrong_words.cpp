@@ -104,7 +104,7 @@ std::string of_values(const Given& given, const CLI::ParseError& error) {
     std::string library, ours;
   };
   for (const Saying& saying :
-       {Saying{"Could not convert: ", "not of the type of the option: "},
+       {Saying{"Could not convert: ", "a value that the option does not take: "},
         Saying{" excludes ", " cannot be given with "}, Saying{" requires ", " needs "}}) {
     const std::size_t at = text.find(saying.library);
     if (at == std::string::npos) continue;

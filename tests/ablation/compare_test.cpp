@@ -73,8 +73,8 @@ TEST_F(CompareCommand, NamesTheArgumentInWhichAMistakeIs) {
 }
 
 TEST_F(CompareCommand, ReadsDataThatAFileWithASourceNames) {
-  write("source: {use: sources/test.scripted, params: {frames: 2}}\n", "data/more.yaml");
-  const auto ended = compare({"--data", path("data/more.yaml"), "--dry-run"});
+  write("source: {use: sources/test.scripted, params: {frames: 2}}\n", "more.yaml");
+  const auto ended = compare({"--data", path("more.yaml"), "--dry-run"});
   EXPECT_THAT(ended.out, HasSubstr("2 cells")) << ended.err;
 }
 

@@ -72,7 +72,7 @@ TEST_F(CommandLine, NamesTheValueThatAnOptionNeeds) {
   EXPECT_EQ(refusal({"run", "p.yaml", "--set"}),
             "error: --set needs a value: PATH=VALUE; see: weft run --help\n");
   EXPECT_THAT(refusal({"run", "p.yaml", "--set", "seed"}), HasSubstr("--set seed"));
-  EXPECT_THAT(refusal({"ablate", "p.yaml", "--jobs", "many"}), HasSubstr("--jobs = many"));
+  EXPECT_THAT(refusal({"ablate", "p.yaml", "--jobs", "many"}), HasSubstr("--jobs: Value many"));
   EXPECT_EQ(refusal({"run"}), "error: PIPELINE is required; see: weft run --help\n");
   EXPECT_THAT(refusal({"--plugin-path"}), HasSubstr("--plugin-path needs a value: FOLDER"));
 }
