@@ -53,7 +53,8 @@ std::string Packets::damage(std::int64_t number) {
   cv::Mat packet;
   if (!capture_.isOpened() || !capture_.retrieve(packet) || packet.empty()) return {};
   const std::string bytes(packet.ptr<char>(), packet.total() * packet.elemSize());
-  return bytes.starts_with("\xFF\xD8\xFF") ? image_files::jpeg_damage(bytes) : std::string();
+  if (bytes.starts_with("\xFF\xD8")) return image_files::jpeg_damage(bytes);
+  return "it does not begin as a JPEG image";
 }
 
 std::int64_t count_packets(const std::string& path) {

@@ -20,6 +20,7 @@ struct Reports {
   jpeg_error_mgr manager{};  // first, so that libjpeg's pointer to it points to this
   std::jmp_buf failed{};
   std::array<char, JMSG_LENGTH_MAX> damage{};
+  bool takes_short_end = false;  ///< some encoders of films do not fill the last byte of the code
 
   static Reports& of(j_common_ptr decoder) { return *reinterpret_cast<Reports*>(decoder->err); }
 };
@@ -35,8 +36,16 @@ void note(j_common_ptr decoder) {
     reports.manager.format_message(decoder, reports.damage.data());
 }
 
+/// Whether the code ended within the last row of blocks. `decoder` is a jpeg_decompress_struct.
+bool is_short_end(j_common_ptr decoder) {
+  const auto& data = *reinterpret_cast<j_decompress_ptr>(decoder);
+  return decoder->err->msg_code == JWRN_HIT_MARKER &&
+         data.input_iMCU_row + 1 >= data.total_iMCU_rows;
+}
+
 void on_message(j_common_ptr decoder, int level) {
-  if (level < 0 && is_damage(decoder->err->msg_code)) note(decoder);
+  if (level >= 0 || !is_damage(decoder->err->msg_code)) return;
+  if (!Reports::of(decoder).takes_short_end || !is_short_end(decoder)) note(decoder);
 }
 
 [[noreturn]] void on_error(j_common_ptr decoder) {
@@ -81,6 +90,7 @@ class Decoder {
 
   /// Reads all coded data.
   void read_code(const std::string& bytes) {
+    reports_.takes_short_end = true;
     if (setjmp(reports_.failed) != 0) return;  // NOLINT(cert-err52-cpp)
     jpeg_create_decompress(&data_);
     jpeg_mem_src(&data_, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());

@@ -14,7 +14,9 @@ namespace weft::image_files {
 /// an unknown code word, data that are left over or missing, a restart marker out of order.
 std::string decode_jpeg(const std::string& bytes, bool grey, cv::Mat& pixels);
 
-/// What decode_jpeg() would find wrong; pixels are not computed for it.
+/// What decode_jpeg() would find wrong in a frame of a film, but for a code that ends too early
+/// within the last row of blocks: OpenCV's writer makes such frames. Pixels are not computed for
+/// it.
 std::string jpeg_damage(const std::string& bytes);
 
 }  // namespace weft::image_files

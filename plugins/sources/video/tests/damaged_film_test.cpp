@@ -49,8 +49,8 @@ class DamagedFilm : public ::testing::Test {
 
   /// Makes the header of a frame one that no decoder takes.
   void spoil(int frame) {
-    const std::size_t at = images_[static_cast<std::size_t>(frame)];
-    std::fill_n(bytes_.begin() + static_cast<std::ptrdiff_t>(at) + 2, 200, '\0');
+    const std::size_t at = bytes_.find("\xFF\xC0", images_[static_cast<std::size_t>(frame)]);
+    bytes_[at + 1] = '\xC6';
   }
 
   /// Reads all frames; checks the grey level of those that are whole. Returns the messages of the

@@ -271,7 +271,10 @@ TEST_F(VideoSource, AVideoThatWasCutOffIsAnErrorOfTheFirstMissingFrameOnly) {
   folder_.write("half.avi", content("clip.avi").substr(0, content("clip.avi").size() / 2));
   OpenedSource source = opened("half.avi");
   std::uint64_t end = 0;
-  while (source.process(kRead, {}, end).status == WEFT_OK) ++end;
+  for (std::int32_t status = WEFT_OK; status == WEFT_OK || status == WEFT_DEGENERATE;) {
+    status = source.process(kRead, {}, end).status;  // the last one may be half a frame
+    end += status == WEFT_OK || status == WEFT_DEGENERATE ? 1 : 0;
+  }
   EXPECT_GT(end, 10U);
   EXPECT_LT(end, 25U);
   for (int repeat = 0; repeat < 2; ++repeat) {
@@ -291,7 +294,13 @@ TEST_F(VideoSource, ReadsAVideoWhoseWriterWasKilledAsFarAsItGoes) {
   bytes.replace(bytes.find("strh") + 8 + 32, 4, 4, '\0');
   folder_.write("killed.avi", bytes.substr(0, bytes.size() / 2));
   OpenedSource source = opened("killed.avi");
-  const std::vector<int> found = numbers(source);
+  std::vector<int> found;
+  for (std::uint64_t i = 0;; ++i) {
+    const PluginAnswer frame = source.process(kRead, {}, i);
+    if (frame.status == WEFT_END) break;
+    ASSERT_TRUE(frame.status == WEFT_OK || frame.status == WEFT_DEGENERATE) << frame.message;
+    found.push_back(number_in(*frame.get<weft::Image>()));
+  }
   ASSERT_GT(found.size(), 10U);
   std::vector<int> expected(found.size());
   std::iota(expected.begin(), expected.end(), 0);
