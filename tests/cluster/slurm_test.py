@@ -213,6 +213,93 @@ class RunsACellOnce(SlurmTest):
         self.assert_whole()
 
 
+class CopesWithTheHabitsOfSites(SlurmTest):
+    def site(self, *habits: str) -> None:
+        (self.folder / f"queue_{self.out}/site").write_text(" ".join(habits))
+
+    def assert_known_until_it_is_done(self, *arguments: str) -> None:
+        """No second call submits what is queued, and the results are whole at the end."""
+        self.assertIn(f"0 tasks run, {TASKS} wait, 0 ended; {CELLS} cells are on their way",
+                      self.status(*arguments))
+        self.assertIn(f"{CELLS} cells wait or run already", self.submit(*arguments))
+        self.assertEqual(len(self.planned.tasks(self.out)), TASKS)
+        self.nodes.run()
+        told = self.planned.submit(self.out, *arguments)
+        self.assertEqual(told.code, 0, told.text)
+        self.assertIn(f"{CELLS} done, 0 failed, 0 left", told.out)
+
+    def test_that_print_lines_of_their_own(self) -> None:
+        self.site("talks")
+        self.assertIn(f"job 1: {CELLS} cells in {TASKS} tasks", self.submit())
+        self.assert_known_until_it_is_done()
+
+    def test_whose_sbatch_says_more_than_a_number(self) -> None:
+        self.site("long", "talks")
+        self.assertIn(f"job 1: {CELLS} cells in {TASKS} tasks", self.submit())
+        self.assert_known_until_it_is_done()
+
+    def test_of_several_clusters(self) -> None:
+        for habit in ("talks", "long clusters"):
+            self.setUp()
+            self.site(habit)
+            arguments = ["--sbatch=--clusters=nautilus"]
+            self.assertIn("job 1: ", self.submit(*arguments))
+            self.assert_known_until_it_is_done(*arguments)
+
+    def test_and_cancels_on_the_cluster_of_the_job(self) -> None:
+        self.site("clusters")
+        self.submit("--sbatch=--clusters=nautilus")
+        told = self.planned.submit(self.out, "--cancel")
+        self.assertIn(f"{TASKS} tasks ended", told.out, told.err)
+        self.assertIn("0 tasks run, 0 wait, 6 ended", self.status())
+
+    def test_where_the_number_of_a_job_is_lost(self) -> None:
+        for habit in ("loses", "mute"):
+            self.setUp()
+            self.site(habit)
+            self.assertIn(f"job 1: {CELLS} cells in {TASKS} tasks", self.submit())
+            self.site()
+            self.assert_known_until_it_is_done()
+
+    def test_where_nobody_says_whether_a_job_is_queued(self) -> None:
+        self.site("loses")
+        told = self.planned.submit(self.out)  # its queue can be read before
+        self.assertEqual(told.code, 0, told.text)
+        self.setUp()
+        self.site("mute")
+        squeue = self.folder / "bin/squeue"
+        fake = squeue.readlink()
+        squeue.unlink()  # reads once that nothing is queued, and then is out of reach
+        squeue.write_text("#!/bin/sh\n[ -e $FAKE_SLURM/jobs/1 ] || exit 0\n"
+                          "echo 'slurm_load_jobs error: Unable to contact slurm controller' >&2\n")
+        squeue.chmod(0o755)
+        try:
+            told = self.planned.submit(self.out)
+        finally:
+            squeue.unlink()
+            squeue.symlink_to(fake)
+        self.assertEqual(told.code, 3, told.text)
+        self.assertRegex(told.err, "sbatch named no job; .* the job may be queued as weft-")
+        self.site()
+        self.assert_known_until_it_is_done()
+
+    def test_that_have_one_line_for_all_tasks_of_a_job(self) -> None:
+        self.submit()
+        self.site("lumps")
+        self.assertIn(f"{CELLS} cells wait or run already", self.submit())
+        self.assertIn(f"{CELLS} cells are on their way", self.status())
+
+    def test_whose_controller_is_out_of_reach(self) -> None:
+        self.submit()
+        self.site("down")
+        told = self.planned.submit(self.out)
+        self.assertEqual(told.code, 3, told.text)
+        self.assertIn("Socket timed out", told.err)
+        self.assertEqual(len(self.planned.tasks(self.out)), TASKS, "nothing is submitted again")
+        self.site()
+        self.assert_known_until_it_is_done()
+
+
 class Cancels(SlurmTest):
     def test_all_tasks_and_leaves_what_is_finished(self) -> None:
         self.submit()

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cluster/queue.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <weft/core/index.hpp>
+
+#include "cluster/job_file.hpp"
 
 namespace weft::cluster {
 namespace {
@@ -27,7 +31,8 @@ class Look {
     for (int task = 0; task < static_cast<int>(submission.tasks.size()); ++task) {
       const Chunk& chunk = submission.tasks[to_index(task)];
       const std::size_t open = count_of(chunk, left_);
-      const auto found = queued_.find({submission.job, task});
+      auto found = queued_.find({submission.job, task});
+      if (found == queued_.end()) found = queued_.find({submission.job, kAllTasks});
       if (found == queued_.end()) {
         ++state_.ended;
         if (open > 0) explain(submission, task, open);
@@ -79,10 +84,18 @@ class Look {
 
 }  // namespace
 
-std::vector<std::string> names_of(const std::vector<Submission>& submissions) {
-  std::vector<std::string> names;
-  for (const Submission& submission : submissions) names.push_back(submission.job);
-  return names;
+Result<std::vector<QueuedTask>> tasks_of(const std::vector<Submission>& submissions) {
+  std::map<std::string, std::vector<std::string>> names;  // by cluster
+  for (const Submission& submission : submissions) {
+    names[read_job(submission).cluster].push_back(submission.job);
+  }
+  std::vector<QueuedTask> all;
+  for (const auto& [cluster, jobs] : names) {
+    auto tasks = queued_tasks(jobs, cluster);
+    if (!tasks) return tasks.error();
+    std::move(tasks->begin(), tasks->end(), std::back_inserter(all));
+  }
+  return all;
 }
 
 std::set<std::string> keys_of(const std::vector<Submission>& submissions,
@@ -94,8 +107,10 @@ std::set<std::string> keys_of(const std::vector<Submission>& submissions,
     const auto submission = by_job.find(task.job);
     if (submission == by_job.end()) continue;
     const auto& chunks = submission->second->tasks;
-    if (task.task < 0 || task.task >= static_cast<int>(chunks.size())) continue;
-    for (const Group& group : chunks[to_index(task.task)]) keys.insert(group.begin(), group.end());
+    for (int number = 0; number < static_cast<int>(chunks.size()); ++number) {
+      if (task.task != number && task.task != kAllTasks) continue;
+      for (const Group& group : chunks[to_index(number)]) keys.insert(group.begin(), group.end());
+    }
   }
   return keys;
 }
@@ -117,7 +132,7 @@ std::optional<double> cell_seconds_of(const std::vector<Submission>& submissions
 Result<QueueState> look_at_queue(const std::string& results, const std::set<std::string>& left) {
   const auto submissions = read_submissions(results);
   if (!submissions) return submissions.error();
-  const auto queued = queued_tasks(names_of(*submissions));
+  const auto queued = tasks_of(*submissions);
   if (!queued) return queued.error();
   Look look(*queued, left);
   for (auto each = submissions->rbegin(); each != submissions->rend(); ++each) look.add(*each);
@@ -132,11 +147,15 @@ Result<QueueState> look_at_queue(const std::string& results, const std::set<std:
 Result<std::size_t> cancel_tasks(const std::string& results) {
   const auto submissions = read_submissions(results);
   if (!submissions) return submissions.error();
-  const auto queued = queued_tasks(names_of(*submissions));
+  const auto queued = tasks_of(*submissions);
   if (!queued) return queued.error();
-  std::set<std::string> jobs;
-  for (const QueuedTask& task : *queued) jobs.insert(task.id.substr(0, task.id.find('_')));
-  if (auto ended = cancel_jobs({jobs.begin(), jobs.end()}); !ended) return ended.error();
+  std::map<std::string, std::set<std::string>> jobs;  // by cluster
+  for (const QueuedTask& task : *queued) {
+    jobs[task.cluster].insert(task.id.substr(0, task.id.find('_')));
+  }
+  for (const auto& [cluster, ids] : jobs) {
+    if (auto ended = cancel_jobs({ids.begin(), ids.end()}, cluster); !ended) return ended.error();
+  }
   return queued->size();
 }
 

@@ -12,7 +12,8 @@
 /// What became of cells that were handed to Slurm.
 namespace weft::cluster {
 
-std::vector<std::string> names_of(const std::vector<Submission>& submissions);
+/// The tasks of submissions that Slurm has not done with, on whatever cluster they are.
+Result<std::vector<QueuedTask>> tasks_of(const std::vector<Submission>& submissions);
 
 /// Keys of the cells of these tasks.
 std::set<std::string> keys_of(const std::vector<Submission>& submissions,

@@ -8,6 +8,7 @@
 
 #include "cluster/chunks.hpp"
 #include "cluster/claims.hpp"
+#include "cluster/job_file.hpp"
 #include "cluster/queue.hpp"
 #include "cluster/slurm.hpp"
 #include "cluster/submission.hpp"
@@ -35,17 +36,22 @@ class SlurmEngine final : public evaluation::Engine {
 
   Result<std::vector<std::string>> run(const evaluation::Order& order, const Progress&,
                                        const std::atomic<bool>&) override {
-    if (auto usable = check_slurm(options_.partition); !usable) return usable.error();
+    const std::string clusters = clusters_in(options_.sbatch);
+    if (auto usable = check_slurm(options_.partition, clusters); !usable) return usable.error();
     const std::string& results = order.folder.path();
     const auto claims = Claims::open(results);
     if (!claims) return claims.error();
     const auto known = read_submissions(results);
     if (!known) return known.error();
-    const auto queued = queued_tasks(names_of(*known));
+    const auto queued = tasks_of(*known);
     if (!queued) return queued.error();
     std::set<std::string> ids;
-    for (const QueuedTask& task : *queued) ids.insert(task.id);
-    claims->clear(ids);
+    bool are_all_known = true;  // by their own numbers, which claims have
+    for (const QueuedTask& task : *queued) {
+      ids.insert(task.id);
+      are_all_known = are_all_known && task.task != kAllTasks;
+    }
+    if (are_all_known) claims->clear(ids);
     std::size_t on_their_way = 0;
     const auto groups = groups_without(order.groups, keys_of(*known, *queued), on_their_way);
     std::vector<std::string> said;
@@ -106,12 +112,8 @@ class SlurmEngine final : public evaluation::Engine {
         create_submission(order.folder.path(), std::move(tasks), options_.processes,
                           Equipment::here(order.grid.registry()));
     if (!submission) return submission.error();
-    const auto id = submit_job(*submission);
-    if (!id) {
-      std::error_code ignored;
-      fs::remove_all(submission->folder, ignored);
-      return id.error();
-    }
+    const auto id = submit_found(*submission);
+    if (!id) return id.error();
     std::size_t cells = 0;
     for (const Chunk& chunk : submission->tasks) cells += cells_of(chunk);
     const std::string what = "job " + *id + ": " + counted(cells, "cell") + " in " +
@@ -122,7 +124,42 @@ class SlurmEngine final : public evaluation::Engine {
     return what;
   }
 
-  Result<std::string> submit_job(const Submission& submission) const {
+  /// The number of the job. A submission stays unless Slurm has refused it for certain: its name
+  /// finds a job whose number is not known.
+  Result<std::string> submit_found(const Submission& submission) const {
+    const std::string clusters = clusters_in(options_.sbatch);
+    std::error_code ignored;
+    if (auto written = write_job(submission, {"", clusters}); !written) {
+      fs::remove_all(submission.folder, ignored);
+      return written.error();
+    }
+    auto job = submit_job(submission);
+    bool may_be_queued = !job && job.error().code == Errc::invalid_data;
+    if (!job && job.error().code != Errc::not_found) {
+      const auto queued = queued_tasks({submission.job}, clusters);
+      may_be_queued = may_be_queued || !queued;
+      if (queued && !queued->empty()) {
+        const QueuedTask& task = queued->front();
+        job = Job{task.id.substr(0, task.id.find('_')), task.cluster};
+      }
+    }
+    if (job) return noted(submission, *job, clusters);
+    if (may_be_queued) {
+      return Error{Errc::io, job.error().message + "; the job may be queued as " + submission.job +
+                                 ": run again, which finds it by this name or submits its cells"};
+    }
+    fs::remove_all(submission.folder, ignored);
+    return job.error();
+  }
+
+  static Result<std::string> noted(const Submission& submission, const Job& job,
+                                   const std::string& clusters) {
+    const std::string cluster = job.cluster.empty() ? clusters : job.cluster;
+    if (auto written = write_job(submission, {job.id, cluster}); !written) return written.error();
+    return job.id;
+  }
+
+  Result<Job> submit_job(const Submission& submission) const {
     const std::string script = submission.folder + "/task.sh";
     const std::string task =
         " --task \"" + submission.number + "/${SLURM_ARRAY_JOB_ID}_${SLURM_ARRAY_TASK_ID}\"";
@@ -140,7 +177,7 @@ class SlurmEngine final : public evaluation::Engine {
   }
 
   /// What the program says of the folder when all tasks have ended, whatever became of them.
-  Result<std::string> submit_collector(const Submission& submission, const std::string& id) const {
+  Result<Job> submit_collector(const Submission& submission, const std::string& id) const {
     const std::string script = submission.folder + "/collect.sh";
     const std::string command = options_.command + " --status";
     if (auto written = write_script(command, script); !written) return written.error();
