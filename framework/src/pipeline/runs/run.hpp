@@ -39,7 +39,7 @@ struct RunSummary {
   std::int64_t dropped = 0;  ///< frames of the source between those, with `realtime: latest`
   bool stopped = false;      ///< by on_error: stop, or cancelled
   bool cancelled = false;    ///< without a frame, also when it was not yet open: no folder is left
-  std::vector<RunWarning> warnings;  ///< the first of each text, at most 100
+  std::vector<RunWarning> warnings;  ///< of each text the first 100, and how many more
   /// What the frames together say of the camera, see SetupMonitor::camera().
   std::vector<std::pair<std::string, double>> camera;
 };

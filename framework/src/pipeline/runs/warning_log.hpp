@@ -13,7 +13,8 @@
 namespace weft {
 
 /// Counts what components warn of, each text once a frame. Frames may warn in any order: they are
-/// counted when they are filed. From any thread.
+/// counted when they are filed. Of a frame and of all frames the first 100 different texts are
+/// kept; of the others each component's number. From any thread.
 class WarningLog {
  public:
   void note(const std::string& component, int level, const std::string& text, std::uint64_t frame);
@@ -27,13 +28,20 @@ class WarningLog {
   std::vector<RunWarning> take();
 
  private:
-  using Told = std::vector<std::pair<std::string, std::string>>;  ///< component, text
+  struct Told {
+    std::vector<std::pair<std::string, std::string>> texts;  ///< component, text
+    std::map<std::string, std::int64_t> more;                ///< beyond those, by component
+  };
+  struct More {
+    std::int64_t warnings = 0, frames = 0;
+  };
 
   void file_told(std::uint64_t frame, std::int64_t frames);
 
   std::mutex mutex_;
   std::map<std::uint64_t, Told> told_;  ///< by frame, not yet filed
   std::vector<RunWarning> warnings_;
+  std::map<std::string, More> more_;  ///< that are not among them, by component
 };
 
 }  // namespace weft
