@@ -2,6 +2,7 @@
 #include "ablation_fixture.hpp"
 #include "results/expectations.hpp"
 #include "support/child.hpp"
+#include "support/processes.hpp"
 
 namespace weft::evaluation {
 namespace {
@@ -162,6 +163,25 @@ TEST_F(Ablation, SurvivesComponentsThatTakeTheirProcessWithThem) {
   EXPECT_EQ(reason(3), "it ended its process with exit code 7");
   EXPECT_EQ(reason(4), "its process died of signal 6 (Aborted)");
   EXPECT_THAT(weft::testing::read_text(path("out/log.txt")), HasSubstr("last words"));
+}
+
+TEST_F(Ablation, EndsWithACellWhateverItsComponentsHaveStarted) {
+  const std::string name = "a" + std::to_string(getpid());
+  const std::string deadly =
+      "{set: {filters.use: filters/zoo_deadly, filters.child: " + name + ", filters.deed: ";
+  Grid grid =
+      expand("axes:\n  filter:\n    values:\n      good: {}\n      left: " + deadly +
+             "leave}}\n      apart: " + deadly + "leave_session}}\n      copied: " + deadly +
+             "fork_twice}}\n      many: " + deadly + "multiply}}\ndata: {all: {}}\n");
+  const AblationState state = run(grid, "out");
+  EXPECT_EQ(state.done, 2U);
+  EXPECT_EQ(state.failed, 3U);
+  const auto reason = [&](std::size_t index) { return cell(grid, state, index).reason; };
+  EXPECT_EQ(reason(1), "its process died of signal 6 (Aborted)");
+  EXPECT_EQ(reason(2), "its process died of signal 6 (Aborted)");
+  EXPECT_EQ(reason(4), "it started more than 256 processes, and was ended with them");
+  EXPECT_THAT(weft::testing::processes_named(name), ::testing::ElementsAre());
+  EXPECT_EQ(lines("out").size(), 5U) << "a copy writes none";
 }
 
 TEST_F(Ablation, LeavesACellWhoseProcessIsKilledFromOutside) {

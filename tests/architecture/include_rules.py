@@ -36,10 +36,11 @@ INTERNAL = {
     "roles": "core sdk",
     "host/records": "core data",
     "host/loading": "core sdk yaml describe roles host/records",
-    "host/probing": "core describe host/records host/loading",
-    "host/workers": "core host/records host/loading",
+    "host/supervising": "core",
+    "host/probing": "core describe host/records host/loading host/supervising",
+    "host/workers": "core host/records host/loading host/supervising",
     "host/calling": "core roles host/records host/loading host/workers",
-    "host/serving": "core host/workers host/calling",
+    "host/serving": "core host/loading host/supervising host/workers host/calling",
     "pipeline/configuration": "core yaml roles host/loading host/workers",
     "pipeline/graph": "core roles pipeline/configuration",
     "pipeline/execution": "core data geometry roles host/records host/calling pipeline/graph",
@@ -62,7 +63,8 @@ INTERNAL = {
     "results": "core data geometry host/records statistics metrics",
     "ablation/plan": "core yaml roles host/records host/loading pipeline/configuration pipeline/runs "
     "statistics metrics results",
-    "ablation": "core data roles host/records host/loading host/calling pipeline/execution "
+    "ablation": "core data roles host/records host/loading host/supervising host/calling "
+    "pipeline/execution "
     "pipeline/runs metrics results ablation/plan",
     "cluster": "core programs host/records host/loading metrics/runs results ablation/plan "
     "ablation",
@@ -78,7 +80,8 @@ INTERNAL = {
     "mutants": "core describe host/loading programs",
     "mutants/library": "mutants",
     "conformance/probes": "core describe host/records host/loading testing",
-    "conformance": "core data describe host/records host/loading host/calling testing programs "
+    "conformance": "core data describe host/records host/loading host/supervising host/calling "
+    "testing programs "
     "conformance/probes",
     "cli": "core images data geometry generators truth sdk yaml describe roles host pipeline printing "
     "programs calibration metrics results ablation cluster report bench schema conformance mutants",

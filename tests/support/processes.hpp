@@ -30,7 +30,8 @@ inline ProcessState state_of(pid_t process) {
   return found;
 }
 
-/// The processes whose parent is this one.
+/// The processes whose parent is this one; of a worker that is its supervisor, of which the worker
+/// is the only child.
 inline std::vector<pid_t> children_of(pid_t parent) {
   std::vector<pid_t> children;
   std::error_code code;
@@ -41,6 +42,21 @@ inline std::vector<pid_t> children_of(pid_t parent) {
     if (state_of(process).parent == parent) children.push_back(process);
   }
   return children;
+}
+
+/// The processes with this name, of at most 15 characters, that live.
+inline std::vector<pid_t> processes_named(const std::string& wanted) {
+  std::vector<pid_t> found;
+  std::error_code code;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc", code)) {
+    const std::string id = entry.path().filename().string();
+    if (id.find_first_not_of("0123456789") != std::string::npos) continue;
+    std::ifstream file(entry.path() / "comm");
+    std::string name;
+    std::getline(file, name);
+    if (name == wanted && state_of(std::stoi(id)).state != 'Z') found.push_back(std::stoi(id));
+  }
+  return found;
 }
 
 /// Gone, or dead and waited for by nobody yet.

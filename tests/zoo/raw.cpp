@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 #include <iterator>
+#include <string>
 #include <string_view>
 
 namespace {
@@ -13,7 +14,8 @@ constexpr const char* kMistakes[] = {
     "none",         "created_nothing", "no_output",    "no_reason",   "unknown_status",
     "unknown_code", "no_terminator",   "unknown_slot", "wrong_type",  "no_array_name",
     "no_shape",     "unknown_dtype",   "seven_axes",   "negative",    "too_large",
-    "overflow",     "unknown_handle",  "null_log",     "wrong_dtype", "greedy"};
+    "overflow",     "unknown_handle",  "null_log",     "wrong_dtype", "greedy",
+    "huge_array",   "many_arrays"};
 
 struct Raw {
   std::string_view mistake;
@@ -90,6 +92,15 @@ bool is_refused(std::string_view mistake, const weft_call* call) {
   if (mistake == "seven_axes") array = alloc(call, slot, type, "kept", WEFT_U8, 7, length);
   if (mistake == "negative") array = alloc(call, slot, type, "kept", WEFT_U8, 1, negative);
   if (mistake == "too_large") array = alloc(call, slot, type, "kept", WEFT_U8, 1, large);
+  if (mistake == "huge_array") {
+    const std::int64_t huge[] = {3, std::int64_t{1} << 27};
+    array = alloc(call, slot, type, "x.zoo.huge", WEFT_F64, 2, huge);
+  }
+  for (int i = 0; mistake == "many_arrays" && i < 100'000; ++i) {
+    const std::string name = "x.zoo.a" + std::to_string(i);
+    array = alloc(call, slot, type, name.c_str(), WEFT_U8, 1, length);
+    if (array == nullptr) break;
+  }
   if (mistake == "overflow") array = alloc(call, slot, type, "diag.x", WEFT_F64, 3, overflow);
   return array == nullptr;
 }

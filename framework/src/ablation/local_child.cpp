@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <sys/prctl.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,6 +14,7 @@
 #include <exception>
 #include <new>
 
+#include "host/supervising/supervisor.hpp"
 #include "results/cell_line.hpp"
 
 namespace weft::evaluation {
@@ -96,15 +98,32 @@ Result<ChildProcess> start_child(const Order& order, const std::vector<const Cel
   }
   if (child > 0) {
     close(ends[1]);
+    fcntl(ends[0], F_SETFL, O_NONBLOCK);
     return ChildProcess{child, ends[0]};
   }
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(1);
+  host::go_on_supervised();
   close(ends[0]);
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
   print_into(order.folder.log_file());
   run_cells(order, cells, ends[1]);
   _exit(0);
+}
+
+bool is_own_fault(int status) {
+  if (!WIFSIGNALED(status)) return true;
+  constexpr int kFaults[] = {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP};
+  return std::find(std::begin(kFaults), std::end(kFaults), WTERMSIG(status)) != std::end(kFaults);
+}
+
+std::string how_it_ended(int status) {
+  if (host::had_too_many_processes(status)) return "it " + host::too_many_processes();
+  if (WIFSIGNALED(status)) {
+    const int signal = WTERMSIG(status);
+    return "its process died of signal " + std::to_string(signal) + " (" + strsignal(signal) + ")";
+  }
+  return "it ended its process with exit code " + std::to_string(WEXITSTATUS(status));
 }
 
 ChildMessage parse_message(const std::string& line) {

@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstring>
 #include <deque>
 #include <list>
 #include <map>
@@ -17,6 +16,7 @@
 
 #include "ablation/engine.hpp"
 #include "ablation/local_child.hpp"
+#include "host/supervising/supervisor.hpp"
 #include "results/cell_record.hpp"
 
 namespace weft::evaluation {
@@ -26,7 +26,7 @@ using Cells = std::vector<const Cell*>;
 using Clock = std::chrono::steady_clock;
 
 constexpr int kMostKills = 3;  ///< of one task, before it is left
-constexpr int kPause_ms = 200;
+constexpr int kPause_ms = 200, kPauseAtEnd_ms = 2;
 
 /// Cells that one process is to run.
 struct Task {
@@ -37,7 +37,8 @@ struct Task {
 /// A process at work.
 struct Child {
   pid_t process = 0;
-  int pipe = -1;  ///< what it says; closed by its end
+  int pipe = -1;                   ///< what it says; -1 at its end
+  std::optional<int> status = {};  ///< how it ended; nothing while it runs
   Task task;
   double share = 0.0;                       ///< of its frames
   std::string said;                         ///< not yet a whole line
@@ -48,20 +49,6 @@ struct Child {
   double silent_s = 0.0;  ///< since it said something
   bool ended = false;     ///< by this program, for it said nothing until its deadline
 };
-
-/// Signals that a program sends itself by a mistake; any other comes from outside.
-bool is_own_fault(int signal) {
-  constexpr int kFaults[] = {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP};
-  return std::find(std::begin(kFaults), std::end(kFaults), signal) != std::end(kFaults);
-}
-
-std::string how_it_ended(int status) {
-  if (WIFSIGNALED(status)) {
-    const int signal = WTERMSIG(status);
-    return "its process died of signal " + std::to_string(signal) + " (" + strsignal(signal) + ")";
-  }
-  return "it ended its process with exit code " + std::to_string(WEXITSTATUS(status));
-}
 
 class LocalRun {
  public:
@@ -104,19 +91,25 @@ class LocalRun {
   /// Waits for what the children say, or for a moment.
   Result<void> listen() {
     std::vector<pollfd> pipes;
-    for (const Child& child : children_) pipes.push_back({child.pipe, POLLIN, 0});
+    bool is_one_ending = false;
+    for (const Child& child : children_) {
+      pipes.push_back({child.pipe, POLLIN, 0});
+      is_one_ending = is_one_ending || child.pipe < 0;
+    }
     const auto before = Clock::now();
-    const bool heard = poll(pipes.data(), pipes.size(), kPause_ms) > 0;
+    poll(pipes.data(), pipes.size(), is_one_ending ? kPauseAtEnd_ms : kPause_ms);
     const auto waited = Clock::now() - before;
-    auto done = heard ? hear_all(pipes) : Result<void>();
+    auto done = hear_all(pipes);
     end_silent(waited);
     return done;
   }
 
+  /// A process has ended when it has, whoever holds its pipe, and not when it closes the pipe.
   Result<void> hear_all(const std::vector<pollfd>& pipes) {
     auto pipe = pipes.begin();
     for (auto child = children_.begin(); child != children_.end(); ++pipe) {
-      const bool ended = pipe->revents != 0 && !hear(*child);
+      const bool ended = has_ended(*child);
+      if (pipe->revents != 0 || ended) hear(*child);
       if (!ended) {
         ++child;
         continue;
@@ -137,17 +130,32 @@ class LocalRun {
       child.silent_s += std::min<std::chrono::duration<double>>(waited, longest).count();
       if (deadline_s <= 0.0 || child.silent_s <= deadline_s || child.ended) continue;
       child.ended = true;
-      kill(child.process, SIGKILL);
+      kill(child.process, SIGTERM);  // its supervisor ends all
     }
   }
 
-  /// False at the end of what it says.
-  static bool hear(Child& child) {
+  static bool has_ended(Child& child) {
+    int status = 0;
+    const pid_t ended = waitpid(child.process, &status, WNOHANG);
+    if (ended == child.process || (ended < 0 && errno == ECHILD)) child.status = status;
+    return child.status.has_value();
+  }
+
+  /// All that is there: a pipe holds less than this.
+  static void hear(Child& child) {
+    constexpr int kMostReads = 64;
     char bytes[4096];
-    const ssize_t count = read(child.pipe, bytes, sizeof(bytes));
-    if (count < 0) return errno == EINTR || errno == EAGAIN;
-    child.silent_s = 0.0;
-    child.said.append(bytes, to_index(count));
+    for (int i = 0; i < kMostReads && child.pipe >= 0; ++i) {
+      const ssize_t count = read(child.pipe, bytes, sizeof(bytes));
+      if (count < 0 && (errno == EINTR || errno == EAGAIN)) break;
+      child.silent_s = 0.0;
+      if (count > 0) {
+        child.said.append(bytes, to_index(count));
+      } else {
+        close(child.pipe);
+        child.pipe = -1;
+      }
+    }
     for (std::size_t end = child.said.find('\n'); end != std::string::npos;
          end = child.said.find('\n')) {
       const auto heard = parse_message(child.said.substr(0, end));
@@ -158,14 +166,11 @@ class LocalRun {
       child.no_memory = child.no_memory || heard.no_memory;
       child.done = child.done || heard.done;
     }
-    return count > 0;
   }
 
   Result<void> bury(Child& child) {
-    close(child.pipe);
-    int status = 0;
-    while (waitpid(child.process, &status, 0) < 0 && errno == EINTR) {
-    }
+    if (child.pipe >= 0) close(child.pipe);
+    const int status = *child.status;
     leave(child.task, child.left);
     if (child.done) {
       done_ += static_cast<double>(child.task.cells.size());
@@ -176,9 +181,8 @@ class LocalRun {
     if (child.task.cells.empty()) return {};
     if (child.ended) return blame(std::move(child.task), past_deadline());
     if (child.no_memory) return try_again(std::move(child.task), "there was not enough memory");
-    const bool own_fault = !WIFSIGNALED(status) || is_own_fault(WTERMSIG(status));
-    return own_fault ? blame(std::move(child.task), how_it_ended(status))
-                     : try_again(std::move(child.task), how_it_ended(status));
+    return is_own_fault(status) ? blame(std::move(child.task), how_it_ended(status))
+                                : try_again(std::move(child.task), how_it_ended(status));
   }
 
   std::string past_deadline() const {
@@ -264,10 +268,10 @@ class LocalRun {
   }
 
   void end_children() {
-    for (const Child& child : children_) kill(child.process, SIGKILL);
+    for (const Child& child : children_) kill(child.process, SIGTERM);
     for (const Child& child : children_) {
-      close(child.pipe);
-      waitpid(child.process, nullptr, 0);
+      if (child.pipe >= 0) close(child.pipe);
+      host::end_supervised(child.process);
     }
   }
 

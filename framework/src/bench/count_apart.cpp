@@ -83,13 +83,17 @@ class Counter {
   Counter(const Counter&) = delete;
   Counter& operator=(const Counter&) = delete;
 
-  /// All that it prints until it ends; less when it is cancelled.
-  std::string read_all(const std::atomic<bool>& cancel) const {
+  /// All that it prints until it ends, whoever holds its output then; less when it is cancelled.
+  std::string read_all(const std::atomic<bool>& cancel) {
     std::string text;
     std::array<char, 4096> part{};
     while (!cancel.load()) {
       pollfd waiting{output_, POLLIN, 0};
-      if (poll(&waiting, 1, kLook_ms) <= 0) continue;
+      const bool ended = has_ended();
+      if (poll(&waiting, 1, ended ? 0 : kLook_ms) <= 0) {
+        if (ended) break;
+        continue;
+      }
       const ssize_t count = read(output_, part.data(), part.size());
       if (count < 0 && errno == EINTR) continue;
       if (count <= 0) break;
@@ -100,16 +104,21 @@ class Counter {
 
   /// Whether it ended by itself, with exit code 0.
   bool succeeded() {
-    int status = 0;
-    waitpid(id_, &status, 0);
-    id_ = 0;
-    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    while (!has_ended()) poll(nullptr, 0, 1);
+    return WIFEXITED(status_) && WEXITSTATUS(status_) == 0;
   }
 
  private:
+  bool has_ended() {
+    const pid_t ended = id_ != 0 ? waitpid(id_, &status_, WNOHANG) : 0;
+    if (ended == id_ || (ended < 0 && errno == ECHILD)) id_ = 0;
+    return id_ == 0;
+  }
+
   Counter(pid_t id, int output) : id_(id), output_(output) {}
-  pid_t id_;
+  pid_t id_;  ///< 0 once it has ended
   int output_;
+  int status_ = 0;
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -15,6 +16,8 @@
 #include <stdexcept>
 #include <thread>
 #include <weft/testing/role_contract.hpp>
+
+#include "host/supervising/supervisor.hpp"
 
 namespace weft::conformance {
 namespace {
@@ -63,6 +66,8 @@ struct Pipe {
 
 [[noreturn]] void work(const Pipe& notes, int printed, const Choice& choice,
                        const std::function<void(Notebook&)>& make) {
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  host::go_on_supervised(printed);
   dup2(printed, STDOUT_FILENO);
   dup2(printed, STDERR_FILENO);
   remarks_to = notes.write_end;
@@ -106,7 +111,9 @@ Heard listen(const Pipe& notes, pid_t child, std::chrono::seconds longest) {
     if (!is_open) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     if (heard.written.size() > before) last = Clock::now();
     heard.late = Clock::now() - last > longest;
-    if (heard.late) kill(child, SIGKILL);
+    if (!heard.late) continue;
+    heard.status = host::end_supervised(child);
+    break;
   }
   read_some(notes.read_end, 0, heard.written);
   heard.late = heard.late && WIFSIGNALED(heard.status);
@@ -127,6 +134,7 @@ std::string last_line(int printed) {
 
 std::string how_it_ended(const Heard& heard, std::chrono::seconds longest) {
   if (heard.late) return fmt::format("not done after {} s", longest.count());
+  if (host::had_too_many_processes(heard.status)) return "it " + host::too_many_processes();
   if (WIFEXITED(heard.status)) {
     return fmt::format("it ended its process with exit code {}", WEXITSTATUS(heard.status));
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <unistd.h>
+
 #include <functional>
 #include <optional>
 #include <string>
@@ -54,6 +56,7 @@ class Notebook {
   void write(const std::string& line) const;
 
   int file_;
+  pid_t process_ = getpid();  ///< that makes the checks
   Choice choice_;
   std::optional<std::string> open_;
 };

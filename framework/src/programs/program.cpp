@@ -66,12 +66,13 @@ int start(std::vector<std::string> words, std::vector<std::string> settings, int
   return failure;
 }
 
-/// False at the end.
+/// False at the end. What is too much is read, so that the program goes on, and not kept.
 bool append(int end, std::string& text) {
+  constexpr std::size_t kMostKept_bytes = 64 << 20;
   char bytes[4096];
   const ssize_t count = read(end, bytes, sizeof(bytes));
   if (count < 0) return errno == EINTR;
-  text.append(bytes, to_index(count));
+  if (text.size() < kMostKept_bytes) text.append(bytes, to_index(count));
   return count > 0;
 }
 
@@ -94,16 +95,27 @@ class Deadline {
   std::optional<Clock::time_point> end_;
 };
 
-/// Until both ends are closed or it is too late.
-void read_both(const Pipe& out, const Pipe& err, const Deadline& deadline, Answer& answer) {
+/// Until both ends are closed, the program has ended or it is too late. What a program has started
+/// may hold the ends for as long as it likes. Nothing while the program runs, else its status.
+std::optional<int> read_both(const Pipe& out, const Pipe& err, pid_t process,
+                             const Deadline& deadline, Answer& answer) {
+  constexpr int kPause_ms = 20;
   pollfd ends[] = {{out.read_end(), POLLIN, 0}, {err.read_end(), POLLIN, 0}};
+  std::optional<int> ended;
+  int reads_after_end = 64;  // of all that pipes can hold, and not of what others go on to write
   while ((ends[0].fd >= 0 || ends[1].fd >= 0) && !deadline.is_over()) {
-    const int ready = poll(ends, 2, deadline.left_ms());
-    if (ready < 0 && errno != EINTR) return;
+    const int left_ms = deadline.left_ms();
+    const int longest_ms = left_ms < 0 ? kPause_ms : std::min(left_ms, kPause_ms);
+    const int ready = poll(ends, 2, ended ? 0 : longest_ms);
+    if (ready < 0 && errno != EINTR) return ended;
+    if (ended && (ready == 0 || --reads_after_end == 0)) return ended;
+    int status = 0;
+    if (!ended && waitpid(process, &status, WNOHANG) == process) ended = status;
     if (ready <= 0) continue;
     if (ends[0].revents != 0 && !append(ends[0].fd, answer.out)) ends[0].fd = -1;
     if (ends[1].revents != 0 && !append(ends[1].fd, answer.err)) ends[1].fd = -1;
   }
+  return ended;
 }
 
 /// Waits for its end, or ends it where it is too late. Its status.
@@ -141,8 +153,8 @@ Result<Answer> run_program(const std::vector<std::string>& words,
   out.close_end(1);
   err.close_end(1);
   Answer answer;
-  read_both(out, err, deadline, answer);
-  const int status = wait_for(process, deadline, answer);
+  const auto ended = read_both(out, err, process, deadline, answer);
+  const int status = ended ? *ended : wait_for(process, deadline, answer);
   answer.exit_code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
   return answer;
 }

@@ -16,7 +16,8 @@ struct Answer {
 };
 
 /// Runs a program of the search path to its end; its input is empty, its environment this one's
-/// with `settings` ("NAME=VALUE") behind it. One that takes longer than `longest`, if that is not
+/// with `settings` ("NAME=VALUE") behind it. Processes that it leaves behind are not waited for.
+/// Of what it prints 64 MiB are kept. One that takes longer than `longest`, if that is not
 /// zero, is killed. Errc::not_found where there is no such program.
 Result<Answer> run_program(const std::vector<std::string>& words,
                            const std::vector<std::string>& settings = {},

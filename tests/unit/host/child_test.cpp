@@ -8,6 +8,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <stdexcept>
 
 namespace weft::host {
@@ -68,6 +69,54 @@ TEST(AChild, ThatHangsIsKilledAlsoWhenItHasLeftThePipeToAnother) {
   });
   ASSERT_FALSE(leaves_one);
   EXPECT_EQ(leaves_one.error().message, "ends the process that loads it by exit(3)");
+}
+
+/// How many processes there are whose first word is that of this test: copies of it.
+std::size_t copies() {
+  std::size_t count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    std::error_code code;
+    const auto program = std::filesystem::read_symlink(entry.path() / "exe", code);
+    count += !code && program == std::filesystem::read_symlink("/proc/self/exe") ? 1 : 0;
+  }
+  return count;
+}
+
+TEST(AChild, LeavesNoProcessBehindWhateverItsSession) {
+  const std::size_t before = copies();
+  const auto answer = ask([]() -> Answered {
+    if (fork() == 0) {
+      setsid();
+      if (fork() == 0) pause();
+      _exit(0);
+    }
+    return std::string("said");
+  });
+  EXPECT_EQ(*answer, "said");
+  EXPECT_EQ(copies(), before);
+}
+
+TEST(AChild, ThatStartsProcessesWithoutEndIsEndedWithThem) {
+  const std::size_t before = copies();
+  const auto answer = ask([]() -> Answered {
+    while (true) {
+      if (fork() != 0) continue;
+      setsid();
+      pause();
+    }
+  });
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().message, "started more than 256 processes, and was ended with them");
+  EXPECT_EQ(copies(), before);
+}
+
+TEST(AChild, OfWhichACopyReturnsTooGivesOneAnswer) {
+  const auto answer = ask([]() -> Answered {
+    const pid_t copy = fork();
+    return std::string(copy == 0 ? "the copy" : "the child");
+  });
+  ASSERT_TRUE(answer) << answer.error().message;
+  EXPECT_EQ(*answer, "the child");
 }
 
 TEST(AChild, IsNotHeardAndChangesNothingHere) {

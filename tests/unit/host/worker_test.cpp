@@ -138,8 +138,14 @@ std::int64_t shared_bytes() {
   return sum;
 }
 
-/// The processes that this one has started and not yet waited for.
-std::vector<pid_t> children() { return testing::children_of(getpid()); }
+/// The workers of this process, each the child of a supervisor.
+std::vector<pid_t> workers() {
+  std::vector<pid_t> found;
+  for (const pid_t supervisor : testing::children_of(getpid())) {
+    for (const pid_t worker : testing::children_of(supervisor)) found.push_back(worker);
+  }
+  return found;
+}
 
 TEST_F(WorkerTest, GivesTheSameBytesTimingsAndDrawsAsInThisProcess) {
   Instance& near = here("filters/zoo_good", kNested);
@@ -235,6 +241,80 @@ TEST_F(WorkerTest, ADeathCostsOneFrame) {
   }
 }
 
+/// Names of processes of this test alone.
+std::string own_name() { return "z" + std::to_string(getpid()); }
+
+TEST_F(WorkerTest, ADeathEndsTheCallAndWhatTheComponentHasStarted) {
+  for (const std::string deed : {"leave", "leave_session"}) {
+    SCOPED_TRACE(deed);
+    Instance& deadly =
+        apart("filters/zoo_deadly", "{frame: 1, deed: " + deed + ", child: " + own_name() + "}");
+    EXPECT_EQ(filter(deadly, 0).status, WEFT_OK);
+    const Outcome outcome = filter(deadly, 1);
+    EXPECT_EQ(outcome.status, WEFT_ERROR);
+    EXPECT_THAT(outcome.error.message, StartsWith("its worker died of signal 6 (Aborted)"));
+    EXPECT_THAT(testing::processes_named(own_name()), ElementsAre());
+    EXPECT_EQ(diag(filter(deadly, 2), "prepared"), 1.0);
+  }
+}
+
+TEST_F(WorkerTest, ADeathInCreateEndsWhatTheComponentHasStarted) {
+  const auto made = lane_->instantiate_isolated(
+      spec("filters/zoo_deadly", "{where: create, deed: leave, child: " + own_name() + "}"),
+      "filters", isolation());
+  ASSERT_FALSE(made);
+  EXPECT_THAT(made.error().message, HasSubstr("died of signal 6"));
+  EXPECT_THAT(testing::processes_named(own_name()), ElementsAre());
+}
+
+TEST_F(WorkerTest, ACopyThatAComponentMakesAnswersNoCall) {
+  Instance& deadly =
+      apart("filters/zoo_deadly", "{frame: 1, deed: fork_twice, child: " + own_name() + "}");
+  for (std::uint64_t frame = 0; frame < 20; ++frame) {
+    const auto count = static_cast<std::int64_t>(frame) + 1;  // tells the answers apart
+    const Outcome outcome = filter(deadly, frame, count);
+    ASSERT_EQ(outcome.status, WEFT_OK) << outcome.error.message;
+    EXPECT_EQ(view_as<InlierMask>(*outcome.find("inlier_mask"))->kept.rows(), count);
+  }
+  EXPECT_TRUE(comes_true([] { return testing::processes_named(own_name()).empty(); }));
+}
+
+TEST_F(WorkerTest, AComponentThatStartsProcessesWithoutEndIsEndedWithThem) {
+  Instance& deadly =
+      apart("filters/zoo_deadly", "{frame: 1, deed: multiply, child: " + own_name() + "}");
+  const Outcome outcome = filter(deadly, 1);
+  EXPECT_EQ(outcome.status, WEFT_ERROR);
+  EXPECT_THAT(outcome.error.message,
+              StartsWith("its worker started more than 256 processes, and was ended with them"));
+  EXPECT_THAT(testing::processes_named(own_name()), ElementsAre());
+}
+
+TEST_F(WorkerTest, AFloodOfOutputIsNotKeptAndItsAuthorIsNamed) {
+  Instance& deadly = apart("filters/zoo_deadly", "{frame: 1, deed: print}");
+  EXPECT_EQ(filter(deadly, 1).status, WEFT_OK);
+  EXPECT_TRUE(comes_true([] { return shared_bytes() < std::int64_t{8} << 20; })) << "of 64 MiB";
+  EXPECT_EQ(filter(deadly, 2).status, WEFT_OK);
+  ASSERT_EQ(logged_.size(), 1U);
+  EXPECT_THAT(logged_[0], HasSubstr("filters 2 printed more than 64 MiB"));
+}
+
+TEST_F(WorkerTest, ArraysThatAreTooLargeOrTooManyAreRefusedByName) {
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"huge_array",
+       "its array 'x.zoo.huge' of inlier_mask/1 (3221225472 bytes): the arrays of a "
+       "record may have "},
+      {"many_arrays", "its array 'x.zoo.a1000' of inlier_mask/1: a record may have 1000 arrays"}};
+  for (const auto& [mistake, refusal] : cases) {
+    for (const bool is_apart : {false, true}) {
+      logged_.clear();
+      const std::string params = "{mistake: " + mistake + "}";
+      filter(is_apart ? apart("filters/zoo_raw", params) : here("filters/zoo_raw", params));
+      ASSERT_EQ(logged_.size(), 1U) << mistake << is_apart;
+      EXPECT_THAT(logged_[0], HasSubstr("the host refused " + refusal));
+    }
+  }
+}
+
 TEST_F(WorkerTest, HangingPastTheDeadlineCostsOneFrame) {
   Instance& deadly = apart("filters/zoo_deadly", "{frame: 1, deed: hang}", 1000);
   EXPECT_EQ(filter(deadly, 0).status, WEFT_OK);
@@ -248,8 +328,8 @@ TEST_F(WorkerTest, AfterADeathAnotherWorkerIsMadeBeforeItIsCalled) {
   Instance& deadly = apart("filters/zoo_deadly", "{frame: 1, deed: exit}");
   const auto first = static_cast<pid_t>(diag(filter(deadly, 0), "process"));
   EXPECT_EQ(filter(deadly, 1).status, WEFT_ERROR);
-  ASSERT_TRUE(comes_true([] { return !children().empty(); }));
-  const std::vector<pid_t> waiting = children();
+  ASSERT_TRUE(comes_true([] { return !workers().empty(); }));
+  const std::vector<pid_t> waiting = workers();
   const Outcome outcome = filter(deadly, 2);
   EXPECT_NE(static_cast<pid_t>(diag(outcome, "process")), first);
   EXPECT_THAT(waiting, ElementsAre(static_cast<pid_t>(diag(outcome, "process"))));
@@ -263,12 +343,12 @@ TEST_F(WorkerTest, WhereAStartTakesLongASpareStandsReadyIfOneIsWanted) {
     how.keeps_spare = keeps_spare;
     Instance& deadly = prepared(lane_->instantiate_isolated(
         spec("filters/zoo_deadly", "{frame: 1, deed: exit, prepare_ms: 50}"), "filters", how));
-    EXPECT_EQ(children().size(), 1U) << "not before it has answered";
+    EXPECT_EQ(workers().size(), 1U) << "not before it has answered";
     const auto first = static_cast<pid_t>(diag(filter(deadly, 0), "process"));
     if (keeps_spare) {
-      ASSERT_TRUE(comes_true([] { return children().size() == 2; }));
+      ASSERT_TRUE(comes_true([] { return workers().size() == 2; }));
     }
-    std::vector<pid_t> standing = children();
+    std::vector<pid_t> standing = workers();
     std::erase(standing, first);
     EXPECT_EQ(standing.size(), keeps_spare ? 1U : 0U);
     EXPECT_EQ(filter(deadly, 1).status, WEFT_ERROR);
@@ -278,7 +358,7 @@ TEST_F(WorkerTest, WhereAStartTakesLongASpareStandsReadyIfOneIsWanted) {
       EXPECT_THAT(standing, ElementsAre(static_cast<pid_t>(diag(outcome, "process"))));
     }
     lane_->discard(deadly);
-    EXPECT_THAT(children(), ElementsAre());
+    EXPECT_THAT(workers(), ElementsAre());
   }
 }
 
@@ -288,8 +368,8 @@ TEST_F(WorkerTest, ASpareThatDiedIsNotUsed) {
   Instance& deadly = prepared(lane_->instantiate_isolated(
       spec("filters/zoo_deadly", "{frame: 1, deed: exit, prepare_ms: 50}"), "filters", how));
   const auto first = static_cast<pid_t>(diag(filter(deadly, 0), "process"));
-  ASSERT_TRUE(comes_true([] { return children().size() == 2; }));
-  for (const pid_t child : children()) {
+  ASSERT_TRUE(comes_true([] { return workers().size() == 2; }));
+  for (const pid_t child : workers()) {
     if (child != first) kill(child, SIGKILL);
   }
   EXPECT_EQ(filter(deadly, 1).status, WEFT_ERROR);
@@ -366,7 +446,7 @@ TEST_F(WorkerTest, ManyDeathsLeaveNoFilesAndNoZombies) {
   };
   const std::size_t files = lane_with_deaths(1);
   EXPECT_EQ(lane_with_deaths(11), files);
-  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);
+  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "of supervisors";
   EXPECT_EQ(errno, ECHILD);
 }
 

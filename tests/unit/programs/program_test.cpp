@@ -3,6 +3,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/types.h>
+
+#include <csignal>
 
 namespace weft {
 namespace {
@@ -31,6 +34,16 @@ TEST(RunProgram, EndsOneThatTakesTooLong) {
   ASSERT_TRUE(quick);
   EXPECT_EQ(quick->out, "done\n");
   EXPECT_FALSE(quick->late);
+}
+
+TEST(RunProgram, DoesNotWaitForWhatAProgramLeavesBehind) {
+  const auto answer = run_program({"/bin/sh", "-c", "echo $$; sleep 600 & echo $!; exit 4"});
+  ASSERT_TRUE(answer) << answer.error().message;
+  EXPECT_EQ(answer->exit_code, 4);
+  const std::size_t line = answer->out.find('\n');
+  ASSERT_NE(line, std::string::npos);
+  const pid_t left = std::stoi(answer->out.substr(line + 1));
+  EXPECT_EQ(kill(left, SIGKILL), 0) << "it was still there";
 }
 
 TEST(RunProgram, SaysThatThereIsNoSuchProgram) {

@@ -2,12 +2,14 @@
 // Components that would take their host with them: made to run in a worker.
 #include <signal.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 #include <thread>
 #include <weft/sdk/filter.hpp>
 #include <weft/sdk/pass.hpp>
@@ -30,7 +32,13 @@ enum class Deed {
   terminate,
   quit,
   spoil,
-  overread
+  overread,
+  leave,
+  leave_session,
+  fork_twice,
+  multiply,
+  print,
+  warn
 };
 enum class Place { process, create, prepare };
 
@@ -70,6 +78,24 @@ void scribble() {
   }
 }
 
+/// A process that holds all files of this one for an hour; `apart`, in a session of its own and
+/// below another parent.
+void leave_a_process(const std::string& name, bool apart) {
+  if (fork() != 0) return;
+  if (apart) setsid();
+  if (apart && fork() != 0) _exit(0);
+  prctl(PR_SET_NAME, name.c_str());
+  std::this_thread::sleep_for(std::chrono::hours(1));
+  _exit(0);
+}
+
+/// Prints 64 MiB.
+void print_much() {
+  const std::string line(1023, 'x');
+  for (int i = 0; i < 65536; ++i) std::puts(line.c_str());
+  std::fflush(stdout);
+}
+
 /// Keeps every match until it is time for its deed.
 class Deadly final : public weft::Filter {
  public:
@@ -90,12 +116,19 @@ class Deadly final : public weft::Filter {
               {"terminate", Deed::terminate},
               {"quit", Deed::quit},
               {"spoil", Deed::spoil},
-              {"overread", Deed::overread}},
+              {"overread", Deed::overread},
+              {"leave", Deed::leave},
+              {"leave_session", Deed::leave_session},
+              {"fork_twice", Deed::fork_twice},
+              {"multiply", Deed::multiply},
+              {"print", Deed::print},
+              {"warn", Deed::warn}},
              "what it does");
     p.choice("where", where_,
              {{"process", Place::process}, {"create", Place::create}, {"prepare", Place::prepare}},
              "in which function");
     p.read("frame", frame_, "", {-1, 1e6}, "in which frame; -1 for all");
+    p.read("child", child_, "name of the processes that it leaves behind");
     p.read("prepare_ms", prepare_ms_, "ms", {0, 10'000}, "time that it takes to prepare");
     if (where_ == Place::create) act();
   }
@@ -117,6 +150,9 @@ class Deadly final : public weft::Filter {
     act();
     if (deed_ == Deed::spoil) *const_cast<std::uint8_t*>(in.correspondences.kept.data()) = 0;
     if (deed_ == Deed::overread) read_at(in.correspondences.score.data() + n + 16);
+    for (int i = 0; deed_ == Deed::warn && i < 20'000; ++i) {
+      in.call.log_warning("warning number " + std::to_string(i));
+    }
     if (deed_ == Deed::log) in.call.log_warning("so far so good");
     if (deed_ == Deed::large) mask.diag.set("large", weft::Array<double>({5'000'000}, 0.0));
     while (deed_ == Deed::obey) {
@@ -136,6 +172,14 @@ class Deadly final : public weft::Filter {
     if (deed_ == Deed::kill) die_of(SIGKILL);
     if (deed_ == Deed::exit) _exit(7);
     if (deed_ == Deed::scribble) scribble();
+    if (deed_ == Deed::leave || deed_ == Deed::leave_session) {
+      leave_a_process(child_, deed_ == Deed::leave_session);
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      die_of(SIGABRT);
+    }
+    if (deed_ == Deed::fork_twice && fork() == 0) prctl(PR_SET_NAME, child_.c_str());
+    while (deed_ == Deed::multiply) leave_a_process(child_, true);
+    if (deed_ == Deed::print) print_much();
     if (deed_ == Deed::fault) write_where_nothing_is();
     if (deed_ == Deed::overflow) {
       const volatile bool more = true;
@@ -152,6 +196,7 @@ class Deadly final : public weft::Filter {
   Deed deed_ = Deed::none;
   Place where_ = Place::process;
   int frame_ = -1;
+  std::string child_ = "zoo_left";
   int prepare_ms_ = 0;
   bool prepared_ = false;
 };

@@ -56,7 +56,7 @@ int main(int argc, char** argv) {
       weft::Rng rng(call->frame);
       bytes = damaged(pack(honest()), rng);
     }
-    if (!channel.send(MessageKind::reply, bytes)) return 1;
+    if (!channel.send(MessageKind::reply, bytes, message.call)) return 1;
   }
   return 0;
 }

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a component may ask of its host during a call.
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstring>
+#include <weft/core/quote.hpp>
 
 #include "host/calling/lane_parts.hpp"
 
@@ -12,6 +16,55 @@ bool Lane::Scope::may_produce(std::string_view slot, std::string_view type) cons
            return output.name == slot && output.type == type;
          });
 }
+
+namespace {
+
+constexpr std::uint64_t kMostArrays = 1000;       ///< of a record
+constexpr std::size_t kLongestText_bytes = 4096;  ///< of a log
+
+/// [bytes] of all arrays of a record: far more than one of a frame needs, and never so much that
+/// other programs suffer.
+std::int64_t most_bytes() {
+  constexpr std::int64_t kMost = std::int64_t{2} << 30U;
+  static const std::int64_t kQuarter =
+      std::max<std::int64_t>(sysconf(_SC_PHYS_PAGES), 0) / 4 * sysconf(_SC_PAGESIZE);
+  return kQuarter > 0 ? std::min(kMost, kQuarter) : kMost;
+}
+
+/// Why the host refuses an array that is asked for; empty where it does not.
+std::string refusal_of(const Record& record, std::string_view name, std::int32_t dtype,
+                       std::int32_t ndim, const std::int64_t* shape) {
+  const weft_record view = record.view("");
+  const std::int64_t own = array_bytes(dtype, ndim, shape);
+  std::int64_t others = 0;
+  std::uint64_t count = 1;
+  for (std::uint64_t i = 0; i < view.count; ++i) {
+    const weft_array& array = view.arrays[i];
+    if (array.name == name) continue;
+    ++count;
+    if (array.memory != WEFT_DEVICE) others += array_bytes(array.dtype, array.ndim, array.shape);
+  }
+  if (count <= kMostArrays && own >= 0 && own <= most_bytes() - others) return {};
+  const std::string what = "the host refused its array " + quote(std::string(name)) + " of " +
+                           std::string(record.type());
+  if (count > kMostArrays) {
+    return what + ": a record may have " + std::to_string(kMostArrays) + " arrays";
+  }
+  if (own < 0) return what + ": its type or shape is illegal, or too large";
+  return what + " (" + std::to_string(own) + " bytes): the arrays of a record may have " +
+         std::to_string(most_bytes()) + " bytes together";
+}
+
+std::string bounded(const char* text) {
+  std::size_t length = strnlen(text, kLongestText_bytes + 1);
+  if (length <= kLongestText_bytes) return text;
+  --length;
+  while (length > 0 && (static_cast<unsigned char>(text[length]) & 0xC0U) == 0x80U) --length;
+  return std::string(text, length) + "... (cut at " + std::to_string(kLongestText_bytes) +
+         " bytes)";
+}
+
+}  // namespace
 
 /// The functions behind weft_host; none throws.
 struct Callbacks {
@@ -31,7 +84,15 @@ struct Callbacks {
   static void* alloc(const weft_call* call, const char* slot, const char* type, const char* array,
                      std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape) try {
     Record* record = output(call, slot, type, array);
-    return record != nullptr ? record->allocate(array, dtype, ndim, shape) : nullptr;
+    if (record == nullptr) return nullptr;
+    auto& scope = *static_cast<Lane::Scope*>(call->context);
+    std::string refusal = refusal_of(*record, array, dtype, ndim, shape);
+    if (refusal.empty()) return record->allocate(array, dtype, ndim, shape);
+    if (scope.refusal.empty() && scope.lane.log_) {
+      scope.lane.log_(scope.instance.name, kWarning, refusal, scope.turn.run_frame);
+    }
+    scope.refusal = std::move(refusal);
+    return nullptr;
   } catch (...) {
     return nullptr;
   }
@@ -60,7 +121,9 @@ struct Callbacks {
 
   static void log(const weft_call* call, std::int32_t level, const char* text) try {
     auto& scope = *static_cast<Lane::Scope*>(call->context);
-    if (scope.lane.log_) scope.lane.log_(scope.instance.name, level, text, scope.turn.run_frame);
+    if (scope.lane.log_ && text != nullptr) {
+      scope.lane.log_(scope.instance.name, level, bounded(text), scope.turn.run_frame);
+    }
   } catch (...) {
     return;  // a message is not worth a crash
   }

@@ -14,7 +14,6 @@ namespace weft::host {
 namespace {
 
 constexpr int kDeepestNesting = 16;
-constexpr int kWarning = 2;  ///< as of weft_host.log
 
 Error not_begun(const std::string& id) {
   return {Errc::cancelled, "cancelled before it began", id};
@@ -222,7 +221,8 @@ std::int32_t Lane::call_here(const Instance& instance, const weft_call& call,
 Outcome Lane::finish(Instance& instance, Scope& scope, std::span<const weft_record> inputs,
                      std::int32_t status, const weft_error& error) {
   const auto broken = [&](const std::string& message) {
-    return Outcome{WEFT_ERROR, {Errc::plugin_failure, message, instance.id}, {}};
+    const std::string why = scope.refusal.empty() ? "" : "; " + scope.refusal;
+    return Outcome{WEFT_ERROR, {Errc::plugin_failure, message + why, instance.id}, {}};
   };
   Outcome outcome;
   outcome.status = status_of(status);

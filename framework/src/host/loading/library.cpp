@@ -8,7 +8,7 @@
 #include <locale>
 
 #include "describe/build_id.hpp"
-#include "host/loading/floating_point.hpp"
+#include "host/loading/library_call.hpp"
 #include "host/loading/registry.hpp"
 #include "host/loading/sanitizer.hpp"
 
@@ -90,6 +90,7 @@ boost::dll::shared_library open_library(const std::string& file,
   using boost::dll::load_mode::rtld_local;
   using boost::dll::load_mode::rtld_now;
   const auto mode = static_cast<boost::dll::load_mode::type>(rtld_now | rtld_local | RTLD_NODELETE);
+  const OneProcess one;
   const FloatingPointMode computing;
   const std::locale writing;
   boost::dll::shared_library library(boost::dll::fs::path(file), mode, code);

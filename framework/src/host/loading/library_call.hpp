@@ -1,16 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <unistd.h>
+
 #include <weft/sdk/extensions.hpp>
 
 #include "host/loading/floating_point.hpp"
 
 namespace weft::host {
 
+/// While a library is at work: ends a copy of the process that it makes with fork() and lets
+/// return. Two processes would go on from here, answer the same call and write the same files.
+class OneProcess {
+ public:
+  OneProcess() = default;
+  ~OneProcess() {
+    if (getpid() != process_) _exit(0);
+  }
+  OneProcess(const OneProcess&) = delete;
+  OneProcess& operator=(const OneProcess&) = delete;
+
+ private:
+  pid_t process_ = getpid();
+};
+
 /// The status of a function of a library, which is not trusted to keep its promises: an exception
 /// is its error, and the floating-point mode is set back. `kept_mode` says whether that was needed.
 template <class Function>
 std::int32_t call_library(weft_error& error, Function&& function, bool* kept_mode = nullptr) {
+  const OneProcess one;
   const FloatingPointMode mode;
   const std::int32_t status = detail::guarded(&error, function);
   const bool kept = mode.restore();

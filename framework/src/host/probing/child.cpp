@@ -17,10 +17,15 @@
 #include <optional>
 #include <weft/core/index.hpp>
 
+#include "host/loading/library_call.hpp"
+#include "host/supervising/supervisor.hpp"
+
 namespace weft::host {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kLongestAnswer_bytes = 256 << 20;
 
 /// How an answer goes through a pipe: this, then the texts one behind the other.
 struct Header {
@@ -66,13 +71,17 @@ std::optional<Result<std::string>> read_answer(const std::string& bytes) {
 }
 
 [[noreturn]] void answer_in_child(const std::function<Result<std::string>()>& find_out, int pipe) {
-  setpgid(0, 0);
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  go_on_supervised();
+  const auto found = [&] {
+    const OneProcess one;
+    return find_out();
+  };
   if (const int nothing = open("/dev/null", O_WRONLY | O_CLOEXEC); nothing >= 0) {
     dup2(nothing, STDOUT_FILENO);
   }
   try {
-    send(pipe, find_out());
+    send(pipe, found());
   } catch (const std::exception& thrown) {
     send(pipe, Error{Errc::plugin_failure, std::string("throws: ") + thrown.what()});
   } catch (...) {
@@ -88,11 +97,7 @@ class Child {
     fcntl(pipe_, F_SETFL, O_NONBLOCK);
   }
   ~Child() {
-    kill(-process_, SIGKILL);
-    if (!status_) {
-      kill(process_, SIGKILL);
-      wait(0);
-    }
+    if (!status_) end_supervised(process_);
     close(pipe_);
   }
   Child(const Child&) = delete;
@@ -104,6 +109,9 @@ class Child {
       read_what_is_there();
       if (auto whole = read_answer(bytes_)) return *std::move(whole);
       if (ended) return Error{Errc::incompatible, how_it_ended()};
+      if (bytes_.size() > kLongestAnswer_bytes) {
+        return Error{Errc::incompatible, "gives an answer of more than 256 MiB"};
+      }
       if (Clock::now() >= latest) {
         const auto seconds = std::chrono::duration<double>(longest).count();
         std::array<char, 64> text;
@@ -129,13 +137,15 @@ class Child {
 
   void read_what_is_there() {
     std::array<char, 4096> some;
-    for (ssize_t count = 0; (count = read(pipe_, some.data(), some.size())) > 0;) {
+    for (ssize_t count = 0; bytes_.size() <= kLongestAnswer_bytes &&
+                            (count = read(pipe_, some.data(), some.size())) > 0;) {
       bytes_.append(some.data(), to_index(count));
     }
   }
 
   std::string how_it_ended() const {
     const int status = status_.value_or(0);
+    if (had_too_many_processes(status)) return too_many_processes();
     if (!WIFSIGNALED(status)) {
       return "ends the process that loads it by exit(" + std::to_string(WEXITSTATUS(status)) + ")";
     }

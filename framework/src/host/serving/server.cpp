@@ -15,6 +15,7 @@
 
 #include "host/calling/hashing.hpp"
 #include "host/calling/lane.hpp"
+#include "host/loading/library_call.hpp"
 #include "host/workers/channel.hpp"
 #include "host/workers/codec.hpp"
 
@@ -62,6 +63,7 @@ class Server {
   }
 
   ReplyMessage answer(const Message& message) {
+    call_ = message.call;
     if (message.kind == MessageKind::create) {
       if (const auto create = unpack<CreateMessage>(message.content)) return make(*create);
     }
@@ -86,7 +88,7 @@ class Server {
   }
 
   void log(const std::string& component, int level, const std::string& text, std::uint64_t frame) {
-    channel_.send(MessageKind::log, pack(LogMessage{component, text, level, frame}));
+    channel_.send(MessageKind::log, pack(LogMessage{component, text, level, frame}), call_);
   }
 
   ReplyMessage make(const CreateMessage& create) {
@@ -181,6 +183,7 @@ class Server {
   }
 
   Channel& channel_;
+  std::atomic<std::uint64_t> call_{0};  ///< that is being answered
   std::shared_ptr<SharedMemory> inputs_;
   std::shared_ptr<SharedArena> arena_;
   std::deque<Installed> installed_;  ///< behind the components
@@ -218,10 +221,14 @@ void serve_host(int socket, int inputs, int outputs) {
   if (!read) met.message = read.error().message;
   if (!written) met.message = written.error().message;
   met.status = met.message.empty() ? WEFT_OK : WEFT_ERROR;
-  if (!channel.send(MessageKind::reply, pack(met)) || met.status != WEFT_OK) return;
+  if (!channel.send(MessageKind::reply, pack(met), message.call) || met.status != WEFT_OK) return;
   Server server(channel, *std::move(read), *std::move(written), *hello);
   while (channel.receive(message) == Channel::Received::message) {
-    if (!channel.send(MessageKind::reply, pack(server.answer(message)))) return;
+    const auto reply = [&] {
+      const OneProcess one;
+      return pack(server.answer(message));
+    }();
+    if (!channel.send(MessageKind::reply, reply, message.call)) return;
   }
 }
 

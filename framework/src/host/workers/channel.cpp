@@ -17,6 +17,7 @@ namespace {
 struct Header {
   std::uint32_t mark;
   std::uint32_t kind;
+  std::uint64_t call;
   std::uint64_t length;
 };
 
@@ -31,8 +32,8 @@ Channel::~Channel() { close(socket_); }
 
 void Channel::finish() { shutdown(socket_, SHUT_WR); }
 
-bool Channel::send(MessageKind kind, std::string_view content) {
-  Header header{kMark, static_cast<std::uint32_t>(kind), content.size()};
+bool Channel::send(MessageKind kind, std::string_view content, std::uint64_t call) {
+  Header header{kMark, static_cast<std::uint32_t>(kind), call, content.size()};
   std::array<iovec, 2> parts{
       iovec{&header, sizeof(header)},
       iovec{const_cast<char*>(content.data()), content.size()}};  // it is only read
@@ -61,6 +62,7 @@ Channel::Received Channel::receive(Message& message, const std::function<bool()>
   if (got != Received::message) return got;
   if (header.mark != kMark || header.length > kLongestMessage_bytes) return Received::unreadable;
   message.kind = static_cast<MessageKind>(header.kind);
+  message.call = header.call;
   message.content.resize(header.length);
   return read(message.content.data(), header.length, keep_waiting);
 }

@@ -15,6 +15,7 @@ namespace weft::host {
 
 struct Message {
   MessageKind kind{};
+  std::uint64_t call = 0;  ///< which one it asks for, answers or speaks of
   std::string content;
 };
 
@@ -31,7 +32,7 @@ class Channel {
   int socket() const { return socket_; }
 
   /// From any thread; false when the other end is gone or does not read.
-  bool send(MessageKind kind, std::string_view content);
+  bool send(MessageKind kind, std::string_view content, std::uint64_t call);
 
   /// Waits for a message. `keep_waiting` is asked whenever the socket's own patience is at its end
   /// (SO_RCVTIMEO); empty waits for ever. For one thread.

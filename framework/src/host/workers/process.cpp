@@ -19,6 +19,8 @@
 #include <filesystem>
 #include <weft/core/index.hpp>
 
+#include "host/supervising/supervisor.hpp"
+
 namespace weft::host {
 namespace {
 
@@ -110,19 +112,19 @@ WorkerProcess::~WorkerProcess() {
 
 void WorkerProcess::kill() {
   if (id_ == 0) return;
-  ::kill(-id_, SIGKILL);  // the group: what it started ends too
-  reap(-1);
+  status_ = end_supervised(id_);
+  id_ = 0;
 }
 
 bool WorkerProcess::reap(int patience_ms) {
   for (int waited_ms = 0; id_ != 0; ++waited_ms) {
-    const pid_t got = waitpid(id_, &status_, patience_ms < 0 ? 0 : WNOHANG);
+    const pid_t got = waitpid(id_, &status_, WNOHANG);
     if (got == id_) id_ = 0;
     if (got < 0 && errno != EINTR) {
       status_ = -1;
       id_ = 0;
     }
-    if (id_ == 0 || (patience_ms >= 0 && waited_ms >= patience_ms)) break;
+    if (id_ == 0 || waited_ms >= patience_ms) break;
     poll(nullptr, 0, 1);
   }
   return id_ == 0;
@@ -132,10 +134,12 @@ Error WorkerProcess::cause_of_death() {
   Error death{Errc::plugin_failure, "closed its connection and was ended", {}};
   if (!reap(kPatience_ms)) {
     kill();
-    return death;
+    if (!had_too_many_processes(status_)) return death;
   }
   std::string cause = "ended";
-  if (status_ != -1 && WIFEXITED(status_)) {
+  if (status_ != -1 && had_too_many_processes(status_)) {
+    cause = too_many_processes();
+  } else if (status_ != -1 && WIFEXITED(status_)) {
     cause = "exited with status " + std::to_string(WEXITSTATUS(status_));
   } else if (status_ != -1 && WIFSIGNALED(status_)) {
     const int signal = WTERMSIG(status_);
@@ -149,10 +153,11 @@ Error WorkerProcess::cause_of_death() {
   return death;
 }
 
-void WorkerProcess::forget_old_output() {
+std::uint64_t WorkerProcess::forget_old_output() {
   constexpr off_t kMost = 1 << 20;
   struct stat status {};
-  if (fstat(output_, &status) == 0 && status.st_size > kMost && ftruncate(output_, 0) != 0) return;
+  if (fstat(output_, &status) != 0 || status.st_size <= kMost) return 0;
+  return ftruncate(output_, 0) == 0 ? static_cast<std::uint64_t>(status.st_size) : 0;
 }
 
 std::string WorkerProcess::last_line() const {

@@ -12,7 +12,8 @@
 namespace weft::host {
 
 /// A running worker program: a child of this process with its own process group, so that an
-/// interrupt from the terminal does not reach it. What libraries print there is kept in memory.
+/// interrupt from the terminal does not reach it. It is supervised (host/supervising): what it
+/// starts ends with it. The end of what libraries print there is kept in memory.
 class WorkerProcess {
  public:
   /// `program` is the path of weft-worker, empty for the one beside the running program. The files
@@ -37,8 +38,8 @@ class WorkerProcess {
   /// signal 11 (Segmentation fault)". The code is no_memory where somebody else killed it.
   Error cause_of_death();
 
-  /// Bounds what is kept of its printing.
-  void forget_old_output();
+  /// Bounds what is kept of its printing. [bytes] that it had printed, where they were too many.
+  std::uint64_t forget_old_output();
 
  private:
   WorkerProcess(pid_t id, std::unique_ptr<Channel> channel, int output)

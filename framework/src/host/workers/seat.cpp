@@ -145,6 +145,7 @@ Result<ReplyMessage> Seat::converse(MessageKind kind, const std::string& content
                                     std::chrono::milliseconds deadline) {
   const auto start = Clock::now();
   std::optional<Clock::time_point> cancelled_at;
+  bool has_ended = false;
   if (is_taken()) workplace_.cancel->store(workplace_.cancelled());
   const auto keep_waiting = [&] {
     const auto now = Clock::now();
@@ -155,25 +156,31 @@ Result<ReplyMessage> Seat::converse(MessageKind kind, const std::string& content
     } else if (*unwanted_ || cancelled_at) {
       return false;
     }
-    return deadline.count() == 0 || now - start < deadline;
+    if (deadline.count() != 0 && now - start >= deadline) return false;
+    // What it has sent before its end is read first.
+    return !std::exchange(has_ended, process_->is_gone());
   };
   const auto gave_up = [&] {
     if (cancelled_at) {
       return fail("did not stop when cancelled, and was ended", Errc::cancelled);
     }
+    if (has_ended) return died();
     return fail("gave no answer within " + std::to_string(deadline.count()) + " ms and was ended");
   };
   Channel& channel = process_->channel();
-  if (!channel.send(kind, content)) return died();
-  for (;;) {
-    Message message;
+  const std::uint64_t call = ++calls_;
+  if (!channel.send(kind, content, call)) return died();
+  for (Message message;; message = {}) {
     const auto got = channel.receive(message, keep_waiting);
     if (got == Channel::Received::closed) return died();
     if (got == Channel::Received::unreadable) {
       return fail("sent what is no message, and was ended");
     }
     if (got == Channel::Received::gave_up) return gave_up();
-    if (message.kind == MessageKind::reply) {
+    // A second answer, of a copy of the process, comes late and is not that of this call.
+    if (message.call < call && keep_waiting()) continue;
+    if (message.call < call) return gave_up();
+    if (message.kind == MessageKind::reply && message.call == call) {
       if (auto reply = unpack<ReplyMessage>(message.content)) return *std::move(reply);
     }
     const auto log = unpack<LogMessage>(message.content);

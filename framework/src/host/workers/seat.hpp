@@ -19,6 +19,8 @@
 
 namespace weft::host {
 
+constexpr int kWarning = 2;  ///< level of a log, as of weft_host.log
+
 /// Where a worker works, of which those of one lane share the most.
 struct Workplace {
   std::uint64_t run_seed = 0;
@@ -65,7 +67,8 @@ class Seat {
   Result<std::vector<PlacedRecord>> place(std::span<const weft_record> records,
                                           std::vector<std::shared_ptr<void>>& keep) const;
 
-  /// Says something and waits for the answer. Where the process has no answer it is ended.
+  /// Says something and waits for the answer. Where the process has no answer it is ended. Its own
+  /// death ends the wait, whoever else holds its end of the channel.
   Result<ReplyMessage> converse(MessageKind kind, const std::string& content,
                                 std::chrono::milliseconds deadline = {});
 
@@ -78,7 +81,7 @@ class Seat {
 
   bool is_lost() const { return process_ == nullptr; }  ///< it was ended
   bool is_gone() { return process_ == nullptr || process_->is_gone(); }
-  void forget_old_output() { process_->forget_old_output(); }
+  std::uint64_t forget_old_output() { return process_->forget_old_output(); }
 
  private:
   bool is_taken() const { return unwanted_ == nullptr; }
@@ -89,6 +92,7 @@ class Seat {
   std::string id_;
   const std::atomic<bool>* unwanted_;
   std::unique_ptr<WorkerProcess> process_;
+  std::uint64_t calls_ = 0;  ///< made of this process, which number its answers
   std::shared_ptr<Loans> loans_;
   std::set<std::uint64_t> known_;            ///< handles of the components there
   std::vector<std::shared_ptr<void>> kept_;  ///< inputs of prepare

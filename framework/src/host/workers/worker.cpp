@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/workers/worker.hpp"
 
+#include <weft/abi.h>
+
 #include <algorithm>
 #include <system_error>
 
@@ -83,6 +85,16 @@ void Worker::note_death(const Error& death) {
   if (death.code != Errc::cancelled && isolation_.starts_again) make_spare();
 }
 
+/// A flood of text takes no memory, and its author is told.
+void Worker::bound_output(std::uint64_t frame) {
+  const std::uint64_t bytes = seat_->forget_old_output();
+  if (bytes == 0 || !workplace_.log) return;
+  workplace_.log(component_.stage, kWarning,
+                 "printed more than " + std::to_string(bytes >> 20U) +
+                     " MiB, which its worker does not keep; print less, or into a file",
+                 frame);
+}
+
 void Worker::make_spare() {
   if (spare_.valid()) return;
   try {
@@ -136,7 +148,7 @@ void Worker::begin_with(int method, std::uint64_t frame) {
 Result<Worker::Answer> Worker::process(int method, std::uint64_t frame, std::uint64_t draw,
                                        std::span<const weft_record> inputs) {
   if (auto up = ready(); !up) return up.error();
-  seat_->forget_old_output();
+  bound_output(frame);
   std::vector<std::shared_ptr<void>> keep;
   auto placed = seat_->place(inputs, keep);
   if (!placed) return placed.error();

@@ -57,6 +57,7 @@ class Worker {
   Result<void> begin(Seat& seat) const;
   Result<void> ready();
   void note_death(const Error& death);
+  void bound_output(std::uint64_t frame);
   void make_spare();
   void end_spare();
 

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+#include <vector>
+
+namespace weft::host {
+
+struct Descendant {
+  pid_t id = 0;
+  std::string name;    ///< as the kernel has it, of at most 15 characters
+  bool ended = false;  ///< and waited for by nobody yet
+};
+
+/// The processes that a process has started, those that these have started, and so on. Where
+/// `leaf` is given, those below a process of this name are left out.
+std::vector<Descendant> descendants_of(pid_t process, const std::string& leaf = {});
+
+/// Processes and threads of this machine; 0 where the kernel does not say.
+long all_tasks();
+
+}  // namespace weft::host
