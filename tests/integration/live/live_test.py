@@ -121,9 +121,11 @@ class Live(unittest.TestCase):
             pausing = Viewer(self.port())
             self.assertEqual(pausing.wish("pause")["refusal"], "")
             pausing.link.close()
-            while (message := watching.read()).get("type") != "pause" or message["paused"]:
-                pass
-            self.assertTrue(message["left"])
+            said: dict = {}
+            while said.get("type") != "pause" or said["paused"]:
+                message = watching.read()
+                said = message if isinstance(message, dict) else {}
+            self.assertTrue(said["left"])
             before = watching.frame()["frame"]
             self.assertGreater(watching.frame()["frame"], before)
         self.stop(live)
