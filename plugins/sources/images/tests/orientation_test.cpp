@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <opencv2/core.hpp>
+#include <stdexcept>
 #include <weft/data/camera.hpp>
 #include <weft/data/ground_truth.hpp>
 #include <weft/data/image.hpp>
@@ -10,6 +11,7 @@
 #include "encoded_frame.hpp"
 #include "images_source.hpp"
 
+namespace weft::orientation_of_frames {
 namespace {
 
 using ::testing::AllOf;
@@ -154,13 +156,15 @@ TEST(FilesOfFrames, RefusesImagesOfMoreThan8BitsBeforeTheFirstFrame) {
 TEST(FilesOfFrames, HintsAtAWildcardForANumberingOfAnotherProgram) {
   const Frames folder;
   folder.write_image("frames/img_0001.png", marked());
-  PluginUnderTest source = images_source(folder, "frames/img_%04d.png");
-  EXPECT_THAT(source.process(kOpen, {}).message, HasSubstr("/img_*.png'"));
+  EXPECT_THAT([&] { images_source(folder, "frames/img_%04d.png"); },
+              ::testing::ThrowsMessage<std::runtime_error>(HasSubstr("/img_*.png'")));
 }
 
 TEST(FilesOfFrames, ADamagedJpegIsADegenerateFrameWithTheDecodersReason) {
   const Frames folder;
-  std::string bytes = jpeg_with_orientation(marked(), 1);
+  cv::Mat detailed = marked();
+  for (int i = 0; i < kWidth * kHeight; i += 3) detailed.data[3 * i] = std::uint8_t(37 * i);
+  std::string bytes = jpeg_with_orientation(detailed, 1);
   const std::size_t scan = bytes.find("\xFF\xDA") + 14;
   folder.write("frames/0.jpg", bytes);
   for (std::size_t i = scan + 10; i < scan + 40; ++i) bytes[i] = '\x7F';
@@ -176,3 +180,4 @@ TEST(FilesOfFrames, ADamagedJpegIsADegenerateFrameWithTheDecodersReason) {
 }
 
 }  // namespace
+}  // namespace weft::orientation_of_frames

@@ -12,6 +12,7 @@
 
 #include "common/cameras/tests/frame_folder.hpp"
 
+namespace weft::damaged_film {
 namespace {
 
 using ::testing::AllOf;
@@ -114,3 +115,4 @@ TEST_F(DamagedFilm, AFrameWithDamagedCodeIsDegenerateWithTheDecodersReason) {
 TEST_F(DamagedFilm, AWholeOneHasNoDegenerateFrames) { EXPECT_THAT(degenerate_frames(), IsEmpty()); }
 
 }  // namespace
+}  // namespace weft::damaged_film

@@ -12,6 +12,7 @@
 
 #include "common/cameras/tests/frame_folder.hpp"
 
+namespace weft::rotated_film {
 namespace {
 
 using ::testing::HasSubstr;
@@ -84,3 +85,4 @@ TEST(RotatedFilm, IsMadeUprightAndTheCameraWithIt) {
 }
 
 }  // namespace
+}  // namespace weft::rotated_film
