@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
+#include <vector>
 #include <weft/core/version.hpp>
 
 #include "cli/commands.hpp"
+#include "cli/output/home_paths.hpp"
 #include "cli/output/standard_output.hpp"
 #include "cli/run/sudden_end.hpp"
 #include "cli/shell/wrong_words.hpp"
@@ -10,7 +12,9 @@
 namespace {
 
 /// The exit code of the command that the arguments give.
-int run_command(int argc, char** argv) {
+int run_command(const std::vector<std::string>& arguments) {
+  std::vector<const char*> words;
+  for (const std::string& argument : arguments) words.push_back(argument.c_str());
   CLI::App app{"Weft recovers the 3D shape of a deforming surface from one camera and a template."};
   app.set_version_flag("--version", weft::kVersion);
   app.require_subcommand(1);
@@ -48,7 +52,7 @@ int run_command(int argc, char** argv) {
   weft::cli::add_manual_command(app, context);
   weft::cli::group_commands(app);
   try {
-    app.parse(argc, argv);
+    app.parse(static_cast<int>(words.size()), words.data());
   } catch (const CLI::Success& asked) {
     app.exit(asked);  // help or version
     return weft::cli::kDone;
@@ -68,6 +72,11 @@ int run_command(int argc, char** argv) {
 int main(int argc, char** argv) {
   weft::cli::guard_standard_streams();
   const weft::cli::SuddenEndWatch watch;
-  const int exit_code = run_command(argc, argv);
+  const auto arguments = weft::cli::expand_arguments(argc, argv);
+  if (!arguments) {
+    weft::cli::print_error(arguments.error());
+    return weft::cli::kBadConfiguration;
+  }
+  const int exit_code = run_command(*arguments);
   return weft::cli::standard_output_failed() ? weft::cli::kInputOutput : exit_code;
 }

@@ -1,29 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/csv_lines.hpp"
 
-#include <charconv>
-#include <cmath>
 #include <string_view>
+#include <utility>
 #include <weft/core/stop_check.hpp>
 #include <weft/core/text_file.hpp>
+
+#include "common/csv_cells.hpp"
 
 namespace weft::sources {
 namespace {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-
-void split(std::string_view line, std::vector<std::string>& fields) {
-  fields.clear();
-  while (true) {
-    const std::size_t comma = line.find(',');
-    const std::string_view field = line.substr(0, comma);
-    const std::size_t first = field.find_first_not_of(" \t");
-    const std::size_t last = field.find_last_not_of(" \t");
-    fields.emplace_back(first == field.npos ? "" : field.substr(first, last - first + 1));
-    if (comma == line.npos) return;
-    line.remove_prefix(comma + 1);
-  }
-}
 
 }  // namespace
 
@@ -34,7 +22,7 @@ Result<CsvLines> CsvLines::open(const std::string& path) {
   return Error{text.error().code, path + ": cannot be read: " + text.error().message};
 }
 
-bool CsvLines::next() {
+Result<bool> CsvLines::next() {
   std::string line;
   while (std::getline(stream_, line)) {
     worked_in_loop(line_number_, 10);
@@ -43,7 +31,13 @@ bool CsvLines::next() {
     }
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (line.find_first_not_of(" \t") == line.npos) continue;
-    split(line, fields_);
+    if (std::exchange(in_header_, false)) {
+      if (const auto wrong = mistake_in_csv_header(line)) return mistake(*wrong);
+    }
+    auto cells = csv_cells(line);
+    if (!cells) return mistake(cells.error().message);
+    fields_.clear();
+    for (CsvCell& cell : *cells) fields_.push_back(std::move(cell.text));
     return true;
   }
   return false;
@@ -55,10 +49,7 @@ Error CsvLines::mistake(const std::string& sentence) const {
 
 Result<double> CsvLines::number(std::size_t field, const std::string& column) const {
   const std::string& text = fields_[field];
-  const char* end = text.data() + text.size();
-  double value = 0.0;
-  const auto parsed = std::from_chars(text.data(), end, value);
-  if (parsed.ec == std::errc{} && parsed.ptr == end && std::isfinite(value)) return value;
+  if (const auto value = csv_number(text)) return *value;
   return mistake("'" + column + "' must be a finite number, not '" + text + "'");
 }
 

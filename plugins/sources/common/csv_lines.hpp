@@ -9,15 +9,15 @@
 
 namespace weft::sources {
 
-/// The lines of comma-separated values, split into fields without the blanks around them. Empty
-/// lines are passed over, CR LF and a byte order mark are understood; nothing is quoted.
+/// The lines of comma-separated values, split into fields (csv_cells.hpp). Empty lines are passed
+/// over; CR LF and a byte order mark are understood.
 class CsvLines {
  public:
   /// Fails on a file that cannot be read, or of more than 256 MiB.
   static Result<CsvLines> open(const std::string& path);
 
-  /// Whether there is a further line, which fields() then has.
-  bool next();
+  /// Whether there is a further line, which fields() then has. Fails at a line that is no CSV.
+  Result<bool> next();
   const std::vector<std::string>& fields() const { return fields_; }
 
   /// "path:line: sentence" of the line that was read last.
@@ -32,6 +32,7 @@ class CsvLines {
   std::string path_;
   std::istringstream stream_;
   std::int64_t line_number_ = 0;
+  bool in_header_ = true;
   std::vector<std::string> fields_;
 };
 

@@ -24,11 +24,14 @@ class TruthReader {
   explicit TruthReader(CsvLines lines) : lines_(std::move(lines)) {}
 
   Result<GroundTruth> read() {
-    if (!lines_.next()) return lines_.mistake("is empty: the first line names the columns");
+    auto more = lines_.next();
+    if (!more) return more.error();
+    if (!*more) return lines_.mistake("is empty: the first line names the columns");
     if (auto header = read_header(); !header) return header.error();
-    while (lines_.next()) {
+    for (more = lines_.next(); more && *more; more = lines_.next()) {
       if (auto row = read_row(); !row) return row.error();
     }
+    if (!more) return more.error();
     if (rows_.empty()) return lines_.mistake("holds no points");
     return truth();
   }

@@ -3,11 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <weft/core/index.hpp>
+
+#include "common/csv_cells.hpp"
 
 namespace weft::known_points {
 namespace {
@@ -22,33 +23,6 @@ int column_of(std::string_view line, std::size_t byte) {
          }));
 }
 
-struct Cell {
-  std::string text;
-  int column;
-};
-
-std::vector<Cell> split(std::string_view line) {
-  std::vector<Cell> cells;
-  for (std::size_t start = 0;;) {
-    const std::size_t end = std::min(line.find(',', start), line.size());
-    const std::string_view cell = line.substr(start, end - start);
-    const std::size_t first = std::min(cell.find_first_not_of(" \t"), cell.size());
-    const std::size_t last = cell.find_last_not_of(" \t");
-    cells.push_back({last == cell.npos ? "" : std::string(cell.substr(first, last - first + 1)),
-                     column_of(line, start + first)});
-    if (end == line.size()) return cells;
-    start = end + 1;
-  }
-}
-
-std::optional<double> number_in(const std::string& text) {
-  double value = 0.0;
-  const char* end = text.data() + text.size();
-  const auto [stop, code] = std::from_chars(text.data(), end, value);
-  if (code != std::errc{} || stop != end || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
 }  // namespace
 
 Error mistake_at(const std::string& path, int line, int column, const std::string& message) {
@@ -58,16 +32,22 @@ Error mistake_at(const std::string& path, int line, int column, const std::strin
 }
 
 Result<void> CsvReader::read_header(std::string_view line, int line_number) {
+  if (const auto wrong = sources::mistake_in_csv_header(line)) {
+    return mistake_at(path_, line_number, 1, *wrong);
+  }
+  const auto cells = sources::csv_cells(line);
+  if (!cells) return mistake_at(path_, line_number, 1, cells.error().message);
   std::vector<int> columns;
-  for (const Cell& cell : split(line)) {
+  for (const sources::CsvCell& cell : *cells) {
     const auto field = field_named(cell.text);
+    columns.push_back(column_of(line, cell.byte));
     if (!field) {
-      return mistake_at(path_, line_number, cell.column, "the column " + unknown_field(cell.text));
+      return mistake_at(path_, line_number, columns.back(),
+                        "the column " + unknown_field(cell.text));
     }
     fields_.push_back(*field);
-    columns.push_back(cell.column);
     if (const auto end = fields_.end() - 1; std::find(fields_.begin(), end, *field) != end) {
-      return mistake_at(path_, line_number, cell.column,
+      return mistake_at(path_, line_number, columns.back(),
                         std::string("the column '") + name_of(*field) + "' is given twice");
     }
   }
@@ -81,9 +61,11 @@ Result<void> CsvReader::read_header(std::string_view line, int line_number) {
 }
 
 Result<PointRow> CsvReader::read(std::string_view line, int line_number) const {
-  const std::vector<Cell> cells = split(line);
+  const auto read = sources::csv_cells(line);
+  if (!read) return mistake_at(path_, line_number, 1, read.error().message);
+  const std::vector<sources::CsvCell>& cells = *read;
   if (cells.size() != fields_.size()) {
-    return mistake_at(path_, line_number, cells.back().column,
+    return mistake_at(path_, line_number, column_of(line, cells.back().byte),
                       "has " + std::to_string(cells.size()) + " fields where the header has " +
                           std::to_string(fields_.size()));
   }
@@ -92,12 +74,12 @@ Result<PointRow> CsvReader::read(std::string_view line, int line_number) const {
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const Field field = fields_[i];
     const bool may_lack = field == Field::radius_mm || field == Field::sigma_mm;
-    columns[to_index(field)] = cells[i].column;
+    columns[to_index(field)] = column_of(line, cells[i].byte);
     if (cells[i].text.empty() && may_lack) continue;
     auto& number = numbers[to_index(field)];
-    number = number_in(cells[i].text);
+    number = sources::csv_number(cells[i].text);
     if (number) continue;
-    return mistake_at(path_, line_number, cells[i].column,
+    return mistake_at(path_, line_number, columns[to_index(field)],
                       std::string("'") + name_of(field) + "' must be a finite number, not '" +
                           cells[i].text + "'");
   }

@@ -33,6 +33,28 @@ TEST_F(Program, PrintsTimesAndStatesOfARun) {
   EXPECT_EQ(ended.err, "");
 }
 
+TEST_F(Program, NeverMakesAFolderThatIsNamedLikeTheHomeFolder) {
+  const std::string pipeline = write(chain({}));
+  const auto at_home = [&](const std::string& out) {
+    std::vector<std::string> words = command({"run", pipeline, out, "--quiet"});
+    words.insert(words.begin() + 1, "HOME=" + path("home"));
+    std::swap(words[1], words[3]), std::swap(words[1], words[2]);  // env takes its options first
+    return Child(std::move(words), path("printed")).wait();
+  };
+  const char* spellings[] = {"--out=~/a", "--out=$HOME/b", "--out=${HOME}/c"};
+  for (const char* out : spellings) EXPECT_EQ(at_home(out).exit_code, 0) << out;
+  for (const char* name : {"a", "b", "c"}) {
+    EXPECT_TRUE(fs::exists(path("home/") + name + "/frames.jsonl")) << name;
+  }
+  const Ended other = at_home("--out=~else/d");
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.err, HasSubstr("of which only ~/ (your home folder) is expanded"));
+  for (const auto& entry : fs::directory_iterator(folder_)) {
+    EXPECT_THAT(entry.path().filename().string(), Not(StartsWith("~")));
+    EXPECT_THAT(entry.path().filename().string(), Not(StartsWith("$")));
+  }
+}
+
 TEST_F(Program, SaysOneLineWhenQuiet) {
   const Ended ended = run(chain(), {"--quiet"});
   EXPECT_EQ(ended.out, "3 frames, 0 failed: " + path("run") + "\n");

@@ -207,6 +207,26 @@ TEST_F(ComponentSpecTest, VariablesAreExpandedInPathsOnly) {
   expect_problem("{report: '${ABSENT:-${NAME}}'}", "${ inside");
 }
 
+TEST_F(ComponentSpecTest, TheHomeFolderIsExpandedAtTheBeginningOfPathsAsShellsDo) {
+  variables_["HOME"] = "/home/me";
+  variables_["OUT"] = "/out";
+  for (const char* path : {"~/b.csv", "$HOME/b.csv", "${HOME}/b.csv", "~//b.csv"}) {
+    EXPECT_EQ(effective(good("{report: '" + std::string(path) + "'}"), "report"), "/home/me/b.csv");
+  }
+  EXPECT_EQ(effective(good("{report: '$OUT/b.csv'}"), "report"), "/out/b.csv");
+  EXPECT_EQ(effective(good("{report: 'a/~/$b.csv'}"), "report"), "a/~/$b.csv");
+  EXPECT_EQ(effective(good("{report: 'a~b$OUT'}"), "report"), "a~b$OUT");
+  EXPECT_EQ(effective(good("{report: './a/$OUT'}"), "report"), "a/$OUT");
+  EXPECT_EQ(effective(good("{report: '$5.csv'}"), "report"), "$5.csv");
+  for (const char* path : {"~else/b.csv", "~else", "~+/b.csv", "~root"}) {
+    expect_problem("{report: '" + std::string(path) + "'}",
+                   "begins with ~, of which only ~/ (your home folder) is expanded");
+  }
+  expect_problem("{report: '$ABSENT/x'}", "the variable ABSENT is not set");
+  variables_.erase("HOME");
+  expect_problem("{report: '~/x'}", "the variable HOME is not set");
+}
+
 TEST_F(ComponentSpecTest, NestedComponentsAreCheckedToo) {
   expect_problem("{warp: {use: warps/zoo_shift, params: {shift_px: far}}}", "'shift_px' must be");
   expect_problem("{warp: {use: warps/zoo_shft}}", "did you mean 'warps/zoo_shift'?");

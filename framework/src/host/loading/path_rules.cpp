@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <weft/core/quote.hpp>
@@ -16,7 +17,34 @@ PathRules PathRules::of_process(std::vector<std::string> input_folders, std::str
           false};
 }
 
-Result<std::string> expand_variables(const std::string& text, const PathRules& paths) {
+namespace {
+
+/// The text with `${NAME}` in place of the shell's `~` and `$NAME` at its beginning.
+Result<std::string> with_braces(const std::string& text) {
+  const std::size_t end = std::min(text.find('/'), text.size());
+  const std::string first = text.substr(0, end), rest = text.substr(end);
+  if (first == "~") return "${HOME}" + rest;
+  if (first.starts_with('~')) {
+    return Error{Errc::invalid_value,
+                 quote(text) +
+                     " begins with ~, of which only ~/ (your home folder) is expanded; "
+                     "write the whole path, or " +
+                     quote("./" + text) + " for a file of that name"};
+  }
+  const auto is_letter = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  };
+  const bool is_variable =
+      first.size() > 1 && first[0] == '$' && std::all_of(first.begin() + 1, first.end(), is_letter);
+  return is_variable ? "${" + first.substr(1) + "}" + rest : text;
+}
+
+}  // namespace
+
+Result<std::string> expand_variables(const std::string& path, const PathRules& paths) {
+  const auto braced = with_braces(path);
+  if (!braced) return braced.error();
+  const std::string& text = *braced;
   std::string result;
   std::size_t at = 0;
   for (;;) {

@@ -17,20 +17,20 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-Result<CameraFile> read(const std::string& content) {
+Result<CameraFile> read_text(const std::string& content) {
   const FrameFolder folder;
   folder.write("camera.txt", content);
   return read_camera_file(folder.path("camera.txt"));
 }
 
 std::string refusal_of(const std::string& content) {
-  const auto file = read(content);
+  const auto file = read_text(content);
   EXPECT_FALSE(file) << content;
   return file ? "" : file.error().message;
 }
 
 void expect_pinhole(const std::string& content) {
-  const auto file = read(content);
+  const auto file = read_text(content);
   ASSERT_TRUE(file) << file.error().message << "\n" << content;
   const Camera& camera = file->camera;
   EXPECT_NEAR(camera.fx, 528.5, 1e-9) << content;
@@ -43,7 +43,7 @@ void expect_pinhole(const std::string& content) {
 
 void expect_brown(const std::string& content) {
   expect_pinhole(content);
-  const auto file = read(content);
+  const auto file = read_text(content);
   ASSERT_TRUE(file);
   EXPECT_EQ(file->model, Distortion::brown) << content;
   EXPECT_THAT(file->coefficients, ElementsAre(-0.125, 0.0625, 0.0005, -0.00025, 0.0)) << content;
@@ -51,7 +51,7 @@ void expect_brown(const std::string& content) {
 
 void expect_fisheye(const std::string& content) {
   expect_pinhole(content);
-  const auto file = read(content);
+  const auto file = read_text(content);
   ASSERT_TRUE(file);
   EXPECT_EQ(file->model, Distortion::fisheye) << content;
   EXPECT_THAT(file->coefficients, ElementsAre(0.125, -0.0625, 0.03125, -0.015625)) << content;
@@ -165,21 +165,21 @@ TEST(CameraFormats, ColmapIsReadWithTheCentreOfItsPixels) {
   expect_brown(
       "7 OPENCV 640 480 528.5 530.25 319.25 243 -0.125 0.0625 0.0005 -0.00025\n"
       "8 PINHOLE 9 9 5 5 4 4\n");
-  const auto full = read("7 FULL_OPENCV 640 480 528.5 530.25 319.25 243 1 2 0 0 3 1 2 3\n");
+  const auto full = read_text("7 FULL_OPENCV 640 480 528.5 530.25 319.25 243 1 2 0 0 3 1 2 3\n");
   ASSERT_TRUE(full) << full.error().message;
   EXPECT_THAT(full->coefficients, ElementsAre(1, 2, 0, 0, 3, 1, 2, 3));
   expect_fisheye(head +
                  "1 OPENCV_FISHEYE 640 480 528.5 530.25 319.25 243 0.125 -0.0625 0.03125 "
                  "-0.015625\n");
-  const auto simple = read("1 SIMPLE_PINHOLE 640 480 500 320 240\n");
+  const auto simple = read_text("1 SIMPLE_PINHOLE 640 480 500 320 240\n");
   ASSERT_TRUE(simple) << simple.error().message;
   EXPECT_EQ(simple->camera.fy, 500.0);
   EXPECT_EQ(simple->camera.cx, 319.5);
   EXPECT_THAT(simple->coefficients, IsEmpty());
-  const auto radial = read("1 SIMPLE_RADIAL 640 480 500 320 240 -0.125\n");
+  const auto radial = read_text("1 SIMPLE_RADIAL 640 480 500 320 240 -0.125\n");
   ASSERT_TRUE(radial) << radial.error().message;
   EXPECT_THAT(radial->coefficients, ElementsAre(-0.125, 0, 0, 0, 0));
-  const auto two = read("1 RADIAL 640 480 500 320 240 -0.125 0.0625\n");
+  const auto two = read_text("1 RADIAL 640 480 500 320 240 -0.125 0.0625\n");
   ASSERT_TRUE(two) << two.error().message;
   EXPECT_THAT(two->coefficients, ElementsAre(-0.125, 0.0625, 0, 0, 0));
   EXPECT_THAT(refusal_of("1 FOV 640 480 500 500 320 240 0.9\n"),
@@ -261,7 +261,7 @@ TEST(CameraFormats, OtherProgramsAreReadToo) {
 }
 
 TEST(CameraFormats, NumbersMayHaveASignAndALonePoint) {
-  const auto file = read(
+  const auto file = read_text(
       "fx: +528.\nfy: 5.3025e2\ncx: +.5\ncy: 1.E1\nwidth: +640\nheight: 480\n"
       "distortion: [-0.0171603, +0.0120395, -.002512, 1e-3, +0]\n");
   ASSERT_TRUE(file) << file.error().message;
@@ -331,7 +331,7 @@ TEST(CameraFormats, ValuesThatRepeatThemselvesEndTheReading) {
     for (int i = 0; i < 10; ++i) bomb += "k" + std::to_string(i) + ": " + before + ", ";
     bomb += "}\n";
   }
-  EXPECT_FALSE(read(bomb));
+  EXPECT_FALSE(read_text(bomb));
 }
 
 }  // namespace

@@ -43,7 +43,9 @@ Result<CloudColumns> read_cloud_columns(const CsvLines& lines) {
 Result<bool> is_csv_cloud(const std::string& path) {
   auto lines = CsvLines::open(path);
   if (!lines) return lines.error();
-  if (!lines->next()) return false;
+  const auto header = lines->next();
+  if (!header) return header.error();
+  if (!*header) return false;
   return std::all_of(lines->fields().begin(), lines->fields().end(), [](const std::string& name) {
     return cloud_column_of(name) < kCloudColumns.size();
   });
@@ -52,11 +54,13 @@ Result<bool> is_csv_cloud(const std::string& path) {
 Result<Cloud> read_csv_cloud(const std::string& path) {
   auto lines = CsvLines::open(path);
   if (!lines) return lines.error();
-  if (!lines->next()) return lines->mistake("is empty: the first line names the columns");
+  auto more = lines->next();
+  if (!more) return more.error();
+  if (!*more) return lines->mistake("is empty: the first line names the columns");
   const auto columns = read_cloud_columns(*lines);
   if (!columns) return columns.error();
   Cloud cloud;
-  while (lines->next()) {
+  for (more = lines->next(); more && *more; more = lines->next()) {
     if (lines->fields().size() != 3) {
       return lines->mistake("has " + std::to_string(lines->fields().size()) +
                             " fields where the header has 3");
@@ -71,6 +75,7 @@ Result<Cloud> read_csv_cloud(const std::string& path) {
     if (const auto wrong = mistake_in_point(point)) return lines->mistake(*wrong);
     cloud.points_m.push_back(point);
   }
+  if (!more) return more.error();
   if (cloud.points_m.empty()) return no_points(path);
   return cloud;
 }

@@ -92,6 +92,24 @@ TEST(Truth, ReadsColumnsInAnyOrderWithForeignLineEnds) {
   EXPECT_DOUBLE_EQ(truth->template_xy_m(0, 0), 0.004);
 }
 
+TEST(Truth, IsReadAsSpreadsheetsQuoteIt) {
+  const FrameFolder folder;
+  fill(folder);
+  folder.write(
+      "gt/009_a.csv",
+      "\xEF\xBB\xBF\"point_id\",\"template_x_mm\",\"template_y_mm\",\"u_px\",\"v_px\","
+      "\"X_mm\",\"Y_mm\",\"Z_mm\"\r\n\"left, \"\"upper\"\"\",\"4\",5,0,0,+1,\"-2\",3\r\n\r\n\r\n");
+  auto source = source_with_truth(folder);
+  const PluginAnswer opened = source.process(kOpen, {});
+  ASSERT_EQ(opened.status, WEFT_OK) << opened.message;
+  const auto truth = source.process(kRead, {}, 1).get<GroundTruth>();
+  ASSERT_TRUE(truth.has_value());
+  ASSERT_EQ(truth->count(), 1);
+  EXPECT_DOUBLE_EQ(truth->template_xy_m(0, 0), 0.004);
+  EXPECT_DOUBLE_EQ(truth->points_m(0, 0), 0.001);
+  EXPECT_DOUBLE_EQ(truth->points_m(0, 1), -0.002);
+}
+
 TEST(Truth, RefusesValuesThatAreNoNumbersWithTheirLine) {
   EXPECT_THAT(refusal_of(kHeader + kRow + "m1,1,2,3,4,nan,6,7\n"),
               AllOf(HasSubstr("009_a.csv:3:"), HasSubstr("'X_mm'"), HasSubstr("nan")));
@@ -105,6 +123,8 @@ TEST(Truth, RefusesValuesThatAreNoNumbersWithTheirLine) {
 TEST(Truth, RefusesTablesOfTheWrongForm) {
   EXPECT_THAT(refusal_of(""), HasSubstr("is empty"));
   EXPECT_THAT(refusal_of(kHeader), HasSubstr("holds no points"));
+  EXPECT_THAT(refusal_of("point_id;X_mm\n1;2\n"), HasSubstr(":1: separates its columns by semi"));
+  EXPECT_THAT(refusal_of(kHeader + "\"m1,1,2,3,4,5,6,7\n"), HasSubstr(":2: has a quote that is"));
   EXPECT_THAT(refusal_of(kHeader + "m1,1,2,3,4,5,6\n"), HasSubstr(":2: has 7 fields"));
   EXPECT_THAT(refusal_of(kHeader + kRow + kRow), HasSubstr(":3: the point 'm0' is given twice"));
   EXPECT_THAT(refusal_of("point_id,template_x_mm,template_y_mm,u_px,v_px,X_mm,Y_mm\n" + kRow),

@@ -38,6 +38,30 @@ TEST(MatchCsv, IsReadWithForeignLineEndsAndSpaces) {
   EXPECT_EQ((*table)[Column::template_y_px][0], -0.4);
 }
 
+TEST(MatchCsv, IsReadAsSpreadsheetsQuoteIt) {
+  const FrameFolder folder;
+  folder.write("a.csv",
+               "\xEF\xBB\xBF\"image_x_px\",\"image_y_px\" ,template_x_px,\"template_y_px\"\r\n"
+               "\"+1.5\", \"2\",.5,3.\r\n\r\n  \r\n");
+  const auto table = read_match_csv(folder.path("a.csv"));
+  ASSERT_TRUE(table) << table.error().message;
+  ASSERT_EQ(table->rows(), 1U);
+  EXPECT_EQ((*table)[Column::image_x_px][0], 1.5);
+  EXPECT_EQ((*table)[Column::image_y_px][0], 2.0);
+  EXPECT_EQ((*table)[Column::template_x_px][0], 0.5);
+  EXPECT_EQ((*table)[Column::template_y_px][0], 3.0);
+}
+
+TEST(MatchCsv, NamesOtherSeparatorsAndQuotesThatDoNotFit) {
+  EXPECT_THAT(refusal_of("image_x_px;image_y_px\n1,5;2,5\n"),
+              HasSubstr(":1:1: separates its columns by semicolons"));
+  EXPECT_THAT(refusal_of("image_x_px\timage_y_px\n1\t2\n"), HasSubstr("by tabs"));
+  EXPECT_THAT(refusal_of("\xFF\xFEi\0m\0"), HasSubstr("is UTF-16"));
+  EXPECT_THAT(refusal_of(kHeader + "\"1,2,3,4,1\n"), HasSubstr(":2:1: has a quote that is not"));
+  EXPECT_THAT(refusal_of(kHeader + "\"1\"0,2,3,4,1\n"), HasSubstr("behind a closing quote"));
+  EXPECT_THAT(refusal_of(kHeader + "\"x\"\"y\",2,3,4,1\n"), HasSubstr("x\\\"y"));
+}
+
 TEST(MatchCsv, RefusesValuesWithLineAndColumn) {
   EXPECT_THAT(refusal_of(kHeader + "1,2,3,4,1\n1,2,nan,4,1\n"),
               AllOf(HasSubstr("a.csv:3:5: 'image_x_px' must be a finite number, not 'nan'")));
