@@ -14,7 +14,7 @@ Result<std::vector<std::string>> expand_arguments(int argc, const char* const* a
     if (!argument.substr(start).starts_with('~') && !argument.substr(start).starts_with('$')) {
       continue;
     }
-    const auto expanded = host::expand_variables(argument.substr(start), paths);
+    const auto expanded = host::expand_path(argument.substr(start), paths);
     if (!expanded) return Error{expanded.error().code, expanded.error().message, {}};
     argument.replace(start, argument.npos, *expanded);
   }

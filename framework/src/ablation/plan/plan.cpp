@@ -93,7 +93,7 @@ class PlanReader {
 
   void read_pipeline(const yaml::Node& node) {
     const auto paths = host::PathRules::of_process({}, {});
-    const auto expanded = host::expand_variables(values_.text(node, "'pipeline'"), paths);
+    const auto expanded = host::expand_path(values_.text(node, "'pipeline'"), paths);
     if (!expanded) return values_.problem(node.at, expanded.error().message);
     if (expanded->empty()) return;
     const auto file = (fs::path(plan_.folder_of(node.at)) / *expanded).lexically_normal().string();

@@ -94,7 +94,7 @@ class DataReader {
 
   std::vector<NamedPatch> of_folders(const yaml::Node& folders) {
     const auto paths = host::PathRules::of_process({}, {});
-    const auto expanded = host::expand_variables(values_.text(folders, "'folders'"), paths);
+    const auto expanded = host::expand_path(values_.text(folders, "'folders'"), paths);
     if (!expanded) {
       values_.problem(folders.at, expanded.error().message);
       return {};

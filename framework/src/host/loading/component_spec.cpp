@@ -239,7 +239,7 @@ class Binder {
     }
     const bool input = parameter.type == WEFT_VALUE_INPUT_PATH;
     const auto expanded = given || input
-                              ? expand_variables(value.scalar, paths_)
+                              ? expand_path(value.scalar, paths_)
                               : Result<std::string>(default_output(value.scalar, spec_.arguments));
     if (!expanded) return problem(value.at, expanded.error().message);
     const auto source = to_index(value.at.source);

@@ -62,9 +62,11 @@ ComponentSpec resolve_known_part(const Registry& registry, const yaml::Node& use
 /// Where the value of a parameter of the component stands; nothing where it has no such parameter.
 std::optional<yaml::Position> place_of(const ComponentSpec& spec, std::string_view parameter);
 
-/// Expands ${NAME} and ${NAME:-default} in a path, and `~/` and `$NAME/` at its beginning. The
-/// Error says which variable is not set.
-Result<std::string> expand_variables(const std::string& path, const PathRules& paths);
+/// Expands ${NAME} and ${NAME:-default} in a text; the Error says which variable is not set.
+Result<std::string> expand_variables(const std::string& text, const PathRules& paths);
+
+/// The same in a path, and `~/` and `$NAME/` at its beginning.
+Result<std::string> expand_path(const std::string& path, const PathRules& paths);
 
 /// The default of an output path, with "{NAME}" as the output path of that name among those given
 /// before, without its extension.

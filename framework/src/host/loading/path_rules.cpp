@@ -41,10 +41,13 @@ Result<std::string> with_braces(const std::string& text) {
 
 }  // namespace
 
-Result<std::string> expand_variables(const std::string& path, const PathRules& paths) {
+Result<std::string> expand_path(const std::string& path, const PathRules& paths) {
   const auto braced = with_braces(path);
   if (!braced) return braced.error();
-  const std::string& text = *braced;
+  return expand_variables(*braced, paths);
+}
+
+Result<std::string> expand_variables(const std::string& text, const PathRules& paths) {
   std::string result;
   std::size_t at = 0;
   for (;;) {

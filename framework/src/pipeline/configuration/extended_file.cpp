@@ -20,7 +20,7 @@ Result<std::string> extended_file(const yaml::Node& extends, const std::string& 
   if (extends.kind != yaml::Kind::scalar || extends.scalar.empty()) {
     return Error{Errc::invalid_value, "'extends' must be the path of " + what};
   }
-  const auto expanded = host::expand_variables(extends.scalar, paths);
+  const auto expanded = host::expand_path(extends.scalar, paths);
   if (!expanded) return expanded.error();
   std::string file = (fs::path(folder) / *expanded).lexically_normal().string();
   if (const auto text = yaml::read_text(file); !text) {
