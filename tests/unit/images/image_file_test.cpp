@@ -33,10 +33,12 @@ void expect_size(const std::string& bytes, std::int64_t width, std::int64_t heig
   EXPECT_EQ(header->height_px, height);
 }
 
+std::string letter(std::size_t value) { return std::string(1, static_cast<char>(value)); }
+
 /// EXIF data with an orientation in either order of bytes.
 std::string exif(int orientation, bool big) {
   using namespace std::string_literals;
-  const char value = static_cast<char>(orientation);
+  const std::string value = letter(static_cast<std::size_t>(orientation));
   if (big) return "MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0"s + value + "\0\0\0\0\0\0"s;
   return "II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0"s + value + "\0\0\0\0\0\0\0"s;
 }
@@ -63,8 +65,7 @@ TEST(ImageHeader, ReadsTheOrientationOfEachFormat) {
   for (int k = 1; k <= 8; ++k) {
     for (const bool big : {false, true}) {
       const std::string data = exif(k, big);
-      expect_orientation("\xFF\xD8\xFF\xE1\0"s + static_cast<char>(data.size() + 8) + "Exif\0\0"s +
-                             data +
+      expect_orientation("\xFF\xD8\xFF\xE1\0"s + letter(data.size() + 8) + "Exif\0\0"s + data +
                              "\xFF\xC0\0\x11\x08\x01\xE0\x02\x80\x03zzzzzzzzz\xFF\xDA\0\x02"
                              "data\xFF\xD9"s,
                          k);
@@ -72,12 +73,12 @@ TEST(ImageHeader, ReadsTheOrientationOfEachFormat) {
       image.insert(8 + 25, chunk("eXIf", data));
       expect_orientation(image, k);
       const std::string vp8x = "RIFF\0\0\0\0WEBPVP8X\x0A\0\0\0\0\0\0\0\x7F\x02\0\xDF\x01\0"s;
-      expect_orientation(vp8x + "EXIF" + static_cast<char>(data.size()) + "\0\0\0"s + data, k);
+      expect_orientation(vp8x + "EXIF" + letter(data.size()) + "\0\0\0"s + data, k);
     }
     expect_orientation(
         "II*\0\x08\0\0\0\x03\0\0\x01\x03\0\x01\0\0\0\x80\x02\0\0\x01\x01\x04\0\x01\0\0\0\xE0"
         "\x01\0\0\x12\x01\x03\0\x01\0\0\0"s +
-            static_cast<char>(k) + "\0\0\0"s,
+            letter(static_cast<std::size_t>(k)) + "\0\0\0"s,
         k);
   }
 }

@@ -16,7 +16,7 @@ inline std::string jpeg_with_orientation(const cv::Mat& image, int orientation) 
   bytes.insert(2,
                "\xFF\xE1\0\x22"
                "Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0"s +
-                   static_cast<char>(orientation) + "\0\0\0\0\0\0\0"s);
+                   std::string(1, static_cast<char>(orientation)) + "\0\0\0\0\0\0\0"s);
   return bytes;
 }
 
