@@ -47,6 +47,7 @@ void check(const CheckOptions& options, Context& context) {
       continue;
     }
     const auto [content, report] = check_file(file, options, registry);
+    fmt::print(stderr, "{}", report.warning_text());
     if (report.ok()) {
       fmt::print("{}: ok, {}\n", file, content);
       continue;

@@ -40,8 +40,9 @@ Result<BuiltTemplate> build_template(const host::ComponentSpec& component) {
   if (!instance) return instance.error();
   const host::Outcome outcome = lane.call(**instance, 0, {}, host::kOfflineFrame);
   if (!outcome.usable()) return outcome.error;
-  BuiltTemplate built{outcome.find("template"), outcome.error.message, std::move(reports)};
+  BuiltTemplate built{outcome.find("template"), outcome.error.message, std::move(reports), {}};
   if (auto legal = check_template(*built.record); !legal) return legal.error();
+  built.size_doubt = size_doubt_of(*built.record, component);
   return built;
 }
 

@@ -24,6 +24,7 @@ struct BuiltTemplate {
   host::RecordPtr record;
   std::string note;                  ///< what is doubtful about it; mostly empty
   std::vector<std::string> reports;  ///< of its component, such as how its image was turned
+  std::string size_doubt;            ///< why its size is; mostly empty
 };
 
 Result<BuiltTemplate> build_template(const host::ComponentSpec& component);

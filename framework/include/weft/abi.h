@@ -275,7 +275,8 @@ typedef struct weft_devices {
 /* Extension of components whose parameters can be wrong in a way that their declarations do not
  * tell: files, patterns, parameters that exclude one another. Called after create (which was given
  * no nested components) and before prepare; it may read headers and small files, but must neither
- * block nor compute. Each mistake names the parameter that it is about. */
+ * block nor compute. Each mistake names the parameter that it is about; one that begins with
+ * "warning: " is something legal, but doubtful. */
 #define WEFT_CHECK "weft.check/1"
 typedef struct weft_check {
   uint32_t struct_size;

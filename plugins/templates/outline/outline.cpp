@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/data/matrix.hpp>
+#include <weft/geometry/surface_size.hpp>
 #include <weft/sdk/template_builder.hpp>
 
 #include "common/images/texture_file.hpp"
@@ -57,6 +58,7 @@ class OutlineTemplate final : public TemplateBuilder {
     if (!mask_path_.empty()) {
       mistakes.expect("mask", image_files::check_texture_file("mask", mask_path_));
     }
+    mistakes.doubt("length_m", size_doubt(length_m_, "length_m"));
   }
 
   Result<Template> build(const Call& call) override {

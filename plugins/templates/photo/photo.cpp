@@ -10,6 +10,7 @@
 #include <vector>
 #include <weft/data/matrix.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
+#include <weft/geometry/surface_size.hpp>
 #include <weft/sdk/detector.hpp>
 #include <weft/sdk/template_builder.hpp>
 
@@ -78,6 +79,7 @@ class PhotoTemplate final : public TemplateBuilder {
     }
     mistakes.expect("corners", check_count());
     mistakes.expect(columns_ == 1 ? "columns" : "rows", check_grid());
+    mistakes.doubt("width_m", size_doubt(std::max(width_m_, height_m_), "width_m"));
   }
 
   Result<Template> build(const Call& call) override {

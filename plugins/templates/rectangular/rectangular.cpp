@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <weft/data/matrix.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
+#include <weft/geometry/surface_size.hpp>
 #include <weft/sdk/template_builder.hpp>
 
 #include "common/images/texture_file.hpp"
@@ -36,6 +38,7 @@ class Rectangular final : public TemplateBuilder {
 
   void check(Mistakes& mistakes) const {
     mistakes.expect("texture", image_files::check_texture_file("texture", texture_path_));
+    mistakes.doubt("width_m", size_doubt(std::max(width_m_, height_m_), "width_m"));
   }
 
   Result<Template> build(const Call& call) override {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <weft/core/quote.hpp>
 #include <weft/core/result.hpp>
 
 namespace weft {
@@ -17,13 +18,22 @@ namespace weft {
 /// What it refuses, the methods that run must refuse in the same words: let both call one function.
 class Mistakes {
  public:
+  /// How a message begins that is a warning.
+  static constexpr const char* kWarning = "warning: ";
+
   using Report = void (*)(void* context, const char* parameter, const char* message);
 
   Mistakes(void* context, Report report) : context_(context), report_(report) {}
 
   /// A mistake in the value of `parameter`: what is wrong and what to change.
   void add(const char* parameter, const std::string& message) {
-    report_(context_, parameter, message.c_str());
+    report_(context_, parameter, without_nul(message).c_str());
+  }
+
+  /// Something legal, but doubtful: it is printed as a warning, and the pipeline can be run.
+  /// Nothing where `message` is empty.
+  void doubt(const char* parameter, const std::string& message) {
+    if (!message.empty()) add(parameter, kWarning + message);
   }
 
   /// Adds the error of a result as a mistake in the value of `parameter`; true if there is none.

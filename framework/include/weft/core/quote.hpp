@@ -65,4 +65,13 @@ inline std::string quote(std::string_view text) {
   return "'" + escaped(text, kMostShown) + "'";
 }
 
+/// The text with its NUL characters as escapes: texts of the contract end at the first NUL.
+inline std::string without_nul(std::string_view text) {
+  std::string shown(text);
+  for (std::size_t at = shown.find('\0'); at != shown.npos; at = shown.find('\0', at)) {
+    shown.replace(at, 1, detail::escape_of(0, true));
+  }
+  return shown;
+}
+
 }  // namespace weft

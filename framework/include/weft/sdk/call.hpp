@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <string>
+#include <weft/core/quote.hpp>
 #include <weft/core/rng.hpp>
 #include <weft/core/stop_check.hpp>
 
@@ -33,8 +34,12 @@ class Call {
             },
             raw_};
   }
-  void log_info(const std::string& text) const { raw_->host->log(raw_, 1, text.c_str()); }
-  void log_warning(const std::string& text) const { raw_->host->log(raw_, 2, text.c_str()); }
+  void log_info(const std::string& text) const {
+    raw_->host->log(raw_, 1, without_nul(text).c_str());
+  }
+  void log_warning(const std::string& text) const {
+    raw_->host->log(raw_, 2, without_nul(text).c_str());
+  }
 
   const weft_call& raw() const { return *raw_; }
 

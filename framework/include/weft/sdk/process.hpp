@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 #include <weft/core/params.hpp>
+#include <weft/core/quote.hpp>
 #include <weft/data/codec.hpp>
 #include <weft/sdk/call.hpp>
 #include <weft/sdk/optional_input.hpp>
@@ -37,9 +38,10 @@ struct Sweep {
 template <std::size_t Count>
 Sweep(const char*, const double (&)[Count]) -> Sweep<Count>;
 
-/// Copies text into a fixed buffer, cut on a UTF-8 character boundary.
+/// Copies text into a fixed buffer, cut on a UTF-8 character boundary; NUL is escaped.
 template <std::size_t Size>
-void copy_text(char (&target)[Size], std::string_view text) {
+void copy_text(char (&target)[Size], std::string_view given) {
+  const std::string text = without_nul(given);
   std::size_t length = std::min(text.size(), Size - 1);
   while (length > 0 && length < text.size() &&
          (static_cast<unsigned char>(text[length]) & 0xC0U) == 0x80U) {

@@ -308,7 +308,7 @@ std::pair<Plan, ConfigReport> read_plan(const std::string& file, const host::Reg
   Plan plan;
   plan.helpers = helpers;
   plan.sources = document.sources;
-  ConfigReport report{std::move(document.sources), std::move(document.problems), false};
+  ConfigReport report{std::move(document.sources), std::move(document.problems), false, {}};
   if (document.complete) PlanReader(plan, registry, report.problems).read(document.root);
   report.sort();
   return {std::move(plan), std::move(report)};

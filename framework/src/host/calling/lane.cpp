@@ -205,6 +205,10 @@ Outcome Lane::enter(Instance& instance, int method, std::span<const weft_record>
   return outcome;
 }
 
+void Lane::warn(const std::string& stage, const std::string& text) const {
+  if (log_) log_(stage, kWarning, text, kOfflineFrame);
+}
+
 std::int32_t Lane::call_here(const Instance& instance, const weft_call& call,
                              std::span<const weft_record> inputs, std::uint64_t run_frame,
                              weft_error& error) const {

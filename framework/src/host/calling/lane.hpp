@@ -88,6 +88,9 @@ class Lane {
   /// As above, for an instance of this process; the two are records as a call has them.
   Result<void> prepare_here(Instance& instance, std::span<const weft_record> inputs);
 
+  /// Logs what is doubtful about a stage before the first frame, as a component warns.
+  void warn(const std::string& stage, const std::string& text) const;
+
   /// Calls a method of a component; outputs are validated. Never throws.
   Outcome call(Instance& instance, int method, std::span<const weft_record> inputs,
                std::uint64_t frame, std::uint64_t draw = 0);

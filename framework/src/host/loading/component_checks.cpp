@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <weft/core/index.hpp>
+#include <weft/core/mistakes.hpp>
 #include <weft/core/quote.hpp>
 
 #include "host/loading/library_call.hpp"
@@ -83,7 +84,8 @@ std::vector<ComponentChecks::Mistake> ComponentChecks::mistakes_of(const Compone
   return mistakes;
 }
 
-void ComponentChecks::ask(const ComponentSpec& spec, std::vector<yaml::Problem>& problems) {
+void ComponentChecks::ask(const ComponentSpec& spec, std::vector<yaml::Problem>& problems,
+                          std::vector<yaml::Problem>* warnings) {
   if (spec.installed == nullptr) return;  // a mistake that was reported
   const std::vector<std::string>& extensions = spec.component().extensions;
   const bool asks = std::find(extensions.begin(), extensions.end(), WEFT_CHECK) != extensions.end();
@@ -94,11 +96,16 @@ void ComponentChecks::ask(const ComponentSpec& spec, std::vector<yaml::Problem>&
       entry->second = mistakes_of(spec);
     }
     for (const Mistake& mistake : entry->second) {
-      const auto at = place_of(spec, mistake.parameter);
-      problems.push_back({at.value_or(place_of(spec)), mistake.message});
+      const auto at = place_of(spec, mistake.parameter).value_or(place_of(spec));
+      constexpr std::string_view kWarning = Mistakes::kWarning;
+      if (!mistake.message.starts_with(kWarning)) {
+        problems.push_back({at, mistake.message});
+      } else if (warnings != nullptr) {
+        warnings->push_back({at, mistake.message.substr(kWarning.size())});
+      }
     }
   }
-  for (const NestedSpec& nested : spec.nested) ask(nested.component, problems);
+  for (const NestedSpec& nested : spec.nested) ask(nested.component, problems, warnings);
 }
 
 }  // namespace weft::host

@@ -22,8 +22,9 @@ class ComponentChecks {
       : asking_(std::move(asking)) {}
 
   /// Appends the mistakes of the component and of those nested in it, each at the value of the
-  /// parameter that it is about, or at `use`.
-  void ask(const ComponentSpec& spec, std::vector<yaml::Problem>& problems);
+  /// parameter that it is about, or at `use`; likewise what is doubtful to `warnings`, if given.
+  void ask(const ComponentSpec& spec, std::vector<yaml::Problem>& problems,
+           std::vector<yaml::Problem>* warnings = nullptr);
 
  private:
   struct Mistake {

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "pipeline/configuration/config_loader.hpp"
+#include "pipeline/configuration/inherited_values.hpp"
 
 namespace weft {
 
@@ -12,6 +13,14 @@ std::string ConfigReport::text() const {
   std::string text;
   for (const yaml::Problem& problem : problems) {
     text += place_in(sources, problem.at) + ": " + problem.message + "\n";
+  }
+  return text;
+}
+
+std::string ConfigReport::warning_text() const {
+  std::string text;
+  for (const yaml::Problem& warning : warnings) {
+    text += "warning: " + place_in(sources, warning.at) + ": " + warning.message + "\n";
   }
   return text;
 }
@@ -78,11 +87,15 @@ std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
   config.in_program = document.in_program;
   config.isolating = document.isolating;
   paths.of_fragment = document.fragment;
-  ConfigReport report{std::move(document.sources), std::move(document.problems), false};
+  ConfigReport report{document.sources, std::move(document.problems), false, {}};
   const auto of_text = static_cast<std::ptrdiff_t>(report.problems.size());
   // A text that could not be read to its end has no root.
   if (of_text == 0 || document.root.kind == yaml::Kind::map) {
-    std::vector<yaml::Problem> found;
+    auto [found, doubts] = check_inherited_values(document, registry, paths);
+    for (const yaml::Problem& doubt : doubts) {
+      config.doubts.push_back(place_in(report.sources, doubt.at) + ": " + doubt.message);
+    }
+    report.warnings = std::move(doubts);
     const bool known = load_config(document.root, registry, paths, config, found);
     report.wirable = known && !document.fragment;
     for (yaml::Problem& mistake : found) {

@@ -67,6 +67,7 @@ struct PipelineConfig {
   bool latest_only = false;    ///< `realtime: latest`: frames that come meanwhile are dropped
   bool in_program = false;     ///< see PipelineDocument: there is neither source nor sink
   Isolating isolating = Isolating::preferred;  ///< what was chosen
+  std::vector<std::string> doubts;             ///< warnings of the report, with their places
   /// A mistake leaves open what some stages are called, so that names may be missing only by it.
   bool doubtful_names = false;
 };
@@ -76,12 +77,15 @@ struct ConfigReport {
   std::vector<ConfigSource> sources;  ///< by yaml::Position::source
   std::vector<yaml::Problem> problems;
   bool wirable = false;  ///< it is known which stages there are, whatever else is wrong
+  std::vector<yaml::Problem> warnings;  ///< what is legal, but doubtful
 
   bool ok() const { return problems.empty(); }
   /// By place.
   void sort();
   /// One line a mistake: place_in(sources) and the sentence.
   std::string text() const;
+  /// The same of the warnings.
+  std::string warning_text() const;
 };
 
 /// Reads a pipeline file with what it extends, lays `patches` over it, sets `settings`

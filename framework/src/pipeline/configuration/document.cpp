@@ -194,7 +194,12 @@ class Reader {
     refuse_twice(root);
     if (root.partial) document_.fragment = true;
     chain.push_back(canonical_path(file));
-    return extended(std::move(root), source, chain);
+    root = extended(std::move(root), source, chain);
+    for (const char* key : {"source", "template"}) {
+      const yaml::Node* part = root.find(key);
+      if (part != nullptr) document_.parts.push_back({source, key, *part});
+    }
+    return root;
   }
 
   /// The root laid over the file that it extends, if it does.

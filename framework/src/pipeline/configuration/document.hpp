@@ -44,11 +44,19 @@ enum class Isolating {
   all,        ///< all that can
 };
 
+/// Source or template of one file of a pipeline, with what the file inherits.
+struct PartOfFile {
+  int source = 0;   ///< of the file
+  std::string key;  ///< "source" or "template"
+  yaml::Node node;
+};
+
 /// A pipeline as one document. Its root is null when a text could not be read to its end.
 struct PipelineDocument {
   yaml::Node root;
   std::vector<ConfigSource> sources;  ///< the file, what it extends, settings
   std::vector<LeftOut> left_out;
+  std::vector<PartOfFile> parts;  ///< without patches and settings
   std::vector<yaml::Problem> problems;
   bool unreadable = false;      ///< the file itself: nothing else can be said of it
   bool fragment = false;        ///< what is missing may stand in a text that could not be read

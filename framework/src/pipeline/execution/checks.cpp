@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/execution/checks.hpp"
 
+#include <algorithm>
 #include <weft/data/ground_truth.hpp>
 #include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_check.hpp>
 #include <weft/geometry/mesh_validation.hpp>
+#include <weft/geometry/surface_size.hpp>
 
 namespace weft {
 
@@ -132,6 +134,19 @@ Result<void> check_template(const Record& templ) {
   const auto faces = sheet->faces.matrix<3>();
   if (auto valid = validate_mesh(sheet->vertices_m.matrix<3>(), faces); !valid) return valid;
   return validate_flat_mesh(sheet->flat_px.matrix<2>(), faces);
+}
+
+std::string size_doubt_of(const Record& templ, const host::ComponentSpec& builder) {
+  const auto arrays = view_as<Template>(templ);
+  if (!arrays) return {};
+  const Points3 vertices_m = arrays->vertices_m.matrix<3>();
+  const auto& parameters = builder.component().parameters;
+  const auto length = std::find_if(parameters.begin(), parameters.end(), [](const auto& each) {
+    return each.type == WEFT_VALUE_F64 && !each.is_vector && each.unit == "m";
+  });
+  const double largest_m =
+      (vertices_m.colwise().maxCoeff() - vertices_m.colwise().minCoeff()).maxCoeff();
+  return size_doubt(largest_m, length != parameters.end() ? length->name : "");
 }
 
 Result<void> check_camera(const Record& camera) {

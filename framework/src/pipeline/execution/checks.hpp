@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
+#include "host/loading/component_spec.hpp"
 #include "host/records/record.hpp"
 
 namespace weft {
@@ -14,6 +16,10 @@ inline constexpr std::int64_t kMostTemplateVertices = 250'000;
 /// Whether a template can be used: not too many vertices, indices in range, no folded or degenerate
 /// faces, sizes agree.
 Result<void> check_template(const host::Record& templ);
+
+/// Why the size of a template that was checked is doubtful, with the parameter of its builder that
+/// is a length in metres, if there is one; mostly empty.
+std::string size_doubt_of(const host::Record& templ, const host::ComponentSpec& builder);
 
 /// Whether the camera is one that can have taken pictures, see camera_mistake().
 Result<void> check_camera(const host::Record& camera);

@@ -64,13 +64,18 @@ Result<void> PipelineInput::build_template() {
   const StageConfig& templ = *config_->templ;
   const auto builder = instantiate(*lane_, templ, templ.component);
   if (!builder) return builder.error();
-  auto built =
-      output_of(lane_->call(**builder, kBuildTemplate, {}, host::kOfflineFrame), "template");
+  const Outcome outcome = lane_->call(**builder, kBuildTemplate, {}, host::kOfflineFrame);
+  auto built = output_of(outcome, "template");
   if (!built) return built.error();
   template_ = *std::move(built);
   if (templ.isolation) lane_->discard(**builder);  // its process has nothing more to do
   placer_.emplace(template_, lane_->memory());
-  return blame(check_template(*template_), templ);
+  if (auto legal = blame(check_template(*template_), templ); !legal) return legal;
+  for (const std::string& doubt :
+       {outcome.error.message, size_doubt_of(*template_, templ.component)}) {
+    if (!doubt.empty()) lane_->warn(templ.name, doubt);
+  }
+  return {};
 }
 
 Result<RecordPtr> PipelineInput::completed(const RecordPtr& record) {

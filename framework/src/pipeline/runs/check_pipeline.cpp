@@ -10,9 +10,11 @@ namespace {
 /// What the components whose parameters are legal say of them. One in a process of its own is not
 /// asked: nothing loads its library in this one.
 void ask_components(const PipelineConfig& config, host::ComponentChecks& checks,
-                    std::vector<yaml::Problem>& problems) {
+                    ConfigReport& report) {
   std::vector<yaml::Problem> found;
-  const auto ask = [&](const host::ComponentSpec& component) { checks.ask(component, found); };
+  const auto ask = [&](const host::ComponentSpec& component) {
+    checks.ask(component, found, &report.warnings);
+  };
   for (const auto* single : {&config.source, &config.templ}) {
     if (*single && !(*single)->isolation) ask((*single)->component);
   }
@@ -27,8 +29,8 @@ void ask_components(const PipelineConfig& config, host::ComponentChecks& checks,
     const auto same = [&](const yaml::Problem& other) {
       return other.at == mistake.at && other.message == mistake.message;
     };
-    if (std::any_of(problems.begin(), problems.end(), same)) continue;
-    problems.push_back(std::move(mistake));
+    if (std::any_of(report.problems.begin(), report.problems.end(), same)) continue;
+    report.problems.push_back(std::move(mistake));
   }
 }
 
@@ -54,7 +56,7 @@ std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file,
   CheckedPipeline pipeline{std::move(config), {}};
   refuse_unsafe_outputs(pipeline.config, registry, output_folder, report.problems);
   host::ComponentChecks own;
-  ask_components(pipeline.config, checks != nullptr ? *checks : own, report.problems);
+  ask_components(pipeline.config, checks != nullptr ? *checks : own, report);
   if (report.wirable) pipeline.graph = wire(pipeline.config, registry, report.problems);
   report.sort();
   return {std::move(pipeline), std::move(report)};
@@ -74,7 +76,7 @@ Result<CheckedPipeline> check_change(const PipelineConfig& running, const std::s
   auto [config, report] = load_pipeline(file, std::move(document), registry, folder);
   CheckedPipeline pipeline{std::move(config), {}};
   host::ComponentChecks checks;
-  ask_components(pipeline.config, checks, report.problems);
+  ask_components(pipeline.config, checks, report);
   if (report.wirable) pipeline.graph = wire(pipeline.config, registry, report.problems);
   report.sort();
   if (report.ok()) return pipeline;

@@ -100,6 +100,7 @@ class Run {
 
   void open() {
     need(Dump::check_names(pipeline_.config, options_.dumped));
+    for (const std::string& doubt : pipeline_.config.doubts) lane_->warn("pipeline", doubt);
     loop_ = need(FrameLoop::open(pipeline_, *lane_));
     stop_if_cancelled();
     if (options_.repeated) repeated_ = need(RepeatedFrames::of(*options_.repeated, loop_->input()));

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "pipeline/configuration/document.hpp"
+
+namespace weft {
+
+/// Values that describe the file which a source or template is made from, its first required input
+/// path: lengths in metres and places in pixels of a template, labels of the frames of a source.
+/// They do not describe another file that a text laid over theirs puts in its place.
+///
+/// Lengths and places are refused at the path that was replaced. Labels are taken out of the
+/// document, with a warning for each.
+struct InheritedValues {
+  std::vector<yaml::Problem> problems, warnings;
+};
+InheritedValues check_inherited_values(PipelineDocument& document, const host::Registry& registry,
+                                       const host::PathRules& paths);
+
+}  // namespace weft
