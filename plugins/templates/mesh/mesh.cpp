@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 #include <weft/core/index.hpp>
 #include <weft/data/matrix.hpp>
+#include <weft/geometry/surface_size.hpp>
 #include <weft/geometry/texture_metric.hpp>
 #include <weft/sdk/template_builder.hpp>
 
@@ -59,7 +61,7 @@ class MeshTemplate final : public TemplateBuilder {
   /// The surface is not flattened here, which may take long.
   void check(Mistakes& mistakes) const {
     mistakes.expect("texture", image_files::check_texture_file("texture", texture_path_));
-    const auto file = read_mesh_file(mesh_path_);
+    auto file = read_mesh_file(mesh_path_);
     if (!mistakes.expect("mesh", file)) return;
     if (const auto legal = check_coordinates(*file); !legal) {
       const bool asked = legal.error().code == Errc::invalid_value;
@@ -67,14 +69,18 @@ class MeshTemplate final : public TemplateBuilder {
     }
     const auto surface = weld(*file);
     if (!mistakes.expect("mesh", surface)) return;
-    mistakes.expect("unit_m", check_size(unit_m_ * surface->vertices));
+    const Points3 vertices_m = unit_m_ * surface->vertices;
+    if (mistakes.expect("unit_m", check_size(vertices_m))) {
+      mistakes.doubt("unit_m", size_doubt(largest_side(vertices_m), "unit_m"));
+    }
+    for (const std::string& note : file->notes) mistakes.doubt("mesh", mesh_path_ + ": " + note);
   }
 
   Result<Template> build(const Call& call) override {
     auto texture = image_files::read_texture_file("texture", texture_path_);
     if (!texture) return texture.error();
     image_files::report_orientation(call, texture_path_, texture->orientation);
-    const auto file = read_mesh_file(mesh_path_);
+    auto file = read_mesh_file(mesh_path_);
     if (!file) return file.error();
     auto surface = weld(*file);
     if (!surface) return surface.error();
@@ -84,7 +90,9 @@ class MeshTemplate final : public TemplateBuilder {
     if (auto found = find_coordinates(*file, *surface); !found) return found.error();
     const Points2 flat_px = to_px(surface->texture, texture->pixels.size());
     if (auto done = orient(*file, flat_px, surface->faces); !done) return done.error();
-    if (auto legal = check_overlap(*file, flat_px, surface->faces); !legal) return legal.error();
+    if (auto legal = check_overlap(*file, flat_px, surface->faces); !legal) {
+      return with_notes(legal.error(), *file);
+    }
     const auto m_per_px = texel_pitch(vertices_m, flat_px, surface->faces).m_per_px;
     TexturedMesh mesh{vertices_m, flat_px, std::move(surface->faces)};
     if (vertices_ > 0) {
@@ -96,15 +104,28 @@ class MeshTemplate final : public TemplateBuilder {
     Template templ = assemble(mesh, m_per_px);
     image_files::store(*texture, templ);
     const std::string note = note_of(surface->parts, mesh.vertices_m.rows());
-    if (note.empty()) return templ;
-    return degenerate(std::move(templ), mesh_path_ + ": " + note);
+    if (!note.empty()) file->notes.push_back(note);
+    if (file->notes.empty()) return templ;
+    return degenerate(std::move(templ), with_notes({Errc::no_result, mesh_path_}, *file).message);
   }
 
  private:
+  static double largest_side(const Points3& vertices_m) {
+    return (vertices_m.colwise().maxCoeff() - vertices_m.colwise().minCoeff()).maxCoeff();
+  }
+
+  /// The message with what is doubtful about the file behind it.
+  static Error with_notes(Error error, const MeshFile& file) {
+    const char* before = ": ";
+    for (const std::string& note : file.notes) {
+      error.message += std::exchange(before, "; ") + note;
+    }
+    return error;
+  }
+
   Result<void> check_size(const Points3& vertices_m) const {
     constexpr double kLeast_m = 0.001, kMost_m = 100.0;
-    const double size_m =
-        (vertices_m.colwise().maxCoeff() - vertices_m.colwise().minCoeff()).maxCoeff();
+    const double size_m = largest_side(vertices_m);
     if (size_m >= kLeast_m && size_m <= kMost_m) return {};
     return Error{Errc::invalid_value,
                  mesh_path_ + ": the object would be " + std::to_string(size_m) +

@@ -10,7 +10,7 @@
 
 namespace weft::mesh {
 
-/// Triangles as a file gives them; polygons are cut into fans.
+/// Triangles as a file gives them; polygons are cut into triangles, see cut_polygons().
 struct MeshFile {
   struct Corner {
     std::int32_t position = 0;
@@ -26,6 +26,7 @@ struct MeshFile {
   std::vector<Eigen::Vector3d> positions;   ///< in the file's unit
   std::vector<Eigen::Vector2d> texture_uv;  ///< 0 to 1 over the picture, v upwards
   std::vector<Face> faces;
+  std::vector<std::string> notes;  ///< what is doubtful about the file
 
   /// "path:line: " or, in a binary file, "path: face 12 " before the sentence.
   Error mistake(const Face& face, const std::string& sentence) const;
@@ -35,7 +36,8 @@ struct MeshFile {
 /// file (ascii, binary of either byte order; x y z, texture coordinates s t, u v or texture_u
 /// texture_v of a vertex or the list texcoord of a face), told apart by their first word. All
 /// indices are in range and all numbers finite; either all corners have texture coordinates or
-/// none. A mistake is told as "path:line: what; fix".
+/// none. Files of other formats and in UTF-16 are refused by their name, and so are faces of
+/// several pictures. A mistake is told as "path:line: what; fix".
 Result<MeshFile> read_mesh_file(const std::string& path);
 
 /// The same for a text that was read.

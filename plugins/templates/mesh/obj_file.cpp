@@ -4,7 +4,7 @@
 #include <weft/core/index.hpp>
 
 #include "common/ply/text_lines.hpp"
-#include "mesh_file.hpp"
+#include "materials.hpp"
 
 namespace weft::mesh {
 namespace {
@@ -17,9 +17,8 @@ using ply::words_of;
 using Words = std::vector<std::string_view>;
 
 /// Statements that say nothing about a surface of triangles and its texture coordinates.
-constexpr std::array<std::string_view, 14> kIgnored{"vn",     "vp",  "g",      "o",      "s",
-                                                    "l",      "p",   "usemtl", "mtllib", "usemap",
-                                                    "maplib", "lod", "mg",     "bevel"};
+constexpr std::array<std::string_view, 12> kIgnored{"vn", "vp",     "g",      "o",   "s",  "l",
+                                                    "p",  "usemap", "maplib", "lod", "mg", "bevel"};
 
 class ObjParser {
  public:
@@ -40,6 +39,9 @@ class ObjParser {
     }
     if (auto read = statement(words_of(joined)); !read) return read.error();
     if (auto checked = check_indices(); !checked) return checked.error();
+    if (auto checked = check_materials(std::move(materials_), file_); !checked) {
+      return checked.error();
+    }
     return std::move(file_);
   }
 
@@ -59,6 +61,10 @@ class ObjParser {
       return numbers(words, 2,
                      [&](const double* uv) { file_.texture_uv.emplace_back(uv[0], uv[1]); });
     if (kind == "f") return face(words);
+    if (kind == "usemtl" || kind == "mtllib") {
+      material(words);
+      return {};
+    }
     if (std::find(kIgnored.begin(), kIgnored.end(), kind) != kIgnored.end()) return {};
     return mistake("'" + std::string(kind) +
                    "' is no statement of an OBJ file of polygons (v, vt, vn, f ...): is the file "
@@ -80,6 +86,11 @@ class ObjParser {
     }
     take(values.data());
     return {};
+  }
+
+  void material(const Words& words) {
+    if (words.front() == "usemtl") return materials_.use(words.size() > 1 ? words[1] : "");
+    for (std::size_t k = 1; k < words.size(); ++k) materials_.libraries.emplace_back(words[k]);
   }
 
   /// Counted from 1, or backwards from the last one with -1.
@@ -119,6 +130,7 @@ class ObjParser {
     }
     if (corners.size() < 3) return mistake("a face needs at least 3 corners: remove the line");
     ++face_count_;
+    materials_.count_face();
     for (std::size_t k = 2; k < corners.size(); ++k) {
       file_.faces.push_back({{corners[0], corners[k - 1], corners[k]}, line_, face_count_});
     }
@@ -149,6 +161,7 @@ class ObjParser {
   }
 
   MeshFile file_;
+  Materials materials_;
   std::int64_t line_ = 0;
   std::int64_t face_count_ = 0;
 };

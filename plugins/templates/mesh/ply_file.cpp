@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <optional>
 #include <weft/core/index.hpp>
 
 #include "common/ply/ply_reader.hpp"
@@ -58,6 +60,7 @@ class PlyParser {
       corners.push_back({position, vertices_have_texture_ ? position : -1});
     }
     if (auto taken = take_texture(element, i, row, corners); !taken) return taken;
+    if (auto taken = take_picture(element, i, row); !taken) return taken;
     for (std::size_t k = 2; k < corners.size(); ++k) {
       file_.faces.push_back({{corners[0], corners[k - 1], corners[k]}, reader_.line(), i + 1});
     }
@@ -84,6 +87,18 @@ class PlyParser {
     return {};
   }
 
+  /// Which of several pictures the face is in.
+  Result<void> take_picture(const PlyElement& element, std::int64_t i, const PlyRow& row) {
+    const double picture = ply::number_at(row, element.find({"texnumber"}));
+    if (std::isnan(picture)) return {};
+    if (!picture_) picture_ = picture;
+    if (*picture_ == picture) return {};
+    return reader_.mistake(element, i,
+                           "the face is in another picture than the first one (texnumber), but a "
+                           "template has one: bake them into one picture, or export the faces of "
+                           "one picture alone");
+  }
+
   Result<void> check_indices() const {
     for (const MeshFile::Face& face : file_.faces) {
       for (const MeshFile::Corner& corner : face.corners) {
@@ -101,6 +116,7 @@ class PlyParser {
   MeshFile file_;
   ply::PlyReader reader_;
   bool vertices_have_texture_ = false;
+  std::optional<double> picture_;  ///< of the first face that names one
 };
 
 }  // namespace

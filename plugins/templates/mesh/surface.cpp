@@ -9,30 +9,12 @@
 #include <weft/core/index.hpp>
 #include <weft/geometry/mesh_validation.hpp>
 
+#include "coincidence.hpp"
+
 namespace weft::mesh {
 namespace {
 
-using Point = std::array<double, 3>;
 using Triple = std::array<std::int32_t, 3>;
-using Key = std::tuple<std::int32_t, double, double>;  // place, texture coordinates
-
-/// For the corners of each face, the first of the file's positions at the same place.
-std::vector<Triple> points_of(const MeshFile& file) {
-  std::map<Point, std::int32_t> first_at;
-  std::vector<std::int32_t> first;
-  for (const Eigen::Vector3d& p : file.positions) {
-    const auto number = static_cast<std::int32_t>(first.size());
-    first.push_back(first_at.try_emplace({p.x(), p.y(), p.z()}, number).first->second);
-  }
-  std::vector<Triple> corners;
-  for (const MeshFile::Face& face : file.faces) {
-    Triple& triple = corners.emplace_back();
-    for (std::size_t k = 0; k < 3; ++k) {
-      triple[k] = first[to_index(face.corners[k].position)];
-    }
-  }
-  return corners;
-}
 
 Result<void> check_manifold(const MeshFile& file, const std::vector<Triple>& points) {
   std::map<std::pair<std::int32_t, std::int32_t>, int> faces_at;
@@ -40,9 +22,6 @@ Result<void> check_manifold(const MeshFile& file, const std::vector<Triple>& poi
   for (std::size_t f = 0; f < points.size(); ++f) {
     Triple sorted = points[f];
     std::sort(sorted.begin(), sorted.end());
-    if (sorted[0] == sorted[1] || sorted[1] == sorted[2]) {
-      return file.mistake(file.faces[f], "has two corners at the same place: remove it");
-    }
     if (!seen.insert(sorted).second) {
       return file.mistake(file.faces[f], "has the corners of an earlier one: remove one of them");
     }
@@ -103,48 +82,101 @@ std::array<Eigen::Vector2d, 3> corners_of(const Points2& flat_px, const Faces& f
   return {flat_px.row(faces(f, 0)), flat_px.row(faces(f, 1)), flat_px.row(faces(f, 2))};
 }
 
-Result<void> check_areas(const MeshFile& file, const Surface& surface) {
-  const double least = smallest_area(surface.vertices);
-  for (Eigen::Index f = 0; f < surface.faces.rows(); ++f) {
-    if (face_area(surface.vertices, surface.faces, f) > least) continue;
-    return file.mistake(file.faces[to_index(f)],
-                        "has no area: remove it or move its corners apart");
+/// How many faces share no edge with another one.
+std::size_t count_isolated(const std::vector<Triple>& corners) {
+  std::map<std::pair<std::int32_t, std::int32_t>, int> faces_at;
+  const auto edge = [](const Triple& triple, std::size_t k) {
+    return std::pair<std::int32_t, std::int32_t>(std::minmax(triple[k], triple[(k + 1) % 3]));
+  };
+  for (const Triple& triple : corners) {
+    for (std::size_t k = 0; k < 3; ++k) ++faces_at[edge(triple, k)];
   }
-  return {};
+  return to_index(std::count_if(corners.begin(), corners.end(), [&](const Triple& triple) {
+    return faces_at[edge(triple, 0)] + faces_at[edge(triple, 1)] + faces_at[edge(triple, 2)] == 3;
+  }));
+}
+
+/// Faces that each stand alone are no surface: nothing would hold them together.
+Result<void> check_connected(const MeshFile& file, const std::vector<Triple>& points,
+                             const std::vector<Triple>& corners) {
+  constexpr std::size_t kFewest = 3;  // two triangles are parts that do not touch
+  const std::size_t isolated = count_isolated(corners);
+  if (corners.size() < kFewest || 2 * isolated <= corners.size()) return {};
+  const bool by_texture = 2 * count_isolated(points) <= points.size();
+  return Error{
+      Errc::invalid_data,
+      file.path + ": " + std::to_string(isolated) + " of " + std::to_string(corners.size()) +
+          " faces share no edge with another one: " +
+          (by_texture ? "each has its own piece of the picture; unwrap the mesh into few connected "
+                        "pieces"
+                      : "their corners are not joined; merge vertices by distance in the program "
+                        "that made the mesh (Blender: Merge by Distance; MeshLab: Merge Close "
+                        "Vertices)") +
+          ", and export it again"};
+}
+
+/// The faces' corners by number in `first`, which has those of the faces one after another.
+std::vector<Triple> triples_of(const std::vector<std::int32_t>& first) {
+  std::vector<Triple> triples(first.size() / 3);
+  for (std::size_t i = 0; i < first.size(); ++i) triples[i / 3][i % 3] = first[i];
+  return triples;
+}
+
+std::vector<Triple> points_of(const MeshFile& file, const std::vector<std::int32_t>& first) {
+  std::vector<Triple> points;
+  for (const MeshFile::Face& face : file.faces) {
+    Triple& triple = points.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) triple[k] = first[to_index(face.corners[k].position)];
+  }
+  return points;
 }
 
 }  // namespace
 
-Result<Surface> weld(const MeshFile& file) {
-  const std::vector<Triple> points = points_of(file);
+Result<Surface> weld(MeshFile& file) {
+  const std::vector<std::int32_t> first_position = first_positions(file);
+  const std::size_t given = file.faces.size();
+  if (const auto removed = remove_faces_without_area(file, first_position); removed > 0) {
+    if (file.faces.empty()) {
+      return Error{Errc::invalid_data, file.path + ": none of the " + std::to_string(given) +
+                                           " faces has an area: export the mesh again"};
+    }
+    file.notes.push_back(std::to_string(removed) + " of " + std::to_string(given) +
+                         " faces have no area and are left out");
+  }
+  const std::vector<Triple> points = points_of(file, first_position);
   if (auto checked = check_manifold(file, points); !checked) return checked.error();
-  const auto key_of = [&](std::size_t f, std::size_t k) {
-    const std::int32_t texture = file.faces[f].corners[k].texture;
-    Eigen::Vector2d uv = Eigen::Vector2d::Zero();
-    if (texture >= 0) uv = file.texture_uv[to_index(texture)];
-    return Key{points[f][k], uv.x(), uv.y()};
-  };
-  std::map<Key, std::int32_t> number_of;  // in the file's order of positions
-  for (std::size_t f = 0; f < points.size(); ++f) {
-    for (std::size_t k = 0; k < 3; ++k) number_of.emplace(key_of(f, k), 0);
-  }
-  const auto count = static_cast<Eigen::Index>(number_of.size());
-  Surface surface{Points3(count, 3), Points2(count, 2), {}, count_parts(points)};
-  std::int32_t next = 0;
-  for (auto& [key, number] : number_of) {
-    number = next++;
-    const auto& [point, u, v] = key;
-    surface.vertices.row(number) = file.positions[to_index(point)];
-    surface.texture.row(number) << u, v;
-  }
-  surface.faces.resize(static_cast<Eigen::Index>(points.size()), 3);
-  for (std::size_t f = 0; f < points.size(); ++f) {
+  const std::vector<Triple> corners = triples_of(first_corners(file, first_position));
+  if (auto checked = check_connected(file, points, corners); !checked) return checked.error();
+  using Key = std::tuple<std::int32_t, double, double, std::int32_t>;  // point, texture, corner
+  std::vector<Key> firsts;
+  for (std::size_t f = 0; f < corners.size(); ++f) {
     for (std::size_t k = 0; k < 3; ++k) {
-      surface.faces(static_cast<Eigen::Index>(f), static_cast<Eigen::Index>(k)) =
-          number_of.at(key_of(f, k));
+      const auto own = static_cast<std::int32_t>(3 * f + k);
+      if (corners[f][k] != own) continue;
+      const std::int32_t texture = file.faces[f].corners[k].texture;
+      const Eigen::Vector2d uv =
+          texture >= 0 ? file.texture_uv[to_index(texture)] : Eigen::Vector2d(0.0, 0.0);
+      firsts.emplace_back(points[f][k], uv.x(), uv.y(), own);
     }
   }
-  if (auto checked = check_areas(file, surface); !checked) return checked.error();
+  std::sort(firsts.begin(), firsts.end());  // in the file's order of positions
+  const auto count = static_cast<Eigen::Index>(firsts.size());
+  Surface surface{Points3(count, 3), Points2(count, 2), {}, count_parts(points)};
+  std::vector<std::int32_t> number_of(3 * corners.size(), -1);
+  for (Eigen::Index v = 0; v < count; ++v) {
+    const auto& [point, u, w, corner] = firsts[to_index(v)];
+    number_of[to_index(corner)] = static_cast<std::int32_t>(v);
+    surface.vertices.row(v) = file.positions[to_index(point)];
+    surface.texture.row(v) << u, w;
+  }
+  surface.faces.resize(static_cast<Eigen::Index>(corners.size()), 3);
+  for (std::size_t f = 0; f < corners.size(); ++f) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      surface.faces(static_cast<Eigen::Index>(f), static_cast<Eigen::Index>(k)) =
+          number_of[to_index(corners[f][k])];
+    }
+  }
   return surface;
 }
 

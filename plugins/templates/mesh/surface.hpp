@@ -7,8 +7,9 @@
 
 namespace weft::mesh {
 
-/// A manifold surface, cut where its texture is: corners that share place and texture coordinates
-/// are one vertex. Vertices are in the file's order, face i is the file's face i.
+/// A manifold surface, cut where its texture is: corners that share place and texture coordinates,
+/// up to kCoincident, are one vertex. Vertices are in the file's order, face i is the file's face
+/// i.
 struct Surface {
   Points3 vertices;  ///< [V,3] in the file's unit
   Points2 texture;   ///< [V,2] 0 to 1, v upwards; 0 where the file has none
@@ -16,9 +17,10 @@ struct Surface {
   int parts = 0;     ///< [] that do not touch in space
 };
 
-/// Joins the corners. Refuses, with the place of the face: a face that uses a point twice or has no
-/// area, a third face at an edge, and the same face twice.
-Result<Surface> weld(const MeshFile& file);
+/// Joins the corners and takes faces without area out of the file, which a note tells. Refuses,
+/// with the place of the face: a third face at an edge, and the same face twice; and a file most of
+/// whose faces share no edge with another one.
+Result<Surface> weld(MeshFile& file);
 
 /// Makes all faces counter-clockwise as the camera sees them in the texture (`flat_px` [V,2], v
 /// downwards); the other way round are those of a mesh whose inside was exported. Refuses faces

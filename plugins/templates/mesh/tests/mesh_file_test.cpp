@@ -16,7 +16,7 @@ std::string refusal(const Result<MeshFile>& read) {
   return read ? "no mistake" : read.error().message;
 }
 
-TEST(ParseObj, ReadsAllFormsOfCornersAndCutsPolygonsIntoFans) {
+TEST(ParseObj, ReadsAllFormsOfCornersAndCutsConvexPolygonsIntoFans) {
   const auto file =
       parse_obj("a.obj",
                 "# a square\r\nmtllib a.mtl\nv 0 0 0 1\nv 1 0 0\nv 1 1 0\nv +0 1e0 0\n"
