@@ -10,18 +10,21 @@
 #include "cli/output/report_text.hpp"
 #include "cli/run/run_settings.hpp"
 #include "cli/template/template_commands.hpp"
+#include "cli/template/template_folder.hpp"
 #include "cli/template/template_picture.hpp"
 #include "pipeline/runs/frame_loop.hpp"
-#include "pipeline/survey/first_frame.hpp"
+#include "pipeline/survey/refitting.hpp"
+#include "pipeline/survey/template_survey.hpp"
 
 namespace weft::cli {
 namespace {
 
 struct TemplateCheckOptions {
-  std::string pipeline, png;
+  std::string pipeline, png, refit;
   std::vector<std::string> settings;
   bool json = false;
-  bool overwrite = false;  ///< png
+  bool overwrite = false;   ///< png
+  std::int64_t frames = 1;  ///< the first ones, which show the object at rest
 };
 
 /// The frame with the object at rest where the matches have it.
@@ -41,24 +44,82 @@ Result<void> write_frame(const host::Registry& registry, const FirstFrame& first
   return write_picture(registry, inputs, Picture::matches, path);
 }
 
-void print(const TemplateCheckOptions& options, const FirstLook& look,
-           const std::vector<std::string>& faults) {
-  if (options.json) {
-    nlohmann::ordered_json json = {
-        {"kept", look.kept}, {"kept_mirrored", look.kept_mirrored}, {"faults", faults}};
-    for (const FlippedFit& fit : look.fits) {
-      json["median_px"][to_string(fit.flip)] = fit.pose.median_px;
-    }
-    return print_json(json);
+nlohmann::ordered_json field_json(const ResidualField& field) {
+  return {{"rms_px", field.rms_px},
+          {"most_px", field.most_px},
+          {"most_at_px", {field.most_at_px.x(), field.most_at_px.y()}},
+          {"noise_px", field.noise_px},
+          {"predicted", field.predicted},
+          {"coherent", field.is_coherent()}};
+}
+
+/// What the command has found out.
+struct Findings {
+  std::vector<std::string> faults, warnings;
+  std::optional<RefittedTemplate> refitted;
+};
+
+void print_json(const FirstLook& look, const Findings& findings) {
+  nlohmann::ordered_json json = {{"kept", look.kept},
+                                 {"kept_mirrored", look.kept_mirrored},
+                                 {"faults", findings.faults},
+                                 {"warnings", findings.warnings}};
+  for (const FlippedFit& fit : look.fits) {
+    json["median_px"][to_string(fit.flip)] = fit.pose.median_px;
   }
+  if (look.field) json["field"] = field_json(*look.field);
+  if (findings.refitted) json["field_refitted"] = field_json(findings.refitted->after);
+  cli::print_json(json);
+}
+
+void print(const TemplateCheckOptions& options, const FirstLook& look, const Findings& findings) {
+  if (options.json) return print_json(look, findings);
   fmt::print("matches   {} kept in frame 0, {} with the texture mirrored\n", look.kept,
              look.kept_mirrored);
   for (const FlippedFit& fit : look.fits) {
     fmt::print("at rest   {:.1f} px off (median of {}) with flip: {}\n", fit.pose.median_px,
                fit.matches, to_string(fit.flip));
   }
-  for (const std::string& fault : faults) fmt::print("fault     {}\n", fault);
-  if (faults.empty()) fmt::print("no fault found\n");
+  if (look.field) {
+    const ResidualField& field = *look.field;
+    fmt::print(
+        "residual  {:.2f} px (rms) of the texture in a smooth way, at most {:.2f} px at ({:.0f}, "
+        "{:.0f}) px; matches scatter by {:.2f} px\n",
+        field.rms_px, field.most_px, field.most_at_px.x(), field.most_at_px.y(), field.noise_px);
+  }
+  for (const std::string& fault : findings.faults) fmt::print("fault     {}\n", fault);
+  for (const std::string& warning : findings.warnings) fmt::print("warning   {}\n", warning);
+  if (findings.refitted) {
+    const RefittedTemplate& refitted = *findings.refitted;
+    fmt::print(
+        "refitted  written to {}, by {} matches of {} frames: {:.2f} px (rms) before, {:.2f} "
+        "px now\n",
+        options.refit, refitted.before.matches, refitted.frames, refitted.before.rms_px,
+        refitted.after.rms_px);
+  }
+  if (findings.faults.empty() && findings.warnings.empty()) fmt::print("no fault found\n");
+}
+
+/// The template with corrected texture coordinates, in its new folder.
+Result<RefittedTemplate> write_refitted(const host::Registry& registry, const FirstFrame& first,
+                                        const std::string& folder) {
+  auto refitted = refit(first);
+  if (!refitted) return refitted.error();
+  if (auto made = make_new_folder(folder); !made) return made.error();
+  const auto written = write_template(registry, refitted->templ, folder);
+  if (!written) return written.error();
+  return refitted;
+}
+
+Result<Findings> findings_of(const FirstFrame& first) {
+  Findings findings{faults_of(first.look), {}, {}};
+  if (findings.faults.empty()) findings.warnings = doubts_of(first.look);
+  const auto templ = host::view_as<Template>(*first.templ);
+  if (!templ) return templ.error();
+  for (std::string& each : warnings_of(survey_template(*templ))) {
+    findings.warnings.push_back(std::move(each));
+  }
+  return findings;
 }
 
 void check(const TemplateCheckOptions& options, Context& context) {
@@ -79,7 +140,7 @@ void check(const TemplateCheckOptions& options, Context& context) {
   }
   const auto lane = lane_of(pipeline.config, {});
   if (!lane) return print_error(lane.error());
-  const auto first = look_at_first_frame(pipeline.config, pipeline.graph, **lane);
+  const auto first = look_at_first_frame(pipeline.config, pipeline.graph, **lane, options.frames);
   if (!first) return print_error(first.error());
   const auto& fits = first->look.fits;
   if (!options.png.empty() && first->image != nullptr && !fits.empty()) {
@@ -90,9 +151,19 @@ void check(const TemplateCheckOptions& options, Context& context) {
       return print_error(written.error());
     }
   }
-  const std::vector<std::string> faults = faults_of(first->look);
-  print(options, first->look, faults);
-  context.exit_code = faults.empty() ? kDone : kNotUsable;
+  auto findings = findings_of(*first);
+  if (!findings) return print_error(findings.error());
+  context.exit_code = findings->faults.empty() ? kDone : kNotUsable;
+  Result<void> refitted;
+  if (!options.refit.empty()) {
+    auto written = write_refitted(registry, *first, options.refit);
+    if (written) findings->refitted = *std::move(written);
+    if (!written) refitted = written.error();
+  }
+  print(options, first->look, *findings);
+  if (refitted) return;
+  context.exit_code = kInputOutput;
+  print_error(refitted.error());
 }
 
 }  // namespace
@@ -108,13 +179,22 @@ void add_template_check(CLI::App& parent, Context& context) {
                    "Draw frame 0 with the object at rest and how far matches are off")
       ->option_text("FILE");
   add_overwrite(*command, options->overwrite);
+  command
+      ->add_option("--refit", options->refit,
+                   "Write the template with texture coordinates corrected by the matches")
+      ->option_text("FOLDER");
+  command
+      ->add_option("--frames", options->frames,
+                   "So many frames from the first on show the object at rest, for --refit")
+      ->option_text("N")
+      ->check(CLI::Range(1, 1000));
   command->add_flag("--json", options->json, "Print JSON");
   command->footer(
       "Exit codes:\n"
-      "  0  no fault was found\n"
+      "  0  no fault was found; what is doubtful is a warning\n"
       "  1  the template is at fault\n"
       "  2  the pipeline is wrong, or its frame 0 cannot be read\n"
-      "  3  the picture cannot be written");
+      "  3  the picture or the template cannot be written, or nothing shows how to correct it");
   command->callback([&context, options] { check(*options, context); });
 }
 

@@ -90,38 +90,55 @@ Error with_page(Error error, const NewFolder& folder) {
 
 /// What was made, and what is doubtful about it.
 void print(const TemplateOptions& options, const std::string& id, const BuiltTemplate& built,
-           const TemplateSurvey& numbers, const Result<TextureSurvey>& texture) {
-  const auto warnings = texture ? warnings_of(*texture, numbers) : std::vector<std::string>();
+           const TemplateSurvey& numbers, const Result<TextureSurvey>& texture,
+           const std::optional<TextureSize>& written_px) {
+  auto warnings = warnings_of(numbers);
+  if (!built.size_doubt.empty()) warnings.push_back(built.size_doubt);
+  if (texture) {
+    for (std::string& each : warnings_of(*texture, numbers)) warnings.push_back(std::move(each));
+  }
   if (options.json) {
     auto json = numbers_json(numbers);
     json["note"] = built.note;
     json["reports"] = built.reports;
     if (texture) json.update(texture_json(*texture));
     json["warnings"] = warnings;
+    if (written_px) json["written_px"] = *written_px;
     return print_json(json);
   }
   fmt::print("{}: {}\n{}", id, options.out.empty() ? "built" : "written to " + options.out,
              numbers_text(numbers));
   if (texture) fmt::print("{}", texture_text(*texture));
+  if (written_px && options.crop_px) {
+    fmt::print("written   texture.png is cropped to {} x {} px\n", (*written_px)[0],
+               (*written_px)[1]);
+  }
   for (const std::string& report : built.reports) fmt::print("note      {}\n", report);
   if (!built.note.empty()) fmt::print("note      {}\n", built.note);
   if (!texture) fmt::print("note      the texture is not judged: {}\n", texture.error().message);
   for (const std::string& warning : warnings) fmt::print("warning   {}\n", warning);
 }
 
-/// The files that the options ask for.
-Result<void> write_files(const host::Registry& registry, const host::ComponentSpec& component,
-                         const host::Record& record, const Template& templ,
-                         const Result<TextureSurvey>& texture, const NewFolder& folder,
-                         const TemplateOptions& options) {
+/// The files that the options ask for; the size of the texture, if one was written.
+Result<std::optional<TextureSize>> write_files(const host::Registry& registry,
+                                               const host::ComponentSpec& component,
+                                               const host::Record& record, const Template& templ,
+                                               const Result<TextureSurvey>& texture,
+                                               const NewFolder& folder,
+                                               const TemplateOptions& options) {
+  std::optional<TextureSize> size_px;
+  Result<void> drawn;
   if (!options.out.empty()) {
-    auto written = write_template(registry, component, templ, options.crop_px, options.out);
-    if (!written) return written;
-    if (texture) written = write_twins(registry, record, *texture, folder.file("twins.png"));
-    if (!written) return written;
+    const auto written = write_template(registry, component, templ, options.crop_px, options.out);
+    if (!written) return written.error();
+    size_px = *written;
+    if (texture) drawn = write_twins(registry, record, *texture, folder.file("twins.png"));
   }
-  if (options.png.empty()) return {};
-  return write_picture(registry, record, Picture::mesh, options.png);
+  if (drawn && !options.png.empty()) {
+    drawn = write_picture(registry, record, Picture::mesh, options.png);
+  }
+  if (!drawn) return drawn.error();
+  return size_px;
 }
 
 void run(const TemplateOptions& options, Context& context) {
@@ -154,7 +171,7 @@ void run(const TemplateOptions& options, Context& context) {
     return print_error(written.error());
   }
   context.exit_code = kDone;
-  print(options, component->component().id, *built, numbers, texture);
+  print(options, component->component().id, *built, numbers, texture, *written);
 }
 
 /// What both commands take.

@@ -100,17 +100,27 @@ Result<host::NamedRecords> map_to_file(const host::Registry& registry,
 
 }  // namespace
 
-Result<void> write_template(const host::Registry& registry, const host::ComponentSpec& component,
-                            const Template& templ, std::optional<double> crop_px,
-                            const std::string& folder) {
+Result<TextureSize> write_template(const host::Registry& registry, const Template& templ,
+                                   const std::string& folder) {
+  const auto record = host::Record::copy_of(templ);
+  if (!record) return Error{Errc::no_memory, "no memory for the template"};
+  if (auto written = write_files(registry, *record, templ, folder); !written) {
+    return written.error();
+  }
+  return TextureSize{templ.texture.dim(1), templ.texture.dim(0)};
+}
+
+Result<TextureSize> write_template(const host::Registry& registry,
+                                   const host::ComponentSpec& component, const Template& templ,
+                                   std::optional<double> crop_px, const std::string& folder) {
   const auto map = map_to_file(registry, component, templ);
   if (!map) return map.error();
-  const Template kept = crop_px ? with_cropped_texture(templ, *crop_px) : Template(templ);
-  const auto record = host::Record::copy_of(kept);
-  if (!record) return Error{Errc::no_memory, "no memory for the template"};
-  if (auto written = write_files(registry, *record, kept, folder); !written) return written;
-  if (map->empty()) return {};
-  return host::write_npz((fs::path(folder) / "map.npz").string(), *map);
+  const auto size = write_template(
+      registry, crop_px ? with_cropped_texture(templ, *crop_px) : Template(templ), folder);
+  if (!size || map->empty()) return size;
+  auto written = host::write_npz((fs::path(folder) / "map.npz").string(), *map);
+  if (!written) return written.error();
+  return size;
 }
 
 }  // namespace weft::cli

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <weft/data/template.hpp>
@@ -10,11 +12,17 @@
 
 namespace weft::cli {
 
-/// Writes template.obj, texture.png and drawing.png of a template into a folder that is there; of a
-/// mesh made anew also map.npz, where both meshes lie on each other. `crop_px` leaves so much of
-/// the texture beside the object.
-Result<void> write_template(const host::Registry& registry, const host::ComponentSpec& component,
-                            const Template& templ, std::optional<double> crop_px,
-                            const std::string& folder);
+/// Width and height of a texture.
+using TextureSize = std::array<std::int64_t, 2>;
+
+/// Writes template.obj, texture.png and drawing.png of a template into a folder that is there.
+Result<TextureSize> write_template(const host::Registry& registry, const Template& templ,
+                                   const std::string& folder);
+
+/// The same; of a mesh made anew also map.npz, where both meshes lie on each other. `crop_px`
+/// leaves so much of the texture beside the object.
+Result<TextureSize> write_template(const host::Registry& registry,
+                                   const host::ComponentSpec& component, const Template& templ,
+                                   std::optional<double> crop_px, const std::string& folder);
 
 }  // namespace weft::cli

@@ -45,7 +45,7 @@ Result<host::RecordPtr> matches_in(const PipelineConfig& config, const Graph& gr
 }  // namespace
 
 Result<FirstFrame> look_at_first_frame(const PipelineConfig& config, const Graph& graph,
-                                       host::Lane& lane) {
+                                       host::Lane& lane, std::int64_t frames) {
   auto input = PipelineInput::open(config, lane);
   if (!input) return input.error();
   const auto frame = input->read(0);
@@ -68,14 +68,30 @@ Result<FirstFrame> look_at_first_frame(const PipelineConfig& config, const Graph
   if (first.matches != nullptr) {
     const auto matches = host::view_as<Correspondences>(*first.matches);
     if (!matches) return matches.error();
-    first.look = {count_kept(*matches), 0, box_diagonal_px(*matches),
-                  fit_flipped(*templ, *camera, *matches)};
+    first.look = {count_kept(*matches),
+                  0,
+                  box_diagonal_px(*matches),
+                  fit_flipped(*templ, *camera, *matches),
+                  {},
+                  {}};
+    const auto residuals = residuals_at_rest(*templ, *camera, *matches);
+    if (residuals) first.look.field = fit_residual_field(*templ, *residuals);
   }
   const auto record = host::Record::copy_of(mirrored(*templ));
   if (record == nullptr) return Error{Errc::no_memory, "no memory for the mirrored texture"};
   const auto turned = matches_in(config, graph, lane, record, first.camera, frame->input);
   if (turned) {
-    first.look.kept_mirrored = count_kept(*host::view_as<Correspondences>(**turned));
+    const auto matches = host::view_as<Correspondences>(**turned);
+    if (!matches) return matches.error();
+    first.look.kept_mirrored = count_kept(*matches);
+    first.look.fits_mirrored = fit_flipped(mirrored(*templ), *camera, *matches);
+  }
+  for (std::int64_t i = 1; i < frames; ++i) {
+    const auto other = input->read(static_cast<std::uint64_t>(i));
+    if (!other) break;
+    if (!other->input.failure.empty()) continue;
+    auto matches = matches_in(config, graph, lane, first.templ, first.camera, other->input);
+    if (matches) first.others.push_back(*std::move(matches));
   }
   return first;
 }

@@ -46,10 +46,10 @@ Vector6d gauss_newton_step(const Pinhole& camera, const Points3& points_m, const
 }
 
 RestPose refined(const Pinhole& camera, const Points3& points_m, const Points2& pixels,
-                 RigidAlignment pose) {
+                 RigidAlignment pose, double least_scale_px) {
   constexpr int kSteps = 50;
-  constexpr double kLeastScale_px = 3.0, kNarrowing = 0.8;
-  double scale_px = std::max(0.1 * size_of(pixels), kLeastScale_px);
+  constexpr double kNarrowing = 0.8;
+  double scale_px = std::max(0.1 * size_of(pixels), least_scale_px);
   for (int i = 0; i < kSteps; ++i) {
     const Vector6d by = gauss_newton_step(camera, points_m, pixels, pose, scale_px);
     if (!by.allFinite()) break;
@@ -59,7 +59,7 @@ RestPose refined(const Pinhole& camera, const Points3& points_m, const Points2& 
           Eigen::AngleAxisd(angle, by.head<3>() / angle).toRotationMatrix() * pose.rotation;
     }
     pose.translation += by.tail<3>();
-    scale_px = std::max(kNarrowing * scale_px, kLeastScale_px);
+    scale_px = std::max(kNarrowing * scale_px, least_scale_px);
   }
   const Points2 seen = project_points(camera, transform_points(pose, points_m));
   std::vector<double> off_px;
@@ -72,7 +72,8 @@ RestPose refined(const Pinhole& camera, const Points3& points_m, const Points2& 
 
 }  // namespace
 
-Result<RestPose> rest_pose(const Pinhole& camera, const Points3& points_m, const Points2& pixels) {
+Result<RestPose> rest_pose(const Pinhole& camera, const Points3& points_m, const Points2& pixels,
+                           double least_scale_px) {
   constexpr Eigen::Index kFewest = 6;
   constexpr double kLean_rad = 0.6;
   if (points_m.rows() < kFewest) {
@@ -96,7 +97,7 @@ Result<RestPose> rest_pose(const Pinhole& camera, const Points3& points_m, const
       start.rotation = Eigen::AngleAxisd(lean.norm(), lean.normalized()) * start.rotation;
     }
     start.translation = seen_middle - start.rotation * middle;
-    const RestPose found = refined(camera, points_m, pixels, start);
+    const RestPose found = refined(camera, points_m, pixels, start, least_scale_px);
     if (found.median_px < best.median_px) best = found;
   }
   return best;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <weft/core/index.hpp>
 #include <weft/data/matrix.hpp>
 #include <weft/geometry/barycentric.hpp>
@@ -51,6 +52,19 @@ std::string flips_like(const FlippedFit& best, const std::vector<FlippedFit>& fi
   return flips + (count == 1 ? "; set that" : ", which fit alike; set one of them");
 }
 
+/// Whether the texture coordinates are those of the mirrored picture too.
+bool mirrors_mesh_too(const FirstLook& look) {
+  constexpr double kClearly = 2.0, kNoise_px = 1.0;
+  const auto median_of = [&](Flip flip) {
+    for (const FlippedFit& fit : look.fits_mirrored) {
+      if (fit.flip == flip) return fit.pose.median_px;
+    }
+    return std::numeric_limits<double>::infinity();
+  };
+  // Mirroring the picture for this look has mirrored its coordinates as well.
+  return median_of(Flip::u) > std::max(kNoise_px, kClearly * median_of(Flip::none));
+}
+
 }  // namespace
 
 const char* to_string(Flip flip) {
@@ -58,35 +72,67 @@ const char* to_string(Flip flip) {
   return kNames[static_cast<std::size_t>(flip)];
 }
 
+namespace {
+
+/// Kept matches as points of the object at rest and pixels of the image.
+struct SeenPoints {
+  Points3 points_m;
+  Points2 pixels;
+};
+
+SeenPoints seen_points(const Template& templ, const FaceLocator& locator,
+                       const Correspondences& matches, Flip flip) {
+  const auto faces = templ.faces.matrix<3>();
+  const Points3 vertices_m = templ.vertices_m.matrix<3>();
+  std::vector<Eigen::RowVector3d> points_m;
+  std::vector<Eigen::RowVector2d> pixels;
+  for (std::int64_t i = 0; i < matches.count(); ++i) {
+    if (matches.kept(i) == 0) continue;
+    const Eigen::Vector2d at(matches.template_px(i, 0), matches.template_px(i, 1));
+    const FaceLocation on = locator.locate(turned_back(at, flip, templ));
+    if (on.face < 0) continue;
+    points_m.emplace_back(interpolate(vertices_m, faces, on.face, on.weights).transpose());
+    pixels.emplace_back(matches.image_px(i, 0), matches.image_px(i, 1));
+  }
+  SeenPoints seen{Points3(static_cast<Eigen::Index>(points_m.size()), 3),
+                  Points2(static_cast<Eigen::Index>(points_m.size()), 2)};
+  for (Eigen::Index i = 0; i < seen.points_m.rows(); ++i) {
+    seen.points_m.row(i) = points_m[to_index(i)];
+    seen.pixels.row(i) = pixels[to_index(i)];
+  }
+  if (flip == Flip::space) seen.points_m.col(0) *= -1.0;
+  return seen;
+}
+
+}  // namespace
+
 std::vector<FlippedFit> fit_flipped(const Template& templ, const Camera& camera,
                                     const Correspondences& matches) {
   std::vector<FlippedFit> fits;
-  const auto faces = templ.faces.matrix<3>();
-  const auto locator = FaceLocator::create(templ.flat_px.matrix<2>(), faces);
+  const auto locator = FaceLocator::create(templ.flat_px.matrix<2>(), templ.faces.matrix<3>());
   if (!locator) return fits;
-  const Points3 vertices_m = templ.vertices_m.matrix<3>();
   for (const Flip flip : kFlips) {
-    std::vector<Eigen::RowVector3d> points_m;
-    std::vector<Eigen::RowVector2d> pixels;
-    for (std::int64_t i = 0; i < matches.count(); ++i) {
-      if (matches.kept(i) == 0) continue;
-      const Eigen::Vector2d at(matches.template_px(i, 0), matches.template_px(i, 1));
-      const FaceLocation on = locator->locate(turned_back(at, flip, templ));
-      if (on.face < 0) continue;
-      points_m.emplace_back(interpolate(vertices_m, faces, on.face, on.weights).transpose());
-      pixels.emplace_back(matches.image_px(i, 0), matches.image_px(i, 1));
-    }
-    Points3 all_m(static_cast<Eigen::Index>(points_m.size()), 3);
-    Points2 all_px(all_m.rows(), 2);
-    for (Eigen::Index i = 0; i < all_m.rows(); ++i) {
-      all_m.row(i) = points_m[to_index(i)];
-      all_px.row(i) = pixels[to_index(i)];
-    }
-    if (flip == Flip::space) all_m.col(0) *= -1.0;
-    const auto pose = rest_pose({camera.fx, camera.fy, camera.cx, camera.cy}, all_m, all_px);
-    if (pose) fits.push_back({flip, all_m.rows(), *pose});
+    const SeenPoints seen = seen_points(templ, *locator, matches, flip);
+    const auto pose =
+        rest_pose({camera.fx, camera.fy, camera.cx, camera.cy}, seen.points_m, seen.pixels);
+    if (pose) fits.push_back({flip, seen.points_m.rows(), *pose});
   }
   return fits;
+}
+
+std::optional<TextureResiduals> residuals_at_rest(const Template& templ, const Camera& camera,
+                                                  const Correspondences& matches) {
+  constexpr double kWide = 3.0, kLeast_px = 3.0;  // of the robust scale
+  const auto locator = FaceLocator::create(templ.flat_px.matrix<2>(), templ.faces.matrix<3>());
+  if (!locator) return std::nullopt;
+  const SeenPoints seen = seen_points(templ, *locator, matches, Flip::none);
+  const Pinhole pinhole{camera.fx, camera.fy, camera.cx, camera.cy};
+  const auto pose = rest_pose(pinhole, seen.points_m, seen.pixels);
+  if (!pose) return std::nullopt;
+  const auto even =
+      rest_pose(pinhole, seen.points_m, seen.pixels, std::max(kLeast_px, kWide * pose->median_px));
+  if (!even) return std::nullopt;
+  return texture_residuals(templ, camera, matches, even->camera_from_template);
 }
 
 Template mirrored(const Template& templ) {
@@ -120,7 +166,8 @@ std::vector<std::string> faults_of(const FirstLook& look) {
   if (look.kept_mirrored >= kFewest && look.kept_mirrored > 3 * look.kept) {
     faults.push_back("the picture of the texture is mirrored: " + kept +
                      " of its matches are kept, and " + std::to_string(look.kept_mirrored) +
-                     " once it is mirrored; mirror its file left to right");
+                     " once it is mirrored; mirror its file left to right" +
+                     (mirrors_mesh_too(look) ? ", and set flip: u" : ""));
     return faults;
   }
   if (look.kept < kFewest) {
@@ -151,6 +198,17 @@ std::vector<std::string> faults_of(const FirstLook& look) {
                      "does not show it at rest, or the camera is another");
   }
   return faults;
+}
+
+std::vector<std::string> doubts_of(const FirstLook& look) {
+  if (!look.field || !look.field->is_coherent()) return {};
+  const ResidualField& field = *look.field;
+  return {"the texture coordinates are off by " + tenths(field.rms_px) +
+          " px (rms), in a coherent way, where matches scatter by " + tenths(field.noise_px) +
+          " px; most, by " + tenths(field.most_px) + " px, near (" + tenths(field.most_at_px.x()) +
+          ", " + tenths(field.most_at_px.y()) +
+          ") px of the texture: --refit FOLDER writes a template with corrected coordinates, if "
+          "the frame shows the object at rest and the camera is right"};
 }
 
 }  // namespace weft

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 #include <weft/data/camera.hpp>
 #include <weft/data/correspondences.hpp>
 #include <weft/data/template.hpp>
 
+#include "pipeline/survey/residual_field.hpp"
 #include "pipeline/survey/rest_pose.hpp"
 
 namespace weft {
@@ -30,6 +32,9 @@ struct FirstLook {
   std::int64_t kept_mirrored = 0;  ///< [] the same with the picture of the texture mirrored
   double size_px = 0.0;            ///< [] diagonal of the box around those matches
   std::vector<FlippedFit> fits;    ///< as given first; without those that no pose explains
+  /// The same with the picture of the texture mirrored.
+  std::vector<FlippedFit> fits_mirrored;
+  std::optional<ResidualField> field;  ///< what is left of the fit as given, smooth in the texture
 };
 
 /// Fits the object to the kept matches, mirrored in each way.
@@ -41,5 +46,13 @@ Template mirrored(const Template& templ);
 
 /// Sentences that name each fault and what mends it; empty where there is none.
 std::vector<std::string> faults_of(const FirstLook& look);
+
+/// The same of what is doubtful about a template without faults.
+std::vector<std::string> doubts_of(const FirstLook& look);
+
+/// How far texture coordinates are off at matches with the object at rest in a frame, once the pose
+/// is the one that spreads the errors most evenly. Nothing where no pose explains the matches.
+std::optional<TextureResiduals> residuals_at_rest(const Template& templ, const Camera& camera,
+                                                  const Correspondences& matches);
 
 }  // namespace weft

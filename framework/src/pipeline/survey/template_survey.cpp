@@ -68,4 +68,24 @@ TemplateSurvey survey_template(const Template& templ) {
   return survey;
 }
 
+std::vector<std::string> warnings_of(const TemplateSurvey& numbers) {
+  constexpr double kMostStretch = 0.1;
+  std::vector<std::string> warnings;
+  const auto percent = [](double share) { return std::to_string(std::lround(100.0 * share)); };
+  if (numbers.distortion >= kMostStretch) {
+    warnings.push_back("the texture is stretched by up to " + percent(numbers.distortion) +
+                       " % on the surface: do the texture coordinates belong to this mesh? Truth "
+                       "and sizes in the texture are off by as much there");
+  }
+  const double ratio = numbers.texel_mm.maxCoeff() / numbers.texel_mm.minCoeff() - 1.0;
+  if (ratio >= kMostStretch) {
+    warnings.push_back(
+        "texels are " + percent(ratio) + " % " +
+        (numbers.texel_mm.x() > numbers.texel_mm.y() ? "wider than high" : "higher than wide") +
+        ": are the width and the height of the object right, and is the picture that "
+        "of the whole object?");
+  }
+  return warnings;
+}
+
 }  // namespace weft

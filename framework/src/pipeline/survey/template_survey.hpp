@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
 #include <weft/data/template.hpp>
 #include <weft/geometry/types.hpp>
 
@@ -23,5 +25,8 @@ struct TemplateSurvey {
 
 /// Of a template that check_template() accepts.
 TemplateSurvey survey_template(const Template& templ);
+
+/// What is doubtful about a template, by its numbers alone: a texture that is stretched on it.
+std::vector<std::string> warnings_of(const TemplateSurvey& numbers);
 
 }  // namespace weft
