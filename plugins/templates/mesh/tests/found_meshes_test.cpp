@@ -18,7 +18,7 @@
 #include "mesh_file.hpp"
 #include "surface.hpp"
 
-namespace weft::mesh {
+namespace weft::mesh::found {
 namespace {
 
 using ::testing::AllOf;
@@ -265,4 +265,4 @@ TEST_F(FoundMeshes, MayHaveColoursAndCountBackwards) {
 }
 
 }  // namespace
-}  // namespace weft::mesh
+}  // namespace weft::mesh::found
