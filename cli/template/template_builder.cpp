@@ -42,7 +42,7 @@ Result<BuiltTemplate> build_template(const host::ComponentSpec& component) {
   if (!outcome.usable()) return outcome.error;
   BuiltTemplate built{outcome.find("template"), outcome.error.message, std::move(reports), {}};
   if (auto legal = check_template(*built.record); !legal) return legal.error();
-  built.size_doubt = size_doubt_of(*built.record, component);
+  built.size_doubt = size_doubt_of(*built.record, host::length_parameter(component));
   return built;
 }
 

@@ -364,6 +364,14 @@ std::optional<yaml::Position> place_of(const ComponentSpec& spec, std::string_vi
   return value != nullptr ? std::optional(value->at) : std::nullopt;
 }
 
+std::string length_parameter(const ComponentSpec& spec) {
+  const std::vector<ParameterSpec>& parameters = spec.component().parameters;
+  const auto length = std::find_if(parameters.begin(), parameters.end(), [](const auto& each) {
+    return each.type == WEFT_VALUE_F64 && !each.is_vector && each.unit == "m";
+  });
+  return length != parameters.end() ? length->name : "";
+}
+
 std::optional<ComponentSpec> resolve_component(const Registry& registry, const yaml::Node& use,
                                                const yaml::Node* params, const PathRules& paths,
                                                std::vector<yaml::Problem>& problems) {

@@ -62,6 +62,9 @@ ComponentSpec resolve_known_part(const Registry& registry, const yaml::Node& use
 /// Where the value of a parameter of the component stands; nothing where it has no such parameter.
 std::optional<yaml::Position> place_of(const ComponentSpec& spec, std::string_view parameter);
 
+/// The name of the first parameter that is a length in metres, or an empty text.
+std::string length_parameter(const ComponentSpec& spec);
+
 /// Expands ${NAME} and ${NAME:-default} in a text; the Error says which variable is not set.
 Result<std::string> expand_variables(const std::string& text, const PathRules& paths);
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/execution/checks.hpp"
 
-#include <algorithm>
 #include <weft/data/ground_truth.hpp>
 #include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_check.hpp>
@@ -136,17 +135,13 @@ Result<void> check_template(const Record& templ) {
   return validate_flat_mesh(sheet->flat_px.matrix<2>(), faces);
 }
 
-std::string size_doubt_of(const Record& templ, const host::ComponentSpec& builder) {
+std::string size_doubt_of(const Record& templ, const std::string& length) {
   const auto arrays = view_as<Template>(templ);
   if (!arrays) return {};
   const Points3 vertices_m = arrays->vertices_m.matrix<3>();
-  const auto& parameters = builder.component().parameters;
-  const auto length = std::find_if(parameters.begin(), parameters.end(), [](const auto& each) {
-    return each.type == WEFT_VALUE_F64 && !each.is_vector && each.unit == "m";
-  });
   const double largest_m =
       (vertices_m.colwise().maxCoeff() - vertices_m.colwise().minCoeff()).maxCoeff();
-  return size_doubt(largest_m, length != parameters.end() ? length->name : "");
+  return size_doubt(largest_m, length);
 }
 
 Result<void> check_camera(const Record& camera) {

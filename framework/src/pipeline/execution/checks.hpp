@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <string>
 
-#include "host/loading/component_spec.hpp"
 #include "host/records/record.hpp"
 
 namespace weft {
@@ -17,9 +16,9 @@ inline constexpr std::int64_t kMostTemplateVertices = 250'000;
 /// faces, sizes agree.
 Result<void> check_template(const host::Record& templ);
 
-/// Why the size of a template that was checked is doubtful, with the parameter of its builder that
-/// is a length in metres, if there is one; mostly empty.
-std::string size_doubt_of(const host::Record& templ, const host::ComponentSpec& builder);
+/// Why the size of a template that was checked is doubtful; mostly empty. `length` is the parameter
+/// that decides it, or empty.
+std::string size_doubt_of(const host::Record& templ, const std::string& length);
 
 /// Whether the camera is one that can have taken pictures, see camera_mistake().
 Result<void> check_camera(const host::Record& camera);

@@ -72,7 +72,8 @@ Result<void> PipelineInput::build_template() {
   placer_.emplace(template_, lane_->memory());
   if (auto legal = blame(check_template(*template_), templ); !legal) return legal;
   for (const std::string& doubt :
-       {outcome.error.message, size_doubt_of(*template_, templ.component)}) {
+       {outcome.error.message,
+        size_doubt_of(*template_, host::length_parameter(templ.component))}) {
     if (!doubt.empty()) lane_->warn(templ.name, doubt);
   }
   return {};
