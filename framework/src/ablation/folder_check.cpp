@@ -44,12 +44,12 @@ bool is_of_ablation(const std::string& path) {
   std::error_code code;
   if (!fs::is_directory(path + "/results", code)) return false;
   if (has_lines(path)) return true;
-  static constexpr std::array kOwn{"results", "cells",        "manifest.json", "plan.json",
+  static constexpr std::array kOurs{"results", "cells",        "manifest.json", "plan.json",
                                    "log.txt", "index.sqlite", "slurm",         ".lock"};
   for (const auto& entry : fs::directory_iterator(path, code)) {
     const std::string name = entry.path().filename().string();
     const bool passing = name.find(".part") != std::string::npos;
-    if (!passing && std::find(kOwn.begin(), kOwn.end(), name) == kOwn.end()) return false;
+    if (!passing && std::find(kOurs.begin(), kOurs.end(), name) == kOurs.end()) return false;
   }
   return fs::is_directory(path + "/cells", code);
 }

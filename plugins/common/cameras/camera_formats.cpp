@@ -126,14 +126,14 @@ const std::vector<Format>& known_formats() {
 }
 
 const Format& own_format() {
-  static const Format kOwn{.title = "a camera file of Weft",
+  static const Format kOurs{.title = "a camera file of Weft",
                            .signature = "fx",
                            .pinhole = {"fx", "fy", "cx", "cy"},
                            .size = {"width", "height"},
                            .model = {},
                            .coefficients = "distortion",
                            .each = ""};
-  return kOwn;
+  return kOurs;
 }
 
 std::optional<std::string> unread_format(const CameraValues& values) {

@@ -57,7 +57,7 @@ void expect_fisheye(const std::string& content) {
   EXPECT_THAT(file->coefficients, ElementsAre(0.125, -0.0625, 0.03125, -0.015625)) << content;
 }
 
-const std::string kOwn = "fx: 528.5\nfy: 530.25\ncx: 318.75\ncy: 242.5\nwidth: 640\nheight: 480\n";
+const std::string kOurs = "fx: 528.5\nfy: 530.25\ncx: 318.75\ncy: 242.5\nwidth: 640\nheight: 480\n";
 const std::string kK = "[528.5, 0, 318.75, 0, 530.25, 242.5, 0, 0, 1]";
 const std::string kD = "[-0.125, 0.0625, 0.0005, -0.00025, 0]";
 const std::string kFisheye = "[0.125, -0.0625, 0.03125, -0.015625]";
@@ -254,7 +254,7 @@ TEST(CameraFormats, OtherProgramsAreReadToo) {
       "{\"fl_x\": 528.5, \"fl_y\": 530.25, \"cx\": 319.25, \"cy\": 243, \"w\": 640, "
       "\"h\": 480, \"k1\": -0.125, \"k2\": 0.0625, \"p1\": 0.0005, \"p2\": -0.00025, "
       "\"camera_model\": \"OPENCV\", \"frames\": [{\"file_path\": \"a.png\"}]}");
-  expect_brown(kOwn + "k1: -0.125\nk2: 0.0625\np1: 0.0005\np2: -0.00025\n");
+  expect_brown(kOurs + "k1: -0.125\nk2: 0.0625\np1: 0.0005\np2: -0.00025\n");
   expect_pinhole(
       "{\"intrinsics\": {\"fx\": 528.5, \"fy\": 530.25, \"cx\": 318.75, \"cy\": 242.5},"
       " \"width\": 640, \"height\": 480}");
@@ -268,7 +268,7 @@ TEST(CameraFormats, NumbersMayHaveASignAndALonePoint) {
   EXPECT_EQ(file->camera.fx, 528.0);
   EXPECT_EQ(file->camera.cx, 0.5);
   EXPECT_THAT(file->coefficients, ElementsAre(-0.0171603, 0.0120395, -0.002512, 0.001, 0.0));
-  EXPECT_THAT(refusal_of("fx: +-5\n" + kOwn.substr(10)), HasSubstr("finite number, not '+-5'"));
+  EXPECT_THAT(refusal_of("fx: +-5\n" + kOurs.substr(10)), HasSubstr("finite number, not '+-5'"));
 }
 
 TEST(CameraFormats, WhatIsNotReadIsNamedWithTheKeysToWrite) {
@@ -302,7 +302,7 @@ TEST(CameraFormats, SlipsOfSyntaxHaveTheirPlaceAndTheirName) {
       HasSubstr("camera.txt:3:13: a blank is missing after the colon: write 'image_width: "));
   EXPECT_THAT(refusal_of("fx:528.5\nfy:530\ncx:318\ncy:242\nwidth:640\nheight:480\n"),
               HasSubstr(":1:4: a blank is missing"));
-  EXPECT_THAT(refusal_of(kOwn.substr(0, kOwn.rfind("height")) + "height:480\n"),
+  EXPECT_THAT(refusal_of(kOurs.substr(0, kOurs.rfind("height")) + "height:480\n"),
               HasSubstr(":6:8: a blank is missing"));
   EXPECT_THAT(refusal_of("{fx: 528.5, fy:530.25, cx: 1, cy: 1, width: 640, height: 480}"),
               HasSubstr(":1:13: a blank is missing after the colon of 'fy:'"));
@@ -316,7 +316,7 @@ TEST(CameraFormats, SlipsOfSyntaxHaveTheirPlaceAndTheirName) {
   std::string deep;
   for (int i = 0; i < 100000; ++i) deep += "<a>";
   EXPECT_THAT(refusal_of(deep), HasSubstr("too many elements inside another"));
-  std::string windows = "\xEF\xBB\xBF" + kOwn;
+  std::string windows = "\xEF\xBB\xBF" + kOurs;
   for (std::size_t at = 0; (at = windows.find('\n', at)) != windows.npos; at += 2) {
     windows.replace(at, 1, "\r\n");
   }
