@@ -128,7 +128,7 @@ class Deadly final : public weft::Filter {
              {{"process", Place::process}, {"create", Place::create}, {"prepare", Place::prepare}},
              "in which function");
     p.read("frame", frame_, "", {-1, 1e6}, "in which frame; -1 for all");
-    p.read("child", child_, "name of the processes that it leaves behind");
+    p.text("child", child_, "name of the processes that it leaves behind");
     p.read("prepare_ms", prepare_ms_, "ms", {0, 10'000}, "time that it takes to prepare");
     if (where_ == Place::create) act();
   }
