@@ -126,6 +126,7 @@ std::int32_t process(void* self, const weft_call* call, const weft_record* input
   }
   if (mistake == "null_log") call->host->log(call, 1, nullptr);
   if (!is_refused(mistake, call)) std::strcpy(error->message, "the host gave an illegal array");
+  if (mistake == "many_arrays") std::strcpy(error->message, "has no room for its mask");
   if (error->message[0] != '\0') return WEFT_ERROR;
   const std::int64_t n = count_matches(inputs, count);
   if (mistake == "wrong_dtype" || mistake == "greedy") {
