@@ -54,7 +54,7 @@ def pick(rng: Random, lines: list[str], start: str) -> int:
 
 def spoil_obj(rng: Random, lines: list[str]) -> int:
     """Plants a mistake and gives the index of its line."""
-    kind = rng.randrange(7)
+    kind = rng.randrange(6)
     if kind == 0:
         at = pick(rng, lines, rng.choice(["v ", "vt "]))
         words = lines[at].split()
@@ -73,14 +73,10 @@ def spoil_obj(rng: Random, lines: list[str]) -> int:
     elif kind == 4:
         at = pick(rng, lines, "v ")
         lines[at] = " ".join(lines[at].split()[:3])
-    elif kind == 5:
+    else:
         at = pick(rng, lines, "f ")
         lines.insert(at + 1, lines[at])
         at += 1
-    else:
-        at = pick(rng, lines, "f ")
-        words = lines[at].split()
-        lines[at] = " ".join([*words[:3], words[1]])
     return at
 
 
@@ -94,7 +90,7 @@ def spoil_ply(rng: Random, lines: list[str]) -> int:
         lines[at] = " ".join(words)
     elif kind == 1:
         at = pick(rng, lines, "3 ")
-        lines[at] = rng.choice(["3 0 1 99", "3 0 1 -1", "3 0 1", "3 0 1 x", "2 0 1", "3 0 1 1",
+        lines[at] = rng.choice(["3 0 1 99", "3 0 1 -1", "3 0 1", "3 0 1 x", "2 0 1",
                                 "3 0 1 99999999999999999999", "-3 0 1 2", "4000000000 0 1 2"])
     elif kind == 2:
         at = rng.randrange(3, 8)

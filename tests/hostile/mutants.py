@@ -24,10 +24,12 @@ from random import Random
 from file_mutants import bytes_mutant, path_mutant
 from judging import Mutant, Rates, Verdict, judge
 from camera_mutants import camera_mutant
+from found_mesh_mutants import found_mesh_mutant
 from image_mutants import image_mutant
 from mesh_mutants import mesh_mutant
 from program import Program
 from run_mutants import RunFolders
+from scale_mutants import scale_mutant
 from yaml_mutants import pipeline_mutant, plan_mutant
 
 Maker = Callable[[Random], Mutant]
@@ -37,15 +39,15 @@ def makers_of(program: Program) -> list[Maker]:
     """All makers, each as often as its share of the mutants."""
     runs = RunFolders(program)
     shares = [(36, pipeline_mutant), (22, plan_mutant), (12, camera_mutant), (8, mesh_mutant),
-              (8, runs.mutant), (4, runs.bytes_mutant), (6, bytes_mutant), (4, path_mutant),
-              (4, image_mutant)]
+              (6, found_mesh_mutant), (4, scale_mutant), (8, runs.mutant), (4, runs.bytes_mutant),
+              (6, bytes_mutant), (4, path_mutant), (4, image_mutant)]
     return [maker for share, maker in shares for _ in range(share)]
 
 
 # That can be asked for alone, as often as one likes.
 BY_KIND = {"pipeline": pipeline_mutant, "plan": plan_mutant, "camera": camera_mutant,
-           "mesh": mesh_mutant, "bytes": bytes_mutant, "path": path_mutant,
-           "image": image_mutant}
+           "mesh": mesh_mutant, "found mesh": found_mesh_mutant, "scale": scale_mutant,
+           "bytes": bytes_mutant, "path": path_mutant, "image": image_mutant}
 
 
 def mutant_of(makers: list[Maker], seed: int, index: int) -> Mutant:
