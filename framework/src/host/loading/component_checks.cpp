@@ -97,11 +97,11 @@ void ComponentChecks::ask(const ComponentSpec& spec, std::vector<yaml::Problem>&
     }
     for (const Mistake& mistake : entry->second) {
       const auto at = place_of(spec, mistake.parameter).value_or(place_of(spec));
-      constexpr std::string_view kWarning = Mistakes::kWarning;
-      if (!mistake.message.starts_with(kWarning)) {
+      constexpr std::string_view kPrefix = Mistakes::kWarning;
+      if (!mistake.message.starts_with(kPrefix)) {
         problems.push_back({at, mistake.message});
       } else if (warnings != nullptr) {
-        warnings->push_back({at, mistake.message.substr(kWarning.size())});
+        warnings->push_back({at, mistake.message.substr(kPrefix.size())});
       }
     }
   }

@@ -20,7 +20,7 @@
 namespace weft {
 namespace {
 
-constexpr Eigen::Index kFewest = 60;
+constexpr Eigen::Index kFewestResiduals = 60;
 
 /// d(pixel)/d(point) of a pinhole camera.
 Eigen::Matrix<double, 2, 3> image_jacobian(const Camera& camera, const Eigen::Vector3d& at) {
@@ -190,7 +190,7 @@ bool ResidualField::is_coherent() const {
 
 std::optional<ResidualField> fit_residual_field(const Template& templ,
                                                 const TextureResiduals& residuals) {
-  if (residuals.at_px.rows() < kFewest) return std::nullopt;
+  if (residuals.at_px.rows() < kFewestResiduals) return std::nullopt;
   constexpr int kRounds = 8;
   ResidualField field;
   field.domain = domain_over(templ);
