@@ -77,7 +77,7 @@ export async function draw_scenes(figure, { pairs, scenes, unit, low_is_good }) 
     legend: null,
     scale: {
       domain: ["a", "b", "undecided"],
-      range: ["var(--series-2)", "var(--series-1)", "var(--muted)"],
+      range: ["var(--series-1)", "var(--series-2)", "var(--muted)"],
     },
   };
   // Where some pairs are much farther apart than others, each has a scale of its own.

@@ -7,6 +7,7 @@
 #include "report/sheets.hpp"
 #include "report/text/base64.hpp"
 #include "report/text/page.hpp"
+#include "statistics/sentence_parts.hpp"
 
 namespace weft::evaluation {
 namespace {
@@ -58,8 +59,8 @@ ordered_json comparison_json(const ComparisonResult& comparison) {
     pairs.push_back({{"a", pair.a},
                      {"b", pair.b},
                      {"difference", pair.test.mean},
-                     {"low", pair.test.interval.low},
-                     {"high", pair.test.interval.high},
+                     {"low", pair.interval.low},
+                     {"high", pair.interval.high},
                      {"decided", pair.call == Call::a || pair.call == Call::b}});
   }
   ordered_json scenes = ordered_json::array();
@@ -73,7 +74,7 @@ ordered_json comparison_json(const ComparisonResult& comparison) {
     }
   }
   const bool low_is_good = better_of(comparison.plan.metric) == Better::lower;
-  return {{"unit", comparison.unit},
+  return {{"unit", difference_unit(comparison.unit)},
           {"low_is_good", low_is_good},
           {"pairs", std::move(pairs)},
           {"scenes", std::move(scenes)}};

@@ -103,8 +103,9 @@ std::string combinations_note(const Results& results, const ReportTables& tables
   }
   return text +
          "Frames failed: with truth, but without a shape, or off by more than a tenth of the "
-         "template's diagonal; a cell that failed as a whole failed at each of them. Neither "
-         "enters a mean.";
+         "template's diagonal; a cell that failed as a whole failed at each of them. A frame that "
+         "is "
+         "off enters the mean, the others enter none.";
 }
 
 std::string comparisons_note() {
@@ -112,10 +113,12 @@ std::string comparisons_note() {
       "A − B: mean over the n sequences of the difference, paired by sequence, frame and seed; the "
       "values of other axes count as further seeds. p: of the exact test of the differences' "
       "signs; p, Holm: corrected for every test of the comparison, at most 0.05 names the better "
-      "one. 95 %: of this difference alone. Smallest effect: the difference that would be named 4 "
-      "times in 5, a dash where n is too small for so many tests. Fails only A, only B: of all "
-      "places compared, those where one failed and the "
-      "other did not. Below {} sequences nothing is decided.",
+      "one. 95 %: corrected like p, so that zero lies outside where one is named. Smallest effect: "
+      "the difference that would be named 4 "
+      "times in 5, a dash where n is too small for so many tests. No value only A, only B: of all "
+      "places compared, those where one has no value and the other has one; a frame that is off "
+      "has a value. Too few: no outcome of n sequences could be called among so many tests, and "
+      "always below {}. Sequences on which both are the same count in n, but call nothing.",
       kLeastSequences);
 }
 

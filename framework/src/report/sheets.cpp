@@ -8,6 +8,7 @@
 #include "metrics/forms/metric_path.hpp"
 #include "report/notes.hpp"
 #include "report/tables/statistics.hpp"
+#include "statistics/sentence_parts.hpp"
 
 namespace weft::evaluation {
 namespace {
@@ -81,11 +82,11 @@ std::string better_text(const PairComparison& pair) {
 }
 
 TextRow comparison_row(const PlanComparison& plan, const PairComparison& pair) {
-  TextRow row{{text_cell(plan.axis), text_cell(plan.metric), text_cell(unit_of(plan.metric)),
-               text_cell(pair.a), text_cell(pair.b), text_cell(better_text(pair)),
-               figure_cell(pair.test.mean), figure_cell(pair.test.interval.low),
-               figure_cell(pair.test.interval.high), count_cell(pair.test.n),
-               number_cell(pair.test.p, 4), number_cell(pair.p_holm, 4),
+  TextRow row{{text_cell(plan.axis), text_cell(plan.metric),
+               text_cell(difference_unit(unit_of(plan.metric))), text_cell(pair.a),
+               text_cell(pair.b), text_cell(better_text(pair)), figure_cell(pair.test.mean),
+               figure_cell(pair.interval.low), figure_cell(pair.interval.high),
+               count_cell(pair.test.n), number_cell(pair.test.p, 4), number_cell(pair.p_holm, 4),
                figure_cell(pair.smallest_effect), count_cell(pair.failures.only_a),
                count_cell(pair.failures.only_b), count_cell(pair.failures.rows)}};
   row.cells[kBetterColumn].tip = pair.sentence;
@@ -150,7 +151,7 @@ TextTable comparison_sheet(const std::vector<ComparisonResult>& comparisons) {
                    {"p", "p", true},
                    {"p, Holm", "p_holm", true},
                    {"smallest effect", "smallest_effect", true},
-                   {"fails only A", "only_a_failed", true, "", true},
+                   {"no value only A", "only_a_failed", true, "", true},
                    {"only B", "only_b_failed", true, "", true},
                    {"of", "places", true, "", true}},
                   {}};

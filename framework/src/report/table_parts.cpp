@@ -45,7 +45,7 @@ std::string scenes_figure(const ComparisonResult& comparison, std::size_t index)
   return fmt::format(
       "<figure class=\"scenes\" id=\"figure-scenes-{0}\" data-comparison=\"{0}\"><h4>Scene by "
       "scene</h4>\n<div class=\"plot\"></div>\n<figcaption>The same difference on each sequence, "
-      "or kind of data where there are many. Orange: A is better there; blue: B is; grey: the 95 "
+      "or kind of data where there are many. Blue: A is better there; orange: B is; grey: the 95 "
       "% interval holds zero, or there are too few frames for one. The interval of a sequence is "
       "by a bootstrap over stretches of its frames: how sure the difference is on this very "
       "sequence, not on others like it, and not corrected for the number of rows.</figcaption>"

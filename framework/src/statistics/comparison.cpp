@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
 
 #include "statistics/bootstrap.hpp"
@@ -78,7 +79,8 @@ PairComparison pair_up(const Panel& panel, std::size_t a, std::size_t b, std::ui
   pair.mean_a = mean_of(a);
   pair.mean_b = mean_of(b);
   pair.sequences_without_pair = missing_from(panel.sequences(), differences);
-  pair.test = test_differences(means_of(differences), seed);
+  pair.differences = means_of(differences);
+  pair.test = test_differences(pair.differences, seed);
   pair.failures = pair_failures(panel, a, b, seed);
   return pair;
 }
@@ -122,8 +124,40 @@ bool possible(const FriedmanComparison& friedman) {
   return static_cast<std::int64_t>(friedman.sequences.size()) >= kLeastSequences;
 }
 
+/// The p of all tests that could call something, ascending, as Holm's correction takes them.
+class Family {
+ public:
+  explicit Family(std::vector<double> p) : p_(std::move(p)) {
+    std::sort(p_.begin(), p_.end());
+    while (called_ < p_.size() && p_[called_] <= level_after(called_)) ++called_;
+  }
+
+  std::int64_t tests() const { return static_cast<std::int64_t>(p_.size()); }
+
+  /// What a p must not exceed that comes after so many smaller ones, all of them called.
+  double level_of(double p) const { return level_after(std::min(before(p), called_)); }
+
+  /// Whether the smallest p of n sequences would be called.
+  bool could_call(std::int64_t n) const {
+    const double least = least_p_of(n);
+    return before(least) <= called_ && least <= level_after(before(least));
+  }
+
+ private:
+  std::size_t before(double p) const {
+    return to_index(std::lower_bound(p_.begin(), p_.end(), p) - p_.begin());
+  }
+  double level_after(std::size_t smaller) const {
+    const std::size_t left = p_.size() > smaller ? p_.size() - smaller : 1;
+    return kAlpha / static_cast<double>(left);
+  }
+
+  std::vector<double> p_;
+  std::size_t called_ = 0;
+};
+
 /// Corrects every p that could be called for the number of them.
-void correct(std::vector<ComparisonTable>& tables) {
+Family correct(std::vector<ComparisonTable>& tables) {
   struct Hypothesis {
     double p;
     double* corrected;
@@ -144,14 +178,14 @@ void correct(std::vector<ComparisonTable>& tables) {
   const std::vector<double> corrected = holm(p);
   for (std::size_t i = 0; i < family.size(); ++i) *family[i].corrected = corrected[i];
   for (ComparisonTable& table : tables) table.tests = static_cast<std::int64_t>(family.size());
+  return Family(std::move(p));
 }
 
 /// Which of two is better by a test of a - b.
-Call call_of(const PairedTest& test, double p_holm, Better better, std::int64_t tests) {
+Call call_of(const PairedTest& test, double p_holm, Better better, const Family& family) {
   if (test.n < kLeastSequences) return Call::too_few;
   if (p_holm <= kAlpha) return (test.mean < 0.0) == (better == Better::lower) ? Call::a : Call::b;
-  const bool hopeless = test.least_p * static_cast<double>(tests) > kAlpha;
-  return test.possible() && hopeless ? Call::too_few : Call::undecided;
+  return family.could_call(test.n) ? Call::undecided : Call::too_few;
 }
 
 Call verdict_of(Call values, Call failures) {
@@ -159,10 +193,14 @@ Call verdict_of(Call values, Call failures) {
   return decided(values) ? Call::undecided : failures;
 }
 
-void decide(const ComparisonOptions& options, std::int64_t tests, PairComparison& pair) {
+void decide(const ComparisonOptions& options, const Family& family, PairComparison& pair) {
+  const std::int64_t tests = family.tests();
   FailurePair& failures = pair.failures;
-  pair.call = call_of(pair.test, pair.p_holm, options.better, tests);
-  failures.call = call_of(failures.test, failures.p_holm, Better::lower, tests);
+  pair.call = call_of(pair.test, pair.p_holm, options.better, family);
+  if (pair.call != Call::too_few) {
+    pair.interval = interval_at(pair.differences, family.level_of(pair.test.p), options.seed);
+  }
+  failures.call = call_of(failures.test, failures.p_holm, Better::lower, family);
   pair.verdict = verdict_of(pair.call, failures.call);
   const double level = kAlpha / static_cast<double>(std::max<std::int64_t>(1, tests));
   pair.smallest_effect = smallest_effect(pair.test.standard_deviation, pair.test.n, level);
@@ -185,8 +223,9 @@ ComparisonTable table_of(const Panel& panel, const ComparisonOptions& options) {
   return table;
 }
 
-void decide(const ComparisonOptions& options, const std::string& where, ComparisonTable& table) {
-  for (PairComparison& pair : table.pairs) decide(options, table.tests, pair);
+void decide(const ComparisonOptions& options, const Family& family, const std::string& where,
+            ComparisonTable& table) {
+  for (PairComparison& pair : table.pairs) decide(options, family, pair);
   if (table.friedman) {
     table.friedman->differ = table.friedman->p_holm <= kAlpha;
     table.friedman->sentence = sentence_of(*table.friedman);
@@ -205,8 +244,7 @@ Result<ComparisonTable> compare(const std::vector<Observation>& observations,
                  "the reference '" + options.reference + "' is none of the treatments"};
   }
   std::vector<ComparisonTable> tables{table_of(*panel, options)};
-  correct(tables);
-  decide(options, "", tables.front());
+  decide(options, correct(tables), "", tables.front());
   return std::move(tables.front());
 }
 
@@ -220,8 +258,10 @@ Result<std::vector<ComparisonTable>> compare_apart(const std::vector<Observation
     if (!panel) return panel.error();
     table = table_of(*panel, options);
   }
-  correct(tables);
-  for (std::size_t i = 0; i < tables.size(); ++i) decide(options, groups[i].where, tables[i]);
+  const Family family = correct(tables);
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    decide(options, family, groups[i].where, tables[i]);
+  }
   return tables;
 }
 

@@ -22,7 +22,8 @@ struct ComparisonOptions {
   std::uint64_t seed = 1;  ///< of resampling
 };
 
-/// `too_few` where no outcome could have been called.
+/// `too_few` where no outcome of so many sequences could have been called, ties apart: two pairs of
+/// the same number of sequences in one family are both too few, or neither is.
 enum class Call { too_few, undecided, a, b };
 
 /// Whether a call names one of the two.
@@ -54,6 +55,10 @@ struct PairComparison {
   std::int64_t rows = 0;                        ///< [] places
   double mean_a = kUnknown, mean_b = kUnknown;  ///< over sequences, of the same places
   PairedTest test;                              ///< a - b, by sequence
+  std::vector<double> differences;              ///< those of the test
+  /// At the level that Holm's correction left for this pair: zero lies outside where the difference
+  /// is called, and only there. Unknown where there are too few sequences.
+  Interval interval;
   double p_holm = kUnknown;
   double smallest_effect = kUnknown;  ///< that n could show at the level left by Holm's first step
   Call call = Call::too_few;          ///< which one has the better values

@@ -41,7 +41,7 @@ std::string names_of(const std::vector<const PairComparison*>& pairs, const std:
   return list_of(names);
 }
 
-/// "tran by 0.3 mm (0.1 to 0.5), gms, which fails more".
+/// "tran by 0.3 mm (0.1 to 0.5), gms, which lacks more values".
 std::string gains_text(const std::vector<const PairComparison*>& pairs, const std::string& name,
                        const std::string& unit, const char* by_failures) {
   std::vector<std::string> texts;
@@ -52,7 +52,7 @@ std::string gains_text(const std::vector<const PairComparison*>& pairs, const st
       continue;
     }
     const Gain gain = gain_of(*pair);
-    text += " by " + with_unit(gain.mean, unit);
+    text += " by " + with_unit(gain.mean, difference_unit(unit));
     if (!std::isnan(gain.interval.low)) {
       text += fmt::format(" ({} to {})", three_digits(gain.interval.low),
                           three_digits(gain.interval.high));
@@ -68,16 +68,16 @@ std::string common_evidence(const ComparisonTable& table) {
   bool has_interval = false;
   for (const PairComparison& pair : table.pairs) {
     n = std::max(n, pair.test.n);
-    has_interval = has_interval || !std::isnan(pair.test.interval.low);
+    has_interval = has_interval || !std::isnan(pair.interval.low);
     if (decided(pair.verdict) && pair.call == pair.verdict) {
       largest_p = std::max(largest_p, pair.p_holm);
     }
   }
-  std::string text = has_interval ? " In brackets 95 % intervals; " : " ";
+  std::string text = has_interval ? " In brackets 95 % intervals" : "";
   if (largest_p > 0.0) {
-    text += fmt::format("p at most {} after Holm's correction for {} tests, ",
-                        three_digits(largest_p), table.tests);
+    text += fmt::format("{} p at most {}", has_interval ? " and" : "", three_digits(largest_p));
   }
+  text += text.empty() ? " " : fmt::format(" after Holm's correction for {} tests, ", table.tests);
   return text + sequences_text(n) + ".";
 }
 
@@ -88,12 +88,13 @@ std::string undecided_list(const std::vector<const PairComparison*>& pairs, cons
   for (const PairComparison* pair : pairs) {
     std::string& text = texts.emplace_back(other_of(*pair, name));
     if (decided(pair->call)) {
-      text += ", for errors and failures contradict each other";
+      text += ", for its values and the lack of them contradict each other";
       continue;
     }
     const Gain gain = gain_of(*pair);
     const double mean = pair->a == name ? -pair->test.mean : pair->test.mean;
-    text += (mean < 0.0 ? ", lower by " : ", higher by ") + with_unit(gain.mean, unit);
+    text +=
+        (mean < 0.0 ? ", lower by " : ", higher by ") + with_unit(gain.mean, difference_unit(unit));
     if (!std::isnan(gain.interval.low)) {
       text += fmt::format(" ({} to {})", three_digits(gain.interval.low),
                           three_digits(gain.interval.high));
@@ -123,8 +124,8 @@ std::string against_reference(const ComparisonTable& table, const Standing& refe
     return pairs.empty() ? "nothing" : gains_text(pairs, name, options.unit, by_failures);
   };
   return fmt::format("{} in {}: {}. Worse: {}.{}{}", begun(where, "Better than ") + name,
-                     options.measure, text(reference.worse, ", which fails less"),
-                     text(reference.better, ", which fails more"),
+                     options.measure, text(reference.worse, ", which lacks fewer values"),
+                     text(reference.better, ", which lacks more values"),
                      rest_text(reference, options.unit), common_evidence(table));
 }
 
@@ -156,7 +157,7 @@ const Standing* leader_of(const std::vector<Standing>& standings, Better better)
 std::string leader_text(const ComparisonTable& table, const Standing& leader,
                         const ComparisonOptions& options, const std::string& where) {
   const std::string gains =
-      gains_text(leader.better, leader.name, options.unit, ", which fails more");
+      gains_text(leader.better, leader.name, options.unit, ", which lacks more values");
   const std::string start = begun_by_name(where, leader.name) + " is better than ";
   if (leader.better.size() + 1 == table.treatments.size()) {
     return fmt::format("{}each of the others in {}: than {}.{}", start, options.measure, gains,

@@ -22,21 +22,22 @@ using Plain = boost::math::policies::policy<boost::math::policies::promote_doubl
 
 /// The shift at which the test begins to reject on the way from the mean to an extreme, from the
 /// rejected side.
-double end_of_interval(const SignFlips& flips, double mean, double extreme) {
+double end_of_interval(const SignFlips& flips, double mean, double extreme, double level) {
   double inside = mean, outside = extreme;
   for (int i = 0; i < kHalvings; ++i) {
     const double middle = 0.5 * (inside + outside);
-    (flips.p(middle) > kAlpha ? inside : outside) = middle;
+    (flips.p(middle) > level ? inside : outside) = middle;
   }
   return outside;
 }
 
-/// The p of differences of these magnitudes, were all of one sign.
-double least_p_of(std::span<const double> differences) {
-  const auto zeros = std::count(differences.begin(), differences.end(), 0.0);
-  const auto others = static_cast<double>(differences.size()) - static_cast<double>(zeros);
-  return std::min(1.0,
-                  std::max(std::exp2(1.0 - others), SignFlips::resolution(differences.size())));
+Interval interval_of(const SignFlips& flips, std::span<const double> differences, double level) {
+  if (std::ssize(differences) < kLeastSequences) return {};
+  if (!(SignFlips::resolution(differences.size()) <= level)) return {};
+  const double middle = mean(differences);
+  const auto [least, most] = std::minmax_element(differences.begin(), differences.end());
+  return {end_of_interval(flips, middle, *least, level),
+          end_of_interval(flips, middle, *most, level)};
 }
 
 /// The largest level up to `alpha` that the p of n differences of distinct size can take.
@@ -58,12 +59,20 @@ PairedTest test_differences(std::span<const double> differences, std::uint64_t s
   const SignFlips flips(differences, seed);
   test.exact = flips.exact();
   test.p = flips.p(0.0);
-  test.least_p = least_p_of(differences);
-  if (test.n < kLeastSequences) return test;
-  const auto [least, most] = std::minmax_element(differences.begin(), differences.end());
-  test.interval = {end_of_interval(flips, test.mean, *least),
-                   end_of_interval(flips, test.mean, *most)};
+  test.ties = std::count(differences.begin(), differences.end(), 0.0);
+  test.least_p = std::max(least_p_of(test.n - test.ties), SignFlips::resolution(to_index(test.n)));
+  test.interval = interval_of(flips, differences, kAlpha);
   return test;
+}
+
+Interval interval_at(std::span<const double> differences, double level, std::uint64_t seed) {
+  return interval_of(SignFlips(differences, seed), differences, level);
+}
+
+double least_p_of(std::int64_t n) {
+  return n < 1 ? 1.0
+               : std::max(std::exp2(1.0 - static_cast<double>(n)),
+                          SignFlips::resolution(to_index(n)));
 }
 
 double smallest_effect(double standard_deviation, std::int64_t n, double alpha, double power) {

@@ -26,6 +26,7 @@ struct PairedTest {
   Interval interval;          ///< 95 %: the shifts that the test does not reject; from 6 on
   double p = kUnknown;        ///< [] two-sided
   double least_p = kUnknown;  ///< [] what p would be were all differences of one sign
+  std::int64_t ties = 0;      ///< [] differences that are zero: they can call nothing
   bool exact = false;         ///< all 2^n signs were counted
 
   /// Whether the test can call a difference at all.
@@ -37,6 +38,12 @@ struct PairedTest {
 /// random ones and the one seen (Phipson and Smyth 2010). The interval holds the shifts that, taken
 /// from each difference, give p > 0.05; unknown for n < 6. Differences are finite.
 PairedTest test_differences(std::span<const double> differences, std::uint64_t seed = 1);
+
+/// The shifts of which the same test gives p > `level`; unknown where n signs have no p so small.
+Interval interval_at(std::span<const double> differences, double level, std::uint64_t seed = 1);
+
+/// The least p that n differences can have, none of them zero.
+double least_p_of(std::int64_t n);
 
 /// Smallest |mean difference| that a two-sided test at level `alpha` calls with probability
 /// `power`, were the differences normal with this standard deviation: solves the power of the

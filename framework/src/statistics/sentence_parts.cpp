@@ -12,12 +12,14 @@ namespace {
 
 std::string interval_text(Interval interval, const std::string& unit) {
   return fmt::format("95 % interval {} to {}", three_digits(interval.low),
-                     with_unit(interval.high, unit));
+                     with_unit(interval.high, difference_unit(unit)));
 }
 
 }  // namespace
 
 std::string three_digits(double value) { return fmt::format("{:.3g}", value + 0.0); }
+
+std::string difference_unit(const std::string& unit) { return unit == "%" ? "points" : unit; }
 
 std::string with_unit(double value, const std::string& unit) {
   return three_digits(value) + (unit.empty() ? "" : " " + unit);
@@ -39,8 +41,8 @@ std::string p_text(double p, double p_holm, std::int64_t tests) {
 }
 
 Gain gain_of(const PairComparison& pair) {
-  const auto& [low, high] = pair.test.interval;
-  if (!(pair.test.mean < 0.0)) return {pair.test.mean, pair.test.interval};
+  const auto& [low, high] = pair.interval;
+  if (!(pair.test.mean < 0.0)) return {pair.test.mean, pair.interval};
   return {-pair.test.mean, {-high, -low}};
 }
 
@@ -62,8 +64,13 @@ std::string sequences_text(std::int64_t n) {
 
 std::string evidence_of(const PairComparison& pair, const std::string& unit, std::int64_t tests) {
   const Interval interval = gain_of(pair).interval;
-  return (std::isnan(interval.low) ? "" : interval_text(interval, unit) + ", ") +
-         p_text(pair.test.p, pair.p_holm, tests) + ", " + sequences_text(pair.test.n);
+  const std::string n = ", " + sequences_text(pair.test.n);
+  const std::string p = p_text(pair.test.p, pair.p_holm, tests);
+  if (std::isnan(interval.low)) return p + n;
+  const std::string text = interval_text(interval, unit);
+  if (tests < 2) return text + ", " + p + n;
+  if (!std::isnan(pair.p_holm)) return text + " and " + p + n;
+  return fmt::format("{} after Holm's correction for {} tests, {}{}", text, tests, p, n);
 }
 
 std::string list_of(const std::vector<std::string>& names) {

@@ -12,6 +12,8 @@ namespace weft::evaluation {
 /// Three digits; zero has no sign.
 std::string three_digits(double value);
 std::string with_unit(double value, const std::string& unit);
+/// That of a difference of values: percentages differ by points.
+std::string difference_unit(const std::string& unit);
 
 /// "a, b".
 std::string list_of(const std::vector<std::string>& names);
@@ -35,7 +37,7 @@ std::string two_means(double one, const char* joint, double other, const std::st
 std::string p_text(double p, double p_holm, std::int64_t tests);
 std::string sequences_text(std::int64_t n);
 
-/// Interval where there is one, p and n.
+/// Interval where there is one, p, both as corrected, and n.
 std::string evidence_of(const PairComparison& pair, const std::string& unit, std::int64_t tests);
 
 }  // namespace weft::evaluation

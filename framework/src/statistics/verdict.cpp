@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "statistics/sentence_parts.hpp"
@@ -23,18 +24,29 @@ std::string too_few_text(const PairComparison& pair, const ComparisonOptions& op
   return text + "; " + two_means(pair.mean_a, "and", pair.mean_b, options.unit);
 }
 
+/// Sequences on which both are the same call nothing, and may be why nothing is called.
+std::string ties_text(const PairedTest& test, std::int64_t tests) {
+  if (test.ties == 0) return "";
+  const auto family = static_cast<double>(std::max<std::int64_t>(1, tests));
+  const std::int64_t others = test.n - test.ties;
+  return fmt::format(", the same on {} of them{}", test.ties,
+                     test.least_p * family > kAlpha
+                         ? fmt::format(": the other {} {} too few to call a difference", others,
+                                       others == 1 ? "is" : "are")
+                         : "");
+}
+
 std::string undecided_text(const PairComparison& pair, const ComparisonOptions& options,
                            std::int64_t tests, const std::string& where) {
-  const Interval& interval = pair.test.interval;
   const std::string names = begun_by_name(where, pair.a) + " and " + pair.b;
-  if (interval.low == 0.0 && interval.high == 0.0) {
+  if (pair.test.ties == pair.test.n) {
     return fmt::format("{} have the same {} on each of {}", names, options.measure,
                        sequences_text(pair.test.n));
   }
-  return fmt::format("{} cannot be told apart: {} {}, a difference of {}, {}", names,
+  return fmt::format("{} cannot be told apart: {} {}, a difference of {}, {}{}", names,
                      options.measure, two_means(pair.mean_a, "and", pair.mean_b, options.unit),
-                     with_unit(gain_of(pair).mean, options.unit),
-                     evidence_of(pair, options.unit, tests));
+                     with_unit(gain_of(pair).mean, difference_unit(options.unit)),
+                     evidence_of(pair, options.unit, tests), ties_text(pair.test, tests));
 }
 
 std::string decided_text(const PairComparison& pair, const ComparisonOptions& options,
@@ -42,7 +54,7 @@ std::string decided_text(const PairComparison& pair, const ComparisonOptions& op
   const bool a_wins = pair.call == Call::a;
   return fmt::format("{} is better than {} by {}: {} {}, {}",
                      begun_by_name(where, a_wins ? pair.a : pair.b), a_wins ? pair.b : pair.a,
-                     with_unit(gain_of(pair).mean, options.unit), options.measure,
+                     with_unit(gain_of(pair).mean, difference_unit(options.unit)), options.measure,
                      two_means(a_wins ? pair.mean_a : pair.mean_b, "instead of",
                                a_wins ? pair.mean_b : pair.mean_a, options.unit),
                      evidence_of(pair, options.unit, tests));
@@ -59,11 +71,11 @@ bool contradict(const PairComparison& pair) {
   return decided(pair.call) && decided(pair.failures.call) && pair.call != pair.failures.call;
 }
 
-/// "it fails in 1 of 40 results, a in 20".
-std::string who_fails_less(const PairComparison& pair, std::int64_t tests) {
+/// "it has no value in 1 of 40 results, a in 20".
+std::string who_lacks_less(const PairComparison& pair, std::int64_t tests) {
   const FailurePair& failures = pair.failures;
   const bool a_less = failures.call == Call::a;
-  return fmt::format("{} fails in {} of {} results, {} in {} ({})", a_less ? pair.a : pair.b,
+  return fmt::format("{} has no value in {} of {} results, {} in {} ({})", a_less ? pair.a : pair.b,
                      failures.both + (a_less ? failures.only_a : failures.only_b), failures.rows,
                      a_less ? pair.b : pair.a,
                      failures.both + (a_less ? failures.only_b : failures.only_a),
@@ -75,26 +87,30 @@ std::string power_text(const PairComparison& pair, const ComparisonOptions& opti
   if (decided(pair.call) && !std::isnan(pair.test.standardised)) {
     return "; standardised effect " + three_digits(std::abs(pair.test.standardised));
   }
-  const bool equal = pair.test.interval.low == 0.0 && pair.test.interval.high == 0.0;
+  const bool equal = pair.test.ties == pair.test.n;
   if (pair.call != Call::undecided || equal || std::isnan(pair.smallest_effect)) return "";
   return fmt::format("; a difference of {} would be shown 4 times in 5",
-                     with_unit(pair.smallest_effect, options.unit));
+                     with_unit(pair.smallest_effect, difference_unit(options.unit)));
 }
 
 std::string failures_text(const PairComparison& pair, std::int64_t tests) {
   const FailurePair& failures = pair.failures;
   const std::int64_t of_a = failures.only_a + failures.both;
   const std::int64_t of_b = failures.only_b + failures.both;
-  if (of_a + of_b == 0) return fmt::format(" No failures in {} results of each.", failures.rows);
-  const std::string counts = fmt::format(" Failures in {} results of each: {} {}, {} {};",
+  if (of_a + of_b == 0) return fmt::format(" Each has a value in all {} results.", failures.rows);
+  const std::string counts = fmt::format(" Without a value, of {} results of each: {} {}, {} {};",
                                          failures.rows, pair.a, of_a, pair.b, of_b);
   const std::string p = p_text(failures.test.p, failures.p_holm, tests);
   if (decided(failures.call)) {
-    return fmt::format("{} {} fails less ({}).", counts, failures.call == Call::a ? pair.a : pair.b,
-                       p);
+    return fmt::format("{} {} lacks fewer ({}).", counts,
+                       failures.call == Call::a ? pair.a : pair.b, p);
   }
   if (failures.call == Call::too_few) return counts + " too few to decide.";
-  return fmt::format("{} no difference is shown ({}).", counts, p);
+  return fmt::format("{} no difference is shown ({}{}).", counts, p,
+                     failures.test.ties == 0
+                         ? ""
+                         : fmt::format("; {} of {} sequences differ in it",
+                                       failures.test.n - failures.test.ties, failures.test.n));
 }
 
 std::string unpaired_text(const std::string& name, const std::vector<PanelPlace>& places) {
@@ -117,12 +133,12 @@ std::string brief_sentence_of(const PairComparison& pair, const ComparisonOption
   if (contradict(pair)) {
     return begun(where, "Neither of ") + pair.a + " and " + pair.b +
            " is named the better: " + values_text(pair, options, tests, "") + ", but " +
-           who_fails_less(pair, tests) + ".";
+           who_lacks_less(pair, tests) + ".";
   }
   if (!decided(pair.call) && decided(pair.failures.call)) {
     const bool a_wins = pair.failures.call == Call::a;
     return begun_by_name(where, a_wins ? pair.a : pair.b) + " is better than " +
-           (a_wins ? pair.b : pair.a) + ": " + who_fails_less(pair, tests) + ". " +
+           (a_wins ? pair.b : pair.a) + ": " + who_lacks_less(pair, tests) + ". " +
            values_text(pair, options, tests, "") + ".";
   }
   const std::string text = values_text(pair, options, tests, where);
