@@ -2,6 +2,7 @@
 // The module weft.programs._pipeline: weft::Pipeline as weft/programs/pipelines.py needs it.
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
+#include <unistd.h>
 
 #include <array>
 #include <memory>
@@ -83,8 +84,10 @@ class OpenedPipeline {
   OpenedPipeline(const OpenedPipeline&) = delete;
   OpenedPipeline& operator=(const OpenedPipeline&) = delete;
 
-  /// Components in Python end in it, in threads that want the lock of the interpreter.
+  /// Components in Python end in it, in threads that want the lock of the interpreter. In the child
+  /// of a fork nothing can be ended, and the mutex may be one that a thread of the parent has.
   void close() {
+    if (getpid() != opener_) return;
     const py::gil_scoped_release others_go_on;
     const std::lock_guard alone(mutex_);
     pipeline_.reset();
@@ -134,6 +137,7 @@ class OpenedPipeline {
  private:
   std::mutex mutex_;
   std::optional<Pipeline> pipeline_;
+  pid_t opener_ = getpid();
 };
 
 using CameraNumbers = std::tuple<double, double, double, double, std::int64_t, std::int64_t>;

@@ -44,6 +44,19 @@ void add_rows(std::string& text, const Array<double>& array, AddRow&& add_row) {
   text += ']';
 }
 
+/// Why the shape is less sure than its solver says, as the host has it; a shape without has no key.
+void add_reason(std::string& text, const Shape& shape) {
+  const auto* reason = shape.others.find<std::uint8_t>("x.weft.reason");
+  if (reason == nullptr) return;
+  text += ",\"reason\":\"";
+  for (std::int64_t i = 0; i < reason->rows(); ++i) {
+    const auto each = static_cast<char>((*reason)(i));
+    if (each == '"' || each == '\\') text += '\\';
+    text += each < ' ' && each >= 0 ? ' ' : each;
+  }
+  text += '"';
+}
+
 template <class Number>
 void put(std::string& bytes, Number number) {
   static_assert(std::endian::native == std::endian::little);
@@ -73,6 +86,7 @@ std::string json_line(const FramePoints& points) {
   add(text, shape.age_frames);
   text += ",\"confidence\":";
   add(text, shape.confidence);
+  add_reason(text, shape);
   text += ",\"vertices_m\":";
   add_rows(text, shape.vertices_m, [&](const double* xyz) { add_triple(text, xyz); });
   text += ",\"covariance_m2\":";

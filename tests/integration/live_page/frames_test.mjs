@@ -91,6 +91,9 @@ test("words name the state and the stage that is to blame", () => {
   assert.equal(predicted.text, "the shape of the frame before");
   const weak = state_words({ state: "weak", confidence: 0.42, stages: [] });
   assert.equal(weak.text, "it may well be wrong, 42\u00a0% sure");
+  const reason = "the focal length seems to be 0.77 (+- 0.02) times the one given";
+  const doubted = state_words({ state: "weak", confidence: 0.01, reason, stages: [] });
+  assert.equal(doubted.text, `it may well be wrong, 1\u00a0% sure; ${reason}`);
   assert.equal(state_words({ state: "none", stages }).text.startsWith("there has been none"), true);
   assert.equal(state_words(null).title, "Unknown");
   // An estimated shape needs no excuse, but an error is told all the same.

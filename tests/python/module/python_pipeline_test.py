@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import textwrap
 import threading
 import time
 import unittest
@@ -171,6 +172,41 @@ class Mistakes(unittest.TestCase):
             frame = pipeline.process(IMAGES[0])
         self.assertEqual(frame.index, 0)
         self.assertEqual(frame.vertices_m.tobytes(), RUN[0].vertices_m.tobytes())
+
+    def test_of_times_that_go_back_name_both(self):
+        with weft.Pipeline(DEMO, CAMERA) as pipeline:
+            pipeline.process(IMAGES[0], 2.5)
+            with self.assertRaisesRegex(weft.Error, r"time: .* 2\.25 s .* 2\.5 s"):
+                pipeline.process(IMAGES[1], 2.25)
+            self.assertEqual(pipeline.process(IMAGES[1], 2.5).index, 1)
+
+    def test_of_forking_are_told_at_once(self):
+        """Opening in the children alone is none."""
+        ending = self.in_child(f"""
+            child = os.fork()
+            if child == 0:
+                with weft.Pipeline({str(DEMO)!r}, CAMERA) as pipeline: os._exit(pipeline.process(IMAGE).index)
+            assert os.waitpid(child, 0)[1] == 0
+            pipeline = weft.Pipeline({str(DEMO)!r}, CAMERA)
+            pipeline.process(IMAGE)
+            for use in (lambda: pipeline.process(IMAGE), lambda: weft.Pipeline({str(DEMO)!r}, CAMERA)):
+                child = os.fork()
+                if child == 0:
+                    try:
+                        use()
+                    except weft.Error as error:
+                        pipeline.close()
+                        os._exit(7 if error.code == "unsupported" and "forked" in error.message else 8)
+                assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
+            assert pipeline.process(IMAGE).index == 1
+            """)
+        self.assertEqual(ending.returncode, 0, ending.stderr)
+
+    def in_child(self, script):
+        start = ("import os, signal, weft, numpy as np\nsignal.alarm(60)\n"
+                 f"CAMERA = weft.{CAMERA!r}\nIMAGE = np.zeros((480, 640), np.uint8)\n")
+        return subprocess.run([sys.executable, "-c", start + textwrap.dedent(script)], capture_output=True, text=True,
+                              check=False)
 
     def test_of_using_a_closed_pipeline_are_told(self):
         pipeline = weft.Pipeline(DEMO, CAMERA)

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 
@@ -73,6 +76,59 @@ TEST_F(Embedding, GivesTheSameWithAStageInAProcessOfItsOwn) {
   const Ran ran = run(text);
   Pipeline pipeline = opened(text, with({"filters.isolate=process", "solvers.isolate=process"}));
   expect_same(processed(pipeline, InMemory::of(path("pipeline.yaml"), registry_)), ran.folder);
+}
+
+/// Whether it is true in a child of fork(), which is killed where it takes half a minute.
+template <class Check>
+bool holds_in_child(Check&& check) {
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(30);
+    _exit(check() ? 0 : 1);
+  }
+  int status = -1;
+  waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status)) << "ended by signal " << WTERMSIG(status);
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+TEST_F(Embedding, RefusesAtOnceInAForkedProcessAndLeavesTheParentsPipelineAlone) {
+  const auto says_forked = [](const auto& answer) {
+    return !answer && answer.error().code == Errc::unsupported &&
+           answer.error().message.find("was forked") != std::string::npos;
+  };
+  for (const std::vector<std::string>& settings :
+       {std::vector<std::string>{}, {"solvers.isolate=process"}}) {
+    const std::string text = chain({{"sources", "{frames: 3}"}});
+    std::optional<Pipeline> pipeline(opened(text, with(settings)));
+    EXPECT_THAT(states(*pipeline, 1), ElementsAre(ShapeState::estimated));
+    const Image image = grey(120, 160);
+    EXPECT_TRUE(holds_in_child([&] { return says_forked(pipeline->process(image, 1.0)); }));
+    EXPECT_TRUE(holds_in_child([&] { return says_forked(load(text, with(settings))); }));
+    EXPECT_TRUE(holds_in_child([&] {
+      Pipeline moved = std::move(*pipeline);
+      pipeline.reset();
+      return true;
+    }));
+    auto frame = pipeline->process(image, 1.0);
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ(frame->state(), ShapeState::estimated);
+  }
+}
+
+TEST_F(Embedding, RefusesATimeThatGoesBackWithBothTimesAndTakesTheSameTimeAgain) {
+  Pipeline pipeline = opened(chain({{"sources", "{frames: 3}"}}));
+  ASSERT_TRUE(pipeline.process(grey(120, 160), 2.5));
+  const auto back = pipeline.process(grey(120, 160), 2.25);
+  ASSERT_FALSE(back);
+  EXPECT_EQ(back.error().where, "time");
+  EXPECT_THAT(back.error().message, HasSubstr("2.25 s lies before"));
+  EXPECT_THAT(back.error().message, HasSubstr("before, 2.5 s"));
+  ASSERT_FALSE(pipeline.process(grey(120, 160), std::numeric_limits<double>::infinity()));
+  const auto same = pipeline.process(grey(120, 160), 2.5);
+  ASSERT_TRUE(same) << same.error().message;
+  EXPECT_EQ(same->frame, 1U) << "what was refused counts for nothing";
+  EXPECT_TRUE(pipeline.process(grey(120, 160), 2.5001));
 }
 
 TEST_F(Embedding, LooksAtNeitherSourceNorSinks) {

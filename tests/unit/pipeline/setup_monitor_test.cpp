@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <iostream>
 #include <map>
 #include <weft/data/matrix.hpp>
@@ -43,6 +44,7 @@ class SetupMonitorTest : public ::testing::Test {
     shape.vertices_m.matrix<3>() = *vertices_m;
     shape.source = Array<std::uint8_t>({vertices_m->rows()}, 0);
     result.shape = host::Record::copy_of(shape);
+    result.values[1] = result.shape;
     result.state = ShapeState::estimated;
     return result;
   }
@@ -64,6 +66,19 @@ class SetupMonitorTest : public ::testing::Test {
     return told;
   }
 
+  /// Of a sheet that is longer by that share of its width, or of its height.
+  std::vector<FrameResult> stretched_frames(int count, double by_width, double by_height) {
+    std::vector<FrameResult> frames;
+    for (int i = 0; i < count; ++i) {
+      Template longer = testing::make_template(testing::kBentSpec);
+      longer.vertices_m.matrix<3>().col(0) *= 1.0 + by_width;
+      longer.vertices_m.matrix<3>().col(1) *= 1.0 + by_height;
+      const SeenSheet seen = testing::see_bent_sheet(longer, real_, real_, 0.0, i % 6, rng_);
+      frames.push_back(frame(seen.matches, &seen.vertices_m));
+    }
+    return frames;
+  }
+
   std::vector<FrameResult> sheet_frames(int count, const Camera& given, double k1 = 0.0) {
     std::vector<FrameResult> frames;
     for (int i = 0; i < count; ++i) frames.push_back(sheet_frame(given, k1));
@@ -82,6 +97,80 @@ TEST_F(SetupMonitorTest, SaysNothingOfASetUpThatIsRight) {
   std::vector<FrameResult> frames = sheet_frames(12, real_);
   EXPECT_THAT(told_by(monitor, frames), ::testing::Each(IsEmpty()));
   EXPECT_THAT(monitor.warnings(), IsEmpty());
+  for (const FrameResult& frame : frames) {
+    EXPECT_EQ(frame.shape, frame.values[1]);
+    EXPECT_EQ(frame.shape->view("").count, 5U) << "its record is that of the solver";
+    EXPECT_EQ(frame.state, ShapeState::estimated);
+    EXPECT_EQ(host::arrays_of<Shape>(*frame.shape)->confidence, 1.0);
+    EXPECT_THAT(frame.reason, IsEmpty());
+  }
+}
+
+TEST_F(SetupMonitorTest, MakesFramesWeakFromTheOneOnInWhichTheFocalLengthTurnsOutToBeWrong) {
+  for (const double wrong : {1.3, 0.77}) {
+    SCOPED_TRACE(wrong);
+    next_ = 0;
+    Camera given = real_;
+    given.fx *= wrong;
+    given.fy *= wrong;
+    SetupMonitor monitor = watch(given);
+    std::vector<FrameResult> frames = sheet_frames(6, given);
+    told_by(monitor, frames);
+    const std::map<std::string, double> found = [&] {
+      const auto figures = monitor.camera();
+      return std::map<std::string, double>(figures.begin(), figures.end());
+    }();
+    EXPECT_NEAR(std::log(found.at("focal_factor") * wrong), 0.0, 2.0 * found.at("focal_std"));
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      SCOPED_TRACE(i);
+      const auto shape = *host::view_as<Shape>(*frames[i].values[1]);
+      EXPECT_EQ(frames[i].shape, frames[i].values[1]) << "sinks see the same";
+      EXPECT_EQ(frames[i].state, shape.shape_state());
+      EXPECT_EQ(frames[i].state, i < 2 ? ShapeState::estimated : ShapeState::weak);
+      if (i < 2) continue;
+      EXPECT_LT(shape.confidence, 0.05);
+      EXPECT_THAT(frames[i].reason, HasSubstr("the focal length seems to be "));
+      const auto* text = shape.others.find<std::uint8_t>("x.weft.reason");
+      ASSERT_NE(text, nullptr);
+      EXPECT_EQ(std::string(text->data(), text->data() + text->rows()), frames[i].reason);
+    }
+    ASSERT_EQ(monitor.warnings().size(), 1U);
+    EXPECT_THAT(monitor.warnings()[0].text, HasSubstr("4 frames are weak for that reason"));
+  }
+}
+
+TEST_F(SetupMonitorTest, BlamesNoCameraForAShapeThatTheSolverCallsWeakItself) {
+  Camera given = real_;
+  given.fx *= 1.3;
+  given.fy *= 1.3;
+  SetupMonitor monitor = watch(given);
+  std::vector<FrameResult> frames = sheet_frames(4, given);
+  for (FrameResult& frame : frames) frame.state = ShapeState::weak;
+  told_by(monitor, frames);
+  EXPECT_EQ(frames[3].state, ShapeState::weak);
+  EXPECT_THAT(monitor.warnings()[0].text, ::testing::Not(HasSubstr("frames are weak")));
+}
+
+TEST_F(SetupMonitorTest, ClaimsNothingOfTheCameraThatAStretchedSheetExplains) {
+  for (const auto& [by_width, by_height] : std::vector<std::pair<double, double>>{
+           {0.05, 0.0}, {0.0, 0.05}, {0.08, -0.02}, {0.05, 0.05}, {0.03, 0.0}}) {
+    SCOPED_TRACE(std::to_string(by_width) + " by " + std::to_string(by_height));
+    next_ = 0;
+    SetupMonitor monitor = watch(real_);
+    std::vector<FrameResult> frames = stretched_frames(30, by_width, by_height);
+    told_by(monitor, frames);
+    for (const FrameResult& frame : frames) {
+      EXPECT_EQ(frame.state, ShapeState::estimated);
+      const double confidence = host::arrays_of<Shape>(*frame.shape)->confidence;
+      EXPECT_EQ(confidence, frame.reason.empty() ? 1.0 : 0.5) << frame.reason;
+    }
+    const bool same = by_width == by_height;
+    ASSERT_EQ(monitor.warnings().size(), same ? 0U : 1U);
+    if (same) continue;
+    std::cout << monitor.warnings()[0].text << "\n";
+    EXPECT_THAT(monitor.warnings()[0].text, ::testing::StartsWith("either fx seems to be"));
+    EXPECT_THAT(monitor.warnings()[0].text, HasSubstr("or the surface stretches"));
+  }
 }
 
 TEST_F(SetupMonitorTest, TellsAWrongFocalLengthOnceInAFrameAndAtTheEndWithItsFigures) {
@@ -128,7 +217,16 @@ TEST_F(SetupMonitorTest, TellsWrongProportionsAndALensThatBendsLines) {
   std::vector<FrameResult> frames = sheet_frames(6, given);
   told_by(flattened, frames);
   ASSERT_EQ(flattened.warnings().size(), 1U);
-  EXPECT_THAT(flattened.warnings()[0].text, HasSubstr("fx seems to be 0.9"));
+  EXPECT_THAT(flattened.warnings()[0].text, HasSubstr("either fx seems to be 0.9"));
+
+  next_ = 0;
+  given.fx = 1.25 * real_.fx;
+  SetupMonitor squeezed = watch(given);
+  frames = sheet_frames(6, given);
+  told_by(squeezed, frames);
+  ASSERT_EQ(squeezed.warnings().size(), 1U);
+  EXPECT_THAT(squeezed.warnings()[0].text, ::testing::StartsWith("fx seems to be 0.8"));
+  EXPECT_EQ(frames[5].state, ShapeState::weak) << "no sheet stretches by so much";
 
   next_ = 0;
   SetupMonitor bent = watch(real_);

@@ -60,8 +60,8 @@ export function state_words(report) {
   const title = kTitles[state] ?? state;
   const cause = state !== "estimated" || failed ? cause_of(stages) : null;
   const why = cause ? `${cause.stage}: ${cause.reason || kStatuses[cause.status]}` : "";
-  const text = [about_the_shape(report), why].filter(Boolean).join("; ");
-  return { state, title, text, topic: `${title} ${cause?.stage ?? ""}` };
+  const text = [about_the_shape(report), report.reason, why].filter(Boolean).join("; ");
+  return { state, title, text, topic: `${title} ${cause?.stage ?? ""} ${report.reason ? "set-up" : ""}` };
 }
 
 /** What somebody must see besides: warnings of the run, and that the camera is not calibrated. */

@@ -41,7 +41,8 @@ struct ProcessedFrame {
   bool failed = false;                ///< a stage had an error, which its reason tells
   std::vector<Stage> stages;          ///< in the order of the file
   std::vector<std::string> warnings;  ///< "STAGE: text", what components said of this image, or
-                                      ///< when they were made
+                                      ///< when they were made, and "setup: text" of a set-up that
+                                      ///< turns out to be wrong
   std::string report;                 ///< one JSON object: its line in frames.jsonl
 
   ShapeState state() const { return shape ? shape->shape_state() : ShapeState::none; }
@@ -62,7 +63,8 @@ class Pipeline {
   /// Reads and checks the file, builds the template and prepares all stages, of which detectors
   /// look at the texture: seconds, not milliseconds. `camera` takes the images, undistorted. Of a
   /// wrong file the Error has the place of the first mistake, its sentence, and a line
-  /// "place: sentence" for each further one.
+  /// "place: sentence" for each further one. After a fork() only a process whose parent has loaded
+  /// no pipeline can load one.
   static Result<Pipeline> load(const std::string& file, const Camera& camera,
                                const PipelineOptions& options = {});
 
@@ -75,8 +77,9 @@ class Pipeline {
 
   /// Runs all stages on an undistorted image of the camera's size, [H,W] grey levels or [H,W,3]
   /// BGR, taken `t_s` seconds after the first one. The image is copied. That a stage finds nothing
-  /// or fails is a result; an Error means that the image cannot be one of the camera, and that
-  /// nothing was done.
+  /// or fails is a result; an Error means that nothing was done: the image cannot be one of the
+  /// camera, `t_s` is before that of the last image (the same time is legal), or this process was
+  /// forked from the one that loaded the pipeline.
   Result<ProcessedFrame> process(const Image& image, double t_s);
 
  private:

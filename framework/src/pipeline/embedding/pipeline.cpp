@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
+#include <atomic>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
 #include <utility>
 #include <weft/data/owned.hpp>
 #include <weft/embedding/pipeline.hpp>
@@ -51,6 +57,33 @@ Result<RecordPtr> admitted(host::Lane& lane, const RecordType& typed, const char
   if (auto valid = lane.admit(*record, slot); !valid) return named(valid.error(), slot);
   record->set_frame(frame);
   return RecordPtr(record);
+}
+
+/// The child of a fork has none of the threads that its parent's pipelines and the libraries below
+/// them work with: a call would wait for them for ever.
+Error forked_error(const std::string& remedy) {
+  return {Errc::unsupported,
+          "this process was forked from one that has opened a pipeline, and has none of its "
+          "threads; " +
+              remedy,
+          "pipeline"};
+}
+
+/// Whether a process that this one was forked from has opened a pipeline. Notes that this one does.
+bool parent_has_opened() {
+  static std::atomic<pid_t> first{0};
+  pid_t opener = 0;
+  return !first.compare_exchange_strong(opener, getpid()) && opener != getpid();
+}
+
+/// Images come in the order of their times; those of the same time are taken as they come.
+Result<void> check_order(double t_s, double last_s) {
+  if (!(t_s < last_s)) return {};
+  const auto seconds = [](double value) { return nlohmann::json(value).dump() + " s"; };
+  return Error{Errc::invalid_value,
+               "the time stamp " + seconds(t_s) + " lies before that of the image before, " +
+                   seconds(last_s) + "; give images in the order in which they were taken",
+               "time"};
 }
 
 ProcessedFrame answer_of(const FrameResult& result) {
@@ -114,19 +147,26 @@ class Pipeline::Opened {
 
   const Template& templ() const { return template_; }
 
+  bool is_forked() const { return opener_ != getpid(); }
+
   Result<ProcessedFrame> process(const Image& image, double t_s) {
+    if (is_forked()) return forked_error("load a pipeline in a process that is started anew");
     if (auto legal = check_pixels(image.pixels); !legal) return legal.error();
     auto picture = admitted(*lane_, image, "image", frames_);
     if (!picture) return picture.error();
     auto time = admitted(*lane_, Time{t_s}, "time", frames_);
     if (!time) return time.error();
+    if (auto ordered = check_order(t_s, last_s_); !ordered) return ordered.error();
     host::NamedRecords records(lane_->memory());
     records.emplace_back("image", *std::move(picture));
     records.emplace_back("time", *std::move(time));
     auto frame = loop_->input().take(frames_, std::move(records));
     if (!frame) return frame.error();
-    ProcessedFrame answer = answer_of(loop_->process(*frame));
+    const FrameResult result = loop_->process(*frame);
+    ProcessedFrame answer = answer_of(result);
+    last_s_ = t_s;
     warnings_.file(frames_++);
+    for (const std::string& text : result.warnings) answer.warnings.push_back("setup: " + text);
     for (const RunWarning& warning : warnings_.take()) {
       answer.warnings.push_back(warning.component + ": " + warning.text);
     }
@@ -141,15 +181,31 @@ class Pipeline::Opened {
   std::unique_ptr<FrameLoop> loop_;
   Template template_;  ///< borrows from the loop
   std::uint64_t frames_ = 0;
+  double last_s_ = -std::numeric_limits<double>::infinity();  ///< [] s of the last image
+  pid_t opener_ = getpid();
 };
 
 Pipeline::Pipeline(std::unique_ptr<Opened> opened) : opened_(std::move(opened)) {}
 Pipeline::Pipeline(Pipeline&& other) noexcept = default;
-Pipeline& Pipeline::operator=(Pipeline&& other) noexcept = default;
-Pipeline::~Pipeline() = default;
+
+Pipeline& Pipeline::operator=(Pipeline&& other) noexcept {
+  const Pipeline before(std::move(*this));
+  opened_ = std::move(other.opened_);
+  return *this;
+}
+
+/// Threads that only the parent has cannot be ended here, nor are its worker processes this one's.
+Pipeline::~Pipeline() {
+  if (opened_ && opened_->is_forked()) static_cast<void>(opened_.release());
+}
 
 Result<Pipeline> Pipeline::load(const std::string& file, const Camera& camera,
                                 const PipelineOptions& options) {
+  if (parent_has_opened()) {
+    return forked_error(
+        "start it anew instead (in Python: multiprocessing's \"spawn\"), or open "
+        "pipelines in the children alone");
+  }
   auto opened = std::make_unique<Opened>(options.plugin_path);
   if (auto checked = opened->check(file, options); !checked) return checked.error();
   if (auto ready = opened->open(camera); !ready) return ready.error();

@@ -145,6 +145,18 @@ RecordPtr aged_shape(const Record& shape, std::int64_t age, int lost_after,
   return aged;
 }
 
+RecordPtr doubted_shape(const Record& shape, ShapeState state, double confidence,
+                        std::string_view reason) {
+  auto doubted = share_except(shape, {"state", "confidence"});
+  *static_cast<std::int32_t*>(doubted->allocate("state", WEFT_I32, 0, nullptr)) =
+      static_cast<std::int32_t>(state);
+  *static_cast<double*>(doubted->allocate("confidence", WEFT_F64, 0, nullptr)) = confidence;
+  const auto length = static_cast<std::int64_t>(reason.size());
+  std::copy(reason.begin(), reason.end(),
+            static_cast<char*>(doubted->allocate("x.weft.reason", WEFT_U8, 1, &length)));
+  return doubted;
+}
+
 Result<TextureInput> texture_input(const Record& templ) {
   const auto sheet = arrays_of<Template>(templ);
   if (!sheet) return sheet.error();

@@ -4,8 +4,10 @@
 #include <Eigen/Core>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <utility>
 #include <weft/data/correspondences.hpp>
+#include <weft/data/shape.hpp>
 #include <weft/geometry/face_locator.hpp>
 
 #include "host/records/record.hpp"
@@ -47,6 +49,10 @@ class MatchPlacer {
 /// `lost_after` + 1 on; with a confidence of 0 and no covariance, for nothing was measured.
 host::RecordPtr aged_shape(const host::Record& shape, std::int64_t age, int lost_after,
                            const std::shared_ptr<host::MemoryPool>& pool = nullptr);
+
+/// The shape with another state and confidence. The reason is its array "x.weft.reason", a text.
+host::RecordPtr doubted_shape(const host::Record& shape, ShapeState state, double confidence,
+                              std::string_view reason);
 
 /// The texture as an image and its mask as a region, for detectors.
 struct TextureInput {

@@ -79,6 +79,7 @@ struct FrameResult {
   host::Timings timings;              ///< of nested components too
   std::vector<StageCall> calls;       ///< of the stages of Executor::keep_calls_of
   NamedNumbers setup;                 ///< what it says of the run's set-up
+  std::string reason;                 ///< why the shape is less sure than its solver says
   std::vector<std::string> warnings;  ///< of the set-up, found out by now
   std::vector<std::string> changes;   ///< settings that hold from this frame on
 

@@ -5,8 +5,9 @@
 #include <string>
 #include <utility>
 #include <vector>
+#include <weft/data/camera.hpp>
 
-#include "pipeline/monitor/self_calibration.hpp"
+#include "pipeline/monitor/camera_evidence.hpp"
 
 namespace weft {
 
@@ -14,7 +15,16 @@ namespace weft {
 /// are too small, and grow; what frames have in common and does not average out is added.
 CameraDeviation joint_deviation(const std::vector<CameraEvidence>& frames);
 
-/// The same of the principal point by itself: focal lengths and lens are held as they are given.
+/// The same if the surface may be stretched in its plane, by up to some 10 % more in one direction
+/// than across it, of which a part may be the same in all frames.
+CameraDeviation joint_beside_strain(std::vector<CameraEvidence> frames);
+
+/// [] By how much more the surface is stretched in one direction than across it in all frames
+/// together, if the camera is as it is given.
+double joint_stretch(const std::vector<CameraEvidence>& frames);
+
+/// As joint_deviation(), of the principal point by itself: focal lengths and lens are held as they
+/// are given.
 CameraDeviation joint_centre(std::vector<CameraEvidence> frames);
 
 /// A deviation by the names of a frame's `setup`: factors, k1, px, each with a standard deviation.

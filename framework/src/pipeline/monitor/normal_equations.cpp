@@ -14,6 +14,10 @@ void NormalEquations::begin(Eigen::Index vertices, double floor) {
   vertex_gradient.setZero(unknowns_);
   parts.setZero();
   part_gradient.setZero();
+  strain_mixed.setZero(unknowns_, kStrains);
+  parts_by_strains.setZero();
+  strains.setZero();
+  strain_gradient.setZero();
   added_ = 0;
   if (!places_.empty()) std::fill_n(matrix_.valuePtr(), matrix_.nonZeros(), 0.0);
   for (Eigen::Index i = 0; i < unknowns_; ++i) add(i, i, floor);
@@ -76,6 +80,11 @@ bool NormalEquations::solve() {
   by_parts.noalias() = back_ * ordered_by_parts_;
   alone.noalias() = back_ * ordered_alone_;
   return true;
+}
+
+Eigen::Matrix<double, Eigen::Dynamic, kStrains> NormalEquations::by_strains() const {
+  const Eigen::Matrix<double, Eigen::Dynamic, kStrains> ordered = order_ * strain_mixed;
+  return back_ * factor_->solve(ordered).eval();
 }
 
 }  // namespace weft

@@ -14,6 +14,12 @@ inline constexpr int kParts = 8;
 using PartVector = Eigen::Matrix<double, kParts, 1>;
 using PartMatrix = Eigen::Matrix<double, kParts, kParts>;
 
+/// Strains of the surface that rival the deviation, see CameraEvidence.
+inline constexpr int kStrains = 2;
+using StrainVector = Eigen::Matrix<double, kStrains, 1>;
+using StrainMatrix = Eigen::Matrix<double, kStrains, kStrains>;
+using PartsByStrains = Eigen::Matrix<double, kParts, kStrains>;
+
 /// The normal equations of the vertices of a mesh (3 V unknowns) and of a deviation, of which each
 /// step adds the same blocks in the same order: once the first has been solved, nothing is
 /// allocated.
@@ -35,6 +41,13 @@ class NormalEquations {
   Eigen::VectorXd vertex_gradient;  ///< [3V]
   PartMatrix parts;
   PartVector part_gradient;
+  Eigen::Matrix<double, Eigen::Dynamic, kStrains> strain_mixed;  ///< [3V,2]
+  PartsByStrains parts_by_strains;
+  StrainMatrix strains;
+  StrainVector strain_gradient;
+
+  /// Inverse of the vertices' part, as solve() factorised it, times `strain_mixed`.
+  Eigen::Matrix<double, Eigen::Dynamic, kStrains> by_strains() const;
 
   Mixed by_parts;         ///< [3V,8] inverse of the vertices' part times `mixed`
   Eigen::VectorXd alone;  ///< [3V] the same times `vertex_gradient`

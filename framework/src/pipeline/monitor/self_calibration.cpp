@@ -20,8 +20,6 @@ constexpr double kLongestStep = 0.3;
 constexpr double kLastStep = 0.1;   // in standard deviations
 constexpr double kLeastGain = 0.3;  // of a sum of squares in standard deviations
 
-PartMatrix prior_information() { return prior_std().cwiseAbs2().cwiseInverse().asDiagonal(); }
-
 /// A pixel and its derivatives by the point in the camera frame and by the deviation.
 struct Projection {
   Eigen::Vector2d pixel_px;
@@ -50,11 +48,6 @@ Projection project(const Camera& camera, const PartVector& deviation,
 
 }  // namespace
 
-CameraDeviation CameraDeviation::of(const CameraEvidence& evidence) {
-  const PartMatrix covariance = (evidence.information + prior_information()).inverse();
-  return {covariance * evidence.weighted, covariance};
-}
-
 Result<SelfCalibration> SelfCalibration::of(const Template& templ) {
   SelfCalibration calibration;
   calibration.faces_ = templ.faces.matrix<3>();
@@ -68,9 +61,14 @@ Result<SelfCalibration> SelfCalibration::of(const Template& templ) {
   const Eigen::RowVector2d low_px = flat_px.colwise().minCoeff();
   const Eigen::RowVector2d size_px = flat_px.colwise().maxCoeff() - low_px;
   calibration.edge_places_.resize(topology->edges.rows(), 3);
+  calibration.edge_directions_.resize(topology->edges.rows(), 2);
   for (Eigen::Index e = 0; e < topology->edges.rows(); ++e) {
-    const Eigen::RowVector2d from_low_px =
-        0.5 * (flat_px.row(topology->edges(e, 0)) + flat_px.row(topology->edges(e, 1))) - low_px;
+    const Eigen::RowVector2d from_px = flat_px.row(topology->edges(e, 0));
+    const Eigen::RowVector2d to_px = flat_px.row(topology->edges(e, 1));
+    const Eigen::RowVector2d from_low_px = 0.5 * (from_px + to_px) - low_px;
+    const Eigen::RowVector2d along = (to_px - from_px).normalized();
+    calibration.edge_directions_.row(e) << along.x() * along.x() - along.y() * along.y(),
+        2.0 * along.x() * along.y();
     const Eigen::RowVector2d place = 2.0 * from_low_px.cwiseQuotient(size_px).array() - 1.0;
     calibration.edge_places_.row(e) << place, place.squaredNorm();
   }
@@ -109,7 +107,10 @@ std::optional<CameraEvidence> SelfCalibration::look(const Camera& camera,
     if (*change >= kLastStep) continue;
     // What stretches cannot be held to its lengths.
     const double strain = measured_strain(state);
-    if (strain <= state.strain || ++relaxed > kMostRelaxed) return evidence;
+    if (strain <= state.strain || ++relaxed > kMostRelaxed) {
+      evidence.add_strain(equations_, step_at_);
+      return evidence;
+    }
     state.strain = strain;
   }
   return std::nullopt;
@@ -202,6 +203,15 @@ void SelfCalibration::add_edges(const State& state) {
     equations_.parts.block<3, 3>(kKeystoneX, kKeystoneX) +=
         weight * by_template_m * by_template_m.transpose();
     equations_.part_gradient.segment<3>(kKeystoneX) -= weight * over_m * by_template_m;
+    const StrainVector by_strain_m =
+        edge.rest_length_m * edge_directions_.row(static_cast<Eigen::Index>(e)).transpose();
+    const Eigen::Matrix<double, 3, kStrains> strained = weight * unit * by_strain_m.transpose();
+    equations_.strain_mixed.middleRows<3>(3 * edge.i) += strained;
+    equations_.strain_mixed.middleRows<3>(3 * edge.j) -= strained;
+    equations_.strains += weight * by_strain_m * by_strain_m.transpose();
+    equations_.parts_by_strains.middleRows<3>(kKeystoneX) +=
+        weight * by_template_m * by_strain_m.transpose();
+    equations_.strain_gradient -= weight * over_m * by_strain_m;
     equations_.add_block(edge.i, edge.i, square);
     equations_.add_block(edge.j, edge.j, square);
     equations_.add_block(std::max(edge.i, edge.j), std::min(edge.i, edge.j), -square);
@@ -258,6 +268,7 @@ double SelfCalibration::cost(const Camera& camera, const State& state) const {
 std::optional<double> SelfCalibration::step(const Camera& camera, CameraEvidence& evidence) {
   constexpr double kFloor_per_m2 = 1.0;  // what nothing holds stays where it is
   State& state = state_;
+  step_at_ = state.deviation;
   equations_.begin(state.vertices_m.rows(), kFloor_per_m2);
   add_matches(camera, state);
   add_edges(state);

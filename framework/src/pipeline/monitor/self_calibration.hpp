@@ -9,51 +9,9 @@
 #include <weft/geometry/distance_constraints.hpp>
 #include <weft/geometry/mesh_bending.hpp>
 
-#include "pipeline/monitor/normal_equations.hpp"
+#include "pipeline/monitor/camera_evidence.hpp"
 
 namespace weft {
-
-/// By what a set-up may deviate from what is said of it: the focal lengths are fx exp(focal -
-/// aspect) and fy exp(focal + aspect), the lens moves a point at radius r, in normalised
-/// coordinates, to r (1 + lens r^2), the principal point is off by (fx centre_x, fy centre_y), and
-/// lengths on the template are 1 + keystone_x x + keystone_y y + barrel (x^2 + y^2) times as long,
-/// x and y from -1 to 1 over the texture. The last three are there because no template is exact to
-/// a per cent, and a keystone looks like the perspective of a flat sheet, a barrel like a lens.
-enum Part : std::uint8_t {
-  kFocal,
-  kAspect,
-  kLens,
-  kCentreX,
-  kCentreY,
-  kKeystoneX,
-  kKeystoneY,
-  kBarrel
-};
-/// What frames say of the deviation; frames add up.
-struct CameraEvidence {
-  PartMatrix information = PartMatrix::Zero();  ///< inverse covariance of the deviation
-  PartVector weighted = PartVector::Zero();     ///< information times deviation
-
-  void add(const CameraEvidence& other) {
-    information += other.information;
-    weighted += other.weighted;
-  }
-};
-
-/// What is believed of a deviation before any frame is seen: 0, give or take these.
-inline PartVector prior_std() {
-  return (PartVector() << 0.7, 0.3, 0.5, 0.1, 0.1, 0.01, 0.01, 0.01).finished();
-}
-
-/// The likeliest deviation and its covariance.
-struct CameraDeviation {
-  PartVector mean = PartVector::Zero();
-  PartMatrix covariance = PartMatrix::Zero();
-
-  PartVector stds() const { return covariance.diagonal().cwiseSqrt(); }
-
-  static CameraDeviation of(const CameraEvidence& evidence);
-};
 
 /// Calibrates the camera from a surface whose lengths are known (bundle adjustment of a single
 /// frame): minimises, over vertices and camera at once,
@@ -102,7 +60,8 @@ class SelfCalibration {
 
   Faces faces_;
   std::vector<DistanceConstraint> edges_;
-  Points3 edge_places_;  ///< [E,3] x, y, x^2 + y^2 of the middle of each edge
+  Points3 edge_places_;      ///< [E,3] x, y, x^2 + y^2 of the middle of each edge
+  Points2 edge_directions_;  ///< [E,2] cosine and sine of twice its angle to the width
   std::vector<BendingHinge> hinges_;
   std::vector<double> rest_bend_rad_;  ///< of each hinge
   std::vector<Observation> observations_;
@@ -110,6 +69,7 @@ class SelfCalibration {
   // From look to look, so that only the first of them allocates.
   NormalEquations equations_;
   State state_, next_;
+  PartVector step_at_;  ///< the deviation at which the last step was made
   Eigen::VectorXd move_;
   std::vector<double> residuals_px_, strains_;
 };

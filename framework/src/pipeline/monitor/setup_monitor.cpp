@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <weft/core/index.hpp>
 #include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_model.hpp>
 
+#include "pipeline/execution/compose.hpp"
 #include "pipeline/monitor/joint_deviation.hpp"
 
 namespace weft {
@@ -14,12 +15,6 @@ namespace {
 
 constexpr std::int64_t kFewestFrames = 3, kFewestForRates = 5;
 constexpr Eigen::Index kMostVertices = 4000;  // more would hold a frame up for seconds
-
-std::string fixed(double value, int decimals) {
-  char text[64];
-  std::snprintf(text, sizeof(text), "%.*f", decimals, value);
-  return text;
-}
 
 /// What is left of the matches; all of them where a filter had no result. Null without any.
 host::RecordPtr last_matches(const Graph& graph, const FrameResult& frame) {
@@ -70,19 +65,49 @@ void SetupMonitor::add(const Graph& graph, FrameResult& frame) {
   const auto shape = is_measured(frame) ? host::arrays_of<Shape>(*frame.shape)
                                         : Result<Shape>(no_result("not measured"));
   count_jumps(frame.state == ShapeState::estimated && shape ? &*shape : nullptr, frame.index);
-  const host::RecordPtr record = last_matches(graph, frame);
-  if (record == nullptr) return;
-  const auto matches = host::arrays_of<Correspondences>(*record);
+  if (const host::RecordPtr matches = last_matches(graph, frame)) {
+    look(graph, shape ? &*shape : nullptr, *host::arrays_of<Correspondences>(*matches), frame);
+  }
+  if (shape && !faults_.empty()) doubt(graph, *shape, frame);
+}
+
+void SetupMonitor::look(const Graph& graph, const Shape* shape, const Correspondences& matches,
+                        FrameResult& frame) {
   const bool solves = graph.latest("shape") >= 0;
-  if (solves) count_recognised(frame, shape ? &*shape : nullptr, *matches);
+  if (solves) count_recognised(frame, shape, matches);
   if (!is_due(frame.index)) return;
-  if (shape) look_at_camera(*shape, *matches, frame);
-  look_at_rejects(*matches, frame);
+  if (shape != nullptr) look_at_camera(*shape, matches, frame);
+  look_at_rejects(matches, frame);
   for (Finding& found : findings()) {
     if (std::find(told_.begin(), told_.end(), found.kind) != told_.end()) continue;
     told_.push_back(found.kind);
     frame.warnings.push_back(std::move(found.text));
   }
+}
+
+/// A solver's confidence holds if the camera is right. Where it is known to be wrong, the shape is
+/// right only if the deviation does not matter; where a stretched surface explains the frames as
+/// well, the shape is as likely wrong as right. The next frame is still solved from the shape as
+/// the solver gave it.
+void SetupMonitor::doubt(const Graph& graph, const Shape& shape, FrameResult& frame) {
+  constexpr double kEven = 0.5;  // the least of an estimated shape, see state_of()
+  const auto likeliest_right = [](const CameraFault& fault) {
+    return fault.is_sure ? fault.fine : kEven;
+  };
+  const CameraFault& worst = *std::min_element(faults_.begin(), faults_.end(),
+                                               [&](const CameraFault& a, const CameraFault& b) {
+                                                 return likeliest_right(a) < likeliest_right(b);
+                                               });
+  const double confidence =
+      worst.is_sure ? shape.confidence * worst.fine : std::min(shape.confidence, kEven);
+  const bool weakens = frame.state == ShapeState::estimated && confidence < kEven;
+  if (weakens) {
+    frame.state = ShapeState::weak;
+    ++weakened_;
+  }
+  frame.reason = worst.claim;
+  frame.shape = doubted_shape(*frame.shape, frame.state, confidence, frame.reason);
+  frame.values[to_index(graph.latest("shape"))] = frame.shape;
 }
 
 /// Frames that look alike err alike, by what the template is not: all of them say no more than one.
@@ -117,6 +142,9 @@ void SetupMonitor::look_at_camera(const Shape& shape, const Correspondences& mat
     if (matches.kept(i) == 0 || matches.face(i) < 0) continue;
     radius_ = std::max(radius_, std::hypot((matches.image_px(i, 0) - camera.cx) / camera.fx,
                                            (matches.image_px(i, 1) - camera.cy) / camera.fy));
+  }
+  if (static_cast<std::int64_t>(cameras_.size()) >= kFewestFrames) {
+    faults_ = camera_faults(cameras_, camera, radius_);
   }
   for (const auto& [name, value] : camera_figures(CameraDeviation::of(*evidence), camera)) {
     frame.setup.emplace_back(name, value);
@@ -187,65 +215,11 @@ std::vector<std::pair<std::string, double>> SetupMonitor::camera() const {
 }
 
 void SetupMonitor::judge_camera(std::vector<Finding>& findings) const {
-  constexpr double kSure = 4.0, kFocal_share = 0.07, kAspect_share = 0.03, kLens_px = 1.5,
-                   kCentre_share = 0.03;
-  const auto frames = static_cast<std::int64_t>(cameras_.size());
-  if (frames < kFewestFrames) return;
-  const auto camera = *host::view_as<Camera>(*camera_);
-  const CameraDeviation found = joint_deviation(cameras_);
-  const PartVector stds = found.stds();
-  const auto stands_out = [&](Part part, double least) {
-    return std::abs(found.mean(part)) > std::max(least, kSure * stds(part));
-  };
-  const auto factor = [&](double log, double std) {
-    return fixed(std::exp(log), 2) + " (+- " + fixed(2.0 * std::exp(log) * std, 2) + ")";
-  };
-  if (stands_out(kAspect, 0.5 * kAspect_share)) {
-    const auto along = [&](double sign) {
-      const double variance = found.covariance(kFocal, kFocal) +
-                              found.covariance(kAspect, kAspect) +
-                              2.0 * sign * found.covariance(kFocal, kAspect);
-      return factor(found.mean(kFocal) + sign * found.mean(kAspect), std::sqrt(variance));
-    };
-    findings.push_back({"proportions",
-                        "fx seems to be " + along(-1.0) + " and fy " + along(1.0) +
-                            " times those given, " + fixed(camera.fx, 0) + " and " +
-                            fixed(camera.fy, 0) +
-                            " px, or the template's height beside its width " +
-                            fixed(std::exp(2.0 * found.mean(kAspect)), 2) +
-                            " times that given: measure the template and calibrate the camera",
-                        frames});
-  } else if (stands_out(kFocal, kFocal_share)) {
-    findings.push_back({"focal length",
-                        "the focal length seems to be " + factor(found.mean(kFocal), stds(kFocal)) +
-                            " times the one given, " + fixed(camera.fx, 0) +
-                            " px, by the perspective of the surface: all distances from the "
-                            "camera are wrong by that factor; calibrate it",
-                        frames});
-  }
-  const double px_per_k1 = std::pow(radius_, 3) * camera.fx;
-  if (stands_out(kLens, kLens_px / px_per_k1)) {
-    findings.push_back({"lens",
-                        "the lens seems to bend straight lines, by " +
-                            fixed(std::abs(found.mean(kLens)) * px_per_k1, 1) +
-                            " px at the farthest match (k1 = " + fixed(found.mean(kLens), 2) +
-                            " +- " + fixed(2.0 * stds(kLens), 2) +
-                            " beyond what the camera file says): calibrate its distortion",
-                        frames});
-  }
-  const auto centre = [&](Part part, double focal_px, const char* less, const char* more) {
-    const double off_px = focal_px * found.mean(part);
-    return fixed(std::abs(off_px), 0) + " (+- " + fixed(2.0 * focal_px * stds(part), 0) + ") px " +
-           (off_px < 0.0 ? less : more);
-  };
-  if (stands_out(kCentreX, kCentre_share) || stands_out(kCentreY, kCentre_share)) {
-    findings.push_back({"principal point",
-                        "the principal point seems to lie " +
-                            centre(kCentreX, camera.fx, "left of", "right of") + " and " +
-                            centre(kCentreY, camera.fy, "above", "below") +
-                            " the one given: was the image cropped or scaled after the "
-                            "calibration?",
-                        frames});
+  for (const CameraFault& fault : faults_) {
+    std::string text = fault.text;
+    if (fault.is_sure && weakened_ > 0)
+      text += "; " + std::to_string(weakened_) + " frames are weak for that reason";
+    findings.push_back({fault.kind, std::move(text), static_cast<std::int64_t>(cameras_.size())});
   }
 }
 
@@ -272,7 +246,7 @@ void SetupMonitor::judge_recognition(std::vector<Finding>& findings) const {
   findings.push_back({"recognition",
                       "the texture was recognised in " + std::to_string(recognised_) + " of " +
                           std::to_string(with_matches_) + " frames" + ", at most " +
-                          fixed(most_agreeing_, 0) +
+                          std::to_string(std::llround(most_agreeing_)) +
                           " matches agreed with a shape: is it that of the object, not mirrored, "
                           "and is the object in view, large and sharp enough?",
                       with_matches_ - recognised_});
@@ -280,12 +254,13 @@ void SetupMonitor::judge_recognition(std::vector<Finding>& findings) const {
 
 void SetupMonitor::judge_jumps(std::vector<Finding>& findings) const {
   if (pairs_ < kFewestForRates || 2 * jumps_ < pairs_) return;
-  findings.push_back({"jumps",
-                      "the object moves by " +
-                          fixed(100.0 * jumps_sum_ / static_cast<double>(jumps_), 0) +
-                          " % of its size from frame to frame, so that it cannot be followed and "
-                          "is found anew: take more frames a second",
-                      jumps_});
+  findings.push_back(
+      {"jumps",
+       "the object moves by " +
+           std::to_string(std::llround(100.0 * jumps_sum_ / static_cast<double>(jumps_))) +
+           " % of its size from frame to frame, so that it cannot be followed and "
+           "is found anew: take more frames a second",
+       jumps_});
 }
 
 }  // namespace weft

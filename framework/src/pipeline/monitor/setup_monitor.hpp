@@ -8,6 +8,7 @@
 
 #include "pipeline/execution/frame_result.hpp"
 #include "pipeline/execution/run_warning.hpp"
+#include "pipeline/monitor/camera_judgement.hpp"
 #include "pipeline/monitor/rejected_matches.hpp"
 #include "pipeline/monitor/self_calibration.hpp"
 
@@ -15,13 +16,15 @@ namespace weft {
 
 /// Watches a run for what its frames say against its set-up: another camera than was said, a
 /// texture that is not that of the object, a second print in view, too few frames a second. What it
-/// finds out are warnings; it changes no shape.
+/// finds out are warnings. It moves no vertex, but shapes by a camera that is wrong are not sure.
 class SetupMonitor {
  public:
   static Result<SetupMonitor> create(const host::Record& templ, host::RecordPtr camera);
 
   /// Looks closely at some frames: the first eight, then whenever a quarter more have gone by. What
   /// it sees is added to the frame's `setup`, and what it has found out by then to its `warnings`.
+  /// From the frame on in which the camera turns out to be wrong, the confidence of measured shapes
+  /// is lowered, and `estimated` becomes `weak` where it falls below 0.5; `reason` says why.
   void add(const Graph& graph, FrameResult& frame);
 
   /// All that is found out by now, as warnings of "setup".
@@ -44,6 +47,9 @@ class SetupMonitor {
   bool is_due(std::uint64_t frame);
   /// Whether the shape is unlike those that the camera was judged by; then it is one of them.
   bool is_news(const Shape& shape);
+  void look(const Graph& graph, const Shape* shape, const Correspondences& matches,
+            FrameResult& frame);
+  void doubt(const Graph& graph, const Shape& shape, FrameResult& frame);
   void project(const Shape& shape);
   void look_at_camera(const Shape& shape, const Correspondences& matches, FrameResult& frame);
   void look_at_rejects(const Correspondences& matches, FrameResult& frame);
@@ -67,6 +73,8 @@ class SetupMonitor {
   std::vector<CameraEvidence> cameras_;  ///< of each frame that says something of it
   std::vector<Points2> places_px_;       ///< vertices of the frames that were asked
   double radius_ = 0.0;                  ///< [] of the farthest match, X / Z
+  std::vector<CameraFault> faults_;      ///< by the frames that were asked
+  std::int64_t weakened_ = 0;            ///< [frames] for one of them
 
   std::int64_t rejects_looks_ = 0, with_rejects_ = 0;  ///< [frames]
   std::int64_t rejects_ = 0, rejects_elsewhere_ = 0;   ///< of the frames with many

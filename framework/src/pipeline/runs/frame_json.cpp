@@ -67,6 +67,7 @@ std::string frame_json(const FrameResult& frame, std::optional<std::size_t> reco
                     {"age", frame.age_frames}};
   if (!frame.changes.empty()) line["changes"] = frame.changes;
   add_certainty(frame.shape, line);
+  if (!frame.reason.empty()) line["reason"] = frame.reason;
   line["failed"] = frame.failed();
   if (records) line["records"] = *records;
   line["stages"] = std::move(stages);

@@ -83,6 +83,19 @@ TEST(StreamMessages, AreOneLineOfJson) {
             "\"vertices_m\":[[1,0.5,2],[-0.25,0,3]],\"covariance_m2\":null}\n");
 }
 
+TEST(StreamMessages, OfJsonSayWhyTheHostDoubtsTheShape) {
+  Shape shape = two_vertices();
+  const std::string reason = "fx seems to be \"0.8\"";
+  Array<std::uint8_t> text({static_cast<std::int64_t>(reason.size())}, 0);
+  for (std::size_t i = 0; i < reason.size(); ++i) {
+    text(static_cast<std::int64_t>(i)) = static_cast<std::uint8_t>(reason[i]);
+  }
+  shape.others.set("x.weft.reason", std::move(text));
+  EXPECT_NE(json_line({0, 0.0, shape, false})
+                .find("\"confidence\":0.75,\"reason\":\"fx seems to be \\\"0.8\\\"\",\"vertices_m"),
+            std::string::npos);
+}
+
 TEST(StreamMessages, OfJsonReadBackAsTheSameNumbers) {
   Shape shape = two_vertices();
   shape.vertices_m(1, 2) = 1.0 / 3.0;
