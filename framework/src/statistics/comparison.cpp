@@ -125,9 +125,9 @@ bool possible(const FriedmanComparison& friedman) {
 }
 
 /// The p of all tests that could call something, ascending, as Holm's correction takes them.
-class Family {
+class CorrectedTests {
  public:
-  explicit Family(std::vector<double> p) : p_(std::move(p)) {
+  explicit CorrectedTests(std::vector<double> p) : p_(std::move(p)) {
     std::sort(p_.begin(), p_.end());
     while (called_ < p_.size() && p_[called_] <= level_after(called_)) ++called_;
   }
@@ -157,7 +157,7 @@ class Family {
 };
 
 /// Corrects every p that could be called for the number of them.
-Family correct(std::vector<ComparisonTable>& tables) {
+CorrectedTests correct(std::vector<ComparisonTable>& tables) {
   struct Hypothesis {
     double p;
     double* corrected;
@@ -178,11 +178,11 @@ Family correct(std::vector<ComparisonTable>& tables) {
   const std::vector<double> corrected = holm(p);
   for (std::size_t i = 0; i < family.size(); ++i) *family[i].corrected = corrected[i];
   for (ComparisonTable& table : tables) table.tests = static_cast<std::int64_t>(family.size());
-  return Family(std::move(p));
+  return CorrectedTests(std::move(p));
 }
 
 /// Which of two is better by a test of a - b.
-Call call_of(const PairedTest& test, double p_holm, Better better, const Family& family) {
+Call call_of(const PairedTest& test, double p_holm, Better better, const CorrectedTests& family) {
   if (test.n < kLeastSequences) return Call::too_few;
   if (p_holm <= kAlpha) return (test.mean < 0.0) == (better == Better::lower) ? Call::a : Call::b;
   return family.could_call(test.n) ? Call::undecided : Call::too_few;
@@ -193,7 +193,7 @@ Call verdict_of(Call values, Call failures) {
   return decided(values) ? Call::undecided : failures;
 }
 
-void decide(const ComparisonOptions& options, const Family& family, PairComparison& pair) {
+void decide(const ComparisonOptions& options, const CorrectedTests& family, PairComparison& pair) {
   const std::int64_t tests = family.tests();
   FailurePair& failures = pair.failures;
   pair.call = call_of(pair.test, pair.p_holm, options.better, family);
@@ -223,8 +223,8 @@ ComparisonTable table_of(const Panel& panel, const ComparisonOptions& options) {
   return table;
 }
 
-void decide(const ComparisonOptions& options, const Family& family, const std::string& where,
-            ComparisonTable& table) {
+void decide(const ComparisonOptions& options, const CorrectedTests& family,
+            const std::string& where, ComparisonTable& table) {
   for (PairComparison& pair : table.pairs) decide(options, family, pair);
   if (table.friedman) {
     table.friedman->differ = table.friedman->p_holm <= kAlpha;
@@ -258,7 +258,7 @@ Result<std::vector<ComparisonTable>> compare_apart(const std::vector<Observation
     if (!panel) return panel.error();
     table = table_of(*panel, options);
   }
-  const Family family = correct(tables);
+  const CorrectedTests family = correct(tables);
   for (std::size_t i = 0; i < tables.size(); ++i) {
     decide(options, family, groups[i].where, tables[i]);
   }
