@@ -22,7 +22,7 @@ Result<void> write_page(const PageOptions& options) {
   if (!options.out.ends_with(".pdf")) {
     return Error{Errc::invalid_value, "writes a PDF: let its name end with .pdf", "--out"};
   }
-  const auto board = calibration::parse_board(options.board.squares, options.board.square_m);
+  const auto board = board_of(options.board);
   if (!board) return board.error();
   const auto paper = calibration::find_paper(options.paper);
   if (!paper) return paper.error();
@@ -34,11 +34,26 @@ Result<void> write_page(const PageOptions& options) {
 
 }  // namespace
 
+Result<calibration::Board> board_of(const BoardOptions& options) {
+  return calibration::parse_board(options.squares, options.square_m, options.pattern,
+                                  options.dictionary, options.marker_share);
+}
+
 void add_board_options(CLI::App& app, BoardOptions& options) {
-  app.add_option("--squares", options.squares, "Squares of the board")
+  app.add_option("--board", options.pattern,
+                 "Board: charuco, chessboard, circles or asymmetric-circles")
+      ->option_text("NAME [charuco]");
+  app.add_option("--squares", options.squares, "Squares of the board, or circles in a row and rows")
       ->option_text("COLUMNSxROWS [7x5]");
-  app.add_option("--square", options.square_m, "Side of a square, as measured on the print")
+  app.add_option("--square", options.square_m,
+                 "Side of a square as measured on the print, or distance of rows of circles")
       ->option_text("METRES [0.03]");
+  app.add_option("--dictionary", options.dictionary,
+                 "Dictionary of ArUco markers of a charuco board")
+      ->option_text("NAME [4x4_250]");
+  app.add_option("--marker-share", options.marker_share,
+                 "Side of a marker of a charuco board, as a share of that of its square")
+      ->option_text("SHARE [0.6]");
 }
 
 int exit_code_of(const Error& error) {

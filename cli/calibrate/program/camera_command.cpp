@@ -11,6 +11,7 @@
 #include <weft/core/whole_file.hpp>
 
 #include "calibration/board.hpp"
+#include "calibration/board_recognition.hpp"
 #include "calibration/camera_text.hpp"
 #include "calibration/frame_reader.hpp"
 #include "calibration/refusal.hpp"
@@ -113,7 +114,7 @@ Result<void> write_files(const cal::Calibration& calibration, const std::string&
 
 Result<void> calibrate(const CameraOptions& options) {
   if (auto checked = check_options(options); !checked) return checked;
-  const auto board = cal::parse_board(options.board.squares, options.board.square_m);
+  const auto board = board_of(options.board);
   if (!board) return board.error();
   cal::ViewCollection collection(*board);
   if (auto collected = collect(options, collection); !collected) return collected;
@@ -124,6 +125,11 @@ Result<void> calibrate(const CameraOptions& options) {
   if (!calibration) {
     if (!collection.views().empty()) {
       fmt::print("{}", coverage_text(cal::coverage_of(collection.views(), collection.size())));
+    }
+    if (collection.views().size() < cal::kFewestViews) {
+      if (const auto other = cal::other_board(*board, collection.unexplained())) {
+        return no_result(*other);
+      }
     }
     return calibration.error();
   }

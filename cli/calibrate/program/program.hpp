@@ -7,6 +7,7 @@
 #include <vector>
 #include <weft/core/result.hpp>
 
+#include "calibration/board.hpp"
 #include "calibration/calibrate.hpp"
 #include "calibration/view_collection.hpp"
 
@@ -18,12 +19,13 @@ void add_board_command(CLI::App& app, int& exit_code);
 /// The arguments of `weft calibrate` itself; returns what runs when there is no subcommand.
 std::function<int()> add_camera_options(CLI::App& app);
 
-/// --squares and --square, of both.
+/// --board, --squares, --square, --dictionary and --marker-share, of both.
 struct BoardOptions {
-  std::string squares = "7x5";
-  double square_m = 0.03;
+  std::string pattern = "charuco", squares = "7x5", dictionary = "4x4_250";
+  double square_m = 0.03, marker_share = 0.6;
 };
 void add_board_options(CLI::App& app, BoardOptions& options);
+Result<calibration::Board> board_of(const BoardOptions& options);
 
 /// 3 where a file cannot be read or written, 1 where views do not determine a camera, else 2.
 int exit_code_of(const Error& error);

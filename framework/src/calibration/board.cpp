@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <opencv2/aruco/charuco.hpp>
 #include <vector>
 
@@ -25,9 +26,16 @@ class BoardDrawing {
   BoardDrawing(PdfPage& page, double x0_mm, double y0_mm) : page_(page), x0_(x0_mm), y0_(y0_mm) {}
 
   void draw(const Board& board) {
-    const double side = 1e3 * board.square_m, marker = kMarkerShare * side;
-    const auto charuco = make_charuco(board);
+    const double side = 1e3 * board.square_m, marker = board.marker_share * side;
     std::vector<bool> white(static_cast<std::size_t>(board.columns * board.rows), false);
+    if (board.pattern == Pattern::chessboard) {
+      for (std::size_t i = 0; i < white.size(); ++i) {
+        const auto columns = static_cast<std::size_t>(board.columns);
+        white[i] = (i / columns + i % columns) % 2 == 1;
+      }
+      return fill_black(board, white);
+    }
+    const auto charuco = make_charuco(board);
     for (std::size_t i = 0; i < charuco->ids.size(); ++i) {
       // Its first corner is the top left one; the square is that around its middle.
       const cv::Point3f& first = charuco->objPoints[i][0];
@@ -40,6 +48,12 @@ class BoardDrawing {
       draw_marker(charuco->dictionary, charuco->ids[i], column * side + inset, row * side + inset,
                   marker);
     }
+    fill_black(board, white);
+  }
+
+ private:
+  void fill_black(const Board& board, const std::vector<bool>& white) {
+    const double side = 1e3 * board.square_m;
     for (int row = 0; row < board.rows; ++row) {
       for (int column = 0; column < board.columns; ++column) {
         if (white[static_cast<std::size_t>(row * board.columns + column)]) continue;
@@ -48,7 +62,6 @@ class BoardDrawing {
     }
   }
 
- private:
   /// Runs of black modules, so that no reader shows seams inside of them along a row.
   void draw_marker(const cv::Ptr<cv::aruco::Dictionary>& dictionary, int id, double x, double y,
                    double side) {
@@ -76,8 +89,8 @@ void add_caption(PdfPage& page, const Board& board, double width_mm, double heig
   page.write_text(
       kMargin_mm, baseline_mm, kHeight_mm,
       fmt::format("Print at 100 %, without scaling: the bar is {:.0f} mm.  Weft calibration board, "
-                  "--squares {}x{} --square {}",
-                  kBar_mm, board.columns, board.rows, board.square_m));
+                  "{} --square {}",
+                  kBar_mm, options_of(board), board.square_m));
   const double x1 = width_mm - kMargin_mm, x0 = x1 - kBar_mm, y = baseline_mm - 0.8;
   for (const double x : {x0, x1}) page.draw_line(x, y - kTick_mm, x, y + kTick_mm, kLine_mm);
   page.draw_line(x0, y, x1, y, kLine_mm);
@@ -88,8 +101,94 @@ void add_caption(PdfPage& page, const Board& board, double width_mm, double heig
 cv::Ptr<cv::aruco::CharucoBoard> make_charuco(const Board& board) {
   return cv::aruco::CharucoBoard::create(
       board.columns, board.rows, static_cast<float>(board.square_m),
-      static_cast<float>(kMarkerShare * board.square_m),
-      cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_250));
+      static_cast<float>(board.marker_share * board.square_m),
+      cv::aruco::getPredefinedDictionary(find_dictionary(board.dictionary)->number));
+}
+
+const std::vector<Dictionary>& dictionaries() {
+  static const std::vector<Dictionary> kAll = [] {
+    std::vector<Dictionary> all;
+    int number = 0;
+    for (int bits = 4; bits <= 7; ++bits) {
+      for (const int markers : {50, 100, 250, 1000}) {
+        all.push_back({fmt::format("{0}x{0}_{1}", bits, markers), number++, markers});
+      }
+    }
+    all.push_back({"original", number++, 1024});
+    all.push_back({"apriltag_16h5", number++, 30});
+    all.push_back({"apriltag_25h9", number++, 35});
+    all.push_back({"apriltag_36h10", number++, 2320});
+    all.push_back({"apriltag_36h11", number++, 587});
+    return all;
+  }();
+  return kAll;
+}
+
+const Dictionary* find_dictionary(const std::string& name) {
+  for (const Dictionary& dictionary : dictionaries()) {
+    if (dictionary.name == name) return &dictionary;
+  }
+  return nullptr;
+}
+
+namespace {
+
+constexpr std::pair<Pattern, const char*> kPatterns[] = {
+    {Pattern::charuco, "charuco"},
+    {Pattern::chessboard, "chessboard"},
+    {Pattern::circles, "circles"},
+    {Pattern::asymmetric_circles, "asymmetric-circles"}};
+
+}  // namespace
+
+std::string options_of(const Board& board) {
+  std::string text;
+  for (const auto& [pattern, name] : kPatterns) {
+    if (pattern != board.pattern || pattern == Pattern::charuco) continue;
+    text += fmt::format("--board {} ", name);
+  }
+  text += fmt::format("--squares {}x{}", board.columns, board.rows);
+  const Board usual;
+  if (board.dictionary != usual.dictionary) text += " --dictionary " + board.dictionary;
+  if (board.marker_share != usual.marker_share) {
+    text += fmt::format(" --marker-share {:.2g}", board.marker_share);
+  }
+  return text;
+}
+
+Result<Board> parse_board(const std::string& squares, double square_m, const std::string& pattern,
+                          const std::string& dictionary, double marker_share) {
+  auto board = parse_board(squares, square_m);
+  if (!board) return board;
+  const auto* const found = std::find_if(std::begin(kPatterns), std::end(kPatterns),
+                                         [&](const auto& each) { return pattern == each.second; });
+  if (found == std::end(kPatterns)) {
+    return Error{
+        Errc::invalid_value,
+        "there is no board '" + pattern + "': charuco, chessboard, circles or asymmetric-circles",
+        "--board"};
+  }
+  const Dictionary* const markers = find_dictionary(dictionary);
+  if (markers == nullptr) {
+    return Error{Errc::invalid_value,
+                 "there is no dictionary '" + dictionary +
+                     "': 4x4_50, 4x4_100, 4x4_250, 4x4_1000, the same of 5x5, 6x6 and 7x7, "
+                     "original, apriltag_16h5, apriltag_25h9, apriltag_36h10 or apriltag_36h11",
+                 "--dictionary"};
+  }
+  if (!(marker_share >= 0.2 && marker_share <= 0.95)) {
+    return Error{Errc::invalid_value, "must be from 0.2 to 0.95, such as 0.75", "--marker-share"};
+  }
+  board->pattern = found->first;
+  board->dictionary = dictionary;
+  board->marker_share = marker_share;
+  if (board->pattern == Pattern::charuco && board->columns * board->rows / 2 > markers->markers) {
+    return Error{Errc::invalid_value,
+                 fmt::format("a board of {} squares needs more markers than the {} of {}", squares,
+                             markers->markers, dictionary),
+                 "--dictionary"};
+  }
+  return board;
 }
 
 Result<Board> parse_board(const std::string& squares, double square_m) {
@@ -131,6 +230,9 @@ Result<Paper> find_paper(const std::string& name) {
 }
 
 Result<std::string> board_page(const Board& board, const Paper& paper) {
+  if (board.pattern != Pattern::charuco && board.pattern != Pattern::chessboard) {
+    return Error{Errc::invalid_value, "circles are not printed: charuco or chessboard", "--board"};
+  }
   const bool lies = board.columns > board.rows;
   const double width_mm = lies ? paper.height_mm : paper.width_mm;
   const double height_mm = lies ? paper.width_mm : paper.height_mm;

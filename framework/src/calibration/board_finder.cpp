@@ -6,10 +6,12 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 #include <weft/core/index.hpp>
 
+#include "calibration/board_recognition.hpp"
 #include "calibration/charuco.hpp"
 
 namespace weft::calibration {
@@ -51,17 +53,55 @@ void refine(const cv::Mat& grey, const std::vector<std::vector<cv::Point2f>>& ma
 
 BoardFinder::BoardFinder(const Board& board)
     : board_(board),
-      charuco_(make_charuco(board)),
+      charuco_(board.pattern == Pattern::charuco ? make_charuco(board) : nullptr),
       parameters_(cv::aruco::DetectorParameters::create()) {
   parameters_->minMarkerPerimeterRate = 0.02;  // boards that are small in the image, too
 }
 
 Result<View> BoardFinder::find(const cv::Mat& grey, const std::string& name) const {
+  return board_.pattern == Pattern::charuco ? find_charuco(grey, name) : find_whole(grey, name);
+}
+
+Result<View> BoardFinder::find_whole(const cv::Mat& grey, const std::string& name) const {
+  std::vector<cv::Point2f> seen;
+  const bool chessboard = board_.pattern == Pattern::chessboard;
+  const bool asymmetric = board_.pattern == Pattern::asymmetric_circles;
+  const cv::Size size(board_.columns - chessboard, board_.rows - chessboard);
+  if (chessboard) {
+    cv::findChessboardCornersSB(grey, size, seen, cv::CALIB_CB_NORMALIZE_IMAGE);
+  } else if (!cv::findCirclesGrid(
+                 grey, size, seen,
+                 asymmetric ? cv::CALIB_CB_ASYMMETRIC_GRID : cv::CALIB_CB_SYMMETRIC_GRID,
+                 circle_detector(grey))) {
+    seen.clear();
+  }
+  if (seen.size() != to_index(board_.corners())) {
+    return no_result(fmt::format("no whole {} is seen with {} x {} {}",
+                                 chessboard ? "chessboard" : "grid", size.width, size.height,
+                                 chessboard ? "inner corners" : "circles"));
+  }
+  const auto count = static_cast<Eigen::Index>(seen.size());
+  View view{name, Eigen::MatrixX2d(count, 2), Eigen::MatrixX2d(count, 2)};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto row = static_cast<double>(i / size.width);
+    const auto column = static_cast<double>(i % size.width);
+    const double odd = i / size.width % 2 == 1 ? 1.0 : 0.0;
+    view.image_px.row(i) << seen[to_index(i)].x, seen[to_index(i)].y;
+    view.board_m.row(i) << (asymmetric ? 2.0 * column + odd : column), row;
+  }
+  view.board_m *= board_.square_m;
+  return view;
+}
+
+Result<View> BoardFinder::find_charuco(const cv::Mat& grey, const std::string& name) const {
   std::vector<std::vector<cv::Point2f>> markers;
   std::vector<int> ids, corner_ids;
   std::vector<cv::Point2f> corners;
   cv::aruco::detectMarkers(grey, charuco_->dictionary, markers, ids, parameters_);
   if (ids.empty()) return no_result("no marker of the board is seen");
+  if (const auto wrong = mistake_in_markers(markers, ids, *charuco_, board_)) {
+    return no_result(*wrong);
+  }
   cv::aruco::interpolateCornersCharuco(markers, ids, grey, charuco_, corners, corner_ids);
   if (to_index(kFewestCorners) > corners.size()) {
     return no_result(fmt::format("only {} corners of the board are seen, of at least {}",

@@ -10,7 +10,7 @@
 
 namespace weft::calibration {
 
-/// Finds a board in images, by its markers.
+/// Finds a board in images: ChArUco by its markers, others as a whole.
 class BoardFinder {
  public:
   explicit BoardFinder(const Board& board);
@@ -20,6 +20,9 @@ class BoardFinder {
   Result<View> find(const cv::Mat& grey, const std::string& name) const;
 
  private:
+  Result<View> find_charuco(const cv::Mat& grey, const std::string& name) const;
+  Result<View> find_whole(const cv::Mat& grey, const std::string& name) const;
+
   Board board_;
   cv::Ptr<cv::aruco::CharucoBoard> charuco_;
   cv::Ptr<cv::aruco::DetectorParameters> parameters_;

@@ -34,6 +34,15 @@ Result<void> ViewCollection::check_size(const Frame& frame) {
                {}};
 }
 
+/// The first, second, fourth and so on: few, whatever the length of a film.
+void ViewCollection::keep_unexplained(const Frame& frame) {
+  constexpr std::size_t kMost = 6;
+  const std::size_t number = ++frames_without_;
+  if ((number & (number - 1)) == 0 && unexplained_.size() < kMost) {
+    unexplained_.push_back(frame.grey.clone());
+  }
+}
+
 Result<void> ViewCollection::add(const Frame& frame) {
   if (auto checked = check_size(frame); !checked) return checked;
   auto view = finder_.find(frame.grey, frame.name);
@@ -41,6 +50,7 @@ Result<void> ViewCollection::add(const Frame& frame) {
     views_.push_back(*std::move(view));
   } else {
     without_.push_back({frame.name, view.error().message});
+    keep_unexplained(frame);
   }
   return {};
 }
@@ -49,6 +59,7 @@ Result<bool> ViewCollection::add_if_new(const Frame& frame) {
   if (auto checked = check_size(frame); !checked) return checked.error();
   auto view = finder_.find(frame.grey, frame.name);
   if (!view) {
+    keep_unexplained(frame);
     before_.reset();
     return false;
   }

@@ -35,9 +35,12 @@ class ViewCollection {
   const std::vector<View>& views() const { return views_; }
   /// Only of frames given to `add`.
   const std::vector<NoView>& without() const { return without_; }
+  /// Some of the images in which the board was not found, spread over all.
+  const std::vector<cv::Mat>& unexplained() const { return unexplained_; }
 
  private:
   Result<void> check_size(const Frame& frame);
+  void keep_unexplained(const Frame& frame);
 
   BoardFinder finder_;
   std::size_t frames_ = 0;
@@ -45,6 +48,8 @@ class ViewCollection {
   ImageSize size_;
   std::vector<View> views_;
   std::vector<NoView> without_;
+  std::size_t frames_without_ = 0;
+  std::vector<cv::Mat> unexplained_;
   std::optional<View> before_;  ///< of the last frame, where it had one
 };
 
