@@ -12,7 +12,7 @@
 #include "ablation/plan/grid.hpp"
 #include "cli/data/sequence_maker.hpp"
 #include "cli/output/generated_text.hpp"
-#include "cli/output/temporary_folder.hpp"
+#include "cli/output/scratch_folder.hpp"
 #include "cli/results/ablate_plan.hpp"
 #include "cli/results/compared_data.hpp"
 #include "cli/run/run_settings.hpp"
@@ -143,7 +143,7 @@ void compare(CompareOptions options, Context& context) {
   const auto text = plan_text(options, name, registry);
   if (!text) return fail(text.error(), kBadConfiguration);
   // Nothing of a plan that is wrong, or of a dry run, is left.
-  const auto scratch = TemporaryFolder::make("weft-compare");
+  const auto scratch = ScratchFolder::make("weft-compare");
   if (!scratch) return fail(scratch.error(), kInputOutput);
   const std::string trial = scratch->path() + "/plan.yaml";
   if (auto written = write_whole(text->text(), trial); !written) {

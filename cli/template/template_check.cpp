@@ -59,7 +59,7 @@ struct Findings {
   std::optional<RefittedTemplate> refitted;
 };
 
-void print_json(const FirstLook& look, const Findings& findings) {
+void print_check_json(const FirstLook& look, const Findings& findings) {
   nlohmann::ordered_json json = {{"kept", look.kept},
                                  {"kept_mirrored", look.kept_mirrored},
                                  {"faults", findings.faults},
@@ -69,11 +69,11 @@ void print_json(const FirstLook& look, const Findings& findings) {
   }
   if (look.field) json["field"] = field_json(*look.field);
   if (findings.refitted) json["field_refitted"] = field_json(findings.refitted->after);
-  cli::print_json(json);
+  print_json(json);
 }
 
 void print(const TemplateCheckOptions& options, const FirstLook& look, const Findings& findings) {
-  if (options.json) return print_json(look, findings);
+  if (options.json) return print_check_json(look, findings);
   fmt::print("matches   {} kept in frame 0, {} with the texture mirrored\n", look.kept,
              look.kept_mirrored);
   for (const FlippedFit& fit : look.fits) {

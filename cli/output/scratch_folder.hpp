@@ -11,28 +11,28 @@
 namespace weft::cli {
 
 /// A folder in TMPDIR that is removed with its content.
-class TemporaryFolder {
+class ScratchFolder {
  public:
-  static Result<TemporaryFolder> make(const std::string& name) {
+  static Result<ScratchFolder> make(const std::string& name) {
     std::error_code code;
     std::string pattern =
         (std::filesystem::temp_directory_path(code) / (name + "-XXXXXX")).string();
     if (code || mkdtemp(pattern.data()) == nullptr) {
       return Error{Errc::io, "no temporary folder can be made there; set TMPDIR", pattern};
     }
-    return TemporaryFolder(std::move(pattern));
+    return ScratchFolder(std::move(pattern));
   }
-  ~TemporaryFolder() {
+  ~ScratchFolder() {
     std::error_code ignored;
     if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
   }
-  TemporaryFolder(TemporaryFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
-  TemporaryFolder& operator=(TemporaryFolder&&) = delete;
+  ScratchFolder(ScratchFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+  ScratchFolder& operator=(ScratchFolder&&) = delete;
 
   const std::string& path() const { return path_; }
 
  private:
-  explicit TemporaryFolder(std::string path) : path_(std::move(path)) {}
+  explicit ScratchFolder(std::string path) : path_(std::move(path)) {}
 
   std::string path_;
 };
