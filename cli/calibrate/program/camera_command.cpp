@@ -126,7 +126,7 @@ Result<void> calibrate(const CameraOptions& options) {
     if (!collection.views().empty()) {
       fmt::print("{}", coverage_text(cal::coverage_of(collection.views(), collection.size())));
     }
-    if (collection.views().size() < cal::kFewestViews) {
+    if (collection.views().empty()) {
       if (const auto other = cal::other_board(*board, collection.unexplained())) {
         return no_result(*other);
       }

@@ -133,12 +133,23 @@ std::optional<Recognized> recognize_markers(const cv::Mat& grey, const Board& de
   return best;
 }
 
+constexpr double kLeastCircularity = 0.83;  // a square has 0.785
+constexpr std::size_t kFewestCircles = 9;
+
+std::vector<cv::KeyPoint> circles_in(const cv::Mat& grey) {
+  std::vector<cv::KeyPoint> circles;
+  circle_detector(grey, kLeastCircularity)->detect(grey, circles);
+  return circles;
+}
+
 std::optional<Recognized> recognize_chessboard(const cv::Mat& grey, const Board& declared) {
   std::vector<cv::Point2f> corners;
   cv::Mat found;
   const bool seen = cv::findChessboardCornersSB(
       grey, {3, 3}, corners, cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_LARGER, found);
   if (!seen || found.cols < 2 || found.rows < 2) return std::nullopt;
+  // The gaps of a grid of circles pass for corners.
+  if (circles_in(grey).size() >= kFewestCircles) return std::nullopt;
   Board board = declared;
   board.pattern = Pattern::chessboard;
   board.dictionary = Board().dictionary;
@@ -152,11 +163,10 @@ std::optional<Recognized> recognize_chessboard(const cv::Mat& grey, const Board&
 }
 
 std::optional<Recognized> recognize_circles(const cv::Mat& grey, const Board& declared) {
-  std::vector<cv::KeyPoint> circles;
-  const auto detector = circle_detector(grey, 0.83);  // a square has 0.785
-  detector->detect(grey, circles);
-  const auto count = static_cast<int>(circles.size());
-  if (count < 9 || count > 500) return std::nullopt;
+  const std::size_t circles = circles_in(grey).size();
+  if (circles < kFewestCircles || circles > 500) return std::nullopt;
+  const auto count = static_cast<int>(circles);
+  const auto detector = circle_detector(grey, kLeastCircularity);
   Board board = declared;
   board.dictionary = Board().dictionary;
   board.marker_share = kMarkerShare;

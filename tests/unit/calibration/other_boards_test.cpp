@@ -116,6 +116,13 @@ TEST(OtherBoards, TheFinderDoesNotTakeThemForItsOwn) {
   }
 }
 
+TEST(OtherBoards, AGridOfCirclesIsNeverTakenForAChessboard) {
+  const Board board = board_named("4x9", 0.018, "asymmetric-circles");
+  for (const cv::Mat& image : images_of(board, 6)) {
+    EXPECT_EQ(recognized(Board(), {image}).find("chessboard without"), std::string::npos);
+  }
+}
+
 TEST(OtherBoards, MirroredImagesAreNamed) {
   auto images = images_of(Board(), 1);
   for (cv::Mat& image : images) cv::flip(image, image, 1);
