@@ -135,7 +135,7 @@ TEST_F(SetupMonitorTest, MakesFramesWeakFromTheOneOnInWhichTheFocalLengthTurnsOu
       EXPECT_EQ(std::string(text->data(), text->data() + text->rows()), frames[i].reason);
     }
     ASSERT_EQ(monitor.warnings().size(), 1U);
-    EXPECT_THAT(monitor.warnings()[0].text, HasSubstr("4 frames are weak for that reason"));
+    EXPECT_THAT(monitor.warnings()[0].text, HasSubstr("frames that are weak for that reason: 4"));
   }
 }
 
@@ -148,7 +148,7 @@ TEST_F(SetupMonitorTest, BlamesNoCameraForAShapeThatTheSolverCallsWeakItself) {
   for (FrameResult& frame : frames) frame.state = ShapeState::weak;
   told_by(monitor, frames);
   EXPECT_EQ(frames[3].state, ShapeState::weak);
-  EXPECT_THAT(monitor.warnings()[0].text, ::testing::Not(HasSubstr("frames are weak")));
+  EXPECT_THAT(monitor.warnings()[0].text, ::testing::Not(HasSubstr("frames that are weak")));
 }
 
 TEST_F(SetupMonitorTest, ClaimsNothingOfTheCameraThatAStretchedSheetExplains) {
@@ -164,12 +164,12 @@ TEST_F(SetupMonitorTest, ClaimsNothingOfTheCameraThatAStretchedSheetExplains) {
       const double confidence = host::arrays_of<Shape>(*frame.shape)->confidence;
       EXPECT_EQ(confidence, frame.reason.empty() ? 1.0 : 0.5) << frame.reason;
     }
-    const bool same = by_width == by_height;
-    ASSERT_EQ(monitor.warnings().size(), same ? 0U : 1U);
-    if (same) continue;
-    std::cout << monitor.warnings()[0].text << "\n";
-    EXPECT_THAT(monitor.warnings()[0].text, ::testing::StartsWith("either fx seems to be"));
-    EXPECT_THAT(monitor.warnings()[0].text, HasSubstr("or the surface stretches"));
+    EXPECT_EQ(monitor.warnings().empty(), by_width == by_height);
+    for (const RunWarning& warning : monitor.warnings()) {
+      std::cout << warning.text << "\n";
+      EXPECT_THAT(warning.text, ::testing::StartsWith("either "));
+      EXPECT_THAT(warning.text, HasSubstr("or the surface stretches, by about "));
+    }
   }
 }
 
@@ -217,7 +217,7 @@ TEST_F(SetupMonitorTest, TellsWrongProportionsAndALensThatBendsLines) {
   std::vector<FrameResult> frames = sheet_frames(6, given);
   told_by(flattened, frames);
   ASSERT_EQ(flattened.warnings().size(), 1U);
-  EXPECT_THAT(flattened.warnings()[0].text, HasSubstr("either fx seems to be 0.9"));
+  EXPECT_THAT(flattened.warnings()[0].text, ::testing::StartsWith("fx seems to be 0.9"));
 
   next_ = 0;
   given.fx = 1.25 * real_.fx;

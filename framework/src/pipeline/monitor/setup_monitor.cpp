@@ -217,8 +217,9 @@ std::vector<std::pair<std::string, double>> SetupMonitor::camera() const {
 void SetupMonitor::judge_camera(std::vector<Finding>& findings) const {
   for (const CameraFault& fault : faults_) {
     std::string text = fault.text;
-    if (fault.is_sure && weakened_ > 0)
-      text += "; " + std::to_string(weakened_) + " frames are weak for that reason";
+    if (fault.is_sure && weakened_ > 0) {
+      text += "; frames that are weak for that reason: " + std::to_string(weakened_);
+    }
     findings.push_back({fault.kind, std::move(text), static_cast<std::int64_t>(cameras_.size())});
   }
 }
