@@ -222,7 +222,7 @@ def main(words: list[str]) -> int:
         rng = Random(f"{arguments.seed}/{index}")
         name = list(VICTIMS)[index % len(VICTIMS)]
         # The last ones fall behind the end: all of it must be there.
-        moment = rng.randrange(1, judge.moments[name] * 21 // 20)
+        moment = rng.randrange(1, judge.moments[name] * 9 // 8)
         folder = ((arguments.keep or scratch) / f"cut_{index}").resolve()
         try:
             return name, moment, judge.cut(name, moment, rng, folder)
