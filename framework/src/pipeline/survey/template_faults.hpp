@@ -33,8 +33,9 @@ struct FirstLook {
   double size_px = 0.0;            ///< [] diagonal of the box around those matches
   std::vector<FlippedFit> fits;    ///< as given first; without those that no pose explains
   /// The same with the picture of the texture mirrored.
-  std::vector<FlippedFit> fits_mirrored;
-  std::optional<ResidualField> field;  ///< what is left of the fit as given, smooth in the texture
+  std::vector<FlippedFit> fits_mirrored = {};
+  std::optional<ResidualField> field =
+      {};  ///< what is left of the fit as given, smooth in the texture
 };
 
 /// Fits the object to the kept matches, mirrored in each way.
