@@ -34,8 +34,8 @@ struct FirstLook {
   std::vector<FlippedFit> fits;    ///< as given first; without those that no pose explains
   /// The same with the picture of the texture mirrored.
   std::vector<FlippedFit> fits_mirrored = {};
-  std::optional<ResidualField> field =
-      {};  ///< what is left of the fit as given, smooth in the texture
+  /// What is left of the fit as given, smooth in the texture.
+  std::optional<ResidualField> field = {};
 };
 
 /// Fits the object to the kept matches, mirrored in each way.
