@@ -424,6 +424,21 @@ TEST(Report, WritesTablesAndAFigureForAPaperWithTheirOrigin) {
   EXPECT_FALSE(std::filesystem::exists(fake.folder() + "/paper/cells.tex"));
 }
 
+TEST(Report, DrawsTheRatesOfFiltersForAPaperWhereNothingIsSolved) {
+  FakeResults fake({});
+  const Results results = read(fake);
+  ReportTables tables = tables_of(results);
+  for (Combination& each : tables.combinations) each.mean_mm = kUnknown;
+  EXPECT_EQ(error_figure(results, tables), "");
+  const std::string figure = filter_figure(results, tables);
+  EXPECT_THAT(figure, HasSubstr("mismatches rejected (blue) and precision (orange), %"));
+  std::size_t points = 0;
+  for (std::size_t at = 0; (at = figure.find("<circle", at)) != std::string::npos; ++at) ++points;
+  EXPECT_EQ(points, 16U) << "two rates of eight combinations";
+  for (Combination& each : tables.combinations) each.filters.clear();
+  EXPECT_EQ(filter_figure(results, tables), "");
+}
+
 /// Where programs are looked for, with one `rsvg-convert` that does what a script says, or none.
 class Programs {
  public:

@@ -190,7 +190,7 @@ TEST_F(ComponentSpecTest, OutputPathsStandInTheRunFolder) {
   EXPECT_EQ(effective(good("{}"), "report"), "");
 }
 
-TEST_F(ComponentSpecTest, VariablesAreExpandedInPathsOnly) {
+TEST_F(ComponentSpecTest, VariablesAreExpandedInPathsAndTexts) {
   variables_["NAME"] = "value";
   variables_["EMPTY"] = "";
   EXPECT_EQ(effective(good("{report: 'a${NAME}b${NAME}c'}"), "report"), "avaluebvaluec");
@@ -198,7 +198,8 @@ TEST_F(ComponentSpecTest, VariablesAreExpandedInPathsOnly) {
   EXPECT_EQ(effective(good("{report: '${EMPTY:-fallback}'}"), "report"), "fallback");
   EXPECT_EQ(effective(good("{report: '${NAME:-fallback}'}"), "report"), "value");
   EXPECT_EQ(effective(good("{report: 'x${ABSENT:-}'}"), "report"), "x");
-  EXPECT_EQ(effective(good("{title: '${NAME}'}"), "title"), "${NAME}");
+  EXPECT_EQ(effective(good("{title: '${NAME}'}"), "title"), "value");
+  EXPECT_EQ(effective(good("{title: '~/${NAME}'}"), "title"), "~/value") << "a text is no path";
   expect_problem("{report: '${ABSENT}/x'}",
                  "the variable ABSENT is not set; set it, or write ${ABSENT:-default}");
   expect_problem("{report: '${EMPTY}/x'}",

@@ -120,13 +120,14 @@ TEST(Npz, MembersAreInNumpysFormat) {
   EXPECT_THAT(header_of("time/record_type"), HasSubstr("'|u1'"));
 }
 
-TEST(Npz, TheFileAppearsWholeAndNothingElseStays) {
+TEST(Npz, TheFileAppearsWholeAndLeavesNothingElseButWhatWasThere) {
   const TemporaryFolder folder;
-  write_file(folder / "x.npz.part", "left by a killed run");
+  write_file(folder / "x.npz.part", "a file of the user");
   ASSERT_TRUE(write_npz(folder / "x.npz", {{"time", Record::copy_of(Time{1.0})}}));
   ASSERT_TRUE(write_npz(folder / "x.npz", {{"time", Record::copy_of(Time{2.0})}}));
   const auto entries = std::distance(fs::directory_iterator(folder.path()), {});
-  EXPECT_EQ(entries, 1);
+  EXPECT_EQ(entries, 2);
+  EXPECT_EQ(zoo::read_file(folder / "x.npz.part"), "a file of the user");
   EXPECT_EQ(view_as<Time>(*read_npz(folder / "x.npz")->at(0).second)->t_s, 2.0);
 }
 

@@ -118,7 +118,8 @@ TEST(Registry, ExplainsWhatIsMissing) {
   EXPECT_THAT(registry.explain_missing("filters/zoo_god"),
               HasSubstr("did you mean 'filters/zoo_good'?"));
   EXPECT_THAT(registry.explain_missing("completely/different"),
-              AllOf(HasSubstr("weft plugins list"), HasSubstr("--plugin-path")));
+              AllOf(HasSubstr("an id begins with one of these roles: filters, passes, warps"),
+                    HasSubstr("--plugin-path")));
 }
 
 TEST(Manifest, SaysWhatTheSourceDeclares) {

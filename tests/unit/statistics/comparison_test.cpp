@@ -99,8 +99,8 @@ TEST(Compare, NamesTheBetterWithEffectIntervalAndN) {
   EXPECT_EQ(
       pair.sentence,
       "new is better than old by 1.5 mm: mean 3D error 4.5 instead of 6.0 mm, 95 % interval 1 "
-      "to 2 mm, p = 0.00781, 8 sequences; standardised effect 2.81. No failures in 8 results "
-      "of each.");
+      "to 2 mm, p = 0.00781, 8 sequences; standardised effect 2.81. Each has a value in all "
+      "8 results.");
   EXPECT_EQ(
       table->headline,
       "new is better than old by 1.5 mm: mean 3D error 4.5 instead of 6.0 mm, 95 % interval 1 "
@@ -122,7 +122,8 @@ TEST(Compare, TurnsTheVerdictWhereHigherIsBetter) {
   const auto table = compare(observations, options);
   EXPECT_EQ(table->pairs[0].verdict, Call::b);
   EXPECT_THAT(table->pairs[0].sentence,
-              StartsWith("old is better than new by 1.5 %: precision 6.0 instead of 4.5 %"));
+              StartsWith("old is better than new by 1.5 points: precision 6.0 instead of 4.5 %"));
+  EXPECT_THAT(table->pairs[0].sentence, HasSubstr("interval 1 to 2 points, "));
 }
 
 TEST(Compare, NamesNoWinnerInsideTheNoiseAndSaysWhatWouldHaveShown) {
@@ -160,6 +161,53 @@ TEST(Compare, SaysTooFewBelowSixSequencesAndWithTooManyTests) {
   EXPECT_THAT(three->pairs[0].sentence, HasSubstr("with 4 tests 6 could call nothing"));
   EXPECT_TRUE(std::isnan(three->pairs[0].smallest_effect));
   EXPECT_EQ(three->headline, "Too few sequences to decide: 6 for 4 tests.");
+}
+
+/// Of two pairs of eight sequences one is called; the other, which ties leave with six, is not "too
+/// few", but undecided by ties.
+TEST(Compare, CallsPairsOfTheSameNumberOfSequencesTooFewTogetherAndNamesTies) {
+  std::vector<Observation> observations;
+  add("a", {1, 2, 3, 4, 5, 6, 7, 8}, observations);
+  add("b", {2, 3.1, 4.2, 5.3, 6.4, 7.5, 8.6, 9.7}, observations);
+  add("c", {1, 2, 3.1, 4.1, 5.2, 6.1, 7.3, 8.1}, observations);
+  const auto table = compare(observations);
+  ASSERT_EQ(table->tests, 4);
+  const PairComparison &called = table->pairs[0], &tied = table->pairs[1];
+  EXPECT_EQ(called.call, Call::a);
+  EXPECT_EQ(tied.test.n, called.test.n);
+  EXPECT_EQ(tied.test.ties, 2);
+  EXPECT_GT(tied.test.least_p * 4.0, kAlpha) << "what made it too few";
+  EXPECT_EQ(tied.call, Call::undecided);
+  EXPECT_THAT(tied.sentence, HasSubstr("8 sequences, the same on 2 of them: the other 6 are too "
+                                       "few to call a difference"));
+}
+
+TEST(Compare, LeavesZeroOutOfACorrectedIntervalExactlyWhereItCallsADifference) {
+  std::cout << "seeds 41 to 80\n";
+  int called = 0, alone = 0;
+  for (std::uint64_t seed = 41; seed <= 80; ++seed) {
+    Rng rng(seed);
+    std::vector<Observation> observations;
+    for (int t = 0; t < 4; ++t) {
+      std::vector<double> values;
+      for (int s = 0; s < 9 + static_cast<int>(seed % 5); ++s) {
+        values.push_back(0.35 * t + rng.uniform(-1.0, 1.0));
+      }
+      add(std::string(1, static_cast<char>('a' + t)), values, observations);
+    }
+    for (const PairComparison& pair : compare(observations)->pairs) {
+      if (pair.call == Call::too_few) {
+        EXPECT_TRUE(std::isnan(pair.interval.low));
+        continue;
+      }
+      const bool leaves_out = pair.interval.low > 0.0 || pair.interval.high < 0.0;
+      EXPECT_EQ(leaves_out, decided(pair.call)) << "seed " << seed << ": " << pair.sentence;
+      called += decided(pair.call);
+      alone += pair.test.p <= kAlpha && !decided(pair.call);
+    }
+  }
+  EXPECT_GT(called, 5);
+  EXPECT_GT(alone, 5) << "the interval of one comparison would leave zero out in these";
 }
 
 TEST(Compare, CountsAndNamesWhatHasNoPartner) {
@@ -204,12 +252,12 @@ TEST(Compare, TestsFailuresApartFromValues) {
   EXPECT_DOUBLE_EQ(pair.test.mean, -1.0);
   EXPECT_NEAR(pair.failures.test.mean, (9 * 0.5 + 0.25) / 10.0, 1e-12);
   EXPECT_THAT(pair.sentence,
-              HasSubstr("Failures in 40 results of each: a 20, b 1; b fails less (p"));
+              HasSubstr("Without a value, of 40 results of each: a 20, b 1; b lacks fewer (p"));
   EXPECT_THAT(pair.sentence, HasSubstr("Neither is named the better."));
   EXPECT_THAT(compare(observations)->headline,
               StartsWith("Neither of a and b is named the better: a is better than b by 1 mm: "));
   EXPECT_THAT(compare(observations)->headline,
-              HasSubstr(", but b fails in 1 of 40 results, a in 20 (p"));
+              HasSubstr(", but b has no value in 1 of 40 results, a in 20 (p"));
   EXPECT_EQ(compare(observations)->tests, 2);
 }
 
@@ -226,7 +274,8 @@ TEST(Compare, FindsATreatmentThatAlwaysFailsWorse) {
   EXPECT_EQ(table->treatments[1].failures, 8);
   EXPECT_EQ(table->treatments[1].sequences, 0);
   EXPECT_TRUE(std::isnan(table->treatments[1].mean));
-  EXPECT_THAT(table->headline, StartsWith("a is better than b: a fails in 0 of 8 results, b in 8"));
+  EXPECT_THAT(table->headline,
+              StartsWith("a is better than b: a has no value in 0 of 8 results, b in 8"));
 }
 
 TEST(Compare, RanksManyTreatmentsWhereAllHaveAValue) {
@@ -247,7 +296,7 @@ TEST(Compare, RanksManyTreatmentsWhereAllHaveAValue) {
   }
   EXPECT_THAT(table->headline, StartsWith("a is better than each of the others in mean 3D error: "
                                           "than b by "));
-  EXPECT_THAT(table->headline, HasSubstr("p at most 0.0"));
+  EXPECT_THAT(table->headline, HasSubstr("In brackets 95 % intervals and p at most 0.0"));
   EXPECT_THAT(table->headline, HasSubstr("Holm's correction for 4 tests, 10 sequences."));
 }
 
@@ -294,7 +343,7 @@ TEST(Compare, TakesGroupsApartAndCorrectsForAllOfThem) {
               StartsWith("With easy, a and b cannot be told apart: mean 3D "));
   EXPECT_EQ((*tables)[1].headline,
             "With hard, a is better than b by 1 mm: mean 3D error 4.5 instead of 5.5 mm, 95 % "
-            "interval 1 to 1 mm, p = 0.0156 after Holm's correction for 2 tests, 8 sequences.");
+            "interval 1 to 1 mm and p = 0.0156 after Holm's correction for 2 tests, 8 sequences.");
   // A group without results has nothing to say, and takes nothing from the others.
   groups.push_back({"With none", {}});
   EXPECT_TRUE((*compare_apart(groups))[2].pairs.empty());

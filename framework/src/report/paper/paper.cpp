@@ -41,10 +41,12 @@ Result<PaperFiles> write_paper(const std::string& folder) {
       return written.error();
     }
   }
-  const std::string figure = error_figure(*results, *tables);
+  const std::string errors = error_figure(*results, *tables);
+  const std::string figure = errors.empty() ? filter_figure(*results, *tables) : errors;
   paper.figures = !figure.empty();
   if (!paper.figures) return paper;
-  if (auto written = write("errors.svg", figure); !written) return written.error();
+  const char* name = errors.empty() ? "filters.svg" : "errors.svg";
+  if (auto written = write(name, figure); !written) return written.error();
   auto pdf = write_pdf(paper.files.back());
   if (!pdf) return pdf.error();
   paper.pdf = pdf->has_value();
