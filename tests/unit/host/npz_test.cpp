@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using testing_data::content_of;
 using testing_data::random_record;
-using zoo::read_file;
+using read_file;
 using zoo::TemporaryFolder;
 using zoo::write_file;
 
@@ -127,7 +127,7 @@ TEST(Npz, TheFileAppearsWholeAndLeavesNothingElseButWhatWasThere) {
   ASSERT_TRUE(write_npz(folder / "x.npz", {{"time", Record::copy_of(Time{2.0})}}));
   const auto entries = std::distance(fs::directory_iterator(folder.path()), {});
   EXPECT_EQ(entries, 2);
-  EXPECT_EQ(zoo::read_file(folder / "x.npz.part"), "a file of the user");
+  EXPECT_EQ(read_file(folder / "x.npz.part"), "a file of the user");
   EXPECT_EQ(view_as<Time>(*read_npz(folder / "x.npz")->at(0).second)->t_s, 2.0);
 }
 
