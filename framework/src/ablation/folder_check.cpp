@@ -45,7 +45,7 @@ bool is_of_ablation(const std::string& path) {
   if (!fs::is_directory(path + "/results", code)) return false;
   if (has_lines(path)) return true;
   static constexpr std::array kOurs{"results", "cells",        "manifest.json", "plan.json",
-                                   "log.txt", "index.sqlite", "slurm",         ".lock"};
+                                    "log.txt", "index.sqlite", "slurm",         ".lock"};
   for (const auto& entry : fs::directory_iterator(path, code)) {
     const std::string name = entry.path().filename().string();
     const bool passing = name.find(".part") != std::string::npos;

@@ -127,12 +127,12 @@ const std::vector<Format>& known_formats() {
 
 const Format& own_format() {
   static const Format kOurs{.title = "a camera file of Weft",
-                           .signature = "fx",
-                           .pinhole = {"fx", "fy", "cx", "cy"},
-                           .size = {"width", "height"},
-                           .model = {},
-                           .coefficients = "distortion",
-                           .each = ""};
+                            .signature = "fx",
+                            .pinhole = {"fx", "fy", "cx", "cy"},
+                            .size = {"width", "height"},
+                            .model = {},
+                            .coefficients = "distortion",
+                            .each = ""};
   return kOurs;
 }
 
