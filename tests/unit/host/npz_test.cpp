@@ -17,10 +17,10 @@ namespace weft::host {
 namespace {
 
 namespace fs = std::filesystem;
-using read_file;
 using ::testing::HasSubstr;
 using testing_data::content_of;
 using testing_data::random_record;
+using zoo::read_file;
 using zoo::TemporaryFolder;
 using zoo::write_file;
 

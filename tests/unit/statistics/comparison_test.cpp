@@ -195,7 +195,8 @@ TEST(Compare, LeavesZeroOutOfACorrectedIntervalExactlyWhereItCallsADifference) {
       }
       add(std::string(1, static_cast<char>('a' + t)), values, observations);
     }
-    for (const PairComparison& pair : compare(observations)->pairs) {
+    const auto table = compare(observations);
+    for (const PairComparison& pair : table->pairs) {
       if (pair.call == Call::too_few) {
         EXPECT_TRUE(std::isnan(pair.interval.low));
         continue;
