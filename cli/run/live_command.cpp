@@ -129,7 +129,7 @@ bool is_about_camera(const PipelineConfig& config, const Error& error) {
     return false;
   }
   const std::string device = value_of(*config.source, "device").value_or("-1");
-  return error.where == kVideo && !device.starts_with('-');
+  return error.where.ends_with(kVideo) && !device.starts_with('-');
 }
 
 constexpr const char* kAdvice =
@@ -166,7 +166,7 @@ void run_live(const LiveOptions& options, Context& context) {
   };
   arguments.failed = [](const PipelineConfig& config, const Error& error) {
     if (is_about_camera(config, error)) fmt::print(stderr, "{}", kAdvice);
-    if (error.where == kSink) fmt::print(stderr, "{}", kPortAdvice);
+    if (error.where.ends_with(kSink)) fmt::print(stderr, "{}", kPortAdvice);
   };
   run(arguments, context);
 }

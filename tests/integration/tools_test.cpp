@@ -187,7 +187,10 @@ TEST_F(Tools, ShowsAPluginAsJson) {
                                    "uses_truth", "extensions", "library", "origin", "parameters"}));
   EXPECT_EQ(shown["methods"], json::parse(R"([{"name": "build", "takes": [],
       "makes": [{"slot": "template", "always": true}]}])"));
-  EXPECT_EQ(shown["parameters"][0], json::parse(R"({"name": "columns", "type": "i64", "list": false,
+  const auto columns = std::find_if(shown["parameters"].begin(), shown["parameters"].end(),
+                                    [](const json& each) { return each["name"] == "columns"; });
+  ASSERT_NE(columns, shown["parameters"].end());
+  EXPECT_EQ(*columns, json::parse(R"({"name": "columns", "type": "i64", "list": false,
       "required": false, "default": 6, "range": [2, 100], "help": "vertices in a row"})"));
   const Ended unknown = weft({"plugins", "show", "templates/nothing", "--json"});
   EXPECT_EQ(unknown.exit_code, 2);
