@@ -48,7 +48,7 @@ def ask(program: Program, folder: Path, command: str, params: str) -> Answer:
     stages = "".join(f"  - {component}\n" if "filters/" in line else line + "\n"
                      for line in STAGES.splitlines())
     (folder / "pipeline.yaml").write_text(BASE.replace("FRAMES", "3") + stages)
-    plan = PLAN.replace("set: filters.every, values: [2, 3, 4]", "set: solvers.start, values: [0]")
+    plan = PLAN.replace("set: filters.every, values: [2, 3, 4]", "set: template.columns, values: [6]")
     (folder / "plan.yaml").write_text(plan)
     words = {"run": ["run", "pipeline.yaml", "--out", "out"],
              "ablate": ["ablate", "plan.yaml", "--out", "out", "--isolate", "none"],

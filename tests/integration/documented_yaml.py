@@ -74,8 +74,6 @@ STAND_INS = {
     "film.avi": VIDEO,
     "clip.mp4": VIDEO,
     "sheet.yaml": SHEET,
-    "scan_refitted/template.obj": pathlib.Path("pipelines/data/label.obj"),
-    "scan_refitted/texture.png": png(160, 120),
     "grippers.csv": pathlib.Path("pipelines/data/grippers.csv"),
     "insole.png": pathlib.Path("pipelines/data/insole.png"),
     "label.obj": pathlib.Path("pipelines/data/label.obj"),

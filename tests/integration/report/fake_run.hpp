@@ -57,6 +57,7 @@ inline void write_eight_frames(TestRun& run, bool real_pictures = false) {
     lines += line.dump() + "\n";
   }
   run.write_text("frames.jsonl", lines);
+  run.write_text("end.json", nlohmann::ordered_json{{"frames", kRunFrames}}.dump());
   std::vector<std::uint8_t> jpeg;
   if (real_pictures) cv::imencode(".jpg", cv::Mat(48, 64, CV_8UC3, cv::Scalar(90, 100, 110)), jpeg);
   run.write_text("overlay.avi", video(kRunFrames, {jpeg.begin(), jpeg.end()}));
