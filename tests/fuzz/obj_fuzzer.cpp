@@ -11,7 +11,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (!file) {
     const Error& error = file.error();
     require(error.code == Errc::invalid_data, "invalid data", error.message);
-    if (error.message.starts_with(input.path() + ": the mesh has no faces")) return 0;
+    for (const char* whole : {": the mesh has no faces", ": is a file of the format ",
+                              ": is text in UTF-", ": the faces have "}) {
+      if (error.message.starts_with(input.path() + whole)) return 0;
+    }
     if (text.starts_with("ply")) return 0;
     fuzzing::require_place(error.message, input.path(), text, false);
     return 0;
