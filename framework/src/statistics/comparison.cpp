@@ -137,11 +137,8 @@ class CorrectedTests {
   /// What a p must not exceed that comes after so many smaller ones, all of them called.
   double level_of(double p) const { return level_after(std::min(before(p), called_)); }
 
-  /// Whether the smallest p of n sequences would be called.
-  bool could_call(std::int64_t n) const {
-    const double least = least_p_of(n);
-    return before(least) <= called_ && least <= level_after(before(least));
-  }
+  /// Whether this p would be called.
+  bool would_call(double p) const { return before(p) <= called_ && p <= level_after(before(p)); }
 
  private:
   std::size_t before(double p) const {
@@ -185,7 +182,7 @@ CorrectedTests correct(std::vector<ComparisonTable>& tables) {
 Call call_of(const PairedTest& test, double p_holm, Better better, const CorrectedTests& family) {
   if (test.n < kLeastSequences) return Call::too_few;
   if (p_holm <= kAlpha) return (test.mean < 0.0) == (better == Better::lower) ? Call::a : Call::b;
-  return family.could_call(test.n) ? Call::undecided : Call::too_few;
+  return family.would_call(least_p_of(test.n)) ? Call::undecided : Call::too_few;
 }
 
 Call verdict_of(Call values, Call failures) {
@@ -200,6 +197,7 @@ void decide(const ComparisonOptions& options, const CorrectedTests& family, Pair
   if (pair.call != Call::too_few) {
     pair.interval = interval_at(pair.differences, family.level_of(pair.test.p), options.seed);
   }
+  pair.hidden_by_ties = pair.call == Call::undecided && !family.would_call(pair.test.least_p);
   failures.call = call_of(failures.test, failures.p_holm, Better::lower, family);
   pair.verdict = verdict_of(pair.call, failures.call);
   const double level = kAlpha / static_cast<double>(std::max<std::int64_t>(1, tests));

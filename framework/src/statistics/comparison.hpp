@@ -60,6 +60,8 @@ struct PairComparison {
   /// is called, and only there. Unknown where there are too few sequences.
   Interval interval;
   double p_holm = kUnknown;
+  /// So many differences are zero that the others could have called nothing, whatever they are.
+  bool hidden_by_ties = false;
   double smallest_effect = kUnknown;  ///< that n could show at the level left by Holm's first step
   Call call = Call::too_few;          ///< which one has the better values
   FailurePair failures;

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "statistics/sentence_parts.hpp"
@@ -25,15 +24,14 @@ std::string too_few_text(const PairComparison& pair, const ComparisonOptions& op
 }
 
 /// Sequences on which both are the same call nothing, and may be why nothing is called.
-std::string ties_text(const PairedTest& test, std::int64_t tests) {
+std::string ties_text(const PairComparison& pair) {
+  const PairedTest& test = pair.test;
   if (test.ties == 0) return "";
-  const auto family = static_cast<double>(std::max<std::int64_t>(1, tests));
+  const std::string text = fmt::format(", the same on {} of them", test.ties);
+  if (!pair.hidden_by_ties) return text;
   const std::int64_t others = test.n - test.ties;
-  return fmt::format(", the same on {} of them{}", test.ties,
-                     test.least_p * family > kAlpha
-                         ? fmt::format(": the other {} {} too few to call a difference", others,
-                                       others == 1 ? "is" : "are")
-                         : "");
+  return fmt::format("{}: the other {} {} too few to call a difference", text, others,
+                     others == 1 ? "is" : "are");
 }
 
 std::string undecided_text(const PairComparison& pair, const ComparisonOptions& options,
@@ -46,7 +44,7 @@ std::string undecided_text(const PairComparison& pair, const ComparisonOptions& 
   return fmt::format("{} cannot be told apart: {} {}, a difference of {}, {}{}", names,
                      options.measure, two_means(pair.mean_a, "and", pair.mean_b, options.unit),
                      with_unit(gain_of(pair).mean, difference_unit(options.unit)),
-                     evidence_of(pair, options.unit, tests), ties_text(pair.test, tests));
+                     evidence_of(pair, options.unit, tests), ties_text(pair));
 }
 
 std::string decided_text(const PairComparison& pair, const ComparisonOptions& options,
