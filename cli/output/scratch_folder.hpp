@@ -10,7 +10,7 @@
 
 namespace weft::cli {
 
-/// A folder in TMPDIR that is removed with its content.
+/// A folder in TMPDIR, for this user only, that is removed with its content.
 class ScratchFolder {
  public:
   static Result<ScratchFolder> make(const std::string& name) {

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "cli/output/program_root.hpp"
+#include "cli/output/scratch_folder.hpp"
 #include "mutants/trial.hpp"
 
 namespace weft::cli {
@@ -16,25 +17,6 @@ namespace fs = std::filesystem;
 
 constexpr int kTooFewCaught = 1;
 constexpr std::chrono::seconds kLongest{1200};  ///< more than a group may take
-
-/// A folder of this process that is gone at the end.
-class Workshop {
- public:
-  Workshop() {
-    std::string name = (fs::temp_directory_path() / "weft-mutants-XXXXXX").string();
-    if (mkdtemp(name.data()) != nullptr) path_ = name;
-  }
-  ~Workshop() {
-    std::error_code code;
-    if (!path_.empty()) fs::remove_all(path_, code);
-  }
-  Workshop(const Workshop&) = delete;
-  Workshop& operator=(const Workshop&) = delete;
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 std::vector<std::string> check_words(const std::string& manifest, std::string_view group) {
   const std::string program = program_root() / "bin/weft";
@@ -71,8 +53,9 @@ void check_mutants(const MutantOptions& options, Context& context) {
                trial.verdict.why);
     std::fflush(stdout);
   };
-  const Workshop workshop;
-  const auto trials = mutants::try_mutants(drawn.mutants, library, workshop.path(),
+  const auto scratch = ScratchFolder::make("weft-mutants");
+  if (!scratch) return refuse(scratch.error(), kInputOutput);
+  const auto trials = mutants::try_mutants(drawn.mutants, library, scratch->path(),
                                            {check_words, kLongest, options.jobs}, told);
   if (!trials) return refuse(trials.error(), kInputOutput);
   for (const std::string& wrong : trials->wrong) fmt::print("original {}\n", wrong);

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
-#include <stdlib.h>
 #include <time.h>
 #include <unistd.h>
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <weft/core/whole_file.hpp>
 
 #include "bench/report.hpp"
 #include "cli/commands.hpp"
 #include "cli/output/new_file.hpp"
 #include "cli/output/report_text.hpp"
+#include "cli/output/scratch_folder.hpp"
 #include "cli/run/bench_options.hpp"
 #include "cli/run/interruption.hpp"
 #include "cli/run/run_settings.hpp"
@@ -53,54 +54,29 @@ T need(Result<T> measured) {
   return *std::move(measured);
 }
 
-/// Where the sinks write, if they take part; nothing of it is kept.
-class Scratch {
- public:
-  explicit Scratch(bool is_wanted) {
-    if (!is_wanted) return;
-    std::error_code code;
-    std::string pattern = (fs::temp_directory_path(code) / "weft-bench-XXXXXX").string();
-    if (code || mkdtemp(pattern.data()) == nullptr) {
-      end({Errc::io, "no folder for the sinks can be made there; set TMPDIR", pattern},
-          kInputOutput);
-    }
-    path_ = pattern;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-
-  /// The name of a folder of its own for each pipeline; none where sinks take no part.
-  std::string folder(std::size_t pipeline) const {
-    if (path_.empty()) return {};
-    std::string folder = path_ + "/" + std::to_string(pipeline);
-    std::error_code ignored;  // sinks say what they cannot write
-    fs::create_directories(folder, ignored);
-    return folder;
-  }
-
- private:
-  std::string path_;
-};
+/// Where the sinks of a pipeline write, a folder of its own in the scratch folder.
+std::string sink_folder(const ScratchFolder& scratch, std::size_t pipeline) {
+  std::string folder = scratch.path() + "/" + std::to_string(pipeline);
+  std::error_code ignored;  // sinks say what they cannot write
+  fs::create_directories(folder, ignored);
+  return folder;
+}
 
 /// The pipelines, or nothing where one of them is wrong, which has been printed.
-std::vector<CheckedPipeline> check_all(const std::vector<bench::Entry>& entries, bool with_sinks,
-                                       const host::Registry& registry, const Scratch& scratch) {
+std::vector<CheckedPipeline> check_all(const std::vector<bench::Entry>& entries,
+                                       const host::Registry& registry,
+                                       const std::optional<ScratchFolder>& scratch) {
   std::vector<CheckedPipeline> pipelines;
   bool ok = true;
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const std::string folder =
-        with_sinks ? scratch.folder(i) : fs::absolute(free_folder(entries[i].file)).string();
+        scratch ? sink_folder(*scratch, i) : fs::absolute(free_folder(entries[i].file)).string();
     host::ComponentChecks checks = checks_of(entries[i].file);
     auto [pipeline, report] =
         check_pipeline(entries[i].file, registry, folder, entries[i].settings, {}, &checks);
     if (!report.ok()) print_report(report);
     ok = ok && report.ok();
-    pipelines.push_back(with_sinks ? std::move(pipeline)
-                                   : bench::without_sinks(std::move(pipeline)));
+    pipelines.push_back(scratch ? std::move(pipeline) : bench::without_sinks(std::move(pipeline)));
   }
   return ok ? std::move(pipelines) : std::vector<CheckedPipeline>{};
 }
@@ -198,8 +174,13 @@ void bench_pipelines(const BenchOptions& options, Context& context) {
   }
   const std::vector<bench::Entry> entries = entries_of(options);
   const auto registry = context.registry();
-  const Scratch scratch(options.with_sinks);
-  auto pipelines = check_all(entries, options.with_sinks, registry, scratch);
+  std::optional<ScratchFolder> scratch;
+  if (options.with_sinks) {
+    auto made = ScratchFolder::make("weft-bench");
+    if (!made) end(made.error(), kInputOutput);
+    scratch.emplace(*std::move(made));
+  }
+  auto pipelines = check_all(entries, registry, scratch);
   if (pipelines.empty()) {
     context.exit_code = kBadConfiguration;
     return;

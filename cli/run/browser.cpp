@@ -6,12 +6,9 @@
 #include <unistd.h>
 
 #include <cstdlib>
-#include <filesystem>
 
 namespace weft::cli {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// The desktop's program goes on by itself: its output is discarded, and it runs in its own process
 /// group so that Ctrl-C does not reach it.
@@ -34,11 +31,6 @@ void start_desktop(std::string address) {
 
 }  // namespace
 
-Browser::~Browser() {
-  std::error_code ignored;
-  if (!folder_.empty()) fs::remove_all(folder_, ignored);
-}
-
 void Browser::open(const std::string& page, const std::string& token) {
   if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
   const std::string address = token.empty() ? page : write_private(page + "?token=" + token);
@@ -46,13 +38,10 @@ void Browser::open(const std::string& page, const std::string& token) {
 }
 
 std::string Browser::write_private(const std::string& page) {
-  std::error_code code;
-  const fs::path temporary = fs::temp_directory_path(code);
-  if (code) return "";
-  std::string pattern = temporary / "weft-live-XXXXXX";
-  if (mkdtemp(pattern.data()) == nullptr) return "";  // for this user only
-  folder_ = pattern;
-  const std::string file = folder_ + "/page.html";
+  auto folder = ScratchFolder::make("weft-live");
+  if (!folder) return "";
+  folder_.emplace(*std::move(folder));
+  const std::string file = folder_->path() + "/page.html";
   // Neither the address nor the token has a character that HTML would read in another way.
   const std::string text =
       "<!DOCTYPE html>\n<meta charset=\"utf-8\">\n<meta name=\"referrer\" "

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
+
+#include "cli/output/scratch_folder.hpp"
 
 namespace weft::cli {
 
@@ -10,18 +13,13 @@ namespace weft::cli {
 /// to the page, which is removed with this object.
 class Browser {
  public:
-  Browser() = default;
-  ~Browser();
-  Browser(const Browser&) = delete;
-  Browser& operator=(const Browser&) = delete;
-
   void open(const std::string& page, const std::string& token);
 
  private:
   /// Its address; empty where it cannot be written.
   std::string write_private(const std::string& page);
 
-  std::string folder_;
+  std::optional<ScratchFolder> folder_;
 };
 
 }  // namespace weft::cli

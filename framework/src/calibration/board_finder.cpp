@@ -83,11 +83,10 @@ Result<View> BoardFinder::find_whole(const cv::Mat& grey, const std::string& nam
   const auto count = static_cast<Eigen::Index>(seen.size());
   View view{name, Eigen::MatrixX2d(count, 2), Eigen::MatrixX2d(count, 2)};
   for (Eigen::Index i = 0; i < count; ++i) {
-    const auto row = static_cast<double>(i / size.width);
-    const auto column = static_cast<double>(i % size.width);
-    const double odd = i / size.width % 2 == 1 ? 1.0 : 0.0;
+    const Eigen::Index row = i / size.width, column = i % size.width;
     view.image_px.row(i) << seen[to_index(i)].x, seen[to_index(i)].y;
-    view.board_m.row(i) << (asymmetric ? 2.0 * column + odd : column), row;
+    view.board_m.row(i) << static_cast<double>(asymmetric ? 2 * column + row % 2 : column),
+        static_cast<double>(row);
   }
   view.board_m *= board_.square_m;
   return view;

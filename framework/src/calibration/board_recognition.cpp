@@ -16,16 +16,14 @@ namespace weft::calibration {
 namespace {
 
 constexpr std::size_t kFewestMarkers = 6;
-constexpr double kMostOff = 0.25;  // squares: a lens moves markers by less
-constexpr double kMostOtherShare = 0.06;
-/// A view from the side measures the share to 0.07; corners of the board do not depend on so
-/// little.
-constexpr double kMostWrongShare = 0.12;
+constexpr double kMostOff = 0.25;         // squares: a lens moves markers by less
+constexpr double kMostOtherShare = 0.06;  // of the side of a square
 
 cv::Point2f middle_of(const std::vector<cv::Point2f>& corners) {
   return 0.25F * (corners[0] + corners[1] + corners[2] + corners[3]);
 }
 
+/// As if it were a square of the same diagonals.
 double side_of(const std::vector<cv::Point2f>& corners) {
   return 0.5 * (cv::norm(corners[0] - corners[2]) + cv::norm(corners[1] - corners[3])) /
          std::sqrt(2.0);
@@ -40,21 +38,39 @@ std::optional<cv::Point2f> place_of(int id, const cv::aruco::CharucoBoard& charu
   return cv::Point2f(middle.x, middle.y) / charuco.getSquareLength();
 }
 
-/// The share that markers have of their squares, by the distances of neighbours.
+/// The markers that the board has, taken back from the image to the board, in squares.
+struct OnBoard {
+  Markers corners;
+  std::vector<cv::Point2f> places;  ///< where the board has their middles
+};
+
+/// By the homography of their middles; nothing where too few are seen, or all on one line.
+std::optional<OnBoard> taken_back(const Markers& markers, const std::vector<int>& ids,
+                                  const cv::aruco::CharucoBoard& charuco) {
+  OnBoard board;
+  std::vector<cv::Point2f> middles_px;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    const auto place = place_of(ids[i], charuco);
+    if (!place) continue;
+    middles_px.push_back(middle_of(markers[i]));
+    board.places.push_back(*place);
+    board.corners.push_back(markers[i]);
+  }
+  if (board.places.size() < kFewestMarkers) return std::nullopt;
+  const cv::Mat board_from_image = cv::findHomography(middles_px, board.places, cv::LMEDS);
+  if (board_from_image.empty()) return std::nullopt;
+  for (auto& corners : board.corners) cv::perspectiveTransform(corners, corners, board_from_image);
+  return board;
+}
+
+/// The share that markers have of the side of their squares. It is measured on the board, since a
+/// view from the side shortens markers and their distances differently.
 std::optional<double> marker_share(const Markers& markers, const std::vector<int>& ids,
                                    const cv::aruco::CharucoBoard& charuco) {
+  const auto board = taken_back(markers, ids, charuco);
+  if (!board) return std::nullopt;
   std::vector<double> shares;
-  for (std::size_t a = 0; a < ids.size(); ++a) {
-    for (std::size_t b = a + 1; b < ids.size(); ++b) {
-      const auto at = place_of(ids[a], charuco), other = place_of(ids[b], charuco);
-      if (!at || !other) continue;
-      const double squares = cv::norm(*at - *other);
-      if (squares > 1.5) continue;
-      const double distance_px = cv::norm(middle_of(markers[a]) - middle_of(markers[b]));
-      shares.push_back(0.5 * (side_of(markers[a]) + side_of(markers[b])) * squares / distance_px);
-    }
-  }
-  if (shares.size() < kFewestMarkers) return std::nullopt;
+  for (const auto& corners : board->corners) shares.push_back(side_of(corners));
   return median(shares);
 }
 
@@ -224,19 +240,12 @@ cv::Ptr<cv::FeatureDetector> circle_detector(const cv::Mat& grey, double least_c
 
 std::optional<double> layout_error(const Markers& markers, const std::vector<int>& ids,
                                    const cv::aruco::CharucoBoard& charuco) {
-  std::vector<cv::Point2f> seen, places, back;
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    const auto place = place_of(ids[i], charuco);
-    if (!place) continue;
-    seen.push_back(middle_of(markers[i]));
-    places.push_back(*place);
-  }
-  if (places.size() < kFewestMarkers) return std::nullopt;
-  const cv::Mat board_from_image = cv::findHomography(seen, places, cv::LMEDS);
-  if (board_from_image.empty()) return std::nullopt;
-  cv::perspectiveTransform(seen, back, board_from_image);
+  const auto board = taken_back(markers, ids, charuco);
+  if (!board) return std::nullopt;
   std::vector<double> errors;
-  for (std::size_t i = 0; i < places.size(); ++i) errors.push_back(cv::norm(back[i] - places[i]));
+  for (std::size_t i = 0; i < board->places.size(); ++i) {
+    errors.push_back(cv::norm(middle_of(board->corners[i]) - board->places[i]));
+  }
   // LMEDS fits half of the points: the others show that the layout is another one.
   std::sort(errors.begin(), errors.end());
   return errors[errors.size() * 3 / 4];
@@ -252,7 +261,7 @@ std::optional<std::string> mistake_in_markers(const Markers& markers, const std:
                        board.rows);
   }
   const auto share = marker_share(markers, ids, charuco);
-  if (!share || std::abs(*share - board.marker_share) <= kMostWrongShare) return std::nullopt;
+  if (!share || std::abs(*share - board.marker_share) <= kMostOtherShare) return std::nullopt;
   return fmt::format("the markers have {:.2f} of the side of their squares, not {:.2f}", *share,
                      board.marker_share);
 }
