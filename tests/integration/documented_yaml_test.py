@@ -87,7 +87,7 @@ class DocumentedYaml(unittest.TestCase):
                     "README.md:3: there is no pipelines/none.yaml")
 
     def test_tells_a_quoted_file_that_is_wrong(self):
-        self.expect(fenced("weft: 1", "<!-- quote: pipelines/none.yaml -->"), "none.yaml:1:1: ")
+        self.expect(fenced("weft: 1", "<!-- quote: pipelines/none.yaml -->"), "none.yaml: there is no such file")
 
     def test_tells_a_component_in_a_block_of_no_language(self):
         self.expect(fenced("- {use: filters/x}", language=""), "README.md:4: is this block YAML?")

@@ -112,14 +112,16 @@ Result<void> VideoFile::close_part() {
   auto closed = avi_.close();
   writer_.release();
   if (!closed) return closed;
+  const std::int64_t found = films::count_packets(part_path_);
+  if (found != given_) {
+    return Error{Errc::io, "the video " + part_path_ + " has " + std::to_string(found) + " of " +
+                               std::to_string(given_) + " frames: is the disk full?"};
+  }
   if (const std::error_code code = sync_path(part_path_)) {
     return Error{Errc::io, "the video " + part_path_ + " cannot be written to disk (" +
                                why_not_written(code) + "): is the disk full?"};
   }
-  const std::int64_t found = films::count_packets(part_path_);
-  if (found == given_) return {};
-  return Error{Errc::io, "the video " + part_path_ + " has " + std::to_string(found) + " of " +
-                             std::to_string(given_) + " frames: is the disk full?"};
+  return {};
 }
 
 Result<void> VideoFile::close() {

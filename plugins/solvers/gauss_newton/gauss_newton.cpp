@@ -67,6 +67,9 @@ class GaussNewton final : public Solver {
     p.read("tolerance_m", search_.options.tolerance_m, "m", {0.0, 1.0},
            "rms step at which to stop");
     p.component("start", start_, "shape from which an object is found without a previous shape");
+    p.read("go_on", goes_on_,
+           "try no other start than the previous shape; for one that an earlier solver of the same "
+           "frame found");
     p.read("start_smoothing", start_smoothing_, "squared mean edge lengths", {0.0, 1e6},
            "how strongly the bends of that shape are smoothed; 0: not at all");
     p.read(
@@ -111,6 +114,7 @@ class GaussNewton final : public Solver {
       tracked = is_tracked(in, gauge_.motion(mesh_, frame_.data, start_m_));
       run_start(StartKind::previous);
     }
+    if (has_previous && goes_on_ && best_ >= 0) return {};
     if (tracked && !candidates_.front().doubtful()) return {};
     if (has_previous && !tracked) {
       start_m_ = solvers::depth_mirrored(in.previous_shape->vertices_m.matrix<3>());
@@ -231,6 +235,7 @@ class GaussNewton final : public Solver {
 
   SolverComponent start_{"solvers/brunet_mdh"};
   double start_smoothing_ = 1.5;
+  bool goes_on_ = false;
   bool wants_covariance_ = true;
 
   MeshModel mesh_;

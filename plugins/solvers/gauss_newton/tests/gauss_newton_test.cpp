@@ -183,6 +183,20 @@ TEST(GaussNewton, ContinuesFromThePreviousShape) {
   EXPECT_EQ(shape.shape_state(), ShapeState::estimated);
 }
 
+TEST(GaussNewton, TriesNoOtherStartThanThePreviousShapeWhereItGoesOn) {
+  const Matched matched({0.25, {0.6, 0, 0, 0, 0, 0}}, {300, 1.0, 0.0}, kSeed);
+  // Half of the sheet's size aside: taken for an object that jumped.
+  const Shape previous = shape_of(Scene::bent(0.3, {0.6, 0.15, 0, 0, 0, 0}).truth_m);
+  const auto starts_tried = [&](const char* params) {
+    PluginUnderTest plugin(kId, params);
+    const Shape shape = given(matched.run(plugin, &previous));
+    EXPECT_LT(1e3 * matched.scene.mean_error_m(shape), 1.0) << params;
+    return shape.diag.value("starts_tried", 0.0);
+  };
+  EXPECT_EQ(starts_tried("{go_on: true}"), 1.0);
+  EXPECT_GT(starts_tried("{}"), 1.0);
+}
+
 TEST(GaussNewton, LeavesAPreviousShapeThatIsFoldedOrBehindTheCamera) {
   const Matched matched({0.25, {0.6, 0, 0, 0, 0, 0}}, {300, 1.0, 0.0}, kSeed);
   Points3 folded_m = matched.scene.truth_m;
