@@ -142,6 +142,9 @@ constexpr const char* kAdvice =
     "                       weft init FOLDER --template OBJECT\n"
     "  a film               --video FILE\n";
 
+constexpr const char* kCalibrationAdvice =
+    "A camera's file is made by: weft calibrate --camera 0 --out camera.yaml\n";
+
 constexpr const char* kPortAdvice = "Another port: --set live.address=127.0.0.1:8091\n";
 
 void run_live(const LiveOptions& options, Context& context) {
@@ -163,6 +166,10 @@ void run_live(const LiveOptions& options, Context& context) {
                object_of(options, arguments.pipeline), advice_for(config));
     std::fflush(stdout);
     if (page && !options.no_browser) browser.open(page->address, page->token);
+  };
+  arguments.refused = [](const ConfigReport& report) {
+    const bool lacks_camera = report.text().find("'camera': there is no file") != std::string::npos;
+    if (lacks_camera) fmt::print(stderr, "{}", kCalibrationAdvice);
   };
   arguments.failed = [](const PipelineConfig& config, const Error& error) {
     if (is_about_camera(config, error)) fmt::print(stderr, "{}", kAdvice);

@@ -193,6 +193,7 @@ void run(const RunArguments& arguments, Context& context) {
   if (!report.ok() && interrupted.load()) return print_interrupted(stdout);
   if (!report.ok()) {
     print_report(report);
+    if (arguments.refused) arguments.refused(report);
     context.exit_code = kBadConfiguration;
     return;
   }

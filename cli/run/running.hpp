@@ -22,6 +22,8 @@ struct RunArguments {
   std::string isolate = "auto";  ///< see isolating_of()
   /// Called before the first frame, when all sinks are open.
   std::function<void(const PipelineConfig& config)> started{};
+  /// Called after the mistakes of a pipeline that is not legal.
+  std::function<void(const ConfigReport& report)> refused{};
   /// Called after the error of a legal pipeline that could not run.
   std::function<void(const PipelineConfig& config, const Error& error)> failed{};
 };

@@ -162,14 +162,19 @@ TEST_F(IsolationTest, ASourceThatDiesIsOpenedAgainAndASinkIsNot) {
   const auto status_of = [&](host::Instance* instance, int method, std::uint64_t frame) {
     return lane.call(*instance, method, {}, frame).status;
   };
-  const auto kill_all = [] {
-    for (const pid_t child : children_of(getpid())) kill(child, SIGKILL);
+  const auto kill_workers = [] {
+    const std::vector<pid_t> supervisors = children_of(getpid());
+    for (const pid_t supervisor : supervisors) {
+      for (const pid_t worker : children_of(supervisor)) kill(worker, SIGKILL);
+    }
+    EXPECT_TRUE(comes_true(
+        [&] { return std::all_of(supervisors.begin(), supervisors.end(), testing::is_gone); }));
   };
   const auto source = lane.instantiate_isolated(config.source->component, "sources", apart);
   ASSERT_TRUE(source) << source.error().message;
   ASSERT_EQ(status_of(*source, kOpenSource, host::kOfflineFrame), WEFT_OK);
   EXPECT_EQ(status_of(*source, kReadFrame, 0), WEFT_OK);
-  kill_all();
+  kill_workers();
   EXPECT_EQ(status_of(*source, kReadFrame, 1), WEFT_ERROR);
   EXPECT_EQ(status_of(*source, kReadFrame, 1), WEFT_OK);
 
@@ -179,7 +184,7 @@ TEST_F(IsolationTest, ASourceThatDiesIsOpenedAgainAndASinkIsNot) {
   EXPECT_EQ(status_of(*sink, kWriteFrame, 0), WEFT_OK);
   const std::string written = read_text(path("lines.part"));
   EXPECT_NE(written, "");
-  kill_all();
+  kill_workers();
   EXPECT_EQ(status_of(*sink, kWriteFrame, 1), WEFT_ERROR);
   const host::Outcome refused = lane.call(**sink, kWriteFrame, {}, 2);
   EXPECT_EQ(refused.status, WEFT_ERROR);

@@ -124,7 +124,7 @@ class LiveDemo(unittest.TestCase):
             cwd=self.folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
         self.addCleanup(live.communicate)
         self.addCleanup(live.kill)
-        self.assertEqual(live.stdout.readline(), f"{self.page}\n")
+        self.assertEqual(live.stdout.readline(), f"http://{self.address}/?token=...\n")
         return live
 
     def test_the_example_reads_frames_until_the_run_ends(self) -> None:

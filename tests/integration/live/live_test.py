@@ -161,7 +161,7 @@ class Live(unittest.TestCase):
                 with Viewer(self.port(), TOKEN) as viewer:
                     viewer.frame()
                     # What is checked anew for a change has the token.
-                    self.assertEqual(viewer.insist("set filters.every=1"), "")
+                    self.assertEqual(viewer.insist("set filters.stiffness=11"), "")
                 out, err = self.stop(live)
                 self.assertIn("?token=...", out)
                 self.expect_no_token(out, err)
