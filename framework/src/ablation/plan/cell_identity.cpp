@@ -214,6 +214,7 @@ IdentityPart Identifier::rest_part(const CheckedPipeline& pipeline, std::uint64_
               {"frames", measurement.frames}}}};
   const std::int64_t samples = measurement.options.surface_samples;
   if (samples > 0) rest["metrics"]["surface_samples"] = samples;
+  if (!pipeline.config.is_sequence) rest["sequence"] = false;
   // Both decide what is a failure; what they are by default has never been named.
   if (pipeline.config.max_failed > 0) rest["max_failed"] = pipeline.config.max_failed;
   if (pipeline.config.stop_on_error) rest["on_error"] = "stop";

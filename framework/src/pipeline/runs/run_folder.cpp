@@ -75,6 +75,7 @@ ordered_json provenance(const PipelineConfig& config) {
                      {"pipeline", config.file}, {"sources", source_names(config.sources)},
                      {"seed", config.seed},     {"reproducible", !config.latest_only}};
   if (config.latest_only) facts["realtime"] = "latest";
+  if (!config.is_sequence) facts["sequence"] = false;
   facts["end"] = kEndFile;
   facts["machine"] = {{"processor", host::processor_name()}, {"system", system.release}};
   facts["components"] = std::move(components);
