@@ -5,7 +5,6 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <utility>
-#include <weft/data/camera_assumption.hpp>
 #include <weft/images/image_file.hpp>
 
 namespace weft::cameras {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <weft/images/image_file.hpp>
 
-#include "common/cameras/assumed_camera.hpp"
+#include "common/assumed_cameras/assumed_camera.hpp"
 #include "image_file.hpp"
 
 namespace weft::images {

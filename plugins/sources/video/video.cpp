@@ -7,7 +7,7 @@
 #include <utility>
 #include <weft/sdk/source.hpp>
 
-#include "common/cameras/assumed_camera.hpp"
+#include "common/assumed_cameras/assumed_camera.hpp"
 #include "common/cameras/calibrated_camera.hpp"
 #include "frame_stream.hpp"
 #include "pipeline_text.hpp"

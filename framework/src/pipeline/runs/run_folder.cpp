@@ -11,7 +11,7 @@
 #include <weft/core/output_folder.hpp>
 #include <weft/core/version.hpp>
 #include <weft/core/whole_file.hpp>
-#include <weft/data/camera_assumption.hpp>
+#include <weft/data/camera.hpp>
 
 #include "host/loading/processor.hpp"
 #include "host/loading/secrets.hpp"

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 #include <weft/data/camera.hpp>
-#include <weft/data/camera_assumption.hpp>
 
 #include "host/loading/registry.hpp"
 #include "pipeline/survey/data_layout.hpp"

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <weft/data/camera.hpp>
-#include <weft/data/camera_assumption.hpp>
 #include <weft/data/image.hpp>
 
 #include "common/images/tests/exif.hpp"

@@ -13,7 +13,6 @@
 #include <thread>
 #include <weft/core/rng.hpp>
 #include <weft/data/camera.hpp>
-#include <weft/data/camera_assumption.hpp>
 #include <weft/data/image.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/cameras/assumed_camera.hpp"
+#include "common/assumed_cameras/assumed_camera.hpp"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <weft/data/camera_assumption.hpp>
 
 namespace weft::cameras {
 namespace {

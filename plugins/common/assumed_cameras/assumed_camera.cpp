@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/cameras/assumed_camera.hpp"
+#include "common/assumed_cameras/assumed_camera.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,6 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
-#include <weft/data/camera_assumption.hpp>
 
 namespace weft::cameras {
 namespace {
