@@ -20,6 +20,7 @@ struct Context {
 
 // Each adds its subcommand; its callback sets Context::exit_code.
 void add_run_command(CLI::App& app, Context& context);
+void add_track_command(CLI::App& app, Context& context);
 void add_init_command(CLI::App& app, Context& context);
 void add_live_command(CLI::App& app, Context& context);
 void add_bench_command(CLI::App& app, Context& context);

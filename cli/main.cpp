@@ -31,6 +31,7 @@ int run_command(const std::vector<std::string>& arguments) {
       ->allow_extra_args(false);
   app.fallthrough();
   weft::cli::add_run_command(app, context);
+  weft::cli::add_track_command(app, context);
   weft::cli::add_init_command(app, context);
   weft::cli::add_live_command(app, context);
   weft::cli::add_check_command(app, context);

@@ -29,6 +29,9 @@ inline StandardFeatures standard_features() {
           .matcher = "{use: matchers/descriptor, params: {direction: image_to_template}}"};
 }
 
+/// The pipeline that comes with the program and that others are laid over.
+inline const char* default_pipeline() { return "demo.yaml"; }
+
 /// What --photo stands for.
 inline const char* photo_template() { return "templates/photo"; }
 

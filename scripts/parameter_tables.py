@@ -53,6 +53,7 @@ def type_of(parameter: dict[str, Any]) -> str:
     words = TYPES.get(kind, kind)
     if parameter["list"]:
         words = f"list of {words}s"
+    words += "".join(f", or `{choice}`" for choice in parameter.get("choices", []))
     if parameter.get("unit"):
         words += f", {parameter['unit']}"
     if "range" in parameter:

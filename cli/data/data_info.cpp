@@ -32,10 +32,25 @@ ordered_json truth_json(const std::string& kind, const TruthSurvey& truth) {
           {"frames_with", truth.has}};
 }
 
+ordered_json camera_json(const DataSurvey& survey) {
+  const Camera& camera = survey.camera;
+  ordered_json json{{"fx", camera.fx},
+                    {"fy", camera.fy},
+                    {"cx", camera.cx},
+                    {"cy", camera.cy},
+                    {"width_px", camera.width_px},
+                    {"height_px", camera.height_px}};
+  if (survey.assumed) {
+    json["assumed"] = {{"focal_sd_px", survey.assumed->focal_sd_px},
+                       {"centre_sd_px", {survey.assumed->cx_sd_px, survey.assumed->cy_sd_px}},
+                       {"from", survey.assumed->from}};
+  }
+  return json;
+}
+
 ordered_json survey_json(const std::string& path, const DataSurvey& survey) {
   ordered_json truth = ordered_json::array();
   for (const auto& [kind, each] : survey.truth) truth.push_back(truth_json(kind, each));
-  const Camera& camera = survey.camera;
   return {{"path", path},
           {"kind", survey.kind},
           {"source", survey.source},
@@ -47,13 +62,7 @@ ordered_json survey_json(const std::string& path, const DataSurvey& survey) {
           {"last_stem", survey.last_stem},
           {"first_s", survey.first_s},
           {"last_s", survey.last_s},
-          {"camera",
-           {{"fx", camera.fx},
-            {"fy", camera.fy},
-            {"cx", camera.cx},
-            {"cy", camera.cy},
-            {"width_px", camera.width_px},
-            {"height_px", camera.height_px}}},
+          {"camera", camera_json(survey)},
           {"frames_with_truth", survey.frames_with_truth},
           {"truth", std::move(truth)},
           {"failures", survey.failures},
@@ -86,8 +95,9 @@ void print_survey(const std::string& path, const DataSurvey& survey) {
   }
   if (survey.grey + survey.colour == 0) fmt::print(", no images");
   if (survey.matches > 0) fmt::print(", {} matches", survey.matches);
-  fmt::print("\ncamera    {} x {} px, fx {:.2f} fy {:.2f} cx {:.2f} cy {:.2f}, undistorted\n",
-             camera.width_px, camera.height_px, camera.fx, camera.fy, camera.cx, camera.cy);
+  fmt::print("\ncamera    {} x {} px, fx {:.2f} fy {:.2f} cx {:.2f} cy {:.2f}, {}\n",
+             camera.width_px, camera.height_px, camera.fx, camera.fy, camera.cx, camera.cy,
+             survey.assumed ? "assumed" : "undistorted");
   for (const auto& [kind, truth] : survey.truth) print_truth(kind, truth);
   for (const std::string& finding : survey.findings) fmt::print("note      {}\n", finding);
   for (const std::string& failure : survey.failures) fmt::print("damaged   {}\n", failure);
@@ -131,7 +141,7 @@ void add_data_info(CLI::App& data, Context& context) {
   command->add_option("PATH", options->path, "Folder, video, or YAML file with a source")
       ->required();
   command->add_option("--camera", options->camera,
-                      "Camera file, where none lies beside the images");
+                      "Camera file, where none lies beside the images; auto: none, it is assumed");
   command->add_flag("--json", options->json, "Print JSON");
   command->callback(
       [&context, options] { inform(options->path, options->camera, options->json, context); });

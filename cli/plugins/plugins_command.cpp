@@ -78,7 +78,8 @@ void print_parameter(const host::ParameterSpec& parameter) {
   if (parameter.is_vector) facts += " list";
   if (!parameter.unit.empty()) facts += fmt::format(" in {}", parameter.unit);
   if (parameter.bounded) facts += fmt::format(", {} to {}", parameter.minimum, parameter.maximum);
-  if (!parameter.choices.empty()) facts += ": " + words(parameter.choices);
+  const bool is_path = parameter.type == WEFT_VALUE_INPUT_PATH;
+  if (!parameter.choices.empty()) facts += (is_path ? ", or " : ": ") + words(parameter.choices);
   facts += parameter.required ? ", required" : ", default " + default_text(parameter.default_value);
   fmt::print("  {}: {}\n      {}\n", parameter.name, parameter.help, facts);
 }

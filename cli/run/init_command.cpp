@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -12,20 +11,15 @@
 #include <utility>
 #include <vector>
 #include <weft/core/output_folder.hpp>
-#include <weft/core/text_file.hpp>
-#include <weft/core/whole_file.hpp>
-#include <weft/images/image_file.hpp>
 
 #include "cli/commands.hpp"
 #include "cli/output/new_file.hpp"
-#include "schema/schema.hpp"
+#include "cli/run/pipeline_parts.hpp"
 
 namespace weft::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kSchema = "pipeline.schema.json";
 
 struct InitOptions {
   std::string folder, picture, object, video;
@@ -84,77 +78,12 @@ Result<void> fill_in(InitOptions& options) {
   return {};
 }
 
-/// What goes into the folder beside the pipeline, under these names there.
-struct Copy {
-  std::string file, name;
-};
-
-/// The key `template` of the pipeline, and the files that it names.
-struct TemplateKey {
-  std::string text;
-  std::vector<Copy> files;
-};
-
-/// About 12 cells along the longer side, square ones.
-std::string flat_template(double width_m, const ImageHeader& picture, const std::string& texture) {
-  constexpr double kCells = 12.0;
-  const auto width = static_cast<double>(picture.upright_width_px());
-  const auto height = static_cast<double>(picture.upright_height_px());
-  const double cell = std::max(width, height) / kCells;
-  const auto count = [&](double side) { return std::max(3L, std::lround(side / cell) + 1); };
-  return fmt::format(
-      "template:\n  use: templates/rectangular\n"
-      "  params: {{texture: {}, width_m: {}, columns: {}, rows: {}}}\n",
-      texture, width_m, count(width), count(height));
-}
-
 Result<TemplateKey> template_key(const InitOptions& options) {
-  if (!options.object.empty()) {
-    TemplateKey key{
-        "template:\n  use: templates/mesh\n  params: {mesh: template.obj, texture: texture.png}\n",
-        {}};
-    for (const char* name : {"template.obj", "texture.png"}) {
-      key.files.push_back({options.object + "/" + name, name});
-    }
-    return key;
-  }
-  const auto picture = read_image_bytes(options.picture);
-  if (!picture) return picture.error();
-  if (picture->header.width_px < 1) {
-    return Error{Errc::invalid_data, "is no picture that can be read: give a PNG or JPEG",
-                 options.picture};
-  }
-  const std::string texture = "texture" + fs::path(options.picture).extension().string();
-  return TemplateKey{flat_template(*options.width_m, picture->header, texture),
-                     {{options.picture, texture}}};
+  return options.object.empty() ? flat_template(options.picture, *options.width_m)
+                                : mesh_template(options.object);
 }
 
-/// Before the first one is copied: whoever mistyped a name types the command again.
-Result<void> check_are_there(const std::vector<Copy>& files) {
-  for (const Copy& copy : files) {
-    if (auto found = check_input(copy.file, InputKind::file); !found) return found;
-  }
-  return {};
-}
-
-Result<void> copy_into(const std::string& folder, const std::vector<Copy>& files) {
-  for (const Copy& copy : files) {
-    std::error_code code;
-    fs::copy_file(copy.file, folder + "/" + copy.name, code);
-    if (!code) continue;
-    return Error{Errc::io, "cannot be copied into " + folder + ": " + code.message(), copy.file};
-  }
-  return {};
-}
-
-/// A path as a value inside { }.
-std::string flow_quoted(const fs::path& path) {
-  std::string quoted = "'";
-  for (const char c : path.string()) quoted += c == '\'' ? std::string("''") : std::string(1, c);
-  return quoted + "'";
-}
-
-/// As pipelines/live.yaml, whole in one file; editors read in its first line where the schema is.
+/// As pipelines/live.yaml, whole in one file.
 std::string pipeline_text(const InitOptions& options, const std::string& templ) {
   const std::string camera = options.camera->empty() ? "" : ", camera: camera.yaml";
   const bool is_film = !options.video.empty();
@@ -162,26 +91,26 @@ std::string pipeline_text(const InitOptions& options, const std::string& templ) 
       is_film
           ? fmt::format("params: {{path: {}{}}}", flow_quoted(fs::absolute(options.video)), camera)
           : fmt::format("params: {{device: {}{}}}", *options.device, camera);
-  return fmt::format(
-      "# yaml-language-server: $schema={}\n"
-      "# {}: weft live live.yaml\n"
-      "weft: 1\n"
-      "realtime: latest\n"
-      "source: {{use: sources/video, {}}}\n"
-      "{}"
-      "stages:\n"
-      "  - {{use: matchers/track, as: tracked}}\n"
-      "  - {{use: detectors/sift_fast, when: {{not_ok: tracked, every: 30}}}}\n"
-      "  - {{use: matchers/descriptor, params: {{direction: image_to_template}}}}\n"
-      "  - {{use: matchers/merge, as: matches, from: {{correspondences: [tracked, matchers]}}}}\n"
-      "  - use: filters/aem\n"
-      "  - {{use: warps/bbs, params: {{robust: \"off\"}}}}\n"
-      "  - use: passes/salient_cells\n"
-      "  - use: solvers/particle_sft\n"
-      "    params: {{start: {{use: solvers/brunet_mdh}}, tracked_damping: 0.05}}\n"
-      "sinks:\n"
-      "  - {{use: sinks/live, as: live}}\n",
-      kSchema, is_film ? "Play the film" : "Show the object to the camera", params, templ);
+  const char* what = is_film ? "Play the film" : "Show the object to the camera";
+  return pipeline_head(what + std::string(": weft live live.yaml")) +
+         fmt::format(
+             "realtime: latest\n"
+             "source: {{use: sources/video, {}}}\n"
+             "{}"
+             "stages:\n"
+             "  - {{use: matchers/track, as: tracked}}\n"
+             "  - {{use: detectors/sift_fast, when: {{not_ok: tracked, every: 30}}}}\n"
+             "  - {{use: matchers/descriptor, params: {{direction: image_to_template}}}}\n"
+             "  - {{use: matchers/merge, as: matches, from: {{correspondences: [tracked, "
+             "matchers]}}}}\n"
+             "  - use: filters/aem\n"
+             "  - {{use: warps/bbs, params: {{robust: \"off\"}}}}\n"
+             "  - use: passes/salient_cells\n"
+             "  - use: solvers/particle_sft\n"
+             "    params: {{start: {{use: solvers/brunet_mdh}}, tracked_damping: 0.05}}\n"
+             "sinks:\n"
+             "  - {{use: sinks/live, as: live}}\n",
+             params, templ);
 }
 
 Result<void> check_size(const InitOptions& options) {
@@ -210,10 +139,8 @@ Result<void> init(InitOptions options, const host::Registry& registry) {
   if (!options.video.empty()) inputs.push_back({options.video, {}});
   if (auto there = check_are_there(inputs); !there) return there;
   if (auto made = make_new_folder(options.folder); !made) return made;
-  if (auto copied = copy_into(options.folder, files); !copied) return copied;
-  auto written = write_whole(schema::pipeline_schema(registry), options.folder + "/" + kSchema);
-  if (!written) return written;
-  return write_whole(pipeline_text(options, templ->text), options.folder + "/live.yaml");
+  return write_pipeline(options.folder, "live.yaml", pipeline_text(options, templ->text), files,
+                        registry);
 }
 
 }  // namespace

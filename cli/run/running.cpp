@@ -223,8 +223,10 @@ void run(const RunArguments& arguments, Context& context) {
   }
   if (!arguments.quiet) progress.print_table();
   for (const RunWarning& warning : summary->warnings) {
-    fmt::print(stderr, "warning: {}: {} ({} of {} frames)\n", warning.component, warning.text,
-               warning.frames, summary->frames);
+    const bool is_of_frames = warning.frames > 0;  // else it came before them
+    fmt::print(
+        stderr, "warning: {}: {}{}\n", warning.component, warning.text,
+        is_of_frames ? fmt::format(" ({} of {} frames)", warning.frames, summary->frames) : "");
   }
   const bool drops = pipeline.config.latest_only;
   fmt::print(words, "{} frames{}, {} failed{}{}: {}\n", summary->frames,

@@ -132,7 +132,7 @@ void group_commands(CLI::App& program) {
     std::vector<const char*> commands;
   };
   const std::vector<Group> groups{
-      {"Begin", {"live", "init", "run", "check"}},
+      {"Begin", {"track", "live", "init", "run", "check"}},
       {"Data, templates and cameras", {"data", "template", "calibrate"}},
       {"Results", {"eval", "compare", "ablate", "report", "metrics", "bench", "replay"}},
       {"Plugins", {"plugins", "doctor", "records", "schema"}},

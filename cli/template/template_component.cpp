@@ -3,12 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
-#include <string_view>
 #include <utility>
 
 #include "cli/data/sequence_maker.hpp"
 #include "cli/output/report_text.hpp"
+#include "cli/run/pipeline_parts.hpp"
 #include "cli/standard_components.hpp"
 #include "pipeline/configuration/config.hpp"
 
@@ -26,30 +25,6 @@ Result<std::string> entries_of(const std::vector<std::string>& settings) {
     text += setting.substr(0, equals) + ": " + setting.substr(equals + 1) + ", ";
   }
   return text;
-}
-
-/// The numbers of "x,y x,y x,y x,y", however they are separated, as a list in YAML.
-Result<std::string> corner_list(const std::string& corners) {
-  constexpr int kNumbers = 8;
-  const Error mistake{Errc::invalid_value,
-                      "--corners '" + corners +
-                          "': write x,y of the top left, top right, bottom right and bottom left "
-                          "corner in px, as in --corners \"12,30 610,28 640,470 3,480\""};
-  std::string list;
-  int count = 0;
-  const char* at = corners.data();
-  const char* const end = at + corners.size();
-  const auto skip = [&] {
-    while (at != end && std::string_view(" ,;\t").find(*at) != std::string_view::npos) ++at;
-  };
-  for (skip(); at != end; skip()) {
-    double number = 0.0;
-    const auto [after, code] = std::from_chars(at, end, number);
-    if (code != std::errc{}) return mistake;
-    list += (count++ == 0 ? "[" : ", ") + std::string(at, after);
-    at = after;
-  }
-  return count == kNumbers ? Result<std::string>(list + "]") : Result<std::string>(mistake);
 }
 
 /// The parameters of the plugin for photographs, as entries of a map in YAML.

@@ -59,6 +59,7 @@ template: {use: templates/rectangular, params: {texture: ../texture.png, width_m
 STAND_INS = {
     "frames/0001.png": png(160, 120),
     "masks/0001.png": png(160, 120),
+    "photos/1.jpg": pathlib.Path("pipelines/data/sheet_photo.jpg"),
     "camera.yaml": CAMERA,
     "camera.json": CAMERA,
     "texture.png": png(160, 120),

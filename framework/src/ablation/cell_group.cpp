@@ -68,7 +68,7 @@ class Member {
         Executor::create(pipeline_.config, pipeline_.graph, common.lane, common.input.templ(),
                          common.input.camera(), {&common.memo, cell_.identity.stages});
     if (!executor) return fail(executor.error());
-    auto evaluator = RunEvaluator::create(common.scene, measurement.options);
+    auto evaluator = RunEvaluator::create(common.scene, measurement.options, config().is_sequence);
     if (!evaluator) return fail(text_of(evaluator.error()));
     executor_ = *std::move(executor);
     evaluator_.emplace(*std::move(evaluator));

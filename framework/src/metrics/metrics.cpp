@@ -228,6 +228,7 @@ struct RunEvaluator::State {
   const RunReader& scene;
   ShapeMeter meter;
   EvaluationOptions options;
+  bool is_sequence;
   MotionMeter motion{};
   std::vector<FrameMetrics> frames{};
 };
@@ -237,17 +238,18 @@ RunEvaluator::RunEvaluator(RunEvaluator&& other) noexcept = default;
 RunEvaluator& RunEvaluator::operator=(RunEvaluator&& other) noexcept = default;
 RunEvaluator::~RunEvaluator() = default;
 
-Result<RunEvaluator> RunEvaluator::create(const RunReader& scene,
-                                          const EvaluationOptions& options) {
+Result<RunEvaluator> RunEvaluator::create(const RunReader& scene, const EvaluationOptions& options,
+                                          bool is_sequence) {
   auto meter = ShapeMeter::create(scene.sheet());
   if (!meter) return meter.error();
-  return RunEvaluator(std::unique_ptr<State>(new State{scene, *std::move(meter), options}));
+  return RunEvaluator(
+      std::unique_ptr<State>(new State{scene, *std::move(meter), options, is_sequence}));
 }
 
 Result<void> RunEvaluator::add(const FrameLine& line, const FrameRecords& records) {
   auto frame = evaluate_frame(state_->scene, state_->meter, line, records, state_->options);
   if (!frame) return frame.error();
-  frame->motion = state_->motion.add(*frame, records);
+  if (state_->is_sequence) frame->motion = state_->motion.add(*frame, records);
   state_->frames.push_back(*std::move(frame));
   return {};
 }
@@ -277,7 +279,7 @@ RunMetrics RunEvaluator::finish(bool has_solver) {
 Result<RunMetrics> evaluate_run(const std::string& folder, const EvaluationOptions& options) {
   const auto reader = RunReader::open(folder);
   if (!reader) return reader.error();
-  auto evaluator = RunEvaluator::create(*reader, options);
+  auto evaluator = RunEvaluator::create(*reader, options, reader->is_sequence());
   if (!evaluator) {
     return Error{evaluator.error().code, evaluator.error().message, folder + "/template.npz"};
   }

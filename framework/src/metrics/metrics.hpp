@@ -29,9 +29,10 @@ Result<RunMetrics> evaluate_run(const std::string& folder, const EvaluationOptio
 /// The same, frame by frame, of a run that need not be written.
 class RunEvaluator {
  public:
-  /// `scene` has the template and the camera, and must outlive this. Fails on a template that
-  /// cannot be measured.
-  static Result<RunEvaluator> create(const RunReader& scene, const EvaluationOptions& options);
+  /// `scene` has the template and the camera, and must outlive this. Frames that are no sequence
+  /// have no jitter and no cuts. Fails on a template that cannot be measured.
+  static Result<RunEvaluator> create(const RunReader& scene, const EvaluationOptions& options,
+                                     bool is_sequence = true);
 
   RunEvaluator(RunEvaluator&& other) noexcept;
   RunEvaluator& operator=(RunEvaluator&& other) noexcept;

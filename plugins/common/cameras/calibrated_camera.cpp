@@ -2,6 +2,9 @@
 #include "common/cameras/calibrated_camera.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <utility>
 #include <weft/images/image_file.hpp>
 
 namespace weft::cameras {
@@ -24,20 +27,17 @@ Result<CalibratedCamera> CalibratedCamera::read_sizes(const std::string& path) {
   if (!file) return file.error();
   CalibratedCamera camera;
   camera.path_ = path;
-  camera.file_ = *std::move(file);
-  camera.stored_.size_px = size_of(camera.file_.camera);
+  camera.set_file(*std::move(file));
+  camera.stored_.size_px = camera.size_px();
   return camera;
 }
 
-CalibratedCamera CalibratedCamera::guess(const cv::Size& size_px) {
-  CalibratedCamera guessed;
-  guessed.path_ = "the first frame";
-  Camera& camera = guessed.file_.camera;
-  camera.fx = camera.fy = std::max(size_px.width, size_px.height);
-  camera.cx = 0.5 * (size_px.width - 1), camera.cy = 0.5 * (size_px.height - 1);
-  camera.width_px = size_px.width, camera.height_px = size_px.height;
-  guessed.stored_.size_px = size_px;
-  return guessed;
+CalibratedCamera CalibratedCamera::assumed(const Camera& camera) {
+  CalibratedCamera made;
+  made.path_ = "the first frame";
+  made.set_file({camera, Distortion::none, {}});
+  made.stored_.size_px = made.size_px();
+  return made;
 }
 
 Result<CalibratedCamera> CalibratedCamera::of_images(const StoredImages& stored,
@@ -48,10 +48,46 @@ Result<CalibratedCamera> CalibratedCamera::of_images(const StoredImages& stored,
   camera.stored_ = stored;
   if (!upright->is_rotated) return camera;
   camera.is_rotated_ = true;
-  camera.file_ = upright->file;
-  if (undistorter_.changes_images()) camera.undistorter_ = Undistorter(camera.file_);
+  camera.set_file(upright->file);
   return camera;
 }
+
+CalibratedCamera CalibratedCamera::at_most(int longest_px) const {
+  const cv::Size size = size_px();
+  const int longer = std::max(size.width, size.height);
+  CalibratedCamera camera = *this;
+  if (longest_px == 0 || longer <= longest_px) return camera;
+  const auto scaled = [&](int side) {
+    const double exact = static_cast<double>(side) * longest_px / longer;
+    return std::max(1, static_cast<int>(std::lround(exact)));
+  };
+  const cv::Size target(scaled(size.width), scaled(size.height));
+  const double by_x = static_cast<double>(target.width) / size.width;
+  const double by_y = static_cast<double>(target.height) / size.height;
+  Camera& pinhole = camera.pinhole_.camera;
+  pinhole.fx *= by_x, pinhole.fy *= by_y;
+  // Pixel centres are whole numbers, so that the image begins at -0.5 px before and after.
+  pinhole.cx = (pinhole.cx + 0.5) * by_x - 0.5;
+  pinhole.cy = (pinhole.cy + 0.5) * by_y - 0.5;
+  pinhole.width_px = target.width, pinhole.height_px = target.height;
+  if (auto assumption = CameraAssumption::of(pinhole)) {
+    assumption->focal_sd_px *= by_x;
+    assumption->cx_sd_px *= by_x, assumption->cy_sd_px *= by_y;
+    assumption->add_to(pinhole);
+  }
+  if (undistorter_.changes_images()) camera.undistorter_ = Undistorter(camera.pinhole_);
+  return camera;
+}
+
+void CalibratedCamera::set_file(CameraFile file) {
+  file_ = std::move(file);
+  pinhole_ = file_;
+  if (undistorter_.changes_images()) undistorter_ = Undistorter(file_);
+}
+
+cv::Size CalibratedCamera::size_px() const { return size_of(file_.camera); }
+
+bool CalibratedCamera::scales() const { return size_of(pinhole_.camera) != size_px(); }
 
 Result<void> CalibratedCamera::check_size(const cv::Size& size_px, const std::string& name) const {
   const auto fits = upright_camera(file_, path_, {size_px, 1}, name);
@@ -68,24 +104,39 @@ void CalibratedCamera::report_orientation(const Call& call, const std::string& i
 Result<Image> CalibratedCamera::undistorted(const cv::Mat& stored, const std::string& name,
                                             const std::string& stem) const {
   if (auto fits = check_size(stored.size(), name); !fits) return fits.error();
-  const std::int64_t width = stored.cols, height = stored.rows;
+  const std::int64_t width = pinhole().width_px, height = pinhole().height_px;
   Image image;
   image.stem = stem;
   image.pixels = stored.channels() == 1 ? Array<std::uint8_t>({height, width})
                                         : Array<std::uint8_t>({height, width, 3});
-  cv::Mat target(stored.size(), stored.type(), image.pixels.data());
-  undistorter_.apply(stored, target);
+  cv::Mat target(size_of(pinhole()), stored.type(), image.pixels.data());
+  if (!scales()) {
+    undistorter_.apply(stored, target);
+  } else if (!undistorter_.changes_images()) {
+    cv::resize(stored, target, target.size(), 0.0, 0.0, cv::INTER_AREA);
+  } else {
+    cv::Mat scaled;
+    cv::resize(stored, scaled, target.size(), 0.0, 0.0, cv::INTER_AREA);
+    undistorter_.apply(scaled, target);
+  }
   return image;
+}
+
+cv::Mat CalibratedCamera::nearest(const cv::Mat& stored) const {
+  if (!scales()) return undistorter_.nearest(stored);
+  cv::Mat scaled;
+  cv::resize(stored, scaled, size_of(pinhole()), 0.0, 0.0, cv::INTER_NEAREST_EXACT);
+  return undistorter_.nearest(scaled);
 }
 
 Result<Array<float>> CalibratedCamera::undistorted_depth(const cv::Mat& stored,
                                                          const std::string& name,
                                                          double unit_m) const {
   if (auto fits = check_size(stored.size(), name); !fits) return fits.error();
-  Array<float> depth_m({std::int64_t{stored.rows}, std::int64_t{stored.cols}});
-  cv::Mat target(stored.size(), CV_32F, depth_m.data());
+  Array<float> depth_m({pinhole().height_px, pinhole().width_px});
+  cv::Mat target(size_of(pinhole()), CV_32F, depth_m.data());
   cv::Mat exact_m;  // OpenCV scales in the precision of the target
-  undistorter_.nearest(stored).convertTo(exact_m, CV_64F, unit_m);
+  nearest(stored).convertTo(exact_m, CV_64F, unit_m);
   exact_m.convertTo(target, CV_32F);
   return depth_m;
 }
@@ -93,9 +144,9 @@ Result<Array<float>> CalibratedCamera::undistorted_depth(const cv::Mat& stored,
 Result<Array<std::uint8_t>> CalibratedCamera::undistorted_mask(const cv::Mat& stored,
                                                                const std::string& name) const {
   if (auto fits = check_size(stored.size(), name); !fits) return fits.error();
-  Array<std::uint8_t> mask({std::int64_t{stored.rows}, std::int64_t{stored.cols}});
-  cv::Mat target(stored.size(), CV_8U, mask.data());
-  cv::bitwise_and(undistorter_.nearest(stored != 0), cv::Scalar(1), target);
+  Array<std::uint8_t> mask({pinhole().height_px, pinhole().width_px});
+  cv::Mat target(size_of(pinhole()), CV_8U, mask.data());
+  cv::bitwise_and(nearest(stored != 0), cv::Scalar(1), target);
   return mask;
 }
 

@@ -24,16 +24,23 @@ class CalibratedCamera {
   /// The same without the maps of undistortion: to check a file and the sizes of its images.
   static Result<CalibratedCamera> read_sizes(const std::string& path);
 
-  /// A guess for a camera that nobody calibrated: a pinhole whose focal length is the longer side
-  /// of its images, 53 degrees, with the centre in their middle and no distortion.
-  static CalibratedCamera guess(const cv::Size& size_px);
+  /// A camera that nobody calibrated, for upright images; see common/assumed_cameras.
+  static CalibratedCamera assumed(const Camera& camera);
 
   /// The same for images that are stored so, once they are upright: see upright_camera(), of which
   /// it has the errors.
   Result<CalibratedCamera> of_images(const StoredImages& stored, const std::string& name) const;
 
-  /// Of upright images.
-  const Camera& pinhole() const { return file_.camera; }
+  /// The same with images that are scaled down until no side is longer than this; 0 and images that
+  /// are small enough leave it as it is. Sides are rounded to whole pixels, and focal lengths and
+  /// principal point follow each side exactly.
+  CalibratedCamera at_most(int longest_px) const;
+
+  /// Of the images that it gives: upright, scaled and without distortion.
+  const Camera& pinhole() const { return pinhole_.camera; }
+  /// Of upright images as they are given to it.
+  cv::Size size_px() const;
+  bool scales() const;
   const StoredImages& stored() const { return stored_; }
   /// Whether upright images have another frame than the file describes.
   bool is_rotated() const { return is_rotated_; }
@@ -45,24 +52,29 @@ class CalibratedCamera {
   /// message.
   Result<void> check_size(const cv::Size& size_px, const std::string& name) const;
 
-  /// An upright image of the camera, 8 bits a channel and grey or BGR, without its distortion.
-  /// Fails as check_size() does.
+  /// An upright image of the camera, 8 bits a channel and grey or BGR, scaled (each pixel is the
+  /// mean of those that it covers) and without its distortion. Fails as check_size() does.
   Result<Image> undistorted(const cv::Mat& stored, const std::string& name,
                             const std::string& stem) const;
 
-  /// A depth image of the camera (16 bits, one channel) in metres [H,W], without its distortion;
-  /// each pixel has one measured depth, or 0. Fails as check_size() does.
+  /// A depth image of the camera (16 bits, one channel) in metres [H,W], scaled and without its
+  /// distortion; each pixel has one measured depth, the nearest, or 0. Fails as check_size() does.
   Result<Array<float>> undistorted_depth(const cv::Mat& stored, const std::string& name,
                                          double unit_m) const;
 
-  /// A mask of the camera (one channel) as 0 and 1 [H,W], without its distortion: 1 where the
-  /// nearest stored pixel is not 0, 0 where the camera did not see. Fails as check_size() does.
+  /// A mask of the camera (one channel) as 0 and 1 [H,W], scaled and without its distortion: 1
+  /// where the nearest stored pixel is not 0, 0 where the camera did not see. Fails as check_size()
+  /// does.
   Result<Array<std::uint8_t>> undistorted_mask(const cv::Mat& stored,
                                                const std::string& name) const;
 
  private:
+  void set_file(CameraFile file);
+  cv::Mat nearest(const cv::Mat& stored) const;
+
   std::string path_;
-  CameraFile file_;
+  CameraFile file_;     ///< of upright images as they are given
+  CameraFile pinhole_;  ///< the same of scaled ones
   StoredImages stored_;
   bool is_rotated_ = false;
   Undistorter undistorter_;

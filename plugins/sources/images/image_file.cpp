@@ -35,15 +35,19 @@ Result<cameras::CalibratedCamera> camera_of(const ImageFile& file, const std::st
 
 }  // namespace
 
-Result<image_files::Decoded> read_image_file(const std::string& path,
-                                             const cameras::CalibratedCamera& camera) {
-  auto image = cameras::read_image_of(path, camera);
-  if (!image) return image;
-  cv::Mat& pixels = image->pixels;
+Result<image_files::Decoded> of_8_bits(image_files::Decoded image, const std::string& path) {
+  cv::Mat& pixels = image.pixels;
+  if (pixels.empty()) return image_files::whole_pixels(image, path).error();
   if (pixels.depth() != CV_8U) return more_than_8_bits(path);
   if (pixels.channels() == 2) cv::extractChannel(pixels, pixels, 0);
   if (pixels.channels() == 4) cv::cvtColor(pixels, pixels, cv::COLOR_BGRA2BGR);
   return image;
+}
+
+Result<image_files::Decoded> read_image_file(const std::string& path,
+                                             const cameras::CalibratedCamera& camera) {
+  auto image = cameras::read_image_of(path, camera);
+  return image ? of_8_bits(*std::move(image), path) : image;
 }
 
 Result<cameras::CalibratedCamera> camera_of_files(const std::vector<std::string>& paths,

@@ -8,6 +8,9 @@
 
 namespace weft::images {
 
+/// A decoded image of 8 bits a channel, grey or BGR, without its alpha channel.
+Result<image_files::Decoded> of_8_bits(image_files::Decoded image, const std::string& path);
+
 /// Reads an image of the camera, of 8 bits a channel, upright: grey or BGR, without its alpha
 /// channel. `damage` is what the decoder of a JPEG found wrong.
 Result<image_files::Decoded> read_image_file(const std::string& path,

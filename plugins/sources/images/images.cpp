@@ -7,12 +7,11 @@
 #include <weft/images/image_file.hpp>
 #include <weft/sdk/source.hpp>
 
-#include "common/cameras/calibrated_camera.hpp"
+#include "camera_images.hpp"
 #include "common/frame_files.hpp"
 #include "common/truth_files.hpp"
 #include "depth_files.hpp"
 #include "growing_folder.hpp"
-#include "image_file.hpp"
 #include "region_files.hpp"
 
 namespace weft::images {
@@ -25,7 +24,7 @@ struct Frame {
   std::string apart;  ///< why it is reported apart, if it is
 };
 
-/// Image files of a calibrated camera, in the natural order of their paths: those that are there,
+/// Image files of one camera, in the natural order of their paths: those that are there,
 /// or those that come into a folder.
 class Images final : public Source {
  public:
@@ -34,9 +33,7 @@ class Images final : public Source {
   explicit Images(Params& p) {
     p.input_path("path", path_, "image files; * ? and [ ] work in the file name and in folders",
                  Need::required);
-    p.input_path("camera", camera_path_,
-                 "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info",
-                 Need::required);
+    images_.declare(p);
     p.input_path("truth", truth_path_,
                  "CSV files of true points, npz files of truth records, clouds as PLY, CSV or npz; "
                  "STEM_KIND.csv belongs to the frame STEM, the longest that fits");
@@ -50,14 +47,12 @@ class Images final : public Source {
   }
 
   void check(Mistakes& mistakes) const {
-    auto camera = cameras::CalibratedCamera::read_sizes(camera_path_);
-    const bool calibrated = mistakes.expect("camera", camera);
     Images found = *this;
+    const bool has_camera = mistakes.expect("camera", found.images_.read_camera(true));
     if (!mistakes.expect("path", found.list_frames())) return;
     mistakes.expect("path", found.check_readable());
-    if (calibrated) {
-      found.camera_ = *std::move(camera);
-      const auto fits = found.fit_camera();
+    if (has_camera) {
+      const auto fits = found.fit_camera(found.first_paths());
       const bool wrong_size = !fits && fits.error().code == Errc::invalid_data;
       mistakes.expect(wrong_size ? "camera" : "path", fits);
     }
@@ -71,19 +66,19 @@ class Images final : public Source {
     frames_.clear();
     frame_of_.clear();
     ending_.reset();
-    auto camera = cameras::CalibratedCamera::read(camera_path_);
-    if (!camera) return camera.error();
-    camera_ = *std::move(camera);
+    if (auto read = images_.read_camera(false); !read) return read.error();
     if (auto listed = list_frames(); !listed) return listed.error();
     if (auto readable = check_readable(); !readable) return readable.error();
-    if (auto fits = fit_camera(); !fits) return fits.error();
+    if (auto fits = fit_camera(images_.is_assumed() ? paths() : first_paths()); !fits) {
+      return fits.error();
+    }
     if (auto attached = attach_truth(); !attached) return attached.error();
     if (auto attached = attach_depth(); !attached) return attached.error();
     if (auto attached = attach_region(); !attached) return attached.error();
     if (auto marked = mark_apart(); !marked) return marked.error();
-    camera_.report_orientation(call, path_);
+    images_.report(call, path_);
     report_order(call);
-    return camera_.pinhole();
+    return images_.camera().pinhole();
   }
 
   std::int64_t count() const override { return live() ? -1 : known_count(); }
@@ -93,23 +88,21 @@ class Images final : public Source {
   Result<SourceFrame> read(std::int64_t index, const Call& call) override {
     if (auto there = wait_for(index, call); !there) return there.error();
     const Frame& frame = frames_[to_index(index)];
-    const auto stored = read_image_file(frame.path, camera_);
-    if (!stored) return stored.error();
-    auto image = camera_.undistorted(stored->pixels, frame.path, frame.stem);
-    if (!image) return image.error();
+    auto read = images_.read(frame.path, frame.stem);
+    if (!read) return read.error();
     SourceFrame result;
-    result.image = *std::move(image);
+    result.image = std::move(read->image);
     result.time = Time{static_cast<double>(index) / fps_};
     auto truth = truth_of(frame);
     if (!truth) return truth.error();
     result.ground_truth = *std::move(truth);
-    const auto added = depth_.add_to(result.ground_truth, frame.stem, camera_);
+    const auto added = depth_.add_to(result.ground_truth, frame.stem, images_.camera());
     if (!added) return added.error();
-    auto region = region_.read(frame.stem, camera_);
+    auto region = region_.read(frame.stem, images_.camera());
     if (!region) return region.error();
-    result.region = *std::move(region);
-    if (stored->damage.empty()) return result;
-    return degenerate(std::move(result), frame.path + ": is damaged: " + stored->damage);
+    result.region = read->region ? std::move(read->region) : *std::move(region);
+    if (read->damage.empty()) return result;
+    return degenerate(std::move(result), frame.path + ": is damaged: " + read->damage);
   }
 
  private:
@@ -163,10 +156,15 @@ class Images final : public Source {
 
   static constexpr std::size_t kMostTries = 100;  ///< frames, before the rest is believed
 
-  /// Files of frames that are there; of a folder that grows perhaps none.
-  std::vector<std::string> first_paths() const {
+  std::vector<std::string> paths() const {
     std::vector<std::string> paths;
     for (const Frame& frame : frames_) paths.push_back(frame.path);
+    return paths;
+  }
+
+  /// Files of frames that are there; of a folder that grows perhaps none.
+  std::vector<std::string> first_paths() const {
+    std::vector<std::string> paths = this->paths();
     if (live()) {
       if (auto there = sources::matching_files(path_)) paths = *std::move(there);
     }
@@ -187,11 +185,9 @@ class Images final : public Source {
     return first;
   }
 
-  Result<void> fit_camera() {
-    auto camera = camera_of_files(first_paths(), camera_);
-    if (!camera) return camera.error();
-    camera_ = *std::move(camera);
-    return {};
+  Result<void> fit_camera(const std::vector<std::string>& paths) {
+    if (auto fits = check_fixed("camera: auto", live() && images_.is_assumed()); !fits) return fits;
+    return images_.fit(paths);
   }
 
   /// Where numbers without leading zeros make a difference.
@@ -210,28 +206,35 @@ class Images final : public Source {
     return stems;
   }
 
-  /// What belongs to frames by their stems is found before the first one is read.
-  Result<void> check_whole(const std::string& parameter, bool is_given) const {
-    if (!live() || !is_given) return {};
-    return Error{Errc::unsupported,
-                 "'" + parameter +
-                     "' belongs to frames that are all there: leave it out while the folder grows, "
-                     "or read the whole folder, without 'wait_s'"};
+  /// What belongs to frames by their stems is found before the first one is read, and what belongs
+  /// to their pixels is as large as all of them.
+  Result<void> check_fixed(const std::string& parameter, bool is_given) const {
+    if (!is_given) return {};
+    if (live()) {
+      return Error{Errc::unsupported,
+                   "'" + parameter +
+                       "' belongs to frames that are all there: leave it out while the folder "
+                       "grows, or read the whole folder, without 'wait_s'"};
+    }
+    if (!images_.have_canvas()) return {};
+    return Error{Errc::unsupported, "'" + parameter +
+                                        "' belongs to images of one size, but these have several: "
+                                        "leave it out, or narrow 'path'"};
   }
 
   Result<void> attach_depth() {
-    if (auto whole = check_whole("depth", depth_.is_given()); !whole) return whole;
+    if (auto whole = check_fixed("depth", depth_.is_given()); !whole) return whole;
     return depth_.open(stems());
   }
 
   Result<void> attach_region() {
-    if (auto whole = check_whole("region", region_.is_given()); !whole) return whole;
+    if (auto whole = check_fixed("region", region_.is_given()); !whole) return whole;
     return region_.open(stems());
   }
 
   Result<void> attach_truth() {
-    if (auto whole = check_whole("truth", !truth_path_.empty()); !whole) return whole;
-    if (camera_.is_rotated() && !truth_path_.empty()) {
+    if (auto whole = check_fixed("truth", !truth_path_.empty()); !whole) return whole;
+    if (images_.camera().is_rotated() && !truth_path_.empty()) {
       return Error{Errc::unsupported,
                    "'truth' is that of the camera as its file describes it, but the images are "
                    "turned to be upright, and the camera with them: save the images without "
@@ -241,7 +244,7 @@ class Images final : public Source {
   }
 
   Result<void> mark_apart() {
-    if (auto whole = check_whole("apart", !apart_.empty()); !whole) return whole;
+    if (auto whole = check_fixed("apart", live() && !apart_.empty()); !whole) return whole;
     for (const auto& [stem, reason] : apart_) {
       Frame* frame = find(stem);
       if (frame == nullptr) {
@@ -256,6 +259,14 @@ class Images final : public Source {
 
   Result<std::optional<GroundTruth>> truth_of(const Frame& frame) {
     auto truth = truth_.read(frame.stem);
+    const bool has_pixels = truth && *truth &&
+                            ((*truth)->depth_m.present() || (*truth)->uv_m.present() ||
+                             (*truth)->match_xy_px.present());
+    if (has_pixels && images_.camera().scales()) {
+      return Error{Errc::unsupported, "the truth of '" + frame.stem +
+                                          "' has places or values of pixels, which are not scaled: "
+                                          "leave 'longest_px' out"};
+    }
     if (truth && *truth && !frame.apart.empty()) (*truth)->apart = frame.apart;
     return truth;
   }
@@ -266,13 +277,12 @@ class Images final : public Source {
   }
 
   std::string path_;
-  std::string camera_path_;
+  CameraImages images_;
   std::string truth_path_;
   std::vector<std::pair<std::string, std::string>> apart_;
   double fps_ = 30.0;
   double wait_s_ = 0.0;
 
-  cameras::CalibratedCamera camera_;
   DepthFiles depth_;
   RegionFiles region_;
   std::vector<Frame> frames_;
@@ -286,6 +296,6 @@ class Images final : public Source {
 }  // namespace weft::images
 
 using weft::images::Images;
-WEFT_PLUGIN(Images, "sources/images", "1.2.0",
-            "Reads image files of a calibrated camera, undistorted, with truth and regions where "
-            "there are any.")
+WEFT_PLUGIN(Images, "sources/images", "1.3.0",
+            "Reads image files of one camera, undistorted, with truth and regions where there are "
+            "any.")

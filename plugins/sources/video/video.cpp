@@ -7,6 +7,7 @@
 #include <utility>
 #include <weft/sdk/source.hpp>
 
+#include "common/assumed_cameras/assumed_camera.hpp"
 #include "common/cameras/calibrated_camera.hpp"
 #include "frame_stream.hpp"
 #include "pipeline_text.hpp"
@@ -26,8 +27,9 @@ class Video final : public Source {
            "or what a camera sends: rtsp://..., a pipe, or a pipeline of GStreamer to appsink");
     p.input_path(
         "camera", camera_path_,
-        "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info; without "
-        "one the focal length is guessed, and each frame says so");
+        "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info; auto: the "
+        "focal length is assumed, and the run says so; without it each frame does",
+        Need::optional, {"auto"});
     p.read("start_s", start_s_, "s", {0.0, 1e6}, "skip what is earlier than this");
     p.read("step", step_, "", {1, 1'000'000}, "take every step-th frame");
     p.read("max_frames", max_frames_, "", {0, 1'000'000'000}, "stop after so many; 0 for all");
@@ -36,13 +38,15 @@ class Video final : public Source {
            "exposure asked of a device; 0: its own");
     p.read("patience_s", patience_s_, "s", {0.0, 86'400.0},
            "how long a camera that gives no frame is tried again");
+    p.read("longest_px", longest_px_, "px", {0, 65'535},
+           "scale frames down until no side is longer, and the camera with them; 0: as they are");
   }
 
   /// A camera is not opened, and where 'start_s' leads is not decoded.
   void check(Mistakes& mistakes) const {
-    const auto camera = camera_path_.empty() ? cameras::CalibratedCamera()
-                                             : cameras::CalibratedCamera::read_sizes(camera_path_);
-    const bool calibrated = mistakes.expect("camera", camera) && !camera_path_.empty();
+    const auto camera = is_calibrated() ? cameras::CalibratedCamera::read_sizes(camera_path_)
+                                        : cameras::CalibratedCamera();
+    const bool calibrated = mistakes.expect("camera", camera) && is_calibrated();
     if (!mistakes.expect(given(), check_choice())) return;
     if (live()) return;
     auto stream = FrameStream::open_file(path_);
@@ -63,11 +67,18 @@ class Video final : public Source {
     if (auto started = start(call); !started) return about(given(), started.error());
     const auto stored = stream_.stored();
     if (!stored) return stored.error();
-    if (!is_calibrated()) camera_ = cameras::CalibratedCamera::guess(stored->size_px);
+    if (!is_calibrated()) {
+      const auto assumed = cameras::assume_camera({{stream_.name(), stored->size_px}});
+      if (!assumed) return assumed.error();
+      camera_ = cameras::CalibratedCamera::assumed(*assumed);
+    }
     auto upright = camera_.of_images(*stored, stream_.name());
     if (!upright) return about("camera", upright.error());
-    camera_ = *std::move(upright);
+    camera_ = upright->at_most(longest_px_);
     camera_.report_orientation(call, stream_.name());
+    if (!camera_path_.empty() && !is_calibrated()) {
+      call.log_warning(cameras::assumption_text(camera_.pinhole()));
+    }
     return camera_.pinhole();
   }
 
@@ -93,7 +104,7 @@ class Video final : public Source {
       return degenerate(std::move(frame), stream_.name() + ": " + damage);
     }
     if (!gap_.empty()) return degenerate(std::move(frame), std::exchange(gap_, {}));
-    if (!is_calibrated()) {
+    if (camera_path_.empty()) {
       return degenerate(std::move(frame),
                         "not calibrated: the focal length is a guess, so depths are too; make a "
                         "camera file with `weft calibrate`");
@@ -104,7 +115,7 @@ class Video final : public Source {
  private:
   static constexpr int kUsualWidth_px = 640, kUsualHeight_px = 480;  // asked of a device
 
-  bool is_calibrated() const { return !camera_path_.empty(); }
+  bool is_calibrated() const { return !camera_path_.empty() && camera_path_ != "auto"; }
 
   static Error cancelled() { return {Errc::cancelled, "cancelled", {}}; }
 
@@ -131,10 +142,8 @@ class Video final : public Source {
     if (!address_.empty()) {
       return FrameStream::open_address(address_, patience_s, [&] { return call.cancelled(); });
     }
-    const Camera& camera = camera_.pinhole();
-    const cv::Size size_px = is_calibrated() ? cv::Size(static_cast<int>(camera.width_px),
-                                                        static_cast<int>(camera.height_px))
-                                             : cv::Size(kUsualWidth_px, kUsualHeight_px);
+    const cv::Size size_px =
+        is_calibrated() ? camera_.size_px() : cv::Size(kUsualWidth_px, kUsualHeight_px);
     return FrameStream::open_device(device_, {size_px, fps_, exposure_ms_});
   }
 
@@ -226,6 +235,7 @@ class Video final : public Source {
   int step_ = 1;
   std::int64_t max_frames_ = 0;
   double fps_ = 0.0, exposure_ms_ = 0.0, patience_s_ = 5.0;
+  int longest_px_ = 0;
 
   cameras::CalibratedCamera camera_;
   FrameStream stream_;
@@ -241,4 +251,4 @@ class Video final : public Source {
 }  // namespace weft::video
 
 using weft::video::Video;
-WEFT_PLUGIN(Video, "sources/video", "1.2.0", "Reads a video file or a camera, undistorted.")
+WEFT_PLUGIN(Video, "sources/video", "1.3.0", "Reads a video file or a camera, undistorted.")

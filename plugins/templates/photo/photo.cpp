@@ -277,6 +277,11 @@ class PhotoTemplate final : public TemplateBuilder {
     templ.flat_px = make_array<double>(flat_px);
     templ.faces = make_array<std::int32_t>(*faces);
     templ.m_per_px = make_array<double>(m_per_px);
+    Points2 corners_px(4, 2);
+    for (std::size_t k = 0; k < 4; ++k) {
+      corners_px.row(static_cast<Eigen::Index>(k)) = sheet.corners_px[k].transpose();
+    }
+    templ.others.set("x.weft.corners_px", make_array<double>(corners_px));
     image_files::store({texture, cv::Mat::ones(texture.size(), CV_8U)}, templ);
     return templ;
   }

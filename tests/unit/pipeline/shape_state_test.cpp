@@ -84,6 +84,23 @@ TEST_F(States, FeedsBackTheLastVisibilityThatWasProduced) {
   EXPECT_EQ(fed(3), std::pair(1.0, 3.0));
 }
 
+TEST_F(States, UnorderedFramesHaveNothingOfTheFrameBefore) {
+  const std::map<std::string, std::string> scripted{{"sources", "{frames: 4}"},
+                                                    {"solvers", "{no_result_at: [2]}"}};
+  const Ran film = run(chain(scripted));
+  const Ran unordered = run(chain(scripted, "sequence: false"), "unordered");
+  EXPECT_EQ(film.states(), "estimated estimated predicted/1 estimated");
+  EXPECT_EQ(unordered.states(), "estimated estimated none estimated");
+  for (std::size_t frame = 0; frame < 4; ++frame) {
+    EXPECT_EQ(film.number(frame, "filters", "diag.previous_state") > 0.0, frame > 0);
+    EXPECT_EQ(unordered.number(frame, "filters", "diag.previous_state"), 0.0);
+  }
+  EXPECT_THAT(testing::read_text(unordered.folder + "/pipeline.yaml"),
+              HasSubstr("sequence: false"));
+  EXPECT_THAT(testing::read_text(unordered.folder + "/manifest.json"),
+              HasSubstr("\"sequence\": false"));
+}
+
 TEST_F(States, TakesTheLastShapeOfTwoSolversAndTheFirstWhereTheLastFails) {
   const Ran ran = run(head("{frames: 3}") +
                       "stages:\n"

@@ -34,6 +34,22 @@ TEST_F(WiringRefusals, SaysWhatANamedStageMakesInstead) {
             "5:41: 'lines' is a sink, which makes nothing to be read");
 }
 
+TEST_F(WiringRefusals, RefusesWhatUnorderedFramesDoNotHave) {
+  const std::string stages =
+      "stages:\n"
+      "  - {use: matchers/test.pattern}\n"
+      "  - {use: filters/test.scripted, from: {previous.shape: previous.shape@2}}\n"
+      "  - {use: warps/test.scripted}\n"
+      "  - {use: passes/test.scripted}\n"
+      "  - {use: solvers/test.scripted}\n";
+  EXPECT_THAT(lines(check(head() + stages).second), IsEmpty());
+  EXPECT_THAT(lines(check("sequence: false\n" + head() + stages).second),
+              ElementsAre(HasSubstr("'previous.shape@2' cannot be read: with 'sequence: false' no "
+                                    "frame has one before it")));
+  EXPECT_THAT(lines(check("sequence: maybe\n" + head()).second),
+              ElementsAre("1:11: 'sequence' must be true or false"));
+}
+
 TEST_F(WiringRefusals, LetsAMatcherThatReadsMoreThanMatchesHaveTheLatestOrNone) {
   const auto refusals = [&](const std::string& stages) {
     return lines(check(head() + "stages:\n" + stages).second);

@@ -74,9 +74,10 @@ class Params {
   void read(const char* name, std::vector<std::string>& values, const char* help,
             Need need = Need::optional);
   void text(const char* name, std::string& value, const char* help, Need need = Need::optional);
-  /// Absolute when read; a relative one stands in the file's folder.
+  /// Absolute when read; a relative one stands in the file's folder. Each of `words`, such as
+  /// "auto", is legal in place of a path and read as it is.
   void input_path(const char* name, std::string& value, const char* help,
-                  Need need = Need::optional);
+                  Need need = Need::optional, std::initializer_list<const char*> words = {});
   /// Absolute; a relative one stands in the run folder. What is written stands in one of these.
   void output_path(const char* name, std::string& value, const char* help);
   /// A map from text to text, in its order; empty when not given.
@@ -101,7 +102,8 @@ class Params {
   template <class Number>
   void read_numbers(const char* name, std::vector<Number>& values, int type, const char* unit,
                     Range range, const char* help, Need need);
-  void read_text(const char* name, std::string& value, int type, const char* help, Need need);
+  void read_text(const char* name, std::string& value, int type, const char* help, Need need,
+                 std::initializer_list<const char*> words = {});
   void refuse(const char* name, const std::string& problem);
 
   const weft_describe* sink_ = nullptr;

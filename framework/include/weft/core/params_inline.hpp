@@ -83,10 +83,12 @@ inline void Params::read(const char* name, bool& value, const char* help) {
 }
 
 inline void Params::read_text(const char* name, std::string& value, int type, const char* help,
-                              Need need) {
+                              Need need, std::initializer_list<const char*> words) {
   if (sink_ != nullptr) {
     weft_parameter parameter{};
     parameter.required = need == Need::required ? 1 : 0;
+    parameter.choices = words.size() > 0 ? words.begin() : nullptr;
+    parameter.choice_count = words.size();
     const char* text = value.c_str();
     declare(parameter, name, type, help, &text);
   } else if (const weft_value* given = find(name, type)) {
@@ -100,8 +102,9 @@ inline void Params::text(const char* name, std::string& value, const char* help,
   read_text(name, value, WEFT_VALUE_TEXT, help, need);
 }
 
-inline void Params::input_path(const char* name, std::string& value, const char* help, Need need) {
-  read_text(name, value, WEFT_VALUE_INPUT_PATH, help, need);
+inline void Params::input_path(const char* name, std::string& value, const char* help, Need need,
+                               std::initializer_list<const char*> words) {
+  read_text(name, value, WEFT_VALUE_INPUT_PATH, help, need, words);
 }
 
 inline void Params::output_path(const char* name, std::string& value, const char* help) {

@@ -39,29 +39,28 @@ inline ImageHeader tiff_header(std::string_view text) {
   header.width_px = fields.width_px;
   header.height_px = fields.height_px;
   header.bits = fields.bits == 0 || fields.bits > 8 ? fields.bits : 8;
-  header.orientation = fields.orientation;
+  take_exif(text, header);
   return header;
 }
 
 /// The EXIF data of a WebP: a chunk of its own, behind the image as a rule.
-inline int webp_orientation(const Bytes& bytes) {
+inline void take_webp_exif(const Bytes& bytes, ImageHeader& header) {
   for (std::uint64_t at = 12; bytes.has(at + 8);) {
     const std::uint64_t length = bytes.little32(at + 4);
     if (bytes.part(at, 4) == "EXIF") {
       std::string_view exif = bytes.part(at + 8, length);
       if (exif.starts_with("Exif")) exif.remove_prefix(std::min<std::size_t>(exif.size(), 6));
-      return tiff_fields(exif).orientation;
+      return take_exif(exif, header);
     }
     at += 8 + length + length % 2;
   }
-  return 1;
 }
 
 inline ImageHeader webp_header(const Bytes& bytes) {
   ImageHeader header;
   header.bits = 8;
   const std::string_view form = bytes.part(12, 4);
-  if (form == "VP8X") header.orientation = webp_orientation(bytes);
+  if (form == "VP8X") take_webp_exif(bytes, header);
   if (form == "VP8X") {
     header.width_px = 1 + (bytes.little32(24) & 0xFFFFFFU);
     header.height_px = 1 + (bytes.little32(27) & 0xFFFFFFU);

@@ -19,6 +19,10 @@ struct ImageHeader {
   bool has_alpha = false;  ///< known of PNG only
   int orientation = 1;     ///< of EXIF, 1 to 8: see turns(); sizes are those before it is applied
   bool complete = false;   ///< PNG and JPEG: all parts are there, those of PNG with right checksums
+  int focal_35mm_mm = 0;   ///< [mm] EXIF: focal length of the same view on 35 mm film; 0: not known
+  /// EXIF: size of the whole image before the orientation is applied; 0: not known. Programs that
+  /// crop an image may or may not correct it.
+  std::int64_t exif_width_px = 0, exif_height_px = 0;
 
   /// Of the image that is made upright.
   std::int64_t upright_width_px() const {
@@ -30,6 +34,15 @@ struct ImageHeader {
 };
 
 namespace detail {
+
+/// Copies what EXIF data say into the header of their image.
+inline void take_exif(std::string_view exif, ImageHeader& header) {
+  const TiffFields fields = tiff_fields(exif);
+  header.orientation = fields.orientation;
+  header.focal_35mm_mm = fields.focal_35mm_mm;
+  header.exif_width_px = fields.exif_width_px;
+  header.exif_height_px = fields.exif_height_px;
+}
 
 constexpr std::array<std::uint32_t, 256> crc_table() {
   std::array<std::uint32_t, 256> table{};
@@ -73,7 +86,7 @@ inline Result<ImageHeader> png_header(const Bytes& bytes) {
       header.has_alpha = (bytes.at(at + 17) & 4U) != 0;
     }
     if (type == "eXIf" && is_right) {
-      header.orientation = tiff_fields(bytes.part(at + 8, length)).orientation;
+      take_exif(bytes.part(at + 8, length), header);
     }
     if (type == "tRNS") header.has_alpha = true;
     if (type == "IEND") break;
@@ -100,8 +113,7 @@ inline Result<ImageHeader> jpeg_header(const Bytes& bytes) {
     }
     const std::string_view exif = bytes.part(at + 4, bytes.big16(at + 2) - 2);
     if (marker == 0xE1 && exif.starts_with(std::string_view("Exif\0", 5)) && !has_exif) {
-      header.orientation =
-          tiff_fields(exif.substr(std::min<std::size_t>(exif.size(), 6))).orientation;
+      take_exif(exif.substr(std::min<std::size_t>(exif.size(), 6)), header);
       has_exif = true;
     }
     if (marker != 0xDA) continue;

@@ -76,12 +76,15 @@ class Bytes {
   std::string_view text_;
 };
 
-/// Of the first directory of a TIFF file, or of EXIF data, which have the same form.
+/// Of the first directory of a TIFF file, or of EXIF data, which have the same form, and of the
+/// EXIF directory that it refers to.
 struct TiffFields {
   std::int64_t width_px = 0, height_px = 0;
   int bits = 0;
   int orientation = 1;
-  std::uint64_t orientation_at = 0;  ///< where its value stands; 0: nowhere
+  int focal_35mm_mm = 0;                               ///< [mm] FocalLengthIn35mmFilm; 0: none
+  std::int64_t exif_width_px = 0, exif_height_px = 0;  ///< PixelXDimension, PixelYDimension
+  std::uint64_t orientation_at = 0;                    ///< where its value stands; 0: nowhere
   bool big_endian = false;
 };
 
@@ -110,13 +113,13 @@ class TiffNumbers {
   }
   std::uint64_t word_bytes() const { return wide_ ? 8 : 4; }
 
-  std::uint64_t directory() const { return wide_ ? word(8) : u32(4); }
-  std::uint64_t entries() const {
+  std::uint64_t first_directory() const { return wide_ ? word(8) : u32(4); }
+  std::uint64_t entries(std::uint64_t directory) const {
     constexpr std::uint64_t kMost = 65535;
-    return std::min(kMost, wide_ ? word(directory()) : u16(directory()));
+    return std::min(kMost, wide_ ? word(directory) : u16(directory));
   }
-  std::uint64_t entry(std::uint64_t index) const {
-    return directory() + (wide_ ? 8 : 2) + index * (4 + 2 * word_bytes());
+  std::uint64_t entry(std::uint64_t directory, std::uint64_t index) const {
+    return directory + (wide_ ? 8 : 2) + index * (4 + 2 * word_bytes());
   }
   std::uint64_t value_at(std::uint64_t entry) const { return entry + 4 + word_bytes(); }
   /// The first value of an entry; it stands elsewhere where all of them do not fit.
@@ -131,21 +134,40 @@ class TiffNumbers {
   bool big_endian_, wide_;
 };
 
+/// Calls visit(tag, entry) for the entries of a directory that lie within the text.
+template <class Visit>
+void for_each_entry(const TiffNumbers& numbers, std::uint64_t directory, std::uint64_t end,
+                    Visit&& visit) {
+  for (std::uint64_t i = 0; i < numbers.entries(directory); ++i) {
+    const std::uint64_t entry = numbers.entry(directory, i);
+    if (entry >= end) break;
+    visit(numbers.u16(entry), entry);
+  }
+}
+
 inline TiffFields tiff_fields(std::string_view text) {
   TiffFields fields;
   const TiffNumbers numbers(text);
   if (!numbers.is_tiff()) return fields;
   fields.big_endian = numbers.big_endian();
-  for (std::uint64_t i = 0; i < numbers.entries(); ++i) {
-    const std::uint64_t entry = numbers.entry(i), tag = numbers.u16(entry);
-    if (entry >= text.size()) break;
+  std::uint64_t exif = 0;  // where its directory begins
+  for_each_entry(numbers, numbers.first_directory(), text.size(), [&](auto tag, auto entry) {
     const std::uint64_t value = numbers.value(entry);
     if (tag == 256) fields.width_px = static_cast<std::int64_t>(value);
     if (tag == 257) fields.height_px = static_cast<std::int64_t>(value);
     if (tag == 258) fields.bits = static_cast<int>(std::min<std::uint64_t>(value, 64));
     if (tag == 274) fields.orientation_at = numbers.value_at(entry);
     if (tag == 274 && value >= 1 && value <= 8) fields.orientation = static_cast<int>(value);
-  }
+    if (tag == 34665) exif = value;
+  });
+  if (exif == 0) return fields;
+  for_each_entry(numbers, exif, text.size(), [&](auto tag, auto entry) {
+    constexpr std::uint64_t kMost = 65535;  // of two bytes, and of the side of an image
+    const std::uint64_t value = std::min(kMost, numbers.value(entry));
+    if (tag == 41989) fields.focal_35mm_mm = static_cast<int>(value);
+    if (tag == 40962) fields.exif_width_px = static_cast<std::int64_t>(value);
+    if (tag == 40963) fields.exif_height_px = static_cast<std::int64_t>(value);
+  });
   return fields;
 }
 

@@ -66,8 +66,7 @@ void add_input_paths(const host::ComponentSpec& spec, std::vector<std::string>& 
   const yaml::Node* given = spec.effective.find("params");
   for (const host::ParameterSpec& parameter : spec.component().parameters) {
     const yaml::Node* value = given != nullptr ? given->find(parameter.name) : nullptr;
-    const bool is_path = parameter.type == WEFT_VALUE_INPUT_PATH && value != nullptr;
-    if (is_path && !value->scalar.empty()) paths.push_back(value->scalar);
+    if (value != nullptr && parameter.names_files(value->scalar)) paths.push_back(value->scalar);
   }
   for (const host::NestedSpec& nested : spec.nested) add_input_paths(nested.component, paths);
 }
@@ -157,7 +156,8 @@ class IdentityWriter {
       const bool plain =
           parameter.type != WEFT_VALUE_COMPONENT && parameter.type != WEFT_VALUE_OUTPUT_PATH;
       if (value == nullptr || !plain) continue;
-      params[parameter.name] = parameter.type == WEFT_VALUE_INPUT_PATH
+      const bool is_word = !value->scalar.empty() && !parameter.names_files(value->scalar);
+      params[parameter.name] = parameter.type == WEFT_VALUE_INPUT_PATH && !is_word
                                    ? content_of(*value)
                                    : value_json(parameter, *value);
     }
@@ -214,6 +214,7 @@ IdentityPart Identifier::rest_part(const CheckedPipeline& pipeline, std::uint64_
               {"frames", measurement.frames}}}};
   const std::int64_t samples = measurement.options.surface_samples;
   if (samples > 0) rest["metrics"]["surface_samples"] = samples;
+  if (!pipeline.config.is_sequence) rest["sequence"] = false;
   // Both decide what is a failure; what they are by default has never been named.
   if (pipeline.config.max_failed > 0) rest["max_failed"] = pipeline.config.max_failed;
   if (pipeline.config.stop_on_error) rest["on_error"] = "stop";

@@ -238,6 +238,9 @@ class Binder {
       return;
     }
     const bool input = parameter.type == WEFT_VALUE_INPUT_PATH;
+    if (input && !parameter.names_files(value.scalar)) {
+      return spec_.arguments.add_texts(parameter.name, parameter.type, {value.scalar});
+    }
     const auto expanded = given || input
                               ? expand_path(value.scalar, paths_)
                               : Result<std::string>(default_output(value.scalar, spec_.arguments));

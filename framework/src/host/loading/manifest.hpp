@@ -29,9 +29,15 @@ struct ParameterSpec {
   bool bounded = false;
   double minimum = 0.0;
   double maximum = 0.0;
-  std::vector<std::string> choices;
-  std::string role;  ///< of a component parameter
-  std::string was;   ///< its name in older versions, or empty
+  std::vector<std::string> choices;  ///< of an input path: words that may stand in its place
+  std::string role;                  ///< of a component parameter
+  std::string was;                   ///< its name in older versions, or empty
+
+  /// Whether the value of an input path names a file or files.
+  bool names_files(const std::string& value) const {
+    return type == WEFT_VALUE_INPUT_PATH && !value.empty() &&
+           std::find(choices.begin(), choices.end(), value) == choices.end();
+  }
 };
 
 /// The parameter that decides how strict a component is, and values over which a ROC curve runs.

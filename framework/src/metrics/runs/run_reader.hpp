@@ -85,6 +85,8 @@ class RunReader {
   std::int64_t source_frames() const { return source_frames_; }
   /// [frames] of the source that the run left out between its own, with `realtime: latest`.
   std::int64_t dropped() const { return dropped_; }
+  /// Else frames are unordered images.
+  bool is_sequence() const { return is_sequence_; }
   /// Without a solver there are no shapes, and none is missing.
   bool has_solver() const { return has_solver_; }
   /// Components of the run that may read the ground truth: their results are no measurement.
@@ -116,6 +118,7 @@ class RunReader {
   bool interrupted_ = false;
   bool killed_ = false;
   bool may_drop_ = false;
+  bool is_sequence_ = true;
   std::int64_t source_frames_ = -1;
   std::int64_t dropped_ = 0;
   bool cut_ = false;  ///< the last line has no line break

@@ -97,6 +97,7 @@ Result<void> RunReader::read_manifest() {
   const auto manifest = read_json_object(file);
   if (!manifest) return do_without_manifest(manifest.error());
   may_drop_ = manifest->value("realtime", json()) == "latest";
+  is_sequence_ = manifest->value("sequence", json()) != false;
   const json source_frames = manifest->value("source_frames", json());
   if (source_frames.is_number_unsigned()) source_frames_ = source_frames.get<std::int64_t>();
   const json end = manifest->value("end", json());  // runs of older programs say nothing of it

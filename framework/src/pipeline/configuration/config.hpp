@@ -64,6 +64,7 @@ struct PipelineConfig {
   int max_failed = 0;          ///< failed frames that still count as success
   int frames_at_once = 1;      ///< most frames on their way through the stages
   int threads = 0;             ///< that work for a run; 0: one a processor core
+  bool is_sequence = true;     ///< else frames are unordered: none has one before it
   bool latest_only = false;    ///< `realtime: latest`: frames that come meanwhile are dropped
   bool in_program = false;     ///< see PipelineDocument: there is neither source nor sink
   Isolating isolating = Isolating::preferred;  ///< what was chosen

@@ -95,6 +95,16 @@ class Loader {
     config_.threads = static_cast<int>(threads);
     config_.stop_on_error = is_chosen(root, "on_error", "stop");
     config_.latest_only = is_chosen(root, "realtime", "latest");
+    config_.is_sequence = read_flag(root, "sequence", config_.is_sequence);
+  }
+
+  /// What a key says; where it says nothing legal, `otherwise`, so that nothing else follows.
+  bool read_flag(const yaml::Node& map, const char* name, bool otherwise) {
+    const yaml::Node* given = map.find(name);
+    if (given == nullptr) return otherwise;
+    const auto flag = yaml::as_bool(*given);
+    if (!flag) problem(given->at, std::string("'") + name + "' must be true or false");
+    return flag.value_or(otherwise);
   }
 
   /// Whether a key has this one of its values.
@@ -155,11 +165,8 @@ class Loader {
   }
 
   void read_overwrite(const yaml::Node& node, StageConfig& stage) {
-    const yaml::Node* given = node.find("overwrite");
-    if (given == nullptr) return;
-    const auto flag = yaml::as_bool(*given);
-    if (!flag) problem(given->at, "'overwrite' must be true or false");
-    stage.overwrite = flag.value_or(true);  // what is refused without it would only follow
+    // What is refused without it would only follow from a flag that is none.
+    stage.overwrite = node.find("overwrite") != nullptr && read_flag(node, "overwrite", true);
   }
 
   /// What is known of the component in `node`, which has a `use`.

@@ -21,6 +21,7 @@ void add_declared(const host::ComponentSpec& spec, weft_value_type type, const s
   for (const host::ParameterSpec& parameter : spec.component().parameters) {
     const yaml::Node* value = params->find(parameter.name);
     if (parameter.type != type || value == nullptr || value->scalar.empty()) continue;
+    if (type == WEFT_VALUE_INPUT_PATH && !parameter.names_files(value->scalar)) continue;
     found.push_back({prefix + parameter.name, spec.component().id,
                      without_end(fs::path(folder) / value->scalar), value->at});
   }

@@ -84,6 +84,7 @@ std::string effective_yaml(const PipelineConfig& config, Secrets secrets) {
     if (value != usual) add(key, yaml::plain_node(std::to_string(value)));
   }
   if (config.latest_only) add("realtime", yaml::plain_node("latest"));
+  if (!config.is_sequence) add("sequence", yaml::plain_node("false"));
   add("source", effective_stage(*config.source, secrets));
   add("template", effective_stage(*config.templ, secrets));
   add("stages", list(config.stages));

@@ -126,6 +126,7 @@ class Wiring {
       fed_back.insert(made.begin(), made.end());
       if (!products_of(stage)) may_make(stage.role, std::string(kPrevious));
     }
+    if (!config_.is_sequence) return;
     for (const std::string& slot : fed_back) add("previous." + slot, -1, "previous", 1);
   }
 
@@ -277,6 +278,10 @@ class Wiring {
       problems_.push_back({rule.at, quote(name) + " must be " + slot + " or " + slot +
                                         "@k, k frames ago, with k from 1 to " +
                                         std::to_string(kLongestLag)});
+      return kRefused;
+    }
+    if (!config_.is_sequence) {
+      problems_.push_back({rule.at, without_sequence(quote(name) + " cannot be read")});
       return kRefused;
     }
     if (graph_.latest(slot) < 0 && may_be_made(slot)) return kRefused;

@@ -45,6 +45,9 @@ struct OpenReading {
 std::string missing_input(const PipelineConfig& config, const host::Registry& registry,
                           const std::string& id, const std::string& slot);
 
+/// That something of the frame before is not there, because frames are no sequence.
+std::string without_sequence(const std::string& what);
+
 /// Why `reader` cannot take `slot` from `name`; `graph` holds what stands before it.
 std::string wrong_name(const PipelineConfig& config, const Graph& graph, const StageConfig& reader,
                        const std::string& slot, const std::string& name);

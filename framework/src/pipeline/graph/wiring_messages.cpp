@@ -100,8 +100,17 @@ std::string other_record(const StageConfig& reader, const std::string& slot,
          ", which makes it; install versions of the two that agree";
 }
 
+std::string without_sequence(const std::string& what) {
+  return what +
+         ": with 'sequence: false' no frame has one before it; take another component, or leave "
+         "'sequence' out where the frames are a film";
+}
+
 std::string missing_input(const PipelineConfig& config, const host::Registry& registry,
                           const std::string& id, const std::string& slot) {
+  if (!config.is_sequence && slot.starts_with("previous.")) {
+    return without_sequence(id + " requires '" + slot + "'");
+  }
   std::string message = id + " requires '" + slot + "', which no earlier stage produces";
   if (config.in_program) message += " and no program hands in";
   for (const LeftOut& gone : config.left_out) {

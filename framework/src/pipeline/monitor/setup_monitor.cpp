@@ -45,12 +45,15 @@ bool is_measured(const FrameResult& frame) {
 
 }  // namespace
 
-Result<SetupMonitor> SetupMonitor::create(const host::Record& templ, host::RecordPtr camera) {
+Result<SetupMonitor> SetupMonitor::create(const host::Record& templ, host::RecordPtr camera,
+                                          bool is_sequence) {
   const auto sheet = host::view_as<Template>(templ);
   if (!sheet) return sheet.error();
   auto calibration = SelfCalibration::of(*sheet);
   if (!calibration) return calibration.error();
-  return SetupMonitor(std::move(camera), *std::move(calibration));
+  SetupMonitor monitor(std::move(camera), *std::move(calibration));
+  monitor.is_sequence_ = is_sequence;
+  return monitor;
 }
 
 bool SetupMonitor::is_due(std::uint64_t frame) {
@@ -178,7 +181,7 @@ void SetupMonitor::count_recognised(const FrameResult& frame, const Shape* shape
 
 void SetupMonitor::count_jumps(const Shape* shape, std::uint64_t frame) {
   constexpr double kJump = 0.25;
-  if (shape == nullptr) return;
+  if (shape == nullptr || !is_sequence_) return;
   project(*shape);
   if (before_ && *before_ + 1 == frame) {
     const double way = mean_way(before_px_, now_px_);

@@ -19,7 +19,9 @@ namespace weft {
 /// finds out are warnings. It moves no vertex, but shapes by a camera that is wrong are not sure.
 class SetupMonitor {
  public:
-  static Result<SetupMonitor> create(const host::Record& templ, host::RecordPtr camera);
+  /// Of frames that are no sequence the motion between them is not judged.
+  static Result<SetupMonitor> create(const host::Record& templ, host::RecordPtr camera,
+                                     bool is_sequence = true);
 
   /// Looks closely at some frames: the first eight, then whenever a quarter more have gone by. What
   /// it sees is added to the frame's `setup`, and what it has found out by then to its `warnings`.
@@ -84,8 +86,9 @@ class SetupMonitor {
 
   Points2 before_px_;                    ///< vertices of the last shape that was estimated
   std::optional<std::uint64_t> before_;  ///< its frame
-  std::int64_t pairs_ = 0, jumps_ = 0;   ///< of neighbouring frames
-  double jumps_sum_ = 0.0;               ///< [] of the object's size
+  bool is_sequence_ = true;
+  std::int64_t pairs_ = 0, jumps_ = 0;  ///< of neighbouring frames
+  double jumps_sum_ = 0.0;              ///< [] of the object's size
 };
 
 }  // namespace weft

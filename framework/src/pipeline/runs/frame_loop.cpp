@@ -68,7 +68,8 @@ Result<std::unique_ptr<FrameLoop>> FrameLoop::open(const CheckedPipeline& pipeli
 /// A mesh that is no surface has no lengths to judge by: such a run is not watched.
 void FrameLoop::watch_set_up() {
   monitor_.reset();
-  if (auto made = SetupMonitor::create(*input_.templ(), input_.camera())) {
+  if (auto made =
+          SetupMonitor::create(*input_.templ(), input_.camera(), pipeline_.config.is_sequence)) {
     monitor_.emplace(*std::move(made));
   }
 }

@@ -11,6 +11,7 @@
 #include <weft/core/output_folder.hpp>
 #include <weft/core/version.hpp>
 #include <weft/core/whole_file.hpp>
+#include <weft/data/camera.hpp>
 
 #include "host/loading/processor.hpp"
 #include "host/loading/secrets.hpp"
@@ -74,6 +75,7 @@ ordered_json provenance(const PipelineConfig& config) {
                      {"pipeline", config.file}, {"sources", source_names(config.sources)},
                      {"seed", config.seed},     {"reproducible", !config.latest_only}};
   if (config.latest_only) facts["realtime"] = "latest";
+  if (!config.is_sequence) facts["sequence"] = false;
   facts["end"] = kEndFile;
   facts["machine"] = {{"processor", host::processor_name()}, {"system", system.release}};
   facts["components"] = std::move(components);
@@ -84,6 +86,19 @@ std::string frame_name(std::uint64_t index) {
   char name[32];
   std::snprintf(name, sizeof(name), "%06llu", static_cast<unsigned long long>(index));
   return name;
+}
+
+/// What was assumed of a camera that nobody calibrated; null for one that was.
+ordered_json assumed_camera(const host::Record& record) {
+  const auto camera = host::view_as<Camera>(record);
+  const auto assumed = camera ? CameraAssumption::of(*camera) : std::nullopt;
+  if (!assumed) return {};
+  return {{"fx_px", camera->fx},
+          {"fy_px", camera->fy},
+          {"focal_sd_px", rounded(assumed->focal_sd_px, 1e4)},
+          {"centre_px", {camera->cx, camera->cy}},
+          {"centre_sd_px", {rounded(assumed->cx_sd_px, 1e4), rounded(assumed->cy_sd_px, 1e4)}},
+          {"from", assumed->from}};
 }
 
 /// Text of any bytes as JSON: what is no UTF-8 is replaced.
@@ -215,6 +230,8 @@ Result<void> RunFolder::begin(const PipelineConfig& config, const host::Record& 
   if (auto written = write_whole(effective_yaml(config), file, kLater); !written) return written;
   ordered_json manifest = provenance(config);
   if (source_frames >= 0) manifest["source_frames"] = source_frames;
+  ordered_json assumed = assumed_camera(camera);
+  if (!assumed.is_null()) manifest["assumed_camera"] = std::move(assumed);
   auto written = write_whole(dump(manifest, 2) + "\n", path_ + "/manifest.json", kLater);
   if (!written) return written;
   const auto borrow = [](const host::Record& record) {

@@ -53,12 +53,13 @@ yaml::Node source_node(const std::string& use,
 }
 
 Result<std::string> camera_beside(const fs::path& folder, const std::string& given) {
+  if (given == "auto") return given;  // a word of the sources
   if (!given.empty()) return fs::absolute(given).string();
   std::string found = first_of(folder, {"camera.yaml", "camera.yml", "camera.json", "K.json"});
   if (!found.empty()) return found;
   return missing(folder,
                  "has no camera.yaml, camera.yml, camera.json or K.json; give the camera file with "
-                 "--camera");
+                 "--camera, or --camera auto where nobody calibrated it");
 }
 
 Result<DataLayout> layout_of_yaml(const fs::path& file) {

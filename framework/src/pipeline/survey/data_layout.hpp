@@ -27,7 +27,8 @@ struct FileSources {
 ///   matches: a folder with matches/*.npz or matches/*.csv and no images, or such a file;
 ///   a video: any other file.
 /// The camera file of images, matches and videos is `camera`, where it is given, else camera.yaml,
-/// camera.yml, camera.json or K.json beside them. Fails with not_found and what was looked for.
+/// camera.yml, camera.json or K.json beside them; "auto" is one that the source assumes. Fails with
+/// not_found and what was looked for.
 Result<DataLayout> find_data_layout(const std::string& path, const FileSources& sources,
                                     const std::string& camera = {});
 

@@ -150,6 +150,7 @@ Result<DataSurvey> survey_data(const DataLayout& layout, const host::Registry& r
   survey.kind = layout.kind;
   survey.source = spec->component().id;
   survey.camera = *typed_in<Camera>(opened, "camera");
+  survey.assumed = CameraAssumption::of(survey.camera);
   const std::int64_t count = typed_in<Count>(counted, "count")->frames;
   for (std::int64_t i = 0; (count < 0 || i < count) && !cancel.load(); ++i) {
     const Outcome read = lane.call(**source, kReadFrame, {}, static_cast<std::uint64_t>(i));

@@ -239,6 +239,29 @@ TEST_F(VideoSource, WithoutACameraFileTheFocalLengthIsGuessedAndEachFrameSaysSo)
   EXPECT_EQ(number_in(*frame.get<weft::Image>()), 3);
 }
 
+TEST_F(VideoSource, AnAssumedCameraIsTheSameAndItsFramesAreInOrder) {
+  write_video(folder_.path("clip.avi"));
+  PluginUnderTest source("sources/video",
+                         "{path: '" + folder_.path("clip.avi") + "', camera: auto}");
+  const PluginAnswer opened = source.process(kOpen, {});
+  ASSERT_EQ(opened.status, WEFT_OK) << opened.message;
+  EXPECT_EQ(opened.get<weft::Camera>()->fx, kWidth);
+  const auto assumption = weft::CameraAssumption::of(*opened.get<weft::Camera>());
+  ASSERT_TRUE(assumption);
+  EXPECT_DOUBLE_EQ(assumption->focal_sd_px, 0.25 * kWidth);
+  EXPECT_EQ(source.process(kRead, {}, 3).status, WEFT_OK);
+}
+
+TEST_F(VideoSource, ScalesFramesAndCameraAlike) {
+  write_video(folder_.path("clip.avi"));
+
+  OpenedSource source = opened("clip.avi", ", longest_px: " + std::to_string(kWidth / 2));
+  const PluginAnswer frame = source.process(kRead, {}, 3);
+  ASSERT_EQ(frame.status, WEFT_OK) << frame.message;
+  EXPECT_EQ(frame.get<weft::Image>()->pixels.dim(1), kWidth / 2);
+  EXPECT_EQ(frame.get<weft::Image>()->pixels.dim(0), kHeight / 2);
+}
+
 TEST_F(VideoSource, RefusesWhatIsNoVideo) {
   EXPECT_THROW(opened("missing.avi"), std::runtime_error);
   folder_.write("empty.avi", "");

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// weft track, typed as a new user would.
+#include <gmock/gmock.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "integration/shelled_program.hpp"
+
+namespace weft {
+namespace {
+
+using ::testing::AllOf;
+using testing::Ended;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::read_lines;
+using testing::read_text;
+
+namespace fs = std::filesystem;
+
+class Track : public testing::ShelledProgram {
+ protected:
+  /// Four frames of the demo's sheet, 320 x 240 px, in film/frames.
+  void film_the_sheet() const {
+    write(
+        "weft: 1\n"
+        "source:\n"
+        "  use: sources/synthetic\n"
+        "  params: {texture: " WEFT_TEXTURE
+        ", width_m: 0.297, distance_m: 0.45, frames: 4}\n"
+        "template:\n"
+        "  use: templates/rectangular\n"
+        "  params: {texture: " WEFT_TEXTURE
+        ", width_m: 0.297, columns: 13, rows: 9}\n"
+        "sinks:\n  - {use: sinks/dataset, params: {path: film}}\n",
+        "film.yaml");
+    const Ended filmed = weft({"run", "film.yaml", "--out", "filmed", "--quiet"});
+    ASSERT_EQ(filmed.exit_code, 0) << filmed.err;
+    fs::rename(path("filmed/film/frames"), path("frames"));
+  }
+
+  Ended track(std::vector<std::string> more) const {
+    std::vector<std::string> words{"track"};
+    words.insert(words.end(), more.begin(), more.end());
+    return weft(words);
+  }
+
+  std::string pipeline(const std::string& folder) const {
+    return read_text(path(folder + "/track.yaml"));
+  }
+
+  int measured(const std::string& folder) const {
+    int count = 0;
+    for (const std::string& line : read_lines(path(folder + "/run/frames.jsonl"))) {
+      count += line.find("\"estimated\"") != std::string::npos ||
+               line.find("\"weak\"") != std::string::npos;
+    }
+    return count;
+  }
+};
+
+TEST_F(Track, FindsAFlatObjectInFramesWithoutAPipelineFile) {
+  film_the_sheet();
+  const Ended ended = track({"frames", "--object", WEFT_TEXTURE, "--flat", "--quiet"});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(ended.out, AllOf(HasSubstr("frames_tracked/track.yaml"),
+                               HasSubstr("in units of the object's width"),
+                               HasSubstr("a sequence: their names are numbered"),
+                               HasSubstr("frames_tracked/run/report.html")));
+  EXPECT_THAT(ended.err, HasSubstr("not calibrated: the focal length is assumed"));
+  EXPECT_EQ(measured("frames_tracked"), 4);
+  for (const char* made : {"overlay.avi", "meshes", "report.html"}) {
+    EXPECT_TRUE(fs::exists(path("frames_tracked/run/") + made)) << made;
+  }
+  EXPECT_THAT(read_text(path("frames_tracked/run/manifest.json")),
+              AllOf(HasSubstr("\"assumed_camera\""), HasSubstr("\"focal_sd_px\"")));
+  EXPECT_THAT(pipeline("frames_tracked"), AllOf(HasSubstr("width_m: 1,"), HasSubstr("camera: auto"),
+                                                Not(HasSubstr("sequence"))));
+  const Ended again = weft({"run", "frames_tracked/track.yaml", "--out", "again", "--quiet"});
+  EXPECT_EQ(again.exit_code, 0) << "the pipeline may be changed and run again: " << again.err;
+}
+
+TEST_F(Track, TakesImagesOfSeveralSizesForUnordered) {
+  film_the_sheet();
+  const std::string first = path("frames") + "/000000.png";
+  ASSERT_TRUE(fs::exists(first)) << "the test knows how frames are named";
+  const cv::Mat image = cv::imread(first);
+  cv::imwrite(first, image(cv::Rect(10, 0, image.cols - 30, image.rows - 8)));
+  const Ended ended = track({"frames", "--object", WEFT_TEXTURE, "--flat", "--width", "0.297",
+                             "--out", "out", "--quiet"});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(ended.out, AllOf(HasSubstr("unordered images: they have several sizes"),
+                               Not(HasSubstr("in units"))));
+  EXPECT_THAT(pipeline("out"), AllOf(HasSubstr("sequence: false"), HasSubstr("width_m: 0.297")));
+  EXPECT_EQ(measured("out"), 4);
+}
+
+TEST_F(Track, TakesTheRectangleInAPhotographForTheObject) {
+  film_the_sheet();
+  const Ended ended = track({"frames", "--object", WEFT_PHOTO, "--out", "out", "--quiet"});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("the rectangle that was found in the photograph"));
+  EXPECT_THAT(pipeline("out"), HasSubstr("use: templates/photo"));
+  EXPECT_EQ(measured("out"), 4);
+}
+
+TEST_F(Track, SaysWhatIsWrongBeforeAnythingIsWritten) {
+  write("no picture", "object.txt");
+  write("no film", "film.avi");
+  fs::create_directories(path("empty"));
+  fs::create_directories(path("taken"));
+  write("precious", "taken/file");
+  struct Case {
+    std::vector<std::string> words;
+    std::string place, what;
+  };
+  const std::string object = WEFT_TEXTURE;
+  for (const Case& wrong : {
+           Case{{"none.avi", "--object", object}, "none.avi", "there is no such file or folder"},
+           Case{{"film.avi", "--object", "none.png"}, "none.png", "there is no such file"},
+           Case{{"film.avi", "--object", "object.txt"}, "object.txt", "no picture"},
+           Case{{"film.avi", "--object", object}, "film.avi", "is no video"},
+           Case{{"empty", "--object", object}, "empty", "holds no images"},
+           Case{{"film.avi", "--object", object, "--out", "taken"}, "taken", "choose another"},
+           Case{{"film.avi", "--object", object, "--camera", "no.yaml"}, "no.yaml", "no such file"},
+       }) {
+    const Ended ended = track(wrong.words);
+    EXPECT_NE(ended.exit_code, 0) << wrong.what;
+    EXPECT_THAT(ended.err, AllOf(HasSubstr(wrong.place), HasSubstr(wrong.what)));
+    EXPECT_FALSE(fs::exists(path("film_tracked"))) << wrong.what;
+    EXPECT_FALSE(fs::exists(path("empty_tracked"))) << wrong.what;
+  }
+  EXPECT_EQ(read_text(path("taken/file")), "precious");
+}
+
+}  // namespace
+}  // namespace weft
