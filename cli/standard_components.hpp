@@ -32,4 +32,7 @@ inline StandardFeatures standard_features() {
 /// What --photo stands for.
 inline const char* photo_template() { return "templates/photo"; }
 
+/// What --flat-reference stands for.
+inline const char* registration_pass() { return "passes/flat_reference"; }
+
 }  // namespace weft::cli

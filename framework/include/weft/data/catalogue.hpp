@@ -7,6 +7,7 @@
 #include <weft/data/image.hpp>
 #include <weft/data/keypoints.hpp>
 #include <weft/data/known_points.hpp>
+#include <weft/data/registration.hpp>
 #include <weft/data/run_report.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/data/sightlines.hpp>
@@ -23,7 +24,7 @@ void for_each_record_type(Visit&& visit) {
   const auto each = [&]<class... RecordType>() { (visit(std::type_identity<RecordType>{}), ...); };
   each.template operator()<Image, Time, Camera, Region, Template, Keypoints, Correspondences,
                            Weights, InlierMask, Warp, Points, WarpSamples, Sightlines, Visibility,
-                           KnownPoints, Shape, GroundTruth, Count, FrameReport, RunSettings>();
+                           KnownPoints, Shape, Registration, GroundTruth, Count, FrameReport, RunSettings>();
 }
 
 }  // namespace weft

@@ -8,6 +8,7 @@
 #include <weft/data/camera.hpp>
 #include <weft/data/correspondences.hpp>
 #include <weft/data/ground_truth.hpp>
+#include <weft/data/registration.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/data/template.hpp>
 #include <weft/data/visibility.hpp>
@@ -52,6 +53,7 @@ struct WarpRecords {
 struct FrameRecords {
   std::optional<Shape> shape;            ///< vertices may be NaN: that is for the reader to count
   std::optional<Visibility> visibility;  ///< of the last pass that tells it
+  std::optional<Registration> registration;  ///< of the last pass that measures it
   std::optional<GroundTruth> ground_truth;  ///< finite
   std::vector<MatchRecords> matches;        ///< in the order of the stages
   std::vector<WarpRecords> warps;           ///< in the order of the stages
