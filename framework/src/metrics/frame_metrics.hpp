@@ -103,12 +103,12 @@ struct FrameMetrics {
   double strain_mean = kUnknown;  ///< [] mean |l / l0 - 1| over the edges
   double strain_p95 = kUnknown;   ///< [] 95th percentile of it
   ImageMetrics image;
-  std::optional<DepthMetrics> depth;           ///< where the truth has a depth image
-  std::optional<SurfaceMetrics> surface;       ///< of a solved frame with true points
-  std::optional<VisibilityCounts> visibility;  ///< where the truth says what is seen
-  std::optional<FrameCertainty> certainty;     ///< of a solved frame with an error
+  std::optional<DepthMetrics> depth;              ///< where the truth has a depth image
+  std::optional<SurfaceMetrics> surface;          ///< of a solved frame with true points
+  std::optional<VisibilityCounts> visibility;     ///< where the truth says what is seen
+  std::optional<FrameCertainty> certainty;        ///< of a solved frame with an error
   std::optional<FrameRegistration> registration;  ///< where a pass or the evaluation measured it
-  FrameParts parts;                            ///< of a solved frame, where the truth has parts
+  FrameParts parts;                               ///< of a solved frame, where the truth has parts
   MotionMetrics motion;
   std::vector<std::pair<std::string, FilterCounts>> filters;  ///< by stage
   std::vector<std::pair<std::string, WarpErrors>> warps;      ///< by stage

@@ -170,7 +170,8 @@ std::string to_table(const RunMetrics& metrics) {
   }
   return text + to_error_table(metrics) + image_text(metrics.image) + depth_text(metrics.depth) +
          surfaces_text(metrics) + visibility_text(metrics.visibility) +
-         registration_text(metrics.registration) + certainty_text(metrics.certainty) + warps_text(metrics) + filters_text(metrics);
+         registration_text(metrics.registration) + certainty_text(metrics.certainty) +
+         warps_text(metrics) + filters_text(metrics);
 }
 
 std::string to_error_table(const RunMetrics& metrics) {

@@ -96,7 +96,8 @@ class Readers {
   /// made.
   bool is_read(int value) const {
     const std::string& slot = info(value).slot;
-    if (slot == "shape" || slot == "registration" || fed_back_.count("previous." + slot) > 0) return true;
+    if (slot == "shape" || slot == "registration" || fed_back_.count("previous." + slot) > 0)
+      return true;
     if (by_stages_.count(value) > 0 || by_choosing_sinks_.count(value) > 0) return true;
     // Matches behind the stages that make the shape out of matches are shown as if they were its.
     const bool late = slot == "correspondences" && needed_earlier(value) != nullptr;
