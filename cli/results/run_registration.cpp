@@ -10,8 +10,8 @@
 #include "cli/standard_components.hpp"
 #include "metrics/runs/run_reader.hpp"
 #include "pipeline/configuration/config.hpp"
+#include "pipeline/execution/registration_meter.hpp"
 #include "pipeline/runs/frame_loop.hpp"
-#include "pipeline/survey/registration_meter.hpp"
 
 namespace weft::cli {
 namespace {

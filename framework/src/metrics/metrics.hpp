@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 #include <weft/core/result.hpp>
-#include <weft/data/registration.hpp>
+#include <weft/data/visibility.hpp>
 
 #include "metrics/run_metrics.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 #include <vector>
-#include <weft/data/registration.hpp>
+#include <weft/data/visibility.hpp>
 
 #include "metrics/field.hpp"
 #include "statistics/unknown.hpp"

@@ -7,7 +7,6 @@
 #include <weft/data/image.hpp>
 #include <weft/data/keypoints.hpp>
 #include <weft/data/known_points.hpp>
-#include <weft/data/registration.hpp>
 #include <weft/data/run_report.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/data/sightlines.hpp>

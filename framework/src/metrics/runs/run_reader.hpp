@@ -8,7 +8,6 @@
 #include <weft/data/camera.hpp>
 #include <weft/data/correspondences.hpp>
 #include <weft/data/ground_truth.hpp>
-#include <weft/data/registration.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/data/template.hpp>
 #include <weft/data/visibility.hpp>

@@ -13,8 +13,8 @@
 #include <weft/core/rng.hpp>
 #include <weft/data/image.hpp>
 #include <weft/data/matrix.hpp>
-#include <weft/data/registration.hpp>
 #include <weft/data/shape.hpp>
+#include <weft/data/visibility.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 #include <weft/testing/synthetic.hpp>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/survey/registration_meter.hpp"
+#include "pipeline/execution/registration_meter.hpp"
 
 #include <string>
 #include <utility>
