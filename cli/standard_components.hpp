@@ -35,4 +35,7 @@ inline const char* default_pipeline() { return "demo.yaml"; }
 /// What --photo stands for.
 inline const char* photo_template() { return "templates/photo"; }
 
+/// What --flat-reference stands for.
+inline const char* registration_pass() { return "passes/flat_reference"; }
+
 }  // namespace weft::cli

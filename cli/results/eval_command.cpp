@@ -5,6 +5,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/output/new_file.hpp"
+#include "cli/results/run_registration.hpp"
 #include "metrics/forms/metrics_report.hpp"
 
 namespace weft::cli {
@@ -21,13 +22,20 @@ struct EvalOptions {
   bool no_save = false;
   bool quiet = false;
   bool overwrite = false;  ///< json_file and csv_file
+  FlatReference reference;
 };
 
-Result<void> evaluate(const EvalOptions& options, const std::string& alignment) {
+Result<void> evaluate(const EvalOptions& options, const std::string& alignment,
+                      const Context& context) {
   evaluation::EvaluationOptions choice;
   choice.alignment = *evaluation::alignment_of(alignment);
   choice.match_tolerance_px = options.match_tolerance_px;
   if (options.surfaces) choice.surface_samples = evaluation::kSurfaceSamples;
+  if (options.reference.wanted) {
+    auto measure = registration_of_run(options.folder, options.reference, context.registry());
+    if (!measure) return measure.error();
+    choice.measure_registration = *std::move(measure);
+  }
   const auto metrics = evaluation::evaluate_run(options.folder, choice);
   if (!metrics) return metrics.error();
   for (const std::string& text : metrics->warnings) fmt::print(stderr, "warning: {}\n", text);
@@ -56,12 +64,12 @@ Result<void> evaluate(const EvalOptions& options, const std::string& alignment) 
   return {};
 }
 
-Result<void> evaluate_all(const EvalOptions& options) {
+Result<void> evaluate_all(const EvalOptions& options, const Context& context) {
   for (const std::string& file : {options.json_file, options.csv_file}) {
     if (file.empty() || file == "-") continue;
     if (auto fresh = check_new_file(file, options.overwrite); !fresh) return fresh;
   }
-  if (options.alignment != "all") return evaluate(options, options.alignment);
+  if (options.alignment != "all") return evaluate(options, options.alignment, context);
   if (!options.json_file.empty() || !options.csv_file.empty()) {
     return Error{
         Errc::invalid_value,
@@ -69,7 +77,7 @@ Result<void> evaluate_all(const EvalOptions& options) {
         "the run; a file of your own holds one alignment: choose one"};
   }
   for (const char* alignment : {"none", "scale", "rigid"}) {
-    if (auto done = evaluate(options, alignment); !done) return done;
+    if (auto done = evaluate(options, alignment, context); !done) return done;
   }
   return {};
 }
@@ -108,6 +116,22 @@ void add_eval_command(CLI::App& app, Context& context) {
       fmt::format("Add Chamfer distances as the literature has them, between {} places drawn over "
                   "the mesh and the points of the truth, and print all",
                   evaluation::kSurfaceSamples));
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--flat-reference",
+          [options](const std::vector<std::string>& words) {
+            options->reference.wanted = true;
+            if (!words.empty()) options->reference.words = words.front();
+          },
+          "Compare the images, unwarped through the shapes, with the template's texture at these "
+          "words, or at the cells of a grid; images are read again. Write it behind RUN")
+      ->option_text("[WORDS.json]")
+      ->expected(0, 1);
+  command
+      ->add_option("--flat-set", options->reference.settings,
+                   "Set a parameter of passes/flat_reference: range_mm=20")
+      ->option_text("NAME=VALUE")
+      ->needs("--flat-reference");
   command->add_flag("--no-save", options->no_save, "Write nothing into the run folder");
   add_overwrite(*command, options->overwrite);
   command->add_flag("--quiet", options->quiet, "No table");
@@ -117,7 +141,7 @@ void add_eval_command(CLI::App& app, Context& context) {
       "  2  the command line is wrong\n"
       "  3  a file or folder cannot be read or written");
   command->callback([&context, options] {
-    if (auto done = evaluate_all(*options); !done) {
+    if (auto done = evaluate_all(*options, context); !done) {
       print_error(done.error());
       const bool misuse = done.error().code == Errc::invalid_value;
       context.exit_code = misuse ? kBadConfiguration : kInputOutput;

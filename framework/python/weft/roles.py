@@ -94,7 +94,8 @@ class WarpModel(Component):
 
 
 class Pass(Component):
-    """`run(given)` answers a dict of records by output: sightlines, visibility, region."""
+    """`run(given)` answers a dict of records by output: sightlines, visibility,
+    region, registration."""
 
     role = "passes"
     methods = ("run",)

@@ -235,6 +235,7 @@ Result<FrameMetrics> evaluate_frame(const RunReader& reader, const ShapeMeter& m
   frame.state = line.state;
   frame.failed = line.failed;
   frame.outcome = outcome_of(records);
+  if (records.registration) frame.registration = frame_registration(*records.registration);
   frame.has_truth = records.ground_truth.has_value();
   if (frame.has_truth) {
     frame.kind = records.ground_truth->kind;

@@ -11,6 +11,7 @@
 #include "metrics/certainty_metrics.hpp"
 #include "metrics/match_metrics.hpp"
 #include "metrics/part_metrics.hpp"
+#include "metrics/registration_metrics.hpp"
 #include "metrics/surface_metrics.hpp"
 #include "metrics/visibility_metrics.hpp"
 #include "metrics/warp_metrics.hpp"
@@ -102,11 +103,12 @@ struct FrameMetrics {
   double strain_mean = kUnknown;  ///< [] mean |l / l0 - 1| over the edges
   double strain_p95 = kUnknown;   ///< [] 95th percentile of it
   ImageMetrics image;
-  std::optional<DepthMetrics> depth;           ///< where the truth has a depth image
-  std::optional<SurfaceMetrics> surface;       ///< of a solved frame with true points
-  std::optional<VisibilityCounts> visibility;  ///< where the truth says what is seen
-  std::optional<FrameCertainty> certainty;     ///< of a solved frame with an error
-  FrameParts parts;                            ///< of a solved frame, where the truth has parts
+  std::optional<DepthMetrics> depth;              ///< where the truth has a depth image
+  std::optional<SurfaceMetrics> surface;          ///< of a solved frame with true points
+  std::optional<VisibilityCounts> visibility;     ///< where the truth says what is seen
+  std::optional<FrameCertainty> certainty;        ///< of a solved frame with an error
+  std::optional<FrameRegistration> registration;  ///< where a pass or the evaluation measured it
+  FrameParts parts;                               ///< of a solved frame, where the truth has parts
   MotionMetrics motion;
   std::vector<std::pair<std::string, FilterCounts>> filters;  ///< by stage
   std::vector<std::pair<std::string, WarpErrors>> warps;      ///< by stage
@@ -126,6 +128,7 @@ struct FrameMetrics {
           self.strain_p95);
     visit({"jitter_mm", "mean |X_t - 2 X_(t-1) + X_(t-2)| over the vertices", kLower, "jitter mm"},
           self.motion.jitter_mm);
+    visit.optional(self.registration);
     visit.object({"truth", "the truth of the frame, and the 3D error against it"}, self.has_truth,
                  [&](auto& truth) { truth_fields(self, truth); });
     visit.when(self.has_truth, [&](auto& measured) { measured_fields(self, measured); });

@@ -151,6 +151,17 @@ void add_visibility(RunMetrics& metrics) {
   metrics.visibility = summarise_visibility(counts);
 }
 
+void add_registration(RunMetrics& metrics) {
+  std::vector<FrameRegistration> frames;
+  std::int64_t all_frames = 0;
+  for (const FrameMetrics& frame : metrics.frames) {
+    if (!frame.apart.empty()) continue;
+    ++all_frames;
+    if (frame.registration) frames.push_back(*frame.registration);
+  }
+  metrics.registration = summarise_registration(frames, all_frames);
+}
+
 void add_certainty(RunMetrics& metrics) {
   std::vector<FrameCertainty> frames;
   for (const FrameMetrics& frame : metrics.frames) {
@@ -266,6 +277,7 @@ RunMetrics RunEvaluator::finish(bool has_solver) {
   summarise_depth(metrics);
   add_surfaces(metrics);
   add_visibility(metrics);
+  add_registration(metrics);
   add_certainty(metrics);
   summarise_named(metrics);
   count_frames(metrics);
@@ -286,7 +298,13 @@ Result<RunMetrics> evaluate_run(const std::string& folder, const EvaluationOptio
   std::vector<Error> damages;
   std::vector<std::string> warnings = reader->warnings();
   for (const FrameLine& line : reader->lines()) {
-    const auto records = reader->read(line);
+    auto records = reader->read(line);
+    const bool solved = line.state == ShapeState::estimated || line.state == ShapeState::weak;
+    if (records && options.measure_registration && solved) {
+      auto measured = options.measure_registration(line, *records);
+      if (!measured) return measured.error();
+      records->registration = *std::move(measured);
+    }
     if (!records && reader->killed()) {
       // The rest had not been written to the disk when the run was cut off.
       warnings.push_back(records.error().where + ": " + records.error().message + "; frames from " +

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 #include <weft/core/result.hpp>
+#include <weft/data/visibility.hpp>
 
 #include "metrics/run_metrics.hpp"
 
@@ -15,10 +18,16 @@ class RunReader;
 struct FrameLine;
 struct FrameRecords;
 
+/// Compares a solved frame with its flat reference; nothing where it cannot be compared. The record
+/// is valid until the next call.
+using MeasureRegistration = std::function<Result<std::optional<Registration>>(
+    const FrameLine& line, const FrameRecords& records)>;
+
 struct EvaluationOptions {
   Alignment alignment = Alignment::none;
   double match_tolerance_px = 2.0;   ///< [] px, a match this near its true place is correct
   std::int64_t surface_samples = 0;  ///< [] places drawn for sampled distances; 0: no such figures
+  MeasureRegistration measure_registration = {};  ///< in place of what the run has of it
 };
 
 /// Evaluates a run folder against the ground truth in it; changes nothing. A run without truth has

@@ -29,6 +29,7 @@ struct RunMetrics {
   SurfaceSummary surface;              ///< frames apart are left out
   std::vector<PartMetrics> parts;      ///< of the truth; frames apart are left out
   VisibilityMetrics visibility;        ///< frames apart are left out
+  RegistrationMetrics registration;    ///< frames apart are left out
   CertaintyMetrics certainty;          ///< frames apart are left out
   std::vector<FilterMetrics> filters;  ///< by stage; frames apart are left out
   std::vector<WarpMetrics> warps;      ///< by stage; frames apart are left out
@@ -60,6 +61,7 @@ struct RunMetrics {
     visit({"surface", "mesh and truth as surfaces"}, self.surface);
     visit({"parts", "parts of the truth, by their names"}, self.parts);
     visit({"visibility", "what the camera sees"}, self.visibility);
+    visit({"registration", "the unwarped image against the flat reference"}, self.registration);
     visit({"certainty", "how sure the shapes are"}, self.certainty);
     visit({"filters", "by the name of the stage"}, self.filters);
     visit({"warps", "by the name of the stage"}, self.warps);

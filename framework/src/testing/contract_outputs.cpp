@@ -83,6 +83,17 @@ void check_sight(const Scene& scene, const Sightlines& made, Checks& checks) {
   checks.expect(made.coverage >= 0.0 && made.coverage <= 1.0, "its coverage is not in 0 to 1");
 }
 
+void check_registration(const Registration& made, Checks& checks) {
+  checks.expect(is_flag(made.found), "its registration has entries that are not 0 or 1");
+  for (std::int64_t i = 0; i < made.count(); ++i) {
+    const bool is_measured =
+        std::isfinite(made.displacement_mm(i, 0)) && std::isfinite(made.displacement_mm(i, 1));
+    if (is_measured == (made.found(i) != 0)) continue;
+    return checks.fail("patch " + std::to_string(i) + " is " + (is_measured ? "not " : "") +
+                       "found, with" + (is_measured ? " a" : "out a") + " displacement");
+  }
+}
+
 void check_shape(const Case& given, const Shape& made, Checks& checks) {
   const ShapeState state = made.shape_state();
   checks.expect(state == ShapeState::estimated || state == ShapeState::weak,
@@ -136,6 +147,7 @@ void check_outputs(const Subject& subject, const Case& given, const Answer& answ
     if (const auto made = typed_in<InlierMask>(record)) check_mask(given, *made, checks);
     if (const auto made = typed_in<Sightlines>(record)) check_sight(scene, *made, checks);
     if (const auto made = typed_in<Visibility>(record)) check_visibility(*made, checks);
+    if (const auto made = typed_in<Registration>(record)) check_registration(*made, checks);
     if (const auto made = typed_in<Shape>(record)) check_shape(given, *made, checks);
     if (const auto made = typed_in<Warp>(record)) {
       checks.expect(made->producer == subject.manifest().id,

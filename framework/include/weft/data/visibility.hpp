@@ -35,4 +35,33 @@ struct Visibility {
   }
 };
 
+/// How far patches of the template's texture are from their places in the unwarped image, which is
+/// the image seen through the recovered mesh.
+struct Registration {
+  static constexpr const char* kType = "registration/1";
+  Array<double> place_px;         ///< [N,2] px of the texture, centre of each patch
+  Array<double> displacement_mm;  ///< [N,2] mm along u and v of the texture, NaN where not found
+  Array<double> correlation;      ///< [N] highest normalised cross-correlation, -1 to 1
+  Array<std::uint8_t> found;      ///< [N] 1 where the correlation reaches the threshold
+  Diagnostics diag;
+  Others others = {};  ///< what else the record has
+
+  std::int64_t count() const { return found.rows(); }
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit(self.place_px, Field{"place_px", "N,2", "px of the texture", "centre of each patch"});
+    visit(self.displacement_mm,
+          Field{"displacement_mm", "N,2", "mm",
+                "from there to where the unwarped image shows the patch, along u and v of the "
+                "texture; NaN where it was not found",
+                false, true});
+    visit(self.correlation, Field{"correlation", "N", "-1 to 1",
+                                  "highest normalised cross-correlation in the search range"});
+    visit(self.found,
+          Field{"found", "N", "0 or 1", "1 where the correlation reaches the threshold"});
+    visit(self.diag, Field{"diag.*", "*", "", "evidence", true});
+  }
+};
+
 }  // namespace weft

@@ -11,6 +11,7 @@ struct PassInput {
   Call call;
   Template templ{};
   Camera camera{};
+  OptionalInput<Image> image{};
   OptionalInput<Warp> warp{};                 ///< evaluate it with weft::evaluate()
   OptionalInput<WarpSamples> warp_samples{};  ///< at the template's vertices
   OptionalInput<Correspondences> correspondences{};
@@ -23,6 +24,7 @@ struct PassInput {
   static void slots(Self& self, Visit&& visit) {
     visit("template", self.templ);
     visit("camera", self.camera);
+    visit("image", self.image);
     visit("warp", self.warp);
     visit("warp_samples", self.warp_samples);
     visit("correspondences", self.correspondences);
@@ -38,9 +40,11 @@ struct PassOutput {
   std::optional<Sightlines> sightlines{};
   std::optional<Visibility> visibility{};
   std::optional<Region> region{};
+  std::optional<Registration> registration{};
 };
 
-/// Role `passes`: prepares data for the solver from what is known of the frame.
+/// Role `passes`: prepares data for the solver from what is known of the frame, or measures its
+/// result.
 class Pass : public Prepared {
  public:
   static constexpr const char* kRole = "passes";
@@ -51,7 +55,8 @@ class Pass : public Prepared {
     return {kRole,
             {role_method<PassInput>("run", {output_slot<Sightlines>("sightlines", false),
                                             output_slot<Visibility>("visibility", false),
-                                            output_slot<Region>("region", false)})}};
+                                            output_slot<Region>("region", false),
+                                            output_slot<Registration>("registration", false)})}};
   }
 
   std::int32_t process(ProcessCall& call) {
@@ -61,6 +66,9 @@ class Pass : public Prepared {
                                           call.write("sightlines", out.sightlines);
                                       if (status) status = call.write("visibility", out.visibility);
                                       if (status) status = call.write("region", out.region);
+                                      if (status) {
+                                        status = call.write("registration", out.registration);
+                                      }
                                       return status;
                                     });
   }

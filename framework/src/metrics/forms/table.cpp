@@ -165,11 +165,13 @@ std::string to_table(const RunMetrics& metrics) {
            filters_text(metrics);
   }
   if (metrics.groups.empty()) {
-    return text + "no ground truth in this run: give the source `truth` to measure errors\n";
+    return text + "no ground truth in this run: give the source `truth` to measure errors\n" +
+           registration_text(metrics.registration);
   }
   return text + to_error_table(metrics) + image_text(metrics.image) + depth_text(metrics.depth) +
          surfaces_text(metrics) + visibility_text(metrics.visibility) +
-         certainty_text(metrics.certainty) + warps_text(metrics) + filters_text(metrics);
+         registration_text(metrics.registration) + certainty_text(metrics.certainty) +
+         warps_text(metrics) + filters_text(metrics);
 }
 
 std::string to_error_table(const RunMetrics& metrics) {

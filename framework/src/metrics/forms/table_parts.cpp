@@ -57,6 +57,22 @@ std::string visibility_text(const VisibilityMetrics& visibility) {
       decimal(visibility.hidden_f1_percent, 1), visibility.vertices, visibility.hidden_vertices);
 }
 
+std::string registration_text(const RegistrationMetrics& registration) {
+  if (registration.frames == 0) return "";
+  const std::string unmeasured =
+      registration.frames_unmeasured == 0
+          ? ""
+          : fmt::format(" ({} others could not be measured)", registration.frames_unmeasured);
+  return fmt::format(
+      "registration against the flat reference, {} patches in {} frames{}\n"
+      "  within 1 mm: {} %, within 2 mm: {} %, found: {} %\n"
+      "  distance of those found: median {} mm, P90 {} mm\n",
+      registration.patches, registration.frames, unmeasured,
+      decimal(registration.within_1mm_percent, 1), decimal(registration.within_2mm_percent, 1),
+      decimal(registration.found_percent, 1), decimal(registration.median_mm, 2),
+      decimal(registration.p90_mm, 2));
+}
+
 std::string certainty_text(const CertaintyMetrics& certainty) {
   if (certainty.frames == 0) return "";
   std::string text = fmt::format(

@@ -24,6 +24,7 @@ std::string printable(std::string text);
 /// Lines of the table of a run; empty where there is nothing to say.
 std::string surfaces_text(const RunMetrics& metrics);
 std::string visibility_text(const VisibilityMetrics& visibility);
+std::string registration_text(const RegistrationMetrics& registration);
 std::string certainty_text(const CertaintyMetrics& certainty);
 
 }  // namespace weft::evaluation

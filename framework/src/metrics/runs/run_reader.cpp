@@ -209,7 +209,10 @@ Result<FrameRecords> RunReader::sort(host::NamedRecords records, const FrameLine
   if (!truth) return truth.error();
   auto visibility = find_typed<Visibility>(frame.owners, "visibility", file);
   if (!visibility) return visibility.error();
+  auto registration = find_typed<Registration>(frame.owners, "registration", file);
+  if (!registration) return registration.error();
   frame.visibility = *std::move(visibility);
+  frame.registration = *std::move(registration);
   frame.shape = *std::move(shape);
   frame.ground_truth = *std::move(truth);
   auto matches = MatchFinder(frame.owners, template_.faces.rows(), file).find();

@@ -52,9 +52,10 @@ struct WarpRecords {
 struct FrameRecords {
   std::optional<Shape> shape;            ///< vertices may be NaN: that is for the reader to count
   std::optional<Visibility> visibility;  ///< of the last pass that tells it
-  std::optional<GroundTruth> ground_truth;  ///< finite
-  std::vector<MatchRecords> matches;        ///< in the order of the stages
-  std::vector<WarpRecords> warps;           ///< in the order of the stages
+  std::optional<Registration> registration;  ///< of the last pass that measures it
+  std::optional<GroundTruth> ground_truth;   ///< finite
+  std::vector<MatchRecords> matches;         ///< in the order of the stages
+  std::vector<WarpRecords> warps;            ///< in the order of the stages
   host::NamedRecords owners;
 };
 

@@ -91,11 +91,13 @@ class Readers {
            (open_.before && info(value).stage < static_cast<int>(*open_.before));
   }
 
-  /// The run folder takes shapes, of several solvers those of the last that gives one; what is fed
-  /// back is likewise the last that was made.
+  /// The run folder takes shapes, of several solvers those of the last that gives one, and
+  /// registrations, which are measured for a reader; what is fed back is likewise the last that was
+  /// made.
   bool is_read(int value) const {
     const std::string& slot = info(value).slot;
-    if (slot == "shape" || fed_back_.count("previous." + slot) > 0) return true;
+    if (slot == "shape" || slot == "registration" || fed_back_.count("previous." + slot) > 0)
+      return true;
     if (by_stages_.count(value) > 0 || by_choosing_sinks_.count(value) > 0) return true;
     // Matches behind the stages that make the shape out of matches are shown as if they were its.
     const bool late = slot == "correspondences" && needed_earlier(value) != nullptr;

@@ -154,14 +154,15 @@ void add_warps(const Graph& graph, const FrameResult& frame, host::NamedRecords&
   }
 }
 
-/// What the last pass that tells it says of the camera's view.
-void add_visibility(const Graph& graph, const FrameResult& frame, host::NamedRecords& records) {
+/// What the last pass that makes this output says.
+void add_last(const std::string& slot, const Graph& graph, const FrameResult& frame,
+              host::NamedRecords& records) {
   host::RecordPtr last;
   for (std::size_t i = 0; i < frame.values.size(); ++i) {
-    const bool told = graph.values[i].slot == "visibility" && frame.values[i] != nullptr;
+    const bool told = graph.values[i].slot == slot && frame.values[i] != nullptr;
     if (told) last = frame.values[i];
   }
-  if (last != nullptr) records.emplace_back("visibility", last);
+  if (last != nullptr) records.emplace_back(slot, last);
 }
 
 /// All matches of a frame, each array once, and a mask of each filter that they were given to.
@@ -197,7 +198,8 @@ host::NamedRecords frame_records(const Graph& graph, const FrameResult& frame,
   host::NamedRecords records;
   if (frame.shape != nullptr) records.emplace_back("shape", frame.shape);
   if (ground_truth != nullptr) records.emplace_back("ground_truth", without_images(*ground_truth));
-  add_visibility(graph, frame, records);
+  add_last("visibility", graph, frame, records);
+  add_last("registration", graph, frame, records);
   add_matches(graph, frame, ground_truth, records);
   add_warps(graph, frame, records);
   return records;

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core.hpp>
+
+namespace weft::flat_reference {
+
+/// Where a patch is most like the unwarped image.
+struct Peak {
+  double correlation = 0.0;  ///< [] -1 to 1
+  cv::Point shift_px;        ///< from the place of the patch, whole texels
+};
+
+/// Standard deviation of the grey levels.
+double contrast(const cv::Mat& grey);
+
+/// Searches the patch of the print by normalised cross-correlation (of grey levels without their
+/// means) among the shifts of at most `range_px` along each axis that leave it inside `unwarped`,
+/// which has the size of the print. Places without contrast are left out: their correlation is
+/// undefined, and 0 where there are no others.
+Peak find_patch(const cv::Mat& print, const cv::Mat& unwarped, const cv::Rect& patch,
+                cv::Size range_px);
+
+}  // namespace weft::flat_reference
