@@ -29,8 +29,8 @@ inline StandardFeatures standard_features() {
           .matcher = "{use: matchers/descriptor, params: {direction: image_to_template}}"};
 }
 
-/// The pipeline that comes with the program and that others are laid over.
-inline const char* default_pipeline() { return "demo.yaml"; }
+/// The pipeline over which `weft track` lays its frames and its object.
+inline const char* tracking_pipeline() { return "accurate.yaml"; }
 
 /// What --photo stands for.
 inline const char* photo_template() { return "templates/photo"; }

@@ -21,6 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kCells = 12;  ///< along the longer side of a picture: few, for speed
+
 struct InitOptions {
   std::string folder, picture, object, video;
   std::optional<std::string> camera;  ///< empty: there is none
@@ -79,7 +81,7 @@ Result<void> fill_in(InitOptions& options) {
 }
 
 Result<TemplateKey> template_key(const InitOptions& options) {
-  return options.object.empty() ? flat_template(options.picture, *options.width_m)
+  return options.object.empty() ? flat_template(options.picture, *options.width_m, kCells)
                                 : mesh_template(options.object);
 }
 

@@ -48,13 +48,12 @@ Result<ImageHeader> picture_header(const std::string& path) {
   return Error{Errc::invalid_data, "is no picture that can be read: give a PNG or JPEG", path};
 }
 
-Result<TemplateKey> flat_template(const std::string& picture, double width_m) {
-  constexpr double kCells = 12.0;
+Result<TemplateKey> flat_template(const std::string& picture, double width_m, int cells) {
   const auto header = picture_header(picture);
   if (!header) return header.error();
   const auto width = static_cast<double>(header->upright_width_px());
   const auto height = static_cast<double>(header->upright_height_px());
-  const double cell = std::max(width, height) / kCells;
+  const double cell = std::max(width, height) / cells;
   const auto count = [&](double side) { return std::max(3L, std::lround(side / cell) + 1); };
   const std::string texture = name_beside("texture", picture);
   return TemplateKey{fmt::format("template:\n  use: templates/rectangular\n"

@@ -31,9 +31,9 @@ struct TemplateKey {
 /// Fails where a file is no image whose size is known.
 Result<ImageHeader> picture_header(const std::string& path);
 
-/// templates/rectangular of a picture from edge to edge, with about 12 square cells along its
-/// longer side. Fails where the file is no image.
-Result<TemplateKey> flat_template(const std::string& picture, double width_m);
+/// templates/rectangular of a picture from edge to edge, with about so many square cells along
+/// its longer side. Fails where the file is no image.
+Result<TemplateKey> flat_template(const std::string& picture, double width_m, int cells);
 
 /// templates/photo of a photograph; `more` are further entries of its parameters, or empty.
 TemplateKey photo_template_key(const std::string& photo, double width_m, const std::string& more);

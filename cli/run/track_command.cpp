@@ -29,7 +29,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kPipeline = "track.yaml";
-constexpr int kLongest_px = 1920;  ///< of frames; larger ones cost time and give no more keypoints
+constexpr int kLongest_px = 1300;  ///< of frames: a letter then has about 4 px a mm
+constexpr int kCells = 24;         ///< along the longer side of a flat object: creases of paper
 
 struct TrackOptions {
   std::string frames, object, camera, folder, corners;
@@ -65,7 +66,7 @@ std::string source_text(const FrameFiles& frames, const std::string& camera) {
 
 Result<ChosenObject> flat_object(const TrackOptions& options, double width_m,
                                  const std::string& words) {
-  auto templ = flat_template(options.object, width_m);
+  auto templ = flat_template(options.object, width_m, kCells);
   if (!templ) return templ.error();
   return ChosenObject{*std::move(templ), words};
 }
@@ -135,7 +136,7 @@ Result<ChosenObject> choose_object(const TrackOptions& options, const host::Regi
 
 std::string pipeline_text(const TrackOptions& options, const FrameFiles& frames,
                           const ChosenObject& object) {
-  const fs::path base = program_root() / "share/weft/pipelines" / default_pipeline();
+  const fs::path base = program_root() / "share/weft/pipelines" / tracking_pipeline();
   std::string text = pipeline_head(
       fmt::format("After a change: weft run {0}/{1} --out {0}/run-2", options.folder, kPipeline));
   text += fmt::format("extends: {}\n", flow_quoted(base));

@@ -23,6 +23,7 @@ from random import Random
 
 from file_mutants import bytes_mutant, path_mutant
 from judging import Mutant, Rates, Verdict, judge
+from camera_format_mutants import camera_format_mutant
 from camera_mutants import camera_mutant
 from found_mesh_mutants import found_mesh_mutant
 from image_mutants import image_mutant
@@ -38,14 +39,16 @@ Maker = Callable[[Random], Mutant]
 def makers_of(program: Program) -> list[Maker]:
     """All makers, each as often as its share of the mutants."""
     runs = RunFolders(program)
-    shares = [(36, pipeline_mutant), (22, plan_mutant), (12, camera_mutant), (8, mesh_mutant),
-              (6, found_mesh_mutant), (4, scale_mutant), (8, runs.mutant), (4, runs.bytes_mutant),
-              (6, bytes_mutant), (4, path_mutant), (4, image_mutant)]
+    shares = [(36, pipeline_mutant), (22, plan_mutant), (12, camera_mutant),
+              (4, camera_format_mutant), (8, mesh_mutant), (6, found_mesh_mutant),
+              (4, scale_mutant), (8, runs.mutant), (4, runs.bytes_mutant), (6, bytes_mutant),
+              (4, path_mutant), (4, image_mutant)]
     return [maker for share, maker in shares for _ in range(share)]
 
 
 # That can be asked for alone, as often as one likes.
 BY_KIND = {"pipeline": pipeline_mutant, "plan": plan_mutant, "camera": camera_mutant,
+           "camera format": camera_format_mutant,
            "mesh": mesh_mutant, "found mesh": found_mesh_mutant, "scale": scale_mutant,
            "bytes": bytes_mutant, "path": path_mutant, "image": image_mutant}
 

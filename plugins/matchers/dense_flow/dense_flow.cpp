@@ -138,6 +138,7 @@ class DenseFlow final : public Matcher {
     }
     Correspondences matches = collect(found);
     matches.diag.set("share", share);
+    matches.diag.set("found_pieces", found_pieces());
     matches.diag.set("correlation_before", before);
     matches.diag.set("correlation", after);
     matches.diag.set("hidden", static_cast<double>(tally.of(Fate::hidden)));
@@ -177,6 +178,53 @@ class DenseFlow final : public Matcher {
     return median_in_place(distances_px_);
   }
 
+  /// The texel that a node of the grid shows; its face must have been drawn.
+  Eigen::RowVector2d texel_of(std::int32_t face, const Eigen::Vector3d& weights) const {
+    Eigen::RowVector2d texel = Eigen::RowVector2d::Zero();
+    for (int k = 0; k < 3; ++k) texel += weights[k] * flat_px_.row(faces_(face, k));
+    return texel;
+  }
+
+  std::int32_t face_at(const Eigen::Vector2i& place) const {
+    const view::ViewLevel& drawn = view_->level(halvings_);
+    return drawn.face[to_index(place.y() - drawn.y0) * to_index(drawn.grey.width) +
+                      to_index(place.x() - drawn.x0)];
+  }
+
+  /// The texture in square pieces, twelve along its diagonal: of those in sight, the share in which
+  /// enough places are found. What lies elsewhere than the shape says is missed as a whole.
+  double found_pieces() const {
+    constexpr double kAlongDiagonal = 12.0, kEnough = 0.2;
+    constexpr int kFewest = 6;
+    const Eigen::RowVector2d low = flat_px_.colwise().minCoeff();
+    const Eigen::RowVector2d size = flat_px_.colwise().maxCoeff() - low;
+    const double side = std::max(size.norm() / kAlongDiagonal, 1e-9);
+    const int columns = static_cast<int>(size.x() / side) + 1;
+    const int rows = static_cast<int>(size.y() / side) + 1;
+    std::vector<std::array<int, 2>> pieces(to_index(columns * rows));  // in sight, found
+    for (int row = 0; row < grid_.rows(); ++row) {
+      for (int column = 0; column < grid_.columns(); ++column) {
+        const Fate fate = grid_.node(column, row).fate;
+        if (fate == Fate::hidden || fate == Fate::flat) continue;
+        const Eigen::Vector2i place = grid_.place_px(column, row);
+        const std::int32_t face = face_at(place);
+        const Eigen::Vector3d weights = view_->weights_at(face, to_image(place.cast<double>()));
+        const Eigen::RowVector2d at = (texel_of(face, weights) - low) / side;
+        auto& piece = pieces[to_index(std::clamp(static_cast<int>(at.y()), 0, rows - 1) * columns +
+                                      std::clamp(static_cast<int>(at.x()), 0, columns - 1))];
+        ++piece[0];
+        if (fate == Fate::found) ++piece[1];
+      }
+    }
+    double in_sight = 0.0, found = 0.0;
+    for (const auto& [seen, found_in_it] : pieces) {
+      if (seen < kFewest) continue;
+      in_sight += 1.0;
+      if (found_in_it >= kEnough * seen) found += 1.0;
+    }
+    return in_sight > 0.0 ? found / in_sight : 0.0;
+  }
+
   Correspondences collect(std::int64_t most) const {
     Correspondences out;
     out.template_px = Array<double>({most, 2});
@@ -186,7 +234,6 @@ class DenseFlow final : public Matcher {
     out.kept = Array<std::uint8_t>({most});
     out.score = Array<double>({most});
     out.covariance_px2 = Array<double>({most, 2, 2});
-    const view::ViewLevel& drawn = view_->level(halvings_);
     // A patch's pixels are used by several nodes, which know no more than one of them does.
     const double uses =
         std::max(1.0, static_cast<double>(view::Patch::kSize) /
@@ -197,15 +244,11 @@ class DenseFlow final : public Matcher {
         const Node& node = grid_.node(column, row);
         if (node.fate != Fate::found) continue;
         const Eigen::Vector2i place = grid_.place_px(column, row);
-        const std::int32_t face =
-            drawn.face[to_index(place.y() - drawn.y0) * to_index(drawn.grey.width) +
-                       to_index(place.x() - drawn.x0)];
+        const std::int32_t face = face_at(place);
         const Eigen::Vector2d place_px = to_image(place.cast<double>());
         const Eigen::Vector3d weights = view_->weights_at(face, place_px);
         const Eigen::Vector2d seen_px = place_px + scale() * node.by_px.cast<double>();
-        Eigen::RowVector2d texel = Eigen::RowVector2d::Zero();
-        for (int k = 0; k < 3; ++k) texel += weights[k] * flat_px_.row(faces_(face, k));
-        out.template_px.matrix<2>().row(n) = texel;
+        out.template_px.matrix<2>().row(n) = texel_of(face, weights);
         out.image_px.matrix<2>().row(n) = seen_px.transpose();
         out.face(n) = face;
         out.barycentrics.matrix<3>().row(n) = weights.transpose();
