@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kPipeline = "track.yaml";
 constexpr int kLongest_px = 1300;  ///< of frames: a letter then has about 4 px a mm
-constexpr int kCells = 24;         ///< along the longer side of a flat object: creases of paper
+constexpr int kFineCells = 24;     ///< along the longer side of a flat object: creases of paper
 
 struct TrackOptions {
   std::string frames, object, camera, folder, corners;
@@ -66,7 +66,7 @@ std::string source_text(const FrameFiles& frames, const std::string& camera) {
 
 Result<ChosenObject> flat_object(const TrackOptions& options, double width_m,
                                  const std::string& words) {
-  auto templ = flat_template(options.object, width_m, kCells);
+  auto templ = flat_template(options.object, width_m, kFineCells);
   if (!templ) return templ.error();
   return ChosenObject{*std::move(templ), words};
 }

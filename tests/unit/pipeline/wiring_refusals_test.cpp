@@ -156,6 +156,9 @@ TEST_F(WiringRefusals, TakesStagesWhoseWorkIsReadInOtherWays) {
   EXPECT_TRUE(
       check(solved("  - {use: passes/test.memory}\n" + std::string(kMatcher), pass)).second.ok());
   EXPECT_TRUE(check(solved(kMatcher, "  - {use: solvers/test.scripted}\n")).second.ok());
+  // Unordered images have no next frame: the visibility is the run folder's.
+  EXPECT_FALSE(check(solved(kMatcher, pass)).second.ok());
+  EXPECT_TRUE(check("sequence: false\n" + solved(kMatcher, pass)).second.ok());
   EXPECT_TRUE(
       check(head() + "stages:\n" + kMatcher + "  - {use: solvers/test.known}\nsinks:\n" + kSink)
           .second.ok());

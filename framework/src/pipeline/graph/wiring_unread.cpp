@@ -93,11 +93,13 @@ class Readers {
 
   /// The run folder takes shapes, of several solvers those of the last that gives one, and
   /// registrations, which are measured for a reader; what is fed back is likewise the last that was
-  /// made.
+  /// made. A pipeline of films that takes unordered images has no frame that a visibility is fed
+  /// back to: its run folder takes it.
   bool is_read(int value) const {
     const std::string& slot = info(value).slot;
     if (slot == "shape" || slot == "registration" || fed_back_.count("previous." + slot) > 0)
       return true;
+    if (slot == "visibility" && !config_.is_sequence) return true;
     if (by_stages_.count(value) > 0 || by_choosing_sinks_.count(value) > 0) return true;
     // Matches behind the stages that make the shape out of matches are shown as if they were its.
     const bool late = slot == "correspondences" && needed_earlier(value) != nullptr;
