@@ -18,6 +18,7 @@ namespace weft::flat_reference {
 namespace {
 
 constexpr double kMmPerM = 1000.0;
+constexpr double kNear_mm = 1.0;  // further away a patch is at another place
 /// The most pixels along an axis that OpenCV's remap takes.
 constexpr std::int64_t kMostPx = 32'766;
 
@@ -61,11 +62,11 @@ class FlatReference final : public Pass {
     if (auto fits = check_inputs(in); !fits) return fits.error();
     const cv::Mat print = grey_levels(in.templ.texture);
     const double mm_per_px[] = {kMmPerM * in.templ.m_per_px(0), kMmPerM * in.templ.m_per_px(1)};
-    auto patches = patches_of(print, mm_per_px);
-    if (!patches) return patches.error();
-    const cv::Mat seen = unwarped(grey_levels(in.image->pixels), in.templ, in.camera, *in.shape);
     const cv::Size range_px(in_texels(range_mm_, mm_per_px[0], print.cols),
                             in_texels(range_mm_, mm_per_px[1], print.rows));
+    auto patches = patches_of(print, mm_per_px, range_px);
+    if (!patches) return patches.error();
+    const cv::Mat seen = unwarped(grey_levels(in.image->pixels), in.templ, in.camera, *in.shape);
     PassOutput out;
     Registration& made = out.registration.emplace();
     const auto count = static_cast<std::int64_t>(patches->size());
@@ -135,8 +136,13 @@ class FlatReference final : public Pass {
                                        static_cast<double>(most)));
   }
 
-  /// Boxes with their margin, as far as they are on the print, without the blank ones.
-  Result<std::vector<cv::Rect>> patches_of(const cv::Mat& print, const double* mm_per_px) const {
+  /// Boxes with their margin, as far as they are on the print, without the blank ones; of a grid
+  /// without those, too, that the print repeats nearby, such as pieces of a line: their places
+  /// cannot be told to a millimetre.
+  Result<std::vector<cv::Rect>> patches_of(const cv::Mat& print, const double* mm_per_px,
+                                           cv::Size range_px) const {
+    const cv::Size near_px(in_texels(kNear_mm, mm_per_px[0], print.cols),
+                           in_texels(kNear_mm, mm_per_px[1], print.rows));
     const cv::Size cell_px(in_texels(cell_mm_, mm_per_px[0], print.cols, 1),
                            in_texels(cell_mm_, mm_per_px[1], print.rows, 1));
     auto boxes = words_.empty() ? Result<std::vector<cv::Rect>>(grid_of(print.size(), cell_px))
@@ -147,11 +153,17 @@ class FlatReference final : public Pass {
       const cv::Rect grown(box.x - margin_px_, box.y - margin_px_, box.width + 2 * margin_px_,
                            box.height + 2 * margin_px_);
       const cv::Rect patch = grown & cv::Rect({}, print.size());
-      if (contrast(print(patch)) >= min_contrast_) patches.push_back(patch);
+      if (contrast(print(patch)) < min_contrast_) continue;
+      ask_to_go_on();
+      if (words_.empty() && likeness_elsewhere(print, patch, range_px, near_px) >= threshold_) {
+        continue;
+      }
+      patches.push_back(patch);
     }
     if (!patches.empty()) return patches;
     return no_result(words_.empty()
-                         ? "no cell of the texture has contrast: it cannot be compared"
+                         ? "no cell of the texture has contrast, and a place that it can be told "
+                           "by: it cannot be compared"
                          : "the texture has no contrast at any word: these are of another print");
   }
 

@@ -21,4 +21,9 @@ double contrast(const cv::Mat& grey);
 Peak find_patch(const cv::Mat& print, const cv::Mat& unwarped, const cv::Rect& patch,
                 cv::Size range_px);
 
+/// The highest correlation of a patch with the print itself further than `near_px` from its place,
+/// within the same range; 0 where there is no other place with contrast.
+double likeness_elsewhere(const cv::Mat& print, const cv::Rect& patch, cv::Size range_px,
+                          cv::Size near_px);
+
 }  // namespace weft::flat_reference

@@ -262,7 +262,8 @@ TEST_F(ImageMetricsTest, CsvHasARowForEachFrameAndQuotesText) {
   EXPECT_THAT(csv, HasSubstr(",kind,apart,points,points_extrapolated,points_unlocated,mean_mm,"));
   EXPECT_THAT(csv, HasSubstr("\n0,f0,estimated,solved,0,"));
   EXPECT_THAT(csv, HasSubstr(",grid,,108,0,0,1,1,1,1,1,"));
-  EXPECT_THAT(csv, HasSubstr("\n1,f1,none,missing,0,,,,\"a \"\"kind\"\", quoted\",,5,0,0,,,"));
+  EXPECT_THAT(csv,
+              HasSubstr("\n1,f1,none,missing,0,,,,,,,,,,\"a \"\"kind\"\", quoted\",,5,0,0,,,"));
 }
 
 }  // namespace

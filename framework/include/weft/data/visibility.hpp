@@ -54,7 +54,7 @@ struct Registration {
     visit(self.displacement_mm,
           Field{"displacement_mm", "N,2", "mm",
                 "from there to where the unwarped image shows the patch, along u and v of the "
-                "texture; NaN where it was not found",
+                "texture",
                 false, true});
     visit(self.correlation, Field{"correlation", "N", "-1 to 1",
                                   "highest normalised cross-correlation in the search range"});

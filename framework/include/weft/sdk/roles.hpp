@@ -26,9 +26,8 @@ namespace weft {
 ///       inlier_mask*
 ///   warps fit: correspondences*, template*, weights -> warp*
 ///   warps evaluate: warp*, points* -> warp_samples*
-///   passes run: template*, camera*, image, warp, warp_samples, correspondences, shape,
-///       visibility, previous.shape, previous.visibility -> sightlines, visibility, region,
-///       registration
+///   passes run: template*, camera*, image, warp, warp_samples, correspondences, shape, visibility,
+///       previous.shape, previous.visibility -> sightlines, visibility, region, registration
 ///   solvers solve: template*, camera*, sightlines, correspondences, warp, image, visibility,
 ///       known_points, previous.shape -> shape*
 ///   sinks write: image, camera, time, template, keypoints, correspondences, warp, warp_samples,

@@ -126,6 +126,17 @@ TEST_F(FlatReference, HasNoResultWhereTheTextureIsBlank) {
   EXPECT_THAT(listed.message, HasSubstr("another print"));
 }
 
+TEST_F(FlatReference, DoesNotSearchCellsOfALineWhichLookAlike) {
+  templ.texture = print_of({}, kSeed);
+  for (std::int64_t v = 0; v < kPrintHeightPx; ++v) {
+    std::fill_n(templ.texture.row(v) + 200, 4, std::uint8_t{0});
+  }
+  photograph(templ.texture);
+  const auto out = answer(mesh(), "{}");
+  EXPECT_EQ(out.status, WEFT_NO_RESULT);
+  EXPECT_THAT(out.message, HasSubstr("a place that it can be told by"));
+}
+
 TEST_F(FlatReference, NeedsTheTexelPitchForMillimetres) {
   templ.m_per_px = {};
   const auto out = answer(mesh(), with_words());
