@@ -95,7 +95,7 @@ TEST_F(FlatReference, SearchesCellsWithContrastWhereNoWordsAreGiven) {
   templ.texture = print_of(left, kSeed);
   photograph(templ.texture);
   const Registration made = measured(mesh(3.0), "{cell_mm: 20}");
-  ASSERT_GT(made.count(), 20);
+  ASSERT_GT(made.count(), 15);  // without those that hold a block or two, which the print repeats
   for (std::int64_t i = 0; i < made.count(); ++i) {
     EXPECT_LT(made.place_px(i, 0), 260.0);
     // Patches at the left border cannot be found beyond it.
