@@ -89,7 +89,7 @@ const CLI::Option* option_of(const Given& given, std::string_view text) {
 
 /// What CLI11 says of values, as this program says it.
 std::string of_values(const Given& given, const CLI::ParseError& error) {
-  const std::string text = error.what();
+  std::string text = error.what();
   const CLI::Option* option = option_of(given, text);
   if (option != nullptr && dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
     const std::string name = option->get_name(option->get_positional());

@@ -157,8 +157,11 @@ void check(const TemplateCheckOptions& options, Context& context) {
   Result<void> refitted;
   if (!options.refit.empty()) {
     auto written = write_refitted(registry, *first, options.refit);
-    if (written) findings->refitted = *std::move(written);
-    if (!written) refitted = written.error();
+    if (!written) {
+      refitted = written.error();
+    } else {
+      findings->refitted = *std::move(written);
+    }
   }
   print(options, first->look, *findings);
   if (refitted) return;

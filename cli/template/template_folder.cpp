@@ -115,7 +115,7 @@ Result<TextureSize> write_template(const host::Registry& registry,
                                    std::optional<double> crop_px, const std::string& folder) {
   const auto map = map_to_file(registry, component, templ);
   if (!map) return map.error();
-  const auto size = write_template(
+  auto size = write_template(
       registry, crop_px ? with_cropped_texture(templ, *crop_px) : Template(templ), folder);
   if (!size || map->empty()) return size;
   auto written = host::write_npz((fs::path(folder) / "map.npz").string(), *map);
