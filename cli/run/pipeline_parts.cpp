@@ -108,7 +108,7 @@ Result<std::string> corner_list(const std::string& corners) {
   return count == kNumbers ? Result<std::string>(list + "]") : Result<std::string>(mistake);
 }
 
-/// Before the first one is copied: whoever mistyped a name types the command again.
+/// Before the first one is copied, so that a mistyped name leaves no half-filled folder.
 Result<void> check_are_there(const std::vector<Copy>& files) {
   for (const Copy& copy : files) {
     if (auto found = check_input(copy.file, InputKind::file); !found) return found;

@@ -10,7 +10,7 @@
 
 namespace weft::cameras {
 
-/// What an image says of a camera that nobody calibrated.
+/// What an image says of a camera without a calibration.
 struct PhotoFacts {
   std::string path;
   cv::Size size_px;       ///< upright

@@ -24,7 +24,7 @@ class CalibratedCamera {
   /// The same without the maps of undistortion: to check a file and the sizes of its images.
   static Result<CalibratedCamera> read_sizes(const std::string& path);
 
-  /// A camera that nobody calibrated, for upright images; see common/assumed_cameras.
+  /// A camera without a calibration, for upright images; see common/assumed_cameras.
   static CalibratedCamera assumed(const Camera& camera);
 
   /// The same for images that are stored so, once they are upright: see upright_camera(), of which

@@ -39,7 +39,7 @@ struct Camera {
   }
 };
 
-/// How much is known of a camera that nobody calibrated. It goes with the camera's record, in the
+/// How much is known of a camera without a calibration. It goes with the camera's record, in the
 /// arrays x.weft.focal_sd_px, x.weft.centre_sd_px and x.weft.assumed_from.
 struct CameraAssumption {
   double focal_sd_px = 0.0;               ///< [px] standard deviation of fx and fy

@@ -88,7 +88,7 @@ std::string frame_name(std::uint64_t index) {
   return name;
 }
 
-/// What was assumed of a camera that nobody calibrated; null for one that was.
+/// What was assumed of a camera without a calibration; null for one that was.
 ordered_json assumed_camera(const host::Record& record) {
   const auto camera = host::view_as<Camera>(record);
   const auto assumed = camera ? CameraAssumption::of(*camera) : std::nullopt;

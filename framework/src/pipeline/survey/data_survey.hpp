@@ -34,7 +34,7 @@ struct DataSurvey {
   std::string kind;    ///< of the layout
   std::string source;  ///< component that reads them
   Camera camera;
-  std::optional<CameraAssumption> assumed;  ///< of a camera that nobody calibrated
+  std::optional<CameraAssumption> assumed;  ///< of a camera without a calibration
   std::int64_t frames = 0;
   std::int64_t grey = 0, colour = 0;         ///< [] frames with such an image
   std::int64_t matches = 0;                  ///< [] of the source itself, over all frames
