@@ -6,10 +6,14 @@ or measures its figures anew:               method_table.py --measure ROOT RESUL
 The lines of docs/methods.md between `<!-- methods -->` and `<!-- /methods -->` are the table of all
 solvers. Who made them, what each reads and whether it is trained is what the manifests of the
 installed plugins say (WEFT, the program; WEFT_PLUGIN_PATH). Errors and times are those of
-docs/evidence/methods.json, which --measure writes from the results folders of the ablations
+docs/evidence/methods.json, which also has what no manifest says: whose settings a row has, and against
+what the solver was verified. --measure writes the figures from the results folders of the ablations
 solvers_first_test, solvers_kinect, solvers_cloth and solvers_curved (mean 3D error, mm) and of one
 that was run with --timing (solvers_times, ms of processor time a frame). A folder that is not given
 leaves its figures as they are; values of the axis that are no solver are left out.
+
+It also checks that every installed component with a reference says what it implements, and that the
+tables of README.md and of that page carry the word of each solver, filter and warp.
 
 Prints one line for each mistake and exits 1 if there is one; exits 2 on wrong usage.
 """
@@ -28,10 +32,19 @@ FIX = "write it anew with scripts/method_table.py --write WEFT ROOT"
 # Plans, and what their column says.
 COLUMNS = {"solvers_first_test": "FREX, mm", "solvers_kinect": "Kinect, mm",
            "solvers_cloth": "cloth, mm", "solvers_curved": "curved, mm", "solvers_times": "ms"}
-HEAD = ["method", "by", "registration", "wide baseline", "training", "start", *COLUMNS.values(),
+# What the file of figures says of each row in words.
+WORDS = {"settings": "settings", "verified_against": "verified against"}
+# The groups of the table, in this order.
+GROUPS = ["paper", "reconstruction", "own"]
+README = "README.md"
+HEAD = ["method", "by", "implements", *WORDS.values(), "registration", "wide baseline", "training", "start", *COLUMNS.values(),
         "code"]
-# Solvers that stand for two published methods, by a value of the plans' axis.
-VARIANTS = {"chhatkuli_2014": "solvers/chhatkuli_stable", "chhatkuli_2017": "solvers/chhatkuli_stable"}
+# Rows that are a solver with other settings than its defaults, by a value of the plans' axis.
+VARIANTS = {"chhatkuli_2014": "solvers/chhatkuli_stable", "chhatkuli_2017": "solvers/chhatkuli_stable",
+            "ngo_laplacian_weft": "solvers/ngo_laplacian",
+            "ostlund_laplacian_weft": "solvers/ostlund_laplacian",
+            "particle_sft_flat_start": "solvers/particle_sft",
+            "salzmann_closed_form_unpolished": "solvers/salzmann_closed_form"}
 
 
 def component_of(name: str) -> str:
@@ -42,18 +55,25 @@ def output_of(*command: str) -> Any:
     return json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
 
 
-def solvers_of(weft: str) -> dict[str, dict[str, Any]]:
-    """The manifest of each solver that is installed, by id."""
+def components_of(weft: str) -> dict[str, dict[str, Any]]:
+    """The manifest of each component that is installed, by id."""
     ids = [plugin["id"] for plugin in output_of(weft, "plugins", "list", "--json")["plugins"]
-           if not plugin["shadowed"] and plugin["id"].startswith("solvers/")]
+           if not plugin["shadowed"]]
     return {each: output_of(weft, "plugins", "show", each, "--json") for each in ids}
 
 
-def author_of(reference: str) -> str:
-    """`Bartoli 2015`: the first author of the first reference, and its year."""
-    first = reference.split(";")[0]
-    years = re.findall(r"\b(?:19|20)\d\d\b", first)
+def author_of(name: str, manifest: dict[str, Any]) -> str:
+    """`Bartoli 2015`: the first author of the first reference, and its year or that in the row's name."""
+    if manifest["implements"] == "own":
+        return "Weft"
+    first = manifest["reference"].split(";")[0]
+    years = re.findall(r"_((?:19|20)\d\d)$", name) or re.findall(r"\b(?:19|20)\d\d\b", first)
     return " ".join([first.split(",")[0].split()[0], *years[-1:]])
+
+
+def group_of(manifest: dict[str, Any] | None) -> int:
+    word = manifest["implements"] if manifest else ""
+    return GROUPS.index(word) if word in GROUPS else len(GROUPS)
 
 
 def registration_of(manifest: dict[str, Any]) -> str:
@@ -85,22 +105,52 @@ def figure(value: float | None) -> str:
     return "-" if value is None else f"{value:.2f}" if value < 10 else f"{value:.1f}"
 
 
-def table_of(solvers: dict[str, dict[str, Any]], figures: dict[str, dict[str, float]]) -> list[str]:
-    """The rows of the table: methods that were measured, the most exact on FREX first."""
-    names = sorted({name for column in figures.values() for name in column},
-                   key=lambda name: (figures.get("solvers_first_test", {}).get(name, 1e9), name))
+def measured(figures: dict[str, dict[str, Any]]) -> set[str]:
+    return {name for column in COLUMNS for name in figures.get(column, {})}
+
+
+def table_of(solvers: dict[str, dict[str, Any]], figures: dict[str, dict[str, Any]]) -> list[str]:
+    """The rows of the table: methods that were measured, by group, the most exact on FREX first."""
+    names = sorted(measured(figures),
+                   key=lambda name: (group_of(solvers.get(component_of(name))),
+                                     figures.get("solvers_first_test", {}).get(name, 1e9), name))
     rows = []
     for name in names:
         component = component_of(name)
         manifest = solvers.get(component)
         if manifest is None:
             continue
-        rows.append([f"`{name}`", author_of(manifest["reference"]), registration_of(manifest),
+        rows.append([f"`{name}`", author_of(name, manifest), manifest["implements"],
+                     *(figures.get(word, {}).get(name, "-") for word in WORDS),
+                     registration_of(manifest),
                      baseline_of(manifest), training_of(manifest), start_of(manifest),
                      *(figure(figures.get(plan, {}).get(name)) for plan in COLUMNS),
                      f"[{manifest['version']}](../plugins/{component})"])
     return ["", f"| {' | '.join(HEAD)} |", "|---" * len(HEAD) + "|",
             *(f"| {' | '.join(row)} |" for row in rows), ""]
+
+
+def unsaid(components: dict[str, dict[str, Any]]) -> list[str]:
+    """Components with a reference that do not say how they relate to it."""
+    return [f"{name}: has a reference, but does not say what it implements: give kAbout.implements "
+            f"one of: {', '.join(GROUPS)}" for name, manifest in sorted(components.items())
+            if manifest["reference"] and manifest["implements"] not in GROUPS]
+
+
+def unmarked(root: Path, components: dict[str, dict[str, Any]]) -> list[str]:
+    """Rows of README's tables that begin with a solver, a filter or a warp and lack its word."""
+    mistakes = []
+    page = root / README
+    lines = page.read_text(encoding="utf-8").splitlines() if page.exists() else []
+    for number, line in enumerate(lines, 1):
+        cells = [cell.strip() for cell in line.strip("| ").split("|")] if line.startswith("|") else []
+        named = re.search(r"\b((?:solvers|filters|warps)/\w+)", cells[0]) if cells else None
+        manifest = components.get(named.group(1)) if named else None
+        if manifest is None or manifest["implements"] in ["", *cells[1:]]:
+            continue
+        mistakes.append(f"{README}:{number}: the row of {named.group(1)} lacks a cell that says "
+                        f"'{manifest['implements']}'")
+    return mistakes
 
 
 def mistakes_of(root: Path, solvers: dict[str, dict[str, Any]], write: bool) -> list[str]:
@@ -111,9 +161,10 @@ def mistakes_of(root: Path, solvers: dict[str, dict[str, Any]], write: bool) -> 
     begin = lines.index(BEGIN) + 1
     end = lines.index(END, begin)
     table = table_of(solvers, figures)
-    unknown = sorted({name for column in figures.values() for name in column
-                      if component_of(name) not in solvers})
+    unknown = sorted(name for name in measured(figures) if component_of(name) not in solvers)
     mistakes = [f"{FIGURES}: there is no solver {name}" for name in unknown]
+    mistakes += [f"{FIGURES}: '{word}' says nothing of {name}" for word in WORDS
+                 for name in sorted(measured(figures)) if name not in figures.get(word, {})]
     if lines[begin:end] != table:
         if write:
             text = "\n".join([*lines[:begin], *table, *lines[end:]]) + "\n"
@@ -153,8 +204,9 @@ def measure(root: Path, folders: list[str]) -> list[str]:
         column = "solvers_times" if timed else plan
         if column not in COLUMNS:
             return [f"{folder}: the plan {plan} has no column"]
-        figures[column] = {name: value for name, value in means_of(folder, timed).items()
-                           if (root / "plugins" / component_of(name)).is_dir()}
+        found = {name: value for name, value in means_of(folder, timed).items()
+                 if (root / "plugins" / component_of(name)).is_dir()}
+        figures[column] = {**figures.get(column, {}), **found}
     text = json.dumps(figures, indent=1, sort_keys=True) + "\n"
     (root / FIGURES).write_text(text, encoding="utf-8")
     return []
@@ -169,8 +221,10 @@ def main(arguments: list[str]) -> int:
         if len(arguments) != 2 or not (Path(arguments[1]) / "plugins").is_dir():
             print(__doc__, file=sys.stderr)
             return 2
-        mistakes = mistakes_of(Path(arguments[1]).resolve(), solvers_of(arguments[0]), write)
-        good = "the table of methods is up to date"
+        root, components = Path(arguments[1]).resolve(), components_of(arguments[0])
+        mistakes = [*unsaid(components), *unmarked(root, components),
+                    *mistakes_of(root, components, write)]
+        good = "the table of methods is up to date, and every reference says what is implemented"
     print("\n".join(mistakes) if mistakes else good)
     return 1 if mistakes else 0
 

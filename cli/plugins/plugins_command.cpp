@@ -108,6 +108,7 @@ ordered_json json_of(const host::Installed& entry) {
                     {"version", component.version},
                     {"summary", component.summary},
                     {"reference", component.reference},
+                    {"implements", component.implements},
                     {"licence", component.licence},
                     {"methods", role_json(component)},
                     {"needs", component.needs},
@@ -127,6 +128,15 @@ ordered_json json_of(const host::Installed& entry) {
   return json;
 }
 
+std::string implements_text(const std::string& word) {
+  if (word == "paper") return "paper: the published steps; the plugin's page lists deviations";
+  if (word == "reconstruction") {
+    return "reconstruction: steps or constants that were not published are the plugin author's";
+  }
+  if (word == "own") return "own: a method of the plugin's author";
+  return word;
+}
+
 void print_component(const host::Installed& entry) {
   const host::ComponentManifest& component = entry.component;
   fmt::print("{} {}\n{}\n\n", component.id, component.version, component.summary);
@@ -134,6 +144,7 @@ void print_component(const host::Installed& entry) {
     if (!text.empty()) fmt::print("{:<13}{}\n", name, text);
   };
   line("reference", component.reference);
+  line("implements", implements_text(component.implements));
   line("licence", component.licence);
   const char* label = "role";
   for (const std::string& method : role_lines(component)) {
@@ -202,7 +213,7 @@ void add_show(CLI::App& plugins, const std::shared_ptr<bool>& json, Context& con
   command->add_option("ID", *id, "Id of the plugin (role/name)")->type_name("")->required();
   command->add_flag(
       "--json", *json,
-      "Print JSON: {id, version, summary, reference, licence, methods: [{name, takes: "
+      "Print JSON: {id, version, summary, reference, implements, licence, methods: [{name, takes: "
       "[{slot, always}], makes: [{slot, always}]}], needs, reads, produces, "
       "determinism, random, uses_truth, extensions, library, origin, parameters: [{name, type, "
       "list, required, default, unit, range, choices, role, help}], sweep: {parameter, values}}; "

@@ -12,9 +12,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
 import method_table  # noqa: E402
 
 NEAR = {"version": "1.2.0", "reference": "Near, Far, Title, CVPR (2011); Other, TPAMI (2014)",
-        "needs": ["correspondences"], "reads": [], "parameters": []}
-FOLLOWS = {"version": "2.0.0", "reference": "Last, Title, ECCV 2015", "needs": ["image"],
-           "reads": ["previous.shape"],
+        "implements": "paper", "needs": ["correspondences"], "reads": [], "parameters": []}
+FOLLOWS = {"version": "2.0.0", "reference": "Last, Title, ECCV 2015", "implements": "reconstruction",
+           "needs": ["image"], "reads": ["previous.shape"],
            "parameters": [{"name": "training_seed"},
                           {"name": "start", "role": "solvers", "default": "solvers/near"}]}
 
@@ -34,7 +34,10 @@ class MethodTable(unittest.TestCase):
         self.folder.cleanup()
 
     def put(self, figures):
-        (self.root / method_table.FIGURES).write_text(json.dumps(figures))
+        names = {name for column in figures.values() for name in column}
+        words = {"settings": dict.fromkeys(names, "author's"),
+                 "verified_against": dict.fromkeys(names, "paper")}
+        (self.root / method_table.FIGURES).write_text(json.dumps({**figures, **words}))
 
     def figures(self):
         return json.loads((self.root / method_table.FIGURES).read_text())
@@ -42,23 +45,57 @@ class MethodTable(unittest.TestCase):
     def found(self, write=False):
         return method_table.mistakes_of(self.root, self.solvers, write)
 
-    def test_writes_the_most_exact_first_and_is_then_content(self):
+    def test_writes_the_methods_of_papers_first_and_is_then_content(self):
         self.assertEqual(len(self.found()), 1)
         self.assertIn("--write", self.found()[0])
         self.assertEqual(self.found(write=True), [])
         self.assertEqual(self.found(), [])
         rows = [line for line in self.page.read_text().splitlines() if line.startswith("| `")]
-        self.assertEqual([row.split("`")[1] for row in rows], ["follows", "near"])
+        self.assertEqual([row.split("`")[1] for row in rows], ["near", "follows"])
         self.assertTrue(self.page.read_text().endswith("<!-- /methods -->\nbehind\n"))
 
     def test_reads_the_facts_from_the_manifests(self):
         self.found(write=True)
         rows = self.page.read_text()
-        self.assertIn("| `near` | Near 2011 | matches | yes | none | none | 1.50 | - |", rows)
-        self.assertIn("| `follows` | Last 2015 | texture and matches | yes, and follows | "
+        self.assertIn("| `near` | Near 2011 | paper | author's | paper | matches | yes | none | none | 1.50 | - |", rows)
+        self.assertIn("| `follows` | Last 2015 | reconstruction | author's | paper | texture and matches | yes, and follows | "
                       "simulated shapes | `near` | 0.25 |", rows)
         self.assertIn("[1.2.0](../plugins/solvers/near)", rows)
         self.assertEqual(method_table.baseline_of({"needs": ["previous.shape"], "reads": []}), "no")
+
+    def test_calls_own_methods_those_of_weft_and_takes_the_year_of_the_row(self):
+        self.assertEqual(method_table.author_of("near", {**NEAR, "implements": "own"}), "Weft")
+        self.assertEqual(method_table.author_of("near_2017", NEAR), "Near 2017")
+
+    def test_writes_the_most_exact_of_a_group_first(self):
+        (self.root / "plugins/solvers/other").mkdir()
+        self.solvers["solvers/other"] = NEAR
+        self.put({"solvers_first_test": {"near": 1.5, "follows": 0.25, "other": 0.5}})
+        self.found(write=True)
+        rows = [line for line in self.page.read_text().splitlines() if line.startswith("| `")]
+        self.assertEqual([row.split("`")[1] for row in rows], ["other", "near", "follows"])
+
+    def test_names_a_component_with_a_reference_that_does_not_say_what_it_implements(self):
+        self.assertEqual(method_table.unsaid(self.solvers), [])
+        silent = {**NEAR, "implements": ""}
+        mistakes = method_table.unsaid({"filters/silent": silent, "sinks/none": {**silent, "reference": ""}})
+        self.assertEqual(len(mistakes), 1)
+        self.assertIn("filters/silent: has a reference", mistakes[0])
+
+    def test_names_rows_of_the_readme_that_do_not_carry_the_word(self):
+        readme = self.root / "README.md"
+        readme.write_text("| [solvers/near](x) | good | paper |\n| `solvers/follows` (2015) | paper |\n"
+                          "| `solvers/unknown` | - |\n| the paper's `solvers/near`, alone | 1.5 |\n")
+        mistakes = method_table.unmarked(self.root, self.solvers)
+        self.assertEqual([mistake.split(" lacks")[0] for mistake in mistakes],
+                         ["README.md:2: the row of solvers/follows", "README.md:4: the row of solvers/near"])
+        self.assertIn("'reconstruction'", mistakes[0])
+
+    def test_names_rows_without_settings_or_verification(self):
+        (self.root / method_table.FIGURES).write_text(
+            json.dumps({"solvers_kinect": {"near": 1.0}, "settings": {"near": "ours"}}))
+        self.assertEqual([mistake for mistake in self.found(write=True) if "says nothing" in mistake],
+                         ["docs/evidence/methods.json: 'verified_against' says nothing of near"])
 
     def test_notices_a_manifest_that_changed(self):
         self.found(write=True)

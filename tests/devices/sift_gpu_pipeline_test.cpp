@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// pipelines/robusft_gpu.yaml beside robusft.yaml, with the program as users run it.
+// pipelines/robusft_gpu.yaml beside robusft_plus.yaml, with the program as users run it.
 #include <gmock/gmock.h>
 #include <stdlib.h>
 
@@ -24,7 +24,7 @@ using testing::Ended;
 using ::testing::HasSubstr;
 
 constexpr std::size_t kFrames = 3;
-const std::string kProcessor = WEFT_PIPELINES "/robusft.yaml",
+const std::string kProcessor = WEFT_PIPELINES "/robusft_plus.yaml",
                   kGpu = WEFT_PIPELINES "/robusft_gpu.yaml";
 
 std::string read_text(const fs::path& file) {

@@ -29,6 +29,7 @@ components:
     version: "1.0.0"
     summary: "s"
     reference: "r"
+    implements: "paper"
     licence: "Apache-2.0"
     determinism: "exact"
     needs: [correspondences]

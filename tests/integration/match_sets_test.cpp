@@ -140,7 +140,7 @@ TEST_F(MatchSets, OfARunHoldWhatAFilterLeft) {
 
 TEST_F(MatchSets, OfARunGiveTheShapesOfThatRunBitForBit) {
   write("weft: 1\nextends: " WEFT_PIPELINES
-        "/robusft.yaml\nwithout: [overlay, meshes]\nsource: {params: {frames: 3}}\n",
+        "/robusft_plus.yaml\nwithout: [overlay, meshes]\nsource: {params: {frames: 3}}\n",
         "images.yaml");
   run(path("images.yaml"), "images");
   const auto by_points = metrics("images")["filters"][0];

@@ -117,9 +117,8 @@ TEST_F(OneLineChanges, TheMatchesOfTwoDetectorsAreMerged) {
 }
 
 TEST_F(OneLineChanges, ASolverRunsTwice) {
-  const std::string solver =
-      "  - use: solvers/particle_sft\n"
-      "    params: {start: {use: solvers/brunet_mdh}}\n";
+  const std::size_t begin = robusft_.find("  - use: solvers/particle_sft\n");
+  const std::string solver = robusft_.substr(begin, robusft_.find("sinks:") - begin);
   expect_solved(replaced(robusft_, solver, solver + solver), 0.7);
 }
 

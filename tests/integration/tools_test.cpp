@@ -182,8 +182,8 @@ TEST_F(Tools, ShowsAPluginAsJson) {
   std::set<std::string> keys;
   for (const auto& [key, value] : shown.items()) keys.insert(key);
   EXPECT_EQ(keys,
-            (std::set<std::string>{"id", "version", "summary", "reference", "licence", "methods",
-                                   "needs", "reads", "produces", "determinism", "random",
+            (std::set<std::string>{"id", "version", "summary", "reference", "implements", "licence",
+                                   "methods", "needs", "reads", "produces", "determinism", "random",
                                    "uses_truth", "extensions", "library", "origin", "parameters"}));
   EXPECT_EQ(shown["methods"], json::parse(R"([{"name": "build", "takes": [],
       "makes": [{"slot": "template", "always": true}]}])"));

@@ -89,7 +89,9 @@ Patch describe(const Grey& grey, const Corner& corner) {
 class MyPluginDetector final : public weft::Detector {
  public:
   static constexpr weft::About kAbout{
-      .reference = "Shi and Tomasi, Good features to track, CVPR 1994", .reads = "region"};
+      .reference = "Shi and Tomasi, Good features to track, CVPR 1994",
+      .implements = "reconstruction",
+      .reads = "region"};
 
   explicit MyPluginDetector(weft::Params& p) {
     p.read("cell_px", cell_px_, "px", {4, 1000},

@@ -46,6 +46,7 @@ class MyPluginMatcher final : public weft::Matcher {
  public:
   static constexpr weft::About kAbout{
       .reference = "Lowe, Distinctive image features from scale-invariant keypoints, IJCV 2004",
+      .implements = "paper",
       .needs = "keypoints template_keypoints"};
 
   explicit MyPluginMatcher(weft::Params& p) {

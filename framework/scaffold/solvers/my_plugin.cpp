@@ -70,6 +70,7 @@ class MyPluginSolver final : public weft::Solver {
       .reference =
           "Lu, Hager and Mjolsness, Fast and globally convergent pose estimation from video "
           "images, IEEE PAMI 22(6), 2000",
+      .implements = "paper",
       .needs = "sightlines"};
 
   explicit MyPluginSolver(weft::Params& p) {

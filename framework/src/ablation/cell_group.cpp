@@ -22,9 +22,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using host::RecordPtr;
 
-void add_truth_users(const host::ComponentSpec& spec, std::vector<std::string>& users) {
-  if (spec.component().uses_truth) users.push_back(spec.component().id);
-  for (const host::NestedSpec& nested : spec.nested) add_truth_users(nested.component, users);
+void add_facts(const host::ComponentSpec& spec, RunMetrics& metrics) {
+  const host::ComponentManifest& component = spec.component();
+  if (component.uses_truth) metrics.truth_users.push_back(component.id);
+  add_implements(component.id, component.implements, metrics.implements);
+  for (const host::NestedSpec& nested : spec.nested) add_facts(nested.component, metrics);
 }
 
 std::string text_of(const Error& error) {
@@ -179,7 +181,7 @@ class Member {
         }));
     metrics.run = cell_.identity.key;
     for (const StageConfig& stage : stages) {
-      add_truth_users(stage.component, metrics.truth_users);
+      add_facts(stage.component, metrics);
     }
     judge(metrics.counts);
     result_.metrics = std::move(metrics);

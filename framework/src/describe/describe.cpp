@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <sstream>
+#include <utility>
 #include <vector>
 #include <weft/core/component_id.hpp>
 #include <weft/core/quote.hpp>
@@ -92,6 +93,21 @@ std::string extensions(const weft_component& component) {
   return words(list);
 }
 
+/// The words for the flags of the contract that relate a component to its reference.
+constexpr std::pair<std::uint32_t, const char*> kImplements[] = {
+    {WEFT_FLAG_PAPER, "paper"},
+    {WEFT_FLAG_RECONSTRUCTION, "reconstruction"},
+    {WEFT_FLAG_OWN, "own"}};
+
+/// Separated by spaces; a component has one word at most.
+std::string implements(const weft_component& component) {
+  std::string words;
+  for (const auto& [flag, word] : kImplements) {
+    if ((component.flags & flag) != 0) words += (words.empty() ? "" : " ") + std::string(word);
+  }
+  return words;
+}
+
 /// What is wrong with a component before it says anything of its parameters, or an empty text.
 std::string wrong_component(const weft_component& component, bool is_newer) {
   if (!is_component_id(component.id)) {
@@ -101,6 +117,9 @@ std::string wrong_component(const weft_component& component, bool is_newer) {
   for (const char* text : {component.version, component.summary, component.reference,
                            component.licence, component.determinism}) {
     if (!is_utf8(text)) return "one of its texts is no UTF-8";
+  }
+  if (implements(component).find(' ') != std::string::npos) {
+    return "its flags say that it is " + implements(component) + " at once: give one of them";
   }
   for (const Extension& extension : kExtensions) {
     if (component.get_extension == nullptr) break;
@@ -148,6 +167,7 @@ std::string write_component(std::ostream& out, const weft_component& component, 
       << "\n    version: " << double_quoted(component.version)
       << "\n    summary: " << double_quoted(component.summary)
       << "\n    reference: " << double_quoted(component.reference)
+      << "\n    implements: " << double_quoted(implements(component))
       << "\n    licence: " << double_quoted(component.licence)
       << "\n    determinism: " << double_quoted(component.determinism)
       << "\n    needs: " << words(component.needs) << "\n    reads: " << words(component.reads)

@@ -324,6 +324,7 @@ Result<RunMetrics> evaluate_run(const std::string& folder, const EvaluationOptio
   metrics.source_frames = reader->source_frames();
   metrics.dropped = reader->dropped();
   metrics.truth_users = reader->truth_users();
+  metrics.implements = reader->implements();
   metrics.warnings = std::move(warnings);
   return metrics;
 }

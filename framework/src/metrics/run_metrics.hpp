@@ -19,6 +19,8 @@ struct RunMetrics {
   std::int64_t source_frames = -1;  ///< of the source; -1 where nobody knows
   std::int64_t dropped = 0;  ///< [frames] of the source that a run of `realtime: latest` left out
   std::vector<std::string> truth_users;  ///< components that may have read the truth
+  /// Solvers, warps and filters that state it: "filters/tran: reconstruction".
+  std::vector<std::string> implements;
   FrameCounts counts;
   double strain_mean = kUnknown;       ///< [] mean over all solved frames
   double strain_p95 = kUnknown;        ///< [] mean over them of the 95th percentile
@@ -47,6 +49,8 @@ struct RunMetrics {
     visit({"dropped", "frames of the source that a run of `realtime: latest` left out"},
           self.dropped);
     visit({"truth_users", "components that may have read the truth"}, self.truth_users);
+    visit({"implements", "solvers, warps and filters: paper, reconstruction or own"},
+          self.implements);
     visit({"counts", "all frames, with truth or without"}, self.counts);
     visit({"isometry_error_percent", "mean over all solved frames of |l / l0 - 1|", kLower, nullptr,
            2, kPercent},

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report/sheets.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numeric>
 
@@ -64,6 +66,7 @@ TextRow combination_row(const Results& results, const ReportTables& tables, std:
   row.cells.push_back(share_cell(combination.failed, cells));
   row.cells.push_back(share_cell(combination.missing, cells));
   row.cells.push_back(count_cell(combination.sequences));
+  row.cells.push_back(text_cell(fmt::format("{}", fmt::join(combination.implements, ", "))));
   row.cells.push_back(text_cell(combination.uses_truth ? "yes" : "no"));
   return row;
 }
@@ -125,6 +128,7 @@ TextTable combinations_sheet(const Results& results, const ReportTables& tables)
         TextColumn{"cells failed", "cells_failed", true, "cells", true},
         TextColumn{"not run", "cells_missing", true, "", true},
         TextColumn{"n", "sequences", true, "", true},
+        TextColumn{"implements", "implements", false, "", true},
         TextColumn{"reads the truth", "uses_truth", false, "", true}}) {
     table.columns.push_back(column);
   }

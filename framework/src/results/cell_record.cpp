@@ -57,6 +57,7 @@ Result<void> read_metrics(const json& object, const std::set<std::string>& wante
   record.worst_mm = metrics->all.solved_error.worst_mm;
   record.worst_frame = metrics->all.solved_error.worst_frame;
   record.truth_users = metrics->truth_users;
+  record.implements = metrics->implements;
   for (const FrameMetrics& frame : metrics->frames) {
     if (!frame.has_truth || !frame.apart.empty()) continue;
     const bool counts = frame.outcome == FrameOutcome::solved && frame.error;

@@ -88,6 +88,7 @@ struct CellRecord {
   double worst_mm = kUnknown;                   ///< [] mm, largest mean error of a frame
   std::string worst_frame;
   std::vector<std::string> truth_users;   ///< components that may have read the truth
+  std::vector<std::string> implements;    ///< "filters/tran: reconstruction"; empty in older lines
   std::vector<FrameError> errors;         ///< in the order of the frames, where they were asked for
   std::vector<FilterRates> filters;       ///< in the order of the stages
   CertaintyCounts certainty;              ///< empty where the run says nothing of it

@@ -25,6 +25,7 @@ class Akaze final : public Detector {
       .reference =
           "Alcantarilla, Nuevo and Bartoli, Fast explicit diffusion for accelerated features in "
           "nonlinear scale spaces, BMVC 2013",
+      .implements = "paper",
       .reads = "region"};
 
   explicit Akaze(Params& p) {

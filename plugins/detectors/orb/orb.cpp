@@ -16,6 +16,7 @@ class Orb final : public Detector {
       .reference =
           "Rublee, Rabaud, Konolige and Bradski, ORB: an efficient alternative to SIFT or SURF, "
           "ICCV 2011",
+      .implements = "paper",
       .reads = "region"};
 
   explicit Orb(Params& p) {

@@ -16,6 +16,7 @@ namespace weft::sift_gpu {
 class SiftGpu final : public Detector {
  public:
   static constexpr About kAbout{.reference = detectors::kSiftReference,
+                                .implements = "paper",
                                 .determinism = "tolerance",
                                 .reads = "region",
                                 .device_memory = &kDeviceMemory<KeptDescriptors>};

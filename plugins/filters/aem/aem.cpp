@@ -39,6 +39,7 @@ class Aem final : public weft::Filter {
  public:
   static constexpr weft::About kAbout{
       .reference = "Weft: affine seeds and annealed expectation maximisation of a spline warp",
+      .implements = "own",
       .needs = "template",
       .reads = "camera previous.shape",
       .random = true};

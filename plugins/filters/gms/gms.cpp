@@ -35,6 +35,7 @@ class Gms final : public weft::Filter {
  public:
   static constexpr weft::About kAbout{
       .reference = "Bian, Lin, Matsushita, Yeung, Nguyen and Cheng 2017, CVPR (GMS)",
+      .implements = "paper",
       .needs = "template camera"};
   static constexpr weft::Sweep kSweep{"alpha", {0.5, 1, 2, 3, 4, 6, 8, 10, 15}};
 

@@ -26,6 +26,7 @@ class Lpm final : public weft::Filter {
  public:
   static constexpr weft::About kAbout{
       .reference = "Ma, Zhao, Jiang, Zhou and Guo 2019, IJCV 127 (Locality preserving matching)",
+      .implements = "paper",
       .needs = "template camera"};
   static constexpr weft::Sweep kSweep{"lambda", {0.05, 0.2, 0.4, 0.6, 0.7, 0.8, 1, 1.2, 1.5}};
 

@@ -20,6 +20,7 @@ class Oracle final : public weft::Filter {
  public:
   static constexpr weft::About kAbout{
       .reference = "Shetab-Bushehri et al. 2023, ROBUSfT, Sections V and VI (correct matches)",
+      .implements = "own",
       .needs = "template camera ground_truth",
       .uses_truth = true};
 

@@ -18,6 +18,7 @@ class Descriptor final : public Matcher {
           "Lowe, Distinctive image features from scale-invariant keypoints, IJCV 2004; "
           "Arandjelovic and Zisserman, Three things everyone should know to improve object "
           "retrieval, CVPR 2012",
+      .implements = "paper",
       .needs = "keypoints template_keypoints"};
 
   explicit Descriptor(Params& p) : matching_(p) {}

@@ -28,6 +28,7 @@ class Guided final : public Matcher {
  public:
   static constexpr About kAbout{
       .reference = "Weft: a search in circles around the previous shape, with the whole as a net",
+      .implements = "own",
       .needs = "keypoints template_keypoints",
       .reads = "template camera previous.shape previous.correspondences"};
 

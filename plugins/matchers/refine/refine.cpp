@@ -23,6 +23,7 @@ class Refine final : public Matcher {
  public:
   static constexpr About kAbout{
       .reference = "Baker and Matthews, Lucas-Kanade 20 years on: a unifying framework, IJCV 2004",
+      .implements = "paper",
       .needs = "image template camera correspondences",
       .reads = "shape previous.shape"};
 

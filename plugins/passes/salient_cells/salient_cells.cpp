@@ -39,6 +39,7 @@ class SalientCells final : public Pass {
  public:
   static constexpr About kAbout{
       .reference = "Shetab-Bushehri et al., ROBUSfT, arXiv:2301.04037 (2023), step 3",
+      .implements = "paper",
       .needs = "warp_samples correspondences",
       .reads = "visibility",
       .produces = "sightlines"};

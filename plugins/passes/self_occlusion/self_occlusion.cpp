@@ -24,6 +24,7 @@ class SelfOcclusion final : public Pass {
       .reference =
           "Wald et al., Embree, ACM Transactions on Graphics 33 (2014); Pizarro, Bartoli, "
           "IJCV 97 (2012) for warps",
+      .implements = "own",
       .reads = "shape previous.shape previous.visibility correspondences warp_samples",
       .produces = "visibility"};
 

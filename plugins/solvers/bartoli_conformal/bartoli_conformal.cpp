@@ -29,6 +29,7 @@ class BartoliConformal final : public Solver {
       .reference =
           "Bartoli, Gerard, Chadebecq, Collins, Pizarro, Shape-from-Template, "
           "TPAMI 37(10) (2015)",
+      .implements = "paper",
       .needs = "correspondences",
       .reads = ""};
 

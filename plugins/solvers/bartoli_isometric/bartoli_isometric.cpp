@@ -31,6 +31,7 @@ class BartoliIsometric final : public Solver {
       .reference =
           "Bartoli, Gerard, Chadebecq, Collins, Pizarro, Shape-from-Template, "
           "TPAMI 37(10) (2015)",
+      .implements = "paper",
       .needs = "correspondences",
       .reads = ""};
 

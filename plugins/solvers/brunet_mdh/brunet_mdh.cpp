@@ -30,6 +30,7 @@ class BrunetMdh final : public Solver {
       .reference =
           "Brunet, Bartoli, Hartley, Monocular template-based 3D surface reconstruction: "
           "convex inextensible and nonconvex isometric methods, CVIU 125 (2014)",
+      .implements = "paper",
       .needs = "sightlines",
       .reads = "known_points correspondences"};
 

@@ -29,6 +29,7 @@ class BrunetRefine final : public Solver {
       .reference =
           "Brunet, Bartoli, Hartley, Monocular template-based 3D surface reconstruction: "
           "convex inextensible and nonconvex isometric methods, CVIU 125 (2014)",
+      .implements = "paper",
       .needs = "correspondences",
       .reads = "sightlines known_points previous.shape"};
 

@@ -35,6 +35,7 @@ class ChhatkuliStable final : public Solver {
       .reference =
           "Chhatkuli, Pizarro, Bartoli, Stable Template-Based Isometric 3D Reconstruction in All "
           "Imaging Conditions by Linear Least-Squares, CVPR 2014; with Collins, TPAMI 39(5) (2017)",
+      .implements = "paper",
       .needs = "correspondences",
       .reads = ""};
 

@@ -48,6 +48,7 @@ class CollinsIntegrated final : public Solver {
       .reference =
           "Collins, Bartoli, Realtime Shape-from-Template: System and Applications, "
           "ISMAR (2015)",
+      .implements = "reconstruction",
       .needs = "image",
       .reads = "correspondences visibility previous.shape"};
 

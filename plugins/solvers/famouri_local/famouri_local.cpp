@@ -36,6 +36,7 @@ class FamouriLocal final : public Solver {
       .reference =
           "Famouri, Bartoli, Azimifar, Fast shape-from-template using local features, Machine "
           "Vision and Applications 29 (2018)",
+      .implements = "reconstruction",
       .needs = "correspondences",
       .reads = ""};
 

@@ -35,6 +35,7 @@ class GaussNewton final : public Solver {
           "Collins, Bartoli, Realtime Shape-from-Template, ISMAR (2015); George, Nested "
           "dissection of a regular finite element mesh, SIAM Journal on Numerical Analysis 10 "
           "(1973)",
+      .implements = "own",
       .reads = "correspondences sightlines previous.shape known_points visibility"};
 
   explicit GaussNewton(Params& p) {

@@ -9,10 +9,15 @@
 #include "common/laplacian/inextensible_fit.hpp"
 #include "common/laplacian/laplacian_front.hpp"
 #include "common/laplacian/laplacian_shape.hpp"
-#include "length_fit.hpp"
+#include "common/laplacian/length_fit.hpp"
 
 namespace weft::ngo_laplacian {
 namespace {
+
+using solvers::LengthFit;
+using solvers::LengthFitOptions;
+using solvers::LengthFitter;
+using solvers::Lengths;
 
 // Fitted to simulated sheets: docs/evidence/0023-confidence-of-solvers.md.
 constexpr solvers::ConfidenceWeights kConfidence{.bias = -9.751,
@@ -32,16 +37,25 @@ class NgoLaplacian final : public Solver {
       .reference =
           "Ngo, Ostlund, Fua, Template-Based Monocular 3D Shape Recovery Using Laplacian Meshes, "
           "TPAMI 38(1) (2016)",
+      .implements = "paper",
       .needs = "correspondences",
       .reads = "previous.shape"};
 
   explicit NgoLaplacian(Params& p) {
-    front_.declare(p);
+    const solvers::Preset preset = solvers::declare_preset(p);
+    if (preset == solvers::Preset::weft) {
+      options_ = {.stiffness = 0.2, .max_iterations = 20, .tolerance_m = 1e-5};
+      start_ = Start::convex;
+      try_previous_ = true;
+    }
+    front_.declare(p, preset);
     p.choice("lengths", options_.lengths,
              {{"at_most", Lengths::at_most}, {"equal", Lengths::equal}},
              "what an edge may be, compared with its length at rest");
     p.choice("start", start_, {{"convex", Start::convex}, {"linear", Start::linear}},
-             "where the constrained steps begin, beside the previous shape");
+             "initial guess of the constrained steps");
+    p.read("try_previous", try_previous_,
+           "begin also from the previous shape, and keep the result of least energy");
     p.read("fit_stiffness", options_.stiffness, "", {0.0, 1e3},
            "weight of the regularisation under the constraints");
     p.read("tension_m", options_.tension_m, "m", {1e-6, 10.0},
@@ -68,7 +82,7 @@ class NgoLaplacian final : public Solver {
       best_start = start;
     };
     offer(start_, first_controls_m());
-    if (previous_m) offer(Start::previous, *previous_m);
+    if (previous_m && try_previous_) offer(Start::previous, *previous_m);
     if (!best) return no_result("the constrained steps ran away from every start");
     auto shape = solvers::shape_of_controls(in, front_.mesh(), front_.matches(), front_.inliers(),
                                             best->controls_m, kConfidence);
@@ -104,12 +118,13 @@ class NgoLaplacian final : public Solver {
 
   solvers::LaplacianFront front_;
   LengthFitOptions options_;
-  Start start_ = Start::convex;
+  Start start_ = Start::linear;
+  bool try_previous_ = false;
 };
 
 }  // namespace
 }  // namespace weft::ngo_laplacian
 
 using weft::ngo_laplacian::NgoLaplacian;
-WEFT_PLUGIN(NgoLaplacian, "solvers/ngo_laplacian", "1.1.0",
+WEFT_PLUGIN(NgoLaplacian, "solvers/ngo_laplacian", "2.0.0",
             "Shape of a Laplacian mesh under constraints on lengths; it finds its own outliers.")

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 #include <weft/sdk/solver.hpp>
@@ -6,6 +8,7 @@
 #include "common/laplacian/inextensible_fit.hpp"
 #include "common/laplacian/laplacian_front.hpp"
 #include "common/laplacian/laplacian_shape.hpp"
+#include "common/laplacian/length_fit.hpp"
 
 namespace weft::ostlund_laplacian {
 namespace {
@@ -19,32 +22,61 @@ constexpr solvers::ConfidenceWeights kConfidence{.bias = -32.454,
                                                  .agreeing = 1.322,
                                                  .share = 9.377};
 
+/// How the lengths of the edges are kept.
+enum class Method { slacks, convex };
+
 /// A mesh moved by few control vertices: linear with outlier rejection, then without stretch.
 class OstlundLaplacian final : public Solver {
  public:
   static constexpr About kAbout{
       .reference =
           "Ostlund, Varol, Ngo, Fua, Laplacian Meshes for Monocular 3D Shape Recovery, ECCV (2012)",
+      .implements = "paper",
       .needs = "correspondences",
       .reads = ""};
 
   explicit OstlundLaplacian(Params& p) {
-    front_.declare(p);
-    p.read("fit_stiffness", fit_.stiffness, "", {0.0, 1e3},
-           "weight of the regularisation where lengths hold the sheet");
-    p.read("pull_px", fit_.pull_px, "px", {1e-4, 10.0},
-           "pull away from the camera: how far it moves a match that nothing else holds");
-    p.read("tolerance_m", fit_.tolerance_m, "m", {1e-12, 1.0},
-           "rms excess of the edges at which the iteration stops");
-    p.read("max_iterations", fit_.max_iterations, "", {1, 1000000}, "of the convex solver");
+    const solvers::Preset preset = solvers::declare_preset(p);
+    if (preset == solvers::Preset::weft) method_ = Method::convex;
+    front_.declare(p, preset);
+    p.choice("method", method_, {{"slacks", Method::slacks}, {"convex", Method::convex}},
+             "slacks: the published steps; convex: a convex program with a pull away from the "
+             "camera");
+    double stiffness = method_ == Method::slacks ? slacks_.stiffness : convex_.stiffness;
+    p.read("fit_stiffness", stiffness, "", {0.0, 1e3},
+           "weight of the regularisation under the constraints");
+    slacks_.stiffness = convex_.stiffness = stiffness;
+    p.read("tension_m", slacks_.tension_m, "m", {1e-6, 10.0},
+           "slacks: how hard each edge pulls for its length");
+    p.read("steps", slacks_.max_iterations, "", {1, 10000}, "slacks: number of Newton steps");
+    p.read(
+        "pull_px", convex_.pull_px, "px", {1e-4, 10.0},
+        "convex: pull away from the camera, by how far it moves a match that nothing else holds");
+    p.read("tolerance_m", convex_.tolerance_m, "m", {1e-12, 1.0},
+           "convex: rms excess of the edges at which the iteration stops");
+    p.read("max_iterations", convex_.max_iterations, "", {1, 1000000},
+           "convex: maximum number of iterations");
   }
 
   Result<Shape> solve(const SolverInput& in) override {
     if (auto read = front_.read(in); !read) return read.error();
+    return method_ == Method::slacks ? solve_by_slacks(in) : solve_convex(in);
+  }
+
+ private:
+  Result<Shape> solve_by_slacks(const SolverInput& in) const {
+    const solvers::LengthFitter fitter(front_.mesh(), front_.inliers(), slacks_, std::nullopt);
+    const solvers::LengthFit fit = fitter.fit(front_.inliers().shape.controls_m);
+    if (!std::isfinite(fit.energy_m2)) return no_result("the constrained steps diverged");
+    auto shape = shape_of(in, fit.controls_m);
+    if (shape) shape->diag.set("iterations", fit.iterations);
+    return shape;
+  }
+
+  Result<Shape> solve_convex(const SolverInput& in) const {
     const solvers::InextensibleFit fit =
-        solvers::inextensible_fit(front_.mesh(), front_.matches(), front_.inliers(), fit_);
-    auto shape = solvers::shape_of_controls(in, front_.mesh(), front_.matches(), front_.inliers(),
-                                            fit.controls_m, kConfidence);
+        solvers::inextensible_fit(front_.mesh(), front_.matches(), front_.inliers(), convex_);
+    auto shape = shape_of(in, fit.controls_m);
     if (!shape) return shape;
     shape->diag.set("iterations", fit.iterations);
     shape->diag.set("converged", fit.converged ? 1.0 : 0.0);
@@ -54,14 +86,20 @@ class OstlundLaplacian final : public Solver {
                                              " iterations: raise max_iterations");
   }
 
- private:
+  Result<Shape> shape_of(const SolverInput& in, const Eigen::MatrixX3d& controls_m) const {
+    return solvers::shape_of_controls(in, front_.mesh(), front_.matches(), front_.inliers(),
+                                      controls_m, kConfidence);
+  }
+
   solvers::LaplacianFront front_;
-  solvers::InextensibleFitOptions fit_;
+  Method method_ = Method::slacks;
+  solvers::LengthFitOptions slacks_;
+  solvers::InextensibleFitOptions convex_;
 };
 
 }  // namespace
 }  // namespace weft::ostlund_laplacian
 
 using weft::ostlund_laplacian::OstlundLaplacian;
-WEFT_PLUGIN(OstlundLaplacian, "solvers/ostlund_laplacian", "1.1.0",
+WEFT_PLUGIN(OstlundLaplacian, "solvers/ostlund_laplacian", "2.0.0",
             "Shape of a Laplacian mesh with few controls from matches; it finds its own outliers.")

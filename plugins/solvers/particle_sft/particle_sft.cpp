@@ -40,6 +40,7 @@ class ParticleSft final : public Solver {
       .reference =
           "Ozgur, Bartoli, Particle-SfT, IJCV 123 (2017); Aranda et al., Monocular "
           "shape tracking, IROS 2020",
+      .implements = "paper",
       .needs = "sightlines",
       .reads = "previous.shape known_points correspondences visibility"};
 
@@ -62,6 +63,8 @@ class ParticleSft final : public Solver {
     p.component("start", start_, "shape from which an object is found without a previous shape");
     p.read("start_smoothing", start_smoothing_, "squared mean edge lengths", {0.0, 1e6},
            "how strongly the bends of that shape are smoothed; 0: not at all");
+    p.read("multi_start", multi_start_,
+           "try further starts after a loss, after a jump and where the result is doubtful");
     p.read(
         "continue_hidden_bend", frame_options_.continue_hidden_bend,
         "go on with the bend of the seen part where a visibility says that the surface is hidden");
@@ -102,7 +105,8 @@ class ParticleSft final : public Solver {
   }
 
   /// A tracked object continues from the previous shape. Without one, after a loss or a jump, and
-  /// where the result is doubtful, other starts are tried as well.
+  /// where the result is doubtful, other starts are tried as well. Without `multi_start` the start
+  /// is the previous shape, or that of `start` where there is none.
   Result<void> run_starts(const SolverInput& in, std::vector<Candidate>& candidates) {
     const std::optional<Points3> previous = previous_vertices(in);
     const solvers::ImageMotion motion =
@@ -115,6 +119,7 @@ class ParticleSft final : public Solver {
       auto run = relax(in, StartKind::previous, *previous, options, candidates);
       if (!run) return run;
     }
+    if (previous && !multi_start_) return {};
     if (tracked && !candidates.back().doubtful()) return {};
     if (previous && !tracked) {
       auto run =
@@ -249,6 +254,7 @@ class ParticleSft final : public Solver {
   FrameOptions frame_options_;
   SolverComponent start_{"solvers/brunet_mdh"};
   double start_smoothing_ = 1.5;
+  bool multi_start_ = true;
   bool wants_covariance_ = true;
 
   MeshModel mesh_;
@@ -263,5 +269,5 @@ class ParticleSft final : public Solver {
 }  // namespace weft::particle_sft
 
 using weft::particle_sft::ParticleSft;
-WEFT_PLUGIN(ParticleSft, "solvers/particle_sft", "1.5.2",
+WEFT_PLUGIN(ParticleSft, "solvers/particle_sft", "1.6.0",
             "Shape from sightlines by position based dynamics, tracked from frame to frame.")

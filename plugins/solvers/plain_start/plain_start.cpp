@@ -28,6 +28,7 @@ class PlainStart final : public Solver {
       .reference =
           "Terzakis, Lourakis, A Consistently Fast and Globally Optimal Solution to the "
           "Perspective-n-Point Problem, ECCV (2020)",
+      .implements = "own",
       .needs = "correspondences",
       .reads = "previous.shape",
       .random = true};

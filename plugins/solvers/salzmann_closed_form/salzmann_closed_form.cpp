@@ -37,6 +37,7 @@ class SalzmannClosedForm final : public Solver {
                                     "Salzmann, Moreno-Noguer, Lepetit, Fua, Closed-Form "
                                     "Solution to Non-Rigid 3D Surface "
                                     "Registration, ECCV (2008)",
+                                .implements = "reconstruction",
                                 .needs = "correspondences",
                                 .reads = ""};
 

@@ -23,6 +23,7 @@ class SalzmannConvex final : public Solver {
       .reference =
           "Salzmann, Fua, Reconstructing Sharply Folding Surfaces: A Convex Formulation, "
           "CVPR (2009)",
+      .implements = "paper",
       .needs = "correspondences",
       .reads = ""};
 

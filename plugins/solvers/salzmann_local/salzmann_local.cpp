@@ -26,6 +26,7 @@ class SalzmannLocal final : public Solver {
       .reference =
           "Salzmann, Fua, Linear Local Models for Monocular Reconstruction of Deformable Surfaces, "
           "TPAMI 33(5) (2011)",
+      .implements = "reconstruction",
       .needs = "correspondences",
       .reads = ""};
 

@@ -54,6 +54,7 @@ class SheetSource : public Source {
  public:
   static constexpr About kAbout{
       .reference = "Shetab-Bushehri et al., ROBUSfT (2023), section IV; XPBD: Macklin et al. 2016",
+      .implements = "paper",
       .produces = "image time ground_truth"};
 
   void check(Mistakes& mistakes) const { settings_.check(mistakes); }

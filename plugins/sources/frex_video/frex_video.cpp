@@ -25,6 +25,7 @@ class FrexVideo final : public Source {
       .reference =
           "Shetab-Bushehri et al., ROBUSfT, arXiv:2301.04037 (2023), section IV; Garrido-Jurado et "
           "al., Pattern Recognition 47 (2014)",
+      .implements = "paper",
       .produces = "image time ground_truth",
       .random = true};
 

@@ -42,6 +42,7 @@ class Grippers final : public Source {
  public:
   static constexpr About kAbout{
       .reference = "Shetab-Bushehri et al. 2023, ROBUSfT (grippers of a robot)",
+      .implements = "own",
       .produces = "image time known_points ground_truth region",
       .uses_truth = true};
 

@@ -15,6 +15,7 @@ class KnownPointSource final : public Source {
  public:
   static constexpr About kAbout{
       .reference = "Shetab-Bushehri et al. 2023, ROBUSfT (known 3D points of grippers)",
+      .implements = "own",
       .produces = "image time known_points ground_truth region"};
 
   explicit KnownPointSource(Params& p) {

@@ -24,6 +24,7 @@ class MatchTrials final : public Source {
  public:
   static constexpr About kAbout{
       .reference = "Shetab-Bushehri et al. 2023, ROBUSfT, Section V (synthetic matches)",
+      .implements = "paper",
       .produces = "correspondences ground_truth"};
 
   explicit MatchTrials(Params& p) {

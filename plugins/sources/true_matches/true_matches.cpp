@@ -26,6 +26,9 @@ struct Drawn {
   Eigen::Vector2d image_px;  ///< [2] px
 };
 
+/// Where matches are on the template.
+enum class Places { drawn, true_points };
+
 /// The host finds pixel and face of the template from template_xy_m.
 Correspondences matches_of(const std::vector<Drawn>& drawn) {
   const auto count = static_cast<std::int64_t>(drawn.size());
@@ -50,12 +53,16 @@ class TrueMatches final : public Source {
  public:
   static constexpr About kAbout{
       .reference = "Shetab-Bushehri et al. 2023, ROBUSfT, Section VI (correct matches)",
+      .implements = "own",
       .produces = "image time correspondences ground_truth",
       .uses_truth = true};
 
   explicit TrueMatches(Params& p) {
     p.component("frames", frames_, "source of the frames and of their truth");
-    p.read("matches", matches_, "", {0, 100000}, "matches of a frame, evenly over what is seen");
+    p.choice("places", places_, {{"drawn", Places::drawn}, {"true_points", Places::true_points}},
+             "drawn evenly over the surface, or one match at each true point");
+    p.read("matches", matches_, "", {0, 100000},
+           "for drawn: matches of a frame, evenly over what is seen");
     p.read("noise_px", noise_px_, "px", {0.0, 1000.0}, "sigma along u and v of the image points");
     p.read("covered", covered_, "", {0.0, 1.0},
            "share of the object, from one side, that something grey lies over");
@@ -108,7 +115,9 @@ class TrueMatches final : public Source {
     Rng side = stream(kCover, 0);
     const Cover cover(truth, covered_, side);
     Rng rng = stream(kMatches, index);
-    const std::vector<Drawn> drawn = draw_matches(truth, *map, cover, rng);
+    const std::vector<Drawn> drawn = places_ == Places::drawn
+                                         ? draw_matches(truth, *map, cover, rng)
+                                         : matches_at_true_points(truth, cover, rng);
     frame.correspondences = matches_of(drawn);
     truth.match_label = {};
     truth.match_xy_px = Array<double>({static_cast<std::int64_t>(drawn.size()), 2});
@@ -143,11 +152,30 @@ class TrueMatches final : public Source {
     return drawn;
   }
 
+  /// One at each true point that is visible, not covered and in the image.
+  std::vector<Drawn> matches_at_true_points(const GroundTruth& truth, const Cover& cover,
+                                            Rng& rng) const {
+    const Pinhole pinhole{camera_.fx, camera_.fy, camera_.cx, camera_.cy};
+    std::vector<Drawn> drawn;
+    for (std::int64_t t = 0; t < truth.count(); ++t) {
+      const Eigen::Vector2d error(rng.normal(), rng.normal());
+      const Eigen::Vector2d xy_m = truth.template_xy_m.matrix<2>().row(t).transpose();
+      const Eigen::Vector3d point_m = truth.points_m.matrix<3>().row(t).transpose();
+      const bool hidden = truth.visible.present() && truth.visible(t) == 0;
+      if (hidden || cover.over(xy_m) || !(point_m.z() > 0.0)) continue;
+      const Eigen::Vector2d true_px = project(pinhole, point_m);
+      if (!camera_.shows(true_px.x(), true_px.y())) continue;
+      drawn.push_back({xy_m, true_px, true_px + noise_px_ * error});
+    }
+    return drawn;
+  }
+
   Rng stream(std::uint64_t purpose, std::uint64_t frame) const {
     return scene::random_stream(static_cast<std::uint64_t>(seed_), purpose, frame);
   }
 
   SourceComponent frames_{"sources/frex"};
+  Places places_ = Places::drawn;
   std::int64_t matches_ = 300;
   double noise_px_ = 0.0;
   double covered_ = 0.0;
@@ -163,5 +191,5 @@ class TrueMatches final : public Source {
 }  // namespace weft::true_matches
 
 using weft::true_matches::TrueMatches;
-WEFT_PLUGIN(TrueMatches, "sources/true_matches", "1.0.0",
+WEFT_PLUGIN(TrueMatches, "sources/true_matches", "1.1.0",
             "Draws matches on the true surface of another source; for experiments only.")

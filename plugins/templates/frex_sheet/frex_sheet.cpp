@@ -17,7 +17,8 @@ class FrexSheet final : public TemplateBuilder {
   static constexpr About kAbout{
       .reference =
           "Shetab-Bushehri et al., ROBUSfT, arXiv:2301.04037 (2023), section IV; Garrido-Jurado et "
-          "al., Pattern Recognition 47 (2014)"};
+          "al., Pattern Recognition 47 (2014)",
+      .implements = "paper"};
 
   explicit FrexSheet(Params& p) {
     p.read("width_mm", spec_.width_mm, "mm", {20.0, 2000.0}, "width of the paper");

@@ -33,6 +33,7 @@ class MeshTemplate final : public TemplateBuilder {
           "local/global approach to mesh parameterization, SGP 2008; Shewchuk, Delaunay "
           "refinement algorithms for triangular mesh generation, Computational Geometry 22 "
           "(2002)",
+      .implements = "own",
       .licence = "GPL-3.0-or-later"};  // CGAL's parameterization and meshes
 
   explicit MeshTemplate(Params& p) {

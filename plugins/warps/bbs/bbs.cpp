@@ -31,6 +31,7 @@ class Bbs final : public weft::WarpModel {
  public:
   static constexpr weft::About kAbout{
       .reference = "Rueckert et al. 1999, IEEE TMI 18(8); Brunet 2010, PhD thesis",
+      .implements = "paper",
       .reads = "weights"};
 
   explicit Bbs(weft::Params& p) {

@@ -91,17 +91,14 @@ struct SweptVector final : Sweeping {
   static constexpr weft::Sweep kSweep{"alphas", {0, 1}};
 };
 
-template <class T>
-Result<std::string> description() {
-  static constexpr weft_component kComponent =
-      WEFT_COMPONENT(T, "filters/local", "1.0.0", "A local class.");
-  static constexpr const weft_component* kPointer = &kComponent;
+Result<std::string> description_of(const weft_component& component) {
+  const weft_component* const pointer = &component;
   const weft_library_table table{WEFT_ABI_MAGIC,
                                  WEFT_ABI_MAJOR,
                                  WEFT_ABI_MINOR,
                                  sizeof(weft_library_table),
                                  1,
-                                 &kPointer,
+                                 &pointer,
                                  "",
                                  "none",
                                  0,
@@ -112,12 +109,31 @@ Result<std::string> description() {
 }
 
 template <class T>
+Result<std::string> description() {
+  static constexpr weft_component kComponent =
+      WEFT_COMPONENT(T, "filters/local", "1.0.0", "A local class.");
+  return description_of(kComponent);
+}
+
+template <class T>
 std::string mistake() {
   const auto text = description<T>();
   EXPECT_FALSE(text);
   if (text) return *text;
   EXPECT_EQ(text.error().where, "filters/local");
   return text.error().message;
+}
+
+TEST(Describe, StatesHowAComponentFollowsItsReferenceAndRefusesTwoAnswers) {
+  weft_component component = WEFT_COMPONENT(Sweeping, "filters/local", "1.0.0", "A local class.");
+  EXPECT_THAT(*description_of(component), HasSubstr("implements: \"\""));
+  component.flags |= WEFT_FLAG_RECONSTRUCTION;
+  EXPECT_THAT(*description_of(component), HasSubstr("implements: \"reconstruction\""));
+  component.flags |= WEFT_FLAG_OWN;
+  const auto both = description_of(component);
+  ASSERT_FALSE(both);
+  EXPECT_EQ(both.error().message,
+            "its flags say that it is reconstruction own at once: give one of them");
 }
 
 TEST(Describe, RefusesDefaultsThatNoPipelineCouldUse) {

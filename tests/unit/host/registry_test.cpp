@@ -135,6 +135,7 @@ TEST(Manifest, SaysWhatTheSourceDeclares) {
   EXPECT_EQ(good.role(), "filters");
   EXPECT_EQ(good.version, "1.2.3");
   EXPECT_EQ(good.summary, "Keeps every match; \"quoted\", \\ and all.");
+  EXPECT_EQ(good.implements, "own");
   EXPECT_EQ(good.licence, "Apache-2.0");
   EXPECT_EQ(good.determinism, "exact");
   EXPECT_THAT(good.reads, ::testing::ElementsAre("template"));

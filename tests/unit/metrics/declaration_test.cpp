@@ -24,6 +24,7 @@ RunMetrics full_run() {
   metrics.run = "a run";
   metrics.alignment = Alignment::rigid;
   metrics.truth_users = {"filters/oracle"};
+  metrics.implements = {"filters/tran: reconstruction"};
   metrics.counts = {.frames = 9, .estimated = 4, .weak = 2, .predicted = 1, .lost = 1, .none = 1};
   metrics.strain_mean = 0.0625;
   metrics.all.frames = 7;

@@ -226,8 +226,10 @@ TEST(RunReader, RefusesARecordOfAnotherType) {
 TEST(RunReader, ListsComponentsThatMayReadTheTruth) {
   TestRun run;
   run.write_text("manifest.json", R"({"components": [{"id": "filters/oracle", "uses_truth": true},
-      {"id": "warps/bbs", "uses_truth": false}, {"id": "solvers/brunet"}]})");
+      {"id": "warps/bbs", "uses_truth": false, "implements": "paper"},
+      {"id": "sinks/meshes", "implements": "own"}, {"id": "solvers/brunet"}]})");
   EXPECT_THAT(evaluate_run(run.folder())->truth_users, ElementsAre("filters/oracle"));
+  EXPECT_THAT(evaluate_run(run.folder())->implements, ElementsAre("warps/bbs: paper"));
 }
 
 TEST(RunReader, ReadsTheFramesOfARunWhoseManifestIsLost) {

@@ -52,8 +52,11 @@ class Binder {
     }
     const bool partial = paths_.of_fragment || corrected.partial;
     spec_.bound = !partial;
+    const bool has_own_defaults = chooses_preset(params);
     for (const ParameterSpec& parameter : component.parameters) {
       const yaml::Node* given = params != nullptr ? params->find(parameter.name) : nullptr;
+      const bool is_value = parameter.type != WEFT_VALUE_COMPONENT && !parameter.required;
+      if (given == nullptr && has_own_defaults && is_value) continue;  // the component knows it
       if (given == nullptr && parameter.required) {
         spec_.bound = false;
         if (partial) continue;
@@ -75,6 +78,18 @@ class Binder {
   }
 
  private:
+  /// Whether `preset` has another value than by default. Then the manifest's defaults of the other
+  /// parameters do not hold.
+  bool chooses_preset(const yaml::Node* params) const {
+    const yaml::Node* preset = params != nullptr ? params->find("preset") : nullptr;
+    if (preset == nullptr || preset->kind != yaml::Kind::scalar) return false;
+    const auto& all = spec_.component().parameters;
+    return std::any_of(all.begin(), all.end(), [&](const ParameterSpec& each) {
+      return each.name == "preset" && each.type == WEFT_VALUE_CHOICE &&
+             each.default_value.scalar != preset->scalar;
+    });
+  }
+
   void problem(yaml::Position at, std::string message) {
     problems_.push_back({at, std::move(message)});
   }

@@ -137,6 +137,7 @@ ComponentManifest read_component(const yaml::Node& node) {
   component.version = text(node, "version");
   component.summary = text(node, "summary");
   component.reference = text(node, "reference");
+  if (node.find("implements") != nullptr) component.implements = text(node, "implements");
   component.licence = text(node, "licence");
   component.determinism = text(node, "determinism");
   component.needs = texts(node, "needs");

@@ -49,6 +49,7 @@ struct SweepSpec {
 /// One component as its library's manifest describes it.
 struct ComponentManifest {
   std::string id, version, summary, reference, licence, determinism;
+  std::string implements;  ///< "paper", "reconstruction" or "own"; empty where it is not stated
   std::vector<std::string> needs, reads, produces;
   std::vector<std::string> records;  ///< types that it may read or make, "correspondences/1"
   bool random = false;

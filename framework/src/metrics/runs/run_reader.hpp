@@ -59,6 +59,11 @@ struct FrameRecords {
   host::NamedRecords owners;
 };
 
+/// Adds "filters/tran: reconstruction" once, for a solver, a warp or a filter that states how it
+/// relates to its reference.
+void add_implements(const std::string& id, const std::string& word,
+                    std::vector<std::string>& implements);
+
 /// The folder that a run wrote, opened for reading.
 class RunReader {
  public:
@@ -92,6 +97,9 @@ class RunReader {
   bool has_solver() const { return has_solver_; }
   /// Components of the run that may read the ground truth: their results are no measurement.
   const std::vector<std::string>& truth_users() const { return truth_users_; }
+  /// Solvers, warps and filters that state how they relate to their reference:
+  /// "filters/tran: reconstruction".
+  const std::vector<std::string>& implements() const { return implements_; }
 
   /// Shape, truth and matches of one frame. Fails where its file is damaged, contradicts its line
   /// or has a shape of another mesh.
@@ -125,6 +133,7 @@ class RunReader {
   bool cut_ = false;  ///< the last line has no line break
   bool has_solver_ = true;
   std::vector<std::string> truth_users_;
+  std::vector<std::string> implements_;
   std::vector<std::string> warnings_;
 };
 

@@ -46,6 +46,16 @@ std::variant<FrameLine, std::string> parse_line(const json& object) {
 
 }  // namespace
 
+void add_implements(const std::string& id, const std::string& word,
+                    std::vector<std::string>& implements) {
+  const std::string role = role_of(id);
+  if (word.empty() || (role != "solvers" && role != "warps" && role != "filters")) return;
+  const std::string text = id + ": " + word;
+  if (std::find(implements.begin(), implements.end(), text) == implements.end()) {
+    implements.push_back(text);
+  }
+}
+
 Result<void> RunReader::read_lines() {
   const std::string file = folder_ + "/frames.jsonl";
   const auto content = read_text_file(file, kMostJsonBytes);
@@ -110,6 +120,13 @@ Result<void> RunReader::read_manifest() {
     const json id = component.is_object() ? component.value("id", json()) : json();
     return id.is_string() && rules_of(role_of(id.get<std::string>())).solves;
   });
+  for (const json& component : components) {
+    if (!component.is_object()) continue;
+    const json id = component.value("id", json()), word = component.value("implements", json());
+    if (id.is_string() && word.is_string()) {
+      add_implements(id.get<std::string>(), word.get<std::string>(), implements_);
+    }
+  }
   for (const json& component : components) {
     if (!component.is_object() || component.value("uses_truth", json()) != json(true)) continue;
     const json id = component.value("id", json());

@@ -85,6 +85,14 @@ std::vector<std::string> sentences_of(const RunData& run) {
       sentences.push_back(fmt::format("At frame {}: {}", frame.frame, warning));
     }
   }
+  for (const std::string& text : run.metrics.implements) {
+    const bool is_reconstruction = text.ends_with(": reconstruction");
+    if (!is_reconstruction) continue;
+    sentences.push_back(fmt::format(
+        "{} is a reconstruction: steps or constants that its reference does not give are the "
+        "plugin author's.",
+        text.substr(0, text.find(':'))));
+  }
   for (const std::string& id : run.metrics.truth_users) {
     sentences.push_back(id + " may read the ground truth: these figures are no measurement.");
   }

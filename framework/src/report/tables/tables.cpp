@@ -67,6 +67,11 @@ void fill(const Results& results, Combination& row) {
     row.truth_frames += size.truth_frames;
     row.failures += record.failures + size.truth_frames - record.truth_frames;
     row.uses_truth = row.uses_truth || !record.truth_users.empty();
+    for (const std::string& text : record.implements) {
+      const bool known =
+          std::find(row.implements.begin(), row.implements.end(), text) != row.implements.end();
+      if (!known) row.implements.push_back(text);
+    }
     error.add(cell.sequence, record.mean_mm);
     for (std::size_t m = 0; m < shown.size(); ++m) {
       shown[m].add(cell.sequence, record.figure(results.plan.show[m]));

@@ -34,6 +34,8 @@ struct Combination {
   std::int64_t frames_in_error = 0;                ///< [] of the frames of its cells
   std::string first_error = {};                    ///< the first of them, with its cell
   std::int64_t done = 0, failed = 0, missing = 0;  ///< [] cells
+  /// Its solvers, warps and filters that state it: "filters/tran: reconstruction".
+  std::vector<std::string> implements = {};
   bool uses_truth = false;                  ///< a component may have read the truth: no measurement
   std::vector<FilterSummary> filters = {};  ///< in the order of the stages
   CertaintyCounts certainty = {};           ///< over its cells, all frames alike

@@ -118,7 +118,7 @@ Result<Inliers> find_inliers(const ControlMesh& mesh, const SeenMatches& matches
   found.inlier.assign(to_index(matches.count()), 1);
   if (auto usable = check_inliers(mesh, matches, options, found); !usable) return usable.error();
   const int tests = options.rejects ? options.tests : 0;
-  if (tests > 0) {
+  if (tests > 0 && options.affine_test) {
     test(distances_from_affine_px(matches.weights * rest_controls_m(mesh), matches.seen_px),
          options.radius_px * std::exp2(tests - 1), true, found);
   }

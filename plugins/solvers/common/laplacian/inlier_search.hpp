@@ -24,11 +24,12 @@ struct LinearShape {
 LinearShape linear_shape(const ControlMesh& mesh, const Eigen::MatrixXd& matrix);
 
 struct InlierSearchOptions {
-  bool rejects = true;      ///< [] false: all matches are inliers
-  double stiffness = 0.84;  ///< [] of the last shape; the paper's weight over the focal length
-  int tests = 4;            ///< [] each with half the stiffness and half the radius of the last
-  double radius_px = 10.0;  ///< [] px, of the last test
-  int fewest = 10;          ///< [] inliers
+  bool rejects = true;       ///< [] false: all matches are inliers
+  bool affine_test = false;  ///< [] ours: matches far from an affine map are rejected first
+  double stiffness = 0.84;   ///< [] of the last shape; the paper's weight over the focal length
+  int tests = 4;             ///< [] each with half the stiffness and half the radius of the last
+  double radius_px = 10.0;   ///< [] px, of the last test
+  int fewest = 10;           ///< [] inliers
 };
 
 struct Inliers {
@@ -38,11 +39,11 @@ struct Inliers {
   LinearShape shape;                 ///< of these
 };
 
-/// Matches further than the first radius from the affine map of the least distances are left out.
-/// Then a stiff sheet is fitted and those far from it are dropped, a softer one with a smaller
-/// radius to the others, and so on. The last test is of all matches, so that those come back that
-/// map and stiff sheets could not follow. no_result for too few matches or inliers, and for some in
-/// one place or on a line.
+/// With `affine_test`, matches further than the first radius from the affine map of the least
+/// distances are left out. Then a stiff sheet is fitted and those far from it are dropped, a softer
+/// one with a smaller radius to the others, and so on. The last test is of all matches, so that
+/// those come back that map and stiff sheets could not follow. no_result for too few matches or
+/// inliers, and for some in one place or on a line.
 Result<Inliers> find_inliers(const ControlMesh& mesh, const SeenMatches& matches,
                              const InlierSearchOptions& options);
 

@@ -5,12 +5,27 @@
 
 namespace weft::solvers {
 
-void LaplacianFront::declare(Params& p) {
+Preset declare_preset(Params& p) {
+  Preset preset = Preset::author;
+  p.choice("preset", preset, {{"author", Preset::author}, {"weft", Preset::weft}},
+           "whose constants: those of the authors' program or those chosen for Weft; other "
+           "parameters override them");
+  return preset;
+}
+
+void LaplacianFront::declare(Params& p, Preset preset) {
+  if (preset == Preset::weft) {
+    controls_ = 40;
+    search_.affine_test = true;
+  }
   p.read("controls", controls_, "", {4, 200},
          "vertices, far apart on the mesh, that move the others");
   p.read("reject_outliers", search_.rejects,
          "look for the matches that agree, which needs no filter before; else all that are kept "
          "count");
+  p.read("affine_test", search_.affine_test,
+         "before the first test, reject the matches that are far from the affine map of least "
+         "distances");
   p.read("radius_px", search_.radius_px, "px", {0.5, 1000.0},
          "matches further than that from the sheet of the last test are outliers");
   p.read("tests", search_.tests, "", {1, 10},

@@ -12,11 +12,18 @@
 
 namespace weft::solvers {
 
+/// Whose constants a solver begins with.
+enum class Preset { author, weft };
+
+/// Declares `preset`, which comes before all other parameters.
+Preset declare_preset(Params& p);
+
 /// What solvers on Laplacian meshes begin with: the control mesh of the template, which is kept as
 /// long as its revision stays, the matches of a frame, and those of them that are inliers.
 class LaplacianFront {
  public:
-  void declare(Params& p);
+  /// Begins with the constants of the preset.
+  void declare(Params& p, Preset preset);
 
   /// Needs 'correspondences'. Fails as make_control_mesh, read_matches and find_inliers do.
   Result<void> read(const SolverInput& in);
@@ -26,7 +33,7 @@ class LaplacianFront {
   const Inliers& inliers() const { return inliers_; }
 
  private:
-  int controls_ = 40;
+  int controls_ = 25;
   InlierSearchOptions search_;
   std::uint64_t revision_ = 0;  ///< of the template that the mesh is of
   ControlMesh mesh_;

@@ -254,7 +254,7 @@ TEST(ReprojectionMatrix, IsTheSquareOfTheDistancesFromTheSightlines) {
 TEST(FindInliers, SeparatesHalfOfTheMatchesFromTheOthers) {
   for (const double radius_m : {1e9, 0.5, 0.25}) {
     const Seen seen(radius_m, {400, 0.5, 0.5});
-    const Inliers found = seen.inliers();
+    const Inliers found = seen.inliers({.affine_test = true});
     double right = 0.0, all_right = 0.0;
     for (std::size_t m = 0; m < found.inlier.size(); ++m) {
       const double correct = seen.drawn.correct[seen.matches.places[m]];

@@ -22,6 +22,7 @@ using testing::PluginAnswer;
 using testing::PluginUnderTest;
 
 constexpr const char* kId = "solvers/ngo_laplacian";
+constexpr const char* kWeft = "{preset: weft}";
 constexpr std::uint64_t kSeed = 2016;
 
 struct Scene {
@@ -75,8 +76,9 @@ TEST(NgoLaplacian, FindsBentSheetsWithinHalfAPercentOfTheDistance) {
   for (const char* lengths : {"at_most", "equal"}) {
     for (const double noise_px : {0.0, 0.5}) {
       for (const double radius_m : {1e3, 0.25, -0.25, 0.15}) {
-        const double error_m = Scene(radius_m, {200, 1.0, noise_px})
-                                   .mean_error_m(std::string("{lengths: ") + lengths + "}");
+        const double error_m =
+            Scene(radius_m, {200, 1.0, noise_px})
+                .mean_error_m(std::string("{preset: weft, lengths: ") + lengths + "}");
         std::cout << lengths << ", radius " << radius_m << " m, noise " << noise_px
                   << " px: " << 1e3 * error_m << " mm\n";
         EXPECT_LT(error_m, 0.004) << radius_m << " " << noise_px;
@@ -86,7 +88,7 @@ TEST(NgoLaplacian, FindsBentSheetsWithinHalfAPercentOfTheDistance) {
 }
 
 TEST(NgoLaplacian, StretchesNoEdgeByMoreThanAPercent) {
-  PluginUnderTest plugin(kId);
+  PluginUnderTest plugin(kId, kWeft);
   for (const double radius_m : {1e3, 0.25, -0.25}) {
     const Scene scene(radius_m, {200, 1.0, 0.5});
     const Shape shape = given(scene.run(plugin));
@@ -94,8 +96,49 @@ TEST(NgoLaplacian, StretchesNoEdgeByMoreThanAPercent) {
   }
 }
 
+/// Constants of the authors' program, from its source, in our units.
+constexpr const char* kAuthorValues =
+    "controls: 25, affine_test: false, start: linear, try_previous: false, fit_stiffness: 0.84, "
+    "max_iterations: 5, tolerance_m: 0, ";
+constexpr const char* kWeftValues =
+    "controls: 40, affine_test: true, start: convex, try_previous: true, fit_stiffness: 0.2, "
+    "max_iterations: 20, tolerance_m: 1.0e-5, ";
+
+TEST(NgoLaplacian, BeginsWithTheConstantsOfItsPreset) {
+  const Scene scene(-0.25, {300, 0.9, 0.5});
+  const auto vertices_m = [&](const std::string& params) {
+    PluginUnderTest plugin(kId, params);
+    return Points3(given(scene.run(plugin)).vertices_m.matrix<3>());
+  };
+  const Points3 author_m = vertices_m("{}"), weft_m = vertices_m(kWeft);
+  EXPECT_EQ(author_m, vertices_m("{preset: author}"));
+  EXPECT_EQ(author_m, vertices_m(std::string("{") + kAuthorValues + "preset: author}"));
+  EXPECT_EQ(author_m, vertices_m(std::string("{") + kAuthorValues + "preset: weft}"));
+  EXPECT_EQ(weft_m, vertices_m(std::string("{") + kWeftValues + "preset: author}"));
+  EXPECT_GT((author_m - weft_m).cwiseAbs().maxCoeff(), 1e-4);
+}
+
+TEST(NgoLaplacian, LetsParametersOverrideThePreset) {
+  const Scene scene(0.25, {200, 1.0, 0.5});
+  const auto vertices_m = [&](const std::string& params) {
+    PluginUnderTest plugin(kId, params);
+    return Points3(given(scene.run(plugin)).vertices_m.matrix<3>());
+  };
+  const Points3 weft_m = vertices_m(kWeft), fewer_m = vertices_m("{preset: weft, controls: 25}");
+  EXPECT_NE(fewer_m, weft_m);
+  EXPECT_EQ(vertices_m("{preset: weft, controls: 40}"), weft_m);
+}
+
+TEST(NgoLaplacian, FindsGentlyBentSheetsWithTheConstantsOfTheAuthors) {
+  for (const double radius_m : {1e3, 0.25}) {
+    const double error_m = Scene(radius_m, {200, 1.0, 0.5}).mean_error_m();
+    std::cout << "radius " << radius_m << " m: " << 1e3 * error_m << " mm\n";
+    EXPECT_LT(error_m, 0.004) << radius_m;
+  }
+}
+
 TEST(NgoLaplacian, StartsFromTheLinearShapeWhereItIsToldTo) {
-  PluginUnderTest plugin(kId, "{start: linear}");
+  PluginUnderTest plugin(kId, "{preset: weft, start: linear}");
   const Scene scene(0.25, {200, 1.0, 0.5});
   const Shape shape = given(scene.run(plugin));
   EXPECT_EQ(shape.diag.value("start", -1.0), 2.0);
@@ -108,7 +151,7 @@ TEST(NgoLaplacian, StaysNearThePreviousShapeAsMuchAsItIsTold) {
   const Shape previous = shape_at(previous_m);
   double last_m = std::numeric_limits<double>::infinity();
   for (const char* weight : {"0", "1", "50"}) {
-    PluginUnderTest plugin(kId, std::string("{previous: ") + weight + "}");
+    PluginUnderTest plugin(kId, std::string("{preset: weft, previous: ") + weight + "}");
     const Shape shape = given(scene.run(plugin, &previous));
     const double away_m = (shape.vertices_m.matrix<3>() - previous_m).rowwise().norm().mean();
     EXPECT_LT(away_m, last_m) << weight;
@@ -118,7 +161,7 @@ TEST(NgoLaplacian, StaysNearThePreviousShapeAsMuchAsItIsTold) {
 
 TEST(NgoLaplacian, LeavesAPreviousShapeThatIsOfAnotherMeshOrNotANumber) {
   const Scene scene(0.25, {200, 1.0, 0.5});
-  PluginUnderTest plugin(kId);
+  PluginUnderTest plugin(kId, "{preset: weft, previous: 1}");
   const Points3 alone_m = given(scene.run(plugin)).vertices_m.matrix<3>();
   Points3 broken_m = scene.truth_m;
   broken_m(5, 1) = std::nan("");
@@ -129,7 +172,7 @@ TEST(NgoLaplacian, LeavesAPreviousShapeThatIsOfAnotherMeshOrNotANumber) {
 
 TEST(NgoLaplacian, NeedsNoFilterWhereHalfOfTheMatchesAreWrong) {
   for (const double radius_m : {1e3, 0.25, -0.25}) {
-    const double error_m = Scene(radius_m, {400, 0.5, 0.5}).mean_error_m();
+    const double error_m = Scene(radius_m, {400, 0.5, 0.5}).mean_error_m(kWeft);
     std::cout << "radius " << radius_m << " m: " << 1e3 * error_m << " mm\n";
     EXPECT_LT(error_m, 0.006) << radius_m;
   }
@@ -146,7 +189,7 @@ TEST(NgoLaplacian, KnowsAFineMeshAsWellAsACoarseOne) {
   testing::SheetSpec fine;
   fine.columns = 25;
   fine.rows = 15;
-  EXPECT_LT(Scene(0.25, {300, 1.0, 0.5}, fine).mean_error_m(), 0.006);
+  EXPECT_LT(Scene(0.25, {300, 1.0, 0.5}, fine).mean_error_m(kWeft), 0.006);
 }
 
 TEST(NgoLaplacian, FindsATemplateThatIsCurvedAtRest) {
@@ -156,7 +199,7 @@ TEST(NgoLaplacian, FindsATemplateThatIsCurvedAtRest) {
     scene.templ.vertices_m.matrix<3>().row(v) =
         sheet.bent(scene.templ.vertices_m(v, 0), scene.templ.vertices_m(v, 1)).transpose();
   }
-  const double error_m = scene.mean_error_m();
+  const double error_m = scene.mean_error_m(kWeft);
   std::cout << 1e3 * error_m << " mm\n";
   EXPECT_LT(error_m, 0.010);
 }
@@ -204,7 +247,7 @@ TEST(NgoLaplacianDegenerate, MatchesOnALineOrInOnePlaceAreNoResult) {
 }
 
 TEST(NgoLaplacianDegenerate, MatchesThatContradictEachOtherAreNoShapeToBeTrusted) {
-  PluginUnderTest plugin(kId), trusting(kId, "{reject_outliers: false}");
+  PluginUnderTest plugin(kId, kWeft), trusting(kId, "{reject_outliers: false}");
   for (auto* each : {&plugin, &trusting}) {
     const PluginAnswer out = Scene(0.25, {300, 0.0, 0.0}).run(*each);
     EXPECT_NE(out.status, WEFT_ERROR) << out.message;

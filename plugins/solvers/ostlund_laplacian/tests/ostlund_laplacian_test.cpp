@@ -21,6 +21,7 @@ using testing::PluginAnswer;
 using testing::PluginUnderTest;
 
 constexpr const char* kId = "solvers/ostlund_laplacian";
+constexpr const char* kWeft = "{preset: weft}";
 constexpr std::uint64_t kSeed = 2012;
 
 struct Scene {
@@ -64,7 +65,7 @@ Shape given(const PluginAnswer& out) {
 TEST(OstlundLaplacian, FindsBentSheetsWithinOnePercentOfTheDistance) {
   for (const double noise_px : {0.0, 0.5}) {
     for (const double radius_m : {1e3, 0.25, -0.25, 0.15}) {
-      const double error_m = Scene(radius_m, {200, 1.0, noise_px}).mean_error_m();
+      const double error_m = Scene(radius_m, {200, 1.0, noise_px}).mean_error_m(kWeft);
       std::cout << "radius " << radius_m << " m, noise " << noise_px << " px: " << 1e3 * error_m
                 << " mm\n";
       EXPECT_LT(error_m, 0.006) << radius_m << " " << noise_px;
@@ -72,9 +73,36 @@ TEST(OstlundLaplacian, FindsBentSheetsWithinOnePercentOfTheDistance) {
   }
 }
 
+TEST(OstlundLaplacian, TakesThePublishedStepsAsTheLaterProgramOfTheAuthorsDoes) {
+  const Scene scene(0.25, {200, 1.0, 0.5});
+  PluginUnderTest plugin(kId), later("solvers/ngo_laplacian");
+  EXPECT_EQ(given(scene.run(plugin)).vertices_m.matrix<3>(),
+            given(scene.run(later)).vertices_m.matrix<3>());
+}
+
+TEST(OstlundLaplacian, FindsGentlyBentSheetsWithTheConstantsOfTheAuthors) {
+  for (const double radius_m : {1e3, 0.25}) {
+    const double error_m = Scene(radius_m, {200, 1.0, 0.5}).mean_error_m();
+    std::cout << "radius " << radius_m << " m: " << 1e3 * error_m << " mm\n";
+    EXPECT_LT(error_m, 0.004) << radius_m;
+  }
+}
+
+TEST(OstlundLaplacian, BeginsWithTheConstantsOfItsPreset) {
+  const Scene scene(-0.25, {300, 0.9, 0.5});
+  const auto vertices_m = [&](const std::string& params) {
+    PluginUnderTest plugin(kId, params);
+    return Points3(given(scene.run(plugin)).vertices_m.matrix<3>());
+  };
+  EXPECT_EQ(vertices_m(kWeft),
+            vertices_m("{method: convex, controls: 40, affine_test: true, fit_stiffness: 0.1}"));
+  EXPECT_EQ(vertices_m("{}"),
+            vertices_m("{preset: weft, method: slacks, controls: 25, affine_test: false}"));
+}
+
 TEST(OstlundLaplacian, NeedsNoFilterWhereHalfOfTheMatchesAreWrong) {
   for (const double radius_m : {1e3, 0.25, -0.25}) {
-    const double error_m = Scene(radius_m, {400, 0.5, 0.5}).mean_error_m();
+    const double error_m = Scene(radius_m, {400, 0.5, 0.5}).mean_error_m(kWeft);
     std::cout << "radius " << radius_m << " m: " << 1e3 * error_m << " mm\n";
     EXPECT_LT(error_m, 0.008) << radius_m;
   }
@@ -91,12 +119,13 @@ TEST(OstlundLaplacian, KnowsAFineMeshAsWellAsACoarseOne) {
   testing::SheetSpec fine;
   fine.columns = 25;
   fine.rows = 15;
-  EXPECT_LT(Scene(0.25, {300, 1.0, 0.5}, fine).mean_error_m(), 0.006);
+  EXPECT_LT(Scene(0.25, {300, 1.0, 0.5}, fine).mean_error_m(kWeft), 0.006);
 }
 
 TEST(OstlundLaplacian, FollowsTheScaleOfTheTemplate) {
   Scene scene(0.25, {200, 1.0, 0.5});
-  PluginUnderTest plugin(kId, "{tolerance_m: 1.0e-5}"), larger(kId, "{tolerance_m: 4.0e-5}");
+  PluginUnderTest plugin(kId, "{preset: weft, tolerance_m: 1.0e-5}"),
+      larger(kId, "{preset: weft, tolerance_m: 4.0e-5}");
   const Shape once = given(scene.run(plugin));
   for (double& value : scene.templ.vertices_m.matrix<3>().reshaped()) value *= 4.0;
   const Shape four_times = given(scene.run(larger));
@@ -111,7 +140,7 @@ TEST(OstlundLaplacian, FindsATemplateThatIsCurvedAtRest) {
     scene.templ.vertices_m.matrix<3>().row(v) =
         sheet.bent(scene.templ.vertices_m(v, 0), scene.templ.vertices_m(v, 1)).transpose();
   }
-  const double error_m = scene.mean_error_m();
+  const double error_m = scene.mean_error_m(kWeft);
   std::cout << 1e3 * error_m << " mm\n";
   EXPECT_LT(error_m, 0.010);
 }
@@ -159,7 +188,7 @@ TEST(OstlundLaplacianDegenerate, MatchesOnALineOrInOnePlaceAreNoResult) {
 }
 
 TEST(OstlundLaplacianDegenerate, MatchesThatContradictEachOtherAreNoShapeToBeTrusted) {
-  PluginUnderTest plugin(kId), trusting(kId, "{reject_outliers: false}");
+  PluginUnderTest plugin(kId, kWeft), trusting(kId, "{reject_outliers: false}");
   for (auto* each : {&plugin, &trusting}) {
     const PluginAnswer out = Scene(0.25, {300, 0.0, 0.0}).run(*each);
     EXPECT_NE(out.status, WEFT_ERROR) << out.message;
@@ -186,7 +215,7 @@ TEST(OstlundLaplacianDegenerate, NumbersThatAreNotFiniteAndFacesThatDoNotExistAr
 }
 
 TEST(OstlundLaplacianDegenerate, AnIterationThatIsCutShortIsWeak) {
-  PluginUnderTest plugin(kId, "{max_iterations: 3}");
+  PluginUnderTest plugin(kId, "{preset: weft, max_iterations: 3}");
   const PluginAnswer out = Scene(0.25, {200, 1.0, 0.5}).run(plugin);
   EXPECT_EQ(out.status, WEFT_DEGENERATE);
   EXPECT_EQ(given(out).shape_state(), ShapeState::weak);

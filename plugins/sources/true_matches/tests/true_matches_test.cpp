@@ -78,6 +78,28 @@ TEST(TrueMatches, LieWhereAFlatSheetShowsTheirTemplatePoints) {
   }
 }
 
+TEST(TrueMatches, LieAtTheTruePointsWhereTheyAreAskedFor) {
+  Film film("places: true_points");
+  const PluginAnswer answer = film.read(2);
+  const auto matches = answer.get<Correspondences>().value();
+  const auto truth = answer.get<GroundTruth>().value();
+  ASSERT_GT(matches.count(), 0);
+  std::int64_t found = 0;
+  for (std::int64_t t = 0; t < truth.count() && found < matches.count(); ++t) {
+    if (truth.template_xy_m.matrix<2>().row(t) != matches.template_xy_m.matrix<2>().row(found)) {
+      continue;
+    }
+    const Eigen::Vector3d point_m = truth.points_m.matrix<3>().row(t).transpose();
+    const Camera& camera = film.camera();
+    EXPECT_NEAR(matches.image_px(found, 0), camera.fx * point_m.x() / point_m.z() + camera.cx,
+                1e-9);
+    EXPECT_NEAR(matches.image_px(found, 1), camera.fy * point_m.y() / point_m.z() + camera.cy,
+                1e-9);
+    ++found;
+  }
+  EXPECT_EQ(found, matches.count()) << "each match is at a true point, in their order";
+}
+
 TEST(TrueMatches, FewAreTheFirstOfManyWhateverTheNoise) {
   Film few("matches: 20, noise_px: 1, seed: 3"), many("matches: 90, noise_px: 2, seed: 3");
   Film other("matches: 20, noise_px: 1, seed: 4");

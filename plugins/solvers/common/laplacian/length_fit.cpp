@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "length_fit.hpp"
+#include "common/laplacian/length_fit.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 #include "common/laplacian/seen_matches.hpp"
 
-namespace weft::ngo_laplacian {
+namespace weft::solvers {
 namespace {
 
 // The paper's code begins with slacks of 1, in roots of millimetres.
@@ -24,14 +24,14 @@ double rms(const Eigen::VectorXd& step) {
 
 }  // namespace
 
-LengthFitter::LengthFitter(const solvers::ControlMesh& mesh, const solvers::Inliers& inliers,
+LengthFitter::LengthFitter(const ControlMesh& mesh, const Inliers& inliers,
                            const LengthFitOptions& options,
                            const std::optional<Eigen::MatrixX3d>& previous_m)
     : mesh_(mesh),
       options_(options),
       quadratic_(inliers.matrix),
       towards_m2_(Eigen::VectorXd::Zero(quadratic_.rows())) {
-  solvers::add_for_each_axis(mesh.bending, options.stiffness * options.stiffness, quadratic_);
+  add_for_each_axis(mesh.bending, options.stiffness * options.stiffness, quadratic_);
   if (!previous_m || options.previous == 0.0) return;
   previous_m_ = previous_m->reshaped();
   const double weight = options.previous * options.previous;
@@ -115,4 +115,4 @@ LengthFit LengthFitter::fit(const Eigen::MatrixX3d& start_m) const {
   return fit;
 }
 
-}  // namespace weft::ngo_laplacian
+}  // namespace weft::solvers

@@ -7,19 +7,21 @@
 #include "common/laplacian/control_mesh.hpp"
 #include "common/laplacian/inlier_search.hpp"
 
-namespace weft::ngo_laplacian {
+namespace weft::solvers {
 
 /// What the edges may do.
 enum class Lengths { at_most, equal };
 
+/// The defaults are the constants of the authors' program (Ngo, Ostlund, Fua, deformabletracker).
+/// Its weights are in pixels and millimetres; here they are divided by its focal length, 624 px.
 struct LengthFitOptions {
   Lengths lengths = Lengths::at_most;
-  double stiffness = 0.2;       ///< []
+  double stiffness = 0.84;      ///< []
   double tension_m = 5.1e-3;    ///< [] m, at_most: how hard each edge pulls for its length
-  double length_weight = 10.0;  ///< [] equal: an edge counts as much as so many matches
+  double length_weight = 10.0;  ///< [] equal, ours: an edge counts as much as so many matches
   double previous = 0.0;        ///< [] weight of the way from the previous controls
-  int max_iterations = 20;      ///< []
-  double tolerance_m = 1e-5;    ///< [] m, rms step of the controls at which to stop
+  int max_iterations = 5;       ///< []
+  double tolerance_m = 0.0;     ///< [] m, rms step of the controls at which to stop
 };
 
 struct LengthFit {
@@ -28,7 +30,8 @@ struct LengthFit {
   int iterations = 0;           ///< []
 };
 
-/// The shape near a start that minimises
+/// The constrained step of Laplacian meshes (Ostlund et al., ECCV 2012; Ngo et al., PAMI 38(1),
+/// 2016): the shape near a start that minimises
 ///   E(c) = 1/2 |M P c|^2 + 1/2 stiffness^2 |A P c|^2 + 1/2 previous^2 |c - c_previous|^2
 /// with edges |d_e| <= l_e, by steps of Newton on c, multipliers and slacks s_e, |d_e| + s_e^2 =
 /// l_e, to which tension / 2 sum s_e^2 is added: without it nothing would keep the sheet from
@@ -37,8 +40,8 @@ struct LengthFit {
 class LengthFitter {
  public:
   /// `previous_m` [N,3] m.
-  LengthFitter(const solvers::ControlMesh& mesh, const solvers::Inliers& inliers,
-               const LengthFitOptions& options, const std::optional<Eigen::MatrixX3d>& previous_m);
+  LengthFitter(const ControlMesh& mesh, const Inliers& inliers, const LengthFitOptions& options,
+               const std::optional<Eigen::MatrixX3d>& previous_m);
 
   LengthFit fit(const Eigen::MatrixX3d& start_m) const;
 
@@ -55,11 +58,11 @@ class LengthFitter {
   Eigen::VectorXd slack_step(const Eigen::VectorXd& c, Eigen::VectorXd& slacks) const;
   Eigen::VectorXd equal_step(const Eigen::VectorXd& c) const;
 
-  const solvers::ControlMesh& mesh_;
+  const ControlMesh& mesh_;
   LengthFitOptions options_;
   Eigen::MatrixXd quadratic_;   ///< [3N,3N] of E
   Eigen::VectorXd towards_m2_;  ///< [3N] previous^2 c_previous
   Eigen::VectorXd previous_m_;  ///< [3N] empty without
 };
 
-}  // namespace weft::ngo_laplacian
+}  // namespace weft::solvers
