@@ -166,9 +166,11 @@ std::string write_component(std::ostream& out, const weft_component& component, 
   out << "  - id: " << double_quoted(component.id)
       << "\n    version: " << double_quoted(component.version)
       << "\n    summary: " << double_quoted(component.summary)
-      << "\n    reference: " << double_quoted(component.reference)
-      << "\n    implements: " << double_quoted(implements(component))
-      << "\n    licence: " << double_quoted(component.licence)
+      << "\n    reference: " << double_quoted(component.reference);
+  if (const std::string word = implements(component); !word.empty()) {
+    out << "\n    implements: " << double_quoted(word);
+  }
+  out << "\n    licence: " << double_quoted(component.licence)
       << "\n    determinism: " << double_quoted(component.determinism)
       << "\n    needs: " << words(component.needs) << "\n    reads: " << words(component.reads)
       << "\n    produces: " << words(component.produces)

@@ -126,7 +126,7 @@ std::string mistake() {
 
 TEST(Describe, StatesHowAComponentFollowsItsReferenceAndRefusesTwoAnswers) {
   weft_component component = WEFT_COMPONENT(Sweeping, "filters/local", "1.0.0", "A local class.");
-  EXPECT_THAT(*description_of(component), HasSubstr("implements: \"\""));
+  EXPECT_THAT(*description_of(component), ::testing::Not(HasSubstr("implements")));
   component.flags |= WEFT_FLAG_RECONSTRUCTION;
   EXPECT_THAT(*description_of(component), HasSubstr("implements: \"reconstruction\""));
   component.flags |= WEFT_FLAG_OWN;
