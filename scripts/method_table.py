@@ -132,8 +132,8 @@ def table_of(solvers: dict[str, dict[str, Any]], figures: dict[str, dict[str, An
 
 def unsaid(components: dict[str, dict[str, Any]]) -> list[str]:
     """Components with a reference that do not say how they relate to it."""
-    return [f"{name}: has a reference, but does not say what it implements: give kAbout.implements "
-            f"one of: {', '.join(GROUPS)}" for name, manifest in sorted(components.items())
+    return [f"{name}: has a reference, but does not say what it implements: begin it with one of: "
+            f"{', '.join(f'{word}: ' for word in GROUPS).strip()}" for name, manifest in sorted(components.items())
             if manifest["reference"] and manifest["implements"] not in GROUPS]
 
 

@@ -16,7 +16,6 @@ HERE = pathlib.Path(__file__).resolve().parent
 TYPES = {"f64": "F64", "i64": "I64", "bool": "BOOL", "choice": "CHOICE", "text": "TEXT",
          "input_path": "INPUT_PATH", "output_path": "OUTPUT_PATH", "component": "COMPONENT",
          "labels": "LABELS"}
-IMPLEMENTS = ("", "paper", "reconstruction", "own")
 ID = re.compile(r"[a-z][a-z0-9_]*/([a-z][a-z0-9_]*\.)?[a-z][a-z0-9_]*")
 
 
@@ -92,15 +91,13 @@ class Table:
 
 
 def component_text(component, index):
-    flags = [name for name, has in (("WEFT_FLAG_RANDOM", component.random),
-                                    ("WEFT_FLAG_USES_TRUTH", component.uses_truth)) if has]
-    if component.implements:
-        flags.append(f"WEFT_FLAG_{component.implements.upper()}")
+    flags = " | ".join(name for name, has in (("WEFT_FLAG_RANDOM", component.random),
+                                              ("WEFT_FLAG_USES_TRUTH", component.uses_truth)) if has)
     texts = [component.id, component.version, summary_of(component), component.reference,
              component.licence, component.determinism, component.needs, component.reads,
              component.produces]
     functions = f"weft::python::Functions<kLibrary, {index}>"
-    return (f"{{sizeof(weft_component), {' | '.join(flags) or '0'}, {', '.join(map(quoted, texts))}, "
+    return (f"{{sizeof(weft_component), {flags or '0'}, {', '.join(map(quoted, texts))}, "
             f"{2 ** len(component.methods) - 1}, &{functions}::describe, &{functions}::create, &weft::python::prepare, "
             f"&weft::python::process, &weft::python::destroy, &{functions}::get_extension}}")
 
@@ -144,8 +141,6 @@ def mistakes_in(component, declared):
         yield f"'{component.id}' is not of the form role/name or role/vendor.name"
     elif component.id.split("/")[0] != component.role:
         yield f"its id is '{component.id}', but its class is of the role {component.role or 'of none'}"
-    if component.implements not in IMPLEMENTS:
-        yield f"its implements is '{component.implements}', not one of: paper, reconstruction, own"
     if not component.version:
         yield "it has no version"
     if not summary_of(component):

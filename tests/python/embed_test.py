@@ -16,7 +16,6 @@ class Near(weft.Filter):
 
     id = "filters/near"
     version = "1.2.0"
-    implements = "reconstruction"
     reads = "camera"
     random = True
     sweep = ("radius_px", [1, 2.5])
@@ -56,7 +55,7 @@ class Embed(unittest.TestCase):
     def test_tables_say_what_the_class_declares(self):
         status, said, written = self.embedded("filters/near", NEAR)
         self.assertEqual((status, said), (0, ""))
-        for expected in ('"filters/near", "1.2.0", "Keeps what is near."', "WEFT_FLAG_RANDOM | WEFT_FLAG_RECONSTRUCTION",
+        for expected in ('"filters/near", "1.2.0", "Keeps what is near."', "WEFT_FLAG_RANDOM",
                          '"radius_px", WEFT_VALUE_F64, 0, 1', "1.0, HUGE_VAL", '{"fast", "exact"}',
                          '"sizes", WEFT_VALUE_F64, 1, 2', '"cuts", WEFT_VALUE_I64, 1, 3',
                          '"parts", WEFT_VALUE_TEXT, 1, 2', '{"left", "a b"}', '"path", WEFT_VALUE_INPUT_PATH', '"warps", "", 0, 0}',

@@ -11,7 +11,8 @@ enum class Colour { red, green, blue };
 /// Keeps every match.
 class Good final : public weft::Filter {
  public:
-  static constexpr weft::About kAbout{.implements = "own", .reads = "template", .random = true};
+  static constexpr weft::About kAbout{
+      .reference = "own: nothing published", .reads = "template", .random = true};
 
   explicit Good(weft::Params& p) {
     p.read("length_mm", length_mm_, "mm", {0, 100}, "a length");

@@ -351,10 +351,6 @@ typedef struct weft_component {
  * what has one of bits 16 to 31 that it does not know. */
 #define WEFT_FLAG_RANDOM 1u     /* draws from the seed */
 #define WEFT_FLAG_USES_TRUTH 2u /* may read ground_truth */
-/* How a component relates to its `reference`; one of them at most. */
-#define WEFT_FLAG_PAPER 4u          /* implements the published steps; its page lists deviations */
-#define WEFT_FLAG_RECONSTRUCTION 8u /* steps or constants that were not published are its author's */
-#define WEFT_FLAG_OWN 16u           /* a method of its author; the reference is background */
 
 typedef struct weft_library_table {
   uint32_t magic;

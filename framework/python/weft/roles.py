@@ -19,7 +19,6 @@ class Component:
     id = ""
     version = ""
     reference = ""  # paper or standard
-    implements = ""  # "paper" (the published steps), "reconstruction" (some steps or constants are yours) or "own"
     licence = "Apache-2.0"
     determinism = "exact"  # or "tolerance": the same up to rounding
     needs = ""  # inputs that are required beyond those of the role, separated by blanks

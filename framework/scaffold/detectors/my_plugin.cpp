@@ -89,8 +89,7 @@ Patch describe(const Grey& grey, const Corner& corner) {
 class MyPluginDetector final : public weft::Detector {
  public:
   static constexpr weft::About kAbout{
-      .reference = "Shi and Tomasi, Good features to track, CVPR 1994",
-      .implements = "reconstruction",
+      .reference = "reconstruction: Shi and Tomasi, Good features to track, CVPR 1994",
       .reads = "region"};
 
   explicit MyPluginDetector(weft::Params& p) {

@@ -45,8 +45,8 @@ struct Pair {
 class MyPluginMatcher final : public weft::Matcher {
  public:
   static constexpr weft::About kAbout{
-      .reference = "Lowe, Distinctive image features from scale-invariant keypoints, IJCV 2004",
-      .implements = "paper",
+      .reference =
+          "paper: Lowe, Distinctive image features from scale-invariant keypoints, IJCV 2004",
       .needs = "keypoints template_keypoints"};
 
   explicit MyPluginMatcher(weft::Params& p) {

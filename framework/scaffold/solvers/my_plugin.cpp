@@ -68,9 +68,8 @@ class MyPluginSolver final : public weft::Solver {
  public:
   static constexpr weft::About kAbout{
       .reference =
-          "Lu, Hager and Mjolsness, Fast and globally convergent pose estimation from video "
+          "paper: Lu, Hager and Mjolsness, Fast and globally convergent pose estimation from video "
           "images, IEEE PAMI 22(6), 2000",
-      .implements = "paper",
       .needs = "sightlines"};
 
   explicit MyPluginSolver(weft::Params& p) {

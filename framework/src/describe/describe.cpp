@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 #include <sstream>
-#include <utility>
+#include <string_view>
 #include <vector>
 #include <weft/core/component_id.hpp>
 #include <weft/core/quote.hpp>
@@ -93,19 +93,18 @@ std::string extensions(const weft_component& component) {
   return words(list);
 }
 
-/// The words for the flags of the contract that relate a component to its reference.
-constexpr std::pair<std::uint32_t, const char*> kImplements[] = {
-    {WEFT_FLAG_PAPER, "paper"},
-    {WEFT_FLAG_RECONSTRUCTION, "reconstruction"},
-    {WEFT_FLAG_OWN, "own"}};
+/// A reference without the word before it that says how the component follows it.
+struct Reference {
+  std::string_view implements;  ///< "paper", "reconstruction" or "own"; empty where none is given
+  std::string_view text;
+};
 
-/// Separated by spaces; a component has one word at most.
-std::string implements(const weft_component& component) {
-  std::string words;
-  for (const auto& [flag, word] : kImplements) {
-    if ((component.flags & flag) != 0) words += (words.empty() ? "" : " ") + std::string(word);
+Reference reference_of(std::string_view text) {
+  for (const std::string_view word : {"paper", "reconstruction", "own"}) {
+    if (!text.starts_with(word) || text.substr(word.size(), 2) != ": ") continue;
+    return {word, text.substr(word.size() + 2)};
   }
-  return words;
+  return {{}, text};
 }
 
 /// What is wrong with a component before it says anything of its parameters, or an empty text.
@@ -117,9 +116,6 @@ std::string wrong_component(const weft_component& component, bool is_newer) {
   for (const char* text : {component.version, component.summary, component.reference,
                            component.licence, component.determinism}) {
     if (!is_utf8(text)) return "one of its texts is no UTF-8";
-  }
-  if (implements(component).find(' ') != std::string::npos) {
-    return "its flags say that it is " + implements(component) + " at once: give one of them";
   }
   for (const Extension& extension : kExtensions) {
     if (component.get_extension == nullptr) break;
@@ -163,12 +159,13 @@ std::string write_sweep(std::ostream& out, const weft_sweep& sweep,
 /// Returns what is wrong with the declarations, or an empty text.
 std::string write_component(std::ostream& out, const weft_component& component, bool is_newer) {
   if (std::string wrong = wrong_component(component, is_newer); !wrong.empty()) return wrong;
+  const Reference reference = reference_of(component.reference);
   out << "  - id: " << double_quoted(component.id)
       << "\n    version: " << double_quoted(component.version)
       << "\n    summary: " << double_quoted(component.summary)
-      << "\n    reference: " << double_quoted(component.reference);
-  if (const std::string word = implements(component); !word.empty()) {
-    out << "\n    implements: " << double_quoted(word);
+      << "\n    reference: " << double_quoted(reference.text);
+  if (!reference.implements.empty()) {
+    out << "\n    implements: " << double_quoted(reference.implements);
   }
   out << "\n    licence: " << double_quoted(component.licence)
       << "\n    determinism: " << double_quoted(component.determinism)

@@ -21,12 +21,11 @@ constexpr double kSigmaPerSize = 1.0 / 3.0;
 /// Blobs and corners of a nonlinear scale space, which keeps the edges between regions sharp.
 class Akaze final : public Detector {
  public:
-  static constexpr About kAbout{
-      .reference =
-          "Alcantarilla, Nuevo and Bartoli, Fast explicit diffusion for accelerated features in "
-          "nonlinear scale spaces, BMVC 2013",
-      .implements = "paper",
-      .reads = "region"};
+  static constexpr About kAbout{.reference =
+                                    "paper: Alcantarilla, Nuevo and Bartoli, Fast explicit "
+                                    "diffusion for accelerated features in "
+                                    "nonlinear scale spaces, BMVC 2013",
+                                .reads = "region"};
 
   explicit Akaze(Params& p) {
     p.read("max_keypoints", max_keypoints_, "", {0, 1000000},

@@ -6,7 +6,7 @@
 namespace weft::detectors {
 
 inline constexpr const char* kSiftReference =
-    "Lowe, Distinctive image features from scale-invariant keypoints, IJCV 2004";
+    "paper: Lowe, Distinctive image features from scale-invariant keypoints, IJCV 2004";
 
 /// What decides which extrema of the scale space there are.
 struct SiftSettings {

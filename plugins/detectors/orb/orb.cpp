@@ -12,12 +12,11 @@ namespace {
 /// Oriented FAST corners with rotated BRIEF descriptors, on the pixel grid of the whole image.
 class Orb final : public Detector {
  public:
-  static constexpr About kAbout{
-      .reference =
-          "Rublee, Rabaud, Konolige and Bradski, ORB: an efficient alternative to SIFT or SURF, "
-          "ICCV 2011",
-      .implements = "paper",
-      .reads = "region"};
+  static constexpr About kAbout{.reference =
+                                    "paper: Rublee, Rabaud, Konolige and Bradski, ORB: an "
+                                    "efficient alternative to SIFT or SURF, "
+                                    "ICCV 2011",
+                                .reads = "region"};
 
   explicit Orb(Params& p) {
     p.read("max_keypoints", settings_.max_keypoints, "", {0, 1000000},

@@ -32,8 +32,7 @@ struct Found {
 /// Scale-invariant keypoints of Lowe with positions freed of the bias of the doubled image.
 class Sift final : public Detector {
  public:
-  static constexpr About kAbout{
-      .reference = detectors::kSiftReference, .implements = "paper", .reads = "region"};
+  static constexpr About kAbout{.reference = detectors::kSiftReference, .reads = "region"};
 
   explicit Sift(Params& p) { asked_.read_without_upsample(p); }
 

@@ -44,8 +44,7 @@ Box box_of(const Array<std::uint8_t>& mask) {
 /// SIFT with vector instructions, in whole numbers.
 class SiftFast final : public Detector {
  public:
-  static constexpr About kAbout{
-      .reference = detectors::kSiftReference, .implements = "paper", .reads = "region"};
+  static constexpr About kAbout{.reference = detectors::kSiftReference, .reads = "region"};
 
   explicit SiftFast(Params& p) {
     asked_.read(p);

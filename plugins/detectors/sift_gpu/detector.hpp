@@ -16,7 +16,6 @@ namespace weft::sift_gpu {
 class SiftGpu final : public Detector {
  public:
   static constexpr About kAbout{.reference = detectors::kSiftReference,
-                                .implements = "paper",
                                 .determinism = "tolerance",
                                 .reads = "region",
                                 .device_memory = &kDeviceMemory<KeptDescriptors>};

@@ -30,8 +30,7 @@ struct Evidence {
 class AdaLam final : public weft::Filter {
  public:
   static constexpr weft::About kAbout{
-      .reference = "Cavalli, Larsson, Oswald, Sattler and Pollefeys 2020, ECCV (AdaLAM)",
-      .implements = "paper",
+      .reference = "paper: Cavalli, Larsson, Oswald, Sattler and Pollefeys 2020, ECCV (AdaLAM)",
       .needs = "template camera",
       .random = true};
   static constexpr weft::Sweep kSweep{"min_confidence", {2, 5, 10, 20, 50, 100, 200, 500, 3000}};

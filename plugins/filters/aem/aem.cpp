@@ -38,8 +38,7 @@ double probability(double logit) { return 1.0 / (1.0 + std::exp(-logit)); }
 class Aem final : public weft::Filter {
  public:
   static constexpr weft::About kAbout{
-      .reference = "Weft: affine seeds and annealed expectation maximisation of a spline warp",
-      .implements = "own",
+      .reference = "own: affine seeds and annealed expectation maximisation of a spline warp",
       .needs = "template",
       .reads = "camera previous.shape",
       .random = true};

@@ -35,8 +35,8 @@ struct Predicted {
 class Famouri final : public weft::Filter {
  public:
   static constexpr weft::About kAbout{
-      .reference = "Famouri, Bartoli and Azimifar 2018, Machine Vision and Applications 29",
-      .implements = "reconstruction"};
+      .reference =
+          "reconstruction: Famouri, Bartoli and Azimifar 2018, Machine Vision and Applications 29"};
   static constexpr weft::Sweep kSweep{"tau2", {0.02, 0.1, 0.2, 0.3, 0.5, 0.7, 1, 2.5, 5}};
 
   explicit Famouri(weft::Params& p) {

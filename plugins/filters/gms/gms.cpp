@@ -34,8 +34,7 @@ struct Support {
 class Gms final : public weft::Filter {
  public:
   static constexpr weft::About kAbout{
-      .reference = "Bian, Lin, Matsushita, Yeung, Nguyen and Cheng 2017, CVPR (GMS)",
-      .implements = "paper",
+      .reference = "paper: Bian, Lin, Matsushita, Yeung, Nguyen and Cheng 2017, CVPR (GMS)",
       .needs = "template camera"};
   static constexpr weft::Sweep kSweep{"alpha", {0.5, 1, 2, 3, 4, 6, 8, 10, 15}};
 

@@ -57,8 +57,7 @@ class Homography(weft.Filter):
 
     id = "filters/homography"
     version = "1.0.0"
-    reference = "Hartley, In defense of the eight-point algorithm, PAMI 1997; Torr and Zisserman, MLESAC, CVIU 2000"
-    implements = "paper"
+    reference = "paper: Hartley, In defense of the eight-point algorithm, PAMI 1997; Torr and Zisserman, MLESAC, CVIU 2000"
     determinism = "tolerance"
     random = True
     sweep = ("tolerance_px", [0.5, 1, 2, 3, 5, 10, 20, 40, 80])

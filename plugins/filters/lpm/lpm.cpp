@@ -25,8 +25,8 @@ constexpr int kScaleStep = 2;       // between them
 class Lpm final : public weft::Filter {
  public:
   static constexpr weft::About kAbout{
-      .reference = "Ma, Zhao, Jiang, Zhou and Guo 2019, IJCV 127 (Locality preserving matching)",
-      .implements = "paper",
+      .reference =
+          "paper: Ma, Zhao, Jiang, Zhou and Guo 2019, IJCV 127 (Locality preserving matching)",
       .needs = "template camera"};
   static constexpr weft::Sweep kSweep{"lambda", {0.05, 0.2, 0.4, 0.6, 0.7, 0.8, 1, 1.2, 1.5}};
 

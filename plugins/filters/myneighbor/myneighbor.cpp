@@ -21,8 +21,7 @@ constexpr double kSmallestObject = 0.02;  // of the image's diagonal
 class MyNeighbor final : public weft::Filter {
  public:
   static constexpr weft::About kAbout{
-      .reference = "Shetab-Bushehri et al. 2023, ROBUSfT, Section V",
-      .implements = "paper",
+      .reference = "paper: Shetab-Bushehri et al. 2023, ROBUSfT, Section V",
       .needs = "template",
       .reads = "camera"};
   static constexpr weft::Sweep kSweep{"alpha_s", {0.005, 0.02, 0.04, 0.08, 0.15, 0.2, 0.3, 0.5, 1}};

@@ -24,9 +24,9 @@ constexpr int kOcclusionRounds = 2;
 /// behind another.
 class Pizarro final : public weft::Filter {
  public:
-  static constexpr weft::About kAbout{.reference = "Pizarro and Bartoli 2012, IJCV 97(1)",
-                                      .implements = "reconstruction",
-                                      .needs = "template camera"};
+  static constexpr weft::About kAbout{
+      .reference = "reconstruction: Pizarro and Bartoli 2012, IJCV 97(1)",
+      .needs = "template camera"};
   static constexpr weft::Sweep kSweep{"theta", {0.02, 0.1, 0.2, 0.3, 0.5, 0.7, 1, 2.5, 5}};
 
   explicit Pizarro(weft::Params& p) {

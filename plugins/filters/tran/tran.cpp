@@ -27,8 +27,7 @@ constexpr double kInnerPercent = 10.0;  // of coordinates are beyond the first e
 class Tran final : public weft::Filter {
  public:
   static constexpr weft::About kAbout{
-      .reference = "Tran, Chin, Carneiro, Brown and Suter 2012, ECCV",
-      .implements = "reconstruction",
+      .reference = "reconstruction: Tran, Chin, Carneiro, Brown and Suter 2012, ECCV",
       .random = true};
   static constexpr weft::Sweep kSweep{"tau", {0.005, 0.02, 0.04, 0.06, 0.1, 0.2, 0.3, 0.5, 1}};
 

@@ -29,8 +29,8 @@ Points2 normalised(const Points2& points) {
 class Vfc final : public weft::Filter {
  public:
   static constexpr weft::About kAbout{
-      .reference = "Ma, Zhao, Tian, Yuille and Tu 2014, IEEE TIP 23(4) (Vector field consensus)",
-      .implements = "paper",
+      .reference =
+          "paper: Ma, Zhao, Tian, Yuille and Tu 2014, IEEE TIP 23(4) (Vector field consensus)",
       .random = true};
   static constexpr weft::Sweep kSweep{"theta",
                                       {1e-6, 1e-5, 0.0001, 0.001, 0.03, 0.5, 0.9, 0.99, 0.999}};

@@ -35,9 +35,8 @@ class DenseFlow final : public Matcher {
  public:
   static constexpr About kAbout{
       .reference =
-          "Kroeger et al., Fast optical flow using dense inverse search, ECCV 2016; Baker and "
+          "own: Kroeger et al., Fast optical flow using dense inverse search, ECCV 2016; Baker and "
           "Matthews, Lucas-Kanade 20 years on: a unifying framework, IJCV 2004",
-      .implements = "own",
       .needs = "image template camera",
       .reads = "shape previous.shape correspondences"};
 

@@ -15,10 +15,9 @@ class Descriptor final : public Matcher {
  public:
   static constexpr About kAbout{
       .reference =
-          "Lowe, Distinctive image features from scale-invariant keypoints, IJCV 2004; "
+          "paper: Lowe, Distinctive image features from scale-invariant keypoints, IJCV 2004; "
           "Arandjelovic and Zisserman, Three things everyone should know to improve object "
           "retrieval, CVPR 2012",
-      .implements = "paper",
       .needs = "keypoints template_keypoints"};
 
   explicit Descriptor(Params& p) : matching_(p) {}

@@ -27,8 +27,7 @@ std::vector<Eigen::Vector2d> places_of(const Keypoints& keypoints) {
 class Guided final : public Matcher {
  public:
   static constexpr About kAbout{
-      .reference = "Weft: a search in circles around the previous shape, with the whole as a net",
-      .implements = "own",
+      .reference = "own: a search in circles around the previous shape, with the whole as a net",
       .needs = "keypoints template_keypoints",
       .reads = "template camera previous.shape previous.correspondences"};
 

@@ -22,8 +22,8 @@ namespace {
 class Refine final : public Matcher {
  public:
   static constexpr About kAbout{
-      .reference = "Baker and Matthews, Lucas-Kanade 20 years on: a unifying framework, IJCV 2004",
-      .implements = "paper",
+      .reference =
+          "paper: Baker and Matthews, Lucas-Kanade 20 years on: a unifying framework, IJCV 2004",
       .needs = "image template camera correspondences",
       .reads = "shape previous.shape"};
 

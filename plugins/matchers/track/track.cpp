@@ -20,9 +20,8 @@ class Track final : public Matcher {
  public:
   static constexpr About kAbout{
       .reference =
-          "Baker and Matthews, Lucas-Kanade 20 years on: a unifying framework, IJCV 2004; "
+          "paper: Baker and Matthews, Lucas-Kanade 20 years on: a unifying framework, IJCV 2004; "
           "Shi and Tomasi, Good features to track, CVPR 1994",
-      .implements = "paper",
       .needs = "image template camera previous.shape",
       .reads = "previous.correspondences"};
 

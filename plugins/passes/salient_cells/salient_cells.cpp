@@ -38,8 +38,7 @@ Sightlines make_sightlines(std::size_t count) {
 class SalientCells final : public Pass {
  public:
   static constexpr About kAbout{
-      .reference = "Shetab-Bushehri et al., ROBUSfT, arXiv:2301.04037 (2023), step 3",
-      .implements = "paper",
+      .reference = "paper: Shetab-Bushehri et al., ROBUSfT, arXiv:2301.04037 (2023), step 3",
       .needs = "warp_samples correspondences",
       .reads = "visibility",
       .produces = "sightlines"};

@@ -22,9 +22,8 @@ class SelfOcclusion final : public Pass {
  public:
   static constexpr About kAbout{
       .reference =
-          "Wald et al., Embree, ACM Transactions on Graphics 33 (2014); Pizarro, Bartoli, "
+          "own: Wald et al., Embree, ACM Transactions on Graphics 33 (2014); Pizarro, Bartoli, "
           "IJCV 97 (2012) for warps",
-      .implements = "own",
       .reads = "shape previous.shape previous.visibility correspondences warp_samples",
       .produces = "visibility"};
 

@@ -27,9 +27,8 @@ class BartoliConformal final : public Solver {
  public:
   static constexpr About kAbout{
       .reference =
-          "Bartoli, Gerard, Chadebecq, Collins, Pizarro, Shape-from-Template, "
+          "paper: Bartoli, Gerard, Chadebecq, Collins, Pizarro, Shape-from-Template, "
           "TPAMI 37(10) (2015)",
-      .implements = "paper",
       .needs = "correspondences",
       .reads = ""};
 

@@ -28,9 +28,8 @@ class BrunetMdh final : public Solver {
  public:
   static constexpr About kAbout{
       .reference =
-          "Brunet, Bartoli, Hartley, Monocular template-based 3D surface reconstruction: "
+          "paper: Brunet, Bartoli, Hartley, Monocular template-based 3D surface reconstruction: "
           "convex inextensible and nonconvex isometric methods, CVIU 125 (2014)",
-      .implements = "paper",
       .needs = "sightlines",
       .reads = "known_points correspondences"};
 

@@ -27,9 +27,8 @@ class BrunetRefine final : public Solver {
  public:
   static constexpr About kAbout{
       .reference =
-          "Brunet, Bartoli, Hartley, Monocular template-based 3D surface reconstruction: "
+          "paper: Brunet, Bartoli, Hartley, Monocular template-based 3D surface reconstruction: "
           "convex inextensible and nonconvex isometric methods, CVIU 125 (2014)",
-      .implements = "paper",
       .needs = "correspondences",
       .reads = "sightlines known_points previous.shape"};
 

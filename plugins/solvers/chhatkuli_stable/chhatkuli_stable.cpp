@@ -33,9 +33,9 @@ class ChhatkuliStable final : public Solver {
  public:
   static constexpr About kAbout{
       .reference =
-          "Chhatkuli, Pizarro, Bartoli, Stable Template-Based Isometric 3D Reconstruction in All "
+          "paper: Chhatkuli, Pizarro, Bartoli, Stable Template-Based Isometric 3D Reconstruction "
+          "in All "
           "Imaging Conditions by Linear Least-Squares, CVPR 2014; with Collins, TPAMI 39(5) (2017)",
-      .implements = "paper",
       .needs = "correspondences",
       .reads = ""};
 

@@ -23,9 +23,9 @@ class CoarseToFine final : public Solver {
  public:
   static constexpr About kAbout{
       .reference =
-          "Hoppe et al., Mesh optimization, SIGGRAPH (1993) for edge collapses; Duchon, Splines "
+          "own: Hoppe et al., Mesh optimization, SIGGRAPH (1993) for edge collapses; Duchon, "
+          "Splines "
           "minimizing rotation-invariant semi-norms, LNM 571 (1977)",
-      .implements = "own",
       .reads = "sightlines correspondences warp image visibility known_points previous.shape"};
 
   explicit CoarseToFine(Params& p) {

@@ -44,13 +44,12 @@ struct Candidate {
 /// Matches and texture in one energy, from the previous shape.
 class CollinsIntegrated final : public Solver {
  public:
-  static constexpr About kAbout{
-      .reference =
-          "Collins, Bartoli, Realtime Shape-from-Template: System and Applications, "
-          "ISMAR (2015)",
-      .implements = "reconstruction",
-      .needs = "image",
-      .reads = "correspondences visibility previous.shape"};
+  static constexpr About kAbout{.reference =
+                                    "reconstruction: Collins, Bartoli, Realtime "
+                                    "Shape-from-Template: System and Applications, "
+                                    "ISMAR (2015)",
+                                .needs = "image",
+                                .reads = "correspondences visibility previous.shape"};
 
   explicit CollinsIntegrated(Params& p) : fit_(read_options(p)) {
     p.read("match_noise_px", match_noise_px_, "px", {1e-3, 100.0},

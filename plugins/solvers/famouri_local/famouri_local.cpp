@@ -32,13 +32,12 @@ constexpr solvers::ConfidenceWeights kConfidence{.bias = -9.296,
 /// Depth of each match from its nearest neighbours alone, then a mesh through the points.
 class FamouriLocal final : public Solver {
  public:
-  static constexpr About kAbout{
-      .reference =
-          "Famouri, Bartoli, Azimifar, Fast shape-from-template using local features, Machine "
-          "Vision and Applications 29 (2018)",
-      .implements = "reconstruction",
-      .needs = "correspondences",
-      .reads = ""};
+  static constexpr About kAbout{.reference =
+                                    "reconstruction: Famouri, Bartoli, Azimifar, Fast "
+                                    "shape-from-template using local features, Machine "
+                                    "Vision and Applications 29 (2018)",
+                                .needs = "correspondences",
+                                .reads = ""};
 
   explicit FamouriLocal(Params& p) {
     p.read("neighbours", depth_.neighbours, "", {4, 100},

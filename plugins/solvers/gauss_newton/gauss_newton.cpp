@@ -32,10 +32,9 @@ class GaussNewton final : public Solver {
  public:
   static constexpr About kAbout{
       .reference =
-          "Collins, Bartoli, Realtime Shape-from-Template, ISMAR (2015); George, Nested "
+          "own: Collins, Bartoli, Realtime Shape-from-Template, ISMAR (2015); George, Nested "
           "dissection of a regular finite element mesh, SIAM Journal on Numerical Analysis 10 "
           "(1973)",
-      .implements = "own",
       .reads = "correspondences sightlines previous.shape known_points visibility"};
 
   explicit GaussNewton(Params& p) {

@@ -33,13 +33,12 @@ enum class Start { previous = 0, convex = 1, linear = 2 };
 /// A Laplacian mesh in real time: linear with outlier rejection, then under constraints on lengths.
 class NgoLaplacian final : public Solver {
  public:
-  static constexpr About kAbout{
-      .reference =
-          "Ngo, Ostlund, Fua, Template-Based Monocular 3D Shape Recovery Using Laplacian Meshes, "
-          "TPAMI 38(1) (2016)",
-      .implements = "paper",
-      .needs = "correspondences",
-      .reads = "previous.shape"};
+  static constexpr About kAbout{.reference =
+                                    "paper: Ngo, Ostlund, Fua, Template-Based Monocular 3D Shape "
+                                    "Recovery Using Laplacian Meshes, "
+                                    "TPAMI 38(1) (2016)",
+                                .needs = "correspondences",
+                                .reads = "previous.shape"};
 
   explicit NgoLaplacian(Params& p) {
     const solvers::Preset preset = solvers::declare_preset(p);

@@ -28,12 +28,11 @@ enum class Method { slacks, convex };
 /// A mesh moved by few control vertices: linear with outlier rejection, then without stretch.
 class OstlundLaplacian final : public Solver {
  public:
-  static constexpr About kAbout{
-      .reference =
-          "Ostlund, Varol, Ngo, Fua, Laplacian Meshes for Monocular 3D Shape Recovery, ECCV (2012)",
-      .implements = "paper",
-      .needs = "correspondences",
-      .reads = ""};
+  static constexpr About kAbout{.reference =
+                                    "paper: Ostlund, Varol, Ngo, Fua, Laplacian Meshes for "
+                                    "Monocular 3D Shape Recovery, ECCV (2012)",
+                                .needs = "correspondences",
+                                .reads = ""};
 
   explicit OstlundLaplacian(Params& p) {
     const solvers::Preset preset = solvers::declare_preset(p);

@@ -38,9 +38,8 @@ class ParticleSft final : public Solver {
  public:
   static constexpr About kAbout{
       .reference =
-          "Ozgur, Bartoli, Particle-SfT, IJCV 123 (2017); Aranda et al., Monocular "
+          "paper: Ozgur, Bartoli, Particle-SfT, IJCV 123 (2017); Aranda et al., Monocular "
           "shape tracking, IROS 2020",
-      .implements = "paper",
       .needs = "sightlines",
       .reads = "previous.shape known_points correspondences visibility"};
 

@@ -26,9 +26,8 @@ class PlainStart final : public Solver {
  public:
   static constexpr About kAbout{
       .reference =
-          "Terzakis, Lourakis, A Consistently Fast and Globally Optimal Solution to the "
+          "own: Terzakis, Lourakis, A Consistently Fast and Globally Optimal Solution to the "
           "Perspective-n-Point Problem, ECCV (2020)",
-      .implements = "own",
       .needs = "correspondences",
       .reads = "previous.shape",
       .random = true};

@@ -33,13 +33,13 @@ constexpr solvers::ConfidenceWeights kConfidence{.bias = -26.135,
 /// The shapes that the image allows, combined so that edges keep their lengths.
 class SalzmannClosedForm final : public Solver {
  public:
-  static constexpr About kAbout{.reference =
-                                    "Salzmann, Moreno-Noguer, Lepetit, Fua, Closed-Form "
-                                    "Solution to Non-Rigid 3D Surface "
-                                    "Registration, ECCV (2008)",
-                                .implements = "reconstruction",
-                                .needs = "correspondences",
-                                .reads = ""};
+  static constexpr About kAbout{
+      .reference =
+          "reconstruction: Salzmann, Moreno-Noguer, Lepetit, Fua, Closed-Form "
+          "Solution to Non-Rigid 3D Surface "
+          "Registration, ECCV (2008)",
+      .needs = "correspondences",
+      .reads = ""};
 
   explicit SalzmannClosedForm(Params& p) {
     p.read("modes", modes_wanted_, "", {4, 60}, "smooth functions of which shapes are made");

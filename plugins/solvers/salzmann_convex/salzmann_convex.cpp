@@ -21,9 +21,8 @@ class SalzmannConvex final : public Solver {
  public:
   static constexpr About kAbout{
       .reference =
-          "Salzmann, Fua, Reconstructing Sharply Folding Surfaces: A Convex Formulation, "
+          "paper: Salzmann, Fua, Reconstructing Sharply Folding Surfaces: A Convex Formulation, "
           "CVPR (2009)",
-      .implements = "paper",
       .needs = "correspondences",
       .reads = ""};
 

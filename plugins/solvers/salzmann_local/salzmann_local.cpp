@@ -22,13 +22,12 @@ constexpr solvers::ConfidenceWeights kConfidence{.bias = -59.878,
 /// The inextensible surface of salzmann_convex, held by linear local models of how sheets bend.
 class SalzmannLocal final : public Solver {
  public:
-  static constexpr About kAbout{
-      .reference =
-          "Salzmann, Fua, Linear Local Models for Monocular Reconstruction of Deformable Surfaces, "
-          "TPAMI 33(5) (2011)",
-      .implements = "reconstruction",
-      .needs = "correspondences",
-      .reads = ""};
+  static constexpr About kAbout{.reference =
+                                    "reconstruction: Salzmann, Fua, Linear Local Models for "
+                                    "Monocular Reconstruction of Deformable Surfaces, "
+                                    "TPAMI 33(5) (2011)",
+                                .needs = "correspondences",
+                                .reads = ""};
 
   explicit SalzmannLocal(Params& p) {
     p.read(

@@ -53,8 +53,8 @@ struct PrintedSheet {
 class SheetSource : public Source {
  public:
   static constexpr About kAbout{
-      .reference = "Shetab-Bushehri et al., ROBUSfT (2023), section IV; XPBD: Macklin et al. 2016",
-      .implements = "paper",
+      .reference =
+          "paper: Shetab-Bushehri et al., ROBUSfT (2023), section IV; XPBD: Macklin et al. 2016",
       .produces = "image time ground_truth"};
 
   void check(Mistakes& mistakes) const { settings_.check(mistakes); }

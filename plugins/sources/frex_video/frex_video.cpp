@@ -21,13 +21,12 @@ enum class Background { original, white, image };
 /// Turns recorded frames of a sheet of markers into frames of the same sheet with another print.
 class FrexVideo final : public Source {
  public:
-  static constexpr About kAbout{
-      .reference =
-          "Shetab-Bushehri et al., ROBUSfT, arXiv:2301.04037 (2023), section IV; Garrido-Jurado et "
-          "al., Pattern Recognition 47 (2014)",
-      .implements = "paper",
-      .produces = "image time ground_truth",
-      .random = true};
+  static constexpr About kAbout{.reference =
+                                    "paper: Shetab-Bushehri et al., ROBUSfT, arXiv:2301.04037 "
+                                    "(2023), section IV; Garrido-Jurado et "
+                                    "al., Pattern Recognition 47 (2014)",
+                                .produces = "image time ground_truth",
+                                .random = true};
 
   explicit FrexVideo(Params& p) {
     p.component("frames", frames_, "source of the recorded frames");

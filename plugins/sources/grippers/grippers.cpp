@@ -41,8 +41,7 @@ Eigen::Vector3d random_direction(Rng& rng) {
 class Grippers final : public Source {
  public:
   static constexpr About kAbout{
-      .reference = "Shetab-Bushehri et al. 2023, ROBUSfT (grippers of a robot)",
-      .implements = "own",
+      .reference = "own: Shetab-Bushehri et al. 2023, ROBUSfT (grippers of a robot)",
       .produces = "image time known_points ground_truth region",
       .uses_truth = true};
 

@@ -14,8 +14,7 @@ namespace {
 class KnownPointSource final : public Source {
  public:
   static constexpr About kAbout{
-      .reference = "Shetab-Bushehri et al. 2023, ROBUSfT (known 3D points of grippers)",
-      .implements = "own",
+      .reference = "own: Shetab-Bushehri et al. 2023, ROBUSfT (known 3D points of grippers)",
       .produces = "image time known_points ground_truth region"};
 
   explicit KnownPointSource(Params& p) {

@@ -23,8 +23,7 @@ constexpr std::uint64_t kShapes = 1, kMatches = 2;
 class MatchTrials final : public Source {
  public:
   static constexpr About kAbout{
-      .reference = "Shetab-Bushehri et al. 2023, ROBUSfT, Section V (synthetic matches)",
-      .implements = "paper",
+      .reference = "paper: Shetab-Bushehri et al. 2023, ROBUSfT, Section V (synthetic matches)",
       .produces = "correspondences ground_truth"};
 
   explicit MatchTrials(Params& p) {

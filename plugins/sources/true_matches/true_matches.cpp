@@ -52,8 +52,7 @@ Correspondences matches_of(const std::vector<Drawn>& drawn) {
 class TrueMatches final : public Source {
  public:
   static constexpr About kAbout{
-      .reference = "Shetab-Bushehri et al. 2023, ROBUSfT, Section VI (correct matches)",
-      .implements = "own",
+      .reference = "own: Shetab-Bushehri et al. 2023, ROBUSfT, Section VI (correct matches)",
       .produces = "image time correspondences ground_truth",
       .uses_truth = true};
 

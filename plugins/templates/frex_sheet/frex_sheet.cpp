@@ -14,11 +14,10 @@ enum class Dictionary { five_by_five, four_by_four };
 /// A flat sheet of paper with ArUco markers at random places, as it is printed.
 class FrexSheet final : public TemplateBuilder {
  public:
-  static constexpr About kAbout{
-      .reference =
-          "Shetab-Bushehri et al., ROBUSfT, arXiv:2301.04037 (2023), section IV; Garrido-Jurado et "
-          "al., Pattern Recognition 47 (2014)",
-      .implements = "paper"};
+  static constexpr About kAbout{.reference =
+                                    "paper: Shetab-Bushehri et al., ROBUSfT, arXiv:2301.04037 "
+                                    "(2023), section IV; Garrido-Jurado et "
+                                    "al., Pattern Recognition 47 (2014)"};
 
   explicit FrexSheet(Params& p) {
     p.read("width_mm", spec_.width_mm, "mm", {20.0, 2000.0}, "width of the paper");

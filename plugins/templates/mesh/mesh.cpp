@@ -29,11 +29,10 @@ class MeshTemplate final : public TemplateBuilder {
  public:
   static constexpr About kAbout{
       .reference =
-          "Shetab-Bushehri et al., ROBUSfT, arXiv:2301.04037 (2023); Liu et al., A "
+          "own: Shetab-Bushehri et al., ROBUSfT, arXiv:2301.04037 (2023); Liu et al., A "
           "local/global approach to mesh parameterization, SGP 2008; Shewchuk, Delaunay "
           "refinement algorithms for triangular mesh generation, Computational Geometry 22 "
           "(2002)",
-      .implements = "own",
       .licence = "GPL-3.0-or-later"};  // CGAL's parameterization and meshes
 
   explicit MeshTemplate(Params& p) {

@@ -25,9 +25,8 @@ class OutlineTemplate final : public TemplateBuilder {
  public:
   static constexpr About kAbout{
       .reference =
-          "Shetab-Bushehri et al., ROBUSfT, arXiv:2301.04037 (2023); Shewchuk, Delaunay "
+          "paper: Shetab-Bushehri et al., ROBUSfT, arXiv:2301.04037 (2023); Shewchuk, Delaunay "
           "refinement algorithms for triangular mesh generation (2002)",
-      .implements = "paper",
       .licence = "GPL-3.0-or-later"};
 
   explicit OutlineTemplate(Params& p) {

@@ -45,9 +45,8 @@ class PhotoTemplate final : public TemplateBuilder {
  public:
   static constexpr About kAbout{
       .reference =
-          "Zhang and He, Whiteboard scanning and image enhancement, Digital Signal Processing "
-          "17(2) (2007); Grompone von Gioi et al., LSD: a line segment detector, IPOL 2 (2012)",
-      .implements = "own"};
+          "own: Zhang and He, Whiteboard scanning and image enhancement, Digital Signal Processing "
+          "17(2) (2007); Grompone von Gioi et al., LSD: a line segment detector, IPOL 2 (2012)"};
 
   explicit PhotoTemplate(Params& p) {
     p.input_path("photo", photo_path_, "photograph of the whole sheet, flat", Need::required);

@@ -20,8 +20,8 @@ enum class TexelOrigin { edge, centre };
 class Rectangular final : public TemplateBuilder {
  public:
   static constexpr About kAbout{
-      .reference = "Shetab-Bushehri et al., ROBUSfT, arXiv:2301.04037 (2023), section on templates",
-      .implements = "paper"};
+      .reference =
+          "paper: Shetab-Bushehri et al., ROBUSfT, arXiv:2301.04037 (2023), section on templates"};
 
   explicit Rectangular(Params& p) {
     p.input_path("texture", texture_path_, "image of the flat sheet, from edge to edge",

@@ -30,8 +30,7 @@ constexpr int kFoldingSteps = 20;
 class Bbs final : public weft::WarpModel {
  public:
   static constexpr weft::About kAbout{
-      .reference = "Rueckert et al. 1999, IEEE TMI 18(8); Brunet 2010, PhD thesis",
-      .implements = "paper",
+      .reference = "paper: Rueckert et al. 1999, IEEE TMI 18(8); Brunet 2010, PhD thesis",
       .reads = "weights"};
 
   explicit Bbs(weft::Params& p) {

@@ -31,8 +31,8 @@ constexpr int kSearchSteps = 14;
 class Tps final : public weft::WarpModel {
  public:
   static constexpr weft::About kAbout{
-      .reference = "Duchon 1976; Bookstein 1989, IEEE PAMI 11(6); Bartoli et al. 2010, IJCV 88",
-      .implements = "paper",
+      .reference =
+          "paper: Duchon 1976; Bookstein 1989, IEEE PAMI 11(6); Bartoli et al. 2010, IJCV 88",
       .reads = "weights"};
 
   explicit Tps(weft::Params& p) {

@@ -124,16 +124,20 @@ std::string mistake() {
   return text.error().message;
 }
 
-TEST(Describe, StatesHowAComponentFollowsItsReferenceAndRefusesTwoAnswers) {
-  weft_component component = WEFT_COMPONENT(Sweeping, "filters/local", "1.0.0", "A local class.");
-  EXPECT_THAT(*description_of(component), ::testing::Not(HasSubstr("implements")));
-  component.flags |= WEFT_FLAG_RECONSTRUCTION;
-  EXPECT_THAT(*description_of(component), HasSubstr("implements: \"reconstruction\""));
-  component.flags |= WEFT_FLAG_OWN;
-  const auto both = description_of(component);
-  ASSERT_FALSE(both);
-  EXPECT_EQ(both.error().message,
-            "its flags say that it is reconstruction own at once: give one of them");
+TEST(Describe, StatesHowAComponentFollowsItsReference) {
+  const auto manifest_of = [](const char* reference) {
+    weft_component component = WEFT_COMPONENT(Sweeping, "filters/local", "1.0.0", "A local class.");
+    component.reference = reference;
+    return *description_of(component);
+  };
+  EXPECT_THAT(manifest_of("reconstruction: A 2012"),
+              HasSubstr("reference: \"A 2012\"\n    implements: \"reconstruction\"\n"));
+  EXPECT_THAT(manifest_of("paper: A: b"),
+              HasSubstr("reference: \"A: b\"\n    implements: \"paper\"\n"));
+  for (const char* plain : {"", "A 2012", "paper", "own:A", "newspaper: A"}) {
+    EXPECT_THAT(manifest_of(plain), ::testing::Not(HasSubstr("implements"))) << plain;
+    EXPECT_THAT(manifest_of(plain), HasSubstr(std::string("reference: \"") + plain + "\"\n"));
+  }
 }
 
 TEST(Describe, RefusesDefaultsThatNoPipelineCouldUse) {

@@ -269,7 +269,6 @@ TEST(CopyText, CutsBetweenCharactersAndAlwaysEnds) {
 /// A component of the contract made from a class, as a library holds it.
 struct Simple final : Filter {
   static constexpr About kAbout{.reference = "a paper",
-                                .implements = "reconstruction",
                                 .licence = "MIT",
                                 .needs = "camera",
                                 .random = true,
@@ -292,7 +291,7 @@ constexpr weft_component kSimple =
 
 TEST(Component, SaysWhatItsClassSays) {
   EXPECT_EQ(kSimple.struct_size, sizeof(weft_component));
-  EXPECT_EQ(kSimple.flags, WEFT_FLAG_RANDOM | WEFT_FLAG_USES_TRUTH | WEFT_FLAG_RECONSTRUCTION);
+  EXPECT_EQ(kSimple.flags, WEFT_FLAG_RANDOM | WEFT_FLAG_USES_TRUTH);
   EXPECT_STREQ(kSimple.id, "filters/simple");
   EXPECT_STREQ(kSimple.version, "2.0.1");
   EXPECT_STREQ(kSimple.reference, "a paper");

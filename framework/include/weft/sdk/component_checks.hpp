@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <concepts>
 #include <cstddef>
-#include <cstdint>
-#include <optional>
 #include <string_view>
 #include <type_traits>
 #include <weft/core/component_id.hpp>
@@ -38,15 +36,6 @@ template <class T>
 concept SaysAbout = requires {
   requires std::same_as<std::remove_cvref_t<decltype(T::kAbout)>, About>;
 };
-
-/// The flag of the contract for About::implements; nothing for another word.
-constexpr std::optional<std::uint32_t> implements_flag(std::string_view word) {
-  if (word.empty()) return 0U;
-  if (word == "paper") return WEFT_FLAG_PAPER;
-  if (word == "reconstruction") return WEFT_FLAG_RECONSTRUCTION;
-  if (word == "own") return WEFT_FLAG_OWN;
-  return std::nullopt;
-}
 
 #define WEFT_IS_ABOUT(name) \
   requires { requires std::same_as<std::remove_cvref_t<decltype(T::name)>, About>; }

@@ -76,12 +76,8 @@ struct Functions {
 template <class T>
 constexpr weft_component make_component(const char* id, const char* version, const char* summary) {
   constexpr About kAbout = about_of<T>();
-  constexpr auto kImplements = implements_flag(kAbout.implements);
-  static_assert(kImplements.has_value(),
-                "kAbout.implements is \"paper\", \"reconstruction\", \"own\" or \"\"");
   return {sizeof(weft_component),
-          (kAbout.random ? WEFT_FLAG_RANDOM : 0U) |
-              (kAbout.uses_truth ? WEFT_FLAG_USES_TRUTH : 0U) | kImplements.value_or(0U),
+          (kAbout.random ? WEFT_FLAG_RANDOM : 0U) | (kAbout.uses_truth ? WEFT_FLAG_USES_TRUTH : 0U),
           id,
           version,
           summary,

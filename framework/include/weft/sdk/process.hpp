@@ -15,10 +15,7 @@ namespace weft {
 
 /// What a component says of itself, as `static constexpr weft::About kAbout{...}` in its class.
 struct About {
-  const char* reference = "";  ///< paper or standard
-  /// "paper" (the published steps), "reconstruction" (steps or constants that were not published
-  /// are the plugin author's), "own" (a method of the plugin author), or "" (not stated)
-  const char* implements = "";
+  const char* reference = "";          ///< paper or standard
   const char* licence = "Apache-2.0";  ///< SPDX id of the built library
   const char* determinism = "exact";   ///< "exact" or "tolerance"
   const char* needs = "";              ///< inputs required beyond those of the role

@@ -56,9 +56,8 @@ class MyPluginSolver(weft.Solver):
 
     id = "solvers/my_plugin"
     version = "1.0.0"
-    reference = ("Lu, Hager and Mjolsness, Fast and globally convergent pose estimation from video images, IEEE "
+    reference = ("paper: Lu, Hager and Mjolsness, Fast and globally convergent pose estimation from video images, IEEE "
                  "PAMI 22(6), 2000")
-    implements = "paper"
     needs = "sightlines"
 
     rounds = weft.whole(500, "", (1, 100000), "most rounds of the search for the pose")
