@@ -117,9 +117,12 @@ bool may_end_at(std::size_t border, const Corners& corners_px, const Photograph&
   constexpr double kMostSkew_rad = 3.0 * M_PI / 180.0, kSteep = 0.98;  // sine of 80 degrees
   const Eigen::Vector2d &from = corners_px[border], &to = corners_px[(border + 1) % 4];
   const Eigen::Vector2d along = (to - from).normalized();
-  for (const Eigen::Vector2d& side :
-       {corners_px[(border + 3) % 4] - from, corners_px[(border + 2) % 4] - to}) {
-    if (std::abs(cross(along, side.normalized())) < kSteep) return false;
+  const auto is_steep = [&](const Eigen::Vector2d& side) {
+    return std::abs(cross(along, side.normalized())) >= kSteep;
+  };
+  if (!is_steep(corners_px[(border + 3) % 4] - from) ||
+      !is_steep(corners_px[(border + 2) % 4] - to)) {
+    return false;
   }
   Pinhole pinhole = photo.pinhole();
   if (!photo.is_calibrated) {
