@@ -30,7 +30,7 @@ inline StandardFeatures standard_features() {
 }
 
 /// The pipeline over which `weft track` lays its frames and its object.
-inline const char* tracking_pipeline() { return "accurate.yaml"; }
+inline const char* tracking_pipeline() { return "demo.yaml"; }
 
 /// What --photo stands for.
 inline const char* photo_template() { return "templates/photo"; }

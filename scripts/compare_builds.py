@@ -29,7 +29,7 @@ SHORT = ["--set", f"source.frames={FRAMES}"]
 
 # name, verb, file, arguments
 JOBS = [
-    ("demo", "run", "demo.yaml", SHORT),
+    ("sparse", "run", "sparse.yaml", SHORT),
     ("cuts", "run", "cuts.yaml", [*SHORT, "--set", "source.cut_frames=[4, 7]",
                                   "--set", "source.invisible_frames=[3, 9]"]),
     ("self_occlusion", "run", "self_occlusion.yaml", SHORT),

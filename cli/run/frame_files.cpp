@@ -13,6 +13,7 @@
 #include <weft/core/file_order.hpp>
 #include <weft/core/text_file.hpp>
 #include <weft/images/image_file.hpp>
+#include <weft/images/image_names.hpp>
 
 namespace weft::cli {
 namespace {
@@ -20,12 +21,11 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_image_name(const fs::path& path) {
-  static const std::vector<std::string> kExtensions{".png", ".jpg",  ".jpeg", ".bmp",
-                                                    ".tif", ".tiff", ".webp"};
+  const std::vector<std::string>& extensions = image_extensions();
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end() &&
+  return std::find(extensions.begin(), extensions.end(), extension) != extensions.end() &&
          !path.filename().string().starts_with('.');
 }
 

@@ -50,7 +50,7 @@ INTERNAL = {
     "pipeline/runs": "core data geometry roles host/loading pipeline/configuration pipeline/graph "
     "pipeline/execution pipeline/monitor pipeline/steering",
     "pipeline/embedding": "core data embedding host/loading pipeline/runs",
-    "pipeline/survey": "core data geometry sdk yaml roles host/loading host/calling "
+    "pipeline/survey": "core images data geometry sdk yaml roles host/loading host/calling "
     "pipeline/execution",
     "printing": "core data generators",
     "calibration": "core images printing",
@@ -61,7 +61,7 @@ INTERNAL = {
     "metrics": "core data geometry truth statistics metrics/runs metrics/shapes",
     "metrics/forms": "core metrics",
     "results": "core data geometry host/records statistics metrics",
-    "ablation/plan": "core yaml roles host/records host/loading pipeline/configuration pipeline/runs "
+    "ablation/plan": "core images yaml roles host/records host/loading pipeline/configuration pipeline/runs "
     "statistics metrics results",
     "ablation": "core data roles host/records host/loading host/supervising host/calling "
     "pipeline/execution "

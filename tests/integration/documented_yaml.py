@@ -10,7 +10,7 @@ files that pages take from their readers (STAND_INS). All blocks become files th
   (tests/architecture/documentation.py compares the two), without the plugins in the folder EXAMPLES;
 - with the key `weft`: as it stands; a plan in `ablations`;
 - anything else is part of a variant, as the pages teach it: a list is one of `stages`, keys are those of a
-  pipeline, and both are laid over `demo.yaml` by `extends`. What makes no sense there names the file over
+  pipeline, and both are laid over `sparse.yaml` by `extends`. What makes no sense there names the file over
   which it is to be laid, a plan perhaps, in the line before it: `<!-- over: pipelines/near.yaml -->`.
 
 A block that cannot be checked says why in the line before it: `<!-- not checked: the reason -->`. There
@@ -35,7 +35,7 @@ from pictures import png  # noqa: E402
 
 NOT_CHECKED = 1
 SCAFFOLD = "framework/scaffold/"
-BASE = "pipelines/demo.yaml"
+BASE = "pipelines/sparse.yaml"
 FENCE = re.compile(r"^(\s*)```(\S*)")
 OVER = re.compile(r"<!-- over: (\S+) -->")
 EXCUSE = re.compile(r"<!-- (?:file: \S+, )?not checked: (\S.*) -->")

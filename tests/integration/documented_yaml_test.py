@@ -20,7 +20,7 @@ stages:
 """
 PLAN = """weft: 1
 name: plan
-pipeline: ../demo.yaml
+pipeline: ../sparse.yaml
 data_use: tuning
 axes: {every: {set: filters.every, values: [2, 3]}}
 data: {all: {}}
@@ -41,7 +41,7 @@ class DocumentedYaml(unittest.TestCase):
         """Problems, and the numbers of blocks and of those not checked, of a page README.md."""
         root, reader = self.folder / "root", self.folder / "reader"
         (root / "pipelines/ablations").mkdir(parents=True)
-        (root / "pipelines/demo.yaml").write_text(DEMO)
+        (root / "pipelines/sparse.yaml").write_text(DEMO)
         (root / "pipelines/ablations/plan.yaml").write_text(PLAN)
         (root / "README.md").write_text(page)
         reader.mkdir()
@@ -60,7 +60,7 @@ class DocumentedYaml(unittest.TestCase):
             fenced("source: {params: {frames: 2}}") +
             fenced("data: {more: {}}", "<!-- over: pipelines/ablations/plan.yaml -->") +
             fenced("weft: 1\nname: mine\nextends: plan.yaml\naxes: {every: {values: [4]}}") +
-            fenced("anything: [", "<!-- quote: pipelines/demo.yaml from: weft -->") +
+            fenced("anything: [", "<!-- quote: pipelines/sparse.yaml from: weft -->") +
             fenced("- {use: filters/mine}", "<!-- not checked: your own -->") +
             fenced('{"no": 1}', language="json"))
         self.assertEqual((problems, count, excused), ([], 8, 1))
@@ -70,7 +70,7 @@ class DocumentedYaml(unittest.TestCase):
                     "README.md:6:12: filters/test.scripted has no parameter 'interval'")
 
     def test_names_the_place_in_a_block_that_is_indented(self):
-        self.expect("  ```yaml\n  weft: 1\n  extends: demo.yaml\n  sede: 1\n  ```\n",
+        self.expect("  ```yaml\n  weft: 1\n  extends: sparse.yaml\n  sede: 1\n  ```\n",
                     "README.md:4:3: a pipeline has no key 'sede'")
 
     def test_names_the_mistake_of_a_plan(self):

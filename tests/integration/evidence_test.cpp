@@ -107,7 +107,7 @@ class DepthCamera : public Evidence, public ::testing::WithParamInterface<cv::Si
 TEST_P(DepthCamera, MeasuresTheShapeAtTheKeptMatches) {
   const cv::Size size_px = GetParam();
   write_frame(size_px, 1.3 * size_px.width, 0.55);
-  std::ofstream(path("p.yaml")) << "weft: 1\nextends: '" WEFT_PIPELINES "/demo.yaml'\n"
+  std::ofstream(path("p.yaml")) << "weft: 1\nextends: '" WEFT_PIPELINES "/sparse.yaml'\n"
                                 << "without: [overlay, meshes]\nsource:\n  use: sources/images\n"
                                 << "  params: {path: frames/*.png, camera: camera.yaml, "
                                 << "depth: depth/*.png, depth_unit_m: 0.0001}\n";

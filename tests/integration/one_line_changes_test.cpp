@@ -84,7 +84,7 @@ class OneLineChanges : public ::testing::Test {
     EXPECT_LT(mean_mm, limit_mm);
   }
 
-  const std::string demo_ = read_text(WEFT_PIPELINES "/demo.yaml");
+  const std::string demo_ = read_text(WEFT_PIPELINES "/sparse.yaml");
   const std::string robusft_ = read_text(WEFT_PIPELINES "/robusft.yaml");
 
  private:
@@ -143,7 +143,7 @@ TEST_F(OneLineChanges, WorkThatWouldBeLostIsRefusedWithTheFix) {
                                 HasSubstr("from: {correspondences: [matchers, matchers#2]}")));
   // A filter that an extending file adds without saying where stands at the end.
   const Ended late = weft("check", "weft: 1\nextends: " WEFT_PIPELINES
-                                   "/demo.yaml\nstages:\n"
+                                   "/sparse.yaml\nstages:\n"
                                    "  - {use: filters/myneighbor, as: again}\n");
   EXPECT_EQ(late.exit_code, 2);
   EXPECT_THAT(late.err, AllOf(HasSubstr(":4:5: only sinks read the correspondences of 'again'"),
@@ -152,7 +152,7 @@ TEST_F(OneLineChanges, WorkThatWouldBeLostIsRefusedWithTheFix) {
 
 TEST_F(OneLineChanges, ASinkKeepsItsNameWhenAnotherIsLeftOut) {
   const Ended ended =
-      weft("check", "weft: 1\nextends: " WEFT_PIPELINES "/demo.yaml\nwithout: [overlay]\n",
+      weft("check", "weft: 1\nextends: " WEFT_PIPELINES "/sparse.yaml\nwithout: [overlay]\n",
            {"--set", "meshes.path=elsewhere"});
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
   EXPECT_THAT(ended.out, HasSubstr("1 sinks"));

@@ -30,7 +30,7 @@ class TemplateScale : public PipelineTest {
   /// The demo with another template, `params` of it.
   std::string demo(const std::string& params) const {
     return write(
-        "weft: 1\nextends: " + kPipelines + "/demo.yaml\ntemplate: {params: {" + params + "}}\n",
+        "weft: 1\nextends: " + kPipelines + "/sparse.yaml\ntemplate: {params: {" + params + "}}\n",
         "mine.yaml");
   }
 };
@@ -40,17 +40,17 @@ TEST_F(TemplateScale, IsNotInheritedForAnotherTexture) {
   const Ended refused = weft({"check", demo("texture: own.png")});
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_THAT(refused.err, AllOf(HasSubstr("mine.yaml:3:"), HasSubstr("'width_m' describes, 0.297"),
-                                 HasSubstr("demo.yaml:"), HasSubstr("give 'width_m' of this one")));
+                                 HasSubstr("sparse.yaml:"), HasSubstr("give 'width_m' of this one")));
   EXPECT_EQ(weft({"check", demo("texture: own.png, width_m: 0.42")}).exit_code, 0);
   EXPECT_EQ(weft({"check", demo("texture: '" + kTexture + "'")}).exit_code, 0) << "the same file";
   const std::string set = "template.texture=" + path("own.png");
-  const Ended by_setting = weft({"check", kPipelines + "/demo.yaml", "--set", set});
+  const Ended by_setting = weft({"check", kPipelines + "/sparse.yaml", "--set", set});
   EXPECT_EQ(by_setting.exit_code, 2);
   EXPECT_THAT(by_setting.err, HasSubstr("--set template.texture="));
   for (const auto& settings : {std::array{set, std::string("template.width_m=0.42")},
                                std::array{std::string("template.width_m=0.42"), set}}) {
     const Ended given =
-        weft({"check", kPipelines + "/demo.yaml", "--set", settings[0], "--set", settings[1]});
+        weft({"check", kPipelines + "/sparse.yaml", "--set", settings[0], "--set", settings[1]});
     EXPECT_EQ(given.exit_code, 0) << given.err;
   }
 }
@@ -64,7 +64,7 @@ TEST_F(TemplateScale, IsDoubtedAboveFiveMetresAndBelowFiveMillimetres) {
                 AllOf(HasSubstr("warning: "), HasSubstr(size), HasSubstr("'width_m'")));
     EXPECT_THAT(weft({"template", "show", pipeline}).out, HasSubstr(size));
   }
-  EXPECT_THAT(weft({"check", kPipelines + "/demo.yaml"}).err, Not(HasSubstr("warning")));
+  EXPECT_THAT(weft({"check", kPipelines + "/sparse.yaml"}).err, Not(HasSubstr("warning")));
 }
 
 TEST_F(TemplateScale, OfAMeshInCentimetresNamesItsUnit) {
@@ -110,7 +110,7 @@ std::string wavy_sheet(double rms_px) {
 /// A rendered sheet at rest, matched with a template whose mesh is this file.
 std::string at_rest(const std::string& mesh, const std::string& texture) {
   return "weft: 1\nextends: " + kPipelines +
-         "/demo.yaml\nwithout: [overlay, meshes]\nsource: {params: {frames: 3, bend_per_m: 0, "
+         "/sparse.yaml\nwithout: [overlay, meshes]\nsource: {params: {frames: 3, bend_per_m: 0, "
          "tilt_rad: 0.2}}\ntemplate: {use: templates/mesh, params: {mesh: '" +
          mesh + "', texture: '" + texture + "'}}\n";
 }

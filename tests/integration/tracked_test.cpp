@@ -21,7 +21,7 @@ class TrackedSheets : public testing::TrackedPipeline {
 TEST_F(TrackedSheets, AreDetectedEverySoManyFramesAloneAndDoNotDrift) {
   const auto metrics = measure("tracked.yaml", "source: {params: {frames: 100}}\n");
   EXPECT_EQ(metrics.counts.solved(), 100);
-  EXPECT_LT(metrics.all.solved_error.mean_mm, 0.44 * 1.05);  // of demo.yaml
+  EXPECT_LT(metrics.all.solved_error.mean_mm, 0.44 * 1.05);  // of sparse.yaml
   EXPECT_LT(metrics.all.solved_error.worst_mm, 1.5);
   for (std::size_t i = 0; i < witness_.frames.size(); ++i) {
     EXPECT_EQ(witness_.frames[i].is_detected, i % 30 == 0) << "frame " << i;
@@ -82,7 +82,7 @@ TEST_F(TrackedSheets, AreFollowedBehindAnArmOrDetected) {
 class DenseSheets : public TrackedSheets {};
 
 TEST_F(DenseSheets, AreDetectedInTheFirstFrameAloneAndHalfAsFarOffAsWithoutFlow) {
-  const auto sparse = measure("demo.yaml", "source: {params: {frames: 30}}\n");
+  const auto sparse = measure("sparse.yaml", "source: {params: {frames: 30}}\n");
   const auto dense = measure("dense.yaml", "source: {params: {frames: 30}}\n");
   EXPECT_EQ(dense.counts.solved(), 30);
   EXPECT_EQ(detected(), 1);

@@ -8,6 +8,7 @@
 #include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
 #include <weft/data/matrix.hpp>
+#include <weft/geometry/shape_evidence.hpp>
 #include <weft/sdk/matcher.hpp>
 
 #include "common/view/coarse_search.hpp"
@@ -15,6 +16,7 @@
 #include "common/view/picture.hpp"
 #include "common/view/predicted_view.hpp"
 #include "flow_grid.hpp"
+#include "likeness.hpp"
 
 namespace weft::dense_flow {
 namespace {
@@ -22,6 +24,8 @@ namespace {
 constexpr double kSameCorrelation = 0.01;
 // Residuals of neighbouring pixels resemble each other: three know as much as one would alone.
 constexpr double kPixelsAlike = 3.0;
+// How gradually the confidence falls around `max_unlike`.
+constexpr double kUnlikeSpread = 0.015;
 
 std::string percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }
 
@@ -29,6 +33,51 @@ std::string tenths(double value) {
   const long scaled = std::lround(10.0 * value);
   return std::to_string(scaled / 10) + "." + std::to_string(std::abs(scaled % 10));
 }
+
+/// The texture in square pieces, twelve along its diagonal.
+class Pieces {
+ public:
+  explicit Pieces(const Points2& flat_px) : low_px_(flat_px.colwise().minCoeff()) {
+    constexpr double kAlongDiagonal = 12.0;
+    const Eigen::RowVector2d size_px = flat_px.colwise().maxCoeff() - low_px_;
+    side_px_ = std::max(size_px.norm() / kAlongDiagonal, 1e-9);
+    columns_ = static_cast<int>(size_px.x() / side_px_) + 1;
+    rows_ = static_cast<int>(size_px.y() / side_px_) + 1;
+    pieces_.resize(to_index(columns_ * rows_));
+  }
+
+  /// A place in sight.
+  void add(const Eigen::RowVector2d& texel, bool found) {
+    const Eigen::RowVector2d at = (texel - low_px_) / side_px_;
+    Piece& piece = pieces_[to_index(std::clamp(static_cast<int>(at.y()), 0, rows_ - 1) * columns_ +
+                                    std::clamp(static_cast<int>(at.x()), 0, columns_ - 1))];
+    ++piece.in_sight;
+    if (found) ++piece.found;
+  }
+
+  /// Of the pieces with places in sight, the share in which enough are found.
+  double found_share() const {
+    constexpr double kEnough = 0.2;
+    constexpr int kFewest = 6;
+    double in_sight = 0.0, found = 0.0;
+    for (const Piece& piece : pieces_) {
+      if (piece.in_sight < kFewest) continue;
+      in_sight += 1.0;
+      if (piece.found >= kEnough * piece.in_sight) found += 1.0;
+    }
+    return in_sight > 0.0 ? found / in_sight : 0.0;
+  }
+
+ private:
+  struct Piece {
+    int in_sight = 0, found = 0;
+  };
+
+  Eigen::RowVector2d low_px_;
+  double side_px_ = 1.0;
+  int columns_ = 1, rows_ = 1;
+  std::vector<Piece> pieces_;
+};
 
 /// Draws the texture on a shape that is nearly right and finds how each piece of it moved.
 class DenseFlow final : public Matcher {
@@ -57,6 +106,10 @@ class DenseFlow final : public Matcher {
            "there is no result if fewer of the places with texture are found");
     p.read("max_disagreement_px", max_disagreement_px_, "px", {0.1, 1000},
            "there is no result if the median of the other matches is so far off");
+    p.read(
+        "max_unlike", max_unlike_, "", {0.001, 1},
+        "the matches' confidence is 1/2 where so much of the texture's contrast is not where the "
+        "shape says; hands before the object count as well");
     p.read("min_matches", min_matches_, "", {1, 10000}, "there is no result if fewer are found");
     view_.emplace(halvings_, true);
   }
@@ -77,7 +130,7 @@ class DenseFlow final : public Matcher {
     image_.load(in.image->pixels);
     const view::CoarseShift shift = search_.find(*view_, image_, search_px_);
     grid_.find(*view_, image_, shift.by_px(), options_, workers_, in.call.threads());
-    return answer(in.correspondences);
+    return answer(in.correspondences, shift.by_px());
   }
 
  private:
@@ -89,6 +142,8 @@ class DenseFlow final : public Matcher {
     view_->load(templ);
     flat_px_ = templ.flat_px.matrix<2>();
     faces_ = templ.faces.matrix<3>();
+    texture_px_ << static_cast<double>(templ.texture.dim(1)),
+        static_cast<double>(templ.texture.dim(0));
     loaded_ = templ.revision;
     return {};
   }
@@ -117,7 +172,8 @@ class DenseFlow final : public Matcher {
     return tally;
   }
 
-  Result<Correspondences> answer(const std::vector<Correspondences>& others) {
+  Result<Correspondences> answer(const std::vector<Correspondences>& others,
+                                 const Eigen::Vector2d& shift_px) {
     const Tally tally = count();
     const std::int64_t found = tally.of(Fate::found), in_sight = tally.in_sight();
     const std::string of =
@@ -138,7 +194,6 @@ class DenseFlow final : public Matcher {
     }
     Correspondences matches = collect(found);
     matches.diag.set("share", share);
-    matches.diag.set("found_pieces", found_pieces());
     matches.diag.set("correlation_before", before);
     matches.diag.set("correlation", after);
     matches.diag.set("hidden", static_cast<double>(tally.of(Fate::hidden)));
@@ -147,7 +202,36 @@ class DenseFlow final : public Matcher {
     matches.diag.set("one_way", static_cast<double>(tally.of(Fate::one_way)));
     matches.diag.set("astray", static_cast<double>(tally.of(Fate::astray)));
     if (off_px) matches.diag.set("disagreement_px", *off_px);
+    const double unlike = likeness_.unlike_share(
+        view_->level(halvings_), image_.level(halvings_), shift_px / scale(), flat_px_,
+        [&](int x, int y) {
+          const Eigen::Vector2i place(x, y);
+          const std::int32_t face = face_at(place);
+          return texel_of(face, view_->weights_at(face, to_image(place.cast<double>())));
+        });
+    const bool is_texture = shows_texture_itself(matches);
+    matches.confidence =
+        make_scalar(is_texture ? 0.0 : logistic((max_unlike_ - unlike) / kUnlikeSpread));
+    matches.diag.set("unlike_contrast", unlike);
+    matches.diag.set("is_texture", is_texture ? 1.0 : 0.0);
     return matches;
+  }
+
+  /// Whether the image is the texture and not a view of the object: matches are at the same
+  /// places of both, as no camera sees a sheet.
+  bool shows_texture_itself(const Correspondences& matches) const {
+    constexpr double kSame = 0.002;  // of the width and of the height
+    const view::Picture& image = image_.level(0);
+    const Eigen::Array2d image_px(image.width, image.height);
+    double off = 0.0;
+    for (std::int64_t i = 0; i < matches.count(); ++i) {
+      const Eigen::Array2d seen =
+          (matches.image_px.matrix<2>().row(i).transpose().array() + 0.5) / image_px;
+      const Eigen::Array2d drawn =
+          (matches.template_px.matrix<2>().row(i).transpose().array() + 0.5) / texture_px_;
+      off += (seen - drawn).abs().maxCoeff();
+    }
+    return off <= kSame * static_cast<double>(matches.count());
   }
 
   double scale() const { return static_cast<double>(1 << halvings_); }
@@ -191,40 +275,9 @@ class DenseFlow final : public Matcher {
                       to_index(place.x() - drawn.x0)];
   }
 
-  /// The texture in square pieces, twelve along its diagonal: of those in sight, the share in which
-  /// enough places are found. What lies elsewhere than the shape says is missed as a whole.
-  double found_pieces() const {
-    constexpr double kAlongDiagonal = 12.0, kEnough = 0.2;
-    constexpr int kFewest = 6;
-    const Eigen::RowVector2d low = flat_px_.colwise().minCoeff();
-    const Eigen::RowVector2d size = flat_px_.colwise().maxCoeff() - low;
-    const double side = std::max(size.norm() / kAlongDiagonal, 1e-9);
-    const int columns = static_cast<int>(size.x() / side) + 1;
-    const int rows = static_cast<int>(size.y() / side) + 1;
-    std::vector<std::array<int, 2>> pieces(to_index(columns * rows));  // in sight, found
-    for (int row = 0; row < grid_.rows(); ++row) {
-      for (int column = 0; column < grid_.columns(); ++column) {
-        const Fate fate = grid_.node(column, row).fate;
-        if (fate == Fate::hidden || fate == Fate::flat) continue;
-        const Eigen::Vector2i place = grid_.place_px(column, row);
-        const std::int32_t face = face_at(place);
-        const Eigen::Vector3d weights = view_->weights_at(face, to_image(place.cast<double>()));
-        const Eigen::RowVector2d at = (texel_of(face, weights) - low) / side;
-        auto& piece = pieces[to_index(std::clamp(static_cast<int>(at.y()), 0, rows - 1) * columns +
-                                      std::clamp(static_cast<int>(at.x()), 0, columns - 1))];
-        ++piece[0];
-        if (fate == Fate::found) ++piece[1];
-      }
-    }
-    double in_sight = 0.0, found = 0.0;
-    for (const auto& [seen, found_in_it] : pieces) {
-      if (seen < kFewest) continue;
-      in_sight += 1.0;
-      if (found_in_it >= kEnough * seen) found += 1.0;
-    }
-    return in_sight > 0.0 ? found / in_sight : 0.0;
-  }
-
+  /// What was found, and `diag.found_pieces`: of the square pieces of the texture in sight, twelve
+  /// along its diagonal, the share in which enough places are found. What lies elsewhere than the
+  /// shape says is missed as a whole.
   Correspondences collect(std::int64_t most) const {
     Correspondences out;
     out.template_px = Array<double>({most, 2});
@@ -238,17 +291,21 @@ class DenseFlow final : public Matcher {
     const double uses =
         std::max(1.0, static_cast<double>(view::Patch::kSize) /
                           static_cast<double>(options_.spacing_px * options_.spacing_px));
+    Pieces pieces(flat_px_);
     std::int64_t n = 0;
     for (int row = 0; row < grid_.rows(); ++row) {
       for (int column = 0; column < grid_.columns(); ++column) {
         const Node& node = grid_.node(column, row);
-        if (node.fate != Fate::found) continue;
+        if (node.fate == Fate::hidden || node.fate == Fate::flat) continue;
         const Eigen::Vector2i place = grid_.place_px(column, row);
         const std::int32_t face = face_at(place);
         const Eigen::Vector2d place_px = to_image(place.cast<double>());
         const Eigen::Vector3d weights = view_->weights_at(face, place_px);
+        const Eigen::RowVector2d texel = texel_of(face, weights);
+        pieces.add(texel, node.fate == Fate::found);
+        if (node.fate != Fate::found) continue;
         const Eigen::Vector2d seen_px = place_px + scale() * node.by_px.cast<double>();
-        out.template_px.matrix<2>().row(n) = texel_of(face, weights);
+        out.template_px.matrix<2>().row(n) = texel;
         out.image_px.matrix<2>().row(n) = seen_px.transpose();
         out.face(n) = face;
         out.barycentrics.matrix<3>().row(n) = weights.transpose();
@@ -260,6 +317,7 @@ class DenseFlow final : public Matcher {
         ++n;
       }
     }
+    out.diag.set("found_pieces", pieces.found_share());
     return out;
   }
 
@@ -268,15 +326,18 @@ class DenseFlow final : public Matcher {
   double search_px_ = 16.0;
   double min_share_ = 0.3;
   double max_disagreement_px_ = 3.0;
+  double max_unlike_ = 0.085;
   int min_matches_ = 50;
 
   std::uint64_t loaded_ = 0;
   Points2 flat_px_;
   Faces faces_;
+  Eigen::Array2d texture_px_;  ///< [px] width and height
   std::optional<view::PredictedView> view_;
   view::Pyramid image_;
   view::CoarseSearch search_;
   FlowGrid grid_;
+  Likeness likeness_;
   Workers workers_;
   std::vector<double> distances_px_;
 };

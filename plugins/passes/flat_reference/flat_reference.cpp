@@ -7,24 +7,17 @@
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/data/matrix.hpp>
-#include <weft/geometry/mesh_topology.hpp>
 #include <weft/sdk/pass.hpp>
 
+#include "common/unwarping/unwarping.hpp"
 #include "patch_search.hpp"
 #include "patches.hpp"
-#include "unwarping.hpp"
 
 namespace weft::flat_reference {
 namespace {
 
 constexpr double kMmPerM = 1000.0;
 constexpr double kNear_mm = 1.0;  // further away a patch is at another place
-/// The most pixels along an axis that OpenCV's remap takes.
-constexpr std::int64_t kMostPx = 32'766;
-
-std::string size_text(const Array<std::uint8_t>& pixels) {
-  return std::to_string(pixels.dim(1)) + " x " + std::to_string(pixels.dim(0));
-}
 
 /// Where each patch of the flat print is in the image that is unwarped through the shape.
 class FlatReference final : public Pass {
@@ -60,13 +53,14 @@ class FlatReference final : public Pass {
 
   Result<PassOutput> run(const PassInput& in) override {
     if (auto fits = check_inputs(in); !fits) return fits.error();
-    const cv::Mat print = grey_levels(in.templ.texture);
+    const cv::Mat print = unwarping::grey_levels(in.templ.texture);
     const double mm_per_px[] = {kMmPerM * in.templ.m_per_px(0), kMmPerM * in.templ.m_per_px(1)};
     const cv::Size range_px(in_texels(range_mm_, mm_per_px[0], print.cols),
                             in_texels(range_mm_, mm_per_px[1], print.rows));
     auto patches = patches_of(print, mm_per_px, range_px);
     if (!patches) return patches.error();
-    const cv::Mat seen = unwarped(grey_levels(in.image->pixels), in.templ, in.camera, *in.shape);
+    const cv::Mat seen = unwarping::unwarped(unwarping::grey_levels(in.image->pixels), in.templ,
+                                             in.camera, *in.shape);
     PassOutput out;
     Registration& made = out.registration.emplace();
     const auto count = static_cast<std::int64_t>(patches->size());
@@ -95,39 +89,15 @@ class FlatReference final : public Pass {
 
  private:
   static Result<void> check_inputs(const PassInput& in) {
-    const Template& templ = in.templ;
     if (!in.image || !in.shape) {
       return Error{Errc::invalid_data, "needs 'image' and 'shape'", {}};
     }
-    if (templ.texture.size() == 0 || in.image->pixels.size() == 0) {
-      return Error{Errc::invalid_data,
-                   templ.texture.size() == 0
-                       ? "the template has no texture to compare the image with; give it one"
-                       : "the image is empty; give at least one pixel",
-                   {}};
-    }
-    if (!templ.m_per_px.present()) {
-      return Error{Errc::invalid_data,
-                   "the template says no texel pitch (m_per_px), so that no distance is known in "
-                   "mm; give the template its width",
-                   {}};
-    }
-    for (const auto* pixels : {&templ.texture, &in.image->pixels}) {
-      if (pixels->dim(0) <= kMostPx && pixels->dim(1) <= kMostPx) continue;
-      return Error{Errc::invalid_data,
-                   "an image of " + size_text(*pixels) + " px is too large, at most " +
-                       std::to_string(kMostPx) + " px along an axis can be unwarped; scale it down",
-                   {}};
-    }
-    const std::int64_t vertices = templ.vertices_m.rows();
-    if (in.shape->vertices_m.rows() != vertices || templ.flat_px.rows() != vertices) {
-      return Error{Errc::invalid_data,
-                   "the shape has " + std::to_string(in.shape->vertices_m.rows()) +
-                       " vertices, the template " + std::to_string(vertices) +
-                       ": use one template throughout",
-                   {}};
-    }
-    return check_face_indices(templ.faces.matrix<3>(), vertices);
+    if (auto fits = unwarping::check_unwarping(in.templ, *in.image, *in.shape); !fits) return fits;
+    if (in.templ.m_per_px.present()) return {};
+    return Error{Errc::invalid_data,
+                 "the template says no texel pitch (m_per_px), so that no distance is known in "
+                 "mm; give the template its width",
+                 {}};
   }
 
   /// Whole texels within a length, at least `least` and at most all of the texture.

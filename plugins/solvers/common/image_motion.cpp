@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "image_motion.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 
@@ -30,6 +31,22 @@ Points3 depth_mirrored(const Points3View& vertices_m) {
   const double middle_m = vertices_m.col(2).mean();
   for (Eigen::Index v = 0; v < mirrored.rows(); ++v) {
     const double factor = (2.0 * middle_m - mirrored(v, 2)) / mirrored(v, 2);
+    if (factor > 0.0 && std::isfinite(factor)) mirrored.row(v) *= factor;
+  }
+  return mirrored;
+}
+
+Points3 bend_mirrored(const Points3View& vertices_m) {
+  const Eigen::RowVector3d centre = vertices_m.colwise().mean();
+  const Points3 from_centre = vertices_m.rowwise() - centre;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(from_centre.transpose() *
+                                                              from_centre);
+  const Eigen::Vector3d normal = spread.eigenvectors().col(0);
+  Points3 mirrored = vertices_m;
+  for (Eigen::Index v = 0; v < mirrored.rows(); ++v) {
+    const double above_m = from_centre.row(v).dot(normal.transpose());
+    const double depth_m = vertices_m(v, 2) - 2.0 * above_m * normal.z();
+    const double factor = depth_m / vertices_m(v, 2);
     if (factor > 0.0 && std::isfinite(factor)) mirrored.row(v) *= factor;
   }
   return mirrored;

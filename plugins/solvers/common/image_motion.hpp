@@ -20,4 +20,8 @@ ImageMotion image_motion(const Points2View& measured_px, const Points2View& proj
 /// looks alike from far away. Vertices that would not be in front of the camera stay.
 Points3 depth_mirrored(const Points3View& vertices_m);
 
+/// The same vertices [V,3] m with bends to the other side: moved along their lines of sight to the
+/// depth of their mirror image in the plane that fits them best. All stay in front of the camera.
+Points3 bend_mirrored(const Points3View& vertices_m);
+
 }  // namespace weft::solvers

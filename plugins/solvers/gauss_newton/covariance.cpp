@@ -20,12 +20,17 @@ bool all_seen(const Hinge& hinge, const std::vector<std::uint8_t>& seen) {
 
 }  // namespace
 
+double observed_noise(double residual, double coherence) {
+  return std::hypot(0.1, 2.0 * residual * std::sqrt(coherence));
+}
+
 HoldingNoise holding_noise(const ShapeSigns& signs) {
   HoldingNoise noise;
-  noise.observed = std::hypot(0.1, 2.0 * signs.residual);
-  noise.strain = 0.0015;
+  noise.observed = observed_noise(signs.residual, signs.coherence);
+  // What is seen to differ from edge to edge may as well be the same for all of them.
+  noise.strain = std::hypot(0.0015, signs.strain);
   noise.bend_rad = 0.05;
-  noise.common_strain = 0.0005;
+  noise.common_strain = std::hypot(0.0005, signs.strain, signs.scale_noise);
   noise.unseen_strain = 0.03;
   noise.unseen_bend = 0.23 * std::hypot(1.0, 2.0 * signs.curvature_per_m * signs.diagonal_m);
   return noise;

@@ -26,11 +26,18 @@ struct HoldingNoise {
 /// What a solver knows of the error of its shape.
 struct ShapeSigns {
   double residual = 0.0;         ///< [] of the observations, median, in units of their noise
+  double coherence = 1.0;        ///< [] of the residuals, see Fit
+  double strain = 0.0;           ///< [] mean of the edges, see Fit
+  double scale_noise = 0.0;      ///< [] of the sizes of template and image, see README.md
   std::size_t observations = 0;  ///< []
   std::size_t vertices = 0;      ///< [] of the mesh
   double curvature_per_m = 0.0;  ///< [] 1/m, see ShapeCovariance::curvature_per_m
   double diagonal_m = 0.0;       ///< [] m, of the template at rest
 };
+
+/// Standard deviation of an observation, in units of what the energy takes it for. `residual` and
+/// `coherence` as in Fit: what is off together counts as one.
+double observed_noise(double residual, double coherence);
 
 /// The constants are fitted to shapes of which the truth is known, see README.md.
 HoldingNoise holding_noise(const ShapeSigns& signs);

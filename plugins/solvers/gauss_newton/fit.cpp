@@ -43,20 +43,22 @@ Fit FitGauge::measure(const MeshModel& mesh, const FrameData& frame, const Energ
   Fit fit;
   first_.clear();
   second_.clear();
+  whitened_.clear();
   double far = 0.0;
   each_observation(frame, [&](std::int32_t face, const Observation& seen) {
     const Eigen::Vector2d seen_px(seen.seen_px[0], seen.seen_px[1]);
     const Eigen::Vector2d shown_px =
         project(frame.camera, energy.surface_point_m(vertices_m, face, seen.weights));
     const Eigen::Vector2d off_px = shown_px - seen_px;
-    const double whitened = std::hypot(seen.white.xx * off_px.x(),
-                                       seen.white.yx * off_px.x() + seen.white.yy * off_px.y());
+    whitened_.emplace_back(seen.white.xx * off_px.x(),
+                           seen.white.yx * off_px.x() + seen.white.yy * off_px.y());
     first_.push_back(finite_or_far(off_px.norm()));
-    second_.push_back(finite_or_far(whitened));
+    second_.push_back(finite_or_far(whitened_.back().norm()));
     if (!(first_.back() <= kFarPx)) far += 1.0;
   });
   fit.far_share = far / static_cast<double>(first_.size());
   fit.far_around = far_around(mesh, frame);
+  fit.coherence = coherence(mesh, frame);
   fit.residual_px = median_in_place(first_);
   fit.residual = median_in_place(second_);
   first_.clear();
@@ -97,6 +99,33 @@ double FitGauge::far_around(const MeshModel& mesh, const FrameData& frame) {
     if (seen >= kFewestAround) most = std::max(most, static_cast<double>(far) / seen);
   }
   return most;
+}
+
+/// Of n independent residuals of variance s^2 the square of the sum is n s^2 on average.
+double FitGauge::coherence(const MeshModel& mesh, const FrameData& frame) {
+  constexpr double kOutlier = 3.0;  // such residuals are hardly trusted
+  sums_.assign(to_index(mesh.vertex_count()), {});
+  double squares = 0.0, squares_of_sums = 0.0;
+  std::size_t next = 0, counted = 0, counted_around = 0;
+  each_observation(frame, [&](std::int32_t face, const Observation&) {
+    const Eigen::Vector2d& whitened = whitened_[next++];
+    if (!(whitened.norm() <= kOutlier)) return;
+    squares += whitened.squaredNorm();
+    ++counted;
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      Sum& sum = sums_[to_index(mesh.faces(face, k))];
+      sum.whitened += whitened;
+      ++sum.count;
+    }
+  });
+  for (const Sum& sum : sums_) {
+    if (sum.count < kFewestAround) continue;
+    squares_of_sums += sum.whitened.squaredNorm() / sum.count;
+    ++counted_around;
+  }
+  if (!(squares > 0.0) || counted_around == 0) return 1.0;
+  const double independent = squares / static_cast<double>(counted);
+  return std::max(1.0, squares_of_sums / static_cast<double>(counted_around) / independent);
 }
 
 solvers::ImageMotion FitGauge::motion(const MeshModel& mesh, const FrameData& frame,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <vector>
 #include <weft/geometry/types.hpp>
@@ -19,7 +20,10 @@ struct Fit {
   double far_around = 0.0;   ///< [] the most of it among four or more around one vertex
   double strain = 0.0;       ///< [] mean |l / l0 - 1| over the edges
   double crease = 0.0;       ///< [] 95th percentile of it
-  double back_share = 0.0;   ///< [] of the faces with observations, those that show their back
+  /// [] of residuals, at least 1: how many times as far their means around vertices are from zero
+  /// as those of independent ones would be, as variances. What is off together counts as one.
+  double coherence = 1.0;
+  double back_share = 0.0;  ///< [] of the faces with observations, those that show their back
 };
 
 /// Measures shapes; keeps its memory.
@@ -38,8 +42,16 @@ class FitGauge {
 
  private:
   double far_around(const MeshModel& mesh, const FrameData& frame);
+  double coherence(const MeshModel& mesh, const FrameData& frame);
+
+  struct Sum {
+    Eigen::Vector2d whitened = Eigen::Vector2d::Zero();
+    int count = 0;
+  };
 
   std::vector<double> first_, second_;
+  std::vector<Eigen::Vector2d> whitened_;        ///< of the observations, in units of their noise
+  std::vector<Sum> sums_;                        ///< [V] of those in faces of it
   std::vector<std::array<int, 2>> seen_around_;  ///< [V] observations in faces of it, those far off
   Points2 measured_px_, projected_px_;
 };

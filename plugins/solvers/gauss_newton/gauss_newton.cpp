@@ -26,6 +26,8 @@ namespace {
 constexpr double kLostResidualPx = 6.0;
 // An object that jumped by this share of its size is found anew.
 constexpr double kJump = 0.25;
+// So many matches do not always tell to which side a sheet bends.
+constexpr std::size_t kFewObservations = 150;
 
 /// Robust nonlinear least squares on the vertices: matches against lengths along the surface.
 class GaussNewton final : public Solver {
@@ -78,6 +80,9 @@ class GaussNewton final : public Solver {
     p.read("continue_uncovered_bend", frame.continue_uncovered_bend,
            "go on with it too where the surface may be seen, but nothing was recognised up to its "
            "border");
+    p.read("scale_noise", scale_noise_, "", {0.0, 1.0},
+           "how exactly the template's size and the focal length are known: relative standard "
+           "deviation, for the covariance");
     p.read("covariance", wants_covariance_, "say how uncertain each vertex is");
   }
 
@@ -87,6 +92,10 @@ class GaussNewton final : public Solver {
     tried_ = 0;
     best_ = -1;
     if (auto run = run_starts(in); !run) return run.error();
+    if (best_ >= 0 && frame_.data.observations.size() < kFewObservations) {
+      start_m_ = solvers::bend_mirrored(candidates_[to_index(best_)].vertices_m);
+      run_start(StartKind::mirrored);
+    }
     if (best_ < 0) {
       return no_result("no start led to a shape that faces the camera as the image does");
     }
@@ -191,11 +200,18 @@ class GaussNewton final : public Solver {
         shape_evidence(in.templ, in.camera, best.vertices_m, in.correspondences, in.sightlines);
     Shape shape;
     shape.vertices_m = make_array<double>(best.vertices_m);
-    shape.confidence = confidence(best.fit, evidence) * confidence_of_filters(in.correspondences);
+    const Rival rival = rival_of(best);
+    shape.confidence = confidence(best.fit, evidence) * confidence_of_filters(in.correspondences) *
+                       (1.0 - rival.probability);
     shape.source = Array<std::uint8_t>({mesh_.vertex_count()});
     std::copy(frame_.held.begin(), frame_.held.end(), shape.source.data());
-    if (wants_covariance_) add_covariance(best, shape);
+    if (wants_covariance_) {
+      add_covariance(best, shape);
+      if (shape.covariance_m2.present()) add_camera_noise(in.camera, best, shape);
+      if (rival.shape != nullptr && shape.covariance_m2.present()) add_rival(best, rival, shape);
+    }
     explain(best, shape.diag);
+    shape.diag.set("rival", rival.probability);
     if (frame_.inconsistent_pairs > 0) {
       return degenerate(std::move(shape),
                         std::to_string(frame_.inconsistent_pairs) +
@@ -204,10 +220,58 @@ class GaussNewton final : public Solver {
     return shape;
   }
 
+  /// Another shape that explains the image nearly as well, such as one that bends to the other
+  /// side.
+  struct Rival {
+    const Candidate* shape = nullptr;
+    double probability = 0.0;  ///< [] that it, and not the best one, is right
+  };
+
+  /// The likeliest one whose mean distance from the best is more than 2 % of the diagonal. Of two
+  /// shapes the odds are exp(-(difference of their energies) / (2 noise^2)).
+  Rival rival_of(const Candidate& best) const {
+    constexpr double kOther = 0.02;
+    const double noise = observed_noise(best.fit.residual, best.fit.coherence);
+    Rival rival;
+    for (std::size_t k = 0; k < tried_; ++k) {
+      const Candidate& other = candidates_[k];
+      if (&other == &best || !other.usable() || other.fit.residual_px >= kLostResidualPx) continue;
+      const double apart_m = (other.vertices_m - best.vertices_m).rowwise().norm().mean();
+      if (apart_m <= kOther * mesh_.diagonal_m()) continue;
+      const double logit = 0.5 * (other.result.energy - best.result.energy) / (noise * noise);
+      const double probability = logistic(-logit);
+      if (probability > rival.probability) rival = {&other, probability};
+    }
+    return rival;
+  }
+
+  static void add_rival(const Candidate& best, const Rival& rival, Shape& shape) {
+    const Points3 apart_m = rival.shape->vertices_m - best.vertices_m;
+    for (Eigen::Index v = 0; v < apart_m.rows(); ++v) {
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+          shape.covariance_m2.row(v)[3 * i + j] +=
+              rival.probability * apart_m(v, i) * apart_m(v, j);
+        }
+      }
+    }
+  }
+
+  /// A focal length that is assumed and not measured moves all depths in proportion.
+  static void add_camera_noise(const Camera& camera, const Candidate& best, Shape& shape) {
+    const auto assumed = CameraAssumption::of(camera);
+    if (!assumed) return;
+    for (Eigen::Index v = 0; v < best.vertices_m.rows(); ++v) {
+      const double depth_sd_m = best.vertices_m(v, 2) * assumed->focal_sd_px / camera.fx;
+      shape.covariance_m2.row(v)[8] += depth_sd_m * depth_sd_m;
+    }
+  }
+
   void add_covariance(const Candidate& best, Shape& shape) {
     search_.energy().follow(best.vertices_m);
     const HoldingNoise noise = holding_noise(
-        {best.fit.residual, frame_.data.observations.size(), frame_.held.size(),
+        {best.fit.residual, best.fit.coherence, best.fit.strain, scale_noise_,
+         frame_.data.observations.size(), frame_.held.size(),
          covariance_.curvature_per_m(best.vertices_m, frame_.held), mesh_.diagonal_m()});
     shape.covariance_m2 = Array<double>({mesh_.vertex_count(), 3, 3});
     const bool known =
@@ -225,6 +289,7 @@ class GaussNewton final : public Solver {
     diag.set("observations", static_cast<double>(frame_.data.observations.size()));
     diag.set("residual_px", best.fit.residual_px);
     diag.set("far_share", best.fit.far_share);
+    diag.set("coherence", best.fit.coherence);
     diag.set("far_around", best.fit.far_around);
     diag.set("crease", best.fit.crease);
     diag.set("strain", best.fit.strain);
@@ -237,6 +302,7 @@ class GaussNewton final : public Solver {
   double start_smoothing_ = 1.5;
   bool goes_on_ = false;
   bool wants_covariance_ = true;
+  double scale_noise_ = 0.004;
 
   MeshModel mesh_;
   std::uint64_t mesh_revision_ = 0;
@@ -245,7 +311,7 @@ class GaussNewton final : public Solver {
   FitGauge gauge_;
   ShapeCovariance covariance_;
   Points3 start_m_;
-  std::array<Candidate, 5> candidates_;
+  std::array<Candidate, 6> candidates_;
   std::size_t tried_ = 0;
   int best_ = -1;
 };

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <optional>
 #include <utility>
+#include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/data/matrix.hpp>
 #include <weft/sdk/source.hpp>
@@ -15,6 +16,7 @@
 #include "common/scene/random_stream.hpp"
 #include "common/scene/sensor.hpp"
 #include "common/scene/sheet_renderer.hpp"
+#include "degradation.hpp"
 #include "lamp.hpp"
 #include "rest_sheet.hpp"
 #include "settings.hpp"
@@ -33,6 +35,7 @@ bool holds(const std::vector<std::int64_t>& frames, std::int64_t index) {
 /// What is ready once the source is open.
 struct Studio {
   scene::SheetRenderer renderer;
+  Pinhole pinhole;
   SheetFilm film;
   Lamp lamp;
   std::optional<Arm> arm;
@@ -83,11 +86,19 @@ class SheetSource : public Source {
                                             ", counted from 0"};
     }
     const std::int64_t moment = index + kCutAway * cuts_until(index);
+    std::optional<Movement> movement;
+    if (settings_.degradation.needs_movement()) {
+      auto around = movement_at(moment, call);
+      if (!around) return around.error();
+      movement.emplace(*std::move(around));
+    }
     const auto state = studio_->film.at(moment, call);
     if (!state) return state.error();
-    const scene::View view = look(index, static_cast<double>(moment) / settings_.fps, **state);
+    scene::View view = look(index, static_cast<double>(moment) / settings_.fps, **state, movement);
+    auto image = picture(index, movement, view.image);
+    if (!image) return image.error();
     SourceFrame frame;
-    frame.image = picture(index, view);
+    frame.image = *std::move(image);
     frame.time = Time{static_cast<double>(index) / settings_.fps};
     frame.ground_truth = truth(**state, view);
     return frame;
@@ -115,6 +126,7 @@ class SheetSource : public Source {
     std::optional<Arm> arm;
     if (s.occluder) arm.emplace(camera, s.motion.distance_m, s.motion.period_s, s.motion.seed);
     return Studio{*std::move(renderer),
+                  Pinhole{camera.fx, camera.fy, camera.cx, camera.cy},
                   *std::move(film),
                   Lamp(s.ambient, s.light_drift_rad, s.motion.period_s, s.motion.seed),
                   arm,
@@ -145,21 +157,57 @@ class SheetSource : public Source {
                          [&](std::int64_t cut) { return cut <= index; });
   }
 
-  scene::View look(std::int64_t index, double t_s, const SheetState& state) {
+  /// The sheet of a frame and of those beside it; before the first one it moves as after it.
+  Result<Movement> movement_at(std::int64_t moment, const Call& call) {
+    std::array<Points3, 3> places;
+    for (std::int64_t k = 0; k < 3; ++k) {
+      const auto state = studio_->film.at(std::max(moment + k - 1, std::int64_t{0}), call);
+      if (!state) return state.error();
+      places[to_index(k)] = (*state)->vertices_m;
+    }
+    if (moment == 0) places[0] = 2.0 * places[1] - places[2];
+    return Movement{std::move(places[0]), std::move(places[1]), std::move(places[2]),
+                    1.0 / settings_.fps};
+  }
+
+  scene::View look(std::int64_t index, double t_s, const SheetState& state,
+                   const std::optional<Movement>& movement) {
     if (holds(settings_.invisible_frames, index)) return studio_->renderer.render_nothing();
     std::optional<scene::Solid> arm;
     if (studio_->arm) arm = studio_->arm->at(t_s);
-    return studio_->renderer.render(state.vertices_m, studio_->lamp.at(t_s), std::move(arm));
+    const DegradationSettings& worse = settings_.degradation;
+    const Points3 vertices_m =
+        worse.readout_s > 0.0
+            ? as_read(studio_->pinhole, settings_.camera.height_px, worse.readout_s, *movement)
+            : state.vertices_m;
+    scene::View view = studio_->renderer.render(vertices_m, studio_->lamp.at(t_s), std::move(arm));
+    if (worse.hand_share > 0.0) {
+      cover_by_hand(worse.hand_share, studio_->is_grey,
+                    project_points(studio_->pinhole, vertices_m), view);
+    }
+    return view;
   }
 
-  Image picture(std::int64_t index, const scene::View& view) const {
+  Result<Image> picture(std::int64_t index, const std::optional<Movement>& movement,
+                        scene::Picture& light) const {
+    const DegradationSettings& worse = settings_.degradation;
+    if (worse.motion_blur_px > 0.0) {
+      blur_along(worse.motion_blur_px * direction_of(studio_->pinhole, *movement), light);
+    }
+    if (worse.exposure_stops > 0.0) {
+      const auto gain = static_cast<float>(exposure_gain(worse.exposure_stops, index));
+      for (scene::Colour& colour : light.pixels) colour *= gain;
+    }
     Image image;
     std::array<char, 24> stem{};
     std::snprintf(stem.data(), stem.size(), "%06lld", static_cast<long long>(index));
     image.stem = stem.data();
-    image.pixels = studio_->sensor.expose(view.image, studio_->is_grey,
+    image.pixels = studio_->sensor.expose(light, studio_->is_grey,
                                           scene::random_stream(settings_.motion.seed, kNoiseStream,
                                                                static_cast<std::uint64_t>(index)));
+    if (worse.jpeg_quality > 0) {
+      if (auto kept = compress(worse.jpeg_quality, image.pixels); !kept) return kept.error();
+    }
     return image;
   }
 

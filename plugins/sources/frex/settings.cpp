@@ -55,6 +55,7 @@ void Settings::read(Params& p) {
   p.read("light_drift_rad", light_drift_rad, "rad", {0.0, 0.5}, "how far the lamp wanders");
   p.read("noise_grey", noise_grey, "grey level", {0.0, 255.0}, "sigma of the noise of a pixel");
   p.read("blur_px", blur_px, "px", {0.0, 20.0}, "sigma of the blur of the lens");
+  degradation.read(p);
   p.read("dense_truth", dense_truth, "give depth and template point of each pixel too");
   std::int64_t seed = 1;
   p.read("seed", seed, "", {0, 9007199254740992.0},

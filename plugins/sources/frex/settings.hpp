@@ -8,6 +8,7 @@
 #include <weft/data/camera.hpp>
 
 #include "choreography.hpp"
+#include "degradation.hpp"
 
 namespace weft::frex {
 
@@ -41,6 +42,7 @@ struct Settings {
   double light_drift_rad = 0.2;
   double noise_grey = 2.0;
   double blur_px = 0.5;
+  DegradationSettings degradation;
   bool dense_truth = true;
 
   /// Declares or reads all of them.

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <optional>
@@ -88,11 +89,12 @@ class PhotoTemplate final : public TemplateBuilder {
     auto photo = read_photograph(photo_path_, camera_path_);
     if (!photo) return photo.error();
     image_files::report_orientation(call, photo_path_, photo->orientation);
-    const auto corners_px = corners_in(*photo);
-    if (auto offered = offer_page(*photo, corners_px); !offered) return offered.error();
-    if (!corners_px) return corners_px.error();
-    const auto sheet = sheet_at(*corners_px, *photo);
+    const auto found = sheet_in(*photo);
+    if (auto offered = offer_page(*photo, found); !offered) return offered.error();
+    if (!found) return found.error();
+    auto sheet = sheet_at(found->corners_px, *photo);
     if (!sheet) return sheet.error();
+    if (found->border_side) sheet->notes.push_back(at_border(*found->border_side));
     const auto size_px = texture_size(*sheet);
     if (!size_px) return size_px.error();
     const cv::Mat texture = rectified(*photo, sheet->view.px_from_unit, *size_px);
@@ -131,21 +133,31 @@ class PhotoTemplate final : public TemplateBuilder {
                  "a side of the mesh has 2 vertices or more; 0 lets them be proposed"};
   }
 
-  /// Without a camera, where no straight sides are found, lenses are tried that bend them.
-  Result<Corners> found_corners(Photograph& photo) const {
+  /// Without a camera, where no straight sides are found, lenses are tried that bend them. A sheet
+  /// of which hands or the photograph's border hide more is taken where there is no other, or where
+  /// the other is far smaller: a frame that is printed on it.
+  Result<FoundSheet> found_sheet(Photograph& photo) const {
+    constexpr double kFarMore = 1.5;
     auto found = find_sheet(photo);
+    Photograph straight = photo;
     for (const double k1 : {-0.1, -0.2, 0.1}) {
       if (found || photo.is_calibrated) break;
       photo.camera.model = cameras::Distortion::brown;
       photo.camera.coefficients = {k1, 0.0, 0.0, 0.0, 0.0};
       if (auto bent = find_sheet(photo)) found = std::move(bent);
     }
-    return found ? found : wrong(found.error().message);
+    const auto held = find_sheet(straight, Missing::to_hands);
+    const bool is_held = held && (!found || held->merit > kFarMore * found->merit);
+    if (found && !is_held) return found;
+    photo = std::move(straight);
+    if (is_held) return held;
+    const auto at_border = find_sheet(photo, Missing::one_side);
+    return at_border ? at_border : wrong(found.error().message);
   }
 
-  /// In ideal px.
-  Result<Corners> corners_in(Photograph& photo) const {
-    if (corners_.empty()) return found_corners(photo);
+  /// By the corners that are given, or found.
+  Result<FoundSheet> sheet_in(Photograph& photo) const {
+    if (corners_.empty()) return found_sheet(photo);
     Points2 points_px(4, 2);
     Corners given;
     for (std::size_t k = 0; k < 4; ++k) {
@@ -166,12 +178,22 @@ class PhotoTemplate final : public TemplateBuilder {
     }
     legal = check_corners(given);
     if (!legal) return wrong("'corners' without distortion: " + legal.error().message);
-    return given;
+    return FoundSheet{given, std::nullopt};
+  }
+
+  static std::string at_border(std::size_t side) {
+    constexpr std::array<const char*, 4> kNames{"upper", "right", "lower", "left"};
+    const char* effect = side % 2 == 0 ? "the template lacks what is beyond"
+                                       : "give as 'width_m' the width of what is seen";
+    return fmt::format(
+        "the {} side of the sheet is the border of the photograph: if the sheet goes on beyond it, "
+        "{}",
+        kNames[side], effect);
   }
 
   /// It is wanted most where there are no corners.
-  Result<void> offer_page(const Photograph& photo, const Result<Corners>& corners_px) const {
-    const auto known_px = corners_px ? std::optional(*corners_px) : std::nullopt;
+  Result<void> offer_page(const Photograph& photo, const Result<FoundSheet>& found) const {
+    const auto known_px = found ? std::optional(found->corners_px) : std::nullopt;
     return page_path_.empty() ? Result<void>() : write_corner_page(photo, known_px, page_path_);
   }
 

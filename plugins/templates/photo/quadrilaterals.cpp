@@ -14,7 +14,6 @@ namespace {
 constexpr double kLeastShare = 0.08;        // of the picture, that the sheet covers
 constexpr double kLeastTurn = 0.5;          // sine: corners of 30 to 150 degrees
 constexpr double kMostConvergence = 0.707;  // cosine: opposite sides within 45 degrees
-constexpr double kLeastEdges = 0.5;         // share of a side
 
 /// Where two lines meet; not finite where they are nearly parallel.
 Eigen::Vector2d meeting(const StraightLine& a, const StraightLine& b) {
@@ -36,12 +35,14 @@ bool is_convex(const Corners& p) {
 /// All pairs of lines that meet in the picture.
 class Meetings {
  public:
-  Meetings(const std::vector<StraightLine>& lines, const Eigen::Vector2d& whole_px)
+  Meetings(const std::vector<StraightLine>& lines, const Eigen::Vector2d& whole_px,
+           double beside_px)
       : count_(lines.size()), places_(count_ * count_) {
     for (std::size_t i = 0; i < count_; ++i) {
       for (std::size_t k = 0; k < count_; ++k) {
         const Eigen::Vector2d place = meeting(lines[i], lines[k]);
-        meet_.push_back(i != k && place.allFinite() && is_within(place, whole_px) ? 1 : 0);
+        meet_.push_back(i != k && place.allFinite() && is_within(place, whole_px, beside_px) ? 1
+                                                                                             : 0);
         places_[i * count_ + k] = place;
       }
     }
@@ -55,8 +56,9 @@ class Meetings {
   std::vector<std::uint8_t> meet_;
 };
 
-/// See Quadrilateral; 0 where a side has too few edges, or none next to two corners.
-double merit_of(const Quadrilateral& shape, const std::vector<StraightLine>& lines, double area) {
+/// See Quadrilateral; 0 where a side has too few edges, or too many corners have none.
+double merit_of(const Quadrilateral& shape, const std::vector<StraightLine>& lines, double area,
+                const Needed& needed) {
   constexpr double kArm = 0.15, kLeastOfArm = 0.3;  // of a side, next to its corners
   double sum = 0.0;
   std::array<int, 4> arms{};  // of each corner, along which there are edges
@@ -65,12 +67,17 @@ double merit_of(const Quadrilateral& shape, const std::vector<StraightLine>& lin
     const StraightLine& line = lines[shape.lines[k]];
     const Eigen::Vector2d &from = shape.corners_px[k], &to = shape.corners_px[next];
     const double covered = line.covered(from, to);
-    if (covered < kLeastEdges) return 0.0;
+    if (covered < needed.share_of_side) return 0.0;
     sum += covered;
     arms[k] += line.covered(from, from + kArm * (to - from)) >= kLeastOfArm ? 1 : 0;
     arms[next] += line.covered(to, to + kArm * (from - to)) >= kLeastOfArm ? 1 : 0;
   }
-  return std::count(arms.begin(), arms.end(), 2) >= 3 ? 0.25 * sum * area : 0.0;
+  return std::count(arms.begin(), arms.end(), 2) >= needed.corners ? 0.25 * sum * area : 0.0;
+}
+
+bool has_one_side_from(std::optional<std::size_t> first, const Quadrilateral& shape) {
+  return !first || std::count_if(shape.lines.begin(), shape.lines.end(),
+                                 [&](std::size_t line) { return line >= *first; }) == 1;
 }
 
 /// Keeps the best of what is shown to it, in order.
@@ -95,9 +102,8 @@ class Best {
 
 }  // namespace
 
-bool is_within(const Eigen::Vector2d& place_px, const Eigen::Vector2d& whole_px) {
-  constexpr double kBeside_px = 1.0;
-  return place_px.minCoeff() >= -kBeside_px && (place_px - whole_px).maxCoeff() <= kBeside_px;
+bool is_within(const Eigen::Vector2d& place_px, const Eigen::Vector2d& whole_px, double beside_px) {
+  return place_px.minCoeff() >= -beside_px && (place_px - whole_px).maxCoeff() <= beside_px;
 }
 
 std::array<StraightLine, 4> borders_of(const Eigen::Vector2d& whole_px) {
@@ -113,8 +119,9 @@ std::array<StraightLine, 4> borders_of(const Eigen::Vector2d& whole_px) {
 }
 
 std::vector<Quadrilateral> find_quadrilaterals(const std::vector<StraightLine>& lines,
-                                               const Eigen::Vector2d& whole_px, std::size_t most) {
-  const Meetings meetings(lines, whole_px);
+                                               const Eigen::Vector2d& whole_px, std::size_t most,
+                                               const Needed& needed) {
+  const Meetings meetings(lines, whole_px, needed.beside_px);
   const double least_area = kLeastShare * whole_px.prod();
   Best best(most);
   const auto is_pair = [&](std::size_t a, std::size_t b) {
@@ -134,9 +141,10 @@ std::vector<Quadrilateral> find_quadrilaterals(const std::vector<StraightLine>& 
           const std::size_t k = across[a], l = across[b];
           if (k < i || !is_pair(k, l)) continue;  // else the same four were looked at before
           Quadrilateral shape;
+          shape.lines = {i, k, j, l};
+          if (!has_one_side_from(needed.one_side_from, shape)) continue;
           shape.corners_px = {meetings.at(i, l), meetings.at(i, k), meetings.at(j, k),
                               meetings.at(j, l)};
-          shape.lines = {i, k, j, l};
           double area = signed_area_px2(shape.corners_px);
           if (area < 0.0) {
             std::reverse(shape.corners_px.begin() + 1, shape.corners_px.end());
@@ -145,7 +153,7 @@ std::vector<Quadrilateral> find_quadrilaterals(const std::vector<StraightLine>& 
           }
           if (area <= std::max(least_area, best.least())) continue;
           if (!is_convex(shape.corners_px)) continue;
-          shape.merit = merit_of(shape, lines, area);
+          shape.merit = merit_of(shape, lines, area, needed);
           if (shape.merit > best.least()) best.add(shape);
         }
       }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "sheet_view.hpp"
@@ -16,16 +18,26 @@ struct Quadrilateral {
   double merit = 0.0;                  ///< [] px^2, area times the share of the sides with edges
 };
 
-/// Whether a place is in a picture whose last pixel is `whole_px`, or a pixel beside it.
-bool is_within(const Eigen::Vector2d& place_px, const Eigen::Vector2d& whole_px);
+/// Whether a place is in a picture whose last pixel is `whole_px`, or not further beside it.
+bool is_within(const Eigen::Vector2d& place_px, const Eigen::Vector2d& whole_px, double beside_px);
 
 /// The four borders of a picture, as lines that are edges all along.
 std::array<StraightLine, 4> borders_of(const Eigen::Vector2d& whole_px);
 
+/// How much of a quadrilateral must be seen as edges.
+struct Needed {
+  double share_of_side = 0.5;  ///< [] of each side
+  int corners = 3;             ///< with edges on both sides of them
+  double beside_px = 1.0;      ///< how far corners may be outside of the picture
+  /// If given, just one of its sides is this line or one behind it.
+  std::optional<std::size_t> one_side_from{};
+};
+
 /// Convex quadrilaterals with sides on the lines and corners in the picture, clockwise: those that
-/// can be rectangles seen by a camera, not smaller than 8 % of the picture, with edges along at
-/// least half of each side, and on both sides of three corners. At most `most`, the best first.
+/// can be rectangles seen by a camera, not smaller than 8 % of the picture, with the edges that are
+/// needed. At most `most`, the best first.
 std::vector<Quadrilateral> find_quadrilaterals(const std::vector<StraightLine>& lines,
-                                               const Eigen::Vector2d& whole_px, std::size_t most);
+                                               const Eigen::Vector2d& whole_px, std::size_t most,
+                                               const Needed& needed = {});
 
 }  // namespace weft::photo

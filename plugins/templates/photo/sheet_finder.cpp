@@ -67,42 +67,102 @@ SmallView small_view(const Photograph& photo) {
   return view;
 }
 
+/// What find_sheet() asks of the sides of a sheet.
+struct Demands {
+  double least_side, least_mean;  ///< [] share of a side, and mean over them, that is an edge
+  int fewest_corners;             ///< a hand or a weight may hold one down
+  bool in_runs;                   ///< whether edges count in runs only
+  double beside_px;               ///< how far corners may be outside of the photograph
+  Reach reach;                    ///< paper that is held is not quite straight
+};
+
+Demands demands_of(Missing missing) {
+  if (missing == Missing::little) return {0.5, 0.65, 3, false, 1.0, {3.0, 1.0}};
+  return {0.3, 0.6, 2, true, 15.0, {6.0, 2.5}};
+}
+
 /// How much speaks for a quadrilateral; nothing where its sides are no edges.
-std::optional<double> merit_of_fit(const FittedSides& fitted, const Eigen::Vector2d& whole_px) {
-  constexpr double kLeastSide = 0.5, kLeastMean = 0.65, kAtCorner = 0.5;
+std::optional<double> merit_of_fit(const FittedSides& fitted, const Eigen::Vector2d& whole_px,
+                                   const Demands& demands, std::optional<std::size_t> border) {
+  constexpr double kAtCorner = 0.5;
   constexpr double kGoesOn = 0.6, kForGoingOn = 0.1, kForACorner = 0.15;
-  constexpr int kByChance = 3;       // ends that seem to go on where the table has a grain
-  constexpr int kFewestCorners = 3;  // a hand or a weight may hold one down
+  constexpr int kByChance = 3;  // ends that seem to go on where the table has a grain
   if (!check_corners(fitted.corners_px)) return std::nullopt;
   double least = 1.0, sum = 0.0;
   int corners = 0, going_on = 0;
   for (std::size_t k = 0; k < 4; ++k) {
     const SideEvidence &side = fitted.sides[k], &last = fitted.sides[(k + 3) % 4];
-    if (!is_within(fitted.corners_px[k], whole_px)) return std::nullopt;
-    least = std::min(least, side.whole);
-    sum += side.whole;
-    corners += last.at_end >= kAtCorner && side.at_start >= kAtCorner ? 1 : 0;
+    if (!is_within(fitted.corners_px[k], whole_px, demands.beside_px)) return std::nullopt;
+    const bool ends = border == (k + 3) % 4 || last.at_end >= kAtCorner;
+    const bool begins = border == k || side.at_start >= kAtCorner;
+    corners += ends && begins ? 1 : 0;
+    if (border == k) continue;
+    const double seen = demands.in_runs ? side.in_runs : side.whole;
+    least = std::min(least, seen);
+    sum += seen;
     going_on += (side.before >= kGoesOn ? 1 : 0) + (side.beyond >= kGoesOn ? 1 : 0);
   }
-  const double mean = 0.25 * sum;
-  if (least < kLeastSide || mean < kLeastMean || corners < kFewestCorners) return std::nullopt;
+  const double mean = sum / (border ? 3.0 : 4.0);
+  if (least < demands.least_side || mean < demands.least_mean || corners < demands.fewest_corners) {
+    return std::nullopt;
+  }
   return signed_area_px2(fitted.corners_px) * mean *
          (1.0 - kForGoingOn * std::max(0, going_on - kByChance)) *
          (1.0 - kForACorner * (4 - corners));
 }
 
-std::optional<Corners> best_sheet(const SmallView& view,
-                                  const std::vector<Quadrilateral>& candidates) {
-  constexpr double kReach_px = 3.0;
+/// Whether a sheet may end at the border of the photograph there: by its corners in ideal px a
+/// camera as that of the photograph sees a rectangle, and its sides meet the border steeply.
+bool may_end_at(std::size_t border, const Corners& corners_px, const Photograph& photo) {
+  constexpr double kMostSkew_rad = 3.0 * M_PI / 180.0, kSteep = 0.98;  // sine of 80 degrees
+  const Eigen::Vector2d &from = corners_px[border], &to = corners_px[(border + 1) % 4];
+  const Eigen::Vector2d along = (to - from).normalized();
+  const auto is_steep = [&](const Eigen::Vector2d& side) {
+    return std::abs(cross(along, side.normalized())) >= kSteep;
+  };
+  if (!is_steep(corners_px[(border + 3) % 4] - from) ||
+      !is_steep(corners_px[(border + 2) % 4] - to)) {
+    return false;
+  }
+  Pinhole pinhole = photo.pinhole();
+  if (!photo.is_calibrated) {
+    pinhole.fx = pinhole.fy = guess_focal_length(corners_px, pinhole).focal_px;
+  }
+  return std::abs(view_of_sheet(corners_px, pinhole).skew_rad) <= kMostSkew_rad;
+}
+
+Corners ideal_corners(const SmallView& view, const Corners& small_px) {
+  Corners corners_px;
+  std::transform(small_px.begin(), small_px.end(), corners_px.begin(),
+                 [&](const Eigen::Vector2d& at_px) { return view.ideal_px(at_px); });
+  return corners_px;
+}
+
+/// In px of the view. Lines from `first_border` on are the borders of the photograph.
+std::optional<FoundSheet> best_sheet(const Photograph& photo, const SmallView& view,
+                                     const std::vector<Quadrilateral>& candidates, Missing missing,
+                                     std::size_t first_border) {
+  constexpr double kLeastOfPhoto = 0.25;
+  const Demands demands = demands_of(missing);
   const Colours colours = [&](const Eigen::Vector2d& at_px) { return colour_at(view.lab, at_px); };
-  std::optional<Corners> best;
+  const double least_px2 =
+      missing == Missing::little ? 0.0 : kLeastOfPhoto * view.whole_px().prod();
+  std::optional<FoundSheet> best;
   double most = 0.0;
   for (const Quadrilateral& each : candidates) {
-    const FittedSides fitted = fit_sides(colours, each.corners_px, kReach_px);
-    const auto merit = merit_of_fit(fitted, view.whole_px());
-    if (!merit || *merit <= most) continue;
+    std::optional<std::size_t> border;
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (each.lines[k] >= first_border) border = k;
+    }
+    const FittedSides fitted = fit_sides(colours, each.corners_px, demands.reach, border);
+    const auto merit = merit_of_fit(fitted, view.whole_px(), demands, border);
+    if (!merit || *merit <= most || signed_area_px2(fitted.corners_px) < least_px2) continue;
+    if (missing == Missing::one_side &&
+        !may_end_at(*border, ideal_corners(view, fitted.corners_px), photo)) {
+      continue;
+    }
     most = *merit;
-    best = fitted.corners_px;
+    best = FoundSheet{fitted.corners_px, border, *merit / view.whole_px().prod()};
   }
   return best;
 }
@@ -147,16 +207,23 @@ Corners upright(const Corners& corners_px) {
   return best;
 }
 
-Result<Corners> find_sheet(const Photograph& photo) {
+Result<FoundSheet> find_sheet(const Photograph& photo, Missing missing) {
   constexpr std::size_t kMostLines = 96, kMostCandidates = 60;
   constexpr double kFinalReach_px = 2.5;
   const SmallView view = small_view(photo);
   const std::vector<StraightLine> lines = straight_lines(view.lab, view.seen, kMostLines);
-  const auto small = best_sheet(view, find_quadrilaterals(lines, view.whole_px(), kMostCandidates));
+  std::vector<StraightLine> sides = lines;
+  if (missing == Missing::one_side) {
+    for (const StraightLine& border : borders_of(view.whole_px())) sides.push_back(border);
+  }
+  const Demands demands = demands_of(missing);
+  Needed needed{demands.least_side, demands.fewest_corners, demands.beside_px};
+  if (missing == Missing::one_side) needed.one_side_from = lines.size();
+  const auto candidates = find_quadrilaterals(sides, view.whole_px(), kMostCandidates, needed);
+  const auto small = best_sheet(photo, view, candidates, missing, lines.size());
   if (!small) return no_sheet(view, lines);
-  Corners corners_px;
-  std::transform(small->begin(), small->end(), corners_px.begin(),
-                 [&](const Eigen::Vector2d& at_px) { return view.ideal_px(at_px); });
+  FoundSheet found = *small;
+  found.corners_px = ideal_corners(view, small->corners_px);
   ask_to_go_on();
   const cv::Mat lab = lab_of(photo.pixels);
   const Colours colours = [&](const Eigen::Vector2d& at_px) {
@@ -164,10 +231,18 @@ Result<Corners> find_sheet(const Photograph& photo) {
   };
   const double first_reach_px = 1.5 / view.scale.minCoeff() + 1.5;
   for (const double reach_px : {first_reach_px, kFinalReach_px}) {
-    const FittedSides fitted = fit_sides(colours, corners_px, reach_px);
-    if (check_corners(fitted.corners_px)) corners_px = fitted.corners_px;
+    const FittedSides fitted = fit_sides(colours, found.corners_px,
+                                         {reach_px, demands.reach.on_line_px}, found.border_side);
+    if (check_corners(fitted.corners_px)) found.corners_px = fitted.corners_px;
   }
-  return upright(corners_px);
+  const Corners as_read = upright(found.corners_px);
+  if (found.border_side) {
+    const Eigen::Vector2d start_px = found.corners_px[*found.border_side];
+    const auto at = std::find(as_read.begin(), as_read.end(), start_px);
+    found.border_side = static_cast<std::size_t>(at - as_read.begin());
+  }
+  found.corners_px = as_read;
+  return found;
 }
 
 }  // namespace weft::photo

@@ -1,10 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <optional>
+
 #include "photograph.hpp"
 #include "sheet_view.hpp"
 
 namespace weft::photo {
+
+/// What may be hidden of a sheet.
+enum class Missing {
+  little,    ///< a corner, and half of a side
+  to_hands,  ///< two corners, and most of a side, if what is left of it is seen without gaps
+  one_side   ///< the same, and one side is the border of the photograph
+};
+
+struct FoundSheet {
+  Corners corners_px{};                    ///< ideal px
+  std::optional<std::size_t> border_side;  ///< from this corner to the next it ends at the border
+  double merit = 0.0;                      ///< [] the measure below, over the photograph's area
+};
 
 /// The corners, in ideal px, of the largest rectangle of a photograph whose sides are straight
 /// edges:
@@ -16,8 +32,14 @@ namespace weft::photo {
 ///    three, at which a side goes on: a printed frame is smaller than its sheet, lines of a table
 ///    go on;
 /// 4. its sides are fitted again in the photograph itself, to a fraction of a pixel.
+/// Where more may be missing, the sheet covers a quarter of the photograph; its sides are edges
+/// along 30 % of their length, in runs without gaps and within 2.5 px, as paper that is held is not
+/// straight; two corners are enough, and corners may be 15 px outside of the 1000. A side on the
+/// border of the photograph is taken only if two others meet it within 10 degrees of a right angle
+/// and all four are a rectangle within 3 degrees, as those of a sheet that is cut off aslant are
+/// not.
 /// Fails, saying what to do, where there is none.
-Result<Corners> find_sheet(const Photograph& photo);
+Result<FoundSheet> find_sheet(const Photograph& photo, Missing missing = Missing::little);
 
 /// The same corners from the one that is the top left where the sheet is read as upright as the
 /// photograph: its upper side runs as far to the right as it can. They are clockwise before.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "side_fit.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -16,7 +17,6 @@ constexpr double kCorner = 0.02;       // of its length, where two sides blur in
 constexpr double kEnd = 0.12;          // of its length, next to a corner
 // Paper on a table that looks like it differs by some 6 levels; the noise of means is below 2.
 constexpr double kLeastContrast = 4.0;
-constexpr double kOnLine_px = 1.0;
 
 /// One side: places on it are measured along it from its first corner, and outwards.
 struct Side {
@@ -82,12 +82,13 @@ bool is_inside(const EdgePoint& edge, const Side& side) {
 }
 
 /// Iterated weighted least squares, from the side as it is, with a scale that narrows.
-FittedLine fitted_line(const std::vector<EdgePoint>& edges, const Side& side, double reach_px) {
+FittedLine fitted_line(const std::vector<EdgePoint>& edges, const Side& side, const Reach& reach) {
   constexpr int kRounds = 15;
-  constexpr double kNarrowing = 0.7, kLeastScale_px = 0.4;
+  constexpr double kNarrowing = 0.7;
+  const double least_scale_px = 0.4 * reach.on_line_px;
   constexpr double kFewest = 8.0;  // places that agree
   FittedLine line;
-  double scale_px = std::max(0.5 * reach_px, kLeastScale_px);
+  double scale_px = std::max(0.5 * reach.search_px, least_scale_px);
   for (int round = 0; round < kRounds; ++round) {
     Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
     Eigen::Vector2d right = Eigen::Vector2d::Zero();
@@ -106,31 +107,63 @@ FittedLine fitted_line(const std::vector<EdgePoint>& edges, const Side& side, do
     if (!(determinant > 1e-9 * normal(0, 0) * normal(1, 1))) return line;
     line.offset_px = (normal(1, 1) * right[0] - normal(0, 1) * right[1]) / determinant;
     line.slope = (normal(0, 0) * right[1] - normal(0, 1) * right[0]) / determinant;
-    scale_px = std::max(kNarrowing * scale_px, kLeastScale_px);
+    scale_px = std::max(kNarrowing * scale_px, least_scale_px);
   }
   return line;
 }
 
+/// A fitted line, and how near it an edge is on it.
+struct Band {
+  FittedLine line;
+  double reach_px;
+
+  bool holds(const EdgePoint& edge, const Side& side) const {
+    const double off_px = edge.outwards_px - line.at(side, edge.along_px);
+    return edge.contrast >= kLeastContrast && std::abs(off_px) <= reach_px;
+  }
+};
+
 /// Share of the edges between two places along the side that are on the line.
-double share_on_line(const std::vector<EdgePoint>& edges, const Side& side, const FittedLine& line,
+double share_on_line(const std::vector<EdgePoint>& edges, const Side& side, const Band& band,
                      double from_px, double to_px) {
   int all = 0, on_line = 0;
   for (const EdgePoint& edge : edges) {
     if (edge.along_px < from_px || edge.along_px > to_px) continue;
     ++all;
-    const double off_px = edge.outwards_px - line.at(side, edge.along_px);
-    if (edge.contrast >= kLeastContrast && std::abs(off_px) <= kOnLine_px) ++on_line;
+    if (band.holds(edge, side)) ++on_line;
   }
   return all > 0 ? static_cast<double>(on_line) / all : 0.0;
 }
 
-SideEvidence evidence_of(const std::vector<EdgePoint>& edges, const Side& side,
-                         const FittedLine& line) {
-  const auto share = [&](double from, double to) {
-    return share_on_line(edges, side, line, from * side.length_px, to * side.length_px);
+/// Share of the side in long runs of edges on the line. A gap of one place ends no run.
+double share_in_runs(const std::vector<EdgePoint>& edges, const Side& side, const Band& band) {
+  constexpr double kShortest = 1.0 / 12.0;  // of the side
+  double sum_px = 0.0, begin_px = 0.0, end_px = -1.0;
+  int missing = 2;  // places in a row; at 2 no run is open
+  const auto close = [&] {
+    if (end_px - begin_px >= kShortest * side.length_px) sum_px += end_px - begin_px;
   };
-  return {share(kCorner, 1.0 - kCorner), share(kCorner, kEnd), share(1.0 - kEnd, 1.0 - kCorner),
-          share(-kOutside, -kCorner), share(1.0 + kCorner, 1.0 + kOutside)};
+  for (const EdgePoint& edge : edges) {
+    if (!is_inside(edge, side)) continue;
+    if (band.holds(edge, side)) {
+      if (missing > 1) begin_px = edge.along_px;
+      end_px = edge.along_px;
+      missing = 0;
+    } else if (++missing == 2) {
+      close();
+    }
+  }
+  if (missing < 2) close();
+  return sum_px / ((1.0 - 2.0 * kCorner) * side.length_px);
+}
+
+SideEvidence evidence_of(const std::vector<EdgePoint>& edges, const Side& side, const Band& band) {
+  const auto share = [&](double from, double to) {
+    return share_on_line(edges, side, band, from * side.length_px, to * side.length_px);
+  };
+  return {share(kCorner, 1.0 - kCorner),        share(kCorner, kEnd),
+          share(1.0 - kEnd, 1.0 - kCorner),     share(-kOutside, -kCorner),
+          share(1.0 + kCorner, 1.0 + kOutside), share_in_runs(edges, side, band)};
 }
 
 Eigen::Vector2d crossing_of(const std::array<Eigen::Vector2d, 2>& a,
@@ -157,21 +190,26 @@ Eigen::Vector3d colour_at(const cv::Mat& picture, const Eigen::Vector2d& place_p
   return colour;
 }
 
-FittedSides fit_sides(const Colours& colours, const Corners& corners_px, double reach_px) {
-  const int reach = static_cast<int>(std::ceil(reach_px));
+FittedSides fit_sides(const Colours& colours, const Corners& corners_px, const Reach& reach,
+                      std::optional<std::size_t> fixed) {
+  const int search_px = static_cast<int>(std::ceil(reach.search_px));
   FittedSides fitted;
   std::array<std::array<Eigen::Vector2d, 2>, 4> lines;
   for (std::size_t k = 0; k < 4; ++k) {
     const Side side(corners_px[k], corners_px[(k + 1) % 4]);
+    if (k == fixed) {
+      lines[k] = {corners_px[k], corners_px[(k + 1) % 4]};
+      continue;
+    }
     const double step_px = std::max(1.0, side.length_px / kMostPlaces);
     std::vector<EdgePoint> edges;
     const int steps = static_cast<int>((1.0 + 2.0 * kOutside) * side.length_px / step_px);
     for (int i = 0; i <= steps; ++i) {
-      worked(200 * (2 * std::int64_t{reach} + 7));
-      edges.push_back(find_edge(colours, side, i * step_px - kOutside * side.length_px, reach));
+      worked(200 * (2 * std::int64_t{search_px} + 7));
+      edges.push_back(find_edge(colours, side, i * step_px - kOutside * side.length_px, search_px));
     }
-    const FittedLine line = fitted_line(edges, side, reach_px);
-    fitted.sides[k] = evidence_of(edges, side, line);
+    const FittedLine line = fitted_line(edges, side, reach);
+    fitted.sides[k] = evidence_of(edges, side, {line, reach.on_line_px});
     lines[k] = {side.at(0.0, line.at(side, 0.0)),
                 side.at(side.length_px, line.at(side, side.length_px))};
   }

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <functional>
 #include <opencv2/core.hpp>
+#include <optional>
 
 #include "sheet_view.hpp"
 
@@ -15,11 +17,20 @@ using Colours = std::function<Eigen::Vector3d(const Eigen::Vector2d& place_px)>;
 /// Bilinear colour of a picture [H,W,3] u8, beyond its border that of the border.
 Eigen::Vector3d colour_at(const cv::Mat& picture, const Eigen::Vector2d& place_px);
 
-/// In which share of the places along a side there is an edge on it, within a pixel.
+/// How far from a side edges are searched, and how near the fitted line they must be to count.
+struct Reach {
+  double search_px = 3.0;
+  double on_line_px = 1.0;
+};
+
+/// In which share of the places along a side there is an edge on it.
 struct SideEvidence {
   double whole = 0.0;
   double at_start = 0.0, at_end = 0.0;  ///< next to the two corners, inside
   double before = 0.0, beyond = 0.0;    ///< next to the two corners, outside: the line goes on
+  /// The same share, of edges in runs of a twelfth of the side or more, with hardly a gap: what a
+  /// hand leaves of a side, and not what chance puts on a line.
+  double in_runs = 0.0;
 };
 
 struct FittedSides {
@@ -28,9 +39,11 @@ struct FittedSides {
 };
 
 /// Moves the sides of a quadrilateral to the edges nearby: across each side the steepest change of
-/// colour within `reach_px` is found to a fraction of a pixel, in places along it, and a line is
-/// fitted to these by Geman and McClure's robust error. A side without edges stays. Corners are
-/// where fitted sides meet, and may be anything where those are parallel.
-FittedSides fit_sides(const Colours& colours, const Corners& corners_px, double reach_px);
+/// colour within `reach.search_px` is found to a fraction of a pixel, in places along it, and a
+/// line is fitted to these by Geman and McClure's robust error. A side without edges stays. Corners
+/// are where fitted sides meet, and may be anything where those are parallel. The side `fixed`,
+/// which is the border of the picture, stays and has no evidence.
+FittedSides fit_sides(const Colours& colours, const Corners& corners_px, const Reach& reach,
+                      std::optional<std::size_t> fixed = std::nullopt);
 
 }  // namespace weft::photo

@@ -7,7 +7,7 @@
 /// Sheets as one camera sees them and another, wrong one, has them reconstructed.
 namespace weft::testing {
 
-/// Of 13 x 9 vertices, as `pipelines/demo.yaml` has it.
+/// Of 13 x 9 vertices, as `pipelines/sparse.yaml` has it.
 inline constexpr SheetSpec kBentSpec{.columns = 13, .rows = 9, .height_m = 0.2, .height_px = 646};
 
 /// A frame of which the matches are known, with the shape that a solver would have found.

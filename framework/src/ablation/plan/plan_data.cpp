@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <set>
 #include <weft/core/quote.hpp>
+#include <weft/images/image_names.hpp>
 
 #include "ablation/plan/plan_keys.hpp"
 #include "ablation/plan/plan_parts.hpp"
@@ -27,9 +28,9 @@ yaml::Node map_node(yaml::Position at) {
 
 /// "FOLDER/*.png", of the first of these extensions that a file in the folder has, else of the
 /// first.
-std::string pattern_in(const fs::path& folder, const std::vector<const char*>& extensions) {
+std::string pattern_in(const fs::path& folder, const std::vector<std::string>& extensions) {
   std::error_code code;
-  for (const char* extension : extensions) {
+  for (const std::string& extension : extensions) {
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, code)) {
       if (entry.path().extension() == extension) return (folder / "*").string() + extension;
     }
@@ -124,8 +125,7 @@ class DataReader {
     const auto set = [&](const char* path, const std::string& file) {
       patch = with_setting(std::move(patch), path, at, yaml::text_node(file, at));
     };
-    set("source.path",
-        pattern_in(folder / "frames", {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff"}));
+    set("source.path", pattern_in(folder / "frames", image_extensions()));
     set("source.camera", (folder / "camera.yaml").string());
     if (fs::exists(folder / "gt")) set("source.truth", pattern_in(folder / "gt", {".npz", ".csv"}));
     return patch;

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 #include <weft/core/text_file.hpp>
+#include <weft/images/image_names.hpp>
 
 namespace weft {
 namespace {
@@ -94,10 +95,11 @@ Result<DataLayout> layout_of_matches(const fs::path& folder, const std::string& 
 
 Result<DataLayout> layout_of_images(const fs::path& folder, const FileSources& sources,
                                     const std::string& given_camera) {
-  const std::vector<std::string> kImages{".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff"};
   std::string images;
   for (const char* part : {"frames", "rgb", "color", "colour", "."}) {
-    if (images.empty()) images = pattern_in((folder / part).lexically_normal(), kImages);
+    if (images.empty()) {
+      images = pattern_in((folder / part).lexically_normal(), image_extensions());
+    }
   }
   const std::string matches = pattern_in(folder / "matches", {".npz", ".csv"});
   if (images.empty() && !matches.empty()) {

@@ -5,18 +5,26 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <string>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 #include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_model.hpp>
+#include <weft/geometry/mesh_topology.hpp>
 
-namespace weft::flat_reference {
+namespace weft::unwarping {
 namespace {
 
+/// The most pixels along an axis that OpenCV's remap takes.
+constexpr std::int64_t kMostPx = 32'766;
 /// Beyond the border of any image.
 constexpr float kNowhere = -1e4F;
 /// Texels on the edge between two faces belong to both in spite of rounding.
 constexpr double kRounding = 1e-9;
+
+std::string size_text(const Array<std::uint8_t>& pixels) {
+  return std::to_string(pixels.dim(1)) + " x " + std::to_string(pixels.dim(0));
+}
 
 /// Where the camera sees each texel, [H,W] px.
 struct PixelMap {
@@ -55,19 +63,50 @@ void map_face(const Eigen::Matrix<double, 3, 2>& flat_px, const Eigen::Matrix3d&
 
 }  // namespace
 
-cv::Mat grey_levels(const Array<std::uint8_t>& pixels) {
-  const int type = pixels.ndim() == 3 ? CV_8UC3 : CV_8UC1;
-  cv::Mat copy(static_cast<int>(pixels.dim(0)), static_cast<int>(pixels.dim(1)), type);
+cv::Mat matrix_of(const Array<std::uint8_t>& pixels) {
+  cv::Mat copy(static_cast<int>(pixels.dim(0)), static_cast<int>(pixels.dim(1)),
+               pixels.ndim() == 3 ? CV_8UC3 : CV_8UC1);
   for (int y = 0; y < copy.rows; ++y) {
     std::copy_n(pixels.row(y), pixels.row_elements(), copy.ptr(y));
   }
-  if (type == CV_8UC1) return copy;
+  return copy;
+}
+
+cv::Mat grey_levels(const Array<std::uint8_t>& pixels) {
+  const cv::Mat copy = matrix_of(pixels);
+  if (copy.type() == CV_8UC1) return copy;
   cv::Mat grey;
   cv::cvtColor(copy, grey, cv::COLOR_BGR2GRAY);
   return grey;
 }
 
-cv::Mat unwarped(const cv::Mat& grey, const Template& templ, const Camera& camera,
+Result<void> check_unwarping(const Template& templ, const Image& image, const Shape& shape) {
+  if (templ.texture.size() == 0 || image.pixels.size() == 0) {
+    return Error{Errc::invalid_data,
+                 templ.texture.size() == 0
+                     ? "the template has no texture to compare the image with; give it one"
+                     : "the image is empty; give at least one pixel",
+                 {}};
+  }
+  for (const auto* pixels : {&templ.texture, &image.pixels}) {
+    if (pixels->dim(0) <= kMostPx && pixels->dim(1) <= kMostPx) continue;
+    return Error{Errc::invalid_data,
+                 "an image of " + size_text(*pixels) + " px is too large, at most " +
+                     std::to_string(kMostPx) + " px along an axis can be unwarped; scale it down",
+                 {}};
+  }
+  const std::int64_t vertices = templ.vertices_m.rows();
+  if (shape.vertices_m.rows() != vertices || templ.flat_px.rows() != vertices) {
+    return Error{Errc::invalid_data,
+                 "the shape has " + std::to_string(shape.vertices_m.rows()) +
+                     " vertices, the template " + std::to_string(vertices) +
+                     ": use one template throughout",
+                 {}};
+  }
+  return check_face_indices(templ.faces.matrix<3>(), vertices);
+}
+
+cv::Mat unwarped(const cv::Mat& image, const Template& templ, const Camera& camera,
                  const Shape& shape) {
   const Pinhole pinhole{camera.fx, camera.fy, camera.cx, camera.cy};
   const cv::Size size(static_cast<int>(templ.texture.dim(1)),
@@ -86,8 +125,9 @@ cv::Mat unwarped(const cv::Mat& grey, const Template& templ, const Camera& camer
     map_face(corners_px, corners_m, pinhole, map);
   }
   cv::Mat texels;
-  cv::remap(grey, texels, map.x_px, map.y_px, cv::INTER_LINEAR, cv::BORDER_CONSTANT, 0);
+  cv::remap(image, texels, map.x_px, map.y_px, cv::INTER_LINEAR, cv::BORDER_CONSTANT,
+            cv::Scalar::all(0));
   return texels;
 }
 
-}  // namespace weft::flat_reference
+}  // namespace weft::unwarping
