@@ -144,7 +144,7 @@ def unmarked(root: Path, components: dict[str, dict[str, Any]]) -> list[str]:
     lines = page.read_text(encoding="utf-8").splitlines() if page.exists() else []
     for number, line in enumerate(lines, 1):
         cells = [cell.strip() for cell in line.strip("| ").split("|")] if line.startswith("|") else []
-        named = re.search(r"\b((?:solvers|filters|warps)/\w+)", cells[0]) if cells else None
+        named = re.match(r"[\[`]*((?:solvers|filters|warps)/\w+)", cells[0]) if cells else None
         manifest = components.get(named.group(1)) if named else None
         if manifest is None or manifest["implements"] in ["", *cells[1:]]:
             continue
