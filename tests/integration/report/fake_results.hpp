@@ -173,6 +173,7 @@ class FakeResults {
     const bool shaky = cell["axes"]["filter"] == "shaky";
     RunMetrics metrics;
     metrics.run = "cell";
+    metrics.implements = {"filters/fake: reconstruction"};
     FilterCounts counts{100, 60, 40, 60, 0, 0};
     std::vector<FrameCertainty> certainties;
     double sum = 0.0;
