@@ -326,7 +326,7 @@ class DenseFlow final : public Matcher {
   double search_px_ = 16.0;
   double min_share_ = 0.3;
   double max_disagreement_px_ = 3.0;
-  double max_unlike_ = 0.085;
+  double max_unlike_ = 0.1;
   int min_matches_ = 50;
 
   std::uint64_t loaded_ = 0;

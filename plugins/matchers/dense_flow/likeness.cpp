@@ -10,7 +10,7 @@ namespace weft::dense_flow {
 namespace {
 
 constexpr double kCellsAlongDiagonal = 48.0;
-constexpr double kAlikeCell = 0.5;
+constexpr double kAlikeContrast = 0.5;
 constexpr double kLeastContrast = 10.0;  // grey levels
 constexpr double kSamplesAlongCell = 12.0;
 constexpr double kFewestSamples = 16.0;
@@ -61,7 +61,7 @@ double Likeness::unlike_share(const view::ViewLevel& view, const view::Picture& 
     if (drawn2 < kLeastContrast * kLeastContrast * cell.count) continue;
     all += drawn2;
     // An image without any contrast there correlates with nothing.
-    const bool alike = seen2 > 0.0 && both >= kAlikeCell * std::sqrt(drawn2 * seen2);
+    const bool alike = seen2 > 0.0 && both >= kAlikeContrast * std::sqrt(drawn2 * seen2);
     if (!alike) unlike += drawn2;
   }
   return all > 0.0 ? unlike / all : 0.0;

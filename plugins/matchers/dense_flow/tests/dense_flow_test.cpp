@@ -139,6 +139,55 @@ TEST_F(DenseFlow, SaysHowManyPiecesOfTheTextureAreFound) {
   EXPECT_LT(half, 0.7);
 }
 
+TEST_F(DenseFlow, DoubtsAShapeOfWhichTheImageShowsAPartOnly) {
+  const DevelopableSheet now = scene_.bent(0.34, {.distance_m = 0.55, .tilt_y_rad = 0.11});
+  Image image = scene_.image_of(now, rng_);
+  const auto confidence = [&](double unlike_at_least, double unlike_at_most) {
+    const PluginAnswer outcome = find(image, scene_.shape_of(now));
+    EXPECT_EQ(outcome.status, WEFT_OK) << outcome.message;
+    const auto matches = *outcome.get<Correspondences>();
+    EXPECT_GE(matches.diag.value("unlike_contrast", -1.0), unlike_at_least);
+    EXPECT_LE(matches.diag.value("unlike_contrast", 2.0), unlike_at_most);
+    return *matches.confidence.data();
+  };
+  EXPECT_GT(confidence(0.0, 0.01), 0.99);
+  image = view::PrintedScene::unevenly_lit(image, 0.5);
+  EXPECT_GT(confidence(0.0, 0.01), 0.99) << "light does not matter";
+  Array<std::uint8_t> covered({image.pixels.dim(0), image.pixels.dim(1)});
+  for (std::int64_t y = 0; y < covered.dim(0); ++y) {
+    for (std::int64_t x = 0; x < covered.dim(1); ++x) {
+      covered(y, x) = 2 * x < covered.dim(1) ? std::uint8_t{90} : image.pixels(y, x);
+    }
+  }
+  image.pixels = covered;
+  EXPECT_LT(confidence(0.3, 0.7), 0.01);
+}
+
+TEST_F(DenseFlow, DoesNotTakeTheTextureItselfForAView) {
+  const std::int64_t width = scene_.templ.texture.dim(1), height = scene_.templ.texture.dim(0);
+  Camera camera = scene_.camera;
+  camera.width_px = width;
+  camera.height_px = height;
+  camera.cx = 0.5 * static_cast<double>(width - 1);
+  camera.cy = 0.5 * static_cast<double>(height - 1);
+  Shape shape = scene_.shape_of(before_);
+  for (std::int64_t v = 0; v < shape.vertices_m.rows(); ++v) {
+    shape.vertices_m(v, 0) = (scene_.templ.flat_px(v, 0) - camera.cx) * scene_.templ.m_per_px(0);
+    shape.vertices_m(v, 1) = (scene_.templ.flat_px(v, 1) - camera.cy) * scene_.templ.m_per_px(1);
+    shape.vertices_m(v, 2) = camera.fx * scene_.templ.m_per_px(0);
+  }
+  Image image;
+  image.pixels = scene_.templ.texture;
+  PluginUnderTest plugin("matchers/dense_flow");
+  const PluginAnswer outcome =
+      plugin.process(0, {testing::input("image", image), testing::input("template", scene_.templ),
+                         testing::input("camera", camera), testing::input("shape", shape)});
+  ASSERT_EQ(outcome.status, WEFT_OK) << outcome.message;
+  const auto matches = *outcome.get<Correspondences>();
+  EXPECT_EQ(matches.diag.value("is_texture", -1.0), 1.0);
+  EXPECT_EQ(*matches.confidence.data(), 0.0);
+}
+
 TEST_F(DenseFlow, SaysHowExactAMatchIs) {
   const DevelopableSheet now = scene_.bent(0.33, {.distance_m = 0.55, .tilt_y_rad = 0.11});
   const PluginAnswer outcome = find(now, "{spacing_px: 12}");

@@ -62,7 +62,8 @@ class Unwarped : public ::testing::Test {
     for (int y = 0; y < kHeightPx; ++y) {
       for (int x = 0; x < kWidthPx; ++x) {
         for (int c = 0; c < 3; ++c) {
-          image_.pixels(y + kBorderPx, x + kBorderPx, c) = templ_.texture(y, x, c);
+          image_.pixels.row(y + kBorderPx)[3 * (x + kBorderPx) + c] =
+              static_cast<std::uint8_t>(texel(x, y, c));
         }
       }
     }
@@ -73,9 +74,12 @@ class Unwarped : public ::testing::Test {
       shape_.vertices_m(v, 1) = kM_per_px * templ_.flat_px(v, 1);
       shape_.vertices_m(v, 2) = 120.0 * kM_per_px;
     }
+    shape_.source = weft::Array<std::uint8_t>({templ_.vertices_m.rows()}, std::uint8_t{1});
     shape_.state = static_cast<std::int32_t>(ShapeState::estimated);
   }
   ~Unwarped() override { fs::remove_all(folder_); }
+
+  int texel(int x, int y, int channel) const { return templ_.texture.row(y)[3 * x + channel]; }
 
   std::string folder() const { return (folder_ / "unwarped").string(); }
 
@@ -109,7 +113,7 @@ TEST_F(Unwarped, IsThePrintWhereTheShapeIsRight) {
   for (int y = 0; y < kHeightPx; ++y) {
     for (int x = 0; x < kWidthPx; ++x) {
       for (int c = 0; c < 3; ++c) {
-        if (std::abs(texels.at<cv::Vec3b>(y, x)[c] - templ_.texture(y, x, c)) > 1) ++off;
+        if (std::abs(texels.at<cv::Vec3b>(y, x)[c] - texel(x, y, c)) > 1) ++off;
       }
     }
   }
@@ -123,7 +127,7 @@ TEST_F(Unwarped, IsMovedByATexelWhereTheShapeIs) {
   ASSERT_EQ(write(plugin).status, WEFT_OK);
   const cv::Mat texels = cv::imread(folder() + "/000000.png", cv::IMREAD_UNCHANGED);
   ASSERT_EQ(texels.size(), cv::Size(kWidthPx, kHeightPx));
-  EXPECT_NEAR(texels.at<cv::Vec3b>(20, 30)[1], templ_.texture(20, 31, 1), 1);
+  EXPECT_NEAR(texels.at<cv::Vec3b>(20, 30)[1], texel(31, 20, 1), 1);
   EXPECT_EQ(texels.at<cv::Vec3b>(20, kWidthPx - 1)[1], 255) << "the border of the image";
 }
 
@@ -142,6 +146,7 @@ TEST_F(Unwarped, RefusesAShapeOfAnotherTemplate) {
   auto plugin = sink();
   ASSERT_EQ(plugin.process(kOpen, {}).status, WEFT_OK);
   shape_.vertices_m = weft::Array<double>({3, 3}, 1.0);
+  shape_.source = weft::Array<std::uint8_t>({3}, std::uint8_t{1});
   const PluginAnswer answer = write(plugin);
   EXPECT_NE(answer.status, WEFT_OK);
   EXPECT_THAT(answer.message, HasSubstr("use one template throughout"));

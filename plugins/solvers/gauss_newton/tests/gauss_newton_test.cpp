@@ -134,6 +134,71 @@ TEST(GaussNewton, TheSameCovarianceForAllIsTheSameNoiseForAll) {
   EXPECT_LT(apart_m.cwiseAbs().maxCoeff(), 1e-9);
 }
 
+/// m, root mean square of the standard deviations of the depths.
+double depth_deviation_m(const Shape& shape) {
+  double squares = 0.0;
+  for (std::int64_t v = 0; v < shape.vertices_m.rows(); ++v)
+    squares += shape.covariance_m2.row(v)[8];
+  return std::sqrt(squares / static_cast<double>(shape.vertices_m.rows()));
+}
+
+TEST(GaussNewton, ResidualsThatAreOffTogetherCountAsOne) {
+  std::cout << "seed " << kSeed << "\n";
+  const BentPose pose{0.25, {0.6, 0, 0, 0.3, 0, 0}};
+  const Matched apart(pose, {2000, 1.0, 1.0}, kSeed);
+  Matched together(pose, {2000, 1.0, 0.0}, kSeed);
+  for (std::int64_t i = 0; i < together.matches.count(); ++i) {
+    // A wave of 200 px and 1.4 px across the sheet, which no bending explains.
+    const double phase = 0.0314 * together.matches.image_px(i, 0);
+    together.matches.image_px(i, 1) += 1.4 * std::sin(phase);
+  }
+  PluginUnderTest plugin(kId, "{scale_noise: 0}");
+  const Shape of_apart = given(apart.run(plugin)), of_together = given(together.run(plugin));
+  EXPECT_LT(of_apart.diag.value("coherence", 0.0), 1.5);
+  EXPECT_GT(of_together.diag.value("coherence", 0.0), 4.0);
+  EXPECT_GT(depth_deviation_m(of_together), 1.3 * depth_deviation_m(of_apart));
+}
+
+TEST(GaussNewton, DepthsAreAsUncertainAsTheSizesThatAreNotKnown) {
+  const Matched matched({0.25, {0.6, 0, 0, 0.3, 0, 0}}, {300, 1.0, 0.0}, kSeed);
+  PluginUnderTest known(kId, "{scale_noise: 0}"), guessed(kId, "{scale_noise: 0.02}");
+  EXPECT_LT(1e3 * depth_deviation_m(given(matched.run(known))), 1.5);
+  EXPECT_NEAR(1e3 * depth_deviation_m(given(matched.run(guessed))), 0.02 * 600.0, 2.0);
+}
+
+TEST(GaussNewton, AnAssumedFocalLengthMakesDepthsUncertain) {
+  Matched matched({0.25, {0.6, 0, 0, 0.3, 0, 0}}, {300, 1.0, 0.0}, kSeed);
+  PluginUnderTest plugin(kId, "{scale_noise: 0}");
+  const double calibrated_m = depth_deviation_m(given(matched.run(plugin)));
+  CameraAssumption{0.1 * matched.scene.camera.fx, 10.0, 10.0, "a test"}.add_to(
+      matched.scene.camera);
+  const double assumed_m = depth_deviation_m(given(matched.run(plugin)));
+  EXPECT_LT(1e3 * calibrated_m, 1.5);
+  EXPECT_NEAR(1e3 * assumed_m, 0.1 * 600.0, 5.0);
+}
+
+TEST(GaussNewton, BothBendsArePossibleWhereTheSheetIsFarAway) {
+  // From so far there is no perspective, and a sheet that bends to the other side looks the same.
+  std::cout << "seed " << kSeed << "\n";
+  Matched matched({0.12, {0.6, 0, 0, 0, 0, 0}}, {100, 1.0, 0.0}, kSeed);
+  Scene& scene = matched.scene;
+  constexpr double kFurther = 40.0;
+  const testing::PoseSpec far{0.6 * kFurther, 0, 0, 0, 0, 0};
+  const auto sheet = testing::make_cylinder(reference_sheet(), 0.12, 0.3, far);
+  scene.truth_m = testing::bent_vertices(scene.templ, sheet);
+  scene.camera.fx *= kFurther;
+  scene.camera.fy *= kFurther;
+  Rng rng(kSeed);
+  matched.matches =
+      testing::draw_matches(scene.templ, scene.camera, sheet, {100, 1.0, 0.5}, rng).matches;
+  scene.look();
+  PluginUnderTest plugin(kId);
+  const Shape shape = given(matched.run(plugin));
+  EXPECT_GT(shape.diag.value("rival", 0.0), 0.1);
+  EXPECT_LT(shape.confidence, 0.9);
+  EXPECT_GT(1e3 * depth_deviation_m(shape), 10.0);
+}
+
 TEST(GaussNewton, GoesOnWithTheBendOfTheSeenPartWhereTheSheetIsHidden) {
   Matched matched({0.12, {0.6, 0, 0, 0, 0, 0}}, {600, 1.0, 0.0}, kSeed);
   Visibility sight;
