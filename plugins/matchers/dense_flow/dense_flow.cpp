@@ -34,51 +34,6 @@ std::string tenths(double value) {
   return std::to_string(scaled / 10) + "." + std::to_string(std::abs(scaled % 10));
 }
 
-/// The texture in square pieces, twelve along its diagonal.
-class Pieces {
- public:
-  explicit Pieces(const Points2& flat_px) : low_px_(flat_px.colwise().minCoeff()) {
-    constexpr double kAlongDiagonal = 12.0;
-    const Eigen::RowVector2d size_px = flat_px.colwise().maxCoeff() - low_px_;
-    side_px_ = std::max(size_px.norm() / kAlongDiagonal, 1e-9);
-    columns_ = static_cast<int>(size_px.x() / side_px_) + 1;
-    rows_ = static_cast<int>(size_px.y() / side_px_) + 1;
-    pieces_.resize(to_index(columns_ * rows_));
-  }
-
-  /// A place in sight.
-  void add(const Eigen::RowVector2d& texel, bool found) {
-    const Eigen::RowVector2d at = (texel - low_px_) / side_px_;
-    Piece& piece = pieces_[to_index(std::clamp(static_cast<int>(at.y()), 0, rows_ - 1) * columns_ +
-                                    std::clamp(static_cast<int>(at.x()), 0, columns_ - 1))];
-    ++piece.in_sight;
-    if (found) ++piece.found;
-  }
-
-  /// Of the pieces with places in sight, the share in which enough are found.
-  double found_share() const {
-    constexpr double kEnough = 0.2;
-    constexpr int kFewest = 6;
-    double in_sight = 0.0, found = 0.0;
-    for (const Piece& piece : pieces_) {
-      if (piece.in_sight < kFewest) continue;
-      in_sight += 1.0;
-      if (piece.found >= kEnough * piece.in_sight) found += 1.0;
-    }
-    return in_sight > 0.0 ? found / in_sight : 0.0;
-  }
-
- private:
-  struct Piece {
-    int in_sight = 0, found = 0;
-  };
-
-  Eigen::RowVector2d low_px_;
-  double side_px_ = 1.0;
-  int columns_ = 1, rows_ = 1;
-  std::vector<Piece> pieces_;
-};
-
 /// Draws the texture on a shape that is nearly right and finds how each piece of it moved.
 class DenseFlow final : public Matcher {
  public:
@@ -275,9 +230,6 @@ class DenseFlow final : public Matcher {
                       to_index(place.x() - drawn.x0)];
   }
 
-  /// What was found, and `diag.found_pieces`: of the square pieces of the texture in sight, twelve
-  /// along its diagonal, the share in which enough places are found. What lies elsewhere than the
-  /// shape says is missed as a whole.
   Correspondences collect(std::int64_t most) const {
     Correspondences out;
     out.template_px = Array<double>({most, 2});
@@ -291,21 +243,17 @@ class DenseFlow final : public Matcher {
     const double uses =
         std::max(1.0, static_cast<double>(view::Patch::kSize) /
                           static_cast<double>(options_.spacing_px * options_.spacing_px));
-    Pieces pieces(flat_px_);
     std::int64_t n = 0;
     for (int row = 0; row < grid_.rows(); ++row) {
       for (int column = 0; column < grid_.columns(); ++column) {
         const Node& node = grid_.node(column, row);
-        if (node.fate == Fate::hidden || node.fate == Fate::flat) continue;
+        if (node.fate != Fate::found) continue;
         const Eigen::Vector2i place = grid_.place_px(column, row);
         const std::int32_t face = face_at(place);
         const Eigen::Vector2d place_px = to_image(place.cast<double>());
         const Eigen::Vector3d weights = view_->weights_at(face, place_px);
-        const Eigen::RowVector2d texel = texel_of(face, weights);
-        pieces.add(texel, node.fate == Fate::found);
-        if (node.fate != Fate::found) continue;
         const Eigen::Vector2d seen_px = place_px + scale() * node.by_px.cast<double>();
-        out.template_px.matrix<2>().row(n) = texel;
+        out.template_px.matrix<2>().row(n) = texel_of(face, weights);
         out.image_px.matrix<2>().row(n) = seen_px.transpose();
         out.face(n) = face;
         out.barycentrics.matrix<3>().row(n) = weights.transpose();
@@ -317,7 +265,6 @@ class DenseFlow final : public Matcher {
         ++n;
       }
     }
-    out.diag.set("found_pieces", pieces.found_share());
     return out;
   }
 

@@ -117,28 +117,6 @@ TEST_F(DenseFlow, LeavesOutWhatAnArmHides) {
   EXPECT_LT(*std::max_element(errors.begin(), errors.end()), 3.0);
 }
 
-TEST_F(DenseFlow, SaysHowManyPiecesOfTheTextureAreFound) {
-  const DevelopableSheet now = scene_.bent(0.34, {.distance_m = 0.55, .tilt_y_rad = 0.11});
-  Image image = scene_.image_of(now, rng_);
-  const auto found_pieces = [&] {
-    const PluginAnswer outcome = find(image, scene_.shape_of(before_));
-    EXPECT_EQ(outcome.status, WEFT_OK) << outcome.message;
-    return outcome.get<Correspondences>()->diag.value("found_pieces", -1.0);
-  };
-  const double whole = found_pieces();
-  EXPECT_GT(whole, 0.95);
-  Array<std::uint8_t> covered({image.pixels.dim(0), image.pixels.dim(1)});
-  for (std::int64_t y = 0; y < covered.dim(0); ++y) {
-    for (std::int64_t x = 0; x < covered.dim(1); ++x) {
-      covered(y, x) = 2 * x < covered.dim(1) ? std::uint8_t{90} : image.pixels(y, x);
-    }
-  }
-  image.pixels = covered;
-  const double half = found_pieces();
-  EXPECT_GT(half, 0.3);
-  EXPECT_LT(half, 0.7);
-}
-
 TEST_F(DenseFlow, DoubtsAShapeOfWhichTheImageShowsAPartOnly) {
   const DevelopableSheet now = scene_.bent(0.34, {.distance_m = 0.55, .tilt_y_rad = 0.11});
   Image image = scene_.image_of(now, rng_);
