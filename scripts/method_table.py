@@ -6,11 +6,11 @@ or measures its figures anew:               method_table.py --measure ROOT RESUL
 The lines of docs/methods.md between `<!-- methods -->` and `<!-- /methods -->` are the table of all
 solvers. Who made them, what each reads and whether it is trained is what the manifests of the
 installed plugins say (WEFT, the program; WEFT_PLUGIN_PATH). Errors and times are those of
-docs/evidence/methods.json, which also has what no manifest says: whose settings a row has, and against
-what the solver was verified. --measure writes the figures from the results folders of the ablations
-solvers_first_test, solvers_kinect, solvers_cloth and solvers_curved (mean 3D error, mm) and of one
-that was run with --timing (solvers_times, ms of processor time a frame). A folder that is not given
-leaves its figures as they are; values of the axis that are no solver are left out.
+docs/evidence/methods.json, which also has what no manifest says: whose settings a row has, and
+against what the solver was verified. --measure writes the figures from the results folders of the
+ablations solvers_first_test, solvers_folds, solvers_kinect, solvers_cloth and solvers_curved (mean
+3D error, mm) and of one that was run with --timing (solvers_times, ms of processor time a frame). A
+row that is not measured keeps its figures; values of the axis that are no solver are left out.
 
 It also checks that every installed component with a reference says what it implements, and that the
 tables of README.md and of that page carry the word of each solver, filter and warp.
@@ -30,14 +30,18 @@ PAGE, FIGURES = "docs/methods.md", "docs/evidence/methods.json"
 BEGIN, END = "<!-- methods -->", "<!-- /methods -->"
 FIX = "write it anew with scripts/method_table.py --write WEFT ROOT"
 # Plans, and what their column says.
-COLUMNS = {"solvers_first_test": "FREX, mm", "solvers_kinect": "Kinect, mm",
+COLUMNS = {"solvers_first_test": "FREX, mm", "solvers_folds": "folds, mm",
+           "solvers_kinect": "Kinect, mm",
            "solvers_cloth": "cloth, mm", "solvers_curved": "curved, mm", "solvers_times": "ms"}
+# Rows that do not begin with the default start of their solver.
+STARTS = {"particle_sft_flat_start": "`plain_start`"}
 # What the file of figures says of each row in words.
 WORDS = {"settings": "settings", "verified_against": "verified against"}
 # The groups of the table, in this order.
 GROUPS = ["paper", "reconstruction", "own"]
 README = "README.md"
-HEAD = ["method", "by", "implements", *WORDS.values(), "registration", "wide baseline", "training", "start", *COLUMNS.values(),
+HEAD = ["method", "by", "implements", *WORDS.values(), "registration", "wide baseline", "training",
+        "start", *COLUMNS.values(),
         "code"]
 # Rows that are a solver with other settings than its defaults, by a value of the plans' axis.
 VARIANTS = {"chhatkuli_2014": "solvers/chhatkuli_stable", "chhatkuli_2017": "solvers/chhatkuli_stable",
@@ -123,7 +127,8 @@ def table_of(solvers: dict[str, dict[str, Any]], figures: dict[str, dict[str, An
         rows.append([f"`{name}`", author_of(name, manifest), manifest["implements"],
                      *(figures.get(word, {}).get(name, "-") for word in WORDS),
                      registration_of(manifest),
-                     baseline_of(manifest), training_of(manifest), start_of(manifest),
+                     baseline_of(manifest), training_of(manifest),
+                     STARTS.get(name) or start_of(manifest),
                      *(figure(figures.get(plan, {}).get(name)) for plan in COLUMNS),
                      f"[{manifest['version']}](../plugins/{component})"])
     return ["", f"| {' | '.join(HEAD)} |", "|---" * len(HEAD) + "|",
