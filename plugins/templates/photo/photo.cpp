@@ -137,7 +137,7 @@ class PhotoTemplate final : public TemplateBuilder {
   /// of which hands or the photograph's border hide more is taken where there is no other, or where
   /// the other is far smaller: a frame that is printed on it.
   Result<FoundSheet> found_sheet(Photograph& photo) const {
-    constexpr double kFarMore = 1.5;
+    constexpr double kFarMore = 1.5, kMore = 1.2;
     auto found = find_sheet(photo);
     Photograph straight = photo;
     for (const double k1 : {-0.1, -0.2, 0.1}) {
@@ -146,13 +146,16 @@ class PhotoTemplate final : public TemplateBuilder {
       photo.camera.coefficients = {k1, 0.0, 0.0, 0.0, 0.0};
       if (auto bent = find_sheet(photo)) found = std::move(bent);
     }
+    const auto is_larger = [](const Result<FoundSheet>& a, const Result<FoundSheet>& b,
+                              double times) {
+      return a && (!b || signed_area_px2(a->corners_px) > times * signed_area_px2(b->corners_px));
+    };
     const auto held = find_sheet(straight, Missing::to_hands);
-    const bool is_held = held && (!found || held->merit > kFarMore * found->merit);
-    if (found && !is_held) return found;
+    if (found && !is_larger(held, found, kFarMore)) return found;
     photo = std::move(straight);
-    if (is_held) return held;
     const auto at_border = find_sheet(photo, Missing::one_side);
-    return at_border ? at_border : wrong(found.error().message);
+    if (is_larger(at_border, held, kMore)) return at_border;
+    return held ? held : wrong(found.error().message);
   }
 
   /// By the corners that are given, or found.

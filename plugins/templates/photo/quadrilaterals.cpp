@@ -72,6 +72,10 @@ double merit_of(const Quadrilateral& shape, const std::vector<StraightLine>& lin
     arms[k] += line.covered(from, from + kArm * (to - from)) >= kLeastOfArm ? 1 : 0;
     arms[next] += line.covered(to, to + kArm * (from - to)) >= kLeastOfArm ? 1 : 0;
   }
+  for (std::size_t k = 0; k < 4; ++k) {
+    const bool is_border = needed.one_side_from && shape.lines[k] >= *needed.one_side_from;
+    if (is_border && (arms[k] < 2 || arms[(k + 1) % 4] < 2)) return 0.0;
+  }
   return std::count(arms.begin(), arms.end(), 2) >= needed.corners ? 0.25 * sum * area : 0.0;
 }
 

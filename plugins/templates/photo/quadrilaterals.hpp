@@ -29,7 +29,7 @@ struct Needed {
   double share_of_side = 0.5;  ///< [] of each side
   int corners = 3;             ///< with edges on both sides of them
   double beside_px = 1.0;      ///< how far corners may be outside of the picture
-  /// If given, just one of its sides is this line or one behind it.
+  /// If given, just one of its sides is this line or one behind it, and its corners are seen.
   std::optional<std::size_t> one_side_from{};
 };
 

@@ -78,7 +78,7 @@ struct Demands {
 
 Demands demands_of(Missing missing) {
   if (missing == Missing::little) return {0.5, 0.65, 3, false, 1.0, {3.0, 1.0}};
-  return {0.3, 0.6, 2, true, 15.0, {6.0, 2.5}};
+  return {0.25, 0.6, 2, true, 15.0, {6.0, 2.5}};
 }
 
 /// How much speaks for a quadrilateral; nothing where its sides are no edges.
@@ -96,7 +96,12 @@ std::optional<double> merit_of_fit(const FittedSides& fitted, const Eigen::Vecto
     const bool ends = border == (k + 3) % 4 || last.at_end >= kAtCorner;
     const bool begins = border == k || side.at_start >= kAtCorner;
     corners += ends && begins ? 1 : 0;
-    if (border == k) continue;
+    if (border == k) {
+      // The sides beside it go on to the border, or they are not cut off by it.
+      const SideEvidence& next = fitted.sides[(k + 1) % 4];
+      if (last.at_end < kAtCorner || next.at_start < kAtCorner) return std::nullopt;
+      continue;
+    }
     const double seen = demands.in_runs ? side.in_runs : side.whole;
     least = std::min(least, seen);
     sum += seen;
@@ -162,7 +167,7 @@ std::optional<FoundSheet> best_sheet(const Photograph& photo, const SmallView& v
       continue;
     }
     most = *merit;
-    best = FoundSheet{fitted.corners_px, border, *merit / view.whole_px().prod()};
+    best = FoundSheet{fitted.corners_px, border};
   }
   return best;
 }

@@ -19,7 +19,6 @@ enum class Missing {
 struct FoundSheet {
   Corners corners_px{};                    ///< ideal px
   std::optional<std::size_t> border_side;  ///< from this corner to the next it ends at the border
-  double merit = 0.0;                      ///< [] the measure below, over the photograph's area
 };
 
 /// The corners, in ideal px, of the largest rectangle of a photograph whose sides are straight
@@ -32,12 +31,12 @@ struct FoundSheet {
 ///    three, at which a side goes on: a printed frame is smaller than its sheet, lines of a table
 ///    go on;
 /// 4. its sides are fitted again in the photograph itself, to a fraction of a pixel.
-/// Where more may be missing, the sheet covers a quarter of the photograph; its sides are edges
-/// along 30 % of their length, in runs without gaps and within 2.5 px, as paper that is held is not
-/// straight; two corners are enough, and corners may be 15 px outside of the 1000. A side on the
-/// border of the photograph is taken only if two others meet it within 10 degrees of a right angle
-/// and all four are a rectangle within 3 degrees, as those of a sheet that is cut off aslant are
-/// not.
+/// Where more may be missing, the sheet covers a quarter of the photograph. Its sides are edges
+/// along 25 % of their length, in runs without gaps and within 2.5 px, as paper that is held is not
+/// straight. Two corners are enough, and corners may be 15 px outside of the 1000. A side on the
+/// border of the photograph is taken only if two others meet it there within 10 degrees of a right
+/// angle and all four are a rectangle within 3 degrees, as those of a sheet that is cut off aslant
+/// are not.
 /// Fails, saying what to do, where there is none.
 Result<FoundSheet> find_sheet(const Photograph& photo, Missing missing = Missing::little);
 

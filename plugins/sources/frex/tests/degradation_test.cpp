@@ -105,11 +105,12 @@ TEST(Degradation, TheExposureStepsUpAndDownEveryFiveFrames) {
 }
 
 TEST(Degradation, AHandCoversItsShareOfTheSheetAndHidesWhatIsUnderIt) {
-  SmallFilm free("pattern: roll, noise_grey: 0");
+  SmallFilm free("pattern: roll, noise_grey: 0, blur_px: 0");
   const GroundTruth whole = free.truth(8);
   const auto seen = free.pixels(8);
   for (const double share : {0.1, 0.4, 0.7}) {
-    SmallFilm held("pattern: roll, noise_grey: 0, hand_share: " + std::to_string(share));
+    SmallFilm held("pattern: roll, noise_grey: 0, blur_px: 0, hand_share: " +
+                   std::to_string(share));
     const GroundTruth truth = held.truth(8);
     EXPECT_EQ(truth.points_m.matrix<3>(), whole.points_m.matrix<3>());
     const auto pixels = held.pixels(8);

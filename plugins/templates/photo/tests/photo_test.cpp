@@ -168,13 +168,13 @@ TEST(PhotoTemplate, SaysWhichSideIsTheBorderOfThePhotograph) {
   PhotoFolder folder;
   Still still = still_of(640, false);
   const Camera& camera = still.camera.camera;
-  const double below_px = static_cast<double>(camera.height_px) + 10.0 - camera.cy;
+  const double below_px = static_cast<double>(camera.height_px) + 40.0 - camera.cy;
   still.aside_m.y() = below_px * still.distance_m / camera.fy - 0.5 * still.height_m;
   folder.take(still);
   const PluginAnswer answer = folder.build(kSize + folder.with_camera());
   EXPECT_EQ(answer.status, WEFT_DEGENERATE) << answer.message;
   EXPECT_THAT(answer.message, HasSubstr("the lower side of the sheet is the border"));
-  const double seen_m = still.height_m - 10.5 * still.distance_m / camera.fy;
+  const double seen_m = still.height_m - 40.5 * still.distance_m / camera.fy;
   EXPECT_NEAR(height_of(built(answer)) / seen_m, 1.0, 0.01);
 }
 

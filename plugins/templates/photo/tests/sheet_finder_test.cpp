@@ -89,7 +89,6 @@ TEST(FindSheet, FindsASheetThatIsHeldByTwoHands) {
   Still still = still_of(960, false);
   still.tilt_rad = 0.2;
   still.roll_rad = 0.12;
-  still.distance_m = 0.5;
   for (const double share : {0.4, 0.6}) {
     Photograph photo = photograph_of(still);
     const Corners truth = true_corners(still);
