@@ -414,7 +414,7 @@ TEST(Report, WritesTablesAndAFigureForAPaperWithTheirOrigin) {
               HasSubstr("% Filters <on> a plain sheet: Weft 0.1.0, weft ablate stages.yaml "
                         "--out results/stages\n% sequences (name and data seed): plain_101, "));
   EXPECT_THAT(table,
-              HasSubstr("\\begin{tabular}{llrrrrrrrr}\n\\toprule\nfilter & alpha & mean, mm & "
+              HasSubstr("\\begin{tabular}{llrrrrrrrrl}\n\\toprule\nfilter & alpha & mean, mm & "
                         "95 \\% from & to & worst, mm"));
   EXPECT_THAT(table, HasSubstr("\nsteady & 0.1 & 2.395 & "));
   const std::string figure = fake.read("paper/errors.svg");
