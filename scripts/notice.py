@@ -44,6 +44,7 @@ LIBRARIES = (
     Library("GMP", "LGPL-3.0-or-later", r"gmp(xx)?\.h", r"libgmp"),
     Library("Highway 1.0", "Apache-2.0", r"hwy/", r"libhwy"),
     Library("libjpeg-turbo 2.1", "IJG, BSD-3-Clause", r"j(peglib|error|morecfg|config)\.h", r"libjpeg"),
+    Library("libpng 1.6", "libpng", r"png\.h|pngconf\.h|pnglibconf\.h", r"libpng"),
     Library("libzip", "BSD-3-Clause", r"zip(conf)?\.h", r"libzip"),
     Library("MPFR", "LGPL-3.0-or-later", r"mpfr\.h", r"libmpfr"),
     Library("nlohmann-json", "MIT", r"nlohmann/"),

@@ -28,6 +28,8 @@ ordered_json truth_json(const std::string& kind, const TruthSurvey& truth) {
           {"points_behind_camera", truth.points_behind},
           {"nearest_m", measured ? ordered_json(truth.nearest_m) : ordered_json()},
           {"furthest_m", measured ? ordered_json(truth.furthest_m) : ordered_json()},
+          {"largest_side_m",
+           truth.largest_side_m > 0.0 ? ordered_json(truth.largest_side_m) : ordered_json()},
           {"depth_percent", truth.depth_percent},
           {"frames_with", truth.has}};
 }

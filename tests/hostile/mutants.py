@@ -28,6 +28,7 @@ from camera_mutants import camera_mutant
 from found_mesh_mutants import found_mesh_mutant
 from image_mutants import image_mutant
 from mesh_mutants import mesh_mutant
+from part_mutants import PartFiles
 from program import Program
 from run_mutants import RunFolders
 from scale_mutants import scale_mutant
@@ -38,30 +39,31 @@ Maker = Callable[[Random], Mutant]
 
 def makers_of(program: Program) -> list[Maker]:
     """All makers, each as often as its share of the mutants."""
-    runs = RunFolders(program)
+    runs, parts = RunFolders(program), PartFiles(program)
     shares = [(36, pipeline_mutant), (22, plan_mutant), (12, camera_mutant),
               (4, camera_format_mutant), (8, mesh_mutant), (6, found_mesh_mutant),
               (4, scale_mutant), (8, runs.mutant), (4, runs.bytes_mutant), (6, bytes_mutant),
-              (4, path_mutant), (4, image_mutant)]
+              (4, path_mutant), (4, image_mutant), (8, parts.mutant)]
     return [maker for share, maker in shares for _ in range(share)]
 
 
-# That can be asked for alone, as often as one likes.
-BY_KIND = {"pipeline": pipeline_mutant, "plan": plan_mutant, "camera": camera_mutant,
-           "camera format": camera_format_mutant,
-           "mesh": mesh_mutant, "found mesh": found_mesh_mutant, "scale": scale_mutant,
-           "bytes": bytes_mutant, "path": path_mutant, "image": image_mutant}
+# That can be asked for alone, as often as one likes; those of a class need the program to be made.
+BY_KIND: dict[str, Maker | Callable[[Program], object]] = {
+    "pipeline": pipeline_mutant, "plan": plan_mutant, "camera": camera_mutant,
+    "camera format": camera_format_mutant, "mesh": mesh_mutant, "found mesh": found_mesh_mutant,
+    "scale": scale_mutant, "bytes": bytes_mutant, "path": path_mutant, "image": image_mutant,
+    "run": RunFolders, "part file": PartFiles}
+
+
+def makers_by_kind(kinds: list[str], program: Program) -> list[Maker]:
+    made = [BY_KIND[kind] for kind in kinds]
+    return [each(program).mutant if isinstance(each, type) else each for each in made]
 
 
 def mutant_of(makers: list[Maker], seed: int, index: int) -> Mutant:
     """The same mutant whatever else is asked: all draws come from the seed and the index."""
     rng = Random(f"{seed}/{index}")
     return rng.choice(makers)(rng)
-
-
-def kind_at(kinds: list[str], index: int) -> list[Maker]:
-    """The maker of a mutant where kinds are asked for, which take turns."""
-    return [BY_KIND[kinds[index % len(kinds)]]]
 
 
 def ask(program: Program, makers: list[Maker], seed: int, index: int,
@@ -101,14 +103,14 @@ def main(words: list[str]) -> int:
     arguments = arguments_of(words)
     program = Program(arguments.weft, arguments.plugin_path)
     kinds = arguments.kinds
-    makers = [] if kinds else makers_of(program)
+    makers = makers_by_kind(kinds, program) if kinds else makers_of(program)
     count = arguments.count * max(1, len(kinds))
     which = range(count) if arguments.only is None else [arguments.only]
     print(f"seed {arguments.seed}, {len(which)} mutants")
     with ThreadPoolExecutor(arguments.jobs) as pool:
         verdicts = list(pool.map(
-            lambda index: ask(program, kind_at(kinds, index) if kinds else makers, arguments.seed,
-                              index, arguments.keep), which))
+            lambda index: ask(program, [makers[index % len(makers)]] if kinds else makers,
+                              arguments.seed, index, arguments.keep), which))
     options = " ".join(f"--plugin-path {folder}" for folder in arguments.plugin_path)
     options += f" --kinds {','.join(kinds)}" if kinds else ""
     for index, verdict in zip(which, verdicts):

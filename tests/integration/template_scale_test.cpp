@@ -39,8 +39,9 @@ TEST_F(TemplateScale, IsNotInheritedForAnotherTexture) {
   std::filesystem::copy_file(kTexture, path("own.png"));
   const Ended refused = weft({"check", demo("texture: own.png")});
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_THAT(refused.err, AllOf(HasSubstr("mine.yaml:3:"), HasSubstr("'width_m' describes, 0.297"),
-                                 HasSubstr("sparse.yaml:"), HasSubstr("give 'width_m' of this one")));
+  EXPECT_THAT(refused.err,
+              AllOf(HasSubstr("mine.yaml:3:"), HasSubstr("'width_m' describes, 0.297"),
+                    HasSubstr("sparse.yaml:"), HasSubstr("give 'width_m' of this one")));
   EXPECT_EQ(weft({"check", demo("texture: own.png, width_m: 0.42")}).exit_code, 0);
   EXPECT_EQ(weft({"check", demo("texture: '" + kTexture + "'")}).exit_code, 0) << "the same file";
   const std::string set = "template.texture=" + path("own.png");
@@ -65,6 +66,34 @@ TEST_F(TemplateScale, IsDoubtedAboveFiveMetresAndBelowFiveMillimetres) {
     EXPECT_THAT(weft({"template", "show", pipeline}).out, HasSubstr(size));
   }
   EXPECT_THAT(weft({"check", kPipelines + "/sparse.yaml"}).err, Not(HasSubstr("warning")));
+}
+
+TEST_F(TemplateScale, IsDoubtedByDataInfoInTemplateAndTruth) {
+  std::filesystem::create_directories(path("seen/frames"));
+  std::filesystem::create_directories(path("seen/gt"));
+  std::filesystem::copy_file(kTexture, path("seen/frames/a.png"));
+  write("{fx: 900, fy: 900, cx: 420, cy: 297, width: 842, height: 595}\n", "seen/camera.yaml");
+  write(
+      "weft: 1\nsource: {use: sources/images, params: {path: frames/*.png, camera: camera.yaml, "
+      "truth: gt/*.csv}}\ntemplate: {use: templates/rectangular, params: {texture: frames/a.png, "
+      "width_m: 42}}\n",
+      "seen/sequence.yaml");
+  // Metres times 1e6 where millimetres are asked for, and metres as they are.
+  for (const auto& [unit, size] : {std::pair{1e6, "297 m large"}, {1.0, "0.297 mm small"}}) {
+    std::ostringstream points;
+    points << "point_id,template_x_mm,template_y_mm,u_px,v_px,X_mm,Y_mm,Z_mm\n";
+    int id = 0;
+    for (const auto& [x, y] : {std::pair{0.0, 0.0}, {0.297, 0.0}, {0.297, 0.21}, {0.0, 0.21}}) {
+      points << ++id << "," << 1e3 * x << "," << 1e3 * y << ",10,10," << unit * x << "," << unit * y
+             << "," << unit * 0.6 << "\n";
+    }
+    write(points.str(), "seen/gt/a_points.csv");
+    const Ended informed = weft({"data", "info", path("seen")});
+    EXPECT_EQ(informed.exit_code, 0) << informed.err;
+    EXPECT_THAT(informed.out,
+                AllOf(HasSubstr(std::string("truth points: the surface is ") + size),
+                      HasSubstr("template: the surface is 42 m large: is 'width_m'")));
+  }
 }
 
 TEST_F(TemplateScale, OfAMeshInCentimetresNamesItsUnit) {

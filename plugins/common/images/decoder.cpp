@@ -1,25 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/images/decoder.hpp"
 
+#include <ios>
+#include <iostream>
+#include <mutex>
+#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "common/images/jpeg_decoder.hpp"
+#include "common/images/png_decoder.hpp"
 
 namespace weft::image_files {
 namespace {
-
-/// A PNG without the chunks that no pixel depends on: libpng prints what it finds odd in them.
-std::string essential_chunks(const std::string& png) {
-  const detail::Bytes bytes(png);
-  std::string kept(bytes.part(0, 8));
-  for (std::uint64_t at = 8; bytes.has(at + 12); at += 12 + std::uint64_t{bytes.big32(at)}) {
-    const bool critical = (bytes.at(at + 4) & 0x20U) == 0;
-    if (critical || bytes.part(at + 4, 4) == "tRNS") {
-      kept += bytes.part(at, 12 + std::uint64_t{bytes.big32(at)});
-    }
-  }
-  return kept;
-}
 
 /// A TIFF with the orientation 1: OpenCV applies others in part, even if it is told not to.
 std::string without_orientation(const std::string& tiff) {
@@ -33,7 +25,41 @@ std::string without_orientation(const std::string& tiff) {
   return plain;
 }
 
+/// While one lives, std::cerr takes nothing: OpenCV prints there whatever a decoder throws, and has
+/// no switch for it. Threads may decode at once; the last one out gives std::cerr its state back.
+class QuietErrors {
+ public:
+  QuietErrors() {
+    const std::lock_guard lock(mutex());
+    if (count()++ == 0) state() = std::cerr.rdstate();
+    std::cerr.setstate(std::ios_base::failbit);
+  }
+  ~QuietErrors() {
+    const std::lock_guard lock(mutex());
+    if (--count() == 0) std::cerr.clear(state());
+  }
+  QuietErrors(const QuietErrors&) = delete;
+  QuietErrors& operator=(const QuietErrors&) = delete;
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex one;
+    return one;
+  }
+  static int& count() {
+    static int decoding = 0;
+    return decoding;
+  }
+  static std::ios_base::iostate& state() {
+    static std::ios_base::iostate before = std::ios_base::goodbit;
+    return before;
+  }
+};
+
+/// The log of OpenCV, to which libtiff reports, is silenced for good, as for films.
 cv::Mat decode_by_opencv(const std::string& bytes, Channels channels) {
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+  const QuietErrors quiet;
   const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
   const int flags = channels == Channels::grey
                         ? cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION
@@ -54,8 +80,7 @@ Decoded decode_stored(const ImageFile& file, Channels channels) {
     decoded.damage = decode_jpeg(bytes, channels == Channels::grey, decoded.pixels);
     return decoded;
   }
-  if (bytes.starts_with("\x89PNG"))
-    return {decode_by_opencv(essential_chunks(bytes), channels), {}};
+  if (bytes.starts_with("\x89PNG")) return {decode_png(bytes, channels == Channels::grey), {}};
   const bool turned = file.header.orientation != 1;
   return {decode_by_opencv(turned ? without_orientation(bytes) : bytes, channels), {}};
 }

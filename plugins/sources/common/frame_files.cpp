@@ -6,12 +6,15 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
+#include <string_view>
 #include <weft/core/file_order.hpp>
 
 namespace weft::sources {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::string_view kPart = ".part";
 
 bool has_wildcard(const std::string& text) { return text.find_first_of("*?[") != text.npos; }
 
@@ -23,6 +26,15 @@ bool is_there(const fs::path& path) {
 bool is_folder(const fs::path& path) {
   std::error_code code;
   return fs::is_directory(path, code);
+}
+
+bool is_unfinished(const std::string& name) {
+  constexpr std::size_t kDigits = 12;
+  if (name.size() <= kDigits + kPart.size() + 1 || !name.ends_with(kPart)) return false;
+  const std::string_view rest = std::string_view(name).substr(0, name.size() - kPart.size());
+  const std::string_view digits = rest.substr(rest.size() - kDigits);
+  return rest[rest.size() - kDigits - 1] == '.' &&
+         digits.find_first_not_of("0123456789abcdef") == digits.npos;
 }
 
 /// Adds what below `base` matches the parts of the path that remain. Fails on a folder that cannot
@@ -41,7 +53,7 @@ Result<void> expand(const fs::path& base, fs::path::iterator part, fs::path::ite
   std::error_code code;
   for (fs::directory_iterator entry(base, code), last; !code && entry != last;
        entry.increment(code)) {
-    if (fnmatch(name.c_str(), entry->path().filename().c_str(), FNM_PERIOD) != 0) continue;
+    if (!matches_name(name, entry->path().filename().string())) continue;
     if (auto done = expand(entry->path(), std::next(part), end, found); !done) return done;
   }
   if (!code) return {};
@@ -62,6 +74,11 @@ std::string explanation(const fs::path& pattern) {
 }
 
 }  // namespace
+
+bool matches_name(const std::string& pattern, const std::string& name) {
+  if (fnmatch(pattern.c_str(), name.c_str(), FNM_PERIOD) != 0) return false;
+  return pattern.ends_with(kPart) || !is_unfinished(name);
+}
 
 Result<std::vector<std::string>> matching_files(const std::string& pattern) {
   const fs::path path(pattern);

@@ -31,8 +31,10 @@ Result<std::string> stem_of_frame(const std::string& path, const std::set<std::s
     if (frames.count(stem) > 0) return std::move(stem);
     tried += (tried.empty() ? "" : " or ") + quote(stem);
   }
-  return Error{Errc::invalid_data, path + ": belongs to no frame: none has the stem " + tried +
-                                       "; rename it to STEM or STEM_KIND, or narrow 'truth'"};
+  return Error{Errc::invalid_data,
+               path + ": belongs to no frame: none has the stem " + tried +
+                   "; rename it to STEM or STEM_KIND, narrow 'truth', or remove the file "
+                   "if its writer was stopped before the image"};
 }
 
 }  // namespace

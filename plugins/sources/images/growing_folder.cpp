@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "growing_folder.hpp"
 
-#include <fnmatch.h>
-
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -11,6 +9,8 @@
 #include <utility>
 #include <weft/core/file_order.hpp>
 #include <weft/core/stop_check.hpp>
+
+#include "common/frame_files.hpp"
 
 namespace weft::images {
 namespace {
@@ -88,7 +88,7 @@ Result<void> GrowingFolder::list(const Call& call) {
        entry.increment(code)) {
     worked(kPassesAnEntry);
     std::string name = entry->path().filename().string();
-    if (settled_.count(name) > 0 || fnmatch(name_.c_str(), name.c_str(), FNM_PERIOD) != 0) continue;
+    if (settled_.count(name) > 0 || !sources::matches_name(name_, name)) continue;
     if (natural_less(last_, name)) {
       waiting_.push_back(std::move(name));
       continue;

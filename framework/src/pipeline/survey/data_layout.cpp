@@ -77,7 +77,10 @@ Result<DataLayout> layout_of_yaml(const fs::path& file) {
     return Error{Errc::invalid_data, "names no source: give a file with `source: {use: ...}`",
                  file.string()};
   }
-  return DataLayout{"sequence", file.parent_path().string(), *source, {}};
+  DataLayout layout{"sequence", file.parent_path().string(), *source, {}, {}};
+  const yaml::Node* templ = document->root.find("template");
+  if (templ != nullptr && templ->find("use") != nullptr) layout.templ = *templ;
+  return layout;
 }
 
 /// Matches in files of their own, by the pattern or the file that names them.
@@ -86,11 +89,13 @@ Result<DataLayout> layout_of_matches(const fs::path& folder, const std::string& 
   auto camera = camera_beside(folder, given_camera);
   if (!camera) return camera.error();
   return DataLayout{
-      "matches", folder.string(),
+      "matches",
+      folder.string(),
       source_node(sources.matches, {{"path", files},
                                     {"camera", *camera},
                                     {"truth", pattern_in(folder / "gt", {".npz", ".csv"})}}),
-      first_of(folder, {"template/texture.png", "texture.png"})};
+      first_of(folder, {"template/texture.png", "texture.png"}),
+      {}};
 }
 
 Result<DataLayout> layout_of_images(const fs::path& folder, const FileSources& sources,
@@ -114,12 +119,14 @@ Result<DataLayout> layout_of_images(const fs::path& folder, const FileSources& s
   if (!camera) return camera.error();
   const std::string depth = pattern_in(folder / "depth", {".png"});
   return DataLayout{
-      depth.empty() ? "frames" : "frames with depth", folder.string(),
+      depth.empty() ? "frames" : "frames with depth",
+      folder.string(),
       source_node(sources.images, {{"path", images},
                                    {"camera", *camera},
                                    {"truth", pattern_in(folder / "gt", {".npz", ".csv"})},
                                    {"depth", depth}}),
-      first_of(folder, {"template/texture.png", "texture.png"})};
+      first_of(folder, {"template/texture.png", "texture.png"}),
+      {}};
 }
 
 }  // namespace
@@ -142,6 +149,7 @@ Result<DataLayout> find_data_layout(const std::string& path, const FileSources& 
   return DataLayout{"video",
                     place.parent_path().string(),
                     source_node(sources.video, {{"path", place.string()}, {"camera", *file}}),
+                    {},
                     {}};
 }
 

@@ -13,6 +13,7 @@ struct DataLayout {
   std::string folder;   ///< where relative paths of `source` stand; absolute
   yaml::Node source;    ///< {use, params} of the source that reads them
   std::string texture;  ///< [] path of the template's texture, or empty
+  yaml::Node templ;     ///< {use, params} of the template that a YAML file names, or null
 };
 
 /// Ids of the sources that read files; the program says which.

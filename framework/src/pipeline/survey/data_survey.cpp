@@ -7,8 +7,10 @@
 #include <weft/data/catalogue.hpp>
 #include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_model.hpp>
+#include <weft/geometry/surface_size.hpp>
 
 #include "host/calling/lane.hpp"
+#include "host/loading/component_checks.hpp"
 #include "pipeline/execution/checks.hpp"
 #include "roles/role_rules.hpp"
 
@@ -55,6 +57,14 @@ void add_points(const GroundTruth& given, const Camera& camera, TruthSurvey& tru
   truth.points += given.count();
 }
 
+void add_extent(const Array<double>& points_m, TruthSurvey& truth) {
+  constexpr std::int64_t kFewest = 3;  // of a surface; one or two may be as close as they like
+  if (!points_m.present() || points_m.dim(0) < kFewest) return;
+  const Points3 all_m = points_m.matrix<3>();
+  const double side_m = (all_m.colwise().maxCoeff() - all_m.colwise().minCoeff()).maxCoeff();
+  truth.largest_side_m = std::max(truth.largest_side_m, side_m);
+}
+
 void add_truth(const GroundTruth& given, DataSurvey& survey) {
   TruthSurvey& truth = survey.truth[given.kind];
   if (truth.frames == 0) truth.fewest_points = given.count();
@@ -73,6 +83,8 @@ void add_truth(const GroundTruth& given, DataSurvey& survey) {
   truth.has["match_xy_px"] += given.match_xy_px.present();
   truth.has["match_label"] += given.match_label.present();
   add_points(given, survey.camera, truth);
+  add_extent(given.points_m, truth);
+  add_extent(given.cloud_m, truth);
   if (given.depth_m.present()) add_depth(given.depth_m, truth);
 }
 
@@ -117,6 +129,27 @@ void add_findings(DataSurvey& survey) {
     find(depths > 0 && depths < truth.frames,
          name + ": " + std::to_string(truth.frames - depths) + " frames have no depth image");
     find(truth.fewest_points != truth.most_points, name + ": frames differ in their points");
+    if (truth.largest_side_m == 0.0) continue;
+    const std::string doubt =
+        size_doubt(truth.largest_side_m, truth.has["cloud_m"] > 0 ? "truth_unit_m" : "");
+    find(!doubt.empty(), name + ": " + doubt);
+  }
+}
+
+/// What `weft check` would say of the template that the file with the source names, its size among
+/// it.
+void add_template(const DataLayout& layout, const host::Registry& registry, DataSurvey& survey) {
+  const yaml::Node* use = layout.templ.find("use");
+  if (use == nullptr) return;
+  std::vector<yaml::Problem> problems, warnings;
+  const auto spec = host::resolve_component(
+      registry, *use, layout.templ.find("params"),
+      host::PathRules::of_process({layout.folder}, layout.folder), problems);
+  if (spec) host::ComponentChecks().ask(*spec, problems, &warnings);
+  for (const auto* found : {&problems, &warnings}) {
+    for (const yaml::Problem& each : *found) {
+      survey.findings.push_back("template: " + each.message);
+    }
   }
 }
 
@@ -162,6 +195,7 @@ Result<DataSurvey> survey_data(const DataLayout& layout, const host::Registry& r
     }
   }
   add_findings(survey);
+  add_template(layout, registry, survey);
   return survey;
 }
 

@@ -27,6 +27,7 @@ struct TruthSurvey {
   double depth_percent = 0.0;               ///< [] pixels with a depth, mean over frames with some
   double nearest_m = std::numeric_limits<double>::infinity();  ///< [] m, of depth and points
   double furthest_m = 0.0;                                     ///< [] m
+  double largest_side_m = 0.0;  ///< [] m, of the box around the points of a frame; 0: no points
 };
 
 /// What the data at a path hold.

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <iostream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <weft/core/rng.hpp>
@@ -186,6 +187,74 @@ TEST(Decoder, PrintsNothingOfOddChunksInPng) {
   ::testing::internal::CaptureStderr();
   expect_equal(decode_stored(file).pixels, picture(3));
   EXPECT_THAT(::testing::internal::GetCapturedStderr(), IsEmpty());
+}
+
+std::string chunk(const std::string& type, const std::string& data) {
+  const auto big32 = [](std::uint32_t value) {
+    std::string bytes;
+    for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift & 0xFFU);
+    return bytes;
+  };
+  const auto length = static_cast<std::uint32_t>(data.size());
+  return big32(length) + type + data + big32(detail::crc32(type + data));
+}
+
+/// One byte of the coded pixels is another, and the checksum of the chunk is right again.
+ImageFile with_other_code(const ImageFile& png, Rng& rng) {
+  ImageFile file = png;
+  const std::size_t at = file.bytes.find("IDAT");
+  const std::uint32_t length = detail::Bytes(file.bytes).big32(at - 4);
+  std::string data = file.bytes.substr(at + 4, length);
+  data[rng.below(length)] ^= static_cast<char>(1 << rng.below(8));
+  file.bytes.replace(at - 4, length + 12, chunk("IDAT", data));
+  return file;
+}
+
+TEST(Decoder, PrintsNothingOfDamagedImagesOfAnyFormat) {
+  SCOPED_TRACE(kSeed);
+  Rng rng(kSeed);
+  int undecoded = 0;
+  ::testing::internal::CaptureStderr();
+  for (const char* extension : {".png", ".tiff", ".webp", ".bmp", ".pgm", ".pbm"}) {
+    const ImageFile whole = encoded(extension, picture(1));
+    for (int trial = 0; trial < 150; ++trial) {
+      ImageFile damaged = whole;
+      for (std::uint64_t flip = 0; flip < 1 + rng.below(20); ++flip) {
+        char& byte = damaged.bytes[rng.below(whole.bytes.size())];
+        byte = static_cast<char>(byte ^ 1 << rng.below(8));
+      }
+      if (rng.below(3) == 0) damaged.bytes.resize(rng.below(whole.bytes.size()));
+      // What the header already refuses is never decoded.
+      if (const auto header = read_image_header(damaged.bytes)) {
+        damaged.header = *header;
+        undecoded += decode_stored(damaged).pixels.empty() ? 1 : 0;
+      }
+      if (std::string(extension) == ".png") {
+        undecoded += decode_stored(with_other_code(whole, rng)).pixels.empty() ? 1 : 0;
+      }
+    }
+  }
+  std::cerr << "afterwards";
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "afterwards");
+  EXPECT_GT(undecoded, 100) << "the damage must reach the decoders";
+}
+
+TEST(Decoder, DecodesPngOfSixteenBitsAndWithAColourForTransparentAsOpenCvDoes) {
+  for (const int channels : {1, 3, 4}) {
+    cv::Mat deep;
+    picture(channels).convertTo(deep, CV_16U, 255.0, 7.0);
+    const ImageFile file = encoded(".png", deep);
+    expect_equal(decode_stored(file).pixels, deep);
+    expect_equal(decode_stored(file, Channels::grey).pixels, by_opencv(file, cv::IMREAD_GRAYSCALE));
+  }
+  for (const int channels : {1, 3}) {
+    ImageFile file = encoded(".png", picture(channels));
+    const std::string colour(channels == 1 ? std::string("\0\x09", 2)
+                                           : std::string("\0\x31\0\x1D\0\x09", 6));
+    file.bytes.insert(33, chunk("tRNS", colour));
+    expect_equal(decode_stored(file).pixels, by_opencv(file, cv::IMREAD_UNCHANGED));
+    expect_equal(decode_stored(file, Channels::grey).pixels, by_opencv(file, cv::IMREAD_GRAYSCALE));
+  }
 }
 
 TEST(Decoder, TurnsWhatBelongsToAnImageWithIt) {

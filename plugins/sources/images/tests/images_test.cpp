@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <fstream>
 #include <opencv2/imgproc.hpp>
 #include <weft/data/image.hpp>
 
@@ -73,6 +74,18 @@ TEST(ImagesSource, MatchesPatternsInFoldersToo) {
   folder.write_frame("run2/right/3.png");
   PluginUnderTest source = images_source(folder, "run[12]/l?ft/*.png");
   EXPECT_EQ(opened_count(source), 2);
+}
+
+TEST(ImagesSource, LeavesOutWhatWeftHasNotFinished) {
+  const FrameFolder folder;
+  folder.write_camera();
+  folder.write_frame("frames/0.png");
+  std::ofstream(folder.path("frames/1.png.0123456789ab.part")) << "begun";
+  PluginUnderTest source = images_source(folder, "frames/*");
+  EXPECT_EQ(opened_count(source), 1);
+  std::ofstream(folder.path("frames/1.png.part")) << "of another program";
+  PluginUnderTest other = images_source(folder, "frames/*");
+  EXPECT_EQ(opened_count(other), 2) << "a name that Weft does not write is a frame";
 }
 
 TEST(ImagesSource, TakesAFolderWithBracketsInItsNameAsItIs) {
