@@ -21,6 +21,7 @@
 #include "cli/standard_components.hpp"
 #include "cli/template/template_builder.hpp"
 #include "host/loading/component_checks.hpp"
+#include "metrics/runs/run_reader.hpp"
 #include "report/runs/run_report.hpp"
 
 namespace weft::cli {
@@ -209,6 +210,25 @@ Result<void> make_pipeline(TrackOptions& options, const host::Registry& registry
   return {};
 }
 
+/// In how many frames the object was found, and what to do where it was in none.
+void print_found(const std::string& folder) {
+  const auto reader = evaluation::RunReader::open(folder);
+  if (!reader) return;  // the report says why
+  const auto count = [&](ShapeState state) {
+    return std::count_if(reader->lines().begin(), reader->lines().end(),
+                         [&](const evaluation::FrameLine& line) { return line.state == state; });
+  };
+  const auto sure = count(ShapeState::estimated), unsure = count(ShapeState::weak);
+  fmt::print("found     in {} of {} frames", sure + unsure, reader->lines().size());
+  if (unsure > 0) fmt::print(", in {} of them not for sure (weak)", unsure);
+  fmt::print("\n");
+  if (sure + unsure > 0) return;
+  std::fflush(stdout);
+  fmt::print(stderr,
+             "warning: the object was found in no frame: is it the one in the photograph given as "
+             "--object, not mirrored, and is it in view, large and sharp enough?\n");
+}
+
 void track(TrackOptions options, Context& context) {
   const auto registry = context.registry();
   if (const auto made = make_pipeline(options, registry); !made) {
@@ -223,6 +243,7 @@ void track(TrackOptions options, Context& context) {
   run(arguments, context);
   if (context.exit_code != kDone && context.exit_code != kFramesFailed) return;
   if (!evaluation::is_run_folder(arguments.folder)) return;  // interrupted before the first frame
+  print_found(arguments.folder);
   const auto report = evaluation::write_run_report(
       arguments.folder, {{}, (program_root() / "share/weft/report").string()});
   if (!report) {

@@ -64,7 +64,7 @@ class DenseFlow final : public Matcher {
     p.read(
         "max_unlike", max_unlike_, "", {0.001, 1},
         "the matches' confidence is 1/2 where so much of the texture's contrast is not where the "
-        "shape says; hands before the object count as well");
+        "shape says; what a smooth thing covers counts a fifth");
     p.read("min_matches", min_matches_, "", {1, 10000}, "there is no result if fewer are found");
     view_.emplace(halvings_, true);
   }
@@ -273,7 +273,7 @@ class DenseFlow final : public Matcher {
   double search_px_ = 16.0;
   double min_share_ = 0.3;
   double max_disagreement_px_ = 3.0;
-  double max_unlike_ = 0.1;
+  double max_unlike_ = 0.095;
   int min_matches_ = 50;
 
   std::uint64_t loaded_ = 0;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <weft/core/index.hpp>
+#include <weft/core/statistics.hpp>
 #include <weft/core/stop_check.hpp>
 
 namespace weft::dense_flow {
@@ -14,8 +15,14 @@ constexpr double kAlikeContrast = 0.5;
 constexpr double kLeastContrast = 10.0;  // grey levels
 constexpr double kSamplesAlongCell = 12.0;
 constexpr double kFewestSamples = 16.0;
+// Where the image has so much less contrast than usual, something covers the texture.
+constexpr double kCovered = 0.3, kWeightOfCovered = 0.2;
 
 }  // namespace
+
+bool Likeness::Cell::has_contrast() const {
+  return count >= kFewestSamples && drawn2() >= kLeastContrast * kLeastContrast * count;
+}
 
 double Likeness::unlike_share(const view::ViewLevel& view, const view::Picture& image,
                               const Eigen::Vector2d& shift_px, const Points2& flat_px,
@@ -45,26 +52,29 @@ double Likeness::unlike_share(const view::ViewLevel& view, const view::Picture& 
       const auto drawn = static_cast<double>(view.grey.row(y)[x]);
       const auto seen = static_cast<double>(image.row(seen_y)[seen_x]);
       cell.count += 1.0;
-      cell.drawn += drawn;
-      cell.seen += seen;
-      cell.drawn2 += drawn * drawn;
-      cell.seen2 += seen * seen;
-      cell.both += drawn * seen;
+      cell.sum_drawn += drawn;
+      cell.sum_seen += seen;
+      cell.sum_drawn2 += drawn * drawn;
+      cell.sum_seen2 += seen * seen;
+      cell.sum_both += drawn * seen;
     }
   }
+  contrasts_.clear();
+  for (const Cell& cell : cells_) {
+    if (cell.has_contrast()) contrasts_.push_back(std::sqrt(cell.seen2() / cell.drawn2()));
+  }
+  if (contrasts_.empty()) return 0.0;
+  const double usual = median_in_place(contrasts_);
   double all = 0.0, unlike = 0.0;
   for (const Cell& cell : cells_) {
-    if (cell.count < kFewestSamples) continue;
-    const double drawn2 = cell.drawn2 - cell.drawn * cell.drawn / cell.count;
-    const double seen2 = cell.seen2 - cell.seen * cell.seen / cell.count;
-    const double both = cell.both - cell.drawn * cell.seen / cell.count;
-    if (drawn2 < kLeastContrast * kLeastContrast * cell.count) continue;
+    if (!cell.has_contrast()) continue;
+    const double drawn2 = cell.drawn2(), seen2 = cell.seen2();
     all += drawn2;
-    // An image without any contrast there correlates with nothing.
-    const bool alike = seen2 > 0.0 && both >= kAlikeContrast * std::sqrt(drawn2 * seen2);
-    if (!alike) unlike += drawn2;
+    if (seen2 > 0.0 && cell.both() >= kAlikeContrast * std::sqrt(drawn2 * seen2)) continue;
+    const bool is_covered = seen2 < kCovered * kCovered * usual * usual * drawn2;
+    unlike += is_covered ? kWeightOfCovered * drawn2 : drawn2;
   }
-  return all > 0.0 ? unlike / all : 0.0;
+  return unlike / all;
 }
 
 }  // namespace weft::dense_flow

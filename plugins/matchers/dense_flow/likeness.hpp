@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <functional>
 #include <vector>
 #include <weft/geometry/types.hpp>
@@ -14,7 +15,9 @@ namespace weft::dense_flow {
 /// How much of what the texture shows is in the image where a shape says. Counted in square cells
 /// of the texture, 48 along its diagonal: a cell is unlike if its drawn and its seen grey levels
 /// correlate by less than 0.5, and weighs as much as its drawn pixels differ from their mean, so
-/// that blank parts do not count.
+/// that blank parts do not count. Where the image has less than 0.3 of its usual contrast, in
+/// median over the cells, something smooth covers the texture, such as a hand: what is hidden
+/// counts a fifth.
 class Likeness {
  public:
   /// The texel [px] that a pixel of the level shows.
@@ -29,9 +32,17 @@ class Likeness {
 
  private:
   struct Cell {
-    double count = 0.0, drawn = 0.0, seen = 0.0, drawn2 = 0.0, seen2 = 0.0, both = 0.0;
+    double count = 0.0, sum_drawn = 0.0, sum_seen = 0.0;
+    double sum_drawn2 = 0.0, sum_seen2 = 0.0, sum_both = 0.0;
+
+    // Sums of squares and products about the means.
+    double drawn2() const { return sum_drawn2 - sum_drawn * sum_drawn / count; }
+    double seen2() const { return std::max(sum_seen2 - sum_seen * sum_seen / count, 0.0); }
+    double both() const { return sum_both - sum_drawn * sum_seen / count; }
+    bool has_contrast() const;
   };
   std::vector<Cell> cells_;
+  std::vector<double> contrasts_;
 };
 
 }  // namespace weft::dense_flow

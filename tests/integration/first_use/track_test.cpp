@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <weft/core/rng.hpp>
 
 #include "integration/shelled_program.hpp"
 
@@ -68,6 +70,7 @@ TEST_F(Track, FindsAFlatObjectInFramesWithoutAPipelineFile) {
                                HasSubstr("a sequence: their names are numbered"),
                                HasSubstr("frames_tracked/run/report.html")));
   EXPECT_THAT(ended.err, HasSubstr("not calibrated: the focal length is assumed"));
+  EXPECT_THAT(ended.out, HasSubstr("found     in 4 of 4 frames\n"));
   EXPECT_EQ(measured("frames_tracked"), 4);
   for (const char* made : {"overlay.avi", "meshes", "report.html"}) {
     EXPECT_TRUE(fs::exists(path("frames_tracked/run/") + made)) << made;
@@ -104,9 +107,62 @@ TEST_F(Track, TakesTheRectangleInAPhotographForTheObject) {
   EXPECT_EQ(measured("out"), 4);
 }
 
+/// 240 x 180 px of grey blobs, as a table or a wall has them.
+cv::Mat blobs() {
+  constexpr std::uint64_t kSeed = 50;
+  cv::Mat image(180, 240, CV_8U);
+  Rng rng(kSeed);
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      image.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(rng.below(256));
+    }
+  }
+  cv::GaussianBlur(image, image, {}, 2.5);
+  cv::normalize(image, image, 40, 220, cv::NORM_MINMAX);
+  return image;
+}
+
+TEST_F(Track, SaysThatTheObjectIsInNoImage) {
+  fs::create_directories(path("others"));
+  cv::imwrite(path("others/table.png"), blobs());
+  cv::imwrite(path("others/wall.png"), cv::Mat(180, 240, CV_8U, cv::Scalar(140)));
+  // Another print: the photograph of another test's object.
+  cv::Mat other = cv::imread(WEFT_OTHER_TEXTURE, cv::IMREAD_GRAYSCALE), small;
+  ASSERT_FALSE(other.empty());
+  cv::resize(other, small, {240, 180}, 0.0, 0.0, cv::INTER_AREA);
+  cv::imwrite(path("others/print.png"), small);
+  const Ended ended = track({"others", "--object", WEFT_TEXTURE, "--flat", "--quiet"});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("found     in 0 of 3 frames"));
+  EXPECT_THAT(ended.err, HasSubstr("the object was found in no frame"));
+  EXPECT_EQ(measured("others_tracked"), 0);
+}
+
+TEST_F(Track, IsNotSureWhichOfTwoEqualSheetsIsMeant) {
+  film_the_sheet();
+  const cv::Mat first = cv::imread(path("frames/000000.png"));
+  const cv::Mat last = cv::imread(path("frames/000003.png"));
+  cv::Mat both, beside, table;
+  cv::resize(blobs(), table, first.size());
+  cv::cvtColor(table, table, cv::COLOR_GRAY2BGR);
+  cv::hconcat(first, last, both);
+  cv::hconcat(first, table, beside);
+  fs::create_directories(path("pair"));
+  cv::imwrite(path("pair/both.png"), both);
+  cv::imwrite(path("pair/beside.png"), beside);
+  const Ended ended = track({"pair", "--object", WEFT_TEXTURE, "--flat", "--quiet"});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  for (const std::string& line : read_lines(path("pair_tracked/run/frames.jsonl"))) {
+    const bool has_two = line.find("\"both\"") != std::string::npos;
+    EXPECT_THAT(line, HasSubstr(has_two ? "\"weak\"" : "\"estimated\""));
+    EXPECT_EQ(line.find("a second print") != std::string::npos, has_two) << line;
+  }
+}
+
 TEST_F(Track, SaysWhatIsWrongBeforeAnythingIsWritten) {
   write("no picture", "object.txt");
   write("no film", "film.avi");
+  write("", "nothing.mp4");
   fs::create_directories(path("empty"));
   fs::create_directories(path("taken"));
   write("precious", "taken/file");
@@ -120,6 +176,7 @@ TEST_F(Track, SaysWhatIsWrongBeforeAnythingIsWritten) {
            Case{{"film.avi", "--object", "none.png"}, "none.png", "there is no such file"},
            Case{{"film.avi", "--object", "object.txt"}, "object.txt", "no picture"},
            Case{{"film.avi", "--object", object}, "film.avi", "is no video"},
+           Case{{"nothing.mp4", "--object", object}, "nothing.mp4", "is no video"},
            Case{{"empty", "--object", object}, "empty", "holds no images"},
            Case{{"film.avi", "--object", object, "--out", "taken"}, "taken", "choose another"},
            Case{{"film.avi", "--object", object, "--camera", "no.yaml"}, "no.yaml", "no such file"},

@@ -30,8 +30,9 @@ class SetupMonitorTest : public ::testing::Test {
     graph_.values.push_back({.slot = "shape", .stage = 2, .name = "solvers"});
   }
 
-  SetupMonitor watch(const Camera& given) const {
-    return *SetupMonitor::create(*host::Record::copy_of(templ_), host::Record::copy_of(given));
+  SetupMonitor watch(const Camera& given, bool is_sequence = true) const {
+    return *SetupMonitor::create(*host::Record::copy_of(templ_), host::Record::copy_of(given),
+                                 is_sequence);
   }
 
   FrameResult frame(const Correspondences& matches, const Points3* vertices_m) {
@@ -345,6 +346,34 @@ TEST_F(SetupMonitorTest, TellsThatASecondPrintIsInViewOrThatAPartIsElsewhere) {
     ASSERT_EQ(monitor.warnings().size(), 1U);
     EXPECT_THAT(monitor.warnings()[0].text,
                 HasSubstr(elsewhere ? "lie elsewhere" : "second print"));
+  }
+}
+
+TEST_F(SetupMonitorTest, MakesAnUnorderedImageOfTwoPrintsWeakAndNoOther) {
+  constexpr int kImages = 14, kLate = 11;  // later ones than those that are looked at closely
+  for (const bool is_sequence : {false, true}) {
+    next_ = 0;
+    SetupMonitor monitor = watch(real_, is_sequence);
+    std::vector<FrameResult> frames;
+    for (int i = 0; i < kImages; ++i) {
+      SeenSheet seen = testing::see_bent_sheet(templ_, real_, real_, 0.0, i % 6, rng_);
+      for (std::int64_t m = 0; (i == 1 || i == kLate) && m < seen.matches.count(); m += 2) {
+        seen.matches.kept(m) = 0;
+        seen.matches.image_px(m, 1) += 300.0;
+      }
+      frames.push_back(frame(seen.matches, &seen.vertices_m));
+    }
+    told_by(monitor, frames);
+    for (int i = 0; i < kImages; ++i) {
+      SCOPED_TRACE(i);
+      const FrameResult& frame = frames[static_cast<std::size_t>(i)];
+      const bool is_doubted = !is_sequence && (i == 1 || i == kLate);
+      const auto shape = *host::view_as<Shape>(*frame.values[1]);
+      EXPECT_EQ(frame.state, is_doubted ? ShapeState::weak : ShapeState::estimated);
+      EXPECT_EQ(shape.shape_state(), frame.state);
+      EXPECT_EQ(shape.confidence, is_doubted ? 0.5 : 1.0);
+      EXPECT_EQ(frame.reason.starts_with("a second print"), is_doubted) << frame.reason;
+    }
   }
 }
 

@@ -26,6 +26,20 @@ host::RecordPtr last_matches(const Graph& graph, const FrameResult& frame) {
   return last;
 }
 
+/// Where a filter first rejected some of the matches: later stages may keep others beside the ones
+/// of keypoints, or look near a shape alone. Null where nothing was rejected.
+host::RecordPtr first_filtered(const Graph& graph, const FrameResult& frame) {
+  for (std::size_t i = 0; i < frame.values.size(); ++i) {
+    if (graph.values[i].slot != "correspondences" || frame.values[i] == nullptr) continue;
+    const auto matches = host::arrays_of<Correspondences>(*frame.values[i]);
+    const std::uint8_t* kept = matches->kept.data();
+    if (std::find(kept, kept + matches->count(), 0) != kept + matches->count()) {
+      return frame.values[i];
+    }
+  }
+  return nullptr;
+}
+
 /// How far places have moved, in sizes of the object as it was seen before.
 double mean_way(const Points2& from_px, const Points2& to_px) {
   const double size_px = (from_px.colwise().maxCoeff() - from_px.colwise().minCoeff()).norm();
@@ -72,15 +86,22 @@ void SetupMonitor::add(const Graph& graph, FrameResult& frame) {
     look(graph, shape ? &*shape : nullptr, *host::arrays_of<Correspondences>(*matches), frame);
   }
   if (shape && !faults_.empty()) doubt(graph, *shape, frame);
+  if (shape && !is_sequence_) doubt_choice(graph, *shape, frame);
 }
 
 void SetupMonitor::look(const Graph& graph, const Shape* shape, const Correspondences& matches,
                         FrameResult& frame) {
   const bool solves = graph.latest("shape") >= 0;
   if (solves) count_recognised(frame, shape, matches);
-  if (!is_due(frame.index)) return;
-  if (shape != nullptr) look_at_camera(*shape, matches, frame);
-  look_at_rejects(matches, frame);
+  const bool is_due_now = is_due(frame.index);
+  if (is_due_now && shape != nullptr) look_at_camera(*shape, matches, frame);
+  coherent_rejects_ = 0;
+  if (is_due_now || !is_sequence_) {
+    const host::RecordPtr filtered = first_filtered(graph, frame);
+    look_at_rejects(filtered != nullptr ? *host::arrays_of<Correspondences>(*filtered) : matches,
+                    frame);
+  }
+  if (!is_due_now) return;
   for (Finding& found : findings()) {
     if (std::find(told_.begin(), told_.end(), found.kind) != told_.end()) continue;
     told_.push_back(found.kind);
@@ -110,6 +131,19 @@ void SetupMonitor::doubt(const Graph& graph, const Shape& shape, FrameResult& fr
   }
   frame.reason = worst.claim;
   frame.shape = doubted_shape(*frame.shape, frame.state, confidence, frame.reason);
+  frame.values[to_index(graph.latest("shape"))] = frame.shape;
+}
+
+/// In a film the frame before says which of two prints is followed. Nothing does so in an image by
+/// itself: the other print is as likely the one that is meant.
+void SetupMonitor::doubt_choice(const Graph& graph, const Shape& shape, FrameResult& frame) {
+  if (coherent_rejects_ == 0) return;
+  if (frame.state == ShapeState::estimated) frame.state = ShapeState::weak;
+  frame.reason =
+      "a second print like the texture seems to be in view: " + std::to_string(coherent_rejects_) +
+      " rejected matches agree with each other; cover it, cut it off, or give the "
+      "source a 'region'";
+  frame.shape = doubted_shape(*frame.shape, frame.state, shape.confidence / 2.0, frame.reason);
   frame.values[to_index(graph.latest("shape"))] = frame.shape;
 }
 
@@ -164,6 +198,7 @@ void SetupMonitor::look_at_rejects(const Correspondences& matches, FrameResult& 
                                          {"coherent_rejects_elsewhere", found.elsewhere}});
   if (found.count < kFewest || found.count < kLeastShare * kept) return;
   ++with_rejects_;
+  if (2 * found.elsewhere <= found.count) coherent_rejects_ = found.count;
   rejects_ += found.count;
   rejects_elsewhere_ += found.elsewhere;
 }

@@ -19,7 +19,8 @@ namespace weft {
 /// finds out are warnings. It moves no vertex, but shapes by a camera that is wrong are not sure.
 class SetupMonitor {
  public:
-  /// Of frames that are no sequence the motion between them is not judged.
+  /// Of frames that are no sequence the motion between them is not judged, and one that shows a
+  /// second print is `weak`.
   static Result<SetupMonitor> create(const host::Record& templ, host::RecordPtr camera,
                                      bool is_sequence = true);
 
@@ -52,6 +53,7 @@ class SetupMonitor {
   void look(const Graph& graph, const Shape* shape, const Correspondences& matches,
             FrameResult& frame);
   void doubt(const Graph& graph, const Shape& shape, FrameResult& frame);
+  void doubt_choice(const Graph& graph, const Shape& shape, FrameResult& frame);
   void project(const Shape& shape);
   void look_at_camera(const Shape& shape, const Correspondences& matches, FrameResult& frame);
   void look_at_rejects(const Correspondences& matches, FrameResult& frame);
@@ -80,6 +82,7 @@ class SetupMonitor {
 
   std::int64_t rejects_looks_ = 0, with_rejects_ = 0;  ///< [frames]
   std::int64_t rejects_ = 0, rejects_elsewhere_ = 0;   ///< of the frames with many
+  int coherent_rejects_ = 0;  ///< of this frame, where they are many and a second print's
 
   std::int64_t with_matches_ = 0, recognised_ = 0;  ///< [frames]
   double most_agreeing_ = 0.0;                      ///< matches, in a frame

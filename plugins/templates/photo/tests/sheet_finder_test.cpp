@@ -86,7 +86,7 @@ void hold(cv::Mat& photo, const Eigen::Vector2d& from_px, const Eigen::Vector2d&
 }
 
 TEST(FindSheet, FindsASheetThatIsHeldByTwoHands) {
-  Still still = still_of(960, false);
+  Still still = still_of(640, false);
   still.tilt_rad = 0.2;
   still.roll_rad = 0.12;
   for (const double share : {0.4, 0.6}) {
@@ -104,7 +104,7 @@ TEST(FindSheet, FindsASheetThatIsHeldByTwoHands) {
 
 /// Moved so that the right side of the sheet lies `beyond_px` to the right of the photograph's.
 Still at_the_border(double beyond_px) {
-  Still still = still_of(960, false);
+  Still still = still_of(640, false);
   const Camera& camera = still.camera.camera;
   const double side_px = static_cast<double>(camera.width_px) - 0.5 + beyond_px;
   still.aside_m.x() = (side_px - camera.cx) * still.distance_m / camera.fx - 0.5 * still.width_m;
@@ -112,7 +112,7 @@ Still at_the_border(double beyond_px) {
 }
 
 TEST(FindSheet, FindsASheetOfWhichOneSideIsTheBorderOfThePhotograph) {
-  for (const double beyond_px : {0.0, 40.0}) {
+  for (const double beyond_px : {0.0, 30.0}) {
     const Still still = at_the_border(beyond_px);
     Corners seen = true_corners(still);
     seen[1].x() = seen[2].x() = static_cast<double>(still.camera.camera.width_px) - 1.0;
@@ -125,7 +125,7 @@ TEST(FindSheet, FindsASheetOfWhichOneSideIsTheBorderOfThePhotograph) {
 }
 
 TEST(FindSheet, TakesNoSheetForWholeThatIsCutOffAslant) {
-  Still still = at_the_border(60.0);
+  Still still = at_the_border(40.0);
   still.roll_rad = 0.25;
   for (const Missing missing : {Missing::little, Missing::to_hands, Missing::one_side}) {
     EXPECT_FALSE(find_sheet(photograph_of(still), missing));
