@@ -24,9 +24,11 @@ using nlohmann::ordered_json;
 
 /// What pipelines/demo.yaml uses, the pipeline that a new user runs first.
 constexpr const char* kDemoPlugins[] = {
-    "sources/synthetic", "templates/rectangular", "detectors/sift_fast", "matchers/descriptor",
-    "filters/aem",       "solvers/gauss_newton",  "solvers/brunet_mdh",  "matchers/dense_flow",
-    "matchers/merge",    "passes/self_occlusion", "sinks/overlay",       "sinks/meshes"};
+    "sources/synthetic",    "templates/rectangular", "detectors/sift_fast",
+    "matchers/descriptor",  "filters/aem",           "warps/bbs",
+    "passes/salient_cells", "solvers/gauss_newton",  "solvers/brunet_mdh",
+    "matchers/dense_flow",  "matchers/merge",        "passes/self_occlusion",
+    "sinks/overlay",        "sinks/meshes"};
 
 ordered_json folders_json(const host::Registry& registry) {
   ordered_json folders = ordered_json::array();

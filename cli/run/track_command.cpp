@@ -146,7 +146,9 @@ std::string pipeline_text(const TrackOptions& options, const FrameFiles& frames,
   text += object.templ.text;
   text += "source: " + source_text(frames, options.camera.empty() ? "auto" : "camera.yaml") + "\n";
   if (!frames.is_sequence) {
-    text += "sinks:\n  - {use: sinks/overlay, as: overlay, params: {stills_every: 1}}\n";
+    text +=
+        "sinks:\n  - {use: sinks/overlay, as: overlay, params: {stills_every: 1}}\n"
+        "  - {use: sinks/unwarped, as: unwarped}\n";
   }
   return text;
 }
@@ -251,8 +253,11 @@ void track(TrackOptions options, Context& context) {
     context.exit_code = kInputOutput;
     return;
   }
-  fmt::print("overlay   {0}/overlay.avi\nmeshes    {0}/meshes\nreport    {1}\n", arguments.folder,
-             report->page);
+  fmt::print("overlay   {0}/overlay.avi\nmeshes    {0}/meshes\n", arguments.folder);
+  if (const std::string flat = arguments.folder + "/unwarped"; fs::is_directory(flat)) {
+    fmt::print("unwarped  {}\n", flat);
+  }
+  fmt::print("report    {}\n", report->page);
 }
 
 }  // namespace

@@ -96,6 +96,8 @@ TEST_F(Track, TakesImagesOfSeveralSizesForUnordered) {
                                Not(HasSubstr("in units"))));
   EXPECT_THAT(pipeline("out"), AllOf(HasSubstr("sequence: false"), HasSubstr("width_m: 0.297")));
   EXPECT_EQ(measured("out"), 4);
+  EXPECT_THAT(ended.out, HasSubstr("out/run/unwarped\n"));
+  EXPECT_TRUE(fs::exists(path("out/run/unwarped/000003.png")));
 }
 
 TEST_F(Track, TakesTheRectangleInAPhotographForTheObject) {

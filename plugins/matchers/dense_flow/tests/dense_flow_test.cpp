@@ -148,7 +148,8 @@ TEST_F(DenseFlow, DoubtsAShapeOfWhichTheImageShowsAPartOnly) {
   EXPECT_LT(confidence(0.12, 0.5), 0.3);
   image = whole;
   image = with_band([](std::int64_t, std::int64_t) { return std::uint8_t{120}; });
-  EXPECT_GT(confidence(0.01, 0.06), 0.9) << "what a hand covers is hidden, and not wrong";
+  // Cells on its two edges have contrast, and are unlike.
+  EXPECT_GT(confidence(0.01, 0.09), 0.5) << "what a hand covers is hidden, and not wrong";
 }
 
 TEST_F(DenseFlow, DoesNotTakeTheTextureItselfForAView) {
