@@ -16,8 +16,8 @@ class Overlapping : public testing::OverlappingPipelines {
 
 TEST_F(Overlapping, TheDemoGivesTheSameAlsoWithStagesInProcessesOfTheirOwn) {
   expect_the_same("sparse.yaml", {{"frames_at_once=4", "threads=4"},
-                                {"frames_at_once=3", "threads=2", "filters.isolate=process",
-                                 "warps.isolate=process"}});
+                                  {"frames_at_once=3", "threads=2", "filters.isolate=process",
+                                   "warps.isolate=process"}});
 }
 
 TEST_F(Overlapping, ATrackerGivesTheSame) {
