@@ -126,10 +126,8 @@ LIBRARIES = (
 )
 MOST_SOURCES = 25
 MOST_HEADER_LINES = 200
-# Programs besides `weft` itself that may write to stdout and stderr, and the decoder that keeps
-# OpenCV from it.
+# Programs besides `weft` itself that may write to stdout and stderr.
 PRINTERS = (
-    "plugins/common/images/decoder.cpp",
     "framework/src/host/probing/main.cpp",
     "framework/src/mutants/library/library.cpp",
 )

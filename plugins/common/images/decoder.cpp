@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/images/decoder.hpp"
 
-#include <ios>
-#include <iostream>
-#include <mutex>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -25,41 +22,10 @@ std::string without_orientation(const std::string& tiff) {
   return plain;
 }
 
-/// While one lives, std::cerr takes nothing: OpenCV prints there whatever a decoder throws, and has
-/// no switch for it. Threads may decode at once; the last one out gives std::cerr its state back.
-class QuietErrors {
- public:
-  QuietErrors() {
-    const std::lock_guard lock(mutex());
-    if (count()++ == 0) state() = std::cerr.rdstate();
-    std::cerr.setstate(std::ios_base::failbit);
-  }
-  ~QuietErrors() {
-    const std::lock_guard lock(mutex());
-    if (--count() == 0) std::cerr.clear(state());
-  }
-  QuietErrors(const QuietErrors&) = delete;
-  QuietErrors& operator=(const QuietErrors&) = delete;
-
- private:
-  static std::mutex& mutex() {
-    static std::mutex one;
-    return one;
-  }
-  static int& count() {
-    static int decoding = 0;
-    return decoding;
-  }
-  static std::ios_base::iostate& state() {
-    static std::ios_base::iostate before = std::ios_base::goodbit;
-    return before;
-  }
-};
-
-/// The log of OpenCV, to which libtiff reports, is silenced for good, as for films.
+/// The log of OpenCV, to which libtiff reports, is silenced for good, as for films. What OpenCV
+/// itself prints of exceptions in its decoders has no switch.
 cv::Mat decode_by_opencv(const std::string& bytes, Channels channels) {
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-  const QuietErrors quiet;
   const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
   const int flags = channels == Channels::grey
                         ? cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION

@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
-#include <iostream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <weft/core/rng.hpp>
@@ -210,13 +209,13 @@ ImageFile with_other_code(const ImageFile& png, Rng& rng) {
   return file;
 }
 
-TEST(Decoder, PrintsNothingOfDamagedImagesOfAnyFormat) {
+TEST(Decoder, PrintsNothingOfDamagedPng) {
   SCOPED_TRACE(kSeed);
   Rng rng(kSeed);
   int undecoded = 0;
   ::testing::internal::CaptureStderr();
-  for (const char* extension : {".png", ".tiff", ".webp", ".bmp", ".pgm", ".pbm"}) {
-    const ImageFile whole = encoded(extension, picture(1));
+  for (const int channels : {1, 3}) {
+    const ImageFile whole = encoded(".png", picture(channels));
     for (int trial = 0; trial < 150; ++trial) {
       ImageFile damaged = whole;
       for (std::uint64_t flip = 0; flip < 1 + rng.below(20); ++flip) {
@@ -229,13 +228,10 @@ TEST(Decoder, PrintsNothingOfDamagedImagesOfAnyFormat) {
         damaged.header = *header;
         undecoded += decode_stored(damaged).pixels.empty() ? 1 : 0;
       }
-      if (std::string(extension) == ".png") {
-        undecoded += decode_stored(with_other_code(whole, rng)).pixels.empty() ? 1 : 0;
-      }
+      undecoded += decode_stored(with_other_code(whole, rng)).pixels.empty() ? 1 : 0;
     }
   }
-  std::cerr << "afterwards";
-  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "afterwards");
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(), IsEmpty());
   EXPECT_GT(undecoded, 100) << "the damage must reach the decoders";
 }
 
