@@ -62,7 +62,7 @@ Result<void> expand(const fs::path& base, fs::path::iterator part, fs::path::ite
 
 /// Why nothing matches, and what to change.
 std::string explanation(const fs::path& pattern) {
-  if (const std::string hint = numbering_hint(pattern); !hint.empty()) return hint;
+  if (std::string hint = numbering_hint(pattern); !hint.empty()) return hint;
   if (is_folder(pattern)) return "it is a folder: name its files, for example with /*.png";
   fs::path folder;
   for (const fs::path& part : pattern.parent_path()) {

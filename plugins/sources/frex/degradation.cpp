@@ -65,7 +65,7 @@ class Hand {
 /// Skin, darker towards the outline.
 Colour skin(double distance, bool is_grey) {
   const double shade = 0.55 + 0.45 * std::sqrt(std::max(0.0, 1.0 - distance * distance));
-  const Colour colour = static_cast<float>(shade) * Colour(128.0F, 158.0F, 205.0F, 0.0F);
+  Colour colour = static_cast<float>(shade) * Colour(128.0F, 158.0F, 205.0F, 0.0F);
   if (!is_grey) return colour;
   return scene::without_colour({1, 1, {colour}}).pixels.front();
 }

@@ -153,7 +153,7 @@ class PhotoTemplate final : public TemplateBuilder {
     const auto held = find_sheet(straight, Missing::to_hands);
     if (found && !is_larger(held, found, kFarMore)) return found;
     photo = std::move(straight);
-    const auto at_border = find_sheet(photo, Missing::one_side);
+    auto at_border = find_sheet(photo, Missing::one_side);
     if (is_larger(at_border, held, kMore)) return at_border;
     return held ? held : wrong(found.error().message);
   }
