@@ -8,6 +8,7 @@
 #include <weft/data/record_view.hpp>
 #include <weft/sdk/sink.hpp>
 
+#include "common/output_folder/output_folder.hpp"
 #include "description.hpp"
 #include "output_file.hpp"
 
@@ -92,10 +93,7 @@ class Dataset final : public Sink {
         !done) {
       return done;
     }
-    if (const std::error_code code = sync_file_system(folder)) {
-      return Error{Errc::io, "the folder " + path_ + " cannot be written to disk (" +
-                                 why_not_written(code) + "): free space, or choose another 'path'"};
-    }
+    if (auto done = output_folder::sync(path_); !done) return done;
     return write_whole(meta_text(camera_, templ_, contents_), folder / "meta.yaml");
   }
 

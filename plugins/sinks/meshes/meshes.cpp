@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -8,6 +7,7 @@
 #include <weft/data/matrix.hpp>
 #include <weft/sdk/sink.hpp>
 
+#include "common/output_folder/output_folder.hpp"
 #include "mesh_text.hpp"
 
 namespace weft::meshes {
@@ -56,12 +56,7 @@ class Meshes final : public Sink {
   }
 
   Result<void> open(const Call&) override {
-    std::error_code status;
-    fs::create_directories(path_, status);
-    if (status) {
-      return Error{Errc::io, "the folder " + path_ + " cannot be made (" + status.message() +
-                                 "): choose another 'path'"};
-    }
+    if (auto made = output_folder::make(path_); !made) return made;
     if (texture_uv_.rows() == 0) return {};
     const fs::path folder(path_);
     if (auto done = write_whole(texture_png_, folder / kTextureName); !done) return done;
@@ -88,25 +83,13 @@ class Meshes final : public Sink {
     return write_now(to_obj(mesh, texture_uv_, kMaterialName), in.call.frame(), "obj");
   }
 
-  Result<void> finish(const Call&) override {
-    const std::error_code code = sync_file_system(path_);
-    if (!code) return {};
-    return Error{Errc::io, "the folder " + path_ + " cannot be written to disk (" +
-                               why_not_written(code) + "): free space, or choose another 'path'"};
-  }
+  Result<void> finish(const Call&) override { return output_folder::sync(path_); }
 
  private:
   /// Without waiting for the disk.
   Result<void> write_now(const std::string& text, std::uint64_t frame,
                          const char* extension) const {
-    return write_whole(text, file_of(frame, extension), Durability::unsynced);
-  }
-
-  fs::path file_of(std::uint64_t frame, const char* extension) const {
-    char name[40];
-    std::snprintf(name, sizeof name, "%06llu.%s", static_cast<unsigned long long>(frame),
-                  extension);
-    return fs::path(path_) / name;
+    return write_whole(text, output_folder::file_of(path_, frame, extension), Durability::unsynced);
   }
 
   static std::string description(const Shape& shape, std::uint64_t frame) {

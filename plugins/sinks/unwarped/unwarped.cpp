@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
-#include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
 #include <weft/core/whole_file.hpp>
 #include <weft/sdk/sink.hpp>
 
+#include "common/output_folder/output_folder.hpp"
 #include "common/unwarping/unwarping.hpp"
 
 namespace weft::unwarped {
 namespace {
-
-namespace fs = std::filesystem;
 
 enum class Format { png, jpg };
 
@@ -26,13 +23,7 @@ class Unwarped final : public Sink {
     p.choice("format", format_, {{"png", Format::png}, {"jpg", Format::jpg}}, "file format");
   }
 
-  Result<void> open(const Call&) override {
-    std::error_code status;
-    fs::create_directories(path_, status);
-    if (!status) return {};
-    return Error{Errc::io, "the folder " + path_ + " cannot be made (" + status.message() +
-                               "): choose another 'path'"};
-  }
+  Result<void> open(const Call&) override { return output_folder::make(path_); }
 
   Result<void> write(const SinkInput& in) override {
     // A shape that this frame did not show would take the image apart at random.
@@ -42,23 +33,17 @@ class Unwarped final : public Sink {
     if (auto fits = unwarping::check_unwarping(templ, *in.image, *in.shape); !fits) return fits;
     const cv::Mat texels =
         unwarping::unwarped(unwarping::matrix_of(in.image->pixels), templ, *in.camera, *in.shape);
+    const char* extension = format_ == Format::png ? "png" : "jpg";
     std::vector<std::uint8_t> bytes;
-    if (!cv::imencode(format_ == Format::png ? ".png" : ".jpg", texels, bytes)) {
+    if (!cv::imencode(std::string(".") + extension, texels, bytes)) {
       return Error{Errc::unsupported, "the image cannot be encoded: choose another 'format'"};
     }
-    char name[40];
-    std::snprintf(name, sizeof name, "%06llu.%s", static_cast<unsigned long long>(in.call.frame()),
-                  format_ == Format::png ? "png" : "jpg");
-    return write_whole(std::string(bytes.begin(), bytes.end()), fs::path(path_) / name,
+    return write_whole(std::string(bytes.begin(), bytes.end()),
+                       output_folder::file_of(path_, in.call.frame(), extension),
                        Durability::unsynced);
   }
 
-  Result<void> finish(const Call&) override {
-    const std::error_code code = sync_file_system(path_);
-    if (!code) return {};
-    return Error{Errc::io, "the folder " + path_ + " cannot be written to disk (" +
-                               why_not_written(code) + "): free space, or choose another 'path'"};
-  }
+  Result<void> finish(const Call&) override { return output_folder::sync(path_); }
 
  private:
   std::string path_ = "unwarped";
