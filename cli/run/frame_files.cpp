@@ -106,7 +106,7 @@ Result<FrameFiles> find_frames(const std::string& path, const std::string& objec
   }
   const fs::path place = fs::absolute(path).lexically_normal();
   std::error_code code;
-  if (!fs::is_directory(place, code)) return FrameFiles{true, place.string(), true, {}};
+  if (!fs::is_directory(place, code)) return FrameFiles{true, place.string()};
   const auto images = images_in(place, object);
   if (images.empty()) {
     return of_folder(path,
@@ -122,7 +122,9 @@ Result<FrameFiles> find_frames(const std::string& path, const std::string& objec
   std::string why = sizes_apart(paths);
   const bool is_sequence = why.empty() && are_numbered(paths);
   if (why.empty()) why = is_sequence ? "their names are numbered" : "their names are not numbered";
-  return FrameFiles{false, (place / ("*" + extension)).string(), is_sequence, std::move(why)};
+  const auto first = read_image_bytes(paths.front().string());
+  return FrameFiles{false, (place / ("*" + extension)).string(), is_sequence, std::move(why),
+                    first && first->header.focal_35mm_mm > 0};
 }
 
 }  // namespace weft::cli

@@ -11,10 +11,12 @@
 #include <vector>
 #include <weft/core/output_folder.hpp>
 #include <weft/core/text_file.hpp>
+#include <weft/core/whole_file.hpp>
 
 #include "cli/commands.hpp"
 #include "cli/output/new_file.hpp"
 #include "cli/output/program_root.hpp"
+#include "cli/run/focal_measurement.hpp"
 #include "cli/run/frame_files.hpp"
 #include "cli/run/pipeline_parts.hpp"
 #include "cli/run/running.hpp"
@@ -57,12 +59,13 @@ Result<void> check_source(const host::Registry& registry, const std::string& sou
   return Error{Errc::invalid_data, problems.front().message, {}};
 }
 
-/// "{use: ..., params: {...}}" of the frames; `camera` is a path or a word.
+/// "{use: ..., params: {...}}" of the frames; `camera` is a path or a word, with further parameters
+/// of the camera behind it.
 std::string source_text(const FrameFiles& frames, const std::string& camera) {
   const FileSources sources = standard_sources();
-  return fmt::format("{{use: {}, params: {{path: {}, camera: {}, longest_px: {}}}}}",
+  return fmt::format("{{use: {}, params: {{path: {}, longest_px: {}, camera: {}}}}}",
                      frames.is_video ? sources.video : sources.images, flow_quoted(frames.path),
-                     camera, kLongest_px);
+                     kLongest_px, camera);
 }
 
 Result<ChosenObject> flat_object(const TrackOptions& options, double width_m,
@@ -135,8 +138,15 @@ Result<ChosenObject> choose_object(const TrackOptions& options, const host::Regi
                      "the object is)");
 }
 
-std::string pipeline_text(const TrackOptions& options, const FrameFiles& frames,
-                          const ChosenObject& object) {
+/// What a pipeline is made of.
+struct Tracked {
+  FrameFiles frames;
+  ChosenObject object;
+};
+
+std::string pipeline_text(const TrackOptions& options, const Tracked& tracked,
+                          const std::string& camera) {
+  const auto& [frames, object] = tracked;
   const fs::path base = program_root() / "share/weft/pipelines" / tracking_pipeline();
   std::string text = pipeline_head(
       fmt::format("After a change: weft run {0}/{1} --out {0}/run-2", options.folder, kPipeline));
@@ -144,7 +154,7 @@ std::string pipeline_text(const TrackOptions& options, const FrameFiles& frames,
   if (!frames.is_sequence) text += "sequence: false\n";
   if (!options.width_m) text += "# Without its width in metres the object is one unit wide.\n";
   text += object.templ.text;
-  text += "source: " + source_text(frames, options.camera.empty() ? "auto" : "camera.yaml") + "\n";
+  text += "source: " + source_text(frames, camera) + "\n";
   if (!frames.is_sequence) {
     text +=
         "sinks:\n  - {use: sinks/overlay, as: overlay, params: {stills_every: 1}}\n"
@@ -164,7 +174,7 @@ std::string free_folder_of(const std::string& frames) {
 }
 
 /// Writes the pipeline and says what it is; the options' folder is set.
-Result<void> make_pipeline(TrackOptions& options, const host::Registry& registry) {
+Result<Tracked> make_pipeline(TrackOptions& options, const host::Registry& registry) {
   if (options.folder.empty()) options.folder = free_folder_of(options.frames);
   if (!is_free_for_folder(options.folder)) {
     return Error{Errc::io, "exists and is not an empty folder; choose another with --out",
@@ -173,14 +183,14 @@ Result<void> make_pipeline(TrackOptions& options, const host::Registry& registry
   if (auto found = check_input(options.object, InputKind::file,
                                "give a photograph of the object as --object");
       !found) {
-    return found;
+    return found.error();
   }
   if (options.width_m && !(*options.width_m > 0.0 && std::isfinite(*options.width_m))) {
     return Error{Errc::invalid_value, "must be above 0 metres", "--width"};
   }
   if (auto image = picture_header(options.object); !image) return image.error();
   if (!options.camera.empty()) {
-    if (auto found = check_input(options.camera, InputKind::file); !found) return found;
+    if (auto found = check_input(options.camera, InputKind::file); !found) return found.error();
   }
   auto frames = find_frames(options.frames, options.object);
   if (!frames) return frames.error();
@@ -189,27 +199,51 @@ Result<void> make_pipeline(TrackOptions& options, const host::Registry& registry
   const std::string camera =
       options.camera.empty() ? "auto" : flow_quoted(fs::absolute(options.camera));
   if (auto legal = check_source(registry, source_text(*frames, camera), options.frames); !legal) {
-    return legal;
+    return legal.error();
   }
   auto object = choose_object(options, registry);
   if (!object) return object.error();
   std::vector<Copy> files = std::move(object->templ.files);
   if (!options.camera.empty()) files.push_back({options.camera, "camera.yaml"});
-  if (auto made = make_new_folder(options.folder); !made) return made;
-  auto written = write_pipeline(options.folder, kPipeline, pipeline_text(options, *frames, *object),
-                                files, registry);
-  if (!written) return written;
+  if (auto made = make_new_folder(options.folder); !made) return made.error();
+  Tracked tracked{*std::move(frames), *std::move(object)};
+  auto written = write_pipeline(
+      options.folder, kPipeline,
+      pipeline_text(options, tracked, options.camera.empty() ? "auto" : "camera.yaml"), files,
+      registry);
+  if (!written) return written.error();
   fmt::print("pipeline  {}/{}\n", options.folder, kPipeline);
-  fmt::print("object    {}\n", object->words);
+  fmt::print("object    {}\n", tracked.object.words);
   if (!options.width_m) {
     fmt::print("lengths   in units of the object's width, since --width is not given\n");
   }
-  if (!frames->is_video) {
-    fmt::print("frames    {}: {}\n", frames->is_sequence ? "a sequence" : "unordered images",
-               frames->why);
+  if (!tracked.frames.is_video) {
+    fmt::print("frames    {}: {}\n", tracked.frames.is_sequence ? "a sequence" : "unordered images",
+               tracked.frames.why);
   }
   std::fflush(stdout);
-  return {};
+  return tracked;
+}
+
+/// Films do not say their focal length, nor do images without EXIF: the first frames are asked.
+/// Writes the pipeline anew where they tell it.
+Result<void> measure_camera(const TrackOptions& options, const Tracked& tracked, Context& context) {
+  if (!options.camera.empty() || tracked.frames.tell_focal) return {};
+  fmt::print("camera    not given: its focal length is measured in the first frames ...\n");
+  std::fflush(stdout);
+  std::vector<std::string> settings;
+  if (tracked.frames.is_video) settings = {"source.params.step=5", "source.params.max_frames=40"};
+  const std::string pipeline = options.folder + "/" + kPipeline;
+  const auto focal = measure_focal(pipeline, settings, options.folder + "/camera", context);
+  if (!focal) {
+    fmt::print("camera    the frames do not tell the focal length; depths are uncertain by 25 %\n");
+    return {};
+  }
+  fmt::print("camera    focal length {:.3f} (+- {:.3f}) times the longer side, from {} frames\n",
+             focal->by_side, focal->by_side_sd, focal->frames);
+  const std::string camera = fmt::format("auto, focal_by_side: {:.4f}, focal_by_side_sd: {:.4f}",
+                                         focal->by_side, focal->by_side_sd);
+  return write_whole(pipeline_text(options, tracked, camera), pipeline);
 }
 
 /// In how many frames the object was found, and what to do where it was in none.
@@ -233,9 +267,11 @@ void print_found(const std::string& folder) {
 
 void track(TrackOptions options, Context& context) {
   const auto registry = context.registry();
-  if (const auto made = make_pipeline(options, registry); !made) {
-    print_error(made.error());
-    context.exit_code = made.error().code == Errc::io ? kInputOutput : kBadConfiguration;
+  auto made = make_pipeline(options, registry);
+  const Result<void> measured = made ? measure_camera(options, *made, context) : made.error();
+  if (!measured) {
+    print_error(measured.error());
+    context.exit_code = measured.error().code == Errc::io ? kInputOutput : kBadConfiguration;
     return;
   }
   RunArguments arguments;

@@ -130,7 +130,13 @@ Focal focal_of(const PhotoFacts& photo, const std::optional<Whole>& largest) {
 }
 
 Result<Focal> common_focal(const std::vector<PhotoFacts>& photos,
-                           const std::optional<Whole>& largest, double longer_side_px) {
+                           const std::optional<Whole>& largest, double longer_side_px,
+                           const KnownFocal& known) {
+  if (known.by_side > 0.0) {
+    const double relative_sd = known.by_side_sd > 0.0 ? known.by_side_sd / known.by_side : kOfExif;
+    return Focal{known.by_side * longer_side_px, relative_sd,
+                 fmt::format("'focal_by_side' {}", known.by_side)};
+  }
   std::optional<Focal> first;
   const PhotoFacts* of_first = nullptr;
   for (const PhotoFacts& photo : photos) {
@@ -168,7 +174,26 @@ PhotoFacts facts_of(const std::string& path, const ImageHeader& header) {
       sideways ? cv::Size(height, width) : cv::Size(width, height)};
 }
 
-Result<Camera> assume_camera(const std::vector<PhotoFacts>& photos) {
+void declare(Params& p, KnownFocal& focal) {
+  p.read("focal_by_side", focal.by_side, "", {0.0, 100.0},
+         "with camera: auto, focal length divided by the longer side of the image; 0: from EXIF, "
+         "else 1");
+  p.read("focal_by_side_sd", focal.by_side_sd, "", {0.0, 100.0},
+         "standard deviation of focal_by_side; 0: 5 % of it");
+}
+
+Result<void> check(const KnownFocal& focal, bool is_assumed) {
+  if (focal.by_side > 0.0 && !is_assumed) {
+    return Error{
+        Errc::invalid_value, "goes with camera: auto; a camera file says its own focal length", {}};
+  }
+  if (focal.by_side_sd > 0.0 && !(focal.by_side > 0.0)) {
+    return Error{Errc::invalid_value, "must be given where focal_by_side_sd is", {}};
+  }
+  return {};
+}
+
+Result<Camera> assume_camera(const std::vector<PhotoFacts>& photos, const KnownFocal& known) {
   if (photos.empty()) return Error{Errc::invalid_data, "there is no image to assume a camera from"};
   cv::Size canvas;
   for (const PhotoFacts& photo : photos) {
@@ -177,16 +202,16 @@ Result<Camera> assume_camera(const std::vector<PhotoFacts>& photos) {
   }
   const double longer_side_px = std::max(canvas.width, canvas.height);
   const std::optional<Whole> largest = largest_whole(photos);
-  const auto focal = common_focal(photos, largest, longer_side_px);
+  const auto focal = common_focal(photos, largest, longer_side_px, known);
   if (!focal) return focal.error();
   // A part may lie anywhere in its whole.
   double sum_x = 0.0, sum_y = 0.0;
   for (const PhotoFacts& photo : photos) {
-    const std::optional<Whole> known = whole_of(photo, largest);
-    const bool fits = known && known->size_px.width >= photo.size_px.width &&
-                      known->size_px.height >= photo.size_px.height;
-    const cv::Size whole = fits                      ? known->size_px
-                           : known                   ? turned_as(known->size_px, photo.size_px)
+    const std::optional<Whole> part_of = whole_of(photo, largest);
+    const bool fits = part_of && part_of->size_px.width >= photo.size_px.width &&
+                      part_of->size_px.height >= photo.size_px.height;
+    const cv::Size whole = fits                      ? part_of->size_px
+                           : part_of                 ? turned_as(part_of->size_px, photo.size_px)
                            : photo.focal_35mm_mm > 0 ? usual_whole(photo.size_px)
                                                      : canvas;
     sum_x += std::pow(std::max(0, whole.width - photo.size_px.width), 2);

@@ -4,11 +4,25 @@
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
+#include <weft/core/params.hpp>
 #include <weft/core/result.hpp>
 #include <weft/data/camera.hpp>
 #include <weft/images/image_header.hpp>
 
 namespace weft::cameras {
+
+/// What is known of the focal length without a calibration, such as the estimate of an earlier run.
+struct KnownFocal {
+  double by_side = 0.0;     ///< [] focal length divided by the longer side; 0: not known
+  double by_side_sd = 0.0;  ///< [] its standard deviation
+};
+
+/// Declares `focal_by_side` and `focal_by_side_sd` of a source whose `camera` may be `auto`.
+void declare(Params& p, KnownFocal& focal);
+
+/// An error about `focal_by_side` where it is given beside another `camera` than `auto`, or is
+/// missing beside its standard deviation.
+Result<void> check(const KnownFocal& focal, bool is_assumed);
 
 /// What an image says of a camera without a calibration.
 struct PhotoFacts {
@@ -26,10 +40,11 @@ PhotoFacts facts_of(const std::string& path, const ImageHeader& header);
 ///
 /// An image whose sides have another ratio than 4:3, 3:2, 16:9 or 1:1 was cropped. The size of the
 /// whole image is then what EXIF or another of the images says, or is assumed to be 4032 x 3024 px.
-/// Without f35 the focal length is assumed to be the longer side. How uncertain these are goes with
-/// the camera, see CameraAssumption. Fails where the focal lengths differ by more than a tenth, and
-/// without images.
-Result<Camera> assume_camera(const std::vector<PhotoFacts>& photos);
+/// Without f35 the focal length is assumed to be the longer side. A `known` focal length replaces
+/// both; the longer side is then that of the canvas. How uncertain these are goes with the camera,
+/// see CameraAssumption. Fails where the focal lengths differ by more than a tenth, and without
+/// images.
+Result<Camera> assume_camera(const std::vector<PhotoFacts>& photos, const KnownFocal& known = {});
 
 /// What was assumed, in one sentence; empty for a camera that was calibrated.
 std::string assumption_text(const Camera& camera);

@@ -5,7 +5,6 @@
 #include <utility>
 #include <weft/images/image_file.hpp>
 
-#include "common/assumed_cameras/assumed_camera.hpp"
 #include "image_file.hpp"
 
 namespace weft::images {
@@ -59,6 +58,7 @@ void CameraImages::declare(Params& p) {
                "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info; or auto: "
                "assumed from EXIF and the size of the images",
                Need::required, {"auto"});
+  cameras::declare(p, focal_);
   p.read("longest_px", longest_px_, "px", {0, 65'535},
          "scale images down until no side is longer, and the camera with them; 0: as they are");
 }
@@ -80,7 +80,7 @@ Result<void> CameraImages::fit(const std::vector<std::string>& paths) {
     return {};
   }
   const std::vector<cameras::PhotoFacts> photos = photo_facts(paths);
-  const auto assumed = cameras::assume_camera(photos);
+  const auto assumed = cameras::assume_camera(photos, focal_);
   if (!assumed) return assumed.error();
   has_canvas_ = std::any_of(photos.begin(), photos.end(), [&](const cameras::PhotoFacts& photo) {
     return photo.size_px != photos.front().size_px;

@@ -9,6 +9,7 @@
 #include <weft/data/image.hpp>
 #include <weft/sdk/call.hpp>
 
+#include "common/assumed_cameras/assumed_camera.hpp"
 #include "common/cameras/calibrated_camera.hpp"
 
 namespace weft::images {
@@ -17,8 +18,10 @@ namespace weft::images {
 /// one may have several sizes; each is then in the middle of a canvas as large as the largest.
 class CameraImages {
  public:
-  /// `camera` and `longest_px`.
+  /// `camera`, `focal_by_side`, `focal_by_side_sd` and `longest_px`.
   void declare(Params& p);
+  /// An error where the parameters contradict each other.
+  Result<void> check() const { return cameras::check(focal_, is_assumed()); }
 
   bool is_assumed() const { return camera_path_ == "auto"; }
   /// Images have several sizes.
@@ -43,6 +46,7 @@ class CameraImages {
 
  private:
   std::string camera_path_;
+  cameras::KnownFocal focal_;
   int longest_px_ = 0;
   cameras::CalibratedCamera camera_;
   bool has_canvas_ = false;

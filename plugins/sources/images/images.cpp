@@ -48,6 +48,7 @@ class Images final : public Source {
 
   void check(Mistakes& mistakes) const {
     Images found = *this;
+    mistakes.expect("focal_by_side", images_.check());
     const bool has_camera = mistakes.expect("camera", found.images_.read_camera(true));
     if (!mistakes.expect("path", found.list_frames())) return;
     mistakes.expect("path", found.check_readable());

@@ -30,6 +30,7 @@ class Video final : public Source {
         "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info; auto: the "
         "focal length is assumed, and the run says so; without it each frame does",
         Need::optional, {"auto"});
+    cameras::declare(p, focal_);
     p.read("start_s", start_s_, "s", {0.0, 1e6}, "skip what is earlier than this");
     p.read("step", step_, "", {1, 1'000'000}, "take every step-th frame");
     p.read("max_frames", max_frames_, "", {0, 1'000'000'000}, "stop after so many; 0 for all");
@@ -44,6 +45,7 @@ class Video final : public Source {
 
   /// A camera is not opened, and where 'start_s' leads is not decoded.
   void check(Mistakes& mistakes) const {
+    mistakes.expect("focal_by_side", cameras::check(focal_, camera_path_ == "auto"));
     const auto camera = is_calibrated() ? cameras::CalibratedCamera::read_sizes(camera_path_)
                                         : cameras::CalibratedCamera();
     const bool calibrated = mistakes.expect("camera", camera) && is_calibrated();
@@ -68,7 +70,7 @@ class Video final : public Source {
     const auto stored = stream_.stored();
     if (!stored) return stored.error();
     if (!is_calibrated()) {
-      const auto assumed = cameras::assume_camera({{stream_.name(), stored->size_px}});
+      const auto assumed = cameras::assume_camera({{stream_.name(), stored->size_px}}, focal_);
       if (!assumed) return assumed.error();
       camera_ = cameras::CalibratedCamera::assumed(*assumed);
     }
@@ -231,6 +233,7 @@ class Video final : public Source {
   int device_ = -1;
   std::string address_;
   std::string camera_path_;
+  cameras::KnownFocal focal_;
   double start_s_ = 0.0;
   int step_ = 1;
   std::int64_t max_frames_ = 0;

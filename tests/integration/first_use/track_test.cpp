@@ -22,19 +22,20 @@ namespace fs = std::filesystem;
 
 class Track : public testing::ShelledProgram {
  protected:
-  /// Four frames of the demo's sheet, 320 x 240 px, in film/frames.
-  void film_the_sheet() const {
+  /// Frames of the demo's sheet in the folder frames.
+  void film_the_sheet(int frames = 4, double focal_px = 820.0) const {
     write(
         "weft: 1\n"
         "source:\n"
         "  use: sources/synthetic\n"
-        "  params: {texture: " WEFT_TEXTURE
-        ", width_m: 0.297, distance_m: 0.45, frames: 4}\n"
-        "template:\n"
-        "  use: templates/rectangular\n"
-        "  params: {texture: " WEFT_TEXTURE
-        ", width_m: 0.297, columns: 13, rows: 9}\n"
-        "sinks:\n  - {use: sinks/dataset, params: {path: film}}\n",
+        "  params: {texture: " WEFT_TEXTURE ", width_m: 0.297, distance_m: 0.45, frames: " +
+            std::to_string(frames) + ", focal_px: " + std::to_string(focal_px) +
+            "}\n"
+            "template:\n"
+            "  use: templates/rectangular\n"
+            "  params: {texture: " WEFT_TEXTURE
+            ", width_m: 0.297, columns: 13, rows: 9}\n"
+            "sinks:\n  - {use: sinks/dataset, params: {path: film}}\n",
         "film.yaml");
     const Ended filmed = weft({"run", "film.yaml", "--out", "filmed", "--quiet"});
     ASSERT_EQ(filmed.exit_code, 0) << filmed.err;
@@ -81,6 +82,23 @@ TEST_F(Track, FindsAFlatObjectInFramesWithoutAPipelineFile) {
                                                 Not(HasSubstr("sequence"))));
   const Ended again = weft({"run", "frames_tracked/track.yaml", "--out", "again", "--quiet"});
   EXPECT_EQ(again.exit_code, 0) << "the pipeline may be changed and run again: " << again.err;
+}
+
+/// Frames say nothing of their camera, and 1.72 longer sides are far from the assumed one.
+TEST_F(Track, MeasuresTheFocalLengthWhereNothingSaysIt) {
+  constexpr double kFocal_px = 1100.0, kLongerSide_px = 640.0;
+  film_the_sheet(12, kFocal_px);
+  const Ended ended = track({"frames", "--object", WEFT_TEXTURE, "--flat", "--quiet"});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("times the longer side, from "));
+  const std::string text = pipeline("frames_tracked");
+  const std::size_t at = text.find("focal_by_side: ");
+  ASSERT_NE(at, std::string::npos) << text;
+  EXPECT_NEAR(std::stod(text.substr(at + 15)), kFocal_px / kLongerSide_px,
+              0.03 * kFocal_px / kLongerSide_px);
+  EXPECT_FALSE(fs::exists(path("frames_tracked/camera")));
+  EXPECT_THAT(ended.err, Not(HasSubstr("the focal length seems to be")));
+  EXPECT_THAT(ended.out, HasSubstr("found     in 12 of 12 frames\n"));
 }
 
 TEST_F(Track, TakesImagesOfSeveralSizesForUnordered) {

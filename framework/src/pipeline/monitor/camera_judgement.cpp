@@ -47,7 +47,8 @@ class Judge {
               " times the one given",
           ", " + fixed(camera_.fx, 0) +
               " px, by the perspective of the surface: all distances from the camera are wrong "
-              "by that factor; calibrate it",
+              "by that factor; " +
+              focal_advice(),
           {{kFocal, kFocal_share}});
     }
     if (stands_out(kept_, kLens, lens)) {
@@ -101,6 +102,16 @@ class Judge {
       fault.text = fault.claim + ": calibrate the camera to find out which";
     }
     faults_.push_back(std::move(fault));
+  }
+
+  /// Sources that assume a camera take the estimate as a parameter.
+  std::string focal_advice() const {
+    if (!CameraAssumption::of(camera_)) return "calibrate it";
+    const double longer_side_px =
+        static_cast<double>(std::max(camera_.width_px, camera_.height_px));
+    return "give the source 'focal_by_side: " +
+           fixed(std::exp(stretched_.mean(kFocal)) * camera_.fx / longer_side_px, 3) +
+           "', or calibrate it";
   }
 
   std::string proportions_claim() const {

@@ -35,7 +35,8 @@ class SetupMonitor {
 
   /// What all frames together say of the camera, named as in the `setup` of a frame, with `frames`,
   /// how many unlike ones were asked. `centre_alone_*` is the principal point by itself, focal
-  /// lengths and lens being as they are given. Nothing where fewer than three say something.
+  /// lengths and lens being as they are given; see run_figures() for `focal_by_side`. Nothing where
+  /// fewer than three say something.
   std::vector<std::pair<std::string, double>> camera() const;
 
  private:

@@ -115,4 +115,23 @@ TEST(AssumedCamera, ACalibratedCameraHasNoAssumption) {
 }
 
 }  // namespace
+TEST(AssumedCamera, TakesAKnownFocalLengthInPlaceOfWhatExifSays) {
+  for (const cv::Size size : {cv::Size(4000, 3000), cv::Size(3000, 4000)}) {
+    const auto camera = assume_camera({photo(size.width, size.height, 26)}, {1.25, 0.05});
+    ASSERT_TRUE(camera);
+    EXPECT_DOUBLE_EQ(camera->fx, 5000.0);
+    EXPECT_DOUBLE_EQ(camera->fy, 5000.0);
+    EXPECT_NEAR(relative_sd(*camera), 0.04, 1e-9);
+    EXPECT_THAT(assumption_text(*camera), HasSubstr("'focal_by_side' 1.25"));
+  }
+  EXPECT_NEAR(relative_sd(*assume_camera({photo(4000, 3000, 26)}, {1.25, 0.0})), 0.05, 1e-9);
+}
+
+TEST(AssumedCamera, RefusesAKnownFocalLengthBesideACameraFileAndADeviationByItself) {
+  EXPECT_TRUE(check(KnownFocal{}, false));
+  EXPECT_TRUE(check(KnownFocal{1.25, 0.05}, true));
+  EXPECT_FALSE(check(KnownFocal{1.25, 0.05}, false));
+  EXPECT_FALSE(check(KnownFocal{0.0, 0.05}, true));
+}
+
 }  // namespace weft::cameras
