@@ -8,27 +8,23 @@ source scripts/common.sh
 
 usage() {
   cat <<'TEXT'
-usage: scripts/test.sh [--ci [--since REV] | --long [--all]] [--coverage] [--with-slurm] [--jobs N] [--without-...]
+usage: scripts/test.sh [--ci [--since REV] | --long] [--coverage] [--with-slurm] [--jobs N] [--without-...]
 
 Installs missing packages, builds the preset release and runs its tests labelled `quick`. Exits 1 if
 anything failed.
 
-  --ci      the preset asan in place of release, and: clang-format over all tracked sources, each
-            installed header compiled alone by GCC and by Clang and abi.h as C99, clang-tidy over
-            what changed
+  --ci      also: clang-format over all tracked sources; each installed header compiled alone by GCC
+            and by Clang, and abi.h as C99; the quick tests of the framework, of the program, of
+            plugins that misbehave and of the plugins that changed under AddressSanitizer and
+            UndefinedBehaviorSanitizer, with the other plugins as they are; clang-tidy over what
+            changed
   --since REV
             what changed since REV (default: since the branch left main, on main since the commit
-            before); scripts/tidy.py says more
-  --long    release, and what is run neither without options nor by --ci: the tests labelled `long` in the
-            presets release and asan, the quick tests in the preset tsan (of plugins, those that start
-            threads), clang-tidy over everything, each fuzzer of tests/fuzz for a minute, and the
-            benchmarks of the stages and of the host (build/benchmarks.log). What the preset tsan and
-            clang-tidy passed before and is unchanged since is skipped, and so is each test that passed
-            before on the very same sources: a run that was stopped, or failed by the machine, goes on
-  --ci --long
-            all of both
-  --all     with --long: skip nothing; tests of asan look for locals that are used after their
-            function has returned, too, which takes twice the time
+            before)
+  --long    also what neither of these runs: the tests labelled `long`; all tests under
+            AddressSanitizer; the quick tests under ThreadSanitizer, of plugins those that start
+            threads; clang-tidy over everything; each fuzzer of tests/fuzz for a minute; and the
+            benchmarks of the stages and of the host (build/benchmarks.log)
   --coverage
             also: the quick tests in the preset coverage, and the share of lines that they run
   --with-slurm
@@ -51,7 +47,6 @@ refuse() {
 
 ci=0
 long=0
-all=0
 coverage=0
 since=
 packages=()
@@ -60,7 +55,6 @@ while (($#)); do
   case $1 in
     --ci) ci=1 ;;
     --long) long=1 ;;
-    --all) all=1 ;;
     --coverage) coverage=1 ;;
     --with-slurm) packages+=("$1") && export WEFT_SLURM=1 ;;
     --without-*) packages+=("$1") ;;
@@ -80,8 +74,8 @@ while (($#)); do
   esac
   shift
 done
-((long || all == 0)) || refuse "--all goes with --long"
-[[ -z $since ]] || ((ci && long == 0)) || refuse "--since goes with --ci"
+((ci == 0 || long == 0)) || refuse "--ci and --long are two runs"
+[[ -z $since ]] || ((ci)) || refuse "--since goes with --ci"
 
 # Settings of the user's own runs, such as a plugin path or a token, are not those of the tests.
 for variable in "${!WEFT_@}"; do
@@ -120,12 +114,13 @@ step() {
   note "$result" $((SECONDS - start)) "$name" "$detail"
 }
 
-# build PRESET [TARGET]
+# build PRESET [TARGET [SETTING...]]: of everything where the target is empty.
 build() {
-  local preset=$1
-  step "$preset configure" "build/$preset/configure.log" cmake --preset "$preset" \
+  local preset=$1 target=${2:-}
+  shift $(($# < 2 ? $# : 2))
+  step "$preset configure" "build/$preset/configure.log" cmake --preset "$preset" "$@" \
     && step "$preset build" "build/$preset/build.log" \
-      cmake --build --preset "$preset" -j "$jobs" ${2:+--target "$2"}
+      cmake --build --preset "$preset" -j "$jobs" ${target:+--target "$target"}
 }
 
 # Adds tests that CTest or GoogleTest skipped in the last run of the preset.
@@ -143,49 +138,20 @@ collect_skipped() {
   )
 }
 
-# ctest_due PRESET TESTS LABEL NONE STEP LOG: the tests of a test preset that have not passed on these
-# sources. Their hashes stand beside the log, so that what passed before a run was stopped counts.
-ctest_due() {
-  local preset=$1 tests=$2 label=$3 none=$4 of=$5 log=$6 suite=$2-$3 passed=() status=0
-  scripts/green.py tests "$of" "$log.sources" "$suite" "$log"
-  scripts/green.py each "$of" "build/$preset" >"$log.sources"
-  ((all)) || mapfile -t passed < <(scripts/green.py passed "$of" "$log.sources" "$suite")
-  local skip=()
-  if ((${#passed[@]})); then
-    skip=(-E "^($(IFS='|' && echo "${passed[*]}"))\$")
-    none=ignore
-  fi
-  # CTest itself writes a log when it has ended, and none when it is ended.
-  ctest --preset "$tests" -L "^$label\$" "${skip[@]}" -j "$jobs" --no-tests="$none" \
-    | tee "$log" || status=$?
-  scripts/green.py tests "$of" "$log.sources" "$suite" "$log"
-  if ((status == 0 && ${#passed[@]})); then
-    local result
-    result=$(grep -oE '[0-9]+% tests passed.*' "$log" | tail -n 1 || true)
-    echo "summary: ok: ${result:-none was due}; ${#passed[@]} passed before on the same sources"
-  fi
-  return "$status"
-}
-
+# run_tests PRESET quick|long error|ignore: the last says what no test at all is.
 run_tests() {
-  local preset=$1 label=$2 none=$3 status=0 log=build/$1/test-$2.log
-  if ((long)); then
-    local tests=$preset of=tests
-    [[ $preset != asan ]] || ((all == 0)) || tests=asan-stack
-    [[ $preset != tsan ]] || of=tsan
-    step "$preset $label" "$log" \
-      ctest_due "$preset" "$tests" "$label" "$none" "$of" "build/$preset/ctest-$label.log" || status=1
-  else
-    step "$preset $label" "$log" \
-      ctest --preset "$preset" -L "^$label\$" -j "$jobs" --no-tests="$none" || status=1
-  fi
+  local preset=$1 label=$2 none=$3 status=0
+  step "$preset $label" "build/$preset/test-$label.log" \
+    ctest --preset "$preset" -L "^$label\$" -j "$jobs" --no-tests="$none" || status=1
   collect_skipped "$preset" "test-$label"
   return "$status"
 }
 
+# build_and_test PRESET [SETTING...]: with --long also its long tests, but for ThreadSanitizer.
 build_and_test() {
   local preset=$1
-  if ! build "$preset"; then
+  shift
+  if ! build "$preset" "" "$@"; then
     note "NOT RUN" 0 "$preset tests"
     return 0
   fi
@@ -193,6 +159,34 @@ build_and_test() {
   if ((long)) && [[ $preset != tsan ]]; then
     run_tests "$preset" long ignore || true
   fi
+}
+
+# The commit that changes are counted from; nothing where none is known, as in a shallow clone.
+base_commit() {
+  local branch common
+  for branch in upstream/main origin/main main; do
+    common=$(git merge-base HEAD "$branch" 2>/dev/null) || continue
+    if [[ $common != "$(git rev-parse HEAD)" ]]; then
+      echo "$common"
+      return 0
+    fi
+  done
+  git rev-parse --verify --quiet HEAD~1 || true
+}
+
+# changed_plugins REV: folders below plugins/ that changed since, as role/name, and those that link
+# a common library that did; with blanks between.
+changed_plugins() {
+  local changed id
+  changed=$({ git diff --name-only "$1" -- plugins && git ls-files --others --exclude-standard plugins; } \
+    | cut -d / -f 2,3 | sort -u)
+  for id in $changed; do
+    echo "$id"
+    [[ $id == common/* || $id == */common ]] || continue
+    grep -lwE "${id/\//_}" plugins/*/*/CMakeLists.txt | cut -d / -f 2,3 || true
+  done | sort -u | while IFS= read -r id; do
+    [[ ! -f plugins/$id/CMakeLists.txt ]] || echo "$id"
+  done
 }
 
 check_format() {
@@ -205,40 +199,23 @@ check_headers() {
     && cmake --build --preset release -j "$jobs" --target headers_alone
 }
 
+# The preset clang compiles each source by itself.
 check_tidy() {
-  local which=()
-  if ((long == 0)); then
-    which=(--changed ${since:+--since "$since"} build/asan)
-  elif ((all)); then
-    which=(--all)
-  fi
-  scripts/tidy.py --jobs "$jobs" "${which[@]}"
-}
-
-# AddressSanitizer where its quick tests are left to --ci.
-build_and_test_long_asan() {
-  if build asan weft_long_tests; then
-    run_tests asan long error || true
+  if ((long)); then
+    scripts/tidy.py --jobs "$jobs" --all build/release
+  elif [[ -z $since ]]; then
+    echo "summary: NOT RUN: no earlier commit is known; name one with --since REV"
   else
-    note "NOT RUN" 0 "asan tests"
+    scripts/tidy.py --jobs "$jobs" --since "$since" build/clang
   fi
 }
 
-# ThreadSanitizer, unless all that is behind it has passed before.
-build_and_test_tsan() {
-  local sources passed detail before=$failures
-  sources=$(scripts/green.py sources tsan) || sources=
-  if ((all == 0)) && passed=$(scripts/green.py since tsan "$sources"); then
-    detail="unchanged since its green run of $passed, sources ${sources:0:12}"
-    printf '%-16s ... skipped, %s\n' tsan "$detail"
-    note skipped 0 tsan "$detail"
-    return 0
-  fi
-  printf '%-16s ... due, sources %s\n' tsan "${sources:0:12}"
-  build_and_test tsan
-  if [[ -n $sources ]] && ((failures == before)); then
-    scripts/green.py record tsan "$sources"
-  fi
+build_and_test_changed_under_asan() {
+  local plugins=
+  [[ -z $since ]] || plugins=$(changed_plugins "$since" | paste -sd ';')
+  echo "compiled for the preset asan: the framework, the program${plugins:+, ${plugins//;/, }}"
+  build_and_test asan -DWEFT_PLAIN_PLUGINS="$PWD/build/release/lib/weft/plugins" \
+    -DWEFT_CHECKED_PLUGINS="$plugins"
 }
 
 # Line coverage of what is installed, tests not counted. Plugins built elsewhere, as tests do,
@@ -269,24 +246,25 @@ report_coverage() {
 }
 
 what="quick tests"
-((ci == 0)) || what="quick tests under AddressSanitizer, checks"
-((long == 0)) || what="quick and long tests, ThreadSanitizer, clang-tidy"
+((ci == 0)) || what="quick tests, AddressSanitizer for what changed, checks"
+((long == 0)) || what="quick and long tests, AddressSanitizer, ThreadSanitizer, clang-tidy"
 echo "Weft: $what, $jobs jobs, data: ${WEFT_DATA:-none}"
 step bootstrap build/bootstrap.log scripts/bootstrap.sh --tests "${packages[@]}" || exit 1
-((ci && long == 0)) || build_and_test release
 if ((ci)); then
-  build_and_test asan
+  [[ -n $since ]] || since=$(base_commit)
   step clang-format build/format.log check_format || true
+fi
+build_and_test release
+if ((ci)); then
   step headers build/headers.log check_headers || true
   build clang || true
-elif ((long)); then
-  build_and_test_long_asan
-fi
-if ((ci || long)); then
   step clang-tidy build/tidy.log check_tidy || true
+  build_and_test_changed_under_asan
 fi
 if ((long)); then
-  build_and_test_tsan
+  build_and_test asan -DWEFT_PLAIN_PLUGINS=
+  step clang-tidy build/tidy.log check_tidy || true
+  build_and_test tsan
   step fuzz build/fuzz.log scripts/fuzz.py --seconds 60 || true
   step benchmarks build/benchmarks.log run_benchmarks || true
 fi

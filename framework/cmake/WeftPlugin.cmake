@@ -21,8 +21,9 @@
 # BROKEN is a plugin for tests of the host, which breaks the contract on purpose or when it is told
 # to: it is not held to it.
 #
-# Under ThreadSanitizer the cache variable WEFT_PLAIN_PLUGINS may name the plugin folder of a build
-# without it: plugins that have nothing to do with threads are then taken from there.
+# With sanitizers the cache variable WEFT_PLAIN_PLUGINS may name the plugin folder of a build without
+# them, from which plugins are taken as they are, but for those in WEFT_CHECKED_PLUGINS, a list of
+# folders such as "filters/aem;common/images". With ThreadSanitizer all that start threads are in it.
 
 set(WEFT_PLUGIN_CMAKE_DIR ${CMAKE_CURRENT_LIST_DIR})
 
@@ -63,8 +64,8 @@ function(weft_add_plugin id)
   endif()
 
   set(manifest ${folder}/${name}.plugin.yaml)
-  weft_is_worth_testing(is_worth_testing ${CMAKE_CURRENT_SOURCE_DIR})
-  if(WEFT_PLAIN_PLUGINS AND NOT is_worth_testing AND NOT arg_FOLDER)
+  weft_is_checked(is_checked ${CMAKE_CURRENT_SOURCE_DIR})
+  if(NOT is_checked AND NOT arg_FOLDER)
     set_target_properties(${name}_objects ${name} PROPERTIES EXCLUDE_FROM_ALL ON)
     set(plain ${WEFT_PLAIN_PLUGINS}/${name}.so ${WEFT_PLAIN_PLUGINS}/${name}.plugin.yaml)
     add_custom_command(OUTPUT ${manifest}
@@ -96,7 +97,7 @@ function(weft_add_plugin id)
     install(FILES ${manifest} DESTINATION lib/weft/plugins COMPONENT plugins)
   endif()
 
-  if(TARGET weft::testing AND TARGET GTest::gtest_main AND is_worth_testing)
+  if(TARGET weft::testing AND TARGET GTest::gtest_main AND is_checked)
     weft_add_plugin_test(${name} ${name}_test quick "${arg_TESTS}")
     weft_add_plugin_test(${name} ${name}_long_test long "${arg_LONG_TESTS}")
   endif()
@@ -149,21 +150,25 @@ function(weft_check_plugin id)
   endif()
 endfunction()
 
-# weft_is_worth_testing(RESULT FOLDER): false where ThreadSanitizer watches and no source in the folder
-# has anything to do with threads; what several threads do to a plugin, the tests of the host see.
-function(weft_is_worth_testing result folder)
+set(WEFT_CHECKED_PLUGINS "" CACHE STRING "With WEFT_PLAIN_PLUGINS: folders below plugins/ that are compiled")
+
+# weft_is_checked(RESULT FOLDER): false where what is in the folder is taken from WEFT_PLAIN_PLUGINS.
+function(weft_is_checked result folder)
   set(${result} TRUE PARENT_SCOPE)
-  if(NOT WEFT_SANITIZE MATCHES "thread")
+  file(RELATIVE_PATH id ${PROJECT_SOURCE_DIR}/plugins ${folder})
+  if(NOT WEFT_PLAIN_PLUGINS OR id MATCHES "^\\.\\./" OR id IN_LIST WEFT_CHECKED_PLUGINS)
     return()
   endif()
-  set(thread_headers "<(atomic|condition_variable|future|mutex|thread|CL/opencl[.]hpp)>|/workers/")
-  file(GLOB sources ${folder}/*.cpp ${folder}/*.hpp)
-  foreach(source IN LISTS sources)
-    file(STRINGS ${source} lines REGEX "^#include .*(${thread_headers})")
-    if(lines)
-      return()
-    endif()
-  endforeach()
+  if(WEFT_SANITIZE MATCHES "thread")
+    set(thread_headers "<(atomic|condition_variable|future|mutex|thread|CL/opencl[.]hpp)>|/workers/")
+    file(GLOB sources ${folder}/*.cpp ${folder}/*.hpp)
+    foreach(source IN LISTS sources)
+      file(STRINGS ${source} lines REGEX "^#include .*(${thread_headers})")
+      if(lines)
+        return()
+      endif()
+    endforeach()
+  endif()
   set(${result} FALSE PARENT_SCOPE)
 endfunction()
 

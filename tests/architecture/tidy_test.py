@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Plants a built tree, changes it, and expects clang-tidy on the batches concerned only."""
+"""Plants a configured tree, changes it, and expects clang-tidy on the sources concerned only."""
 
 import contextlib
 import io
@@ -14,36 +14,28 @@ from pathlib import Path
 from unittest import mock
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
-import green  # noqa: E402
 import tidy  # noqa: E402
 
-# Ninja tells what was recorded; clang-tidy notes the batch and minds the word PLANTED in its files.
-NINJA = '#!/bin/sh\ncat "$2/deps.txt"\n'
+# Notes the source, and minds the word PLANTED in it.
 CLANG_TIDY = """#!/bin/sh
-[ "$1" != --version ] || { echo "version 14"; exit 0; }
-for batch; do :; done
-echo "$batch" >>"$CALLS"
-for file in $(sed -n 's/^#include "\\(.*\\)"/\\1/p' "$batch"); do
-  ! grep -q PLANTED "$file" || { echo "$file:1:1: error: planted"; exit 1; }
-done
+for source; do :; done
+echo "$source" >>"$CALLS"
+! grep -q PLANTED "$source" || { echo "$source:1:1: error: planted"; exit 1; }
 """
-SOURCES = {
-    ".clang-tidy": "Checks: bugprone-*\n",
+ONE, TWO = "framework/src/one.cpp", "framework/src/two.cpp"
+NEAR, FAR = "plugins/filters/near/near.cpp", "plugins/filters/far/near_by.cpp"
+TEST = "plugins/filters/near/tests/near_test.cpp"
+TREE = {
     ".gitignore": "/build/\n/bin/\n",
     "framework/include/weft/a.hpp": "int a();\n",
-    "framework/src/one.cpp": "int one() { return 1; }\n",
-    "framework/src/two.cpp": "#include <weft/a.hpp>\n",
+    "framework/include/weft/b.hpp": "#include <weft/a.hpp>\n",
+    ONE: "int one() { return 1; }\n",
+    TWO: "#include <weft/b.hpp>\n",
     "plugins/filters/near/near.hpp": "int near();\n",
-    "plugins/filters/near/near.cpp": '#include "near.hpp"\n',
-    "plugins/filters/near/tests/near_test.cpp": "#include <weft/a.hpp>\n",
+    NEAR: '#include "near.hpp"\n',
+    FAR: '#include "filters/near/near.hpp"\n',
+    TEST: "#include <weft/a.hpp>\n",
 }
-HOST, NEAR, TEST = "framework/host", "plugins/filters/near/near", "plugins/filters/near/near_test"
-BATCHES = {
-    HOST: ["framework/src/one.cpp", "framework/src/two.cpp"],
-    NEAR: ["plugins/filters/near/near.cpp"],
-    TEST: ["plugins/filters/near/tests/near_test.cpp"],
-}
-HEADERS = {HOST: "framework/include/weft/a.hpp", NEAR: "plugins/filters/near/near.hpp"}
 
 
 class Tidy(unittest.TestCase):
@@ -51,39 +43,25 @@ class Tidy(unittest.TestCase):
         scratch = tempfile.TemporaryDirectory()
         self.addCleanup(scratch.cleanup)
         self.root = Path(scratch.name).resolve()
-        self.build = self.root / "build" / "release"
+        self.build = self.root / "build" / "clang"
         self.calls = self.root / "build" / "calls"
         identity = {f"GIT_{who}_{what}": "test@weft" for who in ("AUTHOR", "COMMITTER")
                     for what in ("NAME", "EMAIL")}
         path = f"{self.root / 'bin'}:{os.environ['PATH']}"
         for patch in (mock.patch.object(tidy, "ROOT", self.root),
-                      mock.patch.object(green, "ROOT", self.root),
                       mock.patch.dict(os.environ, {"PATH": path, "CALLS": str(self.calls),
                                                    "GIT_CONFIG_GLOBAL": "/dev/null", **identity})):
             patch.start()
             self.addCleanup(patch.stop)
-        self.plant()
-
-    def plant(self) -> None:
-        for path, text in SOURCES.items():
-            self.write(path, text)
-        for name, text in (("ninja", NINJA), ("clang-tidy", CLANG_TIDY)):
-            self.write(f"bin/{name}", text)
-            (self.root / "bin" / name).chmod(0o755)
-        commands, record = [], ""
-        for name, sources in BATCHES.items():
-            unity = f"build/release/{self.batch(name)}"
-            self.write(unity, "".join(f'#include "{self.root / each}"\n\n' for each in sources))
-            command = (f"{os.environ.get('CXX', 'c++')} -I{self.root}/framework/include -o {name}.o"
-                       f" -c {self.root / unity}")
-            commands.append({"directory": str(self.build), "command": command,
-                             "file": str(self.root / unity)})
-            read = [f"../../{each}" for each in [*sources, *filter(None, [HEADERS.get(name)])]]
-            record += f"{name}.o: #deps {len(read)}, deps mtime 1 (VALID)\n"
-            record += "".join(f"    {each}\n" for each in [*read, "/usr/include/stdio.h"]) + "\n"
-        self.write("build/release/compile_commands.json", json.dumps(commands))
-        self.write("build/release/deps.txt", record)
+        for name, text in TREE.items():
+            self.write(name, text)
+        self.write("bin/clang-tidy", CLANG_TIDY)
+        (self.root / "bin" / "clang-tidy").chmod(0o755)
+        entries = [{"directory": str(self.build), "command": "", "file": str(self.root / name)}
+                   for name in (ONE, TWO, NEAR, FAR, TEST)]
+        self.write("build/clang/compile_commands.json", json.dumps(entries))
         self.git("init", "--quiet", "--initial-branch=main")
+        self.commit()
         self.commit()
 
     def write(self, path: str, text: str) -> None:
@@ -97,94 +75,45 @@ class Tidy(unittest.TestCase):
         self.git("add", "--all")
         self.git("commit", "--quiet", "--allow-empty", "--message", "A change")
 
-    def batch(self, name: str) -> str:
-        return f"{Path(name).parent}/CMakeFiles/{Path(name).name}.dir/Unity/unity_0_cxx.cxx"
-
     def run_tidy(self, *arguments: str) -> tuple[int, str, list[str]]:
-        """The exit status, what was said last, and the batches that clang-tidy read."""
-        green.content.cache_clear()
-        self.calls.write_text("")
+        """The exit status, the last line, and the sources that clang-tidy read."""
+        self.write("build/calls", "")
         out = io.StringIO()
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(out):
             status = tidy.main([*arguments, "--jobs", "2", str(self.build)])
-        names = {str(self.build / self.batch(name)): name for name in BATCHES}
-        read = sorted(names[each] for each in self.calls.read_text().split())
+        read = sorted(os.path.relpath(each, self.root) for each in self.calls.read_text().split())
         return status, (out.getvalue().splitlines() or [""])[-1], read
 
-    def test_reads_each_batch_once_and_no_tests(self) -> None:
-        status, said, read = self.run_tidy()
-        self.assertEqual((status, read), (0, [HOST, NEAR]))
-        self.assertRegex(said, r"^summary: ok: 2 of 2 batches, sources [0-9a-f]{12}$")
-        status, said, read = self.run_tidy()
-        self.assertEqual((status, read), (0, []))
-        self.assertRegex(said, r"^summary: skipped: unchanged since its green run of "
-                               r"\d{4}-\d\d-\d\d \d\d:\d\d, sources [0-9a-f]{12}$")
-        self.assertEqual(self.run_tidy("--all")[2], [HOST, NEAR])
+    def test_reads_all_sources_and_no_tests(self) -> None:
+        status, said, read = self.run_tidy("--all")
+        self.assertEqual((status, read), (0, sorted([ONE, TWO, NEAR, FAR])))
+        self.assertEqual(said, "summary: ok: 4 of 4 sources")
 
-    def test_reads_a_batch_again_when_its_files_or_headers_change(self) -> None:
-        self.run_tidy()
-        self.write("plugins/filters/near/near.hpp", "long near();\n")
-        status, said, read = self.run_tidy()
-        self.assertEqual((status, read), (0, [NEAR]))
-        self.assertIn("1 of 2 batches, 1 unchanged since they passed, sources ", said)
-        self.write("framework/src/one.cpp", "int one() { return 2; }\n")
-        self.assertEqual(self.run_tidy()[2], [HOST])
-        self.write("plugins/filters/near/tests/near_test.cpp", "\n")
-        self.assertEqual(self.run_tidy()[2], [])
-        self.write(".clang-tidy", "Checks: misc-*\n")
-        self.assertEqual(self.run_tidy()[2], [HOST, NEAR])
+    def test_reads_what_changed_and_a_source_for_each_header_that_changed(self) -> None:
+        for changed, expected in ((ONE, [ONE]), ("framework/include/weft/a.hpp", [TWO]),
+                                  ("plugins/filters/near/near.hpp", [NEAR]), (TEST, [])):
+            with self.subTest(changed):
+                self.write(changed, TREE[changed] + "// changed\n")
+                status, said, read = self.run_tidy("--since", "HEAD~1")
+                self.assertEqual((status, read), (0, expected))
+                self.assertRegex(said, "^summary: ok: [01] of 4 sources, files changed since ")
+                self.commit()
+                self.assertEqual(self.run_tidy("--since", "HEAD~1")[2], expected)
+                self.commit()
 
-    def test_reads_what_failed_again_and_what_passed_beside_it_not(self) -> None:
-        self.write("framework/src/one.cpp", "// PLANTED\n")
-        status, said, read = self.run_tidy()
-        self.assertEqual((status, read), (1, [HOST, NEAR]))
-        self.assertEqual(said, "summary: FAILED: 1 of 2 batches")
-        self.assertEqual(self.run_tidy()[2], [HOST])
-        self.write("framework/src/one.cpp", "int one() { return 1; }\n")
-        self.assertEqual(self.run_tidy()[::2], (0, [HOST]))
+    def test_leaves_out_a_file_that_is_gone(self) -> None:
+        (self.root / ONE).unlink()
+        self.assertEqual(self.run_tidy("--since", "HEAD~1")[::2], (0, []))
 
-    def test_asks_the_compiler_where_the_build_is_out_of_date(self) -> None:
-        record = self.build / "deps.txt"
-        record.write_text(record.read_text().replace("VALID", "STALE"))
-        self.run_tidy()
-        self.write("framework/include/weft/a.hpp", "long a();\n")
-        self.assertEqual(self.run_tidy()[2], [HOST])
-
-    def test_finds_the_batches_that_hold_or_include_what_changed(self) -> None:
-        self.write("framework/include/weft/a.hpp", "long a();\n")
-        self.commit()
-        status, said, read = self.run_tidy("--changed")
-        self.assertEqual((status, read), (0, [HOST]))
-        self.assertRegex(said, "^summary: ok: 1 of 2 batches, sources changed since [0-9a-f]+: 1, sources ")
-        self.write("plugins/filters/near/near.cpp", "int near();\n")
-        self.assertEqual(self.run_tidy("--changed")[2], [NEAR])  # not committed; the host passed
-        self.assertEqual(self.run_tidy("--changed", "--all")[2], [HOST, NEAR])
-
-    def test_has_nothing_to_do_where_only_tests_and_pages_changed(self) -> None:
-        self.write("plugins/filters/near/tests/near_test.cpp", "\n")
-        self.write("plugins/filters/near/README.md", "\n")
-        self.commit()
-        status, said, read = self.run_tidy("--changed")
-        self.assertEqual((status, read), (0, []))
-        self.assertRegex(said, "^summary: skipped: 0 of 2 batches, sources changed since .*: 0$")
-
-    def test_compares_a_branch_with_where_it_left_main(self) -> None:
-        self.git("switch", "--quiet", "--create", "branch")
-        for path in ("framework/src/one.cpp", "plugins/filters/near/near.cpp"):
-            self.write(path, "int f();\n")
-            self.commit()
-        self.assertEqual(self.run_tidy("--changed", "--all")[2], [HOST, NEAR])
-        self.assertEqual(self.run_tidy("--changed", "--all", "--since", "HEAD~1")[2], [NEAR])
-
-    def test_says_that_it_cannot_tell_where_nothing_is_before_the_commit(self) -> None:
-        status, said, read = self.run_tidy("--changed")
-        self.assertEqual((status, read), (0, []))
-        self.assertIn("summary: NOT RUN: no earlier commit is known", said)
+    def test_fails_where_something_is_found(self) -> None:
+        self.write(ONE, "// PLANTED\n")
+        status, said, read = self.run_tidy("--since", "HEAD~1")
+        self.assertEqual((status, said, read), (1, "summary: FAILED: 1 of 1 sources", [ONE]))
 
     def test_fails_where_it_cannot_run(self) -> None:
-        self.assertEqual(self.run_tidy("--changed", "--since", "nowhere")[0], 2)
+        self.assertEqual(self.run_tidy("--since", "nowhere")[0], 2)
         (self.build / "compile_commands.json").unlink()
-        status, said, _ = self.run_tidy()
+        status, said, _ = self.run_tidy("--all")
         self.assertEqual(status, 2)
         self.assertIn("compile_commands.json", said)
 
