@@ -23,7 +23,7 @@ fail() {
 echo "1/5 Packages"
 scripts/bootstrap.sh "$@" || fail "packages could not be installed; the list is in scripts/bootstrap.sh"
 
-echo "2/5 Build (the first time takes minutes)"
+echo "2/5 Build of the program and of the plugins of the demo (the first time takes minutes)"
 weft_logged build/release/configure.log cmake --preset release \
   || fail "configuring failed; see build/release/configure.log"
 weft_logged build/release/build.log \
@@ -77,3 +77,7 @@ show metrics -name 'metrics*.json'
 show run -name manifest.json
 echo
 echo "Open this page in a browser: $PWD/$run/report.html"
+echo "The other plugins are built by: cmake --build build/release --target weft_installed"
+# The second line of `times` is about the commands that were run. A subshell has none.
+times >build/release/times.txt
+echo "Processor time (user, system): $(tail -n 1 build/release/times.txt)"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Holds what `cmake --install` copies against what scripts/demo.sh builds.
+"""Holds what `cmake --install` copies against what the target weft_installed builds.
 
 usage: built_test.py BUILD CMAKE
 """
@@ -28,8 +28,8 @@ class Built(unittest.TestCase):
         return {file for file in files if file.is_relative_to(self.build)}
 
     @unittest.skipUnless(shutil.which("ninja"), "needs ninja")
-    def test_the_demo_builds_every_file_that_is_installed(self) -> None:
-        answer = subprocess.run(["ninja", "-C", str(self.build), "-t", "graph", "weft_demo"],
+    def test_the_target_builds_every_file_that_is_installed(self) -> None:
+        answer = subprocess.run(["ninja", "-C", str(self.build), "-t", "graph", "weft_installed"],
                                 capture_output=True, text=True, check=True)
         made = {Path(label) if Path(label).is_absolute() else self.build / label
                 for label in re.findall(r'label="([^"]+)"', answer.stdout)}
@@ -38,7 +38,7 @@ class Built(unittest.TestCase):
                                capture_output=True, text=True, check=True)
         ours = {self.build / line.split(":")[0] for line in ruled.stdout.splitlines()}
         missing = sorted(str(path) for path in self.installed() & ours - made)
-        self.assertFalse(missing, f"weft_demo does not build, but cmake installs: {missing}")
+        self.assertFalse(missing, f"weft_installed does not build, but cmake installs: {missing}")
         self.assertGreater(len(self.installed() & made), 3)
 
     def test_an_installation_names_what_is_not_built_and_the_command_that_builds_it(self) -> None:
