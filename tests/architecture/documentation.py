@@ -12,6 +12,8 @@ root or beside the page, `filters/x` as a component, `a_name` with an underscore
 (`frames/NNNNNN.npz`) stand for something, and what ends in a number (`plain_101`) is data.
 """
 
+import fnmatch
+import os
 import pathlib
 import re
 import subprocess
@@ -24,6 +26,13 @@ SPAN = re.compile(r"`([^`]+)`")
 PATH = re.compile(r"[\w.\-]+(?:/[\w.\-]+)+/?")
 NAME = re.compile(r"(?<![\w/.\-])[A-Za-z]\w*_\w+(?![\w/\-])")
 WORD = re.compile(r"\w+")
+# Pages that list what a folder holds, with the patterns of paths that they must link to.
+INDEXES = {
+    "docs/decisions/README.md": ["docs/decisions/[0-9]*.md"],
+    "pipelines/README.md": ["pipelines/*.yaml", "pipelines/ablations/*.yaml"],
+    "plugins/README.md": ["plugins/*/"],
+    "tests/README.md": ["tests/*/"],
+}
 # Names of other programs and libraries, of what a reader is to write, and of what npm builds.
 FOREIGN = {"CCACHE_DEPEND", "basic_filebuf", "my_test", "snake_case", "use_registers", "use_stacks",
            "web/dist/report.js"}
@@ -170,12 +179,28 @@ def check_names(names, page, lines):
                     yield number, f"no source has the name {word}"
 
 
+def check_index(names, page, patterns, lines):
+    """What a pattern of INDEXES matches and no link of the page leads to."""
+    folder = str(page.parent)
+    linked = {os.path.normpath(f"{folder}/{target}")
+              for _, line in outside_code(lines) for target, _ in LINK.findall(line)}
+    for pattern in patterns:
+        known = names.folders if pattern.endswith("/") else names.files
+        depth = pattern.rstrip("/").count("/")
+        for path in sorted(known):
+            if (path.count("/") == depth and fnmatch.fnmatch(path, pattern.rstrip("/"))
+                    and path not in linked and f"{path}/README.md" not in linked):
+                yield 1, f"does not link to {path}"
+
+
 def problems(root):
     names = Names(root)
     for page in pages(root):
         lines = page.read_text(encoding="utf-8").splitlines()
         for number, message in [*check_quotes(root, lines), *check_links(root, page, lines),
-                                *check_names(names, page.relative_to(root), lines)]:
+                                *check_names(names, page.relative_to(root), lines),
+                                *check_index(names, page.relative_to(root), INDEXES.get(
+                                    str(page.relative_to(root)), []), lines)]:
             yield f"{page.relative_to(root)}:{number}: {message}"
 
 

@@ -71,6 +71,19 @@ class Documentation(unittest.TestCase):
                               ("filters_far_test", "no source has the name filters_far_test")):
             self.assertEqual(self.found(f"see\n`{name}`\n"), [f"page.md:2: {message}"])
 
+    def test_finds_files_and_folders_that_an_index_lacks(self):
+        ablations = self.root / "pipelines" / "ablations"
+        ablations.mkdir(parents=True)
+        (self.root / "plugins" / "filters" / "near").mkdir(parents=True)
+        for file in ("pipelines/a.yaml", "pipelines/ablations/b.yaml", "pipelines/ablations/b.csv",
+                     "plugins/filters/near/near.cpp"):
+            (self.root / file).write_text("weft: 1\n")
+        (self.root / "pipelines" / "README.md").write_text("[a](a.yaml)\n")
+        (self.root / "plugins" / "README.md").write_text("none\n")
+        self.assertEqual(list(documentation.problems(self.root)), [
+            "pipelines/README.md:1: does not link to pipelines/ablations/b.yaml",
+            "plugins/README.md:1: does not link to plugins/filters"])
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -33,7 +33,7 @@ ShapeSigns shape_signs(const SolverInput& in, std::span<const DistanceConstraint
                        const Points3View& vertices_m);
 
 /// Weights of the logistic of confidence(), of the logarithm of each sign. Each solver has its own,
-/// fitted by scripts/fit_confidence.py to shapes of which the truth is known.
+/// fitted to shapes with known truth: docs/evidence/0023-confidence-of-solvers.md.
 struct ConfidenceWeights {
   double bias = 0.0;
   double strain = 0.0;      ///< of ln(strain + 0.001)

@@ -45,7 +45,7 @@ TOLERANCE = 0.2
 
 
 class Costs(NamedTuple):
-    """Measured with the two nodes of tests/cluster/loopback_test.py, see docs/evidence."""
+    """Measured with the two nodes of tests/cluster/loopback_test.py, see docs/evidence/0025-clusters.md."""
 
     controller_s: float = 0.02  # that Slurm's controller takes for each task
     launch_s: float = 0.25  # until the program of a task runs
