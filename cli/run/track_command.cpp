@@ -241,7 +241,7 @@ void track(TrackOptions options, Context& context) {
   if (!evaluation::is_run_folder(arguments.folder)) return;  // interrupted before the first frame
   print_found(counts);
   const auto report = evaluation::write_run_report(
-      arguments.folder, {{}, (program_root() / "share/weft/report").string()});
+      arguments.folder, {{}, (program_root() / "share/weft/report").string(), unwarping_sink()});
   if (!report) {
     print_error(report.error());
     context.exit_code = kInputOutput;
