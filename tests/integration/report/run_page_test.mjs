@@ -28,7 +28,7 @@ await use_page(async (page) => {
     all.map((one) => one.getBoundingClientRect().width),
   );
   assert.equal(sizes.filter((width) => width > 100).length, 5);
-  const stroke = await page.$eval(".print path.far:not(.halo)", (one) => getComputedStyle(one).stroke);
+  const stroke = await page.$eval(".print .arrow.far:not(.halo)", (one) => getComputedStyle(one).stroke);
   assert.equal(stroke, "rgb(210, 59, 44)");
 
   // A click on a frame of the figure shows it in 3D.

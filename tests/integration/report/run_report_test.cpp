@@ -124,7 +124,7 @@ TEST(RunReport, DrawsArrowsOverTheFlatPrintAndOverTheUnwarpedImage) {
   EXPECT_THAT(page, HasSubstr(", 5 times as long as it is")) << "2.5 mm on a print of 300 mm";
   // Patch 1 of frame 6: 2.5 mm along v, texels of 4 mm, five times.
   EXPECT_THAT(page, HasSubstr("M11.0 25.0l0.0 3.1"));
-  EXPECT_THAT(page, HasSubstr("class=\"missing\""));
+  EXPECT_THAT(page, HasSubstr("class=\"arrow missing\""));
   EXPECT_THAT(page, HasSubstr("Worst frame, 6: 1 of 8 patches within 1 mm, 1 within 2 mm, 1 not "
                               "found; median 2.50 mm"));
   const auto count = [&](const std::string& text) {

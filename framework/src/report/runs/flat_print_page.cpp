@@ -94,7 +94,7 @@ std::string print_arrows(const PrintFrame& frame, const FlatPrint& print, int ti
   for (const char* layer : {"halo ", ""}) {
     for (std::size_t i = 0; i < paths.size(); ++i) {
       if (paths[i].empty()) continue;
-      text += fmt::format("<path class=\"{}{}\" d=\"{}\"/>", layer, kMarks[i].name, paths[i]);
+      text += fmt::format("<path class=\"arrow {}{}\" d=\"{}\"/>", layer, kMarks[i].name, paths[i]);
     }
   }
   return text + "</g>";
@@ -103,7 +103,7 @@ std::string print_arrows(const PrintFrame& frame, const FlatPrint& print, int ti
 std::string svg_image(const FlatPrint& print, const std::string& media_type,
                       const std::string& bytes, const char* id) {
   return fmt::format(
-             "<image{} width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" "
+             "<image{} class=\"backdrop\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" "
              "href=\"data:{};base64,",
              id, print.width_px, print.height_px, media_type) +
          base64(bytes) + "\"/>";
@@ -130,11 +130,11 @@ std::string print_caption(const PrintFrame& frame, const RunMetrics& metrics) {
 }
 
 std::string mark_legend() {
-  std::string text = "<ul class=\"legend print-legend\">";
+  std::string text = "<ul class=\"legend\">";
   for (const MarkStyle& mark : kMarks) {
     const char* sign = &mark == &kMarks.back() ? "×" : "→";
     text +=
-        fmt::format("<li><span class=\"mark {}\">{}</span>{}</li>", mark.name, sign, mark.meaning);
+        fmt::format("<li><span class=\"sign {}\">{}</span>{}</li>", mark.name, sign, mark.meaning);
   }
   return text + "</ul>\n";
 }
