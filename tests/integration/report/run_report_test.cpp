@@ -121,7 +121,8 @@ TEST(RunReport, DrawsArrowsOverTheFlatPrintAndOverTheUnwarpedImage) {
   compare_with_print(run);
   const RunData data = read(run);
   const std::string page = flat_print_html(data.print, data.metrics);
-  EXPECT_THAT(page, HasSubstr(", 5 times as long as it is")) << "2.5 mm on a print of 300 mm";
+  EXPECT_THAT(page, HasSubstr("It is 5 times as long as the displacement, but at most 1/12"))
+      << "2.5 mm on a print of 300 mm";
   // Patch 1 of frame 6: 2.5 mm along v, texels of 4 mm, five times.
   EXPECT_THAT(page, HasSubstr("M11.0 25.0l0.0 3.1"));
   EXPECT_THAT(page, HasSubstr("class=\"arrow missing\""));

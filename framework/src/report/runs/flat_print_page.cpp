@@ -26,6 +26,9 @@ constexpr std::array<MarkStyle, 4> kMarks{{{"near", "at most 1 mm"},
                                            {"far", "more than 2 mm"},
                                            {"missing", "not found"}}};
 
+/// The longest arrow is this part of the print's longer side.
+constexpr int kParts = 12;
+
 double longer_px(const FlatPrint& print) {
   return static_cast<double>(std::max(print.width_px, print.height_px));
 }
@@ -59,7 +62,8 @@ int enlargement(const FlatPrint& print) {
   return chosen;
 }
 
-/// A cross for a patch that was not found, else an arrow; a round line without length is a dot.
+/// A cross for a patch that was not found, an arrow, or a dot for one that would be too short. Of
+/// wrong places far away only the direction is of interest: their arrows end early.
 std::string mark_path(const PrintPatch& patch, const FlatPrint& print, int times) {
   const double size_px = 0.008 * longer_px(print);
   const double u = patch.u_px, v = patch.v_px;
@@ -68,11 +72,19 @@ std::string mark_path(const PrintPatch& patch, const FlatPrint& print, int times
                        v - size_px, 2 * size_px, 2 * size_px, -2 * size_px, 2 * size_px,
                        -2 * size_px);
   }
-  const double du = times * patch.du_mm / print.mm_per_px_u;
-  const double dv = times * patch.dv_mm / print.mm_per_px_v;
-  std::string path = fmt::format("M{:.1f} {:.1f}l{:.1f} {:.1f}", u, v, du, dv);
+  double du = times * patch.du_mm / print.mm_per_px_u;
+  double dv = times * patch.dv_mm / print.mm_per_px_v;
+  const double drawn = std::min(1.0, longer_px(print) / kParts / std::hypot(du, dv));
+  du *= drawn;
+  dv *= drawn;
   const double length_px = std::hypot(du, dv);
-  if (length_px < 0.5 * size_px) return path;
+  if (length_px < 0.5 * size_px) {
+    const double radius_px = 0.2 * size_px;
+    return fmt::format(
+        "M{0:.1f} {1:.1f}a{2:.1f} {2:.1f} 0 1 0 {3:.1f} 0a{2:.1f} {2:.1f} 0 1 0 {4:.1f} 0",
+        u - radius_px, v, radius_px, 2 * radius_px, -2 * radius_px);
+  }
+  const std::string line = fmt::format("M{:.1f} {:.1f}l{:.1f} {:.1f}", u, v, du, dv);
   const double barb = std::min(size_px, 0.5 * length_px) / length_px;
   // Barbs at 30 degrees: from their ends to the tip and back.
   constexpr double kAlong = 0.866, kAcross = 0.5;
@@ -80,7 +92,7 @@ std::string mark_path(const PrintPatch& patch, const FlatPrint& print, int times
   const double left_v = -barb * (kAlong * dv + kAcross * du);
   const double right_u = -barb * (kAlong * du + kAcross * dv);
   const double right_v = -barb * (kAlong * dv - kAcross * du);
-  return path + fmt::format("m{:.1f} {:.1f}L{:.1f} {:.1f}l{:.1f} {:.1f}", left_u, left_v, u + du,
+  return line + fmt::format("m{:.1f} {:.1f}L{:.1f} {:.1f}l{:.1f} {:.1f}", left_u, left_v, u + du,
                             v + dv, right_u, right_v);
 }
 
@@ -144,13 +156,12 @@ std::string mark_legend() {
 std::string flat_print_html(const FlatPrint& print, const RunMetrics& metrics) {
   if (print.frames.empty()) return "";
   const int times = enlargement(print);
-  std::string text =
+  std::string text = fmt::format(
       "<p>Each arrow leads from the place of a patch in the flat print to where the unwarped image "
-      "shows it" +
-      (times > 1 ? fmt::format(", {} times as long as it is", times) : std::string()) +
-      ". Patches are words, or the cells of a grid. Frames are ranked by the patches within 1 "
-      "mm.</p>\n" +
-      mark_legend() + "<div class=\"print\">\n";
+      "shows it. It is {}as long as the displacement, but at most 1/{} of the print. Patches are "
+      "words, or the cells of a grid. Frames are ranked by the patches within 1 mm.</p>\n",
+      times > 1 ? fmt::format("{} times ", times) : "", kParts);
+  text += mark_legend() + "<div class=\"print\">\n";
   for (const PrintFrame& frame : print.frames) {
     const bool is_first = &frame == &print.frames.front();
     text += fmt::format("<figure data-frame=\"{}\"><div class=\"views\">", frame.frame);
