@@ -35,6 +35,9 @@ inline const char* tracking_pipeline() { return "demo.yaml"; }
 /// What --photo stands for.
 inline const char* photo_template() { return "templates/photo"; }
 
+/// The sink whose images a report shows beside the flat print.
+inline const char* unwarping_sink() { return "sinks/unwarped"; }
+
 /// What --flat-reference stands for.
 inline const char* registration_pass() { return "passes/flat_reference"; }
 

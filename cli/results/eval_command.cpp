@@ -25,20 +25,25 @@ struct EvalOptions {
   FlatReference reference;
 };
 
+/// Measures registrations with `registration`, where it is there, and keeps them in the run.
 Result<void> evaluate(const EvalOptions& options, const std::string& alignment,
-                      const Context& context) {
+                      RunRegistration* registration) {
   evaluation::EvaluationOptions choice;
   choice.alignment = *evaluation::alignment_of(alignment);
   choice.match_tolerance_px = options.match_tolerance_px;
   if (options.surfaces) choice.surface_samples = evaluation::kSurfaceSamples;
-  if (options.reference.wanted) {
-    auto measure = registration_of_run(options.folder, options.reference, context.registry());
-    if (!measure) return measure.error();
-    choice.measure_registration = *std::move(measure);
+  if (registration != nullptr) {
+    choice.measure_registration = [&](const auto& line, const auto& records) {
+      return registration->measure(line, records);
+    };
   }
   const auto metrics = evaluation::evaluate_run(options.folder, choice);
   if (!metrics) return metrics.error();
   for (const std::string& text : metrics->warnings) fmt::print(stderr, "warning: {}\n", text);
+  if (!options.no_save && registration != nullptr) {
+    auto kept = evaluation::write_registrations(options.folder, registration->measured());
+    if (!kept) return kept;
+  }
   if (!options.no_save) {
     const std::string file =
         options.folder + "/" + evaluation::metrics_file_name(metrics->alignment);
@@ -69,7 +74,13 @@ Result<void> evaluate_all(const EvalOptions& options, const Context& context) {
     if (file.empty() || file == "-") continue;
     if (auto fresh = check_new_file(file, options.overwrite); !fresh) return fresh;
   }
-  if (options.alignment != "all") return evaluate(options, options.alignment, context);
+  std::unique_ptr<RunRegistration> registration;
+  if (options.reference.wanted) {
+    auto opened = RunRegistration::open(options.folder, options.reference, context.registry());
+    if (!opened) return opened.error();
+    registration = *std::move(opened);
+  }
+  if (options.alignment != "all") return evaluate(options, options.alignment, registration.get());
   if (!options.json_file.empty() || !options.csv_file.empty()) {
     return Error{
         Errc::invalid_value,
@@ -77,7 +88,7 @@ Result<void> evaluate_all(const EvalOptions& options, const Context& context) {
         "the run; a file of your own holds one alignment: choose one"};
   }
   for (const char* alignment : {"none", "scale", "rigid"}) {
-    if (auto done = evaluate(options, alignment, context); !done) return done;
+    if (auto done = evaluate(options, alignment, registration.get()); !done) return done;
   }
   return {};
 }

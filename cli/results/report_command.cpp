@@ -8,6 +8,7 @@
 #include "cli/commands.hpp"
 #include "cli/output/new_file.hpp"
 #include "cli/output/program_root.hpp"
+#include "cli/standard_components.hpp"
 #include "report/paper/paper.hpp"
 #include "report/report.hpp"
 #include "report/runs/run_report.hpp"
@@ -87,7 +88,8 @@ void add_report_command(CLI::App& app, Context& context) {
       }
     }
     const auto files = write_report_of(
-        options->folder, {options->page, (program_root() / "share/weft/report").string()});
+        options->folder,
+        {options->page, (program_root() / "share/weft/report").string(), unwarping_sink()});
     if (!files) {
       print_error(files.error());
       context.exit_code =

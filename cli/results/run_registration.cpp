@@ -2,21 +2,18 @@
 #include "cli/results/run_registration.hpp"
 
 #include <filesystem>
-#include <optional>
 #include <utility>
 #include <weft/core/text_file.hpp>
 
 #include "cli/data/sequence_maker.hpp"
 #include "cli/standard_components.hpp"
+#include "cli/template/template_builder.hpp"
 #include "metrics/runs/run_reader.hpp"
-#include "pipeline/configuration/config.hpp"
-#include "pipeline/execution/registration_meter.hpp"
 #include "pipeline/runs/frame_loop.hpp"
+#include "roles/role_rules.hpp"
 
 namespace weft::cli {
 namespace {
-
-constexpr const char* kOption = "--flat-reference";
 
 /// The pass, with its parameters.
 Result<host::ComponentSpec> pass_of(const FlatReference& reference,
@@ -32,25 +29,11 @@ Result<host::ComponentSpec> pass_of(const FlatReference& reference,
     }
     params += setting.substr(0, equals) + ": " + setting.substr(equals + 1) + ", ";
   }
-  const auto document = yaml::parse(
-      std::string("{use: ") + registration_pass() + ", params: {" + params + "}}", kOption);
-  if (!document) return document.error();
-  std::vector<yaml::Problem> problems = document->problems;
-  auto spec =
-      host::resolve_component(registry, *document->root.find("use"), document->root.find("params"),
-                              host::PathRules::of_process({"."}, "."), problems);
-  if (!problems.empty()) return Error{Errc::invalid_value, problems.front().message, kOption};
-  return *std::move(spec);
+  auto spec = resolve_text(
+      registry, std::string("{use: ") + registration_pass() + ", params: {" + params + "}}");
+  if (!spec) return Error{Errc::invalid_value, spec.error().message, "--flat-reference"};
+  return spec;
 }
-
-/// All that the measurement of a run needs while its frames are read.
-struct OpenedRun {
-  PipelineConfig config;
-  host::ComponentSpec pass;
-  std::unique_ptr<host::Lane> lane;
-  std::unique_ptr<RegistrationMeter> meter;
-  host::RecordPtr measured;  ///< of the last frame
-};
 
 Result<host::RecordPtr> template_of(const std::string& folder) {
   const std::string file = folder + "/template.npz";
@@ -64,9 +47,9 @@ Result<host::RecordPtr> template_of(const std::string& folder) {
 
 }  // namespace
 
-Result<evaluation::MeasureRegistration> registration_of_run(const std::string& folder,
-                                                            const FlatReference& reference,
-                                                            const host::Registry& registry) {
+Result<std::unique_ptr<RunRegistration>> RunRegistration::open(const std::string& folder,
+                                                               const FlatReference& reference,
+                                                               const host::Registry& registry) {
   const std::string file = folder + "/pipeline.yaml";
   if (auto found = check_input(file, InputKind::file, "give the folder that `weft run` wrote");
       !found) {
@@ -74,34 +57,73 @@ Result<evaluation::MeasureRegistration> registration_of_run(const std::string& f
   }
   auto [config, report] = load_pipeline(file, registry, folder);
   if (!report.ok()) return Error{Errc::invalid_value, report.text(), {}};
-  auto templ = template_of(folder);
-  if (!templ) return templ.error();
   auto pass = pass_of(reference, registry);
   if (!pass) return pass.error();
-  const auto run = std::make_shared<OpenedRun>();
-  run->config = std::move(config);
-  run->pass = *std::move(pass);
-  auto lane = lane_of(run->config, {});
+  auto run = std::make_unique<RunRegistration>();
+  run->config_ = std::move(config);
+  run->spec_ = *std::move(pass);
+  if (auto opened = run->open_source(folder); !opened) return opened.error();
+  return run;
+}
+
+Result<void> RunRegistration::open_source(const std::string& folder) {
+  auto templ = template_of(folder);
+  if (!templ) return templ.error();
+  template_ = *std::move(templ);
+  auto lane = lane_of(config_, {});
   if (!lane) return lane.error();
-  run->lane = *std::move(lane);
-  auto meter = RegistrationMeter::open(run->config, *run->lane, *std::move(templ), run->pass);
-  if (!meter) return meter.error();
-  run->meter = *std::move(meter);
-  return evaluation::MeasureRegistration(
-      [run](const evaluation::FrameLine& line,
-            const evaluation::FrameRecords& records) -> Result<std::optional<Registration>> {
-        for (const auto& [slot, record] : records.owners) {
-          if (slot != "shape") continue;
-          auto measured = run->meter->measure(line.frame, *record);
-          if (!measured) return measured.error();
-          run->measured = *std::move(measured);
-          if (run->measured == nullptr) break;
-          auto typed = host::view_as<Registration>(*run->measured);
-          if (!typed) return typed.error();
-          return std::optional<Registration>(*std::move(typed));
-        }
-        return std::optional<Registration>();
-      });
+  lane_ = *std::move(lane);
+  auto input = PipelineInput::open(config_, *lane_);
+  if (!input) return input.error();
+  input_ = *std::move(input);
+  const std::string& id = spec_.component().id;
+  if (input_->is_live()) {
+    return Error{Errc::invalid_value,
+                 "the source of the run is live, so that its images cannot be read again; add the "
+                 "stage '" +
+                     id + "' to the pipeline and run it",
+                 config_.file};
+  }
+  const auto pass = lane_->instantiate(spec_, id);
+  if (!pass) return pass.error();
+  pass_ = *pass;
+  return lane_->prepare(*pass_, *template_, *input_->camera());
+}
+
+Result<std::optional<Registration>> RunRegistration::measure(
+    const evaluation::FrameLine& line, const evaluation::FrameRecords& records) {
+  for (const auto& [slot, shape] : records.owners) {
+    if (slot != "shape" || measured_.contains(line.frame)) continue;
+    auto made = measure(line.frame, *shape);
+    if (!made) return made.error();
+    measured_[line.frame] = *std::move(made);
+  }
+  const host::RecordPtr& made = measured_[line.frame];
+  if (made == nullptr) return std::optional<Registration>();
+  auto typed = host::view_as<Registration>(*made);
+  if (!typed) return typed.error();
+  return std::optional<Registration>(*std::move(typed));
+}
+
+Result<host::RecordPtr> RunRegistration::measure(std::uint64_t frame, const host::Record& shape) {
+  const std::string name = "frame " + std::to_string(frame);
+  const auto read = input_->read(frame);
+  if (!read || !read->input.failure.empty()) return host::RecordPtr();
+  const host::RecordPtr image = read->input.find("image");
+  if (image == nullptr) {
+    return Error{Errc::no_result,
+                 name +
+                     " has no image to compare with the flat reference; measure a pipeline "
+                     "whose source gives images",
+                 {}};
+  }
+  const std::vector<weft_record> inputs{template_->view("template"),
+                                        input_->camera()->view("camera"), image->view("image"),
+                                        shape.view("shape")};
+  host::Outcome outcome = lane_->call(*pass_, kRunStage, inputs, frame);
+  if (outcome.usable()) return outcome.find("registration");
+  const Error& error = outcome.error;
+  return Error{error.code, name + ": " + error.message, error.where};
 }
 
 }  // namespace weft::cli

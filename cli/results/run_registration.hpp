@@ -2,11 +2,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "cli/commands.hpp"
 #include "metrics/metrics.hpp"
+#include "metrics/runs/run_registrations.hpp"
+#include "pipeline/execution/input.hpp"
 
 namespace weft::cli {
 
@@ -17,11 +20,35 @@ struct FlatReference {
   std::vector<std::string> settings;  ///< NAME=VALUE, parameters of the pass
 };
 
-/// Measures the frames of a run folder whose pipeline has no such stage: its images and its shapes
-/// are read again. Fails with the first mistake in its pipeline or in `reference`, and where the
-/// source cannot be opened.
-Result<evaluation::MeasureRegistration> registration_of_run(const std::string& folder,
-                                                            const FlatReference& reference,
-                                                            const host::Registry& registry);
+/// Compares the images of a finished run with its shapes: reads the images again and calls the pass
+/// that --flat-reference stands for.
+class RunRegistration {
+ public:
+  /// Fails with the first mistake in the run's pipeline or in `reference`, where the source cannot
+  /// be opened, and where it is live, whose images are gone.
+  static Result<std::unique_ptr<RunRegistration>> open(const std::string& folder,
+                                                       const FlatReference& reference,
+                                                       const host::Registry& registry);
+
+  /// The registration of a frame with a shape, which is measured once; nothing where its image
+  /// cannot be read. Frames in their order. Fails where the source gives no image, and with the
+  /// error of the pass.
+  Result<std::optional<Registration>> measure(const evaluation::FrameLine& line,
+                                              const evaluation::FrameRecords& records);
+
+  const evaluation::MeasuredFrames& measured() const { return measured_; }
+
+ private:
+  Result<void> open_source(const std::string& folder);
+  Result<host::RecordPtr> measure(std::uint64_t frame, const host::Record& shape);
+
+  PipelineConfig config_;
+  host::ComponentSpec spec_;
+  std::unique_ptr<host::Lane> lane_;
+  std::optional<PipelineInput> input_;
+  host::RecordPtr template_;
+  host::Instance* pass_ = nullptr;
+  evaluation::MeasuredFrames measured_;
+};
 
 }  // namespace weft::cli

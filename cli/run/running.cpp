@@ -66,6 +66,14 @@ class Progress final : public RunObserver {
     now_running(stage, component, what, frame);
   }
 
+  RunCounts counts() const {
+    const auto in_state = [&](ShapeState state) {
+      const auto found = states_.find(to_string(state));
+      return found == states_.end() ? 0 : found->second;
+    };
+    return {done_, in_state(ShapeState::estimated), in_state(ShapeState::weak)};
+  }
+
   void clear_bar() const {
     if (show_bar_) fmt::print(stderr, "\r{:78}\r", "");
   }
@@ -167,7 +175,7 @@ std::pair<CheckedPipeline, ConfigReport> check(const RunArguments& arguments,
 
 }  // namespace
 
-void run(const RunArguments& arguments, Context& context) {
+RunCounts run(const RunArguments& arguments, Context& context) {
   const std::string& file = arguments.pipeline;
   const std::atomic<bool>& interrupted = watch_for_interruption();
   std::optional<RecordedRun> repeated;
@@ -176,7 +184,7 @@ void run(const RunArguments& arguments, Context& context) {
     if (!recorded) {
       print_error(recorded.error());
       context.exit_code = kBadConfiguration;
-      return;
+      return {};
     }
     repeated = *std::move(recorded);
   }
@@ -190,12 +198,15 @@ void run(const RunArguments& arguments, Context& context) {
     folder = free_folder(file);
     std::tie(pipeline, report) = check(arguments, folder, registry, checks);
   }
-  if (!report.ok() && interrupted.load()) return print_interrupted(stdout);
+  if (!report.ok() && interrupted.load()) {
+    print_interrupted(stdout);
+    return {};
+  }
   if (!report.ok()) {
     print_report(report);
     if (arguments.refused) arguments.refused(report);
     context.exit_code = kBadConfiguration;
-    return;
+    return {};
   }
   std::FILE* const words = words_beside(pipeline.config);
   Progress progress(arguments, pipeline.config, words);
@@ -215,11 +226,12 @@ void run(const RunArguments& arguments, Context& context) {
     const bool io = summary.error().code == Errc::io;
     context.exit_code = io ? kInputOutput : kBadConfiguration;
     if (arguments.failed) arguments.failed(pipeline.config, summary.error());
-    return;
+    return {};
   }
   if (summary->cancelled && summary->frames == 0) {
     progress.clear_bar();
-    return print_interrupted(words);
+    print_interrupted(words);
+    return {};
   }
   if (!arguments.quiet) progress.print_table();
   for (const RunWarning& warning : summary->warnings) {
@@ -235,6 +247,7 @@ void run(const RunArguments& arguments, Context& context) {
              summary->stopped ? ", stopped early" : "", summary->folder);
   const bool gave_up = pipeline.config.stop_on_error && summary->failed > 0;
   if (gave_up || summary->failed > pipeline.config.max_failed) context.exit_code = kFramesFailed;
+  return progress.counts();
 }
 
 }  // namespace weft::cli

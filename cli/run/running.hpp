@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -28,7 +29,13 @@ struct RunArguments {
   std::function<void(const PipelineConfig& config, const Error& error)> failed{};
 };
 
-/// Checks and runs a pipeline with progress on stderr; prints what came of it, and mistakes.
-void run(const RunArguments& arguments, Context& context);
+/// How many frames a run took, and in how many of them the shape has these states.
+struct RunCounts {
+  std::int64_t frames = 0, estimated = 0, weak = 0;
+};
+
+/// Checks and runs a pipeline with progress on stderr; prints what came of it, and mistakes. All
+/// counts are 0 where it could not run.
+RunCounts run(const RunArguments& arguments, Context& context);
 
 }  // namespace weft::cli

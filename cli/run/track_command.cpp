@@ -12,6 +12,7 @@
 #include <weft/core/output_folder.hpp>
 #include <weft/core/text_file.hpp>
 #include <weft/core/whole_file.hpp>
+#include <weft/data/template.hpp>
 
 #include "cli/commands.hpp"
 #include "cli/output/new_file.hpp"
@@ -23,7 +24,6 @@
 #include "cli/standard_components.hpp"
 #include "cli/template/template_builder.hpp"
 #include "host/loading/component_checks.hpp"
-#include "metrics/runs/run_reader.hpp"
 #include "report/runs/run_report.hpp"
 
 namespace weft::cli {
@@ -247,18 +247,12 @@ Result<void> measure_camera(const TrackOptions& options, const Tracked& tracked,
 }
 
 /// In how many frames the object was found, and what to do where it was in none.
-void print_found(const std::string& folder) {
-  const auto reader = evaluation::RunReader::open(folder);
-  if (!reader) return;  // the report says why
-  const auto count = [&](ShapeState state) {
-    return std::count_if(reader->lines().begin(), reader->lines().end(),
-                         [&](const evaluation::FrameLine& line) { return line.state == state; });
-  };
-  const auto sure = count(ShapeState::estimated), unsure = count(ShapeState::weak);
-  fmt::print("found     in {} of {} frames", sure + unsure, reader->lines().size());
-  if (unsure > 0) fmt::print(", in {} of them not for sure (weak)", unsure);
+void print_found(const RunCounts& counts) {
+  const std::int64_t found = counts.estimated + counts.weak;
+  fmt::print("found     in {} of {} frames", found, counts.frames);
+  if (counts.weak > 0) fmt::print(", in {} of them not for sure (weak)", counts.weak);
   fmt::print("\n");
-  if (sure + unsure > 0) return;
+  if (found > 0) return;
   std::fflush(stdout);
   fmt::print(stderr,
              "warning: the object was found in no frame: is it the one in the photograph given as "
@@ -278,12 +272,12 @@ void track(TrackOptions options, Context& context) {
   arguments.pipeline = options.folder + "/" + kPipeline;
   arguments.folder = options.folder + "/run";
   arguments.quiet = options.quiet;
-  run(arguments, context);
+  const RunCounts counts = run(arguments, context);
   if (context.exit_code != kDone && context.exit_code != kFramesFailed) return;
   if (!evaluation::is_run_folder(arguments.folder)) return;  // interrupted before the first frame
-  print_found(arguments.folder);
+  print_found(counts);
   const auto report = evaluation::write_run_report(
-      arguments.folder, {{}, (program_root() / "share/weft/report").string()});
+      arguments.folder, {{}, (program_root() / "share/weft/report").string(), unwarping_sink()});
   if (!report) {
     print_error(report.error());
     context.exit_code = kInputOutput;

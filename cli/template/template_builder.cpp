@@ -18,7 +18,7 @@ Result<host::ComponentSpec> resolve_text(const host::Registry& registry, const s
   auto spec =
       host::resolve_component(registry, *document->root.find("use"), document->root.find("params"),
                               host::PathRules::of_process({"."}, "."), problems);
-  if (!spec) return Error{Errc::not_found, problems.front().message};
+  if (!problems.empty()) return Error{Errc::not_found, problems.front().message};
   return *std::move(spec);
 }
 

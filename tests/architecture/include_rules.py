@@ -69,7 +69,7 @@ INTERNAL = {
     "cluster": "core programs host/records host/loading metrics/runs results ablation/plan "
     "ablation",
     "report/text": "core",
-    "report/runs": "core data statistics metrics results report/text",
+    "report/runs": "core data yaml statistics metrics results report/text",
     "report/tables": "core statistics metrics results",
     "report": "core statistics metrics results report/text report/tables",
     "report/paper": "core programs statistics metrics results report report/text report/tables",

@@ -24,12 +24,14 @@ struct FrameRegistration {
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit({"registration_patches", "words or other patches of the flat reference"}, self.patches);
-    visit({"registration_within_1mm_percent", "of them, found within 1 mm of their place", kHigher},
+    visit({"registration_within_1mm_percent", "of them, found within 1 mm of their place", kHigher,
+           "within 1 mm %", 1},
           self.within_1mm_percent);
     visit({"registration_within_2mm_percent", "of them, found within 2 mm", kHigher},
           self.within_2mm_percent);
     visit({"registration_found_percent", "of them, found", kHigher}, self.found_percent);
-    visit({"registration_median_mm", "median distance of those found", kLower}, self.median_mm);
+    visit({"registration_median_mm", "median distance of those found", kLower, "displaced mm"},
+          self.median_mm);
     visit({"registration_p90_mm", "90th percentile of those found", kLower}, self.p90_mm);
   }
 };

@@ -64,4 +64,32 @@ inline void write_eight_frames(TestRun& run, bool real_pictures = false) {
   run.write_text("pipeline.yaml", "weft: 1\n");
 }
 
+/// Eight patches on the print of each frame with a shape: in frame t, t of them are displaced by 2.5
+/// mm, the others by 0.5 mm, and the last one is not found. Frame 6 has an unwarped image as PNG,
+/// frame 3 as JPEG.
+inline void compare_with_print(TestRun& run) {
+  constexpr int kPatches = 8;
+  std::map<std::uint64_t, Registration> frames;
+  for (int t = 0; t + 1 < kRunFrames; ++t) {
+    Registration& made = frames[static_cast<std::uint64_t>(t)];
+    made.place_px = Array<double>({kPatches, 2}, 25.0);
+    made.displacement_mm = Array<double>({kPatches, 2}, 0.0);
+    made.correlation = Array<double>({kPatches}, 0.9);
+    made.found = Array<std::uint8_t>({kPatches}, std::uint8_t{1});
+    for (int i = 0; i < kPatches; ++i) {
+      made.place_px(i, 0) = 5.0 + 6.0 * i;
+      made.displacement_mm(i, 1) = i < t ? 2.5 : 0.5;
+    }
+    made.found(kPatches - 1) = 0;
+    made.displacement_mm(kPatches - 1, 0) = made.displacement_mm(kPatches - 1, 1) = kUnknown;
+  }
+  run.measure(frames);
+  run.write_text("pipeline.yaml",
+                 "weft: 1\nsinks:\n  - {use: sinks/unwarped, as: flat, params: {path: flat}}\n");
+  std::filesystem::create_directories(run.folder() + "/flat");
+  for (const char* name : {"000006.png", "000003.jpg"}) {
+    cv::imwrite(run.folder() + "/flat/" + name, cv::Mat(50, 60, CV_8UC3, cv::Scalar(200, 90, 60)));
+  }
+}
+
 }  // namespace weft::evaluation

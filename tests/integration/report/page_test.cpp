@@ -46,6 +46,7 @@ TEST(ReportPage, OfARunOpensInABrowserWithItsFramesAndItsShapes) {
   }
   TestRun run;
   write_eight_frames(run, true);
+  compare_with_print(run);
   const std::string scratch = run.folder() + "/program";
   const auto report = testing::Child({WEFT_PROGRAM, "report", run.folder()}, scratch).wait();
   ASSERT_EQ(report.exit_code, 0) << report.err;

@@ -14,6 +14,23 @@ await use_page(async (page) => {
 
   await expect_whole_sheets(page);
 
+  // The worst, the median and the best frame against the flat print, two with an unwarped image.
+  const prints = await page.$$eval(".print figure", (all) =>
+    all.map((figure) => [figure.dataset.frame, figure.querySelectorAll("svg").length]),
+  );
+  assert.deepEqual(prints, [
+    ["6", 2],
+    ["3", 2],
+    ["0", 1],
+  ]);
+  // Each figure has the print, though the page holds it once, and its arrows are on it.
+  const sizes = await page.$$eval(".print figure svg:first-of-type > :first-child", (all) =>
+    all.map((one) => one.getBoundingClientRect().width),
+  );
+  assert.equal(sizes.filter((width) => width > 100).length, 5);
+  const stroke = await page.$eval(".print .arrow.far:not(.halo)", (one) => getComputedStyle(one).stroke);
+  assert.equal(stroke, "rgb(210, 59, 44)");
+
   // A click on a frame of the figure shows it in 3D.
   const points = await page.$$("#figure-run svg .mark-symbol path");
   await points[5].click();

@@ -14,6 +14,7 @@ namespace weft::evaluation {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// Patches at these distances along u, NaN for one that was not found.
 Registration at(const std::vector<double>& distances_mm) {
@@ -67,7 +68,7 @@ TEST(RegistrationMetrics, OfARunWithoutAnyAreUnknownAndNotPrinted) {
   const RunMetrics metrics = evaluated(run);
   EXPECT_EQ(metrics.registration.frames, 0);
   EXPECT_EQ(metrics.registration.frames_unmeasured, 0);
-  EXPECT_THAT(to_table(metrics), ::testing::Not(HasSubstr("flat reference")));
+  EXPECT_THAT(to_table(metrics), Not(HasSubstr("flat reference")));
 }
 
 TEST(RegistrationMetrics, AreReadFromTheRunFolderAndPrintedWithoutGroundTruth) {
@@ -86,6 +87,48 @@ TEST(RegistrationMetrics, AreReadFromTheRunFolderAndPrintedWithoutGroundTruth) {
   EXPECT_THAT(to_table(metrics),
               HasSubstr("within 1 mm: 50.0 %, within 2 mm: 75.0 %, found: 75.0"));
   EXPECT_THAT(to_json(metrics), HasSubstr("\"registration_within_1mm_percent\": 50.0"));
+}
+
+TEST(RegistrationMetrics, HaveColumnsInTheTableOfFramesWhereAFrameHasThem) {
+  TestRun run;
+  run.solved(1.0, std::nullopt);
+  run.solved(1.0, std::nullopt);
+  EXPECT_THAT(to_frames_table(evaluated(run)), Not(HasSubstr("within 1 mm")));
+  run.measure({{1, at({0.5, 1.5, kNotFound, 0.5})}});
+  const std::string table = to_frames_table(evaluated(run));
+  EXPECT_THAT(table, HasSubstr("within 1 mm %  displaced mm"));
+  EXPECT_THAT(table, HasSubstr("50.0          0.50\n"));
+  EXPECT_THAT(table, Not(HasSubstr("reprojection"))) << "no frame has truth";
+}
+
+TEST(RegistrationMetrics, OfALaterMeasurementAreReadFromTheRunFolder) {
+  TestRun run;
+  run.solved(1.0, std::nullopt);
+  run.solved(1.0, std::nullopt);
+  run.measure({{1, at({0.5, kNotFound})}});
+  EXPECT_EQ(evaluated(run).registration.frames, 1);
+  EXPECT_DOUBLE_EQ(*evaluated(run).frames[1].registration->distances_mm.begin(), 0.5);
+  run.measure({});
+  EXPECT_EQ(evaluated(run).registration.frames, 0) << "nothing could be measured";
+  run.write_text("registration.npz", "PK damaged");
+  const auto damaged = evaluate_run(run.folder());
+  ASSERT_FALSE(damaged);
+  EXPECT_THAT(damaged.error().where, HasSubstr("registration.npz"));
+}
+
+TEST(RegistrationMetrics, OfALaterMeasurementReplaceThoseOfAStage) {
+  TestRun run;
+  run.solved(1.0, std::nullopt);
+  run.solved(1.0, std::nullopt);
+  for (const int frame : {0, 1}) {
+    auto records = *host::read_npz(run.folder() + "/" + TestRun::frame_name(frame));
+    records.emplace_back("registration", host::Record::copy_of(at({9.0})));
+    run.write_npz(TestRun::frame_name(frame), records);
+  }
+  EXPECT_EQ(evaluated(run).registration.frames, 2);
+  run.measure({{1, at({0.5, kNotFound})}});
+  EXPECT_EQ(evaluated(run).registration.frames, 1);
+  EXPECT_EQ(evaluated(run).registration.patches, 2);
 }
 
 TEST(RegistrationMetrics, OfAMeasurementReplaceThoseOfTheRunInSolvedFramesOnly) {

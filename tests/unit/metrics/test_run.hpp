@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -19,6 +20,7 @@
 
 #include "host/records/npz.hpp"
 #include "metrics/metrics.hpp"
+#include "metrics/runs/run_registrations.hpp"
 
 namespace weft::evaluation {
 
@@ -112,6 +114,15 @@ class TestRun {
 
   void solved(double z_mm, const std::optional<GroundTruth>& truth) {
     add(ShapeState::estimated, shifted(z_mm), truth);
+  }
+
+  /// What `weft eval --flat-reference` leaves in the folder.
+  void measure(const std::map<std::uint64_t, Registration>& frames) const {
+    MeasuredFrames records;
+    for (const auto& [frame, made] : frames) records[frame] = host::Record::copy_of(made);
+    if (auto written = write_registrations(folder_, records); !written) {
+      throw std::runtime_error(written.error().message);
+    }
   }
 
   static std::string frame_name(int frame) {

@@ -377,6 +377,27 @@ TEST_F(SetupMonitorTest, MakesAnUnorderedImageOfTwoPrintsWeakAndNoOther) {
   }
 }
 
+TEST_F(SetupMonitorTest, DoesNotRaiseTheConfidenceOfAWrongCameraForASecondPrint) {
+  Camera given = real_;
+  given.fx *= 1.3;
+  given.fy *= 1.3;
+  SetupMonitor monitor = watch(given, false);
+  std::vector<FrameResult> frames = sheet_frames(5, given);
+  SeenSheet seen = testing::see_bent_sheet(templ_, real_, given, 0.0, 5, rng_);
+  for (std::int64_t m = 0; m < seen.matches.count(); m += 2) {
+    seen.matches.kept(m) = 0;
+    seen.matches.image_px(m, 1) += 300.0;
+  }
+  frames.push_back(frame(seen.matches, &seen.vertices_m));
+  told_by(monitor, frames);
+  const auto before = *host::view_as<Shape>(*frames[4].values[1]);
+  const auto last = *host::view_as<Shape>(*frames[5].values[1]);
+  EXPECT_LT(before.confidence, 0.05) << "the focal length is known to be wrong";
+  EXPECT_THAT(frames[5].reason, ::testing::StartsWith("a second print"));
+  EXPECT_LT(last.confidence, 0.05);
+  EXPECT_EQ(last.shape_state(), ShapeState::weak);
+}
+
 TEST_F(SetupMonitorTest, LooksLessAndLessOften) {
   SetupMonitor monitor = watch(real_);
   std::vector<std::uint64_t> looked;

@@ -31,6 +31,16 @@ TableRow frame_row(const FrameMetrics& frame) {
                            frame.has_truth ? printable(truth) : kNoValue});
 }
 
+/// Without the numbers that no frame has; the first row has the titles.
+void leave_out_empty_columns(std::vector<TableRow>& rows, std::size_t first_number) {
+  for (std::size_t column = rows.front().size(); rows.size() > 1 && column-- > first_number;) {
+    const bool is_empty = std::all_of(rows.begin() + 1, rows.end(),
+                                      [&](const TableRow& row) { return row[column] == kNoValue; });
+    if (!is_empty) continue;
+    for (TableRow& row : rows) row.erase(row.begin() + static_cast<std::ptrdiff_t>(column));
+  }
+}
+
 std::string counts_text(const RunMetrics& metrics) {
   const FrameCounts& counts = metrics.counts;
   const double percent =
@@ -195,12 +205,14 @@ std::string to_error_table(const RunMetrics& metrics) {
 }
 
 std::string to_frames_table(const RunMetrics& metrics) {
-  std::vector<TableRow> rows{titles_of<FrameMetrics>({"frame", "index", "state", "truth"})};
+  const TableRow start{"frame", "index", "state", "truth"};
+  std::vector<TableRow> rows{titles_of<FrameMetrics>(start)};
   std::vector<const FrameMetrics*> worst;
   for (const FrameMetrics& frame : metrics.frames) {
     rows.push_back(frame_row(frame));
     if (frame.error) worst.push_back(&frame);
   }
+  leave_out_empty_columns(rows, start.size());
   const auto last = worst.begin() + std::min<std::ptrdiff_t>(std::ssize(worst), kWorstFrames);
   std::partial_sort(worst.begin(), last, worst.end(), [](const auto* a, const auto* b) {
     return std::pair(-a->error->mean_mm, a->frame) < std::pair(-b->error->mean_mm, b->frame);

@@ -160,6 +160,9 @@ Result<RunReader> RunReader::open(const std::string& folder) {
   if (auto read = reader.read_lines(); !read) return read.error();
   if (auto read = reader.read_manifest(); !read) return read.error();
   if (auto checked = reader.check_numbers(); !checked) return checked.error();
+  auto measured = read_registrations(folder);
+  if (!measured) return measured.error();
+  reader.measured_ = *std::move(measured);
   return reader;
 }
 
@@ -192,6 +195,11 @@ Result<FrameRecords> RunReader::read(const FrameLine& line) const {
       return damaged_run(file, "has " + std::to_string(records->size()) +
                                    " records where frames.jsonl says " +
                                    std::to_string(line.records));
+    }
+    if (measured_) {
+      std::erase_if(*records, [](const auto& named) { return named.first == "registration"; });
+      const auto found = measured_->find(line.frame);
+      if (found != measured_->end()) records->emplace_back("registration", found->second);
     }
     return sort(*std::move(records), line, file);
   }

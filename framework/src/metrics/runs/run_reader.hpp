@@ -14,6 +14,7 @@
 #include <weft/data/warp.hpp>
 
 #include "host/records/npz.hpp"
+#include "metrics/runs/run_registrations.hpp"
 
 namespace weft::evaluation {
 
@@ -52,7 +53,7 @@ struct WarpRecords {
 struct FrameRecords {
   std::optional<Shape> shape;            ///< vertices may be NaN: that is for the reader to count
   std::optional<Visibility> visibility;  ///< of the last pass that tells it
-  std::optional<Registration> registration;  ///< of the last pass that measures it
+  std::optional<Registration> registration;  ///< measured later, else by the last pass that does
   std::optional<GroundTruth> ground_truth;   ///< finite
   std::vector<MatchRecords> matches;         ///< in the order of the stages
   std::vector<WarpRecords> warps;            ///< in the order of the stages
@@ -124,6 +125,7 @@ class RunReader {
   Template template_;
   Camera camera_;
   std::vector<FrameLine> lines_;
+  std::optional<MeasuredFrames> measured_;  ///< in place of what stages measured
   bool interrupted_ = false;
   bool killed_ = false;
   bool may_drop_ = false;

@@ -123,9 +123,9 @@ std::vector<Reading> readings_of(const PipelineConfig& config, const host::Regis
 
 /// The name in a run folder that the host itself writes and in which this path stands, or none.
 std::string taken_by_run(const fs::path& inside) {
-  static constexpr std::array kTaken{"frames",        "frames.jsonl", "manifest.json",
-                                     "pipeline.yaml", "template.npz", "trace.json",
-                                     "dumps",         "end.json",     "metrics.json"};
+  static constexpr std::array kTaken{
+      "frames",     "frames.jsonl", "manifest.json", "pipeline.yaml", "template.npz",
+      "trace.json", "dumps",        "end.json",      "metrics.json",  "registration.npz"};
   const auto found = std::find(kTaken.begin(), kTaken.end(), inside.begin()->string());
   return found != kTaken.end() ? *found : "";
 }

@@ -129,9 +129,7 @@ void SetupMonitor::doubt(const Graph& graph, const Shape& shape, FrameResult& fr
     frame.state = ShapeState::weak;
     ++weakened_;
   }
-  frame.reason = worst.claim;
-  frame.shape = doubted_shape(*frame.shape, frame.state, confidence, frame.reason);
-  frame.values[to_index(graph.latest("shape"))] = frame.shape;
+  limit_confidence(graph, confidence, worst.claim, frame);
 }
 
 /// In a film the frame before says which of two prints is followed. Nothing does so in an image by
@@ -139,11 +137,19 @@ void SetupMonitor::doubt(const Graph& graph, const Shape& shape, FrameResult& fr
 void SetupMonitor::doubt_choice(const Graph& graph, const Shape& shape, FrameResult& frame) {
   if (coherent_rejects_ == 0) return;
   if (frame.state == ShapeState::estimated) frame.state = ShapeState::weak;
-  frame.reason =
+  limit_confidence(
+      graph, shape.confidence / 2.0,
       "a second print like the texture seems to be in view: " + std::to_string(coherent_rejects_) +
-      " rejected matches agree with each other; cover it, cut it off, or give the "
-      "source a 'region'";
-  frame.shape = doubted_shape(*frame.shape, frame.state, shape.confidence / 2.0, frame.reason);
+          " rejected matches agree with each other; cover it, cut it off, or give "
+          "the source a 'region'",
+      frame);
+}
+
+void SetupMonitor::limit_confidence(const Graph& graph, double most, std::string reason,
+                                    FrameResult& frame) {
+  const double confidence = std::min(most, host::arrays_of<Shape>(*frame.shape)->confidence);
+  frame.reason = std::move(reason);
+  frame.shape = doubted_shape(*frame.shape, frame.state, confidence, frame.reason);
   frame.values[to_index(graph.latest("shape"))] = frame.shape;
 }
 

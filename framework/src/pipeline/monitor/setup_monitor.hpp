@@ -55,6 +55,9 @@ class SetupMonitor {
             FrameResult& frame);
   void doubt(const Graph& graph, const Shape& shape, FrameResult& frame);
   void doubt_choice(const Graph& graph, const Shape& shape, FrameResult& frame);
+  /// Gives the shape the state of the frame, this reason and at most this confidence.
+  static void limit_confidence(const Graph& graph, double most, std::string reason,
+                               FrameResult& frame);
   void project(const Shape& shape);
   void look_at_camera(const Shape& shape, const Correspondences& matches, FrameResult& frame);
   void look_at_rejects(const Correspondences& matches, FrameResult& frame);

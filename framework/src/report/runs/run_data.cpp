@@ -61,6 +61,10 @@ std::vector<RunFrame> read_frames(const std::string& folder, const RunMetrics& m
   }
   for (const FrameMetrics& measured : metrics.frames) {
     const auto found = frames.find(measured.frame);
+    if (found != frames.end() && measured.registration) {
+      found->second.within_1mm_percent = measured.registration->within_1mm_percent;
+      found->second.displaced_mm = measured.registration->median_mm;
+    }
     if (found == frames.end() || !measured.error) continue;
     found->second.mean_mm = measured.error->mean_mm;
     found->second.worst_mm = measured.error->worst_mm;
@@ -142,7 +146,7 @@ void add_provenance(RunData& data) {
 
 }  // namespace
 
-Result<RunData> read_run_data(const std::string& folder) {
+Result<RunData> read_run_data(const std::string& folder, const std::string& unwarping_sink) {
   auto metrics = evaluate_run(folder);
   if (!metrics) return metrics.error();
   const auto run = RunReader::open(folder);
@@ -156,6 +160,9 @@ Result<RunData> read_run_data(const std::string& folder) {
   if (!view) return view.error();
   data.view = *std::move(view);
   for (const std::uint64_t frame : worst) data.worst.push_back({frame, ""});
+  auto print = read_flat_print(*run, data.metrics, unwarping_sink);
+  if (!print) return print.error();
+  data.print = *std::move(print);
   add_pictures(data);
   add_provenance(data);
   return data;

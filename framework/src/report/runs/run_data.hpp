@@ -9,6 +9,7 @@
 #include <weft/core/result.hpp>
 
 #include "metrics/run_metrics.hpp"
+#include "report/runs/flat_print.hpp"
 #include "results/cell_folder.hpp"
 
 namespace weft::evaluation {
@@ -27,7 +28,8 @@ struct RunFrame {
   std::string state;                               ///< of the shape
   double mean_mm = kUnknown, worst_mm = kUnknown;  ///< [] mm, where there is truth
   double confidence = kUnknown;
-  std::vector<StageOutcome> stages;  ///< in their order, sinks last
+  double within_1mm_percent = kUnknown, displaced_mm = kUnknown;  ///< against a flat reference
+  std::vector<StageOutcome> stages;                               ///< in their order, sinks last
   std::vector<std::string> warnings;
 };
 
@@ -46,9 +48,11 @@ struct RunData {
   std::vector<RunFrame> frames;   ///< ascending
   CellView view;                  ///< of some frames, the worst among them
   std::vector<WorstFrame> worst;  ///< the worst first; without truth the least sure ones
+  FlatPrint print;                ///< of a run that was compared with it
 };
 
-/// Reads and evaluates a run folder; fails as evaluate_run does.
-Result<RunData> read_run_data(const std::string& folder);
+/// Reads and evaluates a run folder; fails as evaluate_run does. `unwarping_sink` as in
+/// ReportOptions.
+Result<RunData> read_run_data(const std::string& folder, const std::string& unwarping_sink = {});
 
 }  // namespace weft::evaluation

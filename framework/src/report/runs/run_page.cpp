@@ -108,6 +108,7 @@ Page page_of(const RunData& run, bool scripted) {
           {{"verdicts", "In short", short_part(run)},
            {"errors", "Frame by frame", frames_part(run, scripted)},
            {"reasons", "Why frames have no result", reasons.rows.empty() ? "" : to_html(reasons)},
+           {"print", "Against the flat print", flat_print_html(run.print, run.metrics)},
            {"worst", "Worst frames", worst_part(run)},
            {"shapes", "Estimate and truth in 3D", viewer},
            {"times", "Times", times_part(run, scripted)},

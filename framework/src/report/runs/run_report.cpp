@@ -32,7 +32,7 @@ bool is_run_folder(const std::string& folder) {
 Result<ReportFiles> write_run_report(const std::string& folder, const ReportOptions& options) {
   const auto assets = read_assets(options.assets);
   if (!assets) return assets.error();
-  const auto run = read_run_data(folder);
+  const auto run = read_run_data(folder, options.unwarping_sink);
   if (!run) return run.error();
   auto files = write_tables(*run);
   if (!files) return files.error();

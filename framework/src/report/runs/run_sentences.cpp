@@ -51,6 +51,21 @@ std::string error_text(const RunData& run) {
   return text;
 }
 
+std::string flat_print_text(const RegistrationMetrics& registration) {
+  std::string text = fmt::format(
+      "Against the flat print, {:.1f} % of {} patches in {} frames are within 1 mm and {:.1f} % "
+      "within 2 mm; the median displacement is {:.2f} mm.",
+      registration.within_1mm_percent, registration.patches, registration.frames,
+      registration.within_2mm_percent, registration.median_mm);
+  if (registration.frames_unmeasured > 0) {
+    text += fmt::format(" {} could not be compared.",
+                        registration.frames_unmeasured == 1
+                            ? "One frame"
+                            : fmt::format("{} frames", registration.frames_unmeasured));
+  }
+  return text;
+}
+
 /// The stage that takes longest, by its median.
 std::string time_text(const RunData& run) {
   std::vector<double> totals;
@@ -77,6 +92,9 @@ std::string time_text(const RunData& run) {
 std::vector<std::string> sentences_of(const RunData& run) {
   std::vector<std::string> sentences{shapes_text(run)};
   if (run.metrics.has_solver) sentences.push_back(error_text(run));
+  if (run.metrics.registration.frames > 0) {
+    sentences.push_back(flat_print_text(run.metrics.registration));
+  }
   if (const std::string times = time_text(run); !times.empty()) sentences.push_back(times);
   std::set<std::string> told;
   for (const RunFrame& frame : run.frames) {

@@ -128,6 +128,8 @@ TextTable frames_sheet(const RunData& run) {
                    {"mean 3D error, mm", "mean_mm", true, "", true},
                    {"of the worst point, mm", "worst_mm", true, "", true},
                    {"confidence", "confidence", true, "", true},
+                   {"patches within 1 mm, %", "registration_within_1mm_percent", true, "", true},
+                   {"their median displacement, mm", "registration_median_mm", true, "", true},
                    {"time, ms", "ms", true},
                    {"reason", "reason", false, "", true}},
                   {}};
@@ -143,7 +145,8 @@ TextTable frames_sheet(const RunData& run) {
     table.rows.push_back(
         {{count_cell(static_cast<std::int64_t>(frame.frame)), text_cell(frame.state),
           number_cell(frame.mean_mm, 3), number_cell(frame.worst_mm, 3),
-          number_cell(frame.confidence, 2), number_cell(total_ms, 1), text_cell(reason)},
+          number_cell(frame.confidence, 2), number_cell(frame.within_1mm_percent, 1),
+          number_cell(frame.displaced_mm, 2), number_cell(total_ms, 1), text_cell(reason)},
          -1,
          frame.state == "none" || frame.state == "lost"});
   }

@@ -8,8 +8,9 @@
 namespace weft::evaluation {
 
 struct ReportOptions {
-  std::string page;    ///< file of the page; empty: report.html in the folder
-  std::string assets;  ///< folder of report.css and, where npm built it, report.js
+  std::string page;              ///< file of the page; empty: report.html in the folder
+  std::string assets;            ///< folder of report.css and, where npm built it, report.js
+  std::string unwarping_sink{};  ///< id of the sink whose images stand beside the flat print
 };
 
 struct ReportFiles {

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
-#include <stdlib.h>
 
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
-#include <stdexcept>
 #include <string>
 #include <weft/core/rng.hpp>
 #include <weft/data/image.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 #include <weft/testing/synthetic.hpp>
+
+#include "common/cameras/tests/frame_folder.hpp"
 
 namespace {
 
@@ -49,9 +49,6 @@ class Unwarped : public ::testing::Test {
                 kWidthPx + 2 * kBorderPx,
                 kHeightPx + 2 * kBorderPx} {
     RecordProperty("seed", std::to_string(kSeed));
-    std::string pattern = (fs::temp_directory_path() / "weft_XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    folder_ = pattern;
     weft::Rng rng(kSeed);
     templ_.texture = weft::Array<std::uint8_t>({kHeightPx, kWidthPx, 3});
     for (std::int64_t i = 0; i < templ_.texture.size(); ++i) {
@@ -77,11 +74,9 @@ class Unwarped : public ::testing::Test {
     shape_.source = weft::Array<std::uint8_t>({templ_.vertices_m.rows()}, std::uint8_t{1});
     shape_.state = static_cast<std::int32_t>(ShapeState::estimated);
   }
-  ~Unwarped() override { fs::remove_all(folder_); }
-
   int texel(int x, int y, int channel) const { return templ_.texture.row(y)[3 * x + channel]; }
 
-  std::string folder() const { return (folder_ / "unwarped").string(); }
+  std::string folder() const { return folder_.path("unwarped"); }
 
   PluginUnderTest sink(const std::string& more = "") const {
     return PluginUnderTest("sinks/unwarped", "{path: " + folder() + more + "}");
@@ -98,7 +93,7 @@ class Unwarped : public ::testing::Test {
   Shape shape_;
 
  private:
-  fs::path folder_;
+  weft::testing::FrameFolder folder_;
 };
 
 TEST_F(Unwarped, IsThePrintWhereTheShapeIsRight) {
