@@ -87,7 +87,7 @@ TEST_F(MatchGrid, FiltersHaveTheSameRatesByLabelsAsByTrueImages) {
         "/matches.yaml\ndata_use: tuning\nmetrics: {match_tolerance_px: 2}\n"
         "axes:\n  filter:\n    values:\n      myneighbor: {}\n"
         "      oracle: {set: {filters.use: filters/oracle, filters.tolerance_px: 2}}\n"
-        "      vfc: {set: {filters.use: filters/vfc}}\n"
+        "      vfc: {set: {filters.use: filters/vfc, filters.preset: weft}}\n"
         "data:\n  labelled: {without: [warps, passes, solvers], source: {use: sources/matches, "
         "params: {path: labelled/*.csv, camera: " WEFT_PIPELINES "/data/match_set/camera.yaml}}}\n",
         "labels.yaml");

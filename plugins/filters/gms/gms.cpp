@@ -9,6 +9,7 @@
 
 #include "cell_support.hpp"
 #include "common/candidates.hpp"
+#include "common/preset/preset.hpp"
 
 namespace {
 
@@ -39,6 +40,10 @@ class Gms final : public weft::Filter {
   static constexpr weft::Sweep kSweep{"alpha", {0.5, 1, 2, 3, 4, 6, 8, 10, 15}};
 
   explicit Gms(weft::Params& p) {
+    if (weft::declare_preset(p) == weft::Preset::weft) {
+      matches_per_cell_ = 12.0;
+      least_matches_ = 300;
+    }
     p.read("alpha", alpha_, "", {0, 1000},
            "kept from this support on: matches along with one, over the root of those expected");
     p.read("cells", most_cells_, "", {kFewestCells, 100},
@@ -124,13 +129,13 @@ class Gms final : public weft::Filter {
 
   double alpha_ = 6.0;
   int most_cells_ = 20;
-  double matches_per_cell_ = 12.0;
+  double matches_per_cell_ = 0.0;
   bool rotations_ = true;
   bool scales_ = true;
-  int least_matches_ = 300;
+  int least_matches_ = 1;
 };
 
 }  // namespace
 
-WEFT_PLUGIN(Gms, "filters/gms", "1.1.0",
+WEFT_PLUGIN(Gms, "filters/gms", "2.0.0",
             "Rejects matches that few others go along with from cell to neighbouring cell.")

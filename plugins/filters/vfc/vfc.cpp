@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/candidates.hpp"
+#include "common/preset/preset.hpp"
 #include "motion_field.hpp"
 
 namespace {
@@ -36,6 +37,7 @@ class Vfc final : public weft::Filter {
                                       {1e-6, 1e-5, 0.0001, 0.001, 0.03, 0.5, 0.9, 0.99, 0.999}};
 
   explicit Vfc(weft::Params& p) {
+    if (weft::declare_preset(p) == weft::Preset::weft) centres_ = 50;
     p.read("theta", settings_.theta, "", {0, 1}, "kept from this probability on");
     p.read("beta", settings_.beta, "", {1e-6, 1e3},
            "of the kernels exp(-beta |x - y|^2): large ones let the field vary more");
@@ -93,9 +95,9 @@ class Vfc final : public weft::Filter {
   }
 
   weft::vfc::Settings settings_;
-  int centres_ = 50;
+  int centres_ = 16;
 };
 
 }  // namespace
 
-WEFT_PLUGIN(Vfc, "filters/vfc", "1.0.0", "Rejects matches that do not follow a smooth field.")
+WEFT_PLUGIN(Vfc, "filters/vfc", "2.0.0", "Rejects matches that do not follow a smooth field.")

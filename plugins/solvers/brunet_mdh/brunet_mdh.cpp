@@ -12,6 +12,7 @@
 #include <weft/sdk/solver.hpp>
 
 #include "bending_fill.hpp"
+#include "common/preset/preset.hpp"
 #include "confidence.hpp"
 #include "depth_admm.hpp"
 #include "depth_problem.hpp"
@@ -34,6 +35,7 @@ class BrunetMdh final : public Solver {
       .reads = "known_points correspondences"};
 
   explicit BrunetMdh(Params& p) {
+    if (declare_preset(p, Preset::weft) == Preset::author) yield_tension_ = 0.0;
     p.read("tolerance_m", options_.tolerance_m, "m", {1e-12, 1.0},
            "rms violation of the distances at which the iteration stops");
     p.read("max_iterations", options_.max_iterations, "", {1, 1000000}, "of the convex solver");
@@ -252,5 +254,5 @@ class BrunetMdh final : public Solver {
 }  // namespace weft::brunet_mdh
 
 using weft::brunet_mdh::BrunetMdh;
-WEFT_PLUGIN(BrunetMdh, "solvers/brunet_mdh", "1.2.0",
+WEFT_PLUGIN(BrunetMdh, "solvers/brunet_mdh", "1.3.0",
             "Convex maximum-depth reconstruction on sightlines, a start that needs no start.")

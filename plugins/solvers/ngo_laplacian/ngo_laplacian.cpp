@@ -41,8 +41,8 @@ class NgoLaplacian final : public Solver {
                                 .reads = "previous.shape"};
 
   explicit NgoLaplacian(Params& p) {
-    const solvers::Preset preset = solvers::declare_preset(p);
-    if (preset == solvers::Preset::weft) {
+    const Preset preset = declare_preset(p);
+    if (preset == Preset::weft) {
       options_ = {.stiffness = 0.2, .max_iterations = 20, .tolerance_m = 1e-5};
       start_ = Start::convex;
       try_previous_ = true;

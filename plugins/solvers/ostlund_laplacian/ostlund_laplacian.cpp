@@ -35,8 +35,8 @@ class OstlundLaplacian final : public Solver {
                                 .reads = ""};
 
   explicit OstlundLaplacian(Params& p) {
-    const solvers::Preset preset = solvers::declare_preset(p);
-    if (preset == solvers::Preset::weft) method_ = Method::convex;
+    const Preset preset = declare_preset(p);
+    if (preset == Preset::weft) method_ = Method::convex;
     front_.declare(p, preset);
     p.choice("method", method_, {{"slacks", Method::slacks}, {"convex", Method::convex}},
              "slacks: the published steps; convex: a convex program with a pull away from the "

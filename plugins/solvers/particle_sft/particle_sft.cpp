@@ -13,6 +13,7 @@
 #include "candidate.hpp"
 #include "common/hidden_bend.hpp"
 #include "common/image_motion.hpp"
+#include "common/preset/preset.hpp"
 #include "confidence.hpp"
 #include "covariance.hpp"
 #include "fit.hpp"
@@ -44,6 +45,7 @@ class ParticleSft final : public Solver {
       .reads = "previous.shape known_points correspondences visibility"};
 
   explicit ParticleSft(Params& p) {
+    if (declare_preset(p, Preset::weft) == Preset::author) begin_as_authors();
     p.read("damping", options_.damping, "", {0.0, 1.0}, "velocity lost in an iteration");
     p.read("tracked_damping", tracked_damping_, "", {0.0, 1.0},
            "the same from a previous shape that is within 3 % of the object's size in the image");
@@ -90,6 +92,16 @@ class ParticleSft final : public Solver {
   }
 
  private:
+  /// The constants of the program that was released with ROBUSfT. `start` is a component, which a
+  /// preset does not change.
+  void begin_as_authors() {
+    options_.tolerance_m = 1e-5;
+    start_smoothing_ = 0.0;
+    multi_start_ = false;
+    frame_options_.continue_hidden_bend = false;
+    frame_options_.continue_uncovered_bend = false;
+  }
+
   Result<void> prepare_mesh(const Template& templ) {
     if (mesh_revision_ != 0 && templ.revision == mesh_revision_) return {};
     mesh_revision_ = 0;
@@ -268,5 +280,5 @@ class ParticleSft final : public Solver {
 }  // namespace weft::particle_sft
 
 using weft::particle_sft::ParticleSft;
-WEFT_PLUGIN(ParticleSft, "solvers/particle_sft", "1.6.0",
+WEFT_PLUGIN(ParticleSft, "solvers/particle_sft", "1.7.0",
             "Shape from sightlines by position based dynamics, tracked from frame to frame.")

@@ -3,6 +3,7 @@
 #include <weft/sdk/solver.hpp>
 
 #include "common/convex/inextensible_surface.hpp"
+#include "common/preset/preset.hpp"
 
 namespace weft::salzmann_convex {
 namespace {
@@ -26,7 +27,10 @@ class SalzmannConvex final : public Solver {
       .needs = "correspondences",
       .reads = ""};
 
-  explicit SalzmannConvex(Params& p) { surface_.declare(p); }
+  explicit SalzmannConvex(Params& p) {
+    const int rounds = declare_preset(p) == Preset::author ? 1 : 4;
+    surface_.declare(p, rounds);
+  }
 
   Result<Shape> solve(const SolverInput& in) override {
     if (!in.correspondences) return Error{Errc::invalid_data, "needs 'correspondences'"};
@@ -51,5 +55,5 @@ class SalzmannConvex final : public Solver {
 }  // namespace weft::salzmann_convex
 
 using weft::salzmann_convex::SalzmannConvex;
-WEFT_PLUGIN(SalzmannConvex, "solvers/salzmann_convex", "1.1.0",
+WEFT_PLUGIN(SalzmannConvex, "solvers/salzmann_convex", "2.0.0",
             "Inextensible surface, also with sharp folds, by one convex program on the matches.")

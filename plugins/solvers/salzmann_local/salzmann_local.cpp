@@ -40,7 +40,7 @@ class SalzmannLocal final : public Solver {
     p.read("training_shapes", options_.training_shapes, "", {50, 100000},
            "cylinders and cones that the modes are learned from");
     p.read("training_seed", seed_, "", {0, 1e9}, "of these");
-    surface_.declare(p);
+    surface_.declare(p, 4);
     options_.seed = static_cast<std::uint64_t>(seed_);
   }
 

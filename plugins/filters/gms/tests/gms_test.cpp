@@ -5,9 +5,29 @@
 namespace weft::testing {
 namespace {
 
+constexpr const char* kWeft = "{preset: weft}";
+
+TEST(Gms, BeginsWithTheConstantsOfItsPreset) {
+  const LabelledMatches drawn = bent_matches({1000, 0.7, 0.5, 2.0}, 0.2, 17);
+  const auto scores = [&](const std::string& params) {
+    const InlierMask mask = FilterBench("filters/gms", params).mask(drawn.matches);
+    return std::vector<double>(mask.score.data(), mask.score.data() + drawn.matches.count());
+  };
+  const std::string author = "alpha: 6, cells: 20, matches_per_cell: 0, least_matches: 1, ";
+  const std::string weft = "alpha: 6, cells: 20, matches_per_cell: 12, least_matches: 300, ";
+  const std::string turns = "rotations: true, scales: true, ";
+  EXPECT_EQ(scores("{}"), scores("{" + author + turns + "preset: weft}"));
+  EXPECT_EQ(scores("{preset: author}"), scores("{" + author + turns + "preset: weft}"));
+  EXPECT_EQ(scores(kWeft), scores("{" + weft + turns + "preset: author}"));
+  EXPECT_NE(scores(kWeft), scores("{}"));
+  const Correspondences few = flat_matches({299, 1.0, 0.5, 2.0}, 51).matches;
+  EXPECT_NE(FilterBench("filters/gms").run(few).status, WEFT_NO_RESULT);
+  EXPECT_EQ(FilterBench("filters/gms", kWeft).run(few).status, WEFT_NO_RESULT);
+}
+
 TEST(Gms, SeparatesManyMatches) {
   for (const std::uint64_t seed : {11U, 12U, 13U}) {
-    FilterBench bench("filters/gms");
+    FilterBench bench("filters/gms", kWeft);
     const Rates rates = bench.rates(bent_matches({3000, 0.6, 0.5, 2.0}, 0.2, seed));
     EXPECT_GT(rates.tpr_percent, 90.0) << "seed " << seed;
     EXPECT_LT(rates.fpr_percent, 15.0) << "seed " << seed;
@@ -17,7 +37,7 @@ TEST(Gms, SeparatesManyMatches) {
 TEST(Gms, TakesLargerCellsForFewerMatches) {
   for (const std::uint64_t seed : {14U, 15U, 16U}) {
     const LabelledMatches drawn = bent_matches({1000, 0.7, 0.5, 2.0}, 0.2, seed);
-    FilterBench bench("filters/gms"), fine("filters/gms", "{matches_per_cell: 0}");
+    FilterBench bench("filters/gms", kWeft), fine("filters/gms");
     const InlierMask mask = bench.mask(drawn.matches);
     EXPECT_EQ(mask.diag.value("cells", -1.0), 9.0);
     const Rates rates = rates_of(mask, drawn.correct);
@@ -29,7 +49,8 @@ TEST(Gms, TakesLargerCellsForFewerMatches) {
 
 TEST(Gms, KeepsFewerTheMoreSupportIsAsked) {
   const LabelledMatches drawn = bent_matches({2000, 0.6, 0.5, 2.0}, 0.2, 21);
-  FilterBench lax("filters/gms", "{alpha: 3}"), strict("filters/gms", "{alpha: 9}");
+  FilterBench lax("filters/gms", "{preset: weft, alpha: 3}"),
+      strict("filters/gms", "{preset: weft, alpha: 9}");
   const Rates many = lax.rates(drawn), few = strict.rates(drawn);
   EXPECT_GE(few.tpr_percent, many.tpr_percent);
   EXPECT_GT(few.fpr_percent, many.fpr_percent);
@@ -42,7 +63,8 @@ TEST(Gms, FindsASheetThatIsTurned) {
     drawn.matches.image_px(i, 0) = 320.0 - (drawn.matches.image_px(i, 1) - 240.0);
     drawn.matches.image_px(i, 1) = 240.0 + x;
   }
-  FilterBench bench("filters/gms"), upright("filters/gms", "{rotations: false}");
+  FilterBench bench("filters/gms", kWeft),
+      upright("filters/gms", "{preset: weft, rotations: false}");
   const InlierMask mask = bench.mask(drawn.matches);
   EXPECT_EQ(mask.diag.value("turn_deg", -1.0), 90.0);
   EXPECT_LT(rates_of(mask, drawn.correct).fpr_percent, 25.0);
@@ -54,7 +76,7 @@ TEST(Gms, KeepsTheContractOfFilters) {
 }
 
 TEST(Gms, HasNoResultWithoutStatistics) {
-  FilterBench bench("filters/gms"), few("filters/gms", "{least_matches: 100}");
+  FilterBench bench("filters/gms", kWeft), few("filters/gms", "{preset: weft, least_matches: 100}");
   const LabelledMatches drawn = flat_matches({299, 1.0, 0.5, 2.0}, 51);
   EXPECT_EQ(bench.run(drawn.matches).status, WEFT_NO_RESULT);
   EXPECT_NE(few.run(drawn.matches).status, WEFT_NO_RESULT);

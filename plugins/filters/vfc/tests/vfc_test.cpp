@@ -20,6 +20,20 @@ TEST(Vfc, ScoresAreProbabilitiesThatThetaCuts) {
   for (std::int64_t i = 0; i < 400; ++i) EXPECT_EQ(mask.kept(i) != 0, mask.score(i) > 0.9) << i;
 }
 
+TEST(Vfc, BeginsWithTheConstantsOfItsPreset) {
+  const LabelledMatches drawn = bent_matches({400, 0.6, 0.5, 2.0}, 0.2, 22);
+  const auto scores = [&](const std::string& params) {
+    const InlierMask mask = FilterBench("filters/vfc", params).mask(drawn.matches);
+    return std::vector<double>(mask.score.data(), mask.score.data() + drawn.matches.count());
+  };
+  const std::string common =
+      "theta: 0.75, beta: 0.1, lambda: 3, first_gamma: 0.9, mismatch_area: 10, most_rounds: 500, ";
+  EXPECT_EQ(scores("{}"), scores("{" + common + "centres: 16, preset: weft}"));
+  EXPECT_EQ(scores("{preset: author}"), scores("{" + common + "centres: 16, preset: weft}"));
+  EXPECT_EQ(scores("{preset: weft}"), scores("{" + common + "centres: 50, preset: author}"));
+  EXPECT_NE(scores("{preset: weft}"), scores("{}"));
+}
+
 TEST(Vfc, KeepsTheContractOfFilters) {
   expect_filter_contract("filters/vfc", bent_matches({300, 0.6, 0.5, 2.0}, 0.2, 31).matches);
 }

@@ -71,6 +71,22 @@ TEST(BrunetMdh, StaysWithinTwoCentimetresUnderNoise) {
   EXPECT_LT(sum_m, 0.7 * firm_sum_m);
 }
 
+TEST(BrunetMdh, BeginsWithTheConstantsOfItsPreset) {
+  std::cout << "seed " << kSeed << "\n";
+  Scene scene = Scene::bent(0.25);
+  scene.look(0.5, kSeed);
+  const auto vertices_m = [&](const std::string& params) {
+    PluginUnderTest plugin(kId, params);
+    return Points3(solved(scene.run(plugin)).vertices_m.matrix<3>());
+  };
+  const std::string common = "tolerance_m: 1.0e-5, max_iterations: 5000, rings: 2, ";
+  const Points3 author_m = vertices_m("{preset: author}"), weft_m = vertices_m("{}");
+  EXPECT_EQ(weft_m, vertices_m("{preset: weft}"));
+  EXPECT_EQ(weft_m, vertices_m("{" + common + "yield_tension: 8, preset: author}"));
+  EXPECT_EQ(author_m, vertices_m("{" + common + "yield_tension: 0, preset: weft}"));
+  EXPECT_NE(author_m, weft_m);
+}
+
 TEST(BrunetMdh, AWrongRayDoesNotPullTheSheetToTheCamera) {
   Scene scene = Scene::bent(0.25);
   scene.aim(33, scene.lines.pixel_px.matrix<2>().row(33).transpose() + Eigen::Vector2d(60, -40));

@@ -28,7 +28,8 @@ Result<MeshAtRest> mesh_at_rest(const Template& templ) {
   return mesh;
 }
 
-void InextensibleSurface::declare(Params& p) {
+void InextensibleSurface::declare(Params& p, int rounds) {
+  rounds_ = rounds;
   p.read("depth_weight_px", options_.depth_weight_px, "px", {1e-6, 1e6},
          "of the distances of all matches against the norm of their errors in the image");
   p.read("rounds", rounds_, "", {1, 20},

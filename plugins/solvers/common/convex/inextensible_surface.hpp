@@ -33,7 +33,8 @@ Result<MeshAtRest> mesh_at_rest(const Template& templ);
 /// are left out, the others are weighed by how well they agree, and it is solved again.
 class InextensibleSurface {
  public:
-  void declare(Params& p);
+  /// Begins with as many rounds.
+  void declare(Params& p, int rounds);
 
   /// Whether set_mesh() has been called for this template.
   bool is_for(const Template& templ) const {
@@ -68,7 +69,7 @@ class InextensibleSurface {
   void explain(const ProgramResult& solved, Diagnostics& diag) const;
 
   ProgramOptions options_;
-  int rounds_ = 4;
+  int rounds_ = 1;
   double outlier_px_ = 20.0;
 
   std::uint64_t revision_ = 0;  ///< of the template that all of this is for

@@ -5,14 +5,6 @@
 
 namespace weft::solvers {
 
-Preset declare_preset(Params& p) {
-  Preset preset = Preset::author;
-  p.choice("preset", preset, {{"author", Preset::author}, {"weft", Preset::weft}},
-           "whose constants: those of the authors' program or those chosen for Weft; other "
-           "parameters override them");
-  return preset;
-}
-
 void LaplacianFront::declare(Params& p, Preset preset) {
   if (preset == Preset::weft) {
     controls_ = 40;

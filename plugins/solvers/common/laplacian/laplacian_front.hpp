@@ -9,14 +9,9 @@
 #include "common/laplacian/control_mesh.hpp"
 #include "common/laplacian/inlier_search.hpp"
 #include "common/laplacian/seen_matches.hpp"
+#include "common/preset/preset.hpp"
 
 namespace weft::solvers {
-
-/// Whose constants a solver begins with.
-enum class Preset { author, weft };
-
-/// Declares `preset`, which comes before all other parameters.
-Preset declare_preset(Params& p);
 
 /// What solvers on Laplacian meshes begin with: the control mesh of the template, which is kept as
 /// long as its revision stays, the matches of a frame, and those of them that are inliers.

@@ -103,6 +103,35 @@ TEST(ParticleSft, DampsNearStartsAloneByTheirOwnDamping) {
   EXPECT_EQ(usual_convex.vertices_m.matrix<3>(), damped_convex.vertices_m.matrix<3>());
 }
 
+TEST(ParticleSft, BeginsWithTheConstantsOfItsPreset) {
+  Scene scene = Scene::bent(0.25);
+  scene.look(0.5, kSeed);
+  const Shape lost = shape_of(Scene::bent(-0.3).truth_m, ShapeState::lost);
+  const auto vertices_m = [&](const std::string& params, const Shape* previous) {
+    PluginUnderTest plugin(kId, params);
+    return vertices_of(solved(scene.run(plugin, previous)));
+  };
+  const std::string common =
+      "damping: 0.008, tracked_damping: 0.008, stretch_stiffness: 1, bend_stiffness: 1, "
+      "solver_iterations: 2, max_iterations: 2000, ";
+  const std::string author =
+      "{" + common +
+      "tolerance_m: 1.0e-5, start_smoothing: 0, multi_start: false, continue_hidden_bend: false, "
+      "continue_uncovered_bend: false, ";
+  const std::string weft =
+      "{" + common +
+      "tolerance_m: 1.0e-6, start_smoothing: 1.5, multi_start: true, continue_hidden_bend: true, "
+      "continue_uncovered_bend: true, ";
+  for (const Shape* previous : {static_cast<const Shape*>(nullptr), &lost}) {
+    const Points3 author_m = vertices_m("{preset: author}", previous);
+    const Points3 weft_m = vertices_m("{}", previous);
+    EXPECT_EQ(weft_m, vertices_m("{preset: weft}", previous));
+    EXPECT_EQ(weft_m, vertices_m(weft + "preset: author}", previous));
+    EXPECT_EQ(author_m, vertices_m(author + "preset: weft}", previous));
+    EXPECT_NE(author_m, weft_m);
+  }
+}
+
 TEST(ParticleSft, TriesAllStartsAfterALoss) {
   const Scene scene = Scene::bent(0.25);
   const Points3 before_m = Scene::bent(0.3).truth_m;

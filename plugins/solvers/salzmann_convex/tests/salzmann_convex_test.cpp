@@ -112,10 +112,26 @@ TEST(SalzmannConvex, MoreRoundsLeaveMismatchesOut) {
   Scene scene(0.25, 200, 0.5, 25);
   Rng rng(26);
   for (std::int64_t i = 0; i < 10; ++i) scene.matches.image_px(i, 0) += rng.uniform(-60.0, 60.0);
-  const double once_m = scene.mean_error_m("{rounds: 1}"), more_m = scene.mean_error_m();
+  const double once_m = scene.mean_error_m("{rounds: 1}");
+  const double more_m = scene.mean_error_m("{preset: weft}");
   std::cout << "1 round: " << 1e3 * once_m << " mm, 4 rounds: " << 1e3 * more_m << " mm\n";
   EXPECT_LT(more_m, once_m);
   EXPECT_LT(more_m, 0.008);
+}
+
+TEST(SalzmannConvex, BeginsWithTheConstantsOfItsPreset) {
+  std::cout << "seed 27\n";
+  Scene scene(0.25, 200, 0.5, 27);
+  Rng rng(28);
+  for (std::int64_t i = 0; i < 10; ++i) scene.matches.image_px(i, 0) += rng.uniform(-60.0, 60.0);
+  const std::string common =
+      "depth_weight_px: 0.6666666666666666, outlier_px: 20, tolerance: 1.0e-6, "
+      "max_iterations: 500, ";
+  const double author_m = scene.mean_error_m(), weft_m = scene.mean_error_m("{preset: weft}");
+  EXPECT_EQ(author_m, scene.mean_error_m("{preset: author}"));
+  EXPECT_EQ(author_m, scene.mean_error_m("{" + common + "rounds: 1, preset: weft}"));
+  EXPECT_EQ(weft_m, scene.mean_error_m("{" + common + "rounds: 4, preset: author}"));
+  EXPECT_NE(author_m, weft_m);
 }
 
 TEST(SalzmannConvex, VerticesWithoutMatchesContinueTheSurface) {
