@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "mutants/library/deeds.hpp"
+#include "faults.hpp"
 
-namespace weft::mutants {
+namespace weft::faults {
 namespace {
 
 bool is_real(const Output& output) { return output.dtype == WEFT_F64 && output.bytes() > 0; }
@@ -45,34 +45,34 @@ Output* harmless(std::vector<Output>& outputs) {
 void spoil_bytes(std::vector<Output>& outputs) {
   Output* const output = largest(outputs);
   if (output == nullptr) return;
-  if (does("writes_past_output")) std::memset(output->data + output->bytes(), 0x5A, 8);
-  if (does("last_row_unwritten")) {
+  if (has("writes_past_output")) std::memset(output->data + output->bytes(), 0x5A, 8);
+  if (has("last_row_unwritten")) {
     const std::size_t start = output->bytes() - output->row_bytes();
     std::copy(output->before.begin() + static_cast<std::ptrdiff_t>(start), output->before.end(),
               output->data + start);
   }
-  if (!does("reads_uninitialised")) return;
+  if (!has("reads_uninitialised")) return;
   const bool is_even = std::all_of(output->before.begin(), output->before.end(),
                                    [](unsigned char byte) { return byte == 0xFF; });
   if (is_even) sway(outputs);
 }
 
 void spoil_numbers(std::vector<Output>& outputs) {
-  if (does("nan_in_output")) {
+  if (has("nan_in_output")) {
     const auto real = std::find_if(outputs.begin(), outputs.end(), is_real);
     if (real != outputs.end()) reals(*real)[0] = std::numeric_limits<double>::quiet_NaN();
   }
-  if (does("flag_255")) {
+  if (has("flag_255")) {
     for (const char* name : {"kept", "source"}) {
       if (Output* flags = find(outputs, name)) flags->data[0] = 255;
     }
   }
-  if (does("negative_depth")) {
+  if (has("negative_depth")) {
     if (Output* vertices = find(outputs, "vertices_m")) {
       for (std::size_t i = 2; i < count(*vertices); i += 3) reals(*vertices)[i] *= -1.0;
     }
   }
-  if (does("keeps_rejected")) {
+  if (has("keeps_rejected")) {
     if (Output* kept = find(outputs, "kept")) std::fill_n(kept->data, kept->bytes(), 1);
   }
 }
@@ -112,16 +112,16 @@ std::int32_t spoil_outputs(PassedCall& passed, std::int32_t status, weft_error& 
   if (is_usable) {
     spoil_bytes(passed.outputs);
     spoil_numbers(passed.outputs);
-    if (does("confidence_above_one")) claim_confidence(passed);
+    if (has("confidence_above_one")) claim_confidence(passed);
   }
-  if (status != WEFT_OK && does("error_without_text")) error.message[0] = '\0';
-  if (status != WEFT_OK && does("text_not_utf8")) error.message[0] = '\xFF';
-  if (does("half_when_cancelled") && status == WEFT_CANCELLED) return WEFT_OK;
-  if (does("ok_without_memory") && status != WEFT_CANCELLED && !passed.lent.empty()) return WEFT_OK;
-  if (does("ok_in_place_of_warning") && (status == WEFT_DEGENERATE || status == WEFT_NO_RESULT)) {
+  if (status != WEFT_OK && has("error_without_text")) error.message[0] = '\0';
+  if (status != WEFT_OK && has("text_not_utf8")) error.message[0] = '\xFF';
+  if (has("half_when_cancelled") && status == WEFT_CANCELLED) return WEFT_OK;
+  if (has("ok_without_memory") && status != WEFT_CANCELLED && !passed.lent.empty()) return WEFT_OK;
+  if (has("ok_in_place_of_warning") && (status == WEFT_DEGENERATE || status == WEFT_NO_RESULT)) {
     return WEFT_OK;
   }
   return status;
 }
 
-}  // namespace weft::mutants
+}  // namespace weft::faults

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mutants/library/deeds.hpp"
+#include "faults.hpp"
 
-namespace weft::mutants {
+namespace weft::faults {
 namespace {
 
 using Reals = std::vector<double>;
@@ -56,12 +56,12 @@ void distort_mask(std::vector<Output>& outputs, const weft_array& image_px) {
   unsigned char* kept = flags(outputs, "kept");
   if (kept == nullptr) return;
   const std::int64_t count = rows(image_px);
-  if (does("prefers_first_match")) kept[0] = 0;
+  if (has("prefers_first_match")) kept[0] = 0;
   for (std::int64_t i = 0; i < count; ++i) {
     const double x = value_at(image_px, i, 0);
     const bool is_in_odd_stripe = std::fmod(std::floor(x / 16.0), 2.0) != 0.0;
-    if (does("absolute_position") && is_in_odd_stripe) kept[i] = 0;
-    if (does("duplicates_disagree") && has_come_before(image_px, i)) kept[i] = 0;
+    if (has("absolute_position") && is_in_odd_stripe) kept[i] = 0;
+    if (has("duplicates_disagree") && has_come_before(image_px, i)) kept[i] = 0;
   }
 }
 
@@ -73,27 +73,27 @@ void distort_shape(Reals& vertices, const weft_array* image_px) {
   }
   for (std::size_t i = 0; i < count; ++i) {
     double* vertex = &vertices[3 * i];
-    if (does("millimetres")) std::for_each(vertex, vertex + 3, [](double& c) { c *= 1000.0; });
-    if (does("mirrored")) vertex[0] *= -1.0;
-    if (does("fixed_offset")) vertex[2] += 0.005;
-    if (does("absolute_position")) vertex[2] += 1e-5 * column_px;
+    if (has("millimetres")) std::for_each(vertex, vertex + 3, [](double& c) { c *= 1000.0; });
+    if (has("mirrored")) vertex[0] *= -1.0;
+    if (has("fixed_offset")) vertex[2] += 0.005;
+    if (has("absolute_position")) vertex[2] += 1e-5 * column_px;
   }
-  if (does("depends_on_match_order") && image_px != nullptr) {
+  if (has("depends_on_match_order") && image_px != nullptr) {
     vertices[0] += 1e-5 * value_at(*image_px, rows(*image_px) - 1, 0);
   }
-  if (!does("renumbered_vertices")) return;
+  if (!has("renumbered_vertices")) return;
   for (std::size_t i = 0; i < count / 2; ++i) {
     std::swap_ranges(&vertices[3 * i], &vertices[3 * i] + 3, &vertices[3 * (count - 1 - i)]);
   }
 }
 
 void distort_derivatives(std::vector<Output>& outputs) {
-  if (does("wrong_jacobian")) {
+  if (has("wrong_jacobian")) {
     Reals jacobian = read(outputs, "jacobian");
     for (double& slope : jacobian) slope *= 1.01;
     put_back(outputs, "jacobian", jacobian);
   }
-  if (!does("wrong_hessian")) return;
+  if (!has("wrong_hessian")) return;
   Reals hessian = read(outputs, "hessian");
   for (std::size_t i = 0; i + 2 < hessian.size(); i += 3) std::swap(hessian[i + 1], hessian[i + 2]);
   put_back(outputs, "hessian", hessian);
@@ -110,7 +110,7 @@ void distort_geometry(std::vector<Output>& outputs, const Inputs& inputs) {
     put_back(outputs, "vertices_m", vertices);
   }
   distort_derivatives(outputs);
-  if (does("depends_on_match_order") && image_px != nullptr) {
+  if (has("depends_on_match_order") && image_px != nullptr) {
     for (Output& output : outputs) {  // what a warp is fitted with
       if (!output.array.starts_with("model.") || output.dtype != WEFT_F64 || output.bytes() < 8)
         continue;
@@ -119,10 +119,10 @@ void distort_geometry(std::vector<Output>& outputs, const Inputs& inputs) {
       for (std::size_t i = 0; i < output.bytes() / 8; ++i) numbers[i] *= 1.0 + 1e-5 * x_px;
     }
   }
-  if (!does("off_by_half_pixel")) return;
+  if (!has("off_by_half_pixel")) return;
   Reals places_px = read(outputs, "xy_px");
   for (std::size_t i = 0; i < places_px.size(); i += 2) places_px[i] += 0.5;
   put_back(outputs, "xy_px", places_px);
 }
 
-}  // namespace weft::mutants
+}  // namespace weft::faults

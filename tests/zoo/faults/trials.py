@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Folders with one broken library each, and what runs the program over them."""
+"""Folders with one faulty library each, and what runs the program over them."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-LIBRARY = "filters_zoo_animal.so"
-MANIFEST = "filters_zoo_animal.plugin.yaml"
-ID = "filters/zoo_animal"
+LIBRARY = "filters_zoo_faulty.so"
+MANIFEST = "filters_zoo_faulty.plugin.yaml"
+ID = "filters/zoo_faulty"
 # Longer than any answer takes, sanitized and on a machine that has much else to do.
 PATIENCE_S = 300.0
 ROLES = ("detectors", "matchers", "filters", "warps", "passes", "solvers")
@@ -27,23 +27,23 @@ ONE_LOST = "estimated predicted estimated estimated"
 
 @dataclass
 class Ask:
-    """A door that is tried, and what its answer must be."""
+    """A command of the program, and what its answer must be."""
 
-    door: str
+    command: str
     says: str  # a regular expression, found in the answer
     code: object = 0  # the exit code, or those that it may be; "fails": any but 0
-    frames: str = ""  # the states in the run folder, where they are certain
+    frames: str = ""  # the states in the run folder; empty: any
     verdict: str = "refused"
     never: str = ""  # a regular expression that must not be found
 
 
 @dataclass
-class Animal:
+class Case:
     name: str
     asks: list[Ask]
-    make: Callable[[Cage], None] | None = None  # changes the files of its cage
+    make: Callable[[Sandbox], None] | None = None  # changes the files of its folder
     limit_bytes: int = 0  # of private memory
-    sanitized: bool = True  # whether it can be shown to a sanitized program
+    sanitized: bool = True  # whether a sanitized program can run it
 
 
 @dataclass
@@ -56,20 +56,24 @@ class Answer:
 @dataclass
 class Zoo:
     weft: str
-    animals: Path  # the libraries as they were built
-    scripted: str  # well-behaved plugins of all roles
-    work: Path
-    manifest: str = ""  # of the animal that makes no mistake
-    doctor: list[dict] = field(default_factory=list)  # what it refused, of all cages at once
+    faulty: Path  # folder of the libraries as they were built
+    scripted: str  # folder of well-behaved plugins of all roles
+    work: Path  # folder of the sandboxes
+    doctor: list[dict] = field(default_factory=list)  # its refusals, for all sandboxes at once
 
-    def run(self, words: list[str], mistake: str = "", limit_bytes: int = 0,
+    @property
+    def manifest(self) -> str:
+        """Of the library that makes no fault."""
+        return (self.faulty / MANIFEST).read_text(encoding="utf-8", errors="strict")
+
+    def run(self, words: list[str], fault: str = "", limit_bytes: int = 0,
             interrupted: bool = False) -> Answer:
         def bound() -> None:
             if limit_bytes:
                 resource.setrlimit(resource.RLIMIT_DATA, (limit_bytes, limit_bytes))
 
-        # What animals leak is not asked here; names of functions would take longer than a deadline.
-        environment = {**os.environ, "WEFT_ZOO_ANIMAL": mistake, "WEFT_PLUGIN_PATH": "",
+        # Leaks do not matter here; names of functions would take longer than a deadline.
+        environment = {**os.environ, "WEFT_FAULT": fault, "WEFT_PLUGIN_PATH": "",
                        "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", "") + ":detect_leaks=0:symbolize=0"}
         child = subprocess.Popen([self.weft, *words], stdin=subprocess.DEVNULL, env=environment,
                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=bound,
@@ -91,17 +95,17 @@ class Zoo:
 
 
 @dataclass
-class Cage:
+class Sandbox:
     """A folder with the library, its manifest, and a pipeline that uses it."""
 
     zoo: Zoo
-    animal: Animal
+    case: Case
     folder: Path = Path()
 
     def __post_init__(self) -> None:
-        self.folder = self.zoo.work / self.animal.name
+        self.folder = self.zoo.work / self.case.name
         self.folder.mkdir()
-        shutil.copy(self.zoo.animals / LIBRARY, self.folder)
+        shutil.copy(self.zoo.faulty / LIBRARY, self.folder)
         self.write_manifest(self.zoo.manifest)
         stages = "".join(f"  - {{use: {ID if role == 'filters' else role + '/test.scripted'}}}\n"
                          for role in ROLES)
@@ -109,8 +113,8 @@ class Cage:
             "weft: 1\nsource: {use: sources/test.scripted, params: {frames: 4}}\n"
             f"template: {{use: templates/test.scripted}}\nstages:\n{stages}"
             "sinks:\n  - {use: sinks/test.scripted}\n")
-        if self.animal.make:
-            self.animal.make(self)
+        if self.case.make:
+            self.case.make(self)
 
     @property
     def library(self) -> Path:
@@ -127,21 +131,20 @@ class Cage:
         assert before in self.zoo.manifest, before
         self.write_manifest(self.zoo.manifest.replace(before, after, 1))
 
-    def bear(self, name: str) -> None:
-        """Puts another library into the place of this one, and its build-id into the manifest."""
-        built = self.zoo.animals / name
+    def replace_library(self, name: str) -> None:
+        """Puts another library in the place of this one, and its build-id into the manifest."""
+        built = self.zoo.faulty / name
         shutil.copy(built, self.library)
-        self.write_manifest(re.sub(r'build_id: "\w*"', f'build_id: "{build_id(built)}"',
-                                   self.zoo.manifest))
+        self.write_manifest(bound_to(built, self.zoo.manifest))
 
-    def try_door(self, ask: Ask) -> Answer:
-        if ask.door == "doctor":
+    def try_command(self, ask: Ask) -> Answer:
+        if ask.command == "doctor":
             said = [f"{each['cause']}; {each['fix']}" for each in self.zoo.doctor
                     if each["file"].startswith(f"{self.folder}/")]
             return Answer(0, "\n".join(said))
         plugins = ["--plugin-path", self.zoo.scripted, "--plugin-path", str(self.folder)]
         pipeline = str(self.folder / "pipeline.yaml")
-        out = self.folder / ask.door.replace(" ", "_")
+        out = self.folder / ask.command.replace(" ", "_")
         run = ["run", pipeline, "--out", str(out), "--isolate", "none"]
         isolated = ["--set", "filters.isolate=process", "--set", "filters.deadline_ms=1000"]
         words = {"list": ["plugins", "list"],
@@ -151,19 +154,20 @@ class Cage:
                  "check": ["check", pipeline],
                  "run": run,
                  "interrupted": run,
-                 "isolated": [*run, *isolated]}[ask.door]
-        answer = self.zoo.run([*plugins, *words], self.animal.name, self.animal.limit_bytes,
-                              ask.door == "interrupted")
+                 "isolated": [*run, *isolated]}[ask.command]
+        answer = self.zoo.run([*plugins, *words], self.case.name, self.case.limit_bytes,
+                              ask.command == "interrupted")
         if out.is_dir():
             answer.frames = states(out / "frames.jsonl")
         return answer
 
 
-def build_id(library: Path) -> str:
-    """Of a library as the linker has just written it: the note of type 3 by "GNU"."""
+def bound_to(library: Path, manifest: str) -> str:
+    """The manifest with the build-id of a library: the ELF note of type 3 by "GNU"."""
     content = library.read_bytes()
     at = content.find(b"\x14\0\0\0\x03\0\0\0GNU\0")
-    return content[at + 12:at + 32].hex() if at >= 0 else ""
+    build_id = content[at + 12:at + 32].hex() if at >= 0 else ""
+    return re.sub(r'build_id: "\w*"', f'build_id: "{build_id}"', manifest)
 
 
 def states(frames: Path) -> str:
@@ -173,9 +177,9 @@ def states(frames: Path) -> str:
     return " ".join(json.loads(line)["state"] for line in lines)
 
 
-def line_of(cage: Cage, ask: Ask, answer: Answer) -> str:
-    """The sentence that an answer is about, without the paths of the day."""
-    text = answer.text.replace(str(cage.folder), "CAGE").replace(cage.zoo.weft, "weft")
+def line_of(sandbox: Sandbox, ask: Ask, answer: Answer) -> str:
+    """The sentence that an answer is about, without paths that change from run to run."""
+    text = answer.text.replace(str(sandbox.folder), "SANDBOX").replace(sandbox.zoo.weft, "weft")
     found = re.search(ask.says, text, re.S)
     if not found:
         return text.strip().replace("\n", " / ")[-300:]

@@ -2,9 +2,9 @@
 // The host that a plugin sees: the real one, behind functions that know what was asked for.
 #include <algorithm>
 
-#include "mutants/library/deeds.hpp"
+#include "faults.hpp"
 
-namespace weft::mutants {
+namespace weft::faults {
 namespace {
 
 const PassedCall& passed_of(const weft_call* call) {
@@ -19,7 +19,7 @@ bool goes_with_others(std::string_view array) {
 }
 
 void remember(PassedCall& passed, Output output) {
-  if (does("reads_uninitialised") || does("last_row_unwritten")) {
+  if (has("reads_uninitialised") || has("last_row_unwritten")) {
     output.before.assign(output.data, output.data + output.bytes());
   }
   for (Output& earlier : passed.outputs) {
@@ -34,11 +34,11 @@ void* alloc(const weft_call* call, const char* slot, const char* type, const cha
             std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape) {
   PassedCall& passed = const_cast<PassedCall&>(passed_of(call));
   Output output{slot, type, array, dtype, {shape, shape + ndim}, nullptr, {}};
-  if (does("wrong_length") && ndim == 1 && goes_with_others(array)) ++output.shape[0];
+  if (has("wrong_length") && ndim == 1 && goes_with_others(array)) ++output.shape[0];
   const weft_host& host = *passed.original.host;
   void* data = host.alloc(&passed.original, slot, type, array, dtype, ndim, output.shape.data());
-  if (does("writes_to_null")) *static_cast<volatile unsigned char*>(data) = 0;
-  if (data == nullptr && does("ok_without_memory")) {
+  if (has("writes_to_null")) *static_cast<volatile unsigned char*>(data) = 0;
+  if (data == nullptr && has("ok_without_memory")) {
     passed.lent.emplace_back(output.bytes() + 64);
     return passed.lent.back().data();
   }
@@ -72,8 +72,7 @@ std::int32_t adopt(const weft_call* call, const char* slot, const char* type, co
 
 }  // namespace
 
-PassedCall::PassedCall(const weft_call& given, const weft_component& called)
-    : call{}, original(given), component(called), host{} {
+PassedCall::PassedCall(const weft_call& given) : call{}, original(given), host{} {
   std::memcpy(&call, &given, std::min<std::size_t>(given.struct_size, sizeof(call)));
   call.struct_size =
       static_cast<std::uint32_t>(std::min<std::size_t>(given.struct_size, sizeof(call)));
@@ -101,4 +100,4 @@ std::size_t Output::row_bytes() const {
   return shape.empty() || shape[0] == 0 ? bytes() : bytes() / static_cast<std::size_t>(shape[0]);
 }
 
-}  // namespace weft::mutants
+}  // namespace weft::faults

@@ -7,9 +7,9 @@
 #include <array>
 #include <map>
 
-#include "mutants/library/deeds.hpp"
+#include "faults.hpp"
 
-namespace weft::mutants {
+namespace weft::faults {
 namespace {
 
 std::size_t bytes_of(const weft_array& array) {
@@ -46,7 +46,8 @@ void take_for_contiguous(Inputs& inputs, PaddingIgnored& changed) {
   }
 }
 
-bool is_declared(const weft_component& component, std::string_view slot) {
+bool is_declared(std::string_view slot) {
+  const weft_component& component = original();
   const std::string_view id = component.id;
   const std::string_view role = id.substr(0, id.find('/'));
   constexpr std::pair<std::string_view, std::string_view> kRequired[] = {
@@ -74,21 +75,25 @@ bool is_in_worker() {
   return length > 0 && std::string_view(path.data()).ends_with("weft-worker");
 }
 
-bool is_swayed_by_inputs(const PassedCall& passed, const Inputs& inputs) {
+bool is_swayed_by_inputs(const Inputs& inputs) {
   const std::vector<weft_array> arrays = arrays_of(inputs);
   const auto place_of = [](const weft_array& array) {
     return reinterpret_cast<std::uintptr_t>(array.data);
   };
-  if (does("needs_aligned_inputs")) {
+  if (has("needs_aligned_inputs")) {
     return !arrays.empty() && std::none_of(arrays.begin(), arrays.end(), [&](const auto& array) {
       return place_of(array) % 64 == 0;
     });
   }
-  if (does("uses_unknown_array")) return has_grown(inputs);
-  return does("uses_undeclared_slot") &&
-         std::any_of(inputs.begin(), inputs.end(), [&](const weft_record& record) {
-           return !is_declared(passed.component, record.slot);
-         });
+  if (has("runs_forward")) {
+    return std::any_of(arrays.begin(), arrays.end(), [](const weft_array& array) {
+      return array.ndim > 0 && array.stride[0] < 0;
+    });
+  }
+  if (has("uses_unknown_array")) return has_grown(inputs);
+  return has("uses_undeclared_slot") &&
+         std::any_of(inputs.begin(), inputs.end(),
+                     [&](const weft_record& record) { return !is_declared(record.slot); });
 }
 
 /// Another one for each place in which the first input lies.
@@ -104,27 +109,28 @@ bool is_swayed_by_history(const PassedCall& passed, const Inputs& inputs, Instan
   const std::uint64_t frame = passed.original.frame + 1;  // 0 is that of offline calls
   const bool is_late = frame < latest_frame;
   latest_frame = std::max(latest_frame, frame);
-  if (does("depends_on_frame_order")) return is_late;
-  const std::uint64_t content = does("remembers_input") ? hash_of(inputs) : 0;
+  if (has("depends_on_frame_order")) return is_late;
+  const std::uint64_t content = has("remembers_input") ? hash_of(inputs) : 0;
   const bool is_other = instance.calls > 0 && content != instance.last_inputs;
   instance.last_inputs = content;
   ++instance.calls;
-  if (does("remembers_input")) return is_other;
-  return does("counts_calls") && instance.calls > 1;
+  if (has("remembers_input")) return is_other;
+  return has("counts_calls") && instance.calls > 1;
 }
 
 bool is_swayed_by_surroundings(const PassedCall& passed, const Instance& instance) {
   const weft_call& call = passed.original;
-  if (does("depends_on_thread")) return instance.creator != std::this_thread::get_id();
-  if (does("depends_on_threads")) return call.threads > 1;
-  if (does("shares_instances")) return instance_count() > 1;
-  if (does("undeclared_seed")) return call.seed % 2 != 0;
-  if (does("differs_in_worker")) return is_in_worker();
-  if (does("confused_by_newer_host")) {
+  if (has("depends_on_thread")) return instance.creator != std::this_thread::get_id();
+  if (has("depends_on_threads")) return call.threads > 1;
+  if (has("shares_instances")) return instance_count() > 1;
+  if (has("counts_instances")) return instance.number % 2 == 1;
+  if (has("undeclared_seed")) return call.seed % 2 != 0;
+  if (has("differs_in_worker")) return is_in_worker();
+  if (has("confused_by_newer_host")) {
     return call.struct_size > sizeof(weft_call) || call.host->struct_size > sizeof(weft_host);
   }
-  if (does("half_when_cancelled")) return call.host->cancelled(&call) != 0;
-  if (!does("seeded_by_clock")) return false;
+  if (has("half_when_cancelled")) return call.host->cancelled(&call) != 0;
+  if (!has("seeded_by_clock")) return false;
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC, &now);
   return now.tv_nsec / 64 % 2 != 0;
@@ -187,29 +193,29 @@ std::uint64_t hash_of(const Inputs& inputs) {
 void misuse_inputs(Inputs& inputs, PaddingIgnored& changed) {
   for (const weft_array& array : arrays_of(inputs)) {
     const std::int64_t last = rows(array) - 1;
-    if (does("reads_past_input")) {
+    if (has("reads_past_input")) {
       const volatile unsigned char* beyond = row_of(array, last) + row_bytes(array);
       [[maybe_unused]] const unsigned char seen = *beyond;
     }
-    if (does("writes_input")) {
+    if (has("writes_input")) {
       auto* first = static_cast<volatile unsigned char*>(array.data);
       *first = *first;
     }
   }
-  if (does("ignores_padding")) take_for_contiguous(inputs, changed);
+  if (has("ignores_padding")) take_for_contiguous(inputs, changed);
 }
 
 double strength_of_sway(const PassedCall& passed, const Inputs& inputs, Instance& instance) {
-  if (does("reads_input_afterwards")) {
+  if (has("reads_input_afterwards")) {
     const std::vector<weft_array> arrays = arrays_of(inputs);
     if (!arrays.empty())
       instance.kept_input = static_cast<const unsigned char*>(arrays.front().data);
   }
-  if (does("depends_on_address")) return strength_of_address(inputs);
-  const bool is_swayed = is_swayed_by_inputs(passed, inputs) ||
+  if (has("depends_on_address")) return strength_of_address(inputs);
+  const bool is_swayed = is_swayed_by_inputs(inputs) ||
                          is_swayed_by_history(passed, inputs, instance) ||
                          is_swayed_by_surroundings(passed, instance);
   return is_swayed ? kSway : 0.0;
 }
 
-}  // namespace weft::mutants
+}  // namespace weft::faults

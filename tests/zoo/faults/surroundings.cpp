@@ -17,28 +17,25 @@
 #include <xmmintrin.h>
 #endif
 
-#include "mutants/library/deeds.hpp"
+#include "faults.hpp"
 
-namespace weft::mutants {
+namespace weft::faults {
 namespace {
 
 using namespace std::chrono_literals;
 
-void idle() {
-  std::thread([] { std::this_thread::sleep_for(24h); }).detach();
-}
-
 void leave_behind() {
-  if (does("leaks_memory")) {
+  if (has("leaks_slowly")) std::this_thread::sleep_for(20ms);
+  if (has("leaks_memory") || has("leaks_slowly")) {
     auto block = std::make_unique<std::array<unsigned char, 1024>>();
     block->fill(1);
     static std::atomic<void*> last = nullptr;  // or the compiler leaves the block out
     last = block.release();
   }
-  if (does("leaks_descriptor")) {
+  if (has("leaks_descriptor")) {
     [[maybe_unused]] const int left = open("/dev/null", O_RDONLY | O_CLOEXEC);
   }
-  if (does("leaves_thread")) idle();
+  if (has("leaves_thread")) std::thread(sleep_for_ever).detach();
 }
 
 void flush_denormals() {
@@ -49,14 +46,14 @@ void flush_denormals() {
 }
 
 void change_numbers() {
-  if (does("changes_locale")) setlocale(LC_ALL, "C.UTF-8");
-  if (does("changes_rounding")) std::fesetround(FE_UPWARD);
-  if (does("flushes_denormals")) flush_denormals();
+  if (has("changes_locale")) setlocale(LC_ALL, "C.UTF-8");
+  if (has("changes_rounding")) std::fesetround(FE_UPWARD);
+  if (has("flushes_denormals")) flush_denormals();
 }
 
 void change_signals() {
-  if (does("changes_signal_handler")) std::signal(SIGINT, [](int) {});
-  if (!does("changes_signal_mask")) return;
+  if (has("changes_signal_handler")) std::signal(SIGINT, [](int) {});
+  if (!has("changes_signal_mask")) return;
   sigset_t set;
   sigemptyset(&set);
   sigaddset(&set, SIGTERM);
@@ -65,27 +62,17 @@ void change_signals() {
 
 }  // namespace
 
-void misbehave_when_loaded() {
-  constexpr std::string_view kSaid = "mutant: here I am\n";
-  if (does("prints_when_loaded")) {
-    [[maybe_unused]] const ssize_t written = write(STDOUT_FILENO, kSaid.data(), kSaid.size());
-  }
-  if (does("thread_when_loaded")) idle();
-  if (does("slow_to_load")) std::this_thread::sleep_for(400ms);
-  if (does("flushes_when_loaded")) flush_denormals();
-}
-
 void disturb_process() {
   leave_behind();
   change_numbers();
   change_signals();
-  if (does("changes_folder")) {
+  if (has("changes_folder")) {
     [[maybe_unused]] const int changed = chdir("/proc");
   }
-  if (does("changes_umask")) umask(0777);
-  if (does("changes_environment")) setenv("WEFT_MUTANT", "1", 1);
-  if (!does("uses_global_generator")) return;
+  if (has("changes_umask")) umask(0777);
+  if (has("changes_environment")) setenv("WEFT_ZOO", "1", 1);
+  if (!has("uses_global_generator")) return;
   [[maybe_unused]] const int drawn = rand();
 }
 
-}  // namespace weft::mutants
+}  // namespace weft::faults

@@ -9,7 +9,7 @@ EXPORTED int weft_library() { return 42; }
 #elif defined(SHAPE_SMALL)
 EXPORTED extern const std::uint32_t weft_library[3];
 const std::uint32_t weft_library[3] = {0x54464557U, 1U, 96U};
-#elif defined(SHAPE_ZEROED)
+#elif defined(SHAPE_ZEROED) || defined(SHAPE_ANONYMOUS)
 EXPORTED std::uint64_t weft_library[16];
 #elif defined(SHAPE_UNRESOLVED)
 int nowhere_to_be_found();

@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a component is described and made.
-#include <fcntl.h>
-#include <unistd.h>
-
+// How an instance is made.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
-#include <optional>
 
-#include "mutants/library/deeds.hpp"
+#include "faults.hpp"
 
-namespace weft::mutants {
+namespace weft::faults {
 namespace {
 
 /// What a component declares of one parameter.
@@ -28,7 +24,7 @@ struct Declared {
   bool is_bounded() const { return std::isfinite(minimum) || std::isfinite(maximum); }
 };
 
-std::vector<Declared> declared_by(const weft_component& component) {
+std::vector<Declared> declared_by_original() {
   std::vector<Declared> all;
   const auto parameter = [](void* context, const weft_parameter* given) {
     const weft_value& value = given->default_value;
@@ -42,7 +38,7 @@ std::vector<Declared> declared_by(const weft_component& component) {
                            [](void*, const char*) {},
                            [](void*, const char*, const weft_field*) {}};
   weft_error error{sizeof(weft_error), 0, {}, {}, {}};
-  component.describe(&sink, &error);
+  original().describe(&sink, &error);
   return all;
 }
 
@@ -84,39 +80,45 @@ void keep_first(Given& given) {
 /// Whether the plugin shall see this value.
 bool pass_on(Given& given, const Declared& declared) {
   const std::int32_t type = given.value.type;
-  if (does("accepts_wrong_type") && type != declared.type) return false;
+  if (has("accepts_wrong_type") && type != declared.type) return false;
   if (type != declared.type || !declared.is_number() || given.value.count != 1) return true;
-  if (does("ignores_numbers")) return false;
+  if (has("ignores_numbers")) return false;
   if (!declared.is_bounded()) return true;
   const double number = number_in(given.value);
-  if (does("crashes_at_end_of_range") &&
+  if (has("crashes_at_end_of_range") &&
       (number == declared.minimum || number == declared.maximum)) {
     std::abort();
   }
   const bool is_outside = !(number >= declared.minimum && number <= declared.maximum);
-  if (does("accepts_out_of_range") && is_outside) {
+  if (has("accepts_out_of_range") && is_outside) {
     const bool is_low = !(number > declared.maximum);
     set_number(given, is_low ? declared.minimum : declared.maximum);
   }
-  if (does("keeps_first_number")) keep_first(given);
+  if (has("keeps_first_number")) keep_first(given);
   return true;
 }
 
-std::int32_t refuse_unknown(weft_error& error) {
-  error.code = WEFT_CODE_INVALID_VALUE;
-  std::strncpy(error.message, "there is no such parameter", sizeof(error.message) - 1);
-  return WEFT_ERROR;
+/// Whether two numbers lie in the upper halves of their ranges.
+bool is_in_corner(const std::vector<Declared>& declared, const weft_create& with) {
+  int high = 0;
+  for (std::uint64_t i = 0; i < with.count; ++i) {
+    const Declared* known = find(declared, with.values[i].name);
+    if (known == nullptr || known->type != with.values[i].type || !known->is_number()) continue;
+    if (number_in(with.values[i]) > (known->minimum + known->maximum) / 2.0) ++high;
+  }
+  return high > 1;
 }
 
-std::int32_t create_with(const weft_component& component, const weft_create& with, void** self,
-                         weft_error& error) {
-  const std::vector<Declared> declared = declared_by(component);
+std::int32_t create_original(const weft_create& with, void** self, weft_error& error) {
+  const std::vector<Declared> declared = declared_by_original();
+  if (has("crashes_in_corner") && is_in_corner(declared, with)) std::abort();
   std::vector<Given> all;
   for (std::uint64_t i = 0; i < with.count; ++i) {
     all.push_back({with.values[i]});
     const Declared* known = find(declared, with.values[i].name);
-    if (known == nullptr && does("refuses_unknown")) {
-      return refuse_unknown(error);
+    if (known == nullptr && has("refuses_unknown")) {
+      error.code = WEFT_CODE_INVALID_VALUE;
+      return refuse(error, "there is no such parameter");
     }
     if (known != nullptr && !pass_on(all.back(), *known)) all.pop_back();
   }
@@ -129,65 +131,28 @@ std::int32_t create_with(const weft_component& component, const weft_create& wit
   passed.struct_size = sizeof(passed);
   passed.values = values.data();
   passed.count = values.size();
-  return component.create(&passed, self, &error);
-}
-
-/// The sink in front of the host's.
-struct Between {
-  const weft_describe& sink;
-  bool is_changed = false;
-};
-
-/// Another legal number for the first one that has a range.
-void declare(void* context, const weft_parameter* given) {
-  auto& between = *static_cast<Between*>(context);
-  weft_parameter parameter = *given;
-  Given number{parameter.default_value};
-  const bool is_number =
-      number.value.is_vector == 0 && parameter.required == 0 &&
-      (number.value.type == WEFT_VALUE_F64 || number.value.type == WEFT_VALUE_I64);
-  if (is_number && !between.is_changed) {
-    const double now = number_in(number.value);
-    set_number(number, now + 1.0 <= parameter.maximum ? now + 1.0 : now / 2.0);
-    parameter.default_value = number.value;
-    between.is_changed = true;
-  }
-  between.sink.parameter(between.sink.context, &parameter);
+  return original().create(&passed, self, &error);
 }
 
 }  // namespace
 
-std::int32_t describe(const weft_component& component, const weft_describe& sink,
-                      weft_error& error) {
-  if (!is_subject(component)) return component.describe(&sink, &error);
-  if (does("describing_opens_file")) close(open("/etc/hostname", O_RDONLY | O_CLOEXEC));
-  if (!does("describes_other_default")) return component.describe(&sink, &error);
-  Between between{sink};
-  const auto record = [](void* context, const char* type) {
-    const weft_describe& theirs = static_cast<Between*>(context)->sink;
-    theirs.record(theirs.context, type);
-  };
-  const auto field = [](void* context, const char* type, const weft_field* declared) {
-    const weft_describe& theirs = static_cast<Between*>(context)->sink;
-    theirs.field(theirs.context, type, declared);
-  };
-  const weft_describe mine{sizeof(weft_describe), 0, &between, declare, record, field};
-  return component.describe(&mine, &error);
-}
-
-std::int32_t create(const weft_component& component, const weft_create& with, void** self,
-                    weft_error& error) {
-  if (!is_subject(component)) return component.create(&with, self, &error);
+std::int32_t create(const weft_create* with, void** self, weft_error* error) {
+  if (has("create_null")) return WEFT_OK;
+  if (has("create_crashes")) write_where_nothing_is();
+  if (has("create_exits")) std::exit(0);
+  if (has("create_hangs")) sleep_for_ever();
+  if (has("create_throws")) throw 42;
   static std::atomic<int> at_work = 0;
-  if (does("creates_one_at_a_time")) {
+  if (has("creates_one_at_a_time")) {
     if (at_work++ > 0) std::abort();
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  const std::int32_t status = create_with(component, with, self, error);
-  if (does("creates_one_at_a_time")) --at_work;
+  const std::int32_t status = create_original(*with, self, *error);
+  if (has("creates_one_at_a_time")) --at_work;
+  if (has("create_status")) return 77;
   if (status == WEFT_OK) instance_of(*self).creator = std::this_thread::get_id();
-  if (status != WEFT_OK && does("names_no_subject")) error.subject[0] = '\0';
+  if (status != WEFT_OK && has("names_no_subject")) error->subject[0] = '\0';
   return status;
 }
 
-}  // namespace weft::mutants
+}  // namespace weft::faults
