@@ -8,7 +8,6 @@
 
 #include "cli/output/json_text.hpp"
 #include "cli/plugins/check_report.hpp"
-#include "cli/plugins/plugins_mutants.hpp"
 
 namespace weft::cli {
 namespace {
@@ -20,8 +19,6 @@ struct CheckOptions {
   conformance::Choice choice;
   std::string junit;
   bool json = false, verbose = false, list = false;
-  bool mutants = false;
-  MutantOptions of_mutants;
 };
 
 std::vector<conformance::Report> made(const std::vector<conformance::Candidate>& candidates,
@@ -41,10 +38,6 @@ void check_plugins(CheckOptions options, Context& context) {
     context.exit_code = code;
   };
   if (options.list) return print_check_list();
-  if (options.mutants) {
-    options.of_mutants.ids = options.asked.subjects;
-    return check_mutants(options.of_mutants, context);
-  }
   if (options.asked.subjects.empty() != options.asked.all) {
     return refuse(
         {Errc::invalid_value, "name what to check, or give --all for what is installed", {}},
@@ -88,7 +81,7 @@ void add_check_of_plugins(CLI::App& plugins, Context& context) {
   command->footer(
       "Exit codes:\n"
       "  0  all checks that were made hold\n"
-      "  1  one fails, or fewer than 95 % of the mutants are caught\n"
+      "  1  one fails\n"
       "  2  the arguments are wrong, or there is no such plugin\n"
       "  3  a file cannot be read or written");
   command
@@ -113,21 +106,6 @@ void add_check_of_plugins(CLI::App& plugins, Context& context) {
                     "Print JSON: {seed, components: [{id, library, fails, skipped, checks: [{name, "
                     "outcome, seen}]}]}; outcome is holds, fails, deviates or does not apply");
   command->add_option("--junit", options->junit, "Also write JUnit's XML")->option_text("FILE");
-  command->add_flag("--mutants", options->mutants,
-                    "Check plugins that are made wrong on purpose, of those named or of all: "
-                    "whether the checks find it");
-  command->add_option("--seed", options->of_mutants.seed, "By which mutants are drawn (default: 1)")
-      ->option_text("SEED")
-      ->needs("--mutants");
-  command
-      ->add_option("--count", options->of_mutants.count,
-                   "Number of mutants (default: 60, and at least one of each kind)")
-      ->option_text("N")
-      ->needs("--mutants");
-  command->add_option("--jobs", options->of_mutants.jobs, "Mutants at once (default: 1)")
-      ->option_text("N")
-      ->check(CLI::Range(1, 1024))
-      ->needs("--mutants");
   command->add_flag("--list", options->list, "Print all checks as a table; check nothing");
   command->callback([&context, options] { check_plugins(*options, context); });
 }

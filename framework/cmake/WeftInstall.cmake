@@ -43,7 +43,6 @@ if(NOT WEFT_SANITIZE)
       COMPONENT python)
   endif()
 endif()
-install(TARGETS weft_mutant LIBRARY DESTINATION lib/weft COMPONENT dev)
 install(TARGETS weft_describe EXPORT weftTargets RUNTIME DESTINATION bin COMPONENT dev)
 install(TARGETS weft_sdk EXPORT weftTargets COMPONENT dev)
 install(TARGETS weft_host EXPORT weftHostTargets ARCHIVE DESTINATION lib COMPONENT dev)
@@ -75,8 +74,7 @@ install(FILES ${PROJECT_BINARY_DIR}/installed/weft.pc DESTINATION lib/pkgconfig 
 
 weft_built_before_installing(runtime weft weft_worker weft_count_allocations)
 weft_built_before_installing(plugins weft_calibrate)
-weft_built_before_installing(dev weft_python weft_mutant weft_describe weft_host weft_testing
-  weft_pipeline)
+weft_built_before_installing(dev weft_python weft_describe weft_host weft_testing weft_pipeline)
 weft_built_before_installing(python weft_python_module)
 
 # For find_package(weft) with weft_DIR set to the build tree.

@@ -77,14 +77,12 @@ INTERNAL = {
     "pipeline/graph pipeline/execution pipeline/runs statistics",
     "schema": "core yaml roles host/loading pipeline/configuration ablation/plan",
     "counting": "",
-    "mutants": "core describe host/loading programs",
-    "mutants/library": "mutants",
     "conformance/probes": "core describe host/records host/loading testing",
     "conformance": "core data describe host/records host/loading host/supervising host/calling "
     "testing programs "
     "conformance/probes",
     "cli": "core images data geometry generators truth sdk yaml describe roles host pipeline printing "
-    "programs calibration metrics results ablation cluster report bench schema conformance mutants",
+    "programs calibration metrics results ablation cluster report bench schema conformance",
 }
 LAYERS = INSTALLED | INTERNAL
 # What reads images and videos is shared by plugins and the one room that links OpenCV as they do.
@@ -100,7 +98,6 @@ ABI_READERS = (
     "framework/src/conformance/",
     "framework/src/describe/",
     "framework/src/host/",
-    "framework/src/mutants/",
 )
 
 TESTING = ("framework/include/weft/testing/", "framework/src/testing/")
@@ -129,7 +126,6 @@ MOST_HEADER_LINES = 200
 # Programs besides `weft` itself that may write to stdout and stderr.
 PRINTERS = (
     "framework/src/host/probing/main.cpp",
-    "framework/src/mutants/library/library.cpp",
 )
 PRINTING = re.compile(
     r"\bstd\s*::\s*w?(?:cout|cerr|clog)\b"

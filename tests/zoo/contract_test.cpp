@@ -87,14 +87,16 @@ TEST(RoleContract, ProgramHoldsEachComponentOfALibraryToIt) {
   EXPECT_THAT(said, HasSubstr("3 checked"));
 }
 
-#ifdef WEFT_UNRULY_FOLDER
+#ifdef WEFT_FAULTY_FOLDER
 TEST(RoleContract, ProgramFindsWhatDiffersInAWorker) {
-  const std::string id = "--plugin-path " + std::string(WEFT_UNRULY_FOLDER) +
-                         " filters/zoo_unruly --only limits/isolated --json";
-  const auto [code, said] = program_says(id + " --params '{misdeed: isolated}'");
+  const std::string id = "--plugin-path " + std::string(WEFT_FAULTY_FOLDER) +
+                         " filters/zoo_faulty --only limits/isolated --json";
+  EXPECT_EQ(program_says(id).first, 0);
+  setenv("WEFT_FAULT", "differs_in_worker", 1);
+  const auto [code, said] = program_says(id);
+  unsetenv("WEFT_FAULT");
   EXPECT_EQ(code, 1);
   EXPECT_THAT(said, HasSubstr("in a process of its own"));
-  EXPECT_EQ(program_says(id).first, 0);
 }
 #endif
 

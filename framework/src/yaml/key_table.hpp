@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace weft::yaml {
@@ -33,6 +34,54 @@ struct Key {
   bool required = false;      ///< of a map that is complete, not laid over another one
 };
 using KeyTable = std::vector<Key>;
+
+/// Builds a table key by key. required() and otherwise() are about the key before them.
+class KeyTableBuilder {
+ public:
+  using Text = const char*;
+  using Self = KeyTableBuilder&&;
+
+  KeyTableBuilder() = default;
+  explicit KeyTableBuilder(KeyTable first) : keys_(std::move(first)) {}
+
+  Self text(Text name, Text help) && { return add({name, help, Form::text}); }
+  Self texts(Text name, Text help) && { return add({name, help, Form::texts}); }
+  Self flag(Text name, Text help) && { return add({name, help, Form::flag}); }
+  Self number(Text name, Text help) && { return add({name, help, Form::number}); }
+  Self positive(Text name, Text help) && { return add({name, help, Form::positive}); }
+  Self whole(Text name, std::int64_t low, std::int64_t high, Text help) && {
+    return add({name, help, Form::whole, low, high});
+  }
+  Self choice(Text name, std::vector<std::string> choices, Text help) && {
+    return add({name, help, Form::choice, 0, 0, std::move(choices)});
+  }
+  Self part(Text name, Text part, Text help) && {
+    return add({name, help, Form::part, 0, 0, {}, part});
+  }
+  Self all(const KeyTable& keys) && {
+    keys_.insert(keys_.end(), keys.begin(), keys.end());
+    return std::move(*this);
+  }
+
+  Self required() && {
+    keys_.back().required = true;
+    return std::move(*this);
+  }
+  Self otherwise(std::string fallback) && {
+    keys_.back().fallback = std::move(fallback);
+    return std::move(*this);
+  }
+
+  operator KeyTable() && { return std::move(keys_); }  // NOLINT(google-explicit-constructor)
+
+ private:
+  Self add(Key key) {
+    keys_.push_back(std::move(key));
+    return std::move(*this);
+  }
+
+  KeyTable keys_;
+};
 
 /// The names, in the order of the table.
 std::vector<std::string> names_of(const KeyTable& table);

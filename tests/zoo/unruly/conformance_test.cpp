@@ -17,116 +17,130 @@ using conformance::Verdict;
 using ::testing::HasSubstr;
 
 const std::string kUnruly = WEFT_UNRULY_FOLDER;
+constexpr const char* kFaulty = "filters/zoo_faulty";
 
-conformance::Report checked(const std::string& file, const std::string& id,
+/// The library of faults in a folder of its own, as it chooses its fault when it is loaded.
+class FaultyFolder {
+ public:
+  explicit FaultyFolder(const std::string& fault) {
+    for (const char* ending : {".so", ".plugin.yaml"}) {
+      const std::string name = std::string("filters_zoo_faulty") + ending;
+      fs::copy_file(std::string(WEFT_FAULTY_FOLDER) + "/" + name, folder_.path() / name);
+    }
+    setenv("WEFT_FAULT", fault.c_str(), 1);
+  }
+  ~FaultyFolder() { unsetenv("WEFT_FAULT"); }
+  FaultyFolder(const FaultyFolder&) = delete;
+  FaultyFolder& operator=(const FaultyFolder&) = delete;
+
+  std::string path() const { return folder_.path().string(); }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+conformance::Report checked(const std::string& folder, const std::string& id,
                             const std::string& params, const std::string& only) {
   conformance::Asked asked;
   asked.subjects = {id};
   asked.params = params;
-  asked.plugin_folders = {file.empty() ? kUnruly : file};
+  asked.plugin_folders = {folder};
   const auto candidates = conformance::candidates(asked);
   if (!candidates) throw std::runtime_error(candidates.error().message);
   return conformance::check(candidates->front(), {only, false});
 }
 
+/// A fault of filters/zoo_faulty, or another component.
 struct Broken {
-  const char *id, *params, *check, *seen;
-};
+  const char *fault, *check, *seen;
 
-std::string unruly(const std::string& misdeed) { return "{misdeed: " + misdeed + "}"; }
+  bool is_other() const { return std::string_view(fault).starts_with("filters/"); }
+};
 
 class BrokenPlugin : public ::testing::TestWithParam<Broken> {};
 
 TEST_P(BrokenPlugin, FailsTheCheckOfTheRuleThatItBreaks) {
   const Broken& broken = GetParam();
-  const std::string params =
-      broken.params[0] == '{' ? std::string(broken.params) : unruly(broken.params);
-  const auto report = checked("", broken.id, params, broken.check);
+  const FaultyFolder faulty(broken.is_other() ? "" : broken.fault);
+  const auto report = broken.is_other() ? checked(kUnruly, broken.fault, "{}", broken.check)
+                                        : checked(faulty.path(), kFaulty, "{}", broken.check);
   ASSERT_EQ(report.findings.size(), 1u) << broken.check;
   EXPECT_EQ(report.findings[0].check, broken.check);
   EXPECT_EQ(report.findings[0].verdict, Verdict::fails) << report.findings[0].seen;
   EXPECT_THAT(report.findings[0].seen, HasSubstr(broken.seen));
 }
 
-constexpr const char* kUnrulyId = "filters/zoo_unruly";
-constexpr const char* kLaxId = "filters/zoo_lax";
-constexpr const char* kLoudId = "filters/zoo_loud";
-
 const Broken kBroken[] = {
-    {kLoudId, "{}", "load/symbol", "zoo_loud_counter"},
-    {kLoudId, "{}", "load/static_tls", "DF_STATIC_TLS"},
-    {kLoudId, "{}", "load/time", "when it is first needed"},
-    {kLoudId, "{}", "load/silent", "prints"},
-    {kLoudId, "{}", "load/threads", "starts a thread"},
-    {kLoudId, "{}", "load/opens_nothing", "/etc/passwd"},
-    {kLaxId, "{}", "table/methods", "its role does not have"},
-    {"filters/zoo_changing", "{}", "table/unknown_extension", "weft.there_is_no_such/1"},
-    {"filters/zoo_changing", "{}", "table/extensions_stable", "another table each time"},
-    {kUnrulyId, "knows_all_methods", "table/unknown_method", "status 0"},
-    {kUnrulyId, "reads_on", "table/older_host", "ended by signal 11"},
-    {kUnrulyId, "knows_newer_host", "table/newer_host", "differs"},
-    {kLaxId, "{}", "parameters/beyond", "share = nan is accepted"},
-    {kLaxId, "{}", "parameters/wrong_type", "share = a text is accepted"},
-    {kLaxId, "{}", "parameters/unknown", "what is that"},
-    {kUnrulyId, "{}", "parameters/ends", "ended by signal 6"},
-    {kUnrulyId, "{}", "parameters/pairs", "ended by signal 6"},
-    {kUnrulyId, "{first: 1}", "parameters/live", "first set between two frames"},
-    {kUnrulyId, "pads_nothing", "contract/padded_inputs", "differs"},
-    {kUnrulyId, "runs_forward", "contract/backward_inputs", "differs"},
-    {kUnrulyId, "wants_alignment", "contract/aligned_inputs", "differs"},
-    {kUnrulyId, "counts_arrays", "contract/unknown_arrays", "differs"},
-    {kUnrulyId, "counts_slots", "contract/undeclared_slots", "differs"},
-    {kUnrulyId, "reads_memory", "contract/dirty_memory", "differs"},
-    {kUnrulyId, "ignores_null", "contract/no_memory", "gives null"},
-    {kUnrulyId, "ends_behind", "contract/output_bounds", "inlier_mask/diag.more"},
-    {kUnrulyId, "silent_error", "contract/error_text", "says not why"},
-    {kUnrulyId, "latin_error", "contract/error_text", "no UTF-8"},
-    {"filters/zoo_truthful", "{}", "contract/nan_inputs", "where the truth is NaN"},
-    {kUnrulyId, "counts_calls", "calls/repeated", "differs"},
-    {kUnrulyId, "counts_instances", "calls/created_anew", "differs"},
-    {kUnrulyId, "remembers_frame", "calls/shuffled_frames", "differs"},
-    {kUnrulyId, "remembers_thread", "calls/any_thread", "differs"},
-    {kUnrulyId, "uses_threads", "calls/threads", "differs"},
-    {kUnrulyId, "shares", "calls/at_once", "differs"},
-    {kUnrulyId, "counts_prepares", "calls/prepared_twice", "differs"},
-    {kUnrulyId, "needs_prepare", "calls/unprepared", "ended by signal 6"},
-    {kUnrulyId, "locale", "limits/locale", "changes it"},
+    {"filters/zoo_loud", "load/symbol", "zoo_loud_counter"},
+    {"filters/zoo_loud", "load/static_tls", "DF_STATIC_TLS"},
+    {"load_slow", "load/time", "when it is first needed"},
+    {"load_prints", "load/silent", "prints"},
+    {"load_thread", "load/threads", "starts a thread"},
+    {"describing_opens_file", "load/opens_nothing", "/etc/hostname"},
+    {"other_methods", "table/methods", "its role does not have"},
+    {"answers_unknown_extension", "table/unknown_extension", "weft.there_is_no_such/1"},
+    {"extension_moves", "table/extensions_stable", "another table each time"},
+    {"answers_all_methods", "table/unknown_method", "status 0"},
+    {"reads_past_call", "table/older_host", "ended by signal 11"},
+    {"confused_by_newer_host", "table/newer_host", "differs"},
+    {"accepts_out_of_range", "parameters/beyond", "strictness = nan is accepted"},
+    {"accepts_wrong_type", "parameters/wrong_type", "strictness = a text is accepted"},
+    {"refuses_unknown", "parameters/unknown", "there is no such parameter"},
+    {"crashes_at_end_of_range", "parameters/ends", "ended by signal 6"},
+    {"crashes_in_corner", "parameters/pairs", "ended by signal 6"},
+    {"keeps_first_number", "parameters/live", "strictness set between two frames"},
+    {"ignores_padding", "contract/padded_inputs", "differs"},
+    {"runs_forward", "contract/backward_inputs", "differs"},
+    {"needs_aligned_inputs", "contract/aligned_inputs", "differs"},
+    {"uses_unknown_array", "contract/unknown_arrays", "differs"},
+    {"uses_undeclared_slot", "contract/undeclared_slots", "differs"},
+    {"reads_uninitialised", "contract/dirty_memory", "differs"},
+    {"ok_without_memory", "contract/no_memory", "gives null"},
+    {"writes_past_output", "contract/output_bounds", "inlier_mask/"},
+    {"error_without_text", "contract/error_text", "says not why"},
+    {"text_not_utf8", "contract/error_text", "no UTF-8"},
+    {"filters/zoo_truthful", "contract/nan_inputs", "where the truth is NaN"},
+    {"counts_calls", "calls/repeated", "differs"},
+    {"counts_instances", "calls/created_anew", "differs"},
+    {"depends_on_frame_order", "calls/shuffled_frames", "differs"},
+    {"depends_on_thread", "calls/any_thread", "differs"},
+    {"depends_on_threads", "calls/threads", "differs"},
+    {"shares_instances", "calls/at_once", "differs"},
+    {"crashes_prepared_twice", "calls/prepared_twice", "ended by signal 6"},
+    {"crashes_unprepared", "calls/unprepared", "ended by signal 6"},
+    {"changes_locale", "limits/locale", "changes it"},
 #if defined(__x86_64__)
-    {kUnrulyId, "rounding", "limits/floating_point", "process changes it"},
-    {kLoudId, "{}", "load/floating_point", "-ffast-math"},
+    {"flushes_denormals", "limits/floating_point", "process changes it"},
+    {"load_flushes", "load/floating_point", "-ffast-math"},
 #endif
-    {kUnrulyId, "signals", "limits/signals", "changes it"},
-    {kUnrulyId, "folder", "limits/working_directory", "changes it"},
-    {kUnrulyId, "umask", "limits/umask", "changes it"},
-    {kUnrulyId, "environment", "limits/environment", "changes it"},
-    {kUnrulyId, "generator", "limits/generator", "rand()"},
-    {kUnrulyId, "seed", "limits/seed", "with another seed"},
-    {kUnrulyId, "files", "limits/descriptors", "open files behind"},
-    {kUnrulyId, "threads", "limits/threads", "threads behind"},
-    {kUnrulyId, "memory", "limits/memory", "MiB, time after time"},
-    {kUnrulyId, "slow_memory", "limits/memory", "bytes of the heap"},
-    {kUnrulyId, "hunger", "limits/large", "16 GiB are not enough"},
-    {kUnrulyId, "deaf", "limits/cancelled", "it goes on for"},
-    {"filters/zoo_bossy", "{}", "limits/opencv_threads", "for others"},
+    {"changes_signal_handler", "limits/signals", "changes it"},
+    {"changes_folder", "limits/working_directory", "changes it"},
+    {"changes_umask", "limits/umask", "changes it"},
+    {"changes_environment", "limits/environment", "changes it"},
+    {"uses_global_generator", "limits/generator", "rand()"},
+    {"undeclared_seed", "limits/seed", "with another seed"},
+    {"leaks_descriptor", "limits/descriptors", "open files behind"},
+    {"leaves_thread", "limits/threads", "threads behind"},
+    {"leaks_memory", "limits/memory", "MiB, time after time"},
+    {"leaks_slowly", "limits/memory", "bytes of the heap"},
+    {"needs_much_memory", "limits/large", "16 GiB are not enough"},
+    {"slow_to_cancel", "limits/cancelled", "it goes on for"},
+    {"filters/zoo_bossy", "limits/opencv_threads", "for others"},
 };
 
 INSTANTIATE_TEST_SUITE_P(Conformance, BrokenPlugin, ::testing::ValuesIn(kBroken),
                          [](const auto& broken) {
-                           std::string name =
-                               std::string(broken.param.check) + "_" +
-                               (broken.param.params[0] == '{' ? "" : broken.param.params);
+                           std::string name = broken.param.check;
+                           if (!broken.param.is_other())
+                             name += std::string("_") + broken.param.fault;
                            std::replace(name.begin(), name.end(), '/', '_');
                            return name;
                          });
 
 TEST(Conformance, HoldsForAFilterThatDoesNothingWrong) {
-  conformance::Asked asked;
-  asked.subjects = {kUnrulyId};
-  asked.plugin_folders = {kUnruly};
-  const auto candidates = conformance::candidates(asked);
-  ASSERT_TRUE(candidates);
+  const FaultyFolder faulty("");
   for (const char* group : {"load", "table", "contract", "calls"}) {
-    const auto report = conformance::check(candidates->front(), {group, false});
+    const auto report = checked(faulty.path(), kFaulty, "{}", group);
     EXPECT_GT(report.count(Verdict::holds), 2u) << group;
     for (const auto& finding : report.findings) {
       EXPECT_NE(finding.verdict, Verdict::fails) << finding.check << ": " << finding.seen;
@@ -136,18 +150,16 @@ TEST(Conformance, HoldsForAFilterThatDoesNothingWrong) {
 }
 
 TEST(Conformance, ComparesTheManifestWithWhatTheLibrarySays) {
-  const TemporaryFolder folder;
-  for (const char* ending : {".so", ".plugin.yaml"}) {
-    const std::string name = std::string("filters_zoo_unruly") + ending;
-    fs::copy_file(kUnruly + "/" + name, folder.path() / name);
-  }
-  std::string manifest = read_file(folder / "filters_zoo_unruly.plugin.yaml");
-  manifest.replace(manifest.find("default: 0"), 10, "default: 7");
-  write_file(folder / "filters_zoo_unruly.plugin.yaml", manifest);
-  const auto of_manifest = checked(folder.path().string(), kUnrulyId, "{}", "load/manifest");
+  const FaultyFolder faulty("");
+  const std::string file = faulty.path() + "/filters_zoo_faulty.plugin.yaml";
+  std::string manifest = read_file(file);
+  const std::string fallback = "default: 0.5";
+  manifest.replace(manifest.find(fallback), fallback.size(), "default: 7");
+  write_file(file, manifest);
+  const auto of_manifest = checked(faulty.path(), kFaulty, "{}", "load/manifest");
   ASSERT_EQ(of_manifest.findings.size(), 1u);
   EXPECT_THAT(of_manifest.findings[0].seen, HasSubstr("not what the library says"));
-  const auto of_default = checked(folder.path().string(), kUnrulyId, "{}", "parameters/defaults");
+  const auto of_default = checked(faulty.path(), kFaulty, "{}", "parameters/defaults");
   ASSERT_EQ(of_default.findings.size(), 1u);
   EXPECT_THAT(of_default.findings[0].seen, HasSubstr("default 7 is outside 0 to 1"));
 }

@@ -7,17 +7,11 @@ namespace weft::host {
 
 /// The keys of a component; places of a pipeline add some of their own.
 inline const yaml::KeyTable& component_keys() {
-  static const yaml::KeyTable kKeys{
-      {.name = "use",
-       .help = "id of the plugin, ROLE/NAME",
-       .form = yaml::Form::part,
-       .part = "use",
-       .required = true},
-      {.name = "params",
-       .help = "its parameters, see: weft plugins show ID",
-       .form = yaml::Form::part,
-       .part = "params"},
-  };
+  static const yaml::KeyTable kKeys =
+      yaml::KeyTableBuilder()
+          .part("use", "use", "id of the plugin, ROLE/NAME")
+          .required()
+          .part("params", "params", "its parameters, see: weft plugins show ID");
   return kKeys;
 }
 

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <numbers>
+#include <opencv2/features2d.hpp>
 
 #include "common/tests/blobs.hpp"
 #include "common/tests/detector_suite.hpp"
@@ -60,6 +62,35 @@ TEST(Orb, LeavesTheShareOfAnEmptyLevelToFinerOnes) {
   PluginUnderTest plugin("detectors/orb", "{max_keypoints: 20, scale_factor: 2, border_px: 40}");
   const Keypoints keypoints = detect(plugin, texture(150, 150, 15));
   EXPECT_EQ(keypoints.count(), 20);
+}
+
+TEST(Orb, IsOpenCvsOrbApartFromPlaceAndOrder) {
+  const Image image = texture(200, 160, 3);
+  const cv::Mat grey(160, 200, CV_8U, const_cast<std::uint8_t*>(image.pixels.data()));
+  std::vector<cv::KeyPoint> expected;
+  cv::Mat descriptors;
+  cv::ORB::create(1000000, 1.2F, 4, 25, 0, 2, cv::ORB::HARRIS_SCORE, 31, 15)
+      ->detectAndCompute(grey, cv::noArray(), expected, descriptors);
+
+  PluginUnderTest plugin("detectors/orb",
+                         "{max_keypoints: 0, levels: 4, border_px: 25, fast_threshold: 15}");
+  const Keypoints keypoints = detect(plugin, image);
+  ASSERT_EQ(keypoints.count(), static_cast<std::int64_t>(expected.size()));
+  ASSERT_GT(keypoints.count(), 100);
+  EXPECT_EQ(keypoints.metric, "hamming");
+  for (std::size_t e = 0; e < expected.size(); ++e) {
+    bool found = false;
+    for (std::int64_t i = 0; i < keypoints.count() && !found; ++i) {
+      const double angle_deg = keypoints.angle_rad(i) * 180.0 / std::numbers::pi;
+      found = keypoints.octave(i) == expected[e].octave &&
+              std::abs(keypoints.xy_px(i, 0) - expected[e].pt.x) < 1.0 &&
+              std::abs(keypoints.xy_px(i, 1) - expected[e].pt.y) < 1.0 &&
+              std::abs(angle_deg - static_cast<double>(expected[e].angle)) < 1e-4 &&
+              std::memcmp(keypoints.binary_descriptors.row(i), descriptors.ptr(static_cast<int>(e)),
+                          32) == 0;
+    }
+    EXPECT_TRUE(found) << "keypoint " << e << " is missing";
+  }
 }
 
 }  // namespace
