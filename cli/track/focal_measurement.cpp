@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/run/focal_measurement.hpp"
+#include "cli/track/focal_measurement.hpp"
 
 #include <algorithm>
 #include <filesystem>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/run/frame_files.hpp"
+#include "cli/track/frame_files.hpp"
 
 #include <algorithm>
 #include <cctype>
