@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/commands.hpp"
+
+namespace weft::cli {
+
+/// The focal length of a film's camera as its frames tell it.
+struct FocalMeasurement {
+  double by_side = 0.0;     ///< [] focal length divided by the longer side of the frames
+  double by_side_sd = 0.0;  ///< [] its standard deviation
+  int frames = 0;           ///< unlike ones that were asked
+};
+
+/// Runs a pipeline whose camera is assumed, with these settings, and asks the set-up monitor for
+/// the focal length. Nothing where the pipeline cannot run, where it was interrupted, or where the
+/// standard deviation is above 6 %: the assumed one is as good then. `scratch` is a run folder that
+/// is removed.
+std::optional<FocalMeasurement> measure_focal(const std::string& pipeline,
+                                              const std::vector<std::string>& settings,
+                                              const std::string& scratch, Context& context);
+
+}  // namespace weft::cli
