@@ -132,7 +132,7 @@ class Gms final : public weft::Filter {
   double matches_per_cell_ = 0.0;
   bool rotations_ = true;
   bool scales_ = true;
-  int least_matches_ = 1;
+  int least_matches_ = 2;
 };
 
 }  // namespace

@@ -10,10 +10,11 @@ constexpr const char* kWeft = "{preset: weft}";
 TEST(Gms, BeginsWithTheConstantsOfItsPreset) {
   const LabelledMatches drawn = bent_matches({1000, 0.7, 0.5, 2.0}, 0.2, 17);
   const auto scores = [&](const std::string& params) {
-    const InlierMask mask = FilterBench("filters/gms", params).mask(drawn.matches);
+    FilterBench bench("filters/gms", params);
+    const InlierMask mask = bench.mask(drawn.matches);
     return std::vector<double>(mask.score.data(), mask.score.data() + drawn.matches.count());
   };
-  const std::string author = "alpha: 6, cells: 20, matches_per_cell: 0, least_matches: 1, ";
+  const std::string author = "alpha: 6, cells: 20, matches_per_cell: 0, least_matches: 2, ";
   const std::string weft = "alpha: 6, cells: 20, matches_per_cell: 12, least_matches: 300, ";
   const std::string turns = "rotations: true, scales: true, ";
   EXPECT_EQ(scores("{}"), scores("{" + author + turns + "preset: weft}"));

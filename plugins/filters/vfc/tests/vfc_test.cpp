@@ -23,7 +23,8 @@ TEST(Vfc, ScoresAreProbabilitiesThatThetaCuts) {
 TEST(Vfc, BeginsWithTheConstantsOfItsPreset) {
   const LabelledMatches drawn = bent_matches({400, 0.6, 0.5, 2.0}, 0.2, 22);
   const auto scores = [&](const std::string& params) {
-    const InlierMask mask = FilterBench("filters/vfc", params).mask(drawn.matches);
+    FilterBench bench("filters/vfc", params);
+    const InlierMask mask = bench.mask(drawn.matches);
     return std::vector<double>(mask.score.data(), mask.score.data() + drawn.matches.count());
   };
   const std::string common =
