@@ -18,7 +18,8 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kLongest_px = 1000;  ///< of the pictures on the page
 
-/// The worst, the median and the best frame by the patches within 1 mm, each frame once.
+/// The worst, the median and the best frame by the patches within 1 mm, each frame once; or the
+/// only one.
 std::vector<PrintFrame> chosen_frames(const RunMetrics& metrics) {
   std::vector<std::pair<double, std::uint64_t>> ranked;
   for (const FrameMetrics& frame : metrics.frames) {
@@ -28,7 +29,7 @@ std::vector<PrintFrame> chosen_frames(const RunMetrics& metrics) {
   std::sort(ranked.begin(), ranked.end());
   std::vector<PrintFrame> frames;
   if (ranked.empty()) return frames;
-  frames.push_back({"Worst", ranked.front().second, {}, {}, {}});
+  frames.push_back({ranked.size() > 1 ? "Worst" : "Only", ranked.front().second, {}, {}, {}});
   if (ranked.size() > 2) {
     frames.push_back({"Median", ranked[(ranked.size() - 1) / 2].second, {}, {}, {}});
   }

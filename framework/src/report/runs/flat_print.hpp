@@ -19,7 +19,7 @@ struct PrintPatch {
 
 /// A frame that was compared with the flat print.
 struct PrintFrame {
-  std::string rank;  ///< "Worst", "Median" or "Best" by the patches within 1 mm
+  std::string rank;  ///< "Worst", "Median" or "Best" by the patches within 1 mm; or "Only"
   std::uint64_t frame = 0;
   std::vector<PrintPatch> patches;
   std::string media_type, unwarped;  ///< picture of the unwarped image; empty without one
