@@ -106,7 +106,7 @@ Result<FrameFiles> find_frames(const std::string& path, const std::string& objec
   }
   const fs::path place = fs::absolute(path).lexically_normal();
   std::error_code code;
-  if (!fs::is_directory(place, code)) return FrameFiles{true, place.string()};
+  if (!fs::is_directory(place, code)) return FrameFiles{true, place.string(), true, {}, false};
   const auto images = images_in(place, object);
   if (images.empty()) {
     return of_folder(path,
