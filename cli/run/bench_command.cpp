@@ -95,7 +95,7 @@ Result<bench::Counts> count(const bench::Entry& entry, const bench::Settings& ho
   command.insert(command.end(), {"bench", "--counts"});
   const std::vector<std::string> words = counting_words(entry, how, with_sinks);
   command.insert(command.end(), words.begin(), words.end());
-  return bench::count_apart(command, library.string(), interrupted);
+  return bench::count_in_child(command, library.string(), interrupted);
 }
 
 void show_progress(std::size_t done, std::size_t turns) {

@@ -2,31 +2,21 @@
 #include "cli/run/browser.hpp"
 
 #include <fcntl.h>
-#include <spawn.h>
 #include <unistd.h>
 
 #include <cstdlib>
 
+#include "process/child.hpp"
+
 namespace weft::cli {
 namespace {
 
-/// The desktop's program goes on by itself: its output is discarded, and it runs in its own process
-/// group so that Ctrl-C does not reach it.
-void start_desktop(std::string address) {
-  posix_spawn_file_actions_t quiet;
-  posix_spawn_file_actions_init(&quiet);
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-    posix_spawn_file_actions_addopen(&quiet, stream, "/dev/null", O_RDWR, 0);
-  }
-  posix_spawnattr_t apart;
-  posix_spawnattr_init(&apart);
-  posix_spawnattr_setflags(&apart, POSIX_SPAWN_SETPGROUP);
-  char program[] = "xdg-open";
-  char* const arguments[] = {program, address.data(), nullptr};
-  pid_t child = 0;
-  posix_spawnp(&child, program, &quiet, &apart, arguments, environ);
-  posix_spawnattr_destroy(&apart);
-  posix_spawn_file_actions_destroy(&quiet);
+/// The desktop's program runs on after this one: its output is discarded, and it runs in its own
+/// process group so that Ctrl-C does not reach it.
+void start_desktop(const std::string& address) {
+  const auto started =
+      process::Child::start(process::Program{.words = {"xdg-open", address}, .own_group = true});
+  if (started) (*started)->leave();
 }
 
 }  // namespace

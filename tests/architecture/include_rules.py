@@ -36,11 +36,11 @@ INTERNAL = {
     "roles": "core sdk",
     "host/records": "core data",
     "host/loading": "core sdk yaml describe roles host/records",
-    "host/supervising": "core",
-    "host/probing": "core describe host/records host/loading host/supervising",
-    "host/workers": "core host/records host/loading host/supervising",
+    "process": "core",
+    "host/probing": "core process describe host/records host/loading",
+    "host/workers": "core process host/records host/loading",
     "host/calling": "core roles host/records host/loading host/workers",
-    "host/serving": "core host/loading host/supervising host/workers host/calling",
+    "host/serving": "core process host/loading host/workers host/calling",
     "pipeline/configuration": "core yaml roles host/loading host/workers",
     "pipeline/graph": "core roles pipeline/configuration",
     "pipeline/execution": "core data geometry roles host/records host/calling pipeline/graph",
@@ -54,7 +54,6 @@ INTERNAL = {
     "pipeline/execution",
     "printing": "core data generators",
     "calibration": "core images printing",
-    "programs": "core",
     "statistics": "core",
     "metrics/runs": "core data roles host/records pipeline/execution statistics",
     "metrics/shapes": "core data geometry",
@@ -63,26 +62,25 @@ INTERNAL = {
     "results": "core data geometry host/records statistics metrics",
     "ablation/plan": "core images yaml roles host/records host/loading pipeline/configuration pipeline/runs "
     "statistics metrics results",
-    "ablation": "core data roles host/records host/loading host/supervising host/calling "
+    "ablation": "core data process roles host/records host/loading host/calling "
     "pipeline/execution "
     "pipeline/runs metrics results ablation/plan",
-    "cluster": "core programs host/records host/loading metrics/runs results ablation/plan "
+    "cluster": "core process host/records host/loading metrics/runs results ablation/plan "
     "ablation",
     "report/text": "core",
     "report/runs": "core data yaml statistics metrics results report/text",
     "report/tables": "core statistics metrics results",
     "report": "core statistics metrics results report/text report/tables",
-    "report/paper": "core programs statistics metrics results report report/text report/tables",
-    "bench": "core data host/records host/loading host/calling pipeline/configuration "
+    "report/paper": "core process statistics metrics results report report/text report/tables",
+    "bench": "core data process host/records host/loading host/calling pipeline/configuration "
     "pipeline/graph pipeline/execution pipeline/runs statistics",
     "schema": "core yaml roles host/loading pipeline/configuration ablation/plan",
     "counting": "",
     "conformance/probes": "core describe host/records host/loading testing",
-    "conformance": "core data describe host/records host/loading host/supervising host/calling "
-    "testing programs "
+    "conformance": "core data process describe host/records host/loading host/calling testing "
     "conformance/probes",
-    "cli": "core images data geometry generators truth sdk yaml describe roles host pipeline printing "
-    "programs calibration metrics results ablation cluster report bench schema conformance",
+    "cli": "core images data geometry generators truth sdk yaml describe roles process host pipeline printing "
+    "calibration metrics results ablation cluster report bench schema conformance",
 }
 LAYERS = INSTALLED | INTERNAL
 # What reads images and videos is shared by plugins and the one room that links OpenCV as they do.

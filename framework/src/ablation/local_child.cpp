@@ -2,19 +2,14 @@
 #include "ablation/local_child.hpp"
 
 #include <fcntl.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <csignal>
 #include <cstdlib>
-#include <cstring>
 #include <exception>
 #include <new>
 
-#include "host/supervising/supervisor.hpp"
 #include "results/cell_line.hpp"
 
 namespace weft::evaluation {
@@ -76,54 +71,29 @@ void run_cells(const Order& order, const std::vector<const Cell*>& cells, int pi
   reporter.say("e" + (error.where.empty() ? "" : error.where + ": ") + error.message);
 }
 
-void print_into(const std::string& file) {
-  const int log = open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-  if (log < 0) return;
-  dup2(log, STDOUT_FILENO);
-  dup2(log, STDERR_FILENO);
-  close(log);
-}
-
 }  // namespace
 
-Result<ChildProcess> start_child(const Order& order, const std::vector<const Cell*>& cells) {
-  int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) return Error{Errc::io, "cannot open a pipe"};
-  const pid_t parent = getpid();
-  const pid_t child = fork();
-  if (child < 0) {
-    close(ends[0]);
-    close(ends[1]);
-    return Error{Errc::io, std::string("cannot start a process: ") + std::strerror(errno)};
-  }
-  if (child > 0) {
-    close(ends[1]);
-    fcntl(ends[0], F_SETFL, O_NONBLOCK);
-    return ChildProcess{child, ends[0]};
-  }
-  prctl(PR_SET_PDEATHSIG, SIGTERM);
-  if (getppid() != parent) _exit(1);
-  host::go_on_supervised();
-  close(ends[0]);
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
-  print_into(order.folder.log_file());
-  run_cells(order, cells, ends[1]);
-  _exit(0);
+Result<std::unique_ptr<process::Child>> start_child(const Order& order,
+                                                    const std::vector<const Cell*>& cells) {
+  const process::OpenFile log(
+      open(order.folder.log_file().c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
+  const auto work = [&](int pipe) {
+    run_cells(order, cells, pipe);
+    return 0;
+  };
+  return process::Child::start(process::Copy{work, log.get(), log.get()});
 }
 
-bool is_own_fault(int status) {
-  if (!WIFSIGNALED(status)) return true;
-  constexpr int kFaults[] = {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP};
-  return std::find(std::begin(kFaults), std::end(kFaults), WTERMSIG(status)) != std::end(kFaults);
+bool is_own_fault(const process::Ending& ending) {
+  // 0: it ended by itself.
+  constexpr int kFaults[] = {0, SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP};
+  return std::find(std::begin(kFaults), std::end(kFaults), ending.signal) != std::end(kFaults);
 }
 
-std::string how_it_ended(int status) {
-  if (host::had_too_many_processes(status)) return "it " + host::too_many_processes();
-  if (WIFSIGNALED(status)) {
-    const int signal = WTERMSIG(status);
-    return "its process died of signal " + std::to_string(signal) + " (" + strsignal(signal) + ")";
-  }
-  return "it ended its process with exit code " + std::to_string(WEXITSTATUS(status));
+std::string how_it_ended(const process::Ending& ending) {
+  if (ending.too_many) return "it " + process::too_many_processes();
+  if (ending.signal != 0) return "its process died of " + process::signal_text(ending.signal);
+  return "it ended its process with exit code " + std::to_string(ending.exit_code);
 }
 
 ChildMessage parse_message(const std::string& line) {

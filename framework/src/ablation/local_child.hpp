@@ -1,34 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <sys/types.h>
-
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "ablation/engine.hpp"
+#include "process/child.hpp"
 
 namespace weft::evaluation {
 
-struct ChildProcess {
-  pid_t id;
-  int pipe;  ///< what it says, a message a line
-};
-
 /// Starts a process that runs these cells and writes their results; it dies with this one, and all
-/// that components start with it (host/supervising). What components and libraries print goes into
-/// the log of the results folder.
+/// that components start with it (process/supervisor.hpp). What components and libraries print goes
+/// into the log of the results folder.
 ///
 /// The process is a fork, so that the plan need not be read again: this one has loaded no plugin
 /// and must have no threads.
-Result<ChildProcess> start_child(const Order& order, const std::vector<const Cell*>& cells);
+Result<std::unique_ptr<process::Child>> start_child(const Order& order,
+                                                    const std::vector<const Cell*>& cells);
 
 /// Whether a child ended by a fault of its own, such as an exit or a signal that a program sends
 /// itself by a mistake; any other signal comes from outside.
-bool is_own_fault(int status);
-std::string how_it_ended(int status);
+bool is_own_fault(const process::Ending& ending);
+std::string how_it_ended(const process::Ending& ending);
 
 /// What a child says.
 struct ChildMessage {

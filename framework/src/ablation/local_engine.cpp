@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 #include <poll.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
-#include <csignal>
 #include <deque>
 #include <list>
 #include <map>
@@ -16,7 +12,6 @@
 
 #include "ablation/engine.hpp"
 #include "ablation/local_child.hpp"
-#include "host/supervising/supervisor.hpp"
 #include "results/cell_record.hpp"
 
 namespace weft::evaluation {
@@ -36,12 +31,9 @@ struct Task {
 
 /// A process at work.
 struct Child {
-  pid_t process = 0;
-  int pipe = -1;                   ///< what it says; -1 at its end
-  std::optional<int> status = {};  ///< how it ended; nothing while it runs
+  std::unique_ptr<process::Child> process;
   Task task;
   double share = 0.0;                       ///< of its frames
-  std::string said;                         ///< not yet a whole line
   std::string error;                        ///< why it gave up
   std::map<std::string, std::string> left;  ///< why cells have no result, by key
   bool no_memory = false;
@@ -60,7 +52,9 @@ class LocalRun {
       cells_ += group.size();
     }
   }
-  ~LocalRun() { end_children(); }
+  ~LocalRun() {
+    for (const Child& child : children_) child.process->ask_to_end();  // all at once
+  }
   LocalRun(const LocalRun&) = delete;
   LocalRun& operator=(const LocalRun&) = delete;
 
@@ -80,10 +74,9 @@ class LocalRun {
     Child child;
     child.task = std::move(tasks_.front());
     tasks_.pop_front();
-    const auto process = start_child(order_, child.task.cells);
+    auto process = start_child(order_, child.task.cells);
     if (!process) return process.error();
-    child.process = process->id;
-    child.pipe = process->pipe;
+    child.process = *std::move(process);
     children_.push_back(std::move(child));
     return {};
   }
@@ -93,23 +86,22 @@ class LocalRun {
     std::vector<pollfd> pipes;
     bool is_one_ending = false;
     for (const Child& child : children_) {
-      pipes.push_back({child.pipe, POLLIN, 0});
-      is_one_ending = is_one_ending || child.pipe < 0;
+      pipes.push_back({child.process->out_file(), POLLIN, 0});
+      is_one_ending = is_one_ending || pipes.back().fd < 0;
     }
     const auto before = Clock::now();
     poll(pipes.data(), pipes.size(), is_one_ending ? kPauseAtEnd_ms : kPause_ms);
     const auto waited = Clock::now() - before;
-    auto done = hear_all(pipes);
+    auto done = hear_all();
     end_silent(waited);
     return done;
   }
 
   /// A process has ended when it has, whoever holds its pipe, and not when it closes the pipe.
-  Result<void> hear_all(const std::vector<pollfd>& pipes) {
-    auto pipe = pipes.begin();
-    for (auto child = children_.begin(); child != children_.end(); ++pipe) {
-      const bool ended = has_ended(*child);
-      if (pipe->revents != 0 || ended) hear(*child);
+  Result<void> hear_all() {
+    for (auto child = children_.begin(); child != children_.end();) {
+      const bool ended = child->process->ending().has_value();
+      hear(*child);
       if (!ended) {
         ++child;
         continue;
@@ -130,36 +122,16 @@ class LocalRun {
       child.silent_s += std::min<std::chrono::duration<double>>(waited, longest).count();
       if (deadline_s <= 0.0 || child.silent_s <= deadline_s || child.ended) continue;
       child.ended = true;
-      kill(child.process, SIGTERM);  // its supervisor ends all
+      child.process->ask_to_end();  // its supervisor ends all
     }
   }
 
-  static bool has_ended(Child& child) {
-    int status = 0;
-    const pid_t ended = waitpid(child.process, &status, WNOHANG);
-    if (ended == child.process || (ended < 0 && errno == ECHILD)) child.status = status;
-    return child.status.has_value();
-  }
-
-  /// All that is there: a pipe holds less than this.
   static void hear(Child& child) {
-    constexpr int kMostReads = 64;
-    char bytes[4096];
-    for (int i = 0; i < kMostReads && child.pipe >= 0; ++i) {
-      const ssize_t count = read(child.pipe, bytes, sizeof(bytes));
-      if (count < 0 && (errno == EINTR || errno == EAGAIN)) break;
-      child.silent_s = 0.0;
-      if (count > 0) {
-        child.said.append(bytes, to_index(count));
-      } else {
-        close(child.pipe);
-        child.pipe = -1;
-      }
-    }
-    for (std::size_t end = child.said.find('\n'); end != std::string::npos;
-         end = child.said.find('\n')) {
-      const auto heard = parse_message(child.said.substr(0, end));
-      child.said.erase(0, end + 1);
+    if (child.process->read()) child.silent_s = 0.0;
+    std::string& said = child.process->out();
+    for (std::size_t end = said.find('\n'); end != std::string::npos; end = said.find('\n')) {
+      const auto heard = parse_message(said.substr(0, end));
+      said.erase(0, end + 1);
       if (heard.share) child.share = *heard.share;
       if (!heard.error.empty()) child.error = heard.error;
       if (heard.left) child.left.insert(*heard.left);
@@ -169,8 +141,7 @@ class LocalRun {
   }
 
   Result<void> bury(Child& child) {
-    if (child.pipe >= 0) close(child.pipe);
-    const int status = *child.status;
+    const process::Ending ending = *child.process->ending();
     leave(child.task, child.left);
     if (child.done) {
       done_ += static_cast<double>(child.task.cells.size());
@@ -181,8 +152,8 @@ class LocalRun {
     if (child.task.cells.empty()) return {};
     if (child.ended) return blame(std::move(child.task), past_deadline());
     if (child.no_memory) return try_again(std::move(child.task), "there was not enough memory");
-    return is_own_fault(status) ? blame(std::move(child.task), how_it_ended(status))
-                                : try_again(std::move(child.task), how_it_ended(status));
+    return is_own_fault(ending) ? blame(std::move(child.task), how_it_ended(ending))
+                                : try_again(std::move(child.task), how_it_ended(ending));
   }
 
   std::string past_deadline() const {
@@ -265,14 +236,6 @@ class LocalRun {
       done += child.share * static_cast<double>(child.task.cells.size());
     }
     progress_(done / static_cast<double>(cells_));
-  }
-
-  void end_children() {
-    for (const Child& child : children_) kill(child.process, SIGTERM);
-    for (const Child& child : children_) {
-      if (child.pipe >= 0) close(child.pipe);
-      host::end_supervised(child.process);
-    }
   }
 
   const Order& order_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/counts.hpp"
 
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <weft/core/index.hpp>
@@ -8,6 +10,7 @@
 #include "bench/figures.hpp"
 #include "bench/pipeline_subject.hpp"
 #include "pipeline/runs/frame_loop.hpp"
+#include "process/child.hpp"
 
 namespace weft::bench {
 namespace {
@@ -141,6 +144,27 @@ Result<Counts> counts_in(const std::string& text) try {
   return counts;
 } catch (const json::exception& error) {
   return Error{Errc::invalid_data, std::string("cannot be read: ") + error.what(), {}};
+}
+
+Result<Counts> count_in_child(const std::vector<std::string>& command, const std::string& library,
+                              const std::atomic<bool>& cancel) {
+  std::vector<std::string> settings;
+  if (std::error_code code; std::filesystem::exists(library, code)) {
+    const char* others = std::getenv("LD_PRELOAD");
+    settings.push_back("LD_PRELOAD=" + library + (others != nullptr ? ":" : "") +
+                       (others != nullptr ? others : ""));
+  }
+  const auto child = process::Child::start(
+      process::Program{.words = command, .settings = settings, .out = process::kPipe});
+  if (!child) return child.error();
+  (*child)->listen([&] { return !cancel.load(); });
+  // Time to remove what its sinks have written; a component may not react to SIGTERM.
+  const process::Ending ending = (*child)->end(std::chrono::seconds(5));
+  if (cancel.load()) return Error{Errc::cancelled, "cancelled", {}};
+  if (ending.exit_code != 0 || ending.signal != 0) {
+    return Error{Errc::io, "the process that counts failed", {}};
+  }
+  return counts_in((*child)->out());
 }
 
 }  // namespace weft::bench

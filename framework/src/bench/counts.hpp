@@ -35,7 +35,7 @@ Result<Counts> counts_in(const std::string& text);
 
 /// Starts the command, whose first word is the path of a program, with this library loaded first
 /// (none where there is no such file), and reads the counts that it prints. `cancel` ends it.
-Result<Counts> count_apart(const std::vector<std::string>& command, const std::string& library,
-                           const std::atomic<bool>& cancel);
+Result<Counts> count_in_child(const std::vector<std::string>& command, const std::string& library,
+                              const std::atomic<bool>& cancel);
 
 }  // namespace weft::bench

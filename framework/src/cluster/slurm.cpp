@@ -9,7 +9,7 @@
 #include <weft/core/quote.hpp>
 #include <weft/core/suggest.hpp>
 
-#include "programs/program.hpp"
+#include "process/program.hpp"
 
 namespace weft::cluster {
 namespace {
@@ -65,7 +65,7 @@ bool lost_contact(const std::string& text) {
 /// asked for.
 Result<std::string> ask(const std::vector<std::string>& words) {
   constexpr std::chrono::minutes kLongest{15};
-  const auto answer = run_program(words, {}, kLongest);
+  const auto answer = process::run_program(words, {}, kLongest);
   if (!answer && answer.error().code == Errc::not_found) {
     return Error{Errc::not_found,
                  "there is no " + words.front() +

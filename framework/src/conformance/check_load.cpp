@@ -11,14 +11,14 @@
 #include <filesystem>
 #include <weft/core/text_file.hpp>
 
-#include "conformance/apart.hpp"
+#include "conformance/check_in_child.hpp"
 #include "conformance/groups.hpp"
 #include "conformance/probes/elf_facts.hpp"
 #include "conformance/probes/process_state.hpp"
 #include "conformance/probes/utf8_text.hpp"
 #include "describe/build_id.hpp"
 #include "describe/describe.hpp"
-#include "programs/program.hpp"
+#include "process/program.hpp"
 
 namespace weft::conformance {
 namespace {
@@ -34,7 +34,7 @@ off_t printed_bytes() {
 
 /// [ms] that loading takes, computing or waiting for anything but a processor.
 double loading_ms(const std::string& library) {
-  const auto seen = checked_apart("load/time", {}, std::chrono::seconds(60), [&](Notebook& notes) {
+  const auto seen = check_in_child("load/time", {}, std::chrono::seconds(60), [&](Notebook& notes) {
     notes.check("load/time", [&](Page& page) {
       const double queued_before_ms = queued_ms(gettid());
       const auto start = std::chrono::steady_clock::now();
@@ -147,7 +147,7 @@ void check_manifest(const weft_library_table& table, const host::Manifest& manif
 void check_strip(const host::Manifest& manifest, Page& page) {
   const testing::ScratchFolder folder;
   const std::string copy = (folder.path() / "stripped.so").string();
-  const auto done = run_program({"strip", "--strip-all", "-o", copy, manifest.library});
+  const auto done = process::run_program({"strip", "--strip-all", "-o", copy, manifest.library});
   if (!done) return page.skip("there is no program 'strip' here");
   if (done->exit_code != 0) return page.fail("strip refuses it: " + done->err);
   const auto build_id = host::read_build_id(copy);

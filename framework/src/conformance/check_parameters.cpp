@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "conformance/apart.hpp"
+#include "conformance/check_in_child.hpp"
 #include "conformance/groups.hpp"
 #include "conformance/probes/parameter_values.hpp"
 #include "host/calling/hashing.hpp"
@@ -146,9 +146,9 @@ std::string digest(const Answer& answer) {
 }
 
 /// What it says in a process that nobody has called anything in; empty where that is not known.
-std::string digest_apart(const std::function<Answer()>& ask) {
+std::string digest_in_child(const std::function<Answer()>& ask) {
   const auto findings =
-      checked_apart("digest", {}, std::chrono::seconds(60), [&](Notebook& notebook) {
+      check_in_child("digest", {}, std::chrono::seconds(60), [&](Notebook& notebook) {
         notebook.check("digest", [&](Page& page) {
           const Answer answer = ask();
           if (answer.status != WEFT_CANCELLED) page.note(digest(answer));
@@ -168,13 +168,13 @@ void check_set(const Setting& setting, const yaml::Node& base, const host::Param
     performer.watch([end = Clock::now() + kLongestCalls] { return Clock::now() > end; });
   };
   const auto stopped = [] { return Answer{WEFT_CANCELLED, Errc::cancelled, "", {}}; };
-  const std::string expected = digest_apart([&] {
+  const std::string expected = digest_in_child([&] {
     Performer fresh((*after)->subject());
     watched(fresh);
     const Answer ready = (*after)->begin(fresh);
     return ready.is_usable() ? (*after)->frame(fresh, 1) : stopped();
   });
-  const std::string given = digest_apart([&] {
+  const std::string given = digest_in_child([&] {
     Performer set((*before)->subject());
     watched(set);
     if (!(*before)->begin(set).is_usable()) return stopped();

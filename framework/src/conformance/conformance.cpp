@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "conformance/apart.hpp"
+#include "conformance/check_in_child.hpp"
 #include "conformance/check_list.hpp"
 #include "conformance/groups.hpp"
 
@@ -38,7 +38,7 @@ std::string lack_of_device(const Setting& setting) {
   const auto& extensions = setting.candidate.installed()->component.extensions;
   if (std::find(extensions.begin(), extensions.end(), WEFT_DEVICES) == extensions.end()) return "";
   const auto findings =
-      checked_apart(kSkips, {}, std::chrono::seconds(60), [&](Notebook& notebook) {
+      check_in_child(kSkips, {}, std::chrono::seconds(60), [&](Notebook& notebook) {
         notebook.check(kSkips, [&](Page& page) {
           const auto play = Play::of(setting);
           if (!play) return;
@@ -120,8 +120,8 @@ Report check(const Candidate& candidate, const Choice& choice) {
   for (const Group& group : all_groups()) {
     if (!is_asked_for(group, candidate, choice) || (group.calls && !report.skipped.empty()))
       continue;
-    auto findings = checked_apart(first_of(group.name), choice, group.longest,
-                                  [&](Notebook& notebook) { group.make(setting, notebook); });
+    auto findings = check_in_child(first_of(group.name), choice, group.longest,
+                                   [&](Notebook& notebook) { group.make(setting, notebook); });
     std::move(findings.begin(), findings.end(), std::back_inserter(report.findings));
   }
   apply_deviations(candidate.deviations, report.findings);

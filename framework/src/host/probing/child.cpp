@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/probing/child.hpp"
 
-#include <fcntl.h>
-#include <poll.h>
-#include <signal.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
@@ -18,7 +13,7 @@
 #include <weft/core/index.hpp>
 
 #include "host/loading/library_call.hpp"
-#include "host/supervising/supervisor.hpp"
+#include "process/child.hpp"
 
 namespace weft::host {
 namespace {
@@ -70,16 +65,11 @@ std::optional<Result<std::string>> read_answer(const std::string& bytes) {
                                    bytes.substr(sizeof(header) + text, where)});
 }
 
-[[noreturn]] void answer_in_child(const std::function<Result<std::string>()>& find_out, int pipe) {
-  prctl(PR_SET_PDEATHSIG, SIGTERM);
-  go_on_supervised();
+int answer_in_child(const std::function<Result<std::string>()>& find_out, int pipe) {
   const auto found = [&] {
     const OneProcess one;
     return find_out();
   };
-  if (const int nothing = open("/dev/null", O_WRONLY | O_CLOEXEC); nothing >= 0) {
-    dup2(nothing, STDOUT_FILENO);
-  }
   try {
     send(pipe, found());
   } catch (const std::exception& thrown) {
@@ -87,98 +77,41 @@ std::optional<Result<std::string>> read_answer(const std::string& bytes) {
   } catch (...) {
     send(pipe, Error{Errc::plugin_failure, "throws what is no std::exception"});
   }
-  _exit(0);  // whatever libraries do at the end is theirs
+  return 0;
 }
 
-/// What a copy has sent; it may end, and leave the pipe to others, without having sent anything.
-class Child {
- public:
-  Child(pid_t process, int pipe) : process_(process), pipe_(pipe) {
-    fcntl(pipe_, F_SETFL, O_NONBLOCK);
-  }
-  ~Child() {
-    if (!status_) end_supervised(process_);
-    close(pipe_);
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-
-  Result<std::string> answer(Clock::time_point latest, std::chrono::milliseconds longest) {
-    while (true) {
-      const bool ended = status_.has_value() || wait(WNOHANG);
-      read_what_is_there();
-      if (auto whole = read_answer(bytes_)) return *std::move(whole);
-      if (ended) return Error{Errc::incompatible, how_it_ended()};
-      if (bytes_.size() > kLongestAnswer_bytes) {
-        return Error{Errc::incompatible, "gives an answer of more than 256 MiB"};
-      }
-      if (Clock::now() >= latest) {
-        const auto seconds = std::chrono::duration<double>(longest).count();
-        std::array<char, 64> text;
-        std::snprintf(text.data(), text.size(), "does not come to an end within %g s", seconds);
-        return Error{Errc::incompatible, text.data()};
-      }
-      pollfd end{pipe_, POLLIN, 0};
-      constexpr int kPause_ms = 5;
-      poll(&end, 1, kPause_ms);
-      if ((end.revents & POLLIN) == 0) poll(nullptr, 0, kPause_ms);  // closed, and still running
-    }
-  }
-
- private:
-  bool wait(int flags) {
-    int status = 0;
-    pid_t ended = 0;
-    while ((ended = waitpid(process_, &status, flags)) < 0 && errno == EINTR) {
-    }
-    if (ended == process_) status_ = status;
-    return ended != 0;
-  }
-
-  void read_what_is_there() {
-    std::array<char, 4096> some;
-    for (ssize_t count = 0; bytes_.size() <= kLongestAnswer_bytes &&
-                            (count = read(pipe_, some.data(), some.size())) > 0;) {
-      bytes_.append(some.data(), to_index(count));
-    }
-  }
-
-  std::string how_it_ended() const {
-    const int status = status_.value_or(0);
-    if (had_too_many_processes(status)) return too_many_processes();
-    if (!WIFSIGNALED(status)) {
-      return "ends the process that loads it by exit(" + std::to_string(WEXITSTATUS(status)) + ")";
-    }
-    const int signal = WTERMSIG(status);
-    return "ends the process that loads it by signal " + std::to_string(signal) + " (" +
-           strsignal(signal) + ")";
-  }
-
-  pid_t process_;
-  int pipe_;
-  std::optional<int> status_{};
-  std::string bytes_{};
-};
+std::string how_it_ended(const process::Ending& ending) {
+  if (ending.too_many) return process::too_many_processes();
+  return "ends the process that loads it by " +
+         (ending.signal != 0 ? process::signal_text(ending.signal)
+                             : "exit(" + std::to_string(ending.exit_code) + ")");
+}
 
 }  // namespace
 
 Result<std::string> ask_in_child(const std::function<Result<std::string>()>& find_out,
                                  std::chrono::milliseconds longest) {
   const auto latest = Clock::now() + longest;
-  std::array<int, 2> ends{};
-  if (pipe2(ends.data(), O_CLOEXEC) != 0) return Error{Errc::io, "cannot open a pipe"};
-  std::fflush(nullptr);  // or what waits to be printed is printed twice
-  const pid_t process = fork();
-  if (process == 0) {
-    close(ends[0]);
-    answer_in_child(find_out, ends[1]);
-  }
-  close(ends[1]);
-  if (process < 0) {
-    close(ends[0]);
-    return Error{Errc::io, std::string("no process can be started: ") + std::strerror(errno)};
-  }
-  return Child(process, ends[0]).answer(latest, longest);
+  const auto started = process::Child::start(
+      process::Copy{.work = [&](int pipe) { return answer_in_child(find_out, pipe); },
+                    .err = STDERR_FILENO,
+                    .most_bytes = kLongestAnswer_bytes + 1});
+  if (!started) return started.error();
+  process::Child& child = **started;
+  std::optional<Result<std::string>> answer;
+  const auto is_too_long = [&] { return child.out().size() > kLongestAnswer_bytes; };
+  child.listen([&] {
+    answer = read_answer(child.out());
+    return !answer && !is_too_long() && Clock::now() < latest;
+  });
+  if (!answer) answer = read_answer(child.out());
+  if (answer) return *std::move(answer);
+  if (child.ending()) return Error{Errc::incompatible, how_it_ended(*child.ending())};
+  if (is_too_long()) return Error{Errc::incompatible, "gives an answer of more than 256 MiB"};
+  const auto seconds = std::chrono::duration<double>(longest).count();
+  std::array<char, 64> text;
+  std::snprintf(text.data(), text.size(), "does not come to an end within %g s", seconds);
+  return Error{Errc::incompatible, text.data()};
 }
 
 }  // namespace weft::host

@@ -5,11 +5,11 @@
 #include <cstdlib>
 
 #include "host/serving/server.hpp"
-#include "host/supervising/supervisor.hpp"
+#include "process/supervisor.hpp"
 
 int main(int argc, char** argv) {
   if (argc != 4) return 2;
-  weft::host::go_on_supervised(STDOUT_FILENO);
+  weft::process::go_on_supervised(STDOUT_FILENO);
   weft::host::serve_host(std::atoi(argv[1]), std::atoi(argv[2]), std::atoi(argv[3]));
   return 0;
 }

@@ -14,7 +14,7 @@
 #include "host/records/record.hpp"
 #include "host/workers/isolation.hpp"
 #include "host/workers/message.hpp"
-#include "host/workers/process.hpp"
+#include "host/workers/worker_process.hpp"
 #include "host/workers/shared_inputs.hpp"
 
 namespace weft::host {

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "programs/program.hpp"
+#include "process/program.hpp"
 
 namespace weft::evaluation {
 namespace {
@@ -15,8 +15,8 @@ constexpr const char* kConverter = "rsvg-convert";
 Result<std::optional<std::string>> write_pdf(const std::string& svg) {
   const std::string pdf = std::filesystem::path(svg).replace_extension(".pdf").string();
   // Without a date the file would hold the time of its making.
-  const auto answer =
-      run_program({kConverter, "--format=pdf", "--output=" + pdf, svg}, {"SOURCE_DATE_EPOCH=0"});
+  const auto answer = process::run_program({kConverter, "--format=pdf", "--output=" + pdf, svg},
+                                           {"SOURCE_DATE_EPOCH=0"});
   if (!answer) return std::optional<std::string>();
   if (answer->exit_code == 0) return std::optional(pdf);
   return Error{Errc::io,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/supervising/descendants.hpp"
+#include "process/descendants.hpp"
 
 #include <dirent.h>
 #include <fcntl.h>
@@ -12,7 +12,7 @@
 #include <memory>
 #include <string_view>
 
-namespace weft::host {
+namespace weft::process {
 namespace {
 
 using Children = std::multimap<pid_t, Descendant>;
@@ -69,4 +69,4 @@ long all_tasks() {
   return slash == std::string::npos ? 0 : std::atol(load.c_str() + slash + 1);
 }
 
-}  // namespace weft::host
+}  // namespace weft::process

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "conformance/apart.hpp"
+#include "conformance/check_in_child.hpp"
 
 #include <gmock/gmock.h>
 
@@ -14,8 +14,8 @@ using ::testing::SizeIs;
 
 constexpr std::chrono::seconds kLongest{1};
 
-TEST(CheckedApart, EndsACheckThatTakesTooLongAndKeepsThoseBeforeIt) {
-  const auto findings = checked_apart("group/first", {}, kLongest, [](Notebook& notebook) {
+TEST(CheckInChild, EndsACheckThatTakesTooLongAndKeepsThoseBeforeIt) {
+  const auto findings = check_in_child("group/first", {}, kLongest, [](Notebook& notebook) {
     notebook.check("group/quick", [](Page& page) { page.note("done"); });
     notebook.check("group/endless",
                    [](Page&) { std::this_thread::sleep_for(std::chrono::hours(1)); });
@@ -29,8 +29,8 @@ TEST(CheckedApart, EndsACheckThatTakesTooLongAndKeepsThoseBeforeIt) {
   EXPECT_THAT(findings[1].seen, HasSubstr("not done after 1 s; what comes after it in its group"));
 }
 
-TEST(CheckedApart, GivesEachCheckTimeOfItsOwn) {
-  const auto findings = checked_apart("group/first", {}, kLongest, [](Notebook& notebook) {
+TEST(CheckInChild, GivesEachCheckTimeOfItsOwn) {
+  const auto findings = check_in_child("group/first", {}, kLongest, [](Notebook& notebook) {
     for (const char* name : {"group/a", "group/b", "group/c", "group/d"}) {
       notebook.check(name, [](Page&) { std::this_thread::sleep_for(milliseconds(400)); });
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "programs/program.hpp"
+#include "process/program.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 
 #include <csignal>
 
-namespace weft {
+namespace weft::process {
 namespace {
 
 using std::chrono::milliseconds;
@@ -53,4 +53,4 @@ TEST(RunProgram, SaysThatThereIsNoSuchProgram) {
 }
 
 }  // namespace
-}  // namespace weft
+}  // namespace weft::process

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace weft::host {
+namespace weft::process {
 
 struct Descendant {
   pid_t id = 0;
@@ -21,4 +21,4 @@ std::vector<Descendant> descendants_of(pid_t process, const std::string& leaf = 
 /// Processes and threads of this machine; 0 where the kernel does not say.
 long all_tasks();
 
-}  // namespace weft::host
+}  // namespace weft::process

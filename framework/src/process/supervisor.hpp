@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <sys/types.h>
-
 #include <cstddef>
-#include <string>
 
-namespace weft::host {
+namespace weft::process {
 
 /// So many processes may a supervised one have started that have not ended, threads not counted.
 constexpr std::size_t kMostProcesses = 256;
-
-/// [bytes] that are kept of what a supervised process prints.
-constexpr off_t kKeptOutput_bytes = 64 << 10;
+constexpr int kTooManyProcesses = 97;  ///< exit code of its supervisor where there were more
 
 /// Splits this process, which must have one thread: it becomes a supervisor, and the call returns
 /// in a child of it, which has a process group of its own and reads nothing.
@@ -26,13 +21,4 @@ constexpr off_t kKeptOutput_bytes = 64 << 10;
 /// Not ended are processes that somebody else started for the child, such as a service manager.
 void go_on_supervised(int output = -1);
 
-/// Ends a supervised process with all that it started, and waits for it. Returns its status, as
-/// waitpid() gives it; -1 where it has none.
-int end_supervised(pid_t supervisor);
-
-/// Whether a status says that a process was ended with all that it started, because that was too
-/// much; and how to say so: "started more than 256 processes, and was ended with them".
-bool had_too_many_processes(int status);
-std::string too_many_processes();
-
-}  // namespace weft::host
+}  // namespace weft::process

@@ -14,8 +14,8 @@ namespace weft::conformance {
 /// ends it, a crash, an exit or a check that takes longer than `longest`, is a failure of the check
 /// that was being made, or of `first` where none was; the checks behind it are not made then. What
 /// it prints is seen by nobody, but for the last line before it was ended.
-std::vector<Finding> checked_apart(const std::string& first, const Choice& choice,
-                                   std::chrono::seconds longest,
-                                   const std::function<void(Notebook&)>& make);
+std::vector<Finding> check_in_child(const std::string& first, const Choice& choice,
+                                    std::chrono::seconds longest,
+                                    const std::function<void(Notebook&)>& make);
 
 }  // namespace weft::conformance

@@ -6,7 +6,7 @@
 #include <vector>
 #include <weft/core/result.hpp>
 
-namespace weft {
+namespace weft::process {
 
 /// How a program ended, and what it printed.
 struct Answer {
@@ -16,11 +16,11 @@ struct Answer {
 };
 
 /// Runs a program of the search path to its end; its input is empty, its environment this one's
-/// with `settings` ("NAME=VALUE") behind it. Processes that it leaves behind are not waited for.
-/// Of what it prints 64 MiB are kept. One that takes longer than `longest`, if that is not
-/// zero, is killed. Errc::not_found where there is no such program.
+/// with `settings` ("NAME=VALUE"). Processes that it leaves behind are not waited for. Of what it
+/// prints 64 MiB are kept. Where it takes longer than `longest`, if that is not zero, it is killed
+/// with all that it has started. Errc::not_found where there is no such program.
 Result<Answer> run_program(const std::vector<std::string>& words,
                            const std::vector<std::string>& settings = {},
                            std::chrono::milliseconds longest = {});
 
-}  // namespace weft
+}  // namespace weft::process

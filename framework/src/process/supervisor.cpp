@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/supervising/supervisor.hpp"
+#include "process/supervisor.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -15,18 +15,18 @@
 #include <cerrno>
 #include <chrono>
 
-#include "host/supervising/descendants.hpp"
+#include "process/descendants.hpp"
 
-namespace weft::host {
+namespace weft::process {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kTooManyProcesses = 97;  ///< exit code
 constexpr const char* kName = "weft-supervisor";
 constexpr std::chrono::milliseconds kTick{25}, kTickOfFlood{2};
 constexpr std::chrono::seconds kPatience{30};  ///< with processes that the kernel does not end
 constexpr off_t kMostOutput_bytes = 1 << 20;   ///< before its beginning is dropped
+constexpr off_t kKeptOutput_bytes = 64 << 10;
 
 /// Before processes that are started without end take all processors. Only root may do so.
 void come_before_others() {
@@ -188,25 +188,4 @@ void go_on_supervised(int output) {
   sigprocmask(SIG_SETMASK, &before, nullptr);
 }
 
-int end_supervised(pid_t supervisor) {
-  kill(supervisor, SIGTERM);
-  const auto latest = Clock::now() + 2 * kPatience;
-  int status = 0;
-  for (pid_t ended = 0; (ended = waitpid(supervisor, &status, WNOHANG)) != supervisor;) {
-    if (ended < 0 && errno != EINTR) return -1;
-    if (Clock::now() > latest) kill(supervisor, SIGKILL);
-    poll(nullptr, 0, 1);
-  }
-  return status;
-}
-
-bool had_too_many_processes(int status) {
-  return WIFEXITED(status) && WEXITSTATUS(status) == kTooManyProcesses;
-}
-
-std::string too_many_processes() {
-  return "started more than " + std::to_string(kMostProcesses) +
-         " processes, and was ended with them";
-}
-
-}  // namespace weft::host
+}  // namespace weft::process
