@@ -96,6 +96,7 @@ std::int32_t process(void* self, const weft_call* call, const weft_record* input
   Inputs passed(inputs, inputs + count);
   if (has("crashes_with_nothing") && has_nothing(passed)) std::abort();
   if (has("hangs_on_large_input") && is_large(passed)) sleep_for_ever();
+  if (has("deaf") && is_large(passed)) std::this_thread::sleep_for(3s);
   if (has("needs_much_memory") && is_large(passed)) {
     if (const std::int32_t status = take_much_memory(*error); status != WEFT_OK) return status;
   }

@@ -30,6 +30,7 @@ class Plain final : public Filter {
     if (!is_any_kept) return no_result("no match is kept");
     mask.diag.set("strictness", strictness_);
     mask.diag.set("bias", bias_);
+    mask.diag.set("last_x_px", in.correspondences.image_px(count - 1, 0));
     mask.diag.set("red", colour_ == Colour::red ? 1.0 : 0.0);
     return mask;
   }

@@ -124,7 +124,7 @@ const Broken kBroken[] = {
     {"leaks_memory", "limits/memory", "MiB, time after time"},
     {"leaks_slowly", "limits/memory", "bytes of the heap"},
     {"needs_much_memory", "limits/large", "16 GiB are not enough"},
-    {"slow_to_cancel", "limits/cancelled", "it goes on for"},
+    {"deaf", "limits/cancelled", "it goes on for"},
     {"filters/zoo_bossy", "limits/opencv_threads", "for others"},
 };
 
