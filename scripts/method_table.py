@@ -48,7 +48,8 @@ VARIANTS = {"chhatkuli_2014": "solvers/chhatkuli_stable", "chhatkuli_2017": "sol
             "ngo_laplacian_weft": "solvers/ngo_laplacian",
             "ostlund_laplacian_weft": "solvers/ostlund_laplacian",
             "particle_sft_flat_start": "solvers/particle_sft",
-            "salzmann_closed_form_unpolished": "solvers/salzmann_closed_form"}
+            "salzmann_closed_form_unpolished": "solvers/salzmann_closed_form",
+            "salzmann_convex_weft": "solvers/salzmann_convex"}
 
 
 def component_of(name: str) -> str:
