@@ -22,14 +22,15 @@ namespace fs = std::filesystem;
 
 class Track : public testing::ShelledProgram {
  protected:
-  /// Frames of the demo's sheet in the folder frames.
+  /// Frames of the demo's sheet in the folder frames; the sheet always fills as much of the image.
   void film_the_sheet(int frames = 4, double focal_px = 820.0) const {
     write(
         "weft: 1\n"
         "source:\n"
         "  use: sources/synthetic\n"
-        "  params: {texture: " WEFT_TEXTURE ", width_m: 0.297, distance_m: 0.45, frames: " +
-            std::to_string(frames) + ", focal_px: " + std::to_string(focal_px) +
+        "  params: {texture: " WEFT_TEXTURE ", width_m: 0.297, distance_m: " +
+            std::to_string(0.45 * focal_px / 820.0) + ", frames: " + std::to_string(frames) +
+            ", focal_px: " + std::to_string(focal_px) +
             "}\n"
             "template:\n"
             "  use: templates/rectangular\n"
@@ -84,10 +85,10 @@ TEST_F(Track, FindsAFlatObjectInFramesWithoutAPipelineFile) {
   EXPECT_EQ(again.exit_code, 0) << "the pipeline may be changed and run again: " << again.err;
 }
 
-/// Frames say nothing of their camera, and 1.72 longer sides are far from the assumed one.
+/// Frames say nothing of their camera, and 0.75 longer sides are far from the assumed one.
 TEST_F(Track, MeasuresTheFocalLengthWhereNothingSaysIt) {
-  constexpr double kFocal_px = 1100.0, kLongerSide_px = 640.0;
-  film_the_sheet(12, kFocal_px);
+  constexpr double kFocal_px = 480.0, kLongerSide_px = 640.0;
+  film_the_sheet(20, kFocal_px);
   const Ended ended = track({"frames", "--object", WEFT_TEXTURE, "--flat", "--quiet"});
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
   EXPECT_THAT(ended.out, HasSubstr("times the longer side, from "));
@@ -98,7 +99,7 @@ TEST_F(Track, MeasuresTheFocalLengthWhereNothingSaysIt) {
               0.03 * kFocal_px / kLongerSide_px);
   EXPECT_FALSE(fs::exists(path("frames_tracked/camera")));
   EXPECT_THAT(ended.err, Not(HasSubstr("the focal length seems to be")));
-  EXPECT_THAT(ended.out, HasSubstr("found     in 12 of 12 frames\n"));
+  EXPECT_THAT(ended.out, HasSubstr("found     in 20 of 20 frames\n"));
 }
 
 TEST_F(Track, TakesImagesOfSeveralSizesForUnordered) {
@@ -116,6 +117,32 @@ TEST_F(Track, TakesImagesOfSeveralSizesForUnordered) {
   EXPECT_EQ(measured("out"), 4);
   EXPECT_THAT(ended.out, HasSubstr("out/run/unwarped\n"));
   EXPECT_TRUE(fs::exists(path("out/run/unwarped/000003.png")));
+}
+
+TEST_F(Track, IsMeasuredAgainstTheFlatPrintAfterwards) {
+  film_the_sheet();
+  const Ended ended = track({"frames", "--object", WEFT_TEXTURE, "--flat", "--width", "0.297",
+                             "--out", "out", "--quiet", "--unordered"});
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(read_text(path("out/run/report.html")), Not(HasSubstr("id=\"flat-print\"")));
+  const auto eval = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{"eval", "out/run", "--frames"};
+    words.insert(words.end(), more.begin(), more.end());
+    return weft(words);
+  };
+  const Ended unsaved = eval({"--no-save", "--flat-reference"});
+  EXPECT_EQ(unsaved.exit_code, 0) << unsaved.err;
+  EXPECT_THAT(unsaved.out, HasSubstr("within 1 mm %  displaced mm"));
+  EXPECT_THAT(eval({}).out, Not(HasSubstr("within 1 mm"))) << "it was not kept";
+  const Ended kept = eval({"--alignment", "all", "--flat-reference"});
+  EXPECT_EQ(kept.exit_code, 0) << kept.err;
+  const std::string first = "registration against the flat reference";
+  EXPECT_EQ(eval({}).out.substr(eval({}).out.find(first)),
+            unsaved.out.substr(unsaved.out.find(first)));
+  ASSERT_EQ(weft({"report", "out/run"}).exit_code, 0);
+  const std::string page = read_text(path("out/run/report.html"));
+  EXPECT_THAT(page, AllOf(HasSubstr("Against the flat print, "), HasSubstr("id=\"flat-print\""),
+                          HasSubstr("Worst frame, 00000"), HasSubstr("unwarped image</span>")));
 }
 
 TEST_F(Track, TakesTheRectangleInAPhotographForTheObject) {
