@@ -232,7 +232,7 @@ Result<void> measure_camera(const TrackOptions& options, const Tracked& tracked,
   fmt::print("camera    not given: its focal length is measured in the first frames ...\n");
   std::fflush(stdout);
   std::vector<std::string> settings;
-  if (tracked.frames.is_video) settings = {"source.params.step=5", "source.params.max_frames=40"};
+  if (tracked.frames.is_video) settings = {"source.params.step=3", "source.params.max_frames=60"};
   const std::string pipeline = options.folder + "/" + kPipeline;
   const auto focal = measure_focal(pipeline, settings, options.folder + "/camera", context);
   if (!focal) {

@@ -97,11 +97,11 @@ std::vector<std::pair<std::string, double>> run_figures(const std::vector<Camera
     if (!of.starts_with(kCentre)) continue;
     figures.emplace_back("centre_alone_" + std::string(of.substr(kCentre.size())), value);
   }
-  const CameraDeviation beside_strain = joint_beside_strain(frames);
-  const double by_side = std::exp(beside_strain.mean(kFocal)) * std::sqrt(camera.fx * camera.fy) /
+  const double by_side = std::exp(joint_deviation(frames).mean(kFocal)) *
+                         std::sqrt(camera.fx * camera.fy) /
                          static_cast<double>(std::max(camera.width_px, camera.height_px));
   figures.emplace_back("focal_by_side", by_side);
-  figures.emplace_back("focal_by_side_std", by_side * beside_strain.stds()(kFocal));
+  figures.emplace_back("focal_by_side_std", by_side * joint_beside_strain(frames).stds()(kFocal));
   return figures;
 }
 

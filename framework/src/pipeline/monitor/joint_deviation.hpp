@@ -32,9 +32,9 @@ std::array<std::pair<const char*, double>, 10> camera_figures(const CameraDeviat
                                                               const Camera& camera);
 
 /// What a run says of its camera: `frames`, their number, the figures of joint_deviation(),
-/// `centre_alone_*`, those of joint_centre(), and `focal_by_side` with `focal_by_side_std`, the
-/// focal length divided by the longer side of the image by joint_beside_strain(), for sources that
-/// take it where no camera is given.
+/// `centre_alone_*`, those of joint_centre(), and `focal_by_side`, the focal length divided by the
+/// longer side of the image, for sources that take it where no camera is given. Its standard
+/// deviation `focal_by_side_std` is that of joint_beside_strain().
 std::vector<std::pair<std::string, double>> run_figures(const std::vector<CameraEvidence>& frames,
                                                         const Camera& camera);
 
