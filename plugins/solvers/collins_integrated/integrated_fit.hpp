@@ -14,7 +14,6 @@
 #include "mesh_model.hpp"
 #include "minimiser.hpp"
 #include "texture/line_search.hpp"
-#include "texture/picture.hpp"
 #include "texture/samples.hpp"
 
 namespace weft::collins_integrated {

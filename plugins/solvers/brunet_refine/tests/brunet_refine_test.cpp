@@ -6,7 +6,17 @@
 #include <utility>
 #include <weft/data/matrix.hpp>
 
+#include "common/tests/degenerate_matches.hpp"
 #include "scene.hpp"
+
+namespace weft::solvers {
+
+INSTANTIATE_TEST_SUITE_P(BrunetRefine, DegenerateMatches,
+                         ::testing::Values(SolverCase{.id = "solvers/brunet_refine",
+                                                      .of_heap = "",
+                                                      .most_confidence = 0.2}));
+
+}  // namespace weft::solvers
 
 namespace weft::brunet_refine {
 namespace {
@@ -122,47 +132,11 @@ TEST(BrunetRefine, ANewTemplateReplacesTheOldOne) {
   EXPECT_LT((large_m - 2.0 * small_m).cwiseAbs().maxCoeff(), 1e-4);
 }
 
-TEST(BrunetRefine, TooFewCollinearOrCoincidingMatchesGiveNoResult) {
-  PluginUnderTest plugin(kId);
-  for (const int count : {0, 1, 3, 9}) {
-    const PluginAnswer out = Scene(0.25, count, 0.0, 6).run(plugin);
-    EXPECT_EQ(out.status, WEFT_NO_RESULT) << count;
-    EXPECT_THAT(out.message, ::testing::HasSubstr("too few matches"));
-  }
-  Scene line(0.25, 60, 0.0, 7);
-  for (std::int64_t i = 0; i < line.matches.count(); ++i) {
-    line.matches.face(i) = 10;
-    const double along = static_cast<double>(i) / 60.0;
-    line.matches.barycentrics.matrix<3>().row(i) << 1.0 - along, along, 0.0;
-  }
-  EXPECT_EQ(line.run(plugin).status, WEFT_NO_RESULT);
-  Scene heap(0.25, 60, 0.0, 7);
-  for (std::int64_t i = 0; i < heap.matches.count(); ++i) {
-    heap.matches.image_px(i, 0) = 300.0;
-    heap.matches.image_px(i, 1) = 200.0;
-  }
-  EXPECT_EQ(heap.run(plugin).status, WEFT_NO_RESULT);
-}
-
 void expect_no_sure_shape(const PluginAnswer& out) {
   EXPECT_NE(out.status, WEFT_ERROR) << out.message;
   if (const auto shape = out.get<Shape>()) {
     EXPECT_EQ(shape->shape_state(), ShapeState::weak);
     EXPECT_LT(shape->confidence, 0.2);
-  }
-}
-
-TEST(BrunetRefine, ContradictoryMatchesAreNeverASureShape) {
-  std::cout << "seed 9\n";
-  Rng rng(9);
-  PluginUnderTest plugin(kId);
-  for (int draw = 0; draw < 3; ++draw) {
-    Scene scene(0.25, 200, 0.0, 8);
-    for (std::int64_t i = 0; i < scene.matches.count(); ++i) {
-      scene.matches.image_px(i, 0) = rng.uniform(0.0, 639.0);
-      scene.matches.image_px(i, 1) = rng.uniform(0.0, 479.0);
-    }
-    expect_no_sure_shape(scene.run(plugin));
   }
 }
 
@@ -191,15 +165,6 @@ TEST(BrunetRefine, AnUnfinishedRefinementIsFlagged) {
   EXPECT_EQ(out.get<Shape>().value().shape_state(), ShapeState::weak);
 }
 
-TEST(BrunetRefine, AMatchThatIsNotANumberIsNamed) {
-  Scene scene(0.25, 200, 0.0, 8);
-  scene.matches.image_px(17, 0) = std::nan("");
-  PluginUnderTest plugin(kId);
-  const PluginAnswer out = scene.run(plugin);
-  EXPECT_EQ(out.status, WEFT_ERROR);
-  EXPECT_EQ(out.message, "match 17 is not finite: leave it out");
-}
-
 TEST(BrunetRefine, ATemplateWithFlippedFacesIsAnError) {
   Scene scene(0.25, 200, 0.0, 8);
   std::swap(scene.templ.faces(3, 1), scene.templ.faces(3, 2));
@@ -208,9 +173,9 @@ TEST(BrunetRefine, ATemplateWithFlippedFacesIsAnError) {
 }
 
 TEST(BrunetRefine, PrintsNothing) {
+  Scene scene(0.25, 200, 0.5, 8);
   ::testing::internal::CaptureStderr();
   ::testing::internal::CaptureStdout();
-  Scene scene(0.25, 200, 0.5, 8);
   PluginUnderTest plugin(kId), unfinished(kId, "{max_iterations: 1}");
   PluginUnderTest squares(kId, "{outlier_px: 1e6}");
   (void)scene.run(plugin);

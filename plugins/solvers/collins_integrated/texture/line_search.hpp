@@ -9,7 +9,7 @@
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "picture.hpp"
+#include "common/pictures/picture.hpp"
 #include "samples.hpp"
 
 namespace weft::collins_integrated {

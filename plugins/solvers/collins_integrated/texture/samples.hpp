@@ -8,9 +8,13 @@
 #include <weft/data/camera.hpp>
 #include <weft/data/template.hpp>
 
-#include "picture.hpp"
+#include "common/pictures/picture.hpp"
 
 namespace weft::collins_integrated {
+
+using pictures::at_level;
+using pictures::Picture;
+using pictures::Pyramid;
 
 /// A point of the texture at which something changes.
 struct Sample {

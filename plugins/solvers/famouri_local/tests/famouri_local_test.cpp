@@ -9,70 +9,29 @@
 #include <string>
 #include <vector>
 #include <weft/core/statistics.hpp>
-#include <weft/data/matrix.hpp>
-#include <weft/testing/plugin_under_test.hpp>
-#include <weft/testing/synthetic.hpp>
 
 #include "common/seen/seen_points.hpp"
+#include "common/tests/degenerate_matches.hpp"
 #include "match_depths.hpp"
+
+namespace weft::solvers {
+
+INSTANTIATE_TEST_SUITE_P(FamouriLocal, DegenerateMatches,
+                         ::testing::Values(SolverCase{.id = "solvers/famouri_local"}));
+
+}  // namespace weft::solvers
 
 namespace weft::famouri_local {
 namespace {
 
-using testing::input;
-using testing::PluginAnswer;
-using testing::PluginUnderTest;
-
-struct Scene {
-  Template templ = testing::make_template();
-  Camera camera = testing::make_camera();
-  DevelopableSheet sheet;
-  Points3 truth_m;
-  Correspondences matches;
-
-  Scene(double radius_m, int count, double noise_px, std::uint64_t seed, double correct_rate = 1.0)
-      : sheet(testing::make_cylinder({}, radius_m, 0.3, {.distance_m = 0.6, .tilt_y_rad = 0.3})) {
-    truth_m = testing::bent_vertices(templ, sheet);
-    Rng rng(seed);
-    testing::MatchSpec spec;
-    spec.count = count;
-    spec.noise_px = noise_px;
-    spec.correct_rate = correct_rate;
-    matches = testing::draw_matches(templ, camera, sheet, spec, rng).matches;
-  }
-};
-
-/// One call; what it answered lives as long as this.
-struct SolverCall {
-  PluginUnderTest plugin;
-  PluginAnswer out;
-
-  explicit SolverCall(const Scene& scene, const std::string& params = "{}")
-      : plugin("solvers/famouri_local", params),
-        out(plugin.process(0, {input("template", scene.templ), input("camera", scene.camera),
-                               input("correspondences", scene.matches)})) {}
-
-  std::optional<Shape> shape() const { return out.get<Shape>(); }
-};
-
-std::optional<Points3> vertices_m(const Scene& scene, const std::string& params = "{}") {
-  const SolverCall call(scene, params);
-  EXPECT_EQ(call.out.status, WEFT_OK) << call.out.message;
-  const auto shape = call.shape();
-  return shape ? std::optional<Points3>(shape->vertices_m.matrix<3>()) : std::nullopt;
-}
-
-double mean_error_m(const Scene& scene, const std::string& params = "{}") {
-  const std::optional<Points3> shape_m = vertices_m(scene, params);
-  return shape_m ? (*shape_m - scene.truth_m).rowwise().norm().mean()
-                 : std::numeric_limits<double>::quiet_NaN();
-}
+constexpr const char* kId = "solvers/famouri_local";
+using Scene = solvers::SceneOf<kId>;
 
 TEST(FamouriLocal, FindsPlanesAndBentSheetsWithinAPercentOfTheDistance) {
   std::cout << "seed 5\n";
   for (const double noise_px : {0.0, 0.5, 1.0}) {
     for (const double radius_m : {1e3, 0.25, -0.25, 0.15}) {
-      const double error_m = mean_error_m(Scene(radius_m, 200, noise_px, 5));
+      const double error_m = Scene(radius_m, 200, noise_px, 5).mean_error_m();
       std::cout << "radius " << radius_m << " m, noise " << noise_px << " px: " << 1e3 * error_m
                 << " mm\n";
       EXPECT_LT(error_m, noise_px > 0.5 ? 0.006 : 0.004) << radius_m << " " << noise_px;
@@ -81,11 +40,11 @@ TEST(FamouriLocal, FindsPlanesAndBentSheetsWithinAPercentOfTheDistance) {
 }
 
 TEST(FamouriLocal, GivesBackAPlaneFromExactMatches) {
-  EXPECT_LT(mean_error_m(Scene(1e6, 300, 0.0, 15)), 3e-4);
+  EXPECT_LT(Scene(1e6, 300, 0.0, 15).mean_error_m(), 3e-4);
 }
 
 TEST(FamouriLocal, GivesBackACylinderFromManyExactMatches) {
-  const double error_m = mean_error_m(Scene(0.25, 2000, 0.0, 16), "{mesh_error_px: 0.5}");
+  const double error_m = Scene(0.25, 2000, 0.0, 16).mean_error_m("{mesh_error_px: 0.5}");
   std::cout << "2000 matches: " << 1e3 * error_m << " mm\n";
   EXPECT_LT(error_m, 1e-3);
 }
@@ -134,10 +93,10 @@ TEST(FamouriLocal, DepthsSayHowWrongTheyAre) {
 TEST(FamouriLocal, LeavesOutMatchesThatContradictTheirNeighbours) {
   std::cout << "seed 25\n";
   const Scene scene(0.25, 250, 0.5, 25, 0.8);
-  const double error_m = mean_error_m(scene);
+  const double error_m = scene.mean_error_m();
   std::cout << "50 of 250 matches are wrong: " << 1e3 * error_m << " mm\n";
   EXPECT_LT(error_m, 0.005);
-  const SolverCall call(scene);
+  const solvers::SolverCall call = scene.call();
   const auto shape = call.shape();
   ASSERT_TRUE(shape);
   EXPECT_GE(shape->diag.value("contradicting_matches", 0.0), 45.0);
@@ -162,7 +121,7 @@ TEST(FamouriLocal, FollowsATemplateThatIsCurvedAtRest) {
   spec.noise_px = 0.5;
   scene.matches =
       testing::draw_matches(scene.templ, scene.camera, scene.truth_m, spec, rng).matches;
-  const double error_m = mean_error_m(scene);
+  const double error_m = scene.mean_error_m();
   std::cout << "curved at rest: " << 1e3 * error_m << " mm\n";
   EXPECT_LT(error_m, 0.0025);
 }
@@ -174,7 +133,7 @@ TEST(FamouriLocal, VerticesWithoutMatchesContinueTheSurface) {
   for (std::int64_t i = 0; i < scene.matches.count(); ++i) {
     if (scene.matches.template_px(i, 0) < border_px) scene.matches.kept(i) = 0;
   }
-  const SolverCall call(scene);
+  const solvers::SolverCall call = scene.call();
   const auto shape = call.shape();
   ASSERT_TRUE(shape);
   EXPECT_EQ(shape->source(0), 0);
@@ -186,9 +145,8 @@ TEST(FamouriLocal, VerticesWithoutMatchesContinueTheSurface) {
 TEST(FamouriLocal, TheSameCallGivesTheSameBitsAndTheOrderOfMatchesDoesNotCount) {
   std::cout << "seed 55\n";
   Scene scene(0.25, 200, 0.5, 55);
-  const auto once = vertices_m(scene), twice = vertices_m(scene);
-  ASSERT_TRUE(once && twice);
-  EXPECT_EQ(*once, *twice);
+  const auto once = scene.vertices_m(), twice = scene.vertices_m();
+  EXPECT_EQ(once, twice);
   const Scene same(0.25, 200, 0.5, 55);  // copies of arrays share their memory
   const Correspondences& before = same.matches;
   const std::int64_t count = before.count();
@@ -199,34 +157,8 @@ TEST(FamouriLocal, TheSameCallGivesTheSameBitsAndTheOrderOfMatchesDoesNotCount) 
     scene.matches.template_px.matrix<2>().row(i) = before.template_px.matrix<2>().row(from);
     scene.matches.image_px.matrix<2>().row(i) = before.image_px.matrix<2>().row(from);
   }
-  const auto reversed = vertices_m(scene);
-  ASSERT_TRUE(reversed);
-  EXPECT_LT((*reversed - *once).cwiseAbs().maxCoeff(), 1e-9);
-}
-
-TEST(FamouriLocal, TooFewCollinearOrCoincidingMatchesGiveNoResult) {
-  for (const int count : {0, 1, 3, 9}) {
-    const SolverCall call(Scene(0.25, count, 0.0, 6));
-    const PluginAnswer& out = call.out;
-    EXPECT_EQ(out.status, WEFT_NO_RESULT) << count;
-    EXPECT_NE(out.message.find("too few matches"), std::string::npos) << out.message;
-  }
-  Scene line(0.25, 60, 0.0, 7);
-  for (std::int64_t i = 0; i < line.matches.count(); ++i) {
-    line.matches.face(i) = 10;
-    const double along = static_cast<double>(i) / 60.0;
-    line.matches.barycentrics.matrix<3>().row(i) << 1.0 - along, along, 0.0;
-  }
-  EXPECT_EQ(SolverCall(line).out.status, WEFT_NO_RESULT);
-  Scene heap(0.25, 60, 0.0, 7);
-  for (std::int64_t i = 0; i < heap.matches.count(); ++i) {
-    heap.matches.image_px(i, 0) = 300.0;
-    heap.matches.image_px(i, 1) = 200.0;
-  }
-  const SolverCall call(heap);
-  const PluginAnswer& out = call.out;
-  EXPECT_EQ(out.status, WEFT_NO_RESULT);
-  EXPECT_NE(out.message.find("coincide"), std::string::npos) << out.message;
+  const auto reversed = scene.vertices_m();
+  EXPECT_LT((reversed - once).cwiseAbs().maxCoeff(), 1e-9);
 }
 
 TEST(FamouriLocal, TheMirroredSheetGivesNoResult) {
@@ -234,46 +166,18 @@ TEST(FamouriLocal, TheMirroredSheetGivesNoResult) {
   for (std::int64_t i = 0; i < scene.matches.count(); ++i) {
     scene.matches.image_px(i, 0) = 639.0 - scene.matches.image_px(i, 0);
   }
-  const SolverCall call(scene);
-  const PluginAnswer& out = call.out;
-  EXPECT_EQ(out.status, WEFT_NO_RESULT);
-  EXPECT_NE(out.message.find("the depth is known at 0 matches"), std::string::npos) << out.message;
+  const solvers::SolverCall call = scene.call();
+  EXPECT_EQ(call.out.status, WEFT_NO_RESULT);
+  EXPECT_THAT(call.out.message, ::testing::HasSubstr("the depth is known at 0 matches"));
 }
 
 TEST(FamouriLocal, SparseMatchesAreNoSureShape) {
   std::cout << "seed 9\n";
-  const SolverCall call(Scene(0.15, 14, 1.0, 9));
-  const PluginAnswer& out = call.out;
-  EXPECT_NE(out.status, WEFT_ERROR) << out.message;
-  if (const auto shape = out.get<Shape>()) {
+  const solvers::SolverCall call = Scene(0.15, 14, 1.0, 9).call();
+  EXPECT_NE(call.out.status, WEFT_ERROR) << call.out.message;
+  if (const auto shape = call.shape()) {
     EXPECT_EQ(shape->shape_state(), ShapeState::weak);
   }
-}
-
-TEST(FamouriLocal, ContradictoryMatchesAreNeverASureShape) {
-  std::cout << "seed 9\n";
-  Scene scene(0.25, 200, 0.0, 8);
-  Rng rng(9);
-  for (std::int64_t i = 0; i < scene.matches.count(); ++i) {
-    scene.matches.image_px(i, 0) = rng.uniform(0.0, 639.0);
-    scene.matches.image_px(i, 1) = rng.uniform(0.0, 479.0);
-  }
-  const SolverCall call(scene);
-  const PluginAnswer& out = call.out;
-  EXPECT_NE(out.status, WEFT_ERROR) << out.message;
-  if (const auto shape = out.get<Shape>()) {
-    EXPECT_EQ(shape->shape_state(), ShapeState::weak);
-    EXPECT_LT(shape->confidence, 0.5);
-  }
-}
-
-TEST(FamouriLocal, AMatchThatIsNotANumberIsNamed) {
-  Scene scene(0.25, 200, 0.0, 8);
-  scene.matches.image_px(17, 0) = std::numeric_limits<double>::quiet_NaN();
-  const SolverCall call(scene);
-  const PluginAnswer& out = call.out;
-  EXPECT_EQ(out.status, WEFT_ERROR);
-  EXPECT_EQ(out.message, "match 17 is not finite: leave it out");
 }
 
 }  // namespace

@@ -11,7 +11,17 @@
 #include <weft/data/matrix.hpp>
 #include <weft/data/visibility.hpp>
 
+#include "common/tests/degenerate_matches.hpp"
 #include "scene.hpp"
+
+namespace weft::solvers {
+
+INSTANTIATE_TEST_SUITE_P(
+    GaussNewton, DegenerateMatches,
+    ::testing::Values(SolverCase{
+        .id = "solvers/gauss_newton", .of_few = "", .of_heap = "", .of_nan = "match 17"}));
+
+}  // namespace weft::solvers
 
 namespace weft::gauss_newton {
 namespace {
@@ -307,16 +317,6 @@ TEST(GaussNewton, GivesTheSameBytesFreshAndWarm) {
             given(second.run(fresh)).vertices_m.matrix<3>());
 }
 
-TEST(GaussNewtonDegenerate, TooFewMatchesAreNoResultWithTheNumbers) {
-  PluginUnderTest plugin(kId);
-  for (const int count : {0, 3, 9}) {
-    const Matched few({0.25, {0.6, 0, 0, 0, 0, 0}}, {count, 1.0, 0.0}, kSeed);
-    const PluginAnswer out = few.run(plugin);
-    EXPECT_EQ(out.status, WEFT_NO_RESULT);
-    EXPECT_THAT(out.message, HasSubstr(std::to_string(count)));
-  }
-}
-
 TEST(GaussNewtonDegenerate, MatchesOnALineOrInOnePlaceAreNoResult) {
   for (const bool in_one_place : {true, false}) {
     Matched matched({0.25, {0.6, 0, 0, 0, 0, 0}}, {60, 1.0, 0.0}, kSeed);
@@ -337,15 +337,6 @@ TEST(GaussNewtonDegenerate, MatchesThatContradictEachOtherAreNoShapeToBeTrusted)
   const PluginAnswer out = matched.run(plugin);
   if (out.status == WEFT_NO_RESULT) return;
   EXPECT_NE(given(out).shape_state(), ShapeState::estimated);
-}
-
-TEST(GaussNewtonDegenerate, NumbersThatAreNotFiniteAreNamed) {
-  Matched matched({0.25, {0.6, 0, 0, 0, 0, 0}}, {60, 1.0, 0.0}, kSeed);
-  matched.matches.image_px(7, 0) = std::nan("");
-  PluginUnderTest plugin(kId);
-  const PluginAnswer out = matched.run(plugin);
-  EXPECT_EQ(out.status, WEFT_ERROR);
-  EXPECT_THAT(out.message, HasSubstr("7"));
 }
 
 TEST(GaussNewtonDegenerate, CovariancesThatAreNoneAreNamed) {

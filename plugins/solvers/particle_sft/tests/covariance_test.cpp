@@ -24,7 +24,7 @@ struct Held {
   ParticleSystem system;
   Pinhole camera;
 
-  explicit Held(Scene given) : scene(std::move(given)), system(scene.system()) {
+  explicit Held(Scene given) : scene(std::move(given)), system(system_of(scene)) {
     if (!mesh.build(scene.templ, 0.0)) throw std::runtime_error("the template is no mesh");
     camera = testing::pinhole(scene.camera);
   }

@@ -26,7 +26,7 @@ Points3 flat_start(const Scene& scene, double distance_m = 0.6) {
 TEST(Relaxation, AnExactShapeStaysWhereItIs) {
   const Scene scene = Scene::flat({0.6, 0.02, -0.01, 0.3, -0.2, 0.5});
   Points3 vertices_m = scene.truth_m;
-  const auto result = Relaxation().run(scene.system(), {}, vertices_m, never);
+  const auto result = Relaxation().run(system_of(scene), {}, vertices_m, never);
   EXPECT_EQ(result.stop, Stop::converged);
   EXPECT_EQ(result.iterations, 1);
   EXPECT_LT(result.last_step_m, 1e-12);
@@ -36,7 +36,7 @@ TEST(Relaxation, FindsAPlaneFromTheTemplate) {
   for (const double tilt_rad : {0.0, 0.2, 0.4}) {
     const Scene scene = Scene::flat({0.63, 0.03, -0.02, tilt_rad, -tilt_rad, 0.3});
     Points3 vertices_m = flat_start(scene);
-    Relaxation().run(scene.system(), {}, vertices_m, never);
+    Relaxation().run(system_of(scene), {}, vertices_m, never);
     EXPECT_LT(scene.mean_error_m(vertices_m), 0.003) << tilt_rad;
   }
 }
@@ -45,8 +45,8 @@ TEST(Relaxation, KeepsLengthsOnFeasibleData) {
   for (const double radius_m : {0.25, -0.25}) {
     const Scene scene = Scene::bent(radius_m);
     Points3 vertices_m = scene.truth_m;
-    Relaxation().run(scene.system(), {}, vertices_m, never);
-    const StrainStatistics strain = strain_statistics(scene.system().stretch, vertices_m);
+    Relaxation().run(system_of(scene), {}, vertices_m, never);
+    const StrainStatistics strain = strain_statistics(system_of(scene).stretch, vertices_m);
     EXPECT_LT(strain.mean, 0.01);
     EXPECT_LT(strain.max, 0.05);
   }
@@ -54,14 +54,14 @@ TEST(Relaxation, KeepsLengthsOnFeasibleData) {
 
 TEST(Relaxation, GrowsWithTheScene) {
   const Scene scene = Scene::bent(0.25);
-  ParticleSystem large = scene.system();
+  ParticleSystem large = system_of(scene);
   for (auto* constraints : {&large.stretch, &large.bending}) {
     for (DistanceConstraint& c : *constraints) c.rest_length_m *= 10.0;
   }
   Points3 small_m = flat_start(scene), large_m = 10.0 * small_m;
   RelaxationOptions options, tenfold;
   tenfold.tolerance_m = 10.0 * options.tolerance_m;
-  const auto small = Relaxation().run(scene.system(), options, small_m, never);
+  const auto small = Relaxation().run(system_of(scene), options, small_m, never);
   const auto wide = Relaxation().run(large, tenfold, large_m, never);
   EXPECT_EQ(small.iterations, wide.iterations);
   EXPECT_LT((0.1 * large_m - small_m).cwiseAbs().maxCoeff(), 1e-10);
@@ -71,7 +71,7 @@ TEST(Relaxation, HoldsHardPointsExactlyAndSoftOnesInTheirSpheres) {
   const Scene scene = Scene::bent(0.25);
   const Eigen::RowVector3d off(0.004, -0.006, 0.003);
   for (const double radius_m : {0.0, 0.005}) {
-    ParticleSystem system = scene.system();
+    ParticleSystem system = system_of(scene);
     for (const std::int32_t v : {0, 59}) {
       const Eigen::Vector3d centre = (scene.truth_m.row(v) + off).transpose();
       system.spheres.push_back(KnownSurfacePoint::at_vertex(v, centre, radius_m));
@@ -87,7 +87,7 @@ TEST(Relaxation, HoldsHardPointsExactlyAndSoftOnesInTheirSpheres) {
 
 TEST(Relaxation, AVertexWithinItsSphereIsLeftAlone) {
   const Scene scene = Scene::flat();
-  ParticleSystem system = scene.system();
+  ParticleSystem system = system_of(scene);
   const Eigen::Vector3d centre = scene.truth_m.row(7).transpose();
   system.spheres.push_back(KnownSurfacePoint::at_vertex(7, centre, 0.01));
   Points3 vertices_m = scene.truth_m;
@@ -98,11 +98,11 @@ TEST(Relaxation, CollapsedParticlesUnfoldWithoutNaN) {
   const Scene scene = Scene::bent(0.25);
   Points3 vertices_m = Points3::Zero(60, 3);
   vertices_m.col(2).setConstant(0.6);
-  const auto result = Relaxation().run(scene.system(), {}, vertices_m, never);
+  const auto result = Relaxation().run(system_of(scene), {}, vertices_m, never);
   EXPECT_NE(result.stop, Stop::not_finite);
   EXPECT_TRUE(vertices_m.allFinite());
   Points3 zero_m = Points3::Zero(60, 3);
-  EXPECT_NE(Relaxation().run(scene.system(), {}, zero_m, never).stop, Stop::not_finite);
+  EXPECT_NE(Relaxation().run(system_of(scene), {}, zero_m, never).stop, Stop::not_finite);
 }
 
 TEST(Relaxation, APointInsideAFaceReachesItsRay) {
@@ -118,7 +118,7 @@ TEST(Relaxation, APointInsideAFaceReachesItsRay) {
 
 TEST(Relaxation, HalfTrustedRaysPullLess) {
   Scene scene = Scene::flat();
-  ParticleSystem system = scene.system();
+  ParticleSystem system = system_of(scene);
   system.rays[33].ray = {0.1, 0.0, std::sqrt(0.99)};
   Points3 firm_m = scene.truth_m, soft_m = scene.truth_m;
   Relaxation().run(system, {}, firm_m, never);
@@ -132,15 +132,15 @@ TEST(Relaxation, StopsAtItsLimitsAndWhenAsked) {
   RelaxationOptions options;
   options.max_iterations = 7;
   Points3 vertices_m = flat_start(scene);
-  auto result = Relaxation().run(scene.system(), options, vertices_m, never);
+  auto result = Relaxation().run(system_of(scene), options, vertices_m, never);
   EXPECT_EQ(result.stop, Stop::iterations);
   EXPECT_EQ(result.iterations, 7);
   options = {};
   options.tolerance_m = 0.0;
   options.max_iterations = 100000;
-  result = Relaxation().run(scene.system(), options, vertices_m, never);
+  result = Relaxation().run(system_of(scene), options, vertices_m, never);
   EXPECT_EQ(result.stop, Stop::stalled);
-  result = Relaxation().run(scene.system(), options, vertices_m, [] { return true; });
+  result = Relaxation().run(system_of(scene), options, vertices_m, [] { return true; });
   EXPECT_EQ(result.stop, Stop::cancelled);
 }
 
@@ -148,10 +148,10 @@ TEST(Relaxation, AUsedInstanceComputesTheSameBits) {
   const Scene scene = Scene::bent(0.12), other = Scene::bent(-0.25);
   Relaxation used;
   Points3 elsewhere_m = flat_start(other, 0.8);
-  used.run(other.system(), {}, elsewhere_m, never);
+  used.run(system_of(other), {}, elsewhere_m, never);
   Points3 first_m = flat_start(scene), second_m = first_m;
-  Relaxation().run(scene.system(), {}, first_m, never);
-  used.run(scene.system(), {}, second_m, never);
+  Relaxation().run(system_of(scene), {}, first_m, never);
+  used.run(system_of(scene), {}, second_m, never);
   EXPECT_EQ(first_m, second_m);
 }
 
@@ -163,14 +163,14 @@ TEST(Relaxation, TheReferenceTableFromAFlatAndFromANearbyStart) {
     Scene scene = Scene::bent(radius_m, pose);
     scene.look(0.5, seed++);
     Points3 vertices_m = flat_start(scene);
-    Relaxation().run(scene.system(), {}, vertices_m, never);
+    Relaxation().run(system_of(scene), {}, vertices_m, never);
     flat_m += scene.mean_error_m(vertices_m) / 24.0;
     testing::PoseSpec before = pose;
     before.x_m += 0.01;
     before.distance_m += 0.01;
     before.tilt_x_rad += 0.05;
     vertices_m = Scene::bent(1.15 * radius_m, before).truth_m;
-    iterations += Relaxation().run(scene.system(), {}, vertices_m, never).iterations / 24.0;
+    iterations += Relaxation().run(system_of(scene), {}, vertices_m, never).iterations / 24.0;
     near_m += scene.mean_error_m(vertices_m) / 24.0;
     near_worst_m = std::max(near_worst_m, scene.mean_error_m(vertices_m));
   }
@@ -216,15 +216,15 @@ TEST(Fit, KnowsAShapeFromItsMirrorImage) {
   MeshModel mesh;
   ASSERT_TRUE(mesh.build(scene.templ, 0.0));
   const auto pinhole = testing::pinhole(scene.camera);
-  const Fit truth = assess(mesh, scene.system(), scene.lines, pinhole, scene.truth_m);
+  const Fit truth = assess(mesh, system_of(scene), scene.lines, pinhole, scene.truth_m);
   EXPECT_LT(truth.residual_px, 1e-9);
   EXPECT_LT(truth.strain, 0.003);
   EXPECT_FALSE(truth.mirrored);
   Points3 turned_m = scene.truth_m;
   turned_m.col(0) *= -1.0;
-  EXPECT_TRUE(assess(mesh, scene.system(), scene.lines, pinhole, turned_m).mirrored);
+  EXPECT_TRUE(assess(mesh, system_of(scene), scene.lines, pinhole, turned_m).mirrored);
   const Points3 behind_m = -scene.truth_m;
-  EXPECT_TRUE(std::isinf(assess(mesh, scene.system(), scene.lines, pinhole, behind_m).energy));
+  EXPECT_TRUE(std::isinf(assess(mesh, system_of(scene), scene.lines, pinhole, behind_m).energy));
 }
 
 TEST(Fit, MirroringTheDepthKeepsTheImage) {

@@ -3,50 +3,41 @@
 
 #include <cmath>
 #include <iostream>
-#include <limits>
 #include <string>
-#include <weft/data/matrix.hpp>
 #include <weft/geometry/distance_constraints.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/rigid_alignment.hpp>
-#include <weft/testing/plugin_under_test.hpp>
-#include <weft/testing/synthetic.hpp>
+
+#include "common/tests/degenerate_matches.hpp"
+
+namespace weft::solvers {
+
+INSTANTIATE_TEST_SUITE_P(PlainStart, DegenerateMatches,
+                         ::testing::Values(SolverCase{.id = "solvers/plain_start",
+                                                      .too_few = {0, 1, 5},
+                                                      .of_few = "",
+                                                      .of_heap = "",
+                                                      .of_nan = ""}));
+
+}  // namespace weft::solvers
 
 namespace weft::plain_start {
 namespace {
 
-using testing::input;
 using testing::PluginAnswer;
 using testing::PluginUnderTest;
 
 constexpr const char* kId = "solvers/plain_start";
 constexpr double kTilt_rad = 0.5;
 
-struct Scene {
-  Template templ = testing::make_template();
-  Camera camera = testing::make_camera();
-  Points3 truth_m;
-  Correspondences matches;
+constexpr testing::PoseSpec kPose{0.65, 0.03, 0.0, 0.0, kTilt_rad, 0.4};
 
-  explicit Scene(double radius_m, double noise_px = 0.0, int count = 150) {
-    testing::PoseSpec pose;
-    pose.x_m = 0.03;
-    pose.tilt_y_rad = kTilt_rad;
-    pose.roll_rad = 0.4;
-    const auto sheet = testing::make_cylinder({}, radius_m, 0.3, pose);
-    truth_m = testing::bent_vertices(templ, sheet);
-    std::cout << "seed 5\n";
-    Rng rng(5);
-    testing::MatchSpec spec;
-    spec.count = count;
-    spec.noise_px = noise_px;
-    matches = testing::draw_matches(templ, camera, sheet, spec, rng).matches;
-  }
+struct Scene : solvers::MatchedScene {
+  explicit Scene(double radius_m, double noise_px = 0.0)
+      : MatchedScene(radius_m, {150, 1.0, noise_px}, 5, {}, kPose) {}
 
   PluginAnswer run(PluginUnderTest& plugin, std::uint64_t frame = 0) const {
-    return plugin.process(
-        0, {input("template", templ), input("camera", camera), input("correspondences", matches)},
-        frame);
+    return plugin.process(0, inputs(), frame);
   }
 
   Points3 vertices_m(const std::string& params, std::uint64_t frame = 0) const {
@@ -58,9 +49,7 @@ struct Scene {
                  : Points3::Zero(templ.vertices_m.rows(), 3);
   }
 
-  double error_m(const Points3& vertices_m) const {
-    return (vertices_m - truth_m).rowwise().norm().mean();
-  }
+  double error_m(const Points3& vertices_m) const { return mean_error_m(vertices_m); }
 };
 
 double largest_strain(const Template& templ, const Points3& vertices_m) {
@@ -134,9 +123,7 @@ TEST(PlainStart, GivesThePreviousShapeAgainAndThePoseWhereThereIsNone) {
   previous.vertices_m = make_array<double>(scene.truth_m);
   previous.source = Array<std::uint8_t>({scene.truth_m.rows()}, 1);
   PluginUnderTest plugin(kId, "{shape: previous}");
-  const PluginAnswer out = plugin.process(
-      0, {input("template", scene.templ), input("camera", scene.camera),
-          input("correspondences", scene.matches), input("previous.shape", previous)});
+  const PluginAnswer out = scene.MatchedScene::run(plugin, &previous);
   ASSERT_EQ(out.status, WEFT_OK) << out.message;
   EXPECT_EQ(Points3(out.get<Shape>()->vertices_m.matrix<3>()), scene.truth_m);
   EXPECT_EQ(scene.vertices_m("{shape: previous}"), scene.vertices_m("{shape: rigid}"));
@@ -148,28 +135,6 @@ TEST(PlainStart, IsSureOfARigidSheetAndNotOfABentOne) {
   ASSERT_TRUE(flat.get<Shape>() && bent.get<Shape>());
   EXPECT_EQ(flat.get<Shape>()->shape_state(), ShapeState::estimated);
   EXPECT_EQ(bent.get<Shape>()->shape_state(), ShapeState::weak);
-}
-
-TEST(PlainStart, TooFewCollinearOrCoincidentMatchesGiveNoResult) {
-  PluginUnderTest plugin(kId);
-  for (const int count : {0, 1, 5}) {
-    EXPECT_EQ(Scene(0.25, 0.0, count).run(plugin).status, WEFT_NO_RESULT) << count;
-  }
-  Scene one_pixel(0.25);
-  for (std::int64_t i = 0; i < one_pixel.matches.count(); ++i) {
-    one_pixel.matches.image_px(i, 0) = 320.0;
-    one_pixel.matches.image_px(i, 1) = 240.0;
-  }
-  EXPECT_EQ(one_pixel.run(plugin).status, WEFT_NO_RESULT);
-}
-
-TEST(PlainStart, AMatchThatIsNotANumberGivesNoShape) {
-  Scene scene(0.25);
-  scene.matches.image_px(17, 0) = std::numeric_limits<double>::quiet_NaN();
-  PluginUnderTest plugin(kId);
-  const PluginAnswer out = scene.run(plugin);
-  EXPECT_NE(out.status, WEFT_OK);
-  EXPECT_FALSE(out.message.empty());
 }
 
 }  // namespace

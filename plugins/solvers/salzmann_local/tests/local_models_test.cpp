@@ -187,7 +187,7 @@ TEST(LocalPatches, AreSmallerOnAStrip) {
 
 TEST(LocalPatches, OfAnotherMeshAreTheNearestVerticesOfEach) {
   std::cout << "seed 21\n";
-  LocalScene scene(1e3, 0, 0.0, 21);
+  Scene scene(1e3, 0, 0.0, 21);
   scene.shuffle(21);
   const Template& templ = scene.templ;
   const auto rest_m = templ.vertices_m.matrix<3>();

@@ -22,14 +22,14 @@ constexpr const char* kNoPrior = "{prior_weight_px: 0}";
 
 TEST(SalzmannLocal, GivesBackATiltedPlaneFromExactMatches) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
-    EXPECT_LT(LocalScene(1e4, 200, 0.0, seed).mean_error_m(), 5e-5) << seed;
+    EXPECT_LT(Scene(1e4, 200, 0.0, seed).mean_error_m(), 5e-5) << seed;
   }
 }
 
 TEST(SalzmannLocal, GivesBackACylinderFromExactMatches) {
   std::cout << "seed 5\n";
   for (const double radius_m : {0.25, -0.25, 0.15}) {
-    const LocalScene scene(radius_m, 200, 0.0, 5);
+    const Scene scene(radius_m, 200, 0.0, 5);
     const double error_m = scene.mean_error_m();
     std::cout << "radius " << radius_m << " m: " << 1e3 * error_m << " mm, without prior "
               << 1e3 * scene.mean_error_m(kNoPrior) << " mm\n";
@@ -45,8 +45,8 @@ TEST(SalzmannLocal, ThePriorKeepsNoiseOutOfTheSurface) {
       for (const double radius_m : {1e3, 0.25, -0.25, 0.15}) {
         double error_m = 0.0, without_m = 0.0;
         for (std::uint64_t seed = 5; seed < (is_fine ? 6 : 9); ++seed) {
-          const LocalScene scene(radius_m, 200, noise_px, seed,
-                                 is_fine ? fine : testing::SheetSpec{});
+          const Scene scene(radius_m, {200, 1.0, noise_px}, seed,
+                            is_fine ? fine : testing::SheetSpec{});
           error_m += scene.mean_error_m() / (is_fine ? 1.0 : 4.0);
           without_m += scene.mean_error_m(kNoPrior) / (is_fine ? 1.0 : 4.0);
         }
@@ -61,12 +61,12 @@ TEST(SalzmannLocal, ThePriorKeepsNoiseOutOfTheSurface) {
 }
 
 TEST(SalzmannLocal, SmoothsMoreTheMoreBendsCost) {
-  const LocalScene scene(0.25, 200, 1.0, 9);
+  const Scene scene(0.25, 200, 1.0, 9);
   double before = 1e9;
   for (const char* params : {"{prior_weight_px: 0.001}", "{prior_weight_px: 0.02}",
                              "{prior_weight_px: 0.4}", "{prior_weight_px: 10}"}) {
     PluginUnderTest plugin("solvers/salzmann_local", params);
-    const PluginAnswer out = scene.ask(plugin);
+    const PluginAnswer out = scene.run(plugin);
     ASSERT_EQ(out.status, WEFT_OK) << params << ' ' << out.message;
     const double bend = out.get<Shape>()->diag.value("bend", -1.0);
     EXPECT_LT(bend, before) << params;
@@ -76,8 +76,8 @@ TEST(SalzmannLocal, SmoothsMoreTheMoreBendsCost) {
 }
 
 /// The flat sheet, folded by an angle along a line across the middle of its cells.
-LocalScene sharply_folded_scene(double angle_rad, double noise_px, std::uint64_t seed) {
-  LocalScene scene(1e3, 200, 0.0, seed);
+Scene sharply_folded_scene(double angle_rad, double noise_px, std::uint64_t seed) {
+  Scene scene(1e3, 200, 0.0, seed);
   Rng rng(seed + 1);
   const Eigen::Isometry3d pose = testing::make_pose({}, {.distance_m = 0.6, .tilt_x_rad = 0.2});
   const auto rest_m = scene.templ.vertices_m.matrix<3>();
@@ -107,7 +107,7 @@ TEST(SalzmannLocal, FollowsFoldsByRoundingThem) {
   std::cout << "seed 15\n";
   for (const double degrees : {30.0, 60.0, 90.0}) {
     for (const double noise_px : {0.0, 0.5}) {
-      const LocalScene scene = sharply_folded_scene(degrees * M_PI / 180.0, noise_px, 15);
+      const Scene scene = sharply_folded_scene(degrees * M_PI / 180.0, noise_px, 15);
       const double error_m = scene.mean_error_m(), without_m = scene.mean_error_m(kNoPrior);
       std::cout << "folded by " << degrees << " degrees, noise " << noise_px
                 << " px: " << 1e3 * error_m << " mm, without prior " << 1e3 * without_m << " mm\n";
@@ -118,7 +118,7 @@ TEST(SalzmannLocal, FollowsFoldsByRoundingThem) {
 
 TEST(SalzmannLocal, MoreRoundsKeepMismatchesOut) {
   std::cout << "seed 25\n";
-  LocalScene scene(0.25, 200, 0.5, 25);
+  Scene scene(0.25, 200, 0.5, 25);
   Rng rng(26);
   for (std::int64_t i = 0; i < 10; ++i) scene.matches.image_px(i, 0) += rng.uniform(-60.0, 60.0);
   const double once_m = scene.mean_error_m("{rounds: 1}"), more_m = scene.mean_error_m();
@@ -128,7 +128,7 @@ TEST(SalzmannLocal, MoreRoundsKeepMismatchesOut) {
 }
 
 /// Leaves out all matches left of a column of the template.
-void hide_left_of(LocalScene& scene, double border_px) {
+void hide_left_of(Scene& scene, double border_px) {
   for (std::int64_t i = 0; i < scene.matches.count(); ++i) {
     if (scene.matches.template_px(i, 0) < border_px) scene.matches.kept(i) = 0;
   }
@@ -136,10 +136,10 @@ void hide_left_of(LocalScene& scene, double border_px) {
 
 TEST(SalzmannLocal, UnseenVerticesContinueTheBend) {
   std::cout << "seed 35\n";
-  LocalScene scene(0.25, 300, 0.0, 35);
+  Scene scene(0.25, 300, 0.0, 35);
   hide_left_of(scene, 3.0 * 960.0 / 9.0 - 1.0);  // nothing is seen of the first columns
   PluginUnderTest plugin("solvers/salzmann_local");
-  const PluginAnswer out = scene.ask(plugin);
+  const PluginAnswer out = scene.run(plugin);
   ASSERT_EQ(out.status, WEFT_OK) << out.message;
   const auto shape = out.get<Shape>();
   ASSERT_TRUE(shape);
@@ -161,7 +161,7 @@ TEST(SalzmannLocal, UnseenVerticesContinueTheBend) {
 
 TEST(SalzmannLocal, AMeshThatIsNoGridHasThePatchesOfItsVertices) {
   std::cout << "seed 45\n";
-  LocalScene scene(0.25, 200, 1.0, 45);
+  Scene scene(0.25, 200, 1.0, 45);
   const double grid_m = scene.mean_error_m();
   scene.shuffle(46);
   const double other_m = scene.mean_error_m(), without_m = scene.mean_error_m(kNoPrior);
@@ -171,7 +171,7 @@ TEST(SalzmannLocal, AMeshThatIsNoGridHasThePatchesOfItsVertices) {
 }
 
 TEST(SalzmannLocal, APartWithoutMatchesStaysBesideTheOthers) {
-  LocalScene scene(1e4, 300, 0.0, 55);
+  Scene scene(1e4, 300, 0.0, 55);
   // Without the cells of column 2 the first three columns are a part of their own.
   Faces faces(scene.templ.faces.rows() - 10, 3);
   std::vector<std::int32_t> face_of(to_index(scene.templ.faces.rows()), -1);

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "picture.hpp"
+#include "common/pictures/picture.hpp"
 
 #include <weft/core/stop_check.hpp>
 
-namespace weft::collins_integrated {
-namespace {
-
-constexpr int kSmallest_px = 8;
+namespace weft::pictures {
 
 void read_grey(const Array<std::uint8_t>& pixels, Picture& grey) {
   grey.resize(static_cast<int>(pixels.dim(1)), static_cast<int>(pixels.dim(0)));
@@ -29,7 +26,6 @@ void read_grey(const Array<std::uint8_t>& pixels, Picture& grey) {
   }
 }
 
-/// Each pixel is the mean of four; what is left over at the border is lost.
 void halve(const Picture& from, Picture& to) {
   to.resize(from.width / 2, from.height / 2);
   for (int y = 0; y < to.height; ++y) {
@@ -43,23 +39,21 @@ void halve(const Picture& from, Picture& to) {
   }
 }
 
-}  // namespace
-
 void Picture::resize(int new_width, int new_height) {
   width = new_width;
   height = new_height;
-  values.resize(to_index(width) * to_index(height));
+  values.resize(to_index(width) * to_index(height) + kSpare);
 }
 
-void Pyramid::load(const Array<std::uint8_t>& pixels, int most) {
+void Pyramid::load(const Array<std::uint8_t>& pixels, int most, int smallest_px) {
   if (pictures_.size() < to_index(most)) pictures_.resize(to_index(most));
   read_grey(pixels, pictures_[0]);
   levels_ = 1;
-  while (levels_ < most && pictures_[to_index(levels_ - 1)].width >= 2 * kSmallest_px &&
-         pictures_[to_index(levels_ - 1)].height >= 2 * kSmallest_px) {
+  while (levels_ < most && pictures_[to_index(levels_ - 1)].width >= 2 * smallest_px &&
+         pictures_[to_index(levels_ - 1)].height >= 2 * smallest_px) {
     halve(pictures_[to_index(levels_ - 1)], pictures_[to_index(levels_)]);
     ++levels_;
   }
 }
 
-}  // namespace weft::collins_integrated
+}  // namespace weft::pictures

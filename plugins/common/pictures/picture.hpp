@@ -6,13 +6,15 @@
 #include <weft/core/index.hpp>
 #include <weft/data/array.hpp>
 
-namespace weft::collins_integrated {
+namespace weft::pictures {
+
+inline constexpr int kSpare = 4;
 
 /// Grey levels row by row; pixel centres at integers.
 struct Picture {
   int width = 0;                ///< [] px
   int height = 0;               ///< [] px
-  std::vector<float> values{};  ///< [height * width] 0 to 255
+  std::vector<float> values{};  ///< [height * width] 0 to 255, and kSpare more that may be read
 
   void resize(int new_width, int new_height);
   const float* row(int y) const { return values.data() + to_index(y) * to_index(width); }
@@ -41,12 +43,18 @@ inline double at_level(double place_px, int level) {
   return (place_px + 0.5) / static_cast<double>(1 << level) - 0.5;
 }
 
+/// The grey levels of `pixels`, [H,W] or [H,W,3] BGR.
+void read_grey(const Array<std::uint8_t>& pixels, Picture& grey);
+
+/// `from` at half its size: each pixel is the mean of four; an odd row or column is dropped.
+void halve(const Picture& from, Picture& to);
+
 /// A picture with copies that are each half the size of the one before.
 class Pyramid {
  public:
-  /// `pixels` [H,W] grey or [H,W,3] BGR, not empty; up to `most` levels, of 8 px and more along
-  /// each side.
-  void load(const Array<std::uint8_t>& pixels, int most);
+  /// `pixels` [H,W] grey or [H,W,3] BGR, not empty; up to `most` levels, of `smallest_px` and more
+  /// along each side.
+  void load(const Array<std::uint8_t>& pixels, int most, int smallest_px = 8);
 
   int levels() const { return levels_; }
   const Picture& level(int k) const { return pictures_[to_index(k)]; }
@@ -56,4 +64,4 @@ class Pyramid {
   std::vector<Picture> pictures_;  ///< the memory of those that are not used stays
 };
 
-}  // namespace weft::collins_integrated
+}  // namespace weft::pictures
