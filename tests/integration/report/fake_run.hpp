@@ -64,9 +64,9 @@ inline void write_eight_frames(TestRun& run, bool real_pictures = false) {
   run.write_text("pipeline.yaml", "weft: 1\n");
 }
 
-/// Eight patches on the print of each frame with a shape: in frame t, t of them are displaced by 2.5
-/// mm, the others by 0.5 mm, and the last one is not found. Frame 6 has an unwarped image as PNG,
-/// frame 3 as JPEG.
+/// Eight patches on the print of each frame with a shape: in frame t, t of them are displaced
+/// by 2.5 mm, the others by 0.5 mm, and the last one is not found. Frame 6 has an unwarped image as
+/// PNG, frame 3 as JPEG.
 inline void compare_with_print(TestRun& run) {
   constexpr int kPatches = 8;
   std::map<std::uint64_t, Registration> frames;

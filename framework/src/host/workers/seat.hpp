@@ -14,8 +14,8 @@
 #include "host/records/record.hpp"
 #include "host/workers/isolation.hpp"
 #include "host/workers/message.hpp"
-#include "host/workers/worker_process.hpp"
 #include "host/workers/shared_inputs.hpp"
+#include "host/workers/worker_process.hpp"
 
 namespace weft::host {
 

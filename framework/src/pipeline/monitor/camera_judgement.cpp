@@ -110,8 +110,7 @@ class Judge {
     const double longer_side_px =
         static_cast<double>(std::max(camera_.width_px, camera_.height_px));
     return "give the source 'focal_by_side: " +
-           fixed(std::exp(mean(kFocal)) * camera_.fx / longer_side_px, 3) +
-           "', or calibrate it";
+           fixed(std::exp(mean(kFocal)) * camera_.fx / longer_side_px, 3) + "', or calibrate it";
   }
 
   std::string proportions_claim() const {
