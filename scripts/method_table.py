@@ -12,8 +12,9 @@ ablations solvers_first_test, solvers_folds, solvers_kinect, solvers_cloth and s
 3D error, mm) and of one that was run with --timing (solvers_times, ms of processor time a frame). A
 row that is not measured keeps its figures; values of the axis that are no solver are left out.
 
-It also checks that every installed component with a reference says what it implements, and that the
-tables of README.md and of that page carry the word of each solver, filter and warp.
+It also checks that every installed component with a reference says what it implements, that
+plugins/README.md has a row for each component and for no other, and that the tables of README.md, of
+plugins/README.md and of docs/methods.md carry the word of each solver, filter and warp.
 
 Prints one line for each mistake and exits 1 if there is one; exits 2 on wrong usage.
 """
@@ -39,7 +40,9 @@ STARTS = {"particle_sft_flat_start": "`plain_start`"}
 WORDS = {"settings": "settings", "verified_against": "verified against"}
 # The groups of the table, in this order.
 GROUPS = ["paper", "reconstruction", "own"]
-README = "README.md"
+CATALOGUE = "plugins/README.md"
+# Pages whose rows that begin with a component carry its word.
+MARKED = ["README.md", CATALOGUE, PAGE]
 HEAD = ["method", "by", "implements", *WORDS.values(), "registration", "wide baseline", "training",
         "start", *COLUMNS.values(),
         "code"]
@@ -143,20 +146,35 @@ def unsaid(components: dict[str, dict[str, Any]]) -> list[str]:
             if manifest["reference"] and manifest["implements"] not in GROUPS]
 
 
+def rows_of(root: Path, page: str) -> list[tuple[int, list[str]]]:
+    """The rows of the tables of a page: their numbers and cells."""
+    file = root / page
+    lines = file.read_text(encoding="utf-8").splitlines() if file.exists() else []
+    return [(number, [cell.strip() for cell in line.strip("| ").split("|")])
+            for number, line in enumerate(lines, 1) if line.startswith("|")]
+
+
 def unmarked(root: Path, components: dict[str, dict[str, Any]]) -> list[str]:
-    """Rows of README's tables that begin with a solver, a filter or a warp and lack its word."""
+    """Rows of MARKED that begin with a solver, a filter or a warp and lack its word."""
     mistakes = []
-    page = root / README
-    lines = page.read_text(encoding="utf-8").splitlines() if page.exists() else []
-    for number, line in enumerate(lines, 1):
-        cells = [cell.strip() for cell in line.strip("| ").split("|")] if line.startswith("|") else []
-        named = re.match(r"[\[`]*((?:solvers|filters|warps)/\w+)", cells[0]) if cells else None
-        manifest = components.get(named.group(1)) if named else None
-        if manifest is None or manifest["implements"] in ["", *cells[1:]]:
-            continue
-        mistakes.append(f"{README}:{number}: the row of {named.group(1)} lacks a cell that says "
-                        f"'{manifest['implements']}'")
+    for page in MARKED:
+        for number, cells in rows_of(root, page):
+            named = re.match(r"[\[`]*((?:solvers|filters|warps)/\w+)", cells[0])
+            manifest = components.get(named.group(1)) if named else None
+            if manifest is None or manifest["implements"] in ["", *cells[1:]]:
+                continue
+            mistakes.append(f"{page}:{number}: the row of {named.group(1)} lacks a cell that says "
+                            f"'{manifest['implements']}'")
     return mistakes
+
+
+def unlisted(root: Path, components: dict[str, dict[str, Any]]) -> list[str]:
+    """Components without a row in the catalogue, and rows without a component."""
+    listed = {named.group(1): number for number, cells in rows_of(root, CATALOGUE)
+              if (named := re.match(r"\[(\w+/\w+)\]", cells[0]))}
+    return [f"{CATALOGUE}: no row begins with [{name}]" for name in sorted(components.keys() - listed)
+            ] + [f"{CATALOGUE}:{listed[name]}: there is no component {name}"
+                 for name in sorted(listed.keys() - components.keys())]
 
 
 def mistakes_of(root: Path, solvers: dict[str, dict[str, Any]], write: bool) -> list[str]:
@@ -228,9 +246,9 @@ def main(arguments: list[str]) -> int:
             print(__doc__, file=sys.stderr)
             return 2
         root, components = Path(arguments[1]).resolve(), components_of(arguments[0])
-        mistakes = [*unsaid(components), *unmarked(root, components),
+        mistakes = [*unsaid(components), *unmarked(root, components), *unlisted(root, components),
                     *mistakes_of(root, components, write)]
-        good = "the table of methods is up to date, and every reference says what is implemented"
+        good = "the tables of methods and of components are up to date"
     print("\n".join(mistakes) if mistakes else good)
     return 1 if mistakes else 0
 

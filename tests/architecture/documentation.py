@@ -28,6 +28,8 @@ NAME = re.compile(r"(?<![\w/.\-])[A-Za-z]\w*_\w+(?![\w/\-])")
 WORD = re.compile(r"\w+")
 # Pages that list what a folder holds, with the patterns of paths that they must link to.
 INDEXES = {
+    "docs/README.md": ["docs/[a-z]*.md", "docs/tutorials/*.md", "docs/examples/*/"],
+    "docs/evidence/README.md": ["docs/evidence/[0-9]*.md"],
     "docs/decisions/README.md": ["docs/decisions/[0-9]*.md"],
     "pipelines/README.md": ["pipelines/*.yaml", "pipelines/ablations/*.yaml"],
     "plugins/README.md": ["plugins/*/"],

@@ -82,13 +82,23 @@ class MethodTable(unittest.TestCase):
         self.assertEqual(len(mistakes), 1)
         self.assertIn("filters/silent: has a reference", mistakes[0])
 
-    def test_names_rows_of_the_readme_that_do_not_carry_the_word(self):
+    def test_names_components_without_a_row_and_rows_without_a_component(self):
+        catalogue = self.root / "plugins/README.md"
+        catalogue.write_text("| plugin | what |\n|---|---|\n| [solvers/near](solvers/near) | good |\n"
+                             "| [solvers/gone](solvers/gone) | - |\n| [solvers](solvers) | a role |\n")
+        self.assertEqual(method_table.unlisted(self.root, self.solvers),
+                         ["plugins/README.md: no row begins with [solvers/follows]",
+                          "plugins/README.md:4: there is no component solvers/gone"])
+
+    def test_names_rows_that_do_not_carry_the_word(self):
+        (self.root / "plugins/README.md").write_text("| [solvers/near](solvers/near) | good | |\n")
         readme = self.root / "README.md"
         readme.write_text("| [solvers/near](x) | good | paper |\n| `solvers/follows` (2015) | paper |\n"
                           "| `solvers/unknown` | - |\n| the paper's `solvers/near`, alone | 1.5 |\n")
         mistakes = method_table.unmarked(self.root, self.solvers)
         self.assertEqual([mistake.split(" lacks")[0] for mistake in mistakes],
-                         ["README.md:2: the row of solvers/follows"])
+                         ["README.md:2: the row of solvers/follows",
+                          "plugins/README.md:1: the row of solvers/near"])
         self.assertIn("'reconstruction'", mistakes[0])
 
     def test_names_rows_without_settings_or_verification(self):
