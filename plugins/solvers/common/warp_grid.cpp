@@ -12,10 +12,12 @@
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/texture_metric.hpp>
 
+#include "seen/image_line.hpp"
+
 namespace weft::solvers {
 namespace {
 
-constexpr std::int64_t kFewestMatches = 4;  // three fit an affine map, which shows no perspective
+constexpr std::size_t kFewestMatches = 4;  // three fit an affine map, which shows no perspective
 
 }  // namespace
 
@@ -49,11 +51,22 @@ void WarpGrid::declare(Params& p) {
 Result<WarpReading> WarpGrid::read(const SolverInput& in) {
   if (!in.correspondences) return Error{Errc::invalid_data, "needs 'correspondences'"};
   const Correspondences& matches = *in.correspondences;
-  const auto kept = std::count_if(matches.kept.data(), matches.kept.data() + matches.count(),
-                                  [](std::uint8_t one) { return one != 0; });
-  if (kept < kFewestMatches) {
-    return no_result("too few matches: " + std::to_string(kept) + " kept of at least " +
+  std::vector<std::int64_t> kept;
+  for (std::int64_t k = 0; k < matches.count(); ++k) {
+    if (matches.kept(k) != 0) kept.push_back(k);
+  }
+  if (kept.size() < kFewestMatches) {
+    return no_result("too few matches: " + std::to_string(kept.size()) + " kept of at least " +
                      std::to_string(kFewestMatches));
+  }
+  const auto pixel = [&](std::int64_t k) -> Eigen::Vector2d {
+    return matches.image_px.matrix<2>().row(k).transpose();
+  };
+  // The warp names one that is not finite.
+  const bool are_finite =
+      std::all_of(kept.begin(), kept.end(), [&](std::int64_t k) { return pixel(k).allFinite(); });
+  if (are_finite && lie_on_a_line(kept, pixel)) {
+    return no_result("the matches lie on a line of the image, or in one place");
   }
   if (auto ready = prepare(in.templ); !ready) return ready.error();
   const auto warp = warp_.fit(in.call, matches, in.templ);
