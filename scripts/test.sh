@@ -14,10 +14,10 @@ Installs missing packages, builds the preset release and runs its tests labelled
 anything failed.
 
   --ci      also: clang-format over all tracked sources; each installed header compiled alone by GCC
-            and by Clang, and abi.h as C99; the quick tests of the framework, of the program, of
-            plugins that misbehave and of the plugins that changed under AddressSanitizer and
-            UndefinedBehaviorSanitizer, with the other plugins as they are; clang-tidy over what
-            changed
+            and by Clang, and abi.h as C99; under AddressSanitizer and UndefinedBehaviorSanitizer the
+            unit tests of the framework, the program with hostile and malformed input, plugins that
+            misbehave and the plugins that changed, with the others as they are; clang-tidy over
+            what changed
   --since REV
             what changed since REV (default: since the branch left main, on main since the commit
             before)
