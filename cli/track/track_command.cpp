@@ -225,8 +225,8 @@ Result<Tracked> make_pipeline(TrackOptions& options, const host::Registry& regis
   return tracked;
 }
 
-/// Films do not say their focal length, nor do images without EXIF: the first frames are asked.
-/// Writes the pipeline anew where they tell it.
+/// Measures the focal length where no camera file and no EXIF has it: in the first frames of a
+/// film, or in all images of a folder. Writes the pipeline anew with the result.
 Result<void> measure_camera(const TrackOptions& options, const Tracked& tracked, Context& context) {
   if (!options.camera.empty() || tracked.frames.tell_focal) return {};
   fmt::print("camera    not given: its focal length is measured in the first frames ...\n");

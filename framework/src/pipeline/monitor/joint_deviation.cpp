@@ -89,7 +89,8 @@ std::vector<std::pair<std::string, double>> run_figures(const std::vector<Camera
   constexpr std::string_view kCentre = "centre_";
   std::vector<std::pair<std::string, double>> figures{
       {"frames", static_cast<double>(frames.size())}};
-  for (const auto& [name, value] : camera_figures(joint_deviation(frames), camera)) {
+  const CameraDeviation together = joint_deviation(frames);
+  for (const auto& [name, value] : camera_figures(together, camera)) {
     figures.emplace_back(name, value);
   }
   for (const auto& [name, value] : camera_figures(joint_centre(frames), camera)) {
@@ -97,8 +98,7 @@ std::vector<std::pair<std::string, double>> run_figures(const std::vector<Camera
     if (!of.starts_with(kCentre)) continue;
     figures.emplace_back("centre_alone_" + std::string(of.substr(kCentre.size())), value);
   }
-  const double by_side = std::exp(joint_deviation(frames).mean(kFocal)) *
-                         std::sqrt(camera.fx * camera.fy) /
+  const double by_side = std::exp(together.mean(kFocal)) * std::sqrt(camera.fx * camera.fy) /
                          static_cast<double>(std::max(camera.width_px, camera.height_px));
   figures.emplace_back("focal_by_side", by_side);
   figures.emplace_back("focal_by_side_std", by_side * joint_beside_strain(frames).stds()(kFocal));
